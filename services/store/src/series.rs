@@ -24,6 +24,8 @@ from_row! {
         pub strain: f64,
         /// Pressure of the chamber, MPa.
         pub pressure_mpa: f64,
+        /// Temperature at the gauge, °C; `None` if none was stored.
+        pub temperature_c: Option<f64>,
         /// Sensitivity, strain per mm of deflection; `None` without deflection.
         pub sensitivity_per_mm: Option<f64>,
         /// ln(measured / predicted sensitivity); `None` if no contact was used.
@@ -137,7 +139,7 @@ impl Store {
 
     async fn newest_since(&self, whisker_id: i64, from_us: i64, points: u32) -> sqlx::Result<Series> {
         const SQL: &str = "SELECT t_us AS at_us, CAST(1 AS BIGINT) AS contacts, ratio, distance_mm, deflection_mm, strain, \
-             pressure_mpa, strain / NULLIF(deflection_mm, 0) AS sensitivity_per_mm, residual, length_mm, length_sd_mm FROM contacts \
+             pressure_mpa, temperature_c, strain / NULLIF(deflection_mm, 0) AS sensitivity_per_mm, residual, length_mm, length_sd_mm FROM contacts \
              WHERE whisker_id = $1 AND t_us >= $2 ORDER BY t_us DESC, boot DESC, seq DESC, position DESC LIMIT $3";
         let mut items: Vec<ContactMean> = on!(&self.pool, |pool| sqlx::query_as(SQL)
             .bind(whisker_id)
@@ -155,11 +157,11 @@ impl Store {
         const EXTENT: &str = "SELECT count(*) AS total, min(t_us) AS first_us, max(t_us) AS last_us FROM contacts \
              WHERE whisker_id = $1 AND t_us >= $2 AND t_us < $3";
         const EACH: &str = "SELECT t_us AS at_us, CAST(1 AS BIGINT) AS contacts, ratio, distance_mm, deflection_mm, strain, \
-             pressure_mpa, strain / NULLIF(deflection_mm, 0) AS sensitivity_per_mm, residual, length_mm, length_sd_mm \
+             pressure_mpa, temperature_c, strain / NULLIF(deflection_mm, 0) AS sensitivity_per_mm, residual, length_mm, length_sd_mm \
              FROM contacts WHERE whisker_id = $1 AND t_us >= $2 AND t_us < $3 ORDER BY t_us, boot, seq, position LIMIT $4";
         const MEANS: &str = "SELECT bucket AS at_us, count(*) AS contacts, avg(ratio) AS ratio, \
              avg(distance_mm) AS distance_mm, avg(deflection_mm) AS deflection_mm, avg(strain) AS strain, avg(pressure_mpa) AS pressure_mpa, \
-             avg(strain / NULLIF(deflection_mm, 0)) AS sensitivity_per_mm, avg(residual) AS residual, \
+             avg(temperature_c) AS temperature_c, avg(strain / NULLIF(deflection_mm, 0)) AS sensitivity_per_mm, avg(residual) AS residual, \
              avg(length_mm) AS length_mm, avg(length_sd_mm) AS length_sd_mm \
              FROM (SELECT (t_us - $2) / $4 AS bucket, c.* FROM contacts c \
               WHERE whisker_id = $1 AND t_us >= $2 AND t_us < $3) b GROUP BY bucket ORDER BY bucket";

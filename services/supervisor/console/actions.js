@@ -5,6 +5,7 @@ import { confirm } from "./dialog.js";
 import { h } from "./dom.js";
 import { mpa } from "./format.js";
 import { api, ROUTES, whiskerName } from "./places.js";
+import { fromField, toField, zone } from "./zone.js";
 
 const withReason = (values) => ({ reason: values.reason?.trim() || undefined });
 
@@ -166,7 +167,9 @@ export function alarmActions(alarm, done) {
   if (alarm.state === "UNACKNOWLEDGED") {
     add("acknowledge", {
       title: `Acknowledge ${name}`,
-      what: ["This records that you have seen the alarm. It stands until its cause is gone; the robot is not affected."],
+      what: [
+        "This records that you have seen the alarm. It stands until its cause is gone; the robot is not affected.",
+      ],
       button: "Acknowledge",
     });
   }
@@ -182,9 +185,6 @@ export function alarmActions(alarm, done) {
 }
 
 function shelve(name) {
-  const inAnHour = new Date(Date.now() + 3_600_000 - new Date().getTimezoneOffset() * 60_000)
-    .toISOString()
-    .slice(0, 16);
   return {
     title: `Shelve ${name}`,
     what: [
@@ -196,12 +196,12 @@ function shelve(name) {
       {
         name: "until",
         label: "Until",
-        hint: "Your local date and time.",
+        hint: `Date and time in the time zone ${zone()}.`,
         type: "datetime-local",
         required: true,
-        value: inAnHour,
+        value: toField(Date.now() + 3_600_000),
       },
     ],
-    body: (values) => ({ until: new Date(values.until).toISOString(), ...withReason(values) }),
+    body: (values) => ({ until: new Date(fromField(values.until)).toISOString(), ...withReason(values) }),
   };
 }

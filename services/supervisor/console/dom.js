@@ -86,7 +86,8 @@ function morph(old, next) {
     if (old.getAttribute(name) !== value && !own.includes(name)) old.setAttribute(name, value);
   }
   for (const [type, handler] of Object.entries(next[HANDLERS] ?? {})) listen(old, type, handler);
-  morphChildren(old, next);
+  // A custom element fills itself.
+  if (!old.localName.includes("-")) morphChildren(old, next);
   // A field that shows the address follows it, unless somebody is typing.
   if ("ofAddress" in old.dataset && old !== document.activeElement) old.value = next.value;
 }

@@ -12,17 +12,36 @@ const TIP_MM = 3;
 const SIDE_MM = 16;
 const HEAD_MM = 14;
 const FOOT_MM = 33;
-/** The same scale for all arrays, for comparison; a wide array scrolls in its box. */
+/** The same scale for all arrays, for comparison; on narrow screens a smaller one, at which texts are still legible. */
 const PIXELS_PER_MM = 3.2;
+const PIXELS_PER_MM_NARROW = 2.5;
 
-/** One picture per row of whiskers with equal `y_mm`. `serving` are active compensations. */
-export function drawing(whiskers, serving) {
+/**
+ * One picture per row of whiskers with equal `y_mm`; a row that is wider than `width` px continues in further pictures.
+ * `serving` are active compensations.
+ */
+export function drawing(whiskers, serving, width) {
   const rows = Map.groupBy(whiskers, (whisker) => whisker.y_mm);
   const ordered = [...rows].sort(([one], [other]) => one - other);
-  return ordered.map(([y, row]) => picture(row, ordered.length > 1 ? `, row at ${mm(y, 0)}` : "", serving));
+  const sorted = ordered.map(([y, row]) => [y, [...row].sort((one, other) => one.x_mm - other.x_mm)]);
+  const fits = (scale) => sorted.every(([, row]) => (row.at(-1).x_mm - row[0].x_mm + 2 * SIDE_MM) * scale <= width);
+  const scale = fits(PIXELS_PER_MM) ? PIXELS_PER_MM : PIXELS_PER_MM_NARROW;
+  const where = (y) => (ordered.length > 1 ? `, row at ${mm(y, 0)}` : "");
+  return sorted.flatMap(([y, row]) => parts(row, width / scale).map((part) => picture(part, where(y), serving, scale)));
 }
 
-function picture(row, where, serving) {
+/** Parts of a row of whiskers, sorted by `x_mm`, that are at most so wide. */
+function parts(row, widthMm) {
+  const all = [[]];
+  for (const whisker of row) {
+    const first = all.at(-1)[0];
+    if (first && whisker.x_mm - first.x_mm + 2 * SIDE_MM > widthMm) all.push([]);
+    all.at(-1).push(whisker);
+  }
+  return all;
+}
+
+function picture(row, where, serving, scale) {
   const left = Math.min(...row.map((one) => one.x_mm)) - SIDE_MM;
   const right = Math.max(...row.map((one) => one.x_mm)) + SIDE_MM;
   const top = Math.max(...row.map((one) => Math.max(one.whole_length_mm, one.length_mm)));
@@ -36,8 +55,8 @@ function picture(row, where, serving) {
       class: "drawing",
       role: "group",
       "aria-label": name,
-      width: box[2] * PIXELS_PER_MM,
-      height: box[3] * PIXELS_PER_MM,
+      width: box[2] * scale,
+      height: box[3] * scale,
     },
     s("title", {}, name),
     s("line", { x1: left, x2: right, y1: 0, y2: 0, class: "ground" }),
@@ -62,30 +81,34 @@ function one(whisker) {
   const { x_mm: x, length_mm: length, whole_length_mm: whole } = whisker;
   const [word, tone] = worst(whisker);
   const words = `Whisker ${whisker.whisker}: ${word}, ${mm(length, 1)} of ${mm(whole, 1)}, ${mpa(whisker.pressure_mpa ?? whisker.setpoint_mpa, 3)}`;
+  // The link says in words what the picture beside it shows.
   return s(
-    "a",
-    {
-      href: link.whisker(whisker),
-      "data-key": `whisker-${whisker.whisker}`,
-      class: `whisker ${tone}`,
-      "aria-label": words,
-    },
-    s("title", {}, words),
-    s("rect", {
-      x: x - SIDE_MM / 2 - 2,
-      y: -whole - 8,
-      width: SIDE_MM + 4,
-      height: whole + 32,
-      class: "target",
-      rx: 2,
-    }),
-    s("path", { d: cone(x, whole), class: "whole" }),
-    s("path", { d: cone(x, length, BASE_MM, widthAt(whisker)), class: "body" }),
-    interval(whisker),
-    s("text", { x, y: -Math.max(whole, length) - 4, class: "length" }, length.toFixed(1)),
-    s("text", { x, y: 9, class: "name" }, whisker.whisker),
-    s("text", { x, y: 16, class: "state" }, word),
-    s("text", { x, y: 22, class: "state" }, `${(whisker.pressure_mpa ?? whisker.setpoint_mpa).toFixed(3)}`),
+    "g",
+    { "data-key": `whisker-${whisker.whisker}`, class: `whisker ${tone}` },
+    s(
+      "a",
+      { href: link.whisker(whisker), "aria-label": words },
+      s("title", {}, words),
+      s("rect", {
+        x: x - SIDE_MM / 2 - 2,
+        y: -whole - 8,
+        width: SIDE_MM + 4,
+        height: whole + 32,
+        class: "target",
+        rx: 2,
+      }),
+    ),
+    s(
+      "g",
+      { class: "seen", "aria-hidden": "true" },
+      s("path", { d: cone(x, whole), class: "whole" }),
+      s("path", { d: cone(x, length, BASE_MM, widthAt(whisker)), class: "body" }),
+      interval(whisker),
+      s("text", { x, y: -Math.max(whole, length) - 4, class: "length" }, length.toFixed(1)),
+      s("text", { x, y: 9, class: "name" }, whisker.whisker),
+      s("text", { x, y: 16, class: "state" }, word),
+      s("text", { x, y: 22, class: "state" }, `${(whisker.pressure_mpa ?? whisker.setpoint_mpa).toFixed(3)}`),
+    ),
   );
 }
 
@@ -101,12 +124,14 @@ function worst(whisker) {
   return [say(CONDITIONS, whisker.condition).split(" ").at(-1), CONDITIONS[whisker.condition]?.[1] ?? "off"];
 }
 
-/** An arrow from the compensator's foot to the target's; a loop for self-compensation. */
+/** An arrow from the compensator's foot to the target's; a loop for self-compensation; a note if only one is in the row. */
 function arrow(decision, row) {
   const [from, to] = [decision.compensator_whisker, decision.target_whisker].map((number) =>
     row.find((one) => one.whisker === number),
   );
-  if (!from || !to) return null;
+  if (!from && !to) return null;
+  if (!from) return s("text", { x: to.x_mm, y: 28, class: "note" }, `by ${decision.compensator_whisker}`);
+  if (!to) return s("text", { x: from.x_mm, y: 28, class: "note" }, `for ${decision.target_whisker}`);
   const words =
     from === to
       ? `Whisker ${to.whisker} compensates for itself`

@@ -1,6 +1,7 @@
 // Values formatted for people: numbers with units and sensible digits, relative and absolute times.
 
 import { h } from "./dom.js";
+import { dateFormat, zoneName } from "./zone.js";
 
 /** Between a number and its unit. */
 const GAP = "\u00a0";
@@ -37,8 +38,6 @@ const UNITS = [
   ["minute", 60],
 ];
 const relative = new Intl.RelativeTimeFormat("en", { numeric: "always" });
-const clock = new Intl.DateTimeFormat("en-GB", { timeStyle: "medium" });
-const full = new Intl.DateTimeFormat("en-GB", { dateStyle: "medium", timeStyle: "medium" });
 
 /** "5 minutes ago", "in 2 hours". */
 export function ago(at, now = Date.now()) {
@@ -48,13 +47,22 @@ export function ago(at, now = Date.now()) {
   return unit ? relative.format(Math.trunc(seconds / unit[1]), unit[0]) : relative.format(seconds, "second");
 }
 
-/** A time: time of day (with the date unless it is today) and age; the exact UTC time as tooltip. */
+const DAY = { dateStyle: "medium" };
+const CLOCK = { timeStyle: "medium" };
+
+/** A moment in the console's time zone: "10:15:03 CET", with the date unless it is today. */
+export function moment(at) {
+  const when = new Date(at);
+  const isToday = dateFormat(DAY).format(when) === dateFormat(DAY).format(Date.now());
+  const clock = dateFormat(isToday ? CLOCK : { ...DAY, ...CLOCK }).format(when);
+  return `${clock} ${zoneName(when)}`;
+}
+
+/** A time and its age; the exact UTC time as tooltip. It breaks only between the two. */
 export function time(at) {
   if (!at) return NONE;
-  const moment = new Date(at);
-  const isToday = moment.toDateString() === new Date().toDateString();
-  const absolute = (isToday ? clock : full).format(moment);
-  return h("time", { datetime: at, title: `${at} (UTC)` }, `${absolute} (${ago(at)})`);
+  const [absolute, age] = [moment(at), `(${ago(at)})`].map((text) => text.replaceAll(" ", GAP));
+  return h("time", { datetime: at, title: `${at} (UTC)` }, `${absolute} ${age}`);
 }
 
 /** A value, or a dash for a missing one. */

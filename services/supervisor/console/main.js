@@ -8,6 +8,8 @@ import { mark } from "./marks.js";
 import { problemPanel } from "./notices.js";
 import { find, navigation } from "./router.js";
 import { signInForm, signOut, token } from "./session.js";
+import { showZoneChoice } from "./zone-choice.js";
+import { onZone } from "./zone.js";
 
 const main = document.getElementById("main");
 const STATES = {
@@ -118,6 +120,16 @@ addEventListener("hashchange", () => {
   // A dialog belongs to the page on which it was opened.
   document.querySelector("dialog")?.close();
   show(true);
+});
+showZoneChoice(document.getElementById("zone"));
+onZone(() => refresh());
+// Drawings fit the width of the window. The height changes whenever a phone hides its address bar.
+let [width, resizing] = [innerWidth, 0];
+addEventListener("resize", () => {
+  if (innerWidth === width) return;
+  width = innerWidth;
+  clearTimeout(resizing);
+  resizing = setTimeout(refresh, 200);
 });
 addEventListener("online", () => live.hurry());
 document.addEventListener("visibilitychange", () => document.hidden || live.hurry());

@@ -20,17 +20,22 @@ const SHAPES = {
   gap: () => s("path", { d: "M1 8h5M10 8h5M6 4.5v7M10 4.5v7" }),
   bell: () => [s("path", { d: "M3 12h10l-1.5-2V7a3.5 3.5 0 0 0-7 0v3Z", class: "fill" }), s("path", { d: "M7 14h2" })],
   tick: () => s("path", { d: "M2.5 8.5 6.5 12.5 13.5 4" }),
+  dial: () => [s("path", { d: "M2.5 13a6.5 6.5 0 1 1 11 0" }), s("path", { d: "M8 9 11 5.5" })],
+  heat: () => [
+    s("path", { d: "M6.5 9V3.2a1.5 1.5 0 0 1 3 0V9" }),
+    s("circle", { cx: 8, cy: 11.5, r: 3, class: "fill" }),
+  ],
   hand: () => s("path", { d: "M4 3h3v10H4ZM9 3h3v10H9Z", class: "fill" }),
 };
 
+/** A shape without words. */
+export function shapeOf(shape) {
+  return s("svg", { viewBox: "0 0 16 16", "aria-hidden": "true", class: "shape" }, SHAPES[shape]?.() ?? SHAPES.ring());
+}
+
 /** A shape and words in a tone. */
 export function mark(words, tone, shape) {
-  const picture = s(
-    "svg",
-    { viewBox: "0 0 16 16", "aria-hidden": "true", class: "shape" },
-    SHAPES[shape]?.() ?? SHAPES.ring(),
-  );
-  return h("span", { class: `mark ${tone}` }, picture, h("span", {}, words));
+  return h("span", { class: `mark ${tone}` }, shapeOf(shape), h("span", {}, words));
 }
 
 /** The mark for a word of the API. */

@@ -17,6 +17,8 @@ export const link = {
   audit: (state = {}) => address("/audit", state),
   compensation: (id) => `#/compensations/${part(id)}`,
   policy: (fleet) => `#/policy/${part(fleet)}`,
+  alarm: (id) => `#/alarms?alarm_id=${part(id)}`,
+  audit: () => "#/audit",
 };
 
 /** Paths of the API. */

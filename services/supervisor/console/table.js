@@ -1,4 +1,5 @@
-// Tables with a caption and with headers tied to their cells; wide ones scroll in a box.
+// Tables with a caption and with headers tied to their cells. Where a table does not fit its box, its rows become cards;
+// explicit roles keep it a table for screen readers then.
 
 import { h } from "./dom.js";
 
@@ -9,29 +10,32 @@ import { h } from "./dom.js";
 export function table({ caption, columns, rows, empty, key }) {
   if (!rows.length) return h("p", { class: "empty" }, empty);
   const heading = ({ name, numeric, heading: told }) =>
-    h("th", { scope: "col", class: numeric ? "number" : null, "aria-sort": told?.order }, told?.content ?? name);
+    h(
+      "th",
+      { scope: "col", role: "columnheader", class: numeric ? "number" : null, "aria-sort": told?.order },
+      told?.content ?? name,
+    );
   const cell = (column, row) => {
-    const attributes = { class: column.numeric ? "number" : null };
+    const attributes = { class: column.numeric ? "number" : null, "data-name": column.name };
     return column.head
-      ? h("th", { scope: "row", ...attributes }, column.cell(row))
-      : h("td", attributes, column.cell(row));
+      ? h("th", { scope: "row", role: "rowheader", ...attributes }, column.cell(row))
+      : h("td", { role: "cell", ...attributes }, h("span", {}, column.cell(row)));
   };
   const line = (row) =>
     h(
       "tr",
-      { "data-key": key ? key(row) : null },
+      { role: "row", "data-key": key ? key(row) : null },
       columns.map((column) => cell(column, row)),
     );
-  // The box can be focused, so that the keyboard can scroll it.
   return h(
     "div",
-    { class: "scroll", role: "region", "aria-label": caption, tabindex: "0" },
+    { class: `table ${columns.length < 4 ? "few" : columns.length < 7 ? "some" : "many"}` },
     h(
       "table",
-      {},
+      { role: "table" },
       h("caption", {}, caption),
-      h("thead", {}, h("tr", {}, columns.map(heading))),
-      h("tbody", {}, rows.map(line)),
+      h("thead", { role: "rowgroup" }, h("tr", { role: "row" }, columns.map(heading))),
+      h("tbody", { role: "rowgroup" }, rows.map(line)),
     ),
   );
 }

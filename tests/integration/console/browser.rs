@@ -125,12 +125,13 @@ impl Browser {
         self.heard.iter().filter(|(heard, _)| heard == method).count()
     }
 
-    /// Waits until the console shows the page of its address, with its plots.
+    /// Waits until the console shows the page of its address, with its charts.
     pub(crate) async fn shown(&mut self) {
         self.until(
             "the page is shown",
             "document.getElementById('main').dataset.address === location.hash \
-             && [...document.querySelectorAll('service-plot')].every((plot) => plot.dataset.state)",
+             && [...document.querySelectorAll('whisker-charts, model-chart, error-chart')] \
+                .every((chart) => chart.querySelector('[data-state]'))",
         )
         .await;
     }
@@ -159,20 +160,36 @@ impl Browser {
         self.js(&promise).await
     }
 
-    /// Presses a key: "Tab", "Enter", "Escape".
+    /// Presses a key: "Tab", "Enter", "Escape", an arrow key, "Home", "End", or a character.
     pub(crate) async fn press(&mut self, key: &str) {
         let code = match key {
             "Tab" => 9,
             "Enter" => 13,
             "Escape" => 27,
+            "End" => 35,
+            "Home" => 36,
+            "ArrowLeft" => 37,
+            "ArrowRight" => 39,
+            character if character.len() == 1 => 0,
             other => panic!("no code for {other}"),
         };
-        let text = if key == "Enter" { "\r" } else { "" };
+        let text = match key {
+            "Enter" => "\r",
+            character if character.len() == 1 => character,
+            _ => "",
+        };
         let down = json!({ "type": if text.is_empty() { "rawKeyDown" } else { "keyDown" }, "key": key, "code": key,
             "windowsVirtualKeyCode": code, "text": text });
         self.call("Input.dispatchKeyEvent", down).await;
         let up = json!({ "type": "keyUp", "key": key, "code": key, "windowsVirtualKeyCode": code });
         self.call("Input.dispatchKeyEvent", up).await;
+    }
+
+    /// Moves the mouse to a place, with the left button down or not.
+    pub(crate) async fn mouse(&mut self, kind: &str, (x, y): (f64, f64), clicks: u32) {
+        let button = if clicks > 0 || kind == "mouseMoved" { "left" } else { "none" };
+        let event = json!({ "type": kind, "x": x, "y": y, "button": button, "clickCount": clicks });
+        self.call("Input.dispatchMouseEvent", event).await;
     }
 
     /// Types text into the focused field.

@@ -30,7 +30,7 @@ const NAMED: [&str; 11] = [
 /// Problems of the visible page, except its width.
 pub(crate) async fn complaints(browser: &mut Browser) -> Vec<String> {
     let mut found = Vec::new();
-    for check in ["headings", "tables", "fields", "pictures", "contrast", "frames"] {
+    for check in ["headings", "tables", "fields", "pictures", "contrast", "frames", "lines"] {
         found.extend(texts(&with_checks(browser, &format!("all.{check}()")).await));
     }
     found.extend(nameless(browser).await);
@@ -40,6 +40,14 @@ pub(crate) async fn complaints(browser: &mut Browser) -> Vec<String> {
 /// Problems of the page's width: it must not exceed the screen.
 pub(crate) async fn overflow(browser: &mut Browser) -> Vec<String> {
     texts(&with_checks(browser, "all.overflow()").await)
+}
+
+/// Elements that scroll sideways, with all parts of the page open.
+pub(crate) async fn sideways(browser: &mut Browser) -> Vec<String> {
+    browser.js("document.querySelectorAll('main details').forEach((one) => (one.open = true))").await;
+    // Tables of values are filled by an event after the opening.
+    browser.js("new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(() => drawn(true))))").await;
+    texts(&with_checks(browser, "all.sideways()").await)
 }
 
 /// Smallest contrast between a text and its background.

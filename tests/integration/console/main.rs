@@ -4,10 +4,13 @@
 
 mod browser;
 mod browsing;
+mod charts;
 mod checks;
 mod following;
 mod stage;
 mod touch_tests;
+mod widths;
+mod zones;
 
 mod acting;
 mod advising;

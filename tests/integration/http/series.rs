@@ -48,6 +48,7 @@ async fn means_are_those_of_the_rows(served: &Served) {
             close(&item["strain"], mean(rows.iter().map(|row| row.strain)), "strain");
             close(&item["length_mm"], mean(rows.iter().map(|row| row.length_mm)), "length");
             close(&item["pressure_mpa"], mean(rows.iter().map(|row| row.pressure_mpa)), "pressure");
+            close(&item["temperature_c"], mean(rows.iter().map(|row| row.temperature_c)), "temperature");
             let felt = rows.iter().filter(|row| row.deflection_mm > 0.0).map(|row| row.strain / row.deflection_mm);
             close(&item["sensitivity_per_mm"], mean(felt), "sensitivity");
             let residuals = rows.iter().filter_map(|row| row.residual);

@@ -77,9 +77,13 @@ from_row! {
         pub held: bool,
         /// Number of the compensation in force for this whisker; null if no whisker compensates for it.
         pub compensated_by: Option<i64>,
+        /// Number of the compensator of that compensation in the array; null without one.
+        pub compensator_whisker: Option<i64>,
         /// Number of the compensation in force in which this whisker is the compensator; null if it compensates for no
         /// whisker.
         pub serves_in: Option<i64>,
+        /// Number of the whisker in the array that this whisker compensates for, which may be itself; null without one.
+        pub target_whisker: Option<i64>,
     }
 }
 
@@ -112,8 +116,14 @@ pub static WHISKERS: List = List {
              WHERE position IS NOT NULL",
     details: ", (SELECT max(compensation_id) FROM compensations c WHERE c.target_whisker_id = q.whisker_id \
               AND c.ended_us IS NULL AND c.compensator_whisker_id IS NOT NULL AND approval <> 'PROPOSED') AS compensated_by, \
+              (SELECT k.whisker FROM compensations c JOIN whiskers k ON k.whisker_id = c.compensator_whisker_id \
+              WHERE c.target_whisker_id = q.whisker_id AND c.ended_us IS NULL AND approval <> 'PROPOSED' \
+              ORDER BY compensation_id DESC LIMIT 1) AS compensator_whisker, \
               (SELECT max(compensation_id) FROM compensations c WHERE c.compensator_whisker_id = q.whisker_id \
-              AND c.ended_us IS NULL AND approval <> 'PROPOSED') AS serves_in",
+              AND c.ended_us IS NULL AND approval <> 'PROPOSED') AS serves_in, \
+              (SELECT t.whisker FROM compensations c JOIN whiskers t ON t.whisker_id = c.target_whisker_id \
+              WHERE c.compensator_whisker_id = q.whisker_id AND c.ended_us IS NULL AND approval <> 'PROPOSED' \
+              ORDER BY compensation_id DESC LIMIT 1) AS target_whisker",
     sorts: WhiskerSort::SORTS,
     id: "whisker_id",
 };

@@ -3,7 +3,7 @@
 import { has } from "../api.js";
 import { browser, optionsOf } from "../browse.js";
 import { h } from "../dom.js";
-import { mpa, time } from "../format.js";
+import { time } from "../format.js";
 import { markOf } from "../marks.js";
 import { fleetFilter, fleetsOf } from "../parts/fleets.js";
 import { link } from "../places.js";
@@ -79,7 +79,7 @@ function details(parameters) {
 function subject(action) {
   const { fleet, robot, array, whisker, compensation_id: compensation } = action;
   if (compensation !== null && compensation !== undefined)
-    return h("a", { href: link.compensation(compensation) }, `compensation no. ${compensation}`);
+    return h("a", { href: link.compensation(compensation) }, `compensation of ${robot}`);
   if (array) return h("a", { href: link.whisker(action) }, `${robot}, whisker ${array} ${whisker}`);
   if (robot) return h("a", { href: link.robot(action) }, `robot ${robot}`);
   return fleet ? h("a", { href: link.fleet(fleet) }, `fleet ${fleet}`) : "\u2013";

@@ -1,12 +1,13 @@
 // A compensation: candidates, compensator, errors, and the buttons for a proposal.
 
 import { get } from "../api.js";
+import { errorChart } from "../charts/ratio.js";
 import { proposalActions } from "../actions.js";
 import { h } from "../dom.js";
 import { mm, mpa, time } from "../format.js";
 import { markOf } from "../marks.js";
 import { api, link, names } from "../places.js";
-import { candidatesTable, error, looksTable, ratioPlot, server, standing } from "../parts/decisions.js";
+import { candidatesTable, error, looksTable, server, standing } from "../parts/decisions.js";
 import { facts, section, table, trail } from "../table.js";
 import { APPROVALS } from "../words.js";
 
@@ -54,7 +55,7 @@ export default {
         ["Measured error with gain", error(decision, "measured_error_with_gain")],
       ]),
       section("Candidates", candidatesTable(decision, "Candidates and reasons")),
-      section("Error by contact ratio", ratioPlot(decision), ratiosTable(decision.errors_by_ratio ?? [])),
+      section("Error by contact ratio", errorChart(decision), ratiosTable(decision.errors_by_ratio ?? [])),
       section("Pressure reviews", looksTable(decision.looks ?? [])),
     ];
   },

@@ -44,10 +44,7 @@ export default {
       proposedTests(tests),
       whiskers.length ? null : h("p", { class: "empty" }, "The robot has not sent a factsheet yet."),
       [...arrays].map(([array, row]) => arrayPart(array, row, running)),
-      section(
-        "Active compensations",
-        decisionsTable(running, "Active compensations", "No active compensations."),
-      ),
+      section("Active compensations", decisionsTable(running, "Active compensations", "No active compensations.")),
     ];
   },
 };
@@ -61,15 +58,18 @@ function arrayPart(array, whiskers, running) {
     h(
       "div",
       { class: "beside" },
-      h(
-        "div",
-        { class: "drawings", role: "region", "aria-label": `Drawing of ${array}`, tabindex: "0" },
-        drawing(whiskers, serving),
-        legend(),
-      ),
+      h("div", { class: "drawings" }, drawing(whiskers, serving, widthOfDrawing()), legend()),
       whiskersTable(array, sorted, running),
     ),
   );
+}
+
+/** Space inside the frame of a drawing, in px: at least what a phone of 360 px has. */
+function widthOfDrawing() {
+  const main = document.getElementById("main");
+  const { paddingLeft, paddingRight } = getComputedStyle(main);
+  const frame = 26;
+  return Math.max(300, main.clientWidth - parseFloat(paddingLeft) - parseFloat(paddingRight) - frame);
 }
 
 function legend() {

@@ -2,24 +2,19 @@
 
 import { get, has, ifServed, list } from "../api.js";
 import { proposalActions, whiskerActions } from "../actions.js";
+import { errorChart, modelChart } from "../charts/ratio.js";
+import { whiskerCharts } from "../charts/whisker.js";
 import { h } from "../dom.js";
 import { count, interval, mm, mpa, percent, time } from "../format.js";
 import { markOf, marksOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
-import { candidatesTable, decisionsTable, ratioPlot, setpointsTable } from "../parts/decisions.js";
+import { candidatesTable, decisionsTable, setpointsTable } from "../parts/decisions.js";
 import { testsTable } from "../parts/tests.js";
-import { figure } from "../plot.js";
 import { facts, section, table, trail } from "../table.js";
 import { APPROVALS, CONDITIONS, FAULTS, say } from "../words.js";
 
 /** Number of setpoints shown with their history. */
 const HISTORIES = 5;
-const PLOTS = [
-  ["lengths", "Length over time", "Estimated length with its 95 % interval."],
-  ["contacts", "Sensitivity against the model", "Measured / predicted sensitivity; 1 agrees with the model."],
-  ["pressures", "Pressure, set and measured", "Setpoint and measured pressure of the chamber."],
-  ["errors", "Compensation error over time", "Mean of Eq. 35 with its 95 % interval."],
-];
 
 export default {
   async load({ fleet, robot, array, whisker }) {
@@ -53,7 +48,11 @@ export default {
     };
   },
 
-  view({ about, targets, serves, setpoints, tests, trims, changes, newest }, { fleet, robot, array, whisker }, refresh) {
+  view(
+    { about, targets, serves, setpoints, tests, trims, changes, newest },
+    { fleet, robot, array, whisker },
+    refresh,
+  ) {
     const others = serves.filter((one) => !targets.some((known) => known.compensation_id === one.compensation_id));
     const actions = whiskerActions(about, refresh);
     return [
@@ -66,7 +65,8 @@ export default {
       h("p", {}, marksOf(about)),
       facts(of(about)),
       actions.length ? section("Actions", h("div", { class: "buttons" }, actions)) : null,
-      section("Plots", plots(about)),
+      section("Charts", whiskerCharts(about)),
+      has("GET", `${ROUTES.whisker}/model`) ? section("Model", modelChart(about), modelHint()) : null,
       newest ? section("Newest decision", decision(newest, refresh)) : null,
       section(
         "All decisions",
@@ -85,15 +85,8 @@ export default {
 };
 
 function of(whisker) {
-  const rate = (name, unit) =>
-    interval(
-      whisker[name],
-      whisker[name.replace("_per_", "_low_per_")],
-      whisker[name.replace("_per_", "_high_per_")],
-      unit,
-    );
-  const perHour = (value) => (Number.isFinite(value) ? percent(value * 3600, 2) : "\u2013");
-  const perThousand = (value) => (Number.isFinite(value) ? mm(value * 1000, 2) : "\u2013");
+  const perHour = (value) => percent(value * 3600, 2);
+  const perThousand = (value) => mm(value * 1000, 2);
   return [
     [
       "Length",
@@ -112,10 +105,21 @@ function of(whisker) {
     ["Contacts used", whisker.contacts.toLocaleString("en")],
     ["Last message", time(whisker.heard_at)],
     ["Model", whisker.model],
-    whisker.leak_per_s === null ? null : ["Leak rate per hour", rate("leak_per_s", perHour)],
+    // A rate whose interval contains zero says only that nothing was seen.
+    whisker.leak_low_per_s > 0
+      ? ["Leak rate per hour", interval(whisker.leak_per_s, whisker.leak_low_per_s, whisker.leak_high_per_s, perHour)]
+      : null,
     whisker.erosion_mm_per_contact === null
       ? null
-      : ["Erosion per 1000 contacts", rate("erosion_mm_per_contact", perThousand)],
+      : [
+          "Erosion per 1000 contacts",
+          interval(
+            whisker.erosion_mm_per_contact,
+            whisker.erosion_low_mm_per_contact,
+            whisker.erosion_high_mm_per_contact,
+            perThousand,
+          ),
+        ],
     whisker.contacts_left === null ? null : ["Contacts until too short", remaining(whisker)],
   ];
 }
@@ -125,14 +129,12 @@ function remaining({ contacts_left: left, contacts_left_low: low, contacts_left_
   return `${whole(left)} (${low === null ? "?" : whole(low)} to ${high === null ? "never" : whole(high)})`;
 }
 
-/** The plots drawn by the service; redrawn when the whisker's data have changed. */
-function plots(whisker) {
-  const version = [whisker.contacts, whisker.setpoint_mpa, whisker.pressure_mpa, whisker.compensated_by].join(" ");
-  const shown = PLOTS.filter(([name]) => has("GET", `${ROUTES.whisker}/${name}/plot.svg`));
-  if (!shown.length) return h("p", { class: "empty" }, "This service draws no plots.");
-  const plot = ([name, title, about]) =>
-    figure(name, `${api.whisker(whisker)}/${name}/plot.svg`, version, title, about);
-  return h("div", { class: "plots" }, shown.map(plot));
+function modelHint() {
+  return h(
+    "p",
+    { class: "hint" },
+    "Strain per mm of deflection at the contact (Eq. 31, averaged over the gauge's grid). The points are the newest contacts at the present length and pressure; the whisker's own curve is the model's with its learned offset.",
+  );
 }
 
 function decision(newest, refresh) {
@@ -141,9 +143,7 @@ function decision(newest, refresh) {
     h(
       "p",
       {},
-      h("a", { href: link.compensation(newest.compensation_id) }, `Decision no. ${newest.compensation_id}`),
-      ", ",
-      time(newest.decided_at),
+      h("a", { href: link.compensation(newest.compensation_id) }, "Decision of ", time(newest.decided_at)),
     ),
     newest.approval ? h("p", {}, markOf(APPROVALS, newest.approval)) : null,
     actions.length ? h("div", { class: "buttons" }, actions) : null,
@@ -151,7 +151,7 @@ function decision(newest, refresh) {
       newest,
       `${count(newest.candidates.length, "candidate")[0].toUpperCase()}${count(newest.candidates.length, "candidate").slice(1)} and reasons`,
     ),
-    ratioPlot(newest),
+    errorChart(newest),
   ];
 }
 

@@ -1,11 +1,9 @@
 // Tables of decisions and setpoints, which several pages show.
 
-import { has } from "../api.js";
 import { h } from "../dom.js";
 import { count, interval, mm, mpa, orNone, percent, time } from "../format.js";
 import { mark, markOf } from "../marks.js";
-import { api, link, names } from "../places.js";
-import { figure } from "../plot.js";
+import { link, names } from "../places.js";
 import { table } from "../table.js";
 import { APPROVALS, CASES, END_REASONS, LOOKS, REFUSALS, say, SETPOINT_REASONS, SETPOINT_STATES } from "../words.js";
 
@@ -102,20 +100,6 @@ export function candidatesTable(decision, caption) {
   });
 }
 
-/** The plot of a decision's errors by contact ratio. */
-export function ratioPlot(decision) {
-  if (!has("GET", "/v1/compensations/{}/plot.svg") || decision.compensator_whisker === null) return null;
-  const version = `${decision.measured_contacts} ${decision.measured_at}`;
-  const about = "Predicted and measured, with 95 % intervals.";
-  return figure(
-    "ratio",
-    `${api.compensation(decision.compensation_id)}/plot.svg`,
-    version,
-    "Error by contact ratio",
-    about,
-  );
-}
-
 /** Reviews of the present setpoint with their outcomes. */
 export function looksTable(looks) {
   return table({
@@ -169,7 +153,7 @@ export function setpointsTable(rows, caption) {
         cell: (row) =>
           row.compensation_id === null
             ? "\u2013"
-            : h("a", { href: link.compensation(row.compensation_id) }, `no. ${row.compensation_id}`),
+            : h("a", { href: link.compensation(row.compensation_id) }, "decision"),
       },
       { name: "History", cell: (row) => steps(row.history) },
     ],

@@ -53,8 +53,8 @@ pub fn whiskers(args: &WhiskersArgs, out: &mut impl Write) -> anyhow::Result<()>
         "PRESSURE_MPA",
         "SETPOINT_MPA",
         "CONTACTS",
-        "SERVED_BY",
-        "SERVES_IN",
+        "COMPENSATOR",
+        "COMPENSATES_FOR",
     ];
     let mut table = Table::new(heads);
     for row in &rows {
@@ -69,8 +69,8 @@ pub fn whiskers(args: &WhiskersArgs, out: &mut impl Write) -> anyhow::Result<()>
             number(row, "pressure_mpa", 4),
             number(row, "setpoint_mpa", 4),
             text(row, "contacts"),
-            text(row, "compensated_by"),
-            text(row, "serves_in"),
+            text(row, "compensator_whisker"),
+            text(row, "target_whisker"),
         ]);
     }
     Ok(write!(out, "{table}")?)
@@ -107,7 +107,6 @@ pub fn compensations(args: &CompensationsArgs, out: &mut impl Write) -> anyhow::
         return lines(&rows, out);
     }
     let heads = [
-        "COMPENSATION",
         "TARGET",
         "COMPENSATOR",
         "CASE",
@@ -119,12 +118,12 @@ pub fn compensations(args: &CompensationsArgs, out: &mut impl Write) -> anyhow::
         "WITH_GAIN_%",
         "DECIDED",
         "ENDED",
+        "COMPENSATION_ID",
     ];
     let mut table = Table::new(heads);
     for row in &rows {
         let ended = if row["ended_at"].is_null() { "-".to_owned() } else { text(row, "end_reason") };
         table.row([
-            text(row, "compensation_id"),
             place(row, "target_whisker"),
             text(row, "compensator_whisker"),
             text(row, "case"),
@@ -136,6 +135,7 @@ pub fn compensations(args: &CompensationsArgs, out: &mut impl Write) -> anyhow::
             percent(row, "measured_error_with_gain"),
             text(row, "decided_at"),
             ended,
+            text(row, "compensation_id"),
         ]);
     }
     Ok(write!(out, "{table}")?)

@@ -89,6 +89,8 @@ pub struct ContactPoint {
     pub strain: f64,
     /// Measured pressure, MPa.
     pub pressure_mpa: f64,
+    /// Temperature at the gauge, °C; null if none was stored.
+    pub temperature_c: Option<f64>,
     /// Strain per deflection, 1/mm; null without deflection.
     pub sensitivity_per_mm: Option<f64>,
     /// ln(measured / predicted sensitivity), mean of the contacts used for estimation; null if none was used.
@@ -109,6 +111,7 @@ impl From<&ContactMean> for ContactPoint {
             deflection_mm: mean.deflection_mm,
             strain: mean.strain,
             pressure_mpa: mean.pressure_mpa,
+            temperature_c: mean.temperature_c,
             sensitivity_per_mm: mean.sensitivity_per_mm,
             residual: mean.residual,
             length_mm: mean.length_mm,

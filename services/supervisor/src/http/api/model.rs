@@ -15,6 +15,7 @@ use crate::http::extract::Path;
 use crate::http::problem::Problem;
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
 use vibrissa_store::series::{ContactMean, Span};
+use vibrissa_store::time::Time;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_model))
@@ -26,6 +27,8 @@ const CONTACTS: u32 = 2000;
 const PRESSURE_WITHIN_MPA: f64 = 0.005;
 /// A contact counts if its estimated length is within this of the present one, in mm.
 const LENGTH_WITHIN_MM: f64 = 1.0;
+/// Maximum number of single contacts in the answer.
+const RECENT: usize = 200;
 /// Half the width of a contact-ratio bin.
 const RATIO_WITHIN: f64 = 0.025;
 
@@ -51,9 +54,24 @@ pub struct ModelOfWhisker {
     pub offset_slope: Option<f64>,
     /// Sensitivities at the contact ratios 0.45, 0.50 .. 1.00.
     pub by_ratio: Vec<Sensitivity>,
+    /// The newest contacts at the present length and pressure, oldest first, at most 200: those that the measured
+    /// means count.
+    pub recent: Vec<RecentContact>,
 }
 
-/// Sensitivities at a contact ratio, in strain per mm of deflection.
+/// A contact at the present length and pressure.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct RecentContact {
+    /// Time of the contact, by the robot's clock.
+    pub at: Time,
+    /// Contact ratio: position along the whisker, 0 at the base, 1 at the tip.
+    pub ratio: f64,
+    /// Measured sensitivity, strain per mm of deflection.
+    pub sensitivity_per_mm: f64,
+}
+
+/// Sensitivities at a contact ratio, in strain per mm of deflection: the model's by Eq. 31, averaged over the gauge's
+/// grid.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Sensitivity {
     /// Contact ratio of the bin's centre.
@@ -78,20 +96,28 @@ fn per_mm(model: &Model, ratio: ContactRatio, length_mm: f64, pressure_mpa: f64)
     model.sensitivity_per_mm(ratio, length, &model.morphology(pressure)).ok()
 }
 
-/// Mean measured sensitivity near a contact ratio, and the number of contacts.
-fn felt(contacts: &[ContactMean], whisker: &Whisker, pressure_mpa: f64, ratio: f64) -> (Option<f64>, i64) {
-    let here = contacts.iter().filter(|one| {
-        one.ratio.is_some_and(|own| (own - ratio).abs() < RATIO_WITHIN)
-            && (one.pressure_mpa - pressure_mpa).abs() <= PRESSURE_WITHIN_MPA
+/// The contacts at the present length and pressure that were used for estimation, oldest first.
+fn present(contacts: &[ContactMean], whisker: &Whisker, pressure_mpa: f64) -> Vec<RecentContact> {
+    let is_present = |one: &&ContactMean| {
+        (one.pressure_mpa - pressure_mpa).abs() <= PRESSURE_WITHIN_MPA
             && (one.length_mm - whisker.length_mm).abs() <= LENGTH_WITHIN_MM
             && one.residual.is_some()
-    });
-    let (sum, count) =
-        here.filter_map(|one| one.sensitivity_per_mm).fold((0.0, 0), |(sum, count), one| (sum + one, count + 1));
+    };
+    let contact = |one: &ContactMean| {
+        Some(RecentContact { at: Time(one.at_us), ratio: one.ratio?, sensitivity_per_mm: one.sensitivity_per_mm? })
+    };
+    contacts.iter().filter(is_present).filter_map(contact).collect()
+}
+
+/// Mean measured sensitivity near a contact ratio, and the number of contacts.
+fn felt(present: &[RecentContact], ratio: f64) -> (Option<f64>, i64) {
+    let here = present.iter().filter(|one| (one.ratio - ratio).abs() < RATIO_WITHIN);
+    let (sum, count) = here.fold((0.0, 0), |(sum, count), one| (sum + one.sensitivity_per_mm, count + 1));
     ((count > 0).then(|| sum / f64::from(count)), count.into())
 }
 
-/// Sensitivity of a whisker by contact ratio: predicted now and at its whole length, and measured.
+/// Sensitivity of a whisker by contact ratio: predicted now and at its whole length, and measured, with the newest
+/// contacts at the present length and pressure.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/model", tag = "whiskers",
     params(WhiskerPath),
@@ -111,20 +137,25 @@ async fn get_model(State(app): State<App>, Path(at): Path<WhiskerPath>) -> Resul
     let params = app.params_of(at.fleet.as_str()).await?;
     let model = params.model(&whisker.model);
     let pressure_mpa = whisker.pressure_mpa.unwrap_or(whisker.setpoint_mpa);
-    let by_ratio = CONTACT_RATIOS.into_iter().filter_map(|a| {
-        let ratio = ContactRatio::new(a).ok()?;
-        let model_per_mm = model.and_then(|model| per_mm(model, ratio, whisker.length_mm, pressure_mpa));
-        let (measured_per_mm, measured_contacts) = felt(&contacts, &whisker, pressure_mpa, a);
-        Some(Sensitivity {
-            ratio: a,
-            model_per_mm,
-            own_per_mm: model_per_mm.zip(offset).map(|(model, offset)| model * offset.at(ratio).exp()),
-            whole_per_mm: model
-                .and_then(|model| per_mm(model, ratio, whisker.whole_length_mm, whisker.nominal_pressure_mpa)),
-            measured_per_mm,
-            measured_contacts,
+    let mut recent = present(&contacts, &whisker, pressure_mpa);
+    let by_ratio: Vec<Sensitivity> = CONTACT_RATIOS
+        .into_iter()
+        .filter_map(|a| {
+            let ratio = ContactRatio::new(a).ok()?;
+            let model_per_mm = model.and_then(|model| per_mm(model, ratio, whisker.length_mm, pressure_mpa));
+            let (measured_per_mm, measured_contacts) = felt(&recent, a);
+            Some(Sensitivity {
+                ratio: a,
+                model_per_mm,
+                own_per_mm: model_per_mm.zip(offset).map(|(model, offset)| model * offset.at(ratio).exp()),
+                whole_per_mm: model
+                    .and_then(|model| per_mm(model, ratio, whisker.whole_length_mm, whisker.nominal_pressure_mpa)),
+                measured_per_mm,
+                measured_contacts,
+            })
         })
-    });
+        .collect();
+    recent.drain(..recent.len().saturating_sub(RECENT));
     Ok(Json(ModelOfWhisker {
         is_known: model.is_some(),
         pressure_mpa,
@@ -133,7 +164,8 @@ async fn get_model(State(app): State<App>, Path(at): Path<WhiskerPath>) -> Resul
         whole_length_mm: whisker.whole_length_mm,
         offset_log: offset.map(|offset| offset.level),
         offset_slope: offset.map(|offset| offset.slope),
-        by_ratio: by_ratio.collect(),
+        by_ratio,
+        recent,
         model: whisker.model,
     }))
 }

@@ -44,6 +44,17 @@ files!(
     "address.js"
     "api.js"
     "browse.js"
+    "charts/data.js"
+    "charts/events.js"
+    "charts/lane.js"
+    "charts/plot.js"
+    "charts/range.js"
+    "charts/ratio.js"
+    "charts/scale.js"
+    "charts/series.js"
+    "charts/toolbar.js"
+    "charts/values.js"
+    "charts/whisker.js"
     "dialog.js"
     "dom.js"
     "drawing.js"
@@ -71,18 +82,24 @@ files!(
     "parts/proposals.js"
     "parts/tests.js"
     "places.js"
-    "plot.js"
     "router.js"
     "session.js"
     "sse.js"
     "styles/base.css"
+    "styles/cards.css"
+    "styles/charts.css"
     "styles/forms.css"
     "styles/layout.css"
     "styles/lists.css"
     "styles/pictures.css"
     "table.js"
+    "vendor/uPlot.LICENSE.txt"
+    "vendor/uPlot.esm.js"
+    "vendor/uPlot.min.css"
     "views.js"
     "words.js"
+    "zone-choice.js"
+    "zone.js"
 );
 
 /// The content of a file, if there is one of that name.
@@ -141,6 +158,7 @@ fn media_type(path: &str) -> &'static str {
         Some("css") => "text/css; charset=utf-8",
         Some("js") => "text/javascript; charset=utf-8",
         Some("svg") => "image/svg+xml",
+        Some("txt") => "text/plain; charset=utf-8",
         _ => "application/octet-stream",
     }
 }
