@@ -23,7 +23,8 @@ export function interval(value, low, high, unit = mm) {
   if (!Number.isFinite(value)) return NONE;
   if (!Number.isFinite(low) || !Number.isFinite(high)) return unit(value);
   const bare = (bound) => unit(bound).split(GAP)[0];
-  return `${unit(value)} (${bare(low)} to ${bare(high)})`;
+  // The line breaks before the interval only.
+  return `${unit(value)} (${bare(low)}${GAP}to${GAP}${bare(high)})`;
 }
 
 /** "1 whisker", "3 whiskers", "no whiskers". */

@@ -156,11 +156,11 @@ class WhiskerCharts extends HTMLElement {
     }
     this.#state = "loading";
     this.#body.setAttribute("aria-busy", "true");
-    const whisker = this.#whisker;
+    const [whisker, range] = [this.#whisker, this.#range];
     try {
       this.#newest = await newestOf(whisker);
-      const window = windowOf(this.#range, this.#newest);
-      this.#window = window;
+      const window = windowOf(range, this.#newest);
+      if (range === this.#range) this.#window = window;
       const [{ rows, resolution }, errors, setpoints] = await Promise.all([
         rowsOf(whisker, window),
         errorsOf(whisker, window),
@@ -169,7 +169,8 @@ class WhiskerCharts extends HTMLElement {
       const events = await eventsOf(whisker, window, { rows, setpoints });
       this.#found = { rows, resolution, errors, setpoints, events };
       this.#problem.replaceChildren();
-      if (this.#state === "loading" && this.isConnected) await this.#draw();
+      // New data may have arrived meanwhile, but another range makes these data useless.
+      if (range === this.#range && this.isConnected) await this.#draw();
       this.#body.dataset.state = "drawn";
     } catch (problem) {
       this.#problem.replaceChildren(problemPanel(problem, () => this.#load()));
@@ -179,7 +180,9 @@ class WhiskerCharts extends HTMLElement {
     this.#body.removeAttribute("aria-busy");
     const isOutdated = this.#state === "again";
     this.#state = "idle";
-    if (isOutdated && this.isConnected) this.#load();
+    if (!isOutdated || !this.isConnected) return;
+    if (range === this.#range) this.#loadSoon();
+    else this.#load();
   }
 
   async #draw() {
