@@ -66,6 +66,7 @@ files!(
     "parts/tests.js"
     "places.js"
     "plot.js"
+    "rights.js"
     "router.js"
     "session.js"
     "sse.js"
