@@ -5,8 +5,10 @@
 mod access;
 mod document;
 mod events;
+mod formats;
 mod groups;
 mod history;
+mod items;
 mod oidc;
 mod pages;
 mod pictures;

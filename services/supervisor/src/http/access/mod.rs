@@ -193,6 +193,12 @@ impl Access {
         }
     }
 
+    /// Whether a request without a token is let in.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.is_open
+    }
+
     /// Whether any caller can be let in. A database that does not answer now may hold a valid token.
     pub async fn admits_anybody(&self, store: &Store, now_us: i64) -> bool {
         self.is_open
