@@ -92,7 +92,12 @@ async fn a_page_refers_to_the_schema_of_its_rows() {
 async fn a_picture_is_a_text_for_clients_that_prefer_it() {
     let served = Served::sqlite().await;
     let path = "/v1/fleets/f/robots/r1/arrays/left/plot.svg";
-    for (accept, media_type) in [("*/*", "image/svg+xml"), ("text/xml", "text/xml"), ("image/*", "image/svg+xml")] {
+    for (accept, media_type) in [
+        ("*/*", "image/svg+xml"),
+        ("text/xml", "text/xml"),
+        ("image/*", "image/svg+xml"),
+        ("application/problem+json", "text/xml"),
+    ] {
         let answer = ask(served.http, "GET", path, &[("Accept", accept)]).await.unwrap();
         assert_eq!((answer.status, answer.headers["content-type"].as_str()), (200, media_type), "{accept}");
         assert!(answer.body.starts_with("<svg"), "{}", &answer.body[..40]);

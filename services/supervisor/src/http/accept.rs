@@ -3,17 +3,19 @@
 use axum::http::HeaderMap;
 use axum::http::header::ACCEPT;
 
-/// Position of the preferred media type among the offered ones. Without a preference it is the first, as it is for a
-/// client that accepts none of them: an answer is better than a refusal.
-#[must_use]
-pub(super) fn preferred(headers: &HeaderMap, offered: &[&str]) -> usize {
+/// Position of the preferred media type among the offered ones: the first without a preference, `None` for a client that
+/// accepts none of them.
+pub(super) fn preferred(headers: &HeaderMap, offered: &[&str]) -> Option<usize> {
+    if !headers.contains_key(ACCEPT) {
+        return Some(0);
+    }
     let told: Vec<&str> = headers.get_all(ACCEPT).iter().filter_map(|value| value.to_str().ok()).collect();
     let ranges: Vec<(&str, f64)> = told.iter().flat_map(|value| value.split(',')).filter_map(range).collect();
-    let mut best = (0, 0.0);
+    let mut best = (None, 0.0);
     for (at, media_type) in offered.iter().enumerate() {
         let quality = quality(&ranges, media_type);
         if quality > best.1 {
-            best = (at, quality);
+            best = (Some(at), quality);
         }
     }
     best.0
@@ -42,19 +44,19 @@ mod tests {
     #[test]
     fn the_most_specific_range_and_the_highest_quality_win_and_the_first_offer_at_a_tie() {
         for (accept, expected) in [
-            (None, 0),
-            (Some(""), 0),
-            (Some("*/*"), 0),
-            (Some("text/csv"), 1),
-            (Some("TEXT/CSV; q=0.1"), 1),
-            (Some("text/*"), 1),
-            (Some("application/json, text/csv"), 0),
-            (Some("application/json;q=0.5, text/csv"), 1),
-            (Some("text/csv;q=0.5, application/json"), 0),
-            (Some("text/html,application/xhtml+xml,application/xml;q=0.9,*/*;q=0.8"), 0),
-            (Some("application/json;q=0, */*"), 1),
-            (Some("image/png"), 0),
-            (Some("text/csv;q=x"), 1),
+            (None, Some(0)),
+            (Some(""), None),
+            (Some("*/*"), Some(0)),
+            (Some("text/csv"), Some(1)),
+            (Some("TEXT/CSV; q=0.1"), Some(1)),
+            (Some("text/*"), Some(1)),
+            (Some("application/json, text/csv"), Some(0)),
+            (Some("application/json;q=0.5, text/csv"), Some(1)),
+            (Some("text/csv;q=0.5, application/json"), Some(0)),
+            (Some("text/html,application/xhtml+xml,application/xml;q=0.9,*/*;q=0.8"), Some(0)),
+            (Some("application/json;q=0, */*"), Some(1)),
+            (Some("image/png"), None),
+            (Some("text/csv;q=x"), Some(1)),
         ] {
             let mut headers = HeaderMap::new();
             headers.extend(accept.map(|accept| (ACCEPT, accept.parse().unwrap())));

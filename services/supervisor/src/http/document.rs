@@ -21,7 +21,7 @@ const ROLE: &str = "x-required-role";
         description = "Supervisor for fleets of robots with soft whisker arrays. Lengths in mm, pressures in MPa, strain in \
                        m/m, errors as ratios; times are RFC 3339 in UTC. Errors are RFC 9457 problem documents \
                        (application/problem+json).",
-        license(name = "MIT OR Apache-2.0")
+        license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),
     components(schemas(ProblemBody, FieldError))
 )]

@@ -52,7 +52,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Listing {
         let told = |name: &str| told(&parts.uri, name);
         let is_csv = match told("format").as_deref() {
             Some(format) => format == FormatWord::Csv.to_string(),
-            None => preferred(&parts.headers, &["application/json", "text/csv"]) == 1,
+            None => preferred(&parts.headers, &["application/json", "text/csv"]) == Some(1),
         };
         Ok(Self { is_csv, is_limited: told("limit").is_some(), uri: parts.uri.clone(), caller, credential })
     }

@@ -43,8 +43,8 @@ const PICTURES: [&str; 2] = ["image/svg+xml", "text/xml"];
 /// Maximum number of rows in a plot.
 const ROWS: u32 = 1000;
 
-/// Media type of a picture: `image/svg+xml`, or `text/xml` if the client prefers it. Generators of clients drop answers
-/// of the first, and keep texts.
+/// Media type of a picture: `image/svg+xml`, or `text/xml` if the client does not accept that. Many generated clients
+/// cannot read the first: they drop the answer or refuse it, and ask for another type than pictures.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Picture(&'static str);
 
@@ -52,7 +52,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Picture {
     type Rejection = Infallible;
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Infallible> {
-        Ok(Self(PICTURES[preferred(&parts.headers, &PICTURES)]))
+        Ok(Self(PICTURES[preferred(&parts.headers, &PICTURES).unwrap_or(1)]))
     }
 }
 
