@@ -1,4 +1,4 @@
-//! Single rows of lists: the same content as in the list, and problems that say what is unknown.
+//! Single rows of lists: the same content as in the list, and problems that name the unknown part.
 
 use serde_json::json;
 use vibrissa_store::secret::Secret;

@@ -5,6 +5,7 @@
 mod access;
 mod document;
 mod events;
+mod exports;
 mod formats;
 mod groups;
 mod history;

@@ -6,16 +6,16 @@ use utoipa::PartialSchema;
 use utoipa::openapi::{RefOr, Schema};
 
 /// Media type of the rows.
-pub(super) const MEDIA_TYPE: &str = "text/csv; charset=utf-8; header=present";
+pub const MEDIA_TYPE: &str = "text/csv; charset=utf-8; header=present";
 
 /// Names of the columns: those of the row in JSON, in the order of its schema.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Columns(Vec<String>);
+pub struct Columns(Vec<String>);
 
 impl Columns {
     /// The columns of a type of rows.
     #[must_use]
-    pub(super) fn of<T: PartialSchema>() -> Self {
+    pub fn of<T: PartialSchema>() -> Self {
         match T::schema() {
             RefOr::T(Schema::Object(object)) => Self(object.properties.keys().cloned().collect()),
             // A test of all lists notices a row without columns.
@@ -27,7 +27,7 @@ impl Columns {
     ///
     /// # Errors
     /// Never in practice: the text is written to memory.
-    pub(super) fn header(&self) -> csv::Result<Vec<u8>> {
+    pub fn header(&self) -> csv::Result<Vec<u8>> {
         record(self.0.iter().map(String::as_str))
     }
 
@@ -35,7 +35,7 @@ impl Columns {
     ///
     /// # Errors
     /// The row is no JSON object.
-    pub(super) fn row(&self, row: &impl Serialize) -> anyhow::Result<Vec<u8>> {
+    pub fn row(&self, row: &impl Serialize) -> anyhow::Result<Vec<u8>> {
         let Value::Object(fields) = serde_json::to_value(row)? else { anyhow::bail!("a row is not a JSON object") };
         Ok(record(self.0.iter().map(|name| cell(fields.get(name))))?)
     }
@@ -58,7 +58,8 @@ fn cell(value: Option<&Value>) -> String {
 }
 
 /// A text that no spreadsheet takes for a formula: an apostrophe precedes a text that begins like one.
-fn harmless(text: &str) -> String {
+#[must_use]
+pub fn harmless(text: &str) -> String {
     if text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']) { format!("'{text}") } else { text.to_owned() }
 }
 

@@ -30,7 +30,7 @@ words! {
     }
 }
 
-/// What a request for a list says besides its filters.
+/// Format and caller of a request for a list.
 #[derive(Debug)]
 pub struct Listing {
     is_csv: bool,

@@ -11,7 +11,7 @@ pub mod api;
 pub mod asking;
 mod completion;
 mod console;
-mod csv_rows;
+pub mod csv_rows;
 #[cfg(feature = "api-page")]
 mod docs;
 #[cfg(not(feature = "api-page"))]

@@ -206,7 +206,7 @@ macro_rules! rows {
 }
 
 rows! {
-    /// One trim.
+    /// One detected trim of a whisker.
     get_trim(TrimPath {
         /// Number of the trim.
         trim_id
