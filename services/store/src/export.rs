@@ -100,15 +100,15 @@ const fn is_nullable(told: &[&str]) -> bool {
 static CONTACTS: ExportTable = ExportTable {
     name: "contacts",
     what: "read the contacts",
-    select: "SELECT fleet, robot, \"array\", w.whisker, c.t_us AS at, c.received_us AS received_at, boot_id, c.seq, \
+    select: "SELECT fleet, robot, \"array\", w.whisker, c.t_us AS at, c.received_us AS received_at, b.boot_id, c.seq, \
              c.position, c.place, c.ratio, c.distance_mm, c.deflection_mm, c.strain, c.pressure_mpa, c.temperature_c, \
              c.used, c.residual, c.length_mm, c.length_sd_mm \
              FROM contacts c JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
-             JOIN robots r ON r.robot_id = w.robot_id JOIN boots b ON b.boot = c.boot",
+             JOIN robots r ON r.robot_id = w.robot_id LEFT JOIN boots b ON b.boot = c.boot",
     lacks_names: false,
     at: "at",
     columns: columns![
-        fleet Text, robot Text, array Text, whisker Whole, at Time, received_at Time, boot_id Text, seq Whole,
+        fleet Text, robot Text, array Text, whisker Whole, at Time, received_at Time, boot_id Text or null, seq Whole,
         position Whole, place Text, ratio Real or null, distance_mm Real or null, deflection_mm Real, strain Real, pressure_mpa Real,
         temperature_c Real or null, used Text, residual Real or null, length_mm Real, length_sd_mm Real,
     ],

@@ -40,15 +40,18 @@ fn as_exported(row: &Value) -> Map<String, Value> {
     row.as_object().unwrap().iter().map(cell).collect()
 }
 
-/// Rows in an order that both sides share.
+/// Rows in an order that both sides share, with times in ms as in the API.
 fn sorted(rows: Vec<Map<String, Value>>) -> Vec<String> {
-    let number = |value: Value| match value.as_f64() {
-        // DuckDB returns whole numbers of a CSV column with decimals as floating-point numbers.
-        Some(number) => json!(number),
-        None => value,
+    let cell = |(name, value): (String, Value)| {
+        let value = match value.as_f64() {
+            Some(us) if name.ends_with("_at") => json!((us / 1000.0).floor()),
+            // DuckDB returns whole numbers of a CSV column with decimals as floating-point numbers.
+            Some(number) => json!(number),
+            None => value,
+        };
+        (name, value)
     };
-    let text =
-        |row: Map<String, Value>| Value::Object(row.into_iter().map(|(k, v)| (k, number(v))).collect()).to_string();
+    let text = |row: Map<String, Value>| Value::Object(row.into_iter().map(cell).collect()).to_string();
     let mut rows: Vec<String> = rows.into_iter().map(text).collect();
     rows.sort();
     rows
@@ -94,7 +97,9 @@ async fn files_have_the_rows_of_the_api(served: &Served) {
             let line = told(&export(folder.path(), &arguments));
             assert!(line.starts_with(&format!("{file}: {} rows of {table}", expected.len())), "{line}");
             let content = read(&at(&file));
-            assert_eq!(sorted(rows(&content)), sorted(expected.clone()), "{file}");
+            let (found, expected) = (sorted(rows(&content)), sorted(expected.clone()));
+            let differs = found.iter().zip(&expected).find(|(found, expected)| found != expected);
+            assert_eq!((found.len(), differs), (expected.len(), None), "{file}");
         }
     }
     let line =
