@@ -61,6 +61,20 @@ macro_rules! text_columns {
 }
 pub(super) use text_columns;
 
+/// A JSON document that the database stores as text.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Json(pub serde_json::Value);
+
+impl TryFrom<String> for Json {
+    type Error = serde_json::Error;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        serde_json::from_str(&text).map(Self)
+    }
+}
+
+text_columns!(Json);
+
 from_row! {
     /// Estimated length after a contact.
     #[derive(Debug, Clone)]

@@ -18,6 +18,7 @@ pub mod changes;
 mod commit;
 mod database;
 mod error;
+pub mod export;
 pub mod fault;
 pub mod from_row;
 mod intent_log;

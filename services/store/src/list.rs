@@ -181,6 +181,11 @@ impl Selection {
     }
 }
 
+/// A row of a list, which both databases can read.
+pub trait Listed: for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow> + Send + Unpin {}
+
+impl<T> Listed for T where T: for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow> + Send + Unpin {}
+
 /// A page of rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows<T> {
@@ -341,10 +346,7 @@ impl Store {
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn list<T>(&self, list: &List, selection: &Selection) -> Result<Rows<T>, StoreError>
-    where
-        T: for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow> + Send + Unpin,
-    {
+    pub async fn list<T: Listed>(&self, list: &List, selection: &Selection) -> Result<Rows<T>, StoreError> {
         let rows = match &self.pool {
             Either::Sqlite(pool) => {
                 let mut sql = statement::<Sqlite>(list, selection);
@@ -362,10 +364,7 @@ impl Store {
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn first<T>(&self, list: &List, filters: Vec<Filter>) -> Result<Option<T>, StoreError>
-    where
-        T: for<'r> FromRow<'r, SqliteRow> + for<'r> FromRow<'r, PgRow> + Send + Unpin,
-    {
+    pub async fn first<T: Listed>(&self, list: &List, filters: Vec<Filter>) -> Result<Option<T>, StoreError> {
         let selection = Selection { filters, ..Selection::all(list, 1) };
         Ok(self.list(list, &selection).await?.rows.into_iter().next())
     }

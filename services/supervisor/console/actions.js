@@ -1,22 +1,12 @@
 // Operators' actions, each with its effect on the robot.
 
 import { has } from "./api.js";
-import { confirm } from "./dialog.js";
-import { h } from "./dom.js";
+import { actionButton } from "./dialog.js";
 import { mpa } from "./format.js";
 import { api, ROUTES, whiskerName } from "./places.js";
 import { fromField, toField, zone } from "./zone.js";
 
 const withReason = (values) => ({ reason: values.reason?.trim() || undefined });
-
-/** A button that opens an action's dialog. */
-function button(action, done, words = action.button) {
-  return h(
-    "button",
-    { type: "button", class: action.grave ? "grave" : null, onclick: () => confirm(action, done) },
-    `${words} \u2026`,
-  );
-}
 
 const offered = (base, name) => has("POST", `${base}/${name}`);
 
@@ -76,7 +66,7 @@ export function whiskerActions(whisker, done) {
       : Object.keys(all).filter((one) => one !== (whisker.held ? "hold" : "release"));
   return shown
     .filter((one) => offered(ROUTES.whisker, one))
-    .map((one) => button({ reason: "optional", path: `${at}/${one}`, body: withReason, ...all[one]() }, done));
+    .map((one) => actionButton({ reason: "optional", path: `${at}/${one}`, body: withReason, ...all[one]() }, done));
 }
 
 function setpoint(whisker) {
@@ -126,7 +116,7 @@ export function robotActions(robot, done) {
     ["release", release],
   ]
     .filter(([one]) => offered(ROUTES.robot, one) && (robot.held === undefined || (one === "hold") !== robot.held))
-    .map(([one, action]) => button({ reason: "optional", path: `${at}/${one}`, body: withReason, ...action }, done));
+    .map(([one, action]) => actionButton({ reason: "optional", path: `${at}/${one}`, body: withReason, ...action }, done));
 }
 
 /** Buttons to approve or refuse a proposed compensation. */
@@ -153,7 +143,7 @@ export function proposalActions(proposal, done) {
     grave: true,
   };
   const complete = (action, name) => ({ reason: "optional", path: `${at}/${name}`, body: withReason, ...action });
-  return [button(complete(approve, "approve"), done), button(complete(refuse, "refuse"), done)];
+  return [actionButton(complete(approve, "approve"), done), actionButton(complete(refuse, "refuse"), done)];
 }
 
 /** Buttons to acknowledge, shelve and unshelve an alarm. */
@@ -163,7 +153,7 @@ export function alarmActions(alarm, done) {
   const actions = [];
   const add = (one, action) =>
     has("POST", `/v1/alarms/{}/${one}`) &&
-    actions.push(button({ path: `${at}/${one}`, body: withReason, reason: "optional", ...action }, done, action.short));
+    actions.push(actionButton({ path: `${at}/${one}`, body: withReason, reason: "optional", ...action }, done, action.short));
   if (alarm.state === "UNACKNOWLEDGED") {
     add("acknowledge", {
       title: `Acknowledge ${name}`,

@@ -90,6 +90,20 @@ export function has(method, route) {
   return served?.has(`${method} ${shape(route)}`) ?? false;
 }
 
+/** The role that a request requires, by the service's document; undefined for an unknown route. */
+export function requiredRole(method, path) {
+  const told = path.split("/");
+  const isTold = (route) => {
+    const parts = route.split("/");
+    return parts.length === told.length && parts.every((part, index) => part === "{}" || part === told[index]);
+  };
+  for (const [route, operation] of served ?? []) {
+    const [verb, shape] = route.split(" ");
+    if (verb === method && isTold(shape)) return operation["x-required-role"];
+  }
+  return undefined;
+}
+
 /** A schema of the OpenAPI document by its name. */
 export function schema(name) {
   return schemas[name];

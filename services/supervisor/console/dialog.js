@@ -3,11 +3,32 @@
 import { ask, get, has, Problem } from "./api.js";
 import { h } from "./dom.js";
 import { follower } from "./follow.js";
-import { problemPanel, report } from "./notices.js";
+import { notice, problemPanel, report } from "./notices.js";
+import { refusal } from "./rights.js";
 
 /** Time for which a pending action is polled. */
 const PATIENCE_MS = 15_000;
 const PAUSE_MS = 500;
+
+/**
+ * A button that opens the dialog of an action. If the user's role does not allow the action, the button is disabled and
+ * says why: in a tooltip, which is also its description for screen readers, and in a message when it is pressed. It can
+ * still be focused; otherwise the keyboard would not reach the reason.
+ */
+export function actionButton(action, done, words = action.button) {
+  const reason = refusal(action.method ?? "POST", action.path);
+  return h(
+    "button",
+    {
+      type: "button",
+      class: action.grave ? "grave" : null,
+      "aria-disabled": reason ? "true" : null,
+      title: reason,
+      onclick: () => (reason ? notice(reason) : confirm(action, done)),
+    },
+    `${words} \u2026`,
+  );
+}
 
 /**
  * Opens the dialog of an action:
@@ -15,7 +36,7 @@ const PAUSE_MS = 500;
  * button, grave, path, method, headers, body(values), moves }`. `moves` is the whisker whose pressure the action may
  * change: its setpoint is followed to the robot's answer. `done` is called after the execution.
  */
-export function confirm(action, done) {
+function confirm(action, done) {
   const answer = h("div", { class: "answer", role: "alert" });
   const key = keys();
   const submit = async (event) => {

@@ -6,6 +6,7 @@ import { h, morphChildren } from "./dom.js";
 import { Live } from "./live.js";
 import { mark } from "./marks.js";
 import { problemPanel } from "./notices.js";
+import { badge, forget, identify } from "./rights.js";
 import { find, navigation } from "./router.js";
 import { signInForm, signOut, token } from "./session.js";
 import { showZoneChoice } from "./zone-choice.js";
@@ -42,7 +43,7 @@ async function show(isNavigation) {
   }
   let content;
   try {
-    await learn();
+    await Promise.all([learn(), identify()]);
     const data = await page.load(parts, state);
     content = page.view(data, parts, refresh);
     live.told(true);
@@ -74,6 +75,7 @@ function put(content, isNavigation) {
   main.removeAttribute("aria-busy");
   const heading = main.querySelector("h1");
   document.title = `${heading?.textContent ?? ""} \u2013 vibrissa`;
+  document.getElementById("user").replaceChildren(...badge());
   document.getElementById("sign-out").hidden = token() === null;
   // After a link, focus the heading, so that screen readers announce the new page. The first page has no predecessor.
   if (isNavigation && !isSameAddress && main.dataset.address !== undefined) {
@@ -101,6 +103,7 @@ async function refresh() {
 }
 
 async function start() {
+  forget();
   await show(true);
   live.start();
 }

@@ -7,6 +7,7 @@ pub mod config;
 
 pub mod check;
 pub mod demo;
+pub mod export;
 pub mod exposure;
 pub mod figures;
 pub mod record;

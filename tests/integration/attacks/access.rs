@@ -88,7 +88,7 @@ async fn regress_one_caller_cannot_take_all_streams() {
     let refused = started.get("/v1/events", &[("Authorization", &one)]).await;
     let told = refused.json();
     assert_eq!((refused.status, &told["type"]), (429, &json!("/problems/too-many-requests")), "{told}");
-    assert!(told["detail"].as_str().unwrap().contains("10 open event streams"), "{told}");
+    assert!(told["detail"].as_str().unwrap().contains("10 open streams"), "{told}");
     assert_eq!(refused.headers["retry-after"], "1");
     assert_eq!(stream(&other).await.0, 200, "another token of the same name must have its own limit");
     streams.pop();

@@ -48,6 +48,9 @@ fn filled(path: &str) -> String {
         ("{compensation_id}", "1"),
         ("{alarm_id}", "0"),
         ("{action_id}", "1"),
+        ("{trim_id}", "1"),
+        ("{health_change_id}", "1"),
+        ("{test_id}", "t"),
         ("{calibration_id}", "1"),
         ("{command_id}", "x"),
     ];
@@ -90,7 +93,7 @@ async fn every_route_for_every_role_in_every_fleet() {
     callers.push((Some(Role::Admin), true, Some(ROOT.to_owned())));
     for (method, path, told) in routes(&served).await {
         assert_eq!(told, expected(&method, &path), "{method} {path}");
-        let is_of_fleet = path.starts_with("/v1/fleets/{fleet}");
+        let is_of_fleet = path.contains("{fleet}");
         let filled = filled(&path);
         for (role, covers, token) in &callers {
             // A stream does not end, so only its status is read.
@@ -109,6 +112,29 @@ async fn every_route_for_every_role_in_every_fleet() {
             }
         }
     }
+}
+
+#[tokio::test]
+async fn a_caller_learns_name_role_fleets_and_expiry() {
+    let open = Served::sqlite().await;
+    let told = open.json("/v1/me").await;
+    let local = json!({ "name": "local", "actor": "local", "role": "ADMIN", "fleets": null,
+        "authentication": "LOOPBACK", "expires_at": null });
+    assert_eq!(told, local);
+    let served = closed().await;
+    let root = asked(&served, "GET", "/v1/me", Some(ROOT)).await.json();
+    assert_eq!([&root["actor"], &root["authentication"]], ["token_file", "TOKEN_FILE"]);
+    let viewer = token(&served, Role::Viewer, Some(&["g", "f"]), HOUR_US).await;
+    let told = asked(&served, "GET", "/v1/me", Some(&viewer)).await.json();
+    let row = served.store.tokens().await.unwrap().remove(0);
+    assert_eq!(told["name"], row.name);
+    assert_eq!(told["actor"], format!("token:{}#{}", row.name, row.token_id));
+    assert_eq!(told["expires_at"], vibrissa_store::time::Time(row.expires_us).to_string());
+    assert_eq!([&told["role"], &told["authentication"]], ["VIEWER", "TOKEN"]);
+    assert_eq!(told["fleets"], json!(["f", "g"]));
+    let endless = token(&served, Role::Viewer, None, 9000 * 365 * 24 * HOUR_US).await;
+    let told = asked(&served, "GET", "/v1/me", Some(&endless)).await.json();
+    assert_eq!([&told["fleets"], &told["expires_at"]], [&Value::Null, &Value::Null]);
 }
 
 #[tokio::test]

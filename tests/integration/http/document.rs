@@ -15,7 +15,18 @@ pub(crate) fn get_operations(document: &Value) -> impl Iterator<Item = (&str, &V
 
 /// Whether the operation returns data about robots.
 fn is_read(operation: &Value) -> bool {
-    let tags = ["fleets", "robots", "whiskers", "happenings", "compensations", "setpoints", "errors", "plots"];
+    let tags = [
+        "fleets",
+        "robots",
+        "whiskers",
+        "happenings",
+        "compensations",
+        "setpoints",
+        "touch tests",
+        "errors",
+        "plots",
+        "access",
+    ];
     tags.iter().any(|tag| operation["tags"][0] == *tag)
 }
 
@@ -59,33 +70,52 @@ impl Document {
     }
 }
 
+/// Lists whose rows have a path of their own, and the column that names a row.
+const NAMED_ROWS: [(&str, &str); 6] = [
+    ("compensations", "compensation_id"),
+    ("setpoints", "command_id"),
+    ("trims", "trim_id"),
+    ("health-changes", "health_change_id"),
+    ("alarms", "alarm_id"),
+    ("touch-tests", "test_id"),
+];
+
+/// The parameters of paths with values that exist.
+async fn existing(served: &Served) -> Vec<(String, String)> {
+    let mut values: Vec<(String, String)> = [("fleet", "f"), ("robot", "r1"), ("array", "left"), ("whisker", "0")]
+        .map(|(k, v)| (k.to_owned(), v.to_owned()))
+        .to_vec();
+    for (list, column) in NAMED_ROWS {
+        let row = served.items(&format!("/v1/{list}?fleet=f&robot=r1")).await[0][column].clone();
+        values.push((column.to_owned(), row.as_str().map_or_else(|| row.to_string(), ToOwned::to_owned)));
+    }
+    values
+}
+
 /// A path with names that exist, and one with names that do not.
-fn paths(path: &str, compensation_id: &Value, command_id: &str) -> [String; 2] {
-    let named = |fleet: &str, whisker: &str, id: &str, command: &str| {
-        let values = [
-            ("{fleet}", fleet),
-            ("{robot}", "r1"),
-            ("{array}", "left"),
-            ("{whisker}", whisker),
-            ("{compensation_id}", id),
-            ("{command_id}", command),
-        ];
-        let path = values.into_iter().fold(path.to_owned(), |path, (name, value)| path.replace(name, value));
+fn paths(path: &str, existing: &[(String, String)]) -> [String; 2] {
+    let filled = |value: &dyn Fn(&str, &str) -> String| {
+        let fill =
+            |path: String, (name, known): &(String, String)| path.replace(&format!("{{{name}}}"), &value(name, known));
+        let path = existing.iter().fold(path.to_owned(), fill);
         if path.ends_with("/what-if") { format!("{path}?length_mm=62") } else { path }
     };
-    [named("f", "0", &compensation_id.to_string(), command_id), named("nobody", "9", "77", "nothing")]
+    let unknown = |name: &str, known: &str| match name {
+        "fleet" => "nobody".to_owned(),
+        "robot" | "array" => known.to_owned(),
+        _ => "77".to_owned(),
+    };
+    [filled(&|_, known| known.to_owned()), filled(&unknown)]
 }
 
 /// Every GET answers as documented, for existing and for unknown names.
 async fn answers_are_as_the_document_says(served: &Served) {
     let document = Document::of(served).await;
-    let compensation_id =
-        served.items("/v1/compensations?active=true&fleet=f&robot=r1").await[0]["compensation_id"].clone();
-    let command = served.items("/v1/setpoints?fleet=f").await[0]["command_id"].clone();
+    let existing = existing(served).await;
     let mut routes = 0;
     for (template, operation) in get_operations(&document.0).filter(|(_, operation)| is_read(operation)) {
         routes += 1;
-        let [there, nowhere] = paths(template, &compensation_id, command.as_str().unwrap());
+        let [there, nowhere] = paths(template, &existing);
         let answer = served.get(&there).await;
         assert_eq!(answer.status, 200, "{there}: {}", answer.body);
         if answer.headers["content-type"] == "application/json" {
@@ -106,7 +136,7 @@ async fn answers_are_as_the_document_says(served: &Served) {
             document.check(&there, operation, 422, &answer.json());
         }
     }
-    assert!(routes >= 28, "{routes}");
+    assert!(routes >= 40, "{routes}");
 }
 
 #[tokio::test]

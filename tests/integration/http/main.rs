@@ -5,8 +5,11 @@
 mod access;
 mod document;
 mod events;
+mod exports;
+mod formats;
 mod groups;
 mod history;
+mod items;
 mod oidc;
 mod pages;
 mod pictures;

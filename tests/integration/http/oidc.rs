@@ -91,6 +91,11 @@ async fn tokens_of_the_provider_give_what_their_claims_say_and_others_nothing() 
     assert_eq!(listed.status, 200, "{}", listed.body);
     assert!(listed.json()["items"].as_array().unwrap().iter().all(|robot| robot["fleet"] == "f"));
     assert_eq!(asked(&served, "GET", "/v1/fleets/g", &good).await.status, 403, "another fleet");
+    let me = asked(&served, "GET", "/v1/me", &good).await.json();
+    assert_eq!([&me["name"], &me["actor"], &me["authentication"]], ["ann", "oidc:ann", "OIDC"]);
+    assert!(me["expires_at"].is_string() && me["fleets"] == json!(["f"]), "{me}");
+    let named = provider.token("k1", &json!({ "preferred_username": "ann.b", "name": "Ann B." }));
+    assert_eq!(asked(&served, "GET", "/v1/me", &named).await.json()["name"], "Ann B.");
     assert_eq!(asked(&served, "POST", "/v1/calibrations", &good).await.status, 403, "insufficient role");
     let all = provider.token("k1", &json!({ "fleets": "*", "groups": "ENGINEER" }));
     assert_eq!(asked(&served, "GET", "/v1/fleets/g", &all).await.status, 200);

@@ -51,12 +51,16 @@ async fn a_caller_with_one_fleet_sees_nothing_of_another() {
         ("compensations", "compensation_id", ""),
         ("compensations", "compensation_id", "/plot.svg"),
         ("setpoints", "command_id", ""),
+        ("trims", "trim_id", ""),
+        ("health-changes", "health_change_id", ""),
+        ("alarms", "alarm_id", ""),
+        ("touch-tests", "test_id", ""),
     ] {
         let path = |id: String| format!("/v1/{list}/{id}{rest}");
         assert_eq!(get(&path(id_of(list, field, "g").await)).await.status, 200, "{list}{rest}");
         assert_eq!(get(&path(id_of(list, field, "f").await)).await.status, 404, "{list}{rest}");
     }
-    for (path, _) in get_operations(&document.0).filter(|(path, _)| path.starts_with("/v1/fleets/{fleet}")) {
+    for (path, _) in get_operations(&document.0).filter(|(path, _)| path.contains("{fleet}")) {
         let path =
             path.replace("{fleet}", "f").replace("{robot}", "r1").replace("{array}", "left").replace("{whisker}", "0");
         let answer = get(&format!("{path}{}", if path.ends_with("what-if") { "?length_mm=60" } else { "" })).await;

@@ -30,6 +30,8 @@ pub(crate) struct Served {
     pub(crate) http: SocketAddr,
     /// URL of the database if it is a server.
     pub(crate) url: Option<String>,
+    /// Address of the database.
+    pub(crate) database: DatabaseAddress,
     /// Rows in the database.
     pub(crate) written: Written,
     _stop: watch::Sender<bool>,
@@ -93,7 +95,7 @@ impl Served {
         let app = App::new(store.clone(), metrics, readiness, access, action_notifier, params, stopped.clone());
         let app = app.with_streams(streams);
         let http = serve(&([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap().address;
-        Self { store, http, url, written, _stop: stop, _server: server, _folder: folder }
+        Self { store, http, url, database: address, written, _stop: stop, _server: server, _folder: folder }
     }
 
     /// The answer to a GET. Status 429 (too many requests) is retried.

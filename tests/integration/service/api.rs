@@ -57,7 +57,7 @@ async fn a_pressure_by_hand_reaches_the_robot_and_the_audit_log_says_who_and_why
     assert_eq!((again.status, &again.json()["action_id"]), (200, &first.json()["action_id"]));
     let path = format!("{WHISKER}/1/setpoint");
     let other = ask(&running, "POST", &path, &headers, Some(json!({ "pressure_mpa": 0.06 }))).await;
-    assert_eq!(other.json()["type"], "/problems/key-reused");
+    assert_eq!((other.status, &other.json()["type"]), (409, &json!("/problems/key-reused")));
     let audit = get(&running, "/v1/audit").await;
     let entry = &audit["items"][0];
     assert_eq!((audit["items"].as_array().unwrap().len(), &entry["kind"]), (1, &json!("SETPOINT")));

@@ -1,6 +1,8 @@
 //! Tests the service against its OpenAPI document with schemathesis: valid and invalid requests on every route, with
 //! every check.
 
+use std::net::SocketAddr;
+use std::path::Path;
 use std::process::Stdio;
 
 use vibrissa_protocol::ArrayType;
@@ -10,6 +12,7 @@ use vibrissa_tests::robot::{HandRobot, array};
 use crate::running::{LEARNED, Running};
 
 const TOKEN: &str = "a-token-of-more-than-32-characters-for-the-test";
+const SEEDS: [&str; 2] = ["2021", "20261124"];
 /// Number of requests of each kind on a route.
 const EXAMPLES: &str = "10";
 
@@ -24,17 +27,24 @@ async fn property_the_service_does_what_its_document_says() {
     robot.cut(0, 54.0);
     robot.touch(0, 80).await;
     robot.receipted().await;
+    for seed in SEEDS {
+        check(&programs, running.service.http, seed).await;
+    }
+    running.service.stop().await;
+}
+
+/// Runs all checks with the examples of a seed.
+async fn check(programs: &Path, http: SocketAddr, seed: &str) {
     let config = concat!(env!("CARGO_MANIFEST_DIR"), "/schemathesis.toml");
     let output = tokio::process::Command::new(programs.join("schemathesis"))
-        .args(["--config-file", config, "run", "--checks", "all", "--max-examples", EXAMPLES, "--seed", "2021"])
+        .args(["--config-file", config, "run", "--checks", "all", "--max-examples", EXAMPLES, "--seed", seed])
         .args(["--phases", "examples,coverage,fuzzing", "--generation-database", "none", "--no-color"])
         .args(["--header", &format!("Authorization: Bearer {TOKEN}")])
-        .arg(format!("http://{}/openapi.json", running.service.http))
+        .arg(format!("http://{http}/openapi.json"))
         .stdin(Stdio::null())
         .kill_on_drop(true)
         .output()
         .await
         .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
-    running.service.stop().await;
+    assert!(output.status.success(), "seed {seed}: {}", String::from_utf8_lossy(&output.stdout));
 }

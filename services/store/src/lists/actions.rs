@@ -4,7 +4,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::sorts;
-use crate::from_row::from_row;
+use crate::from_row::{Json, from_row};
 use crate::list::List;
 use crate::time::Time;
 
@@ -30,8 +30,9 @@ from_row! {
         /// Kind of action: `APPROVE`, `REFUSE`, `SETPOINT`, `HOLD`, `RELEASE`, `REPLACED`, `REBASELINE`, `TOUCH_TEST`,
         /// `POLICY`, `ALARM_ACKNOWLEDGE`, `ALARM_SHELVE`, `ALARM_UNSHELVE` ...
         pub kind: String,
-        /// Parameters of the action: a JSON object, as text.
-        pub parameters: String,
+        /// Parameters of the action, which depend on its kind: for example `pressure_mpa` of `SETPOINT`.
+        #[schema(value_type = Object)]
+        pub parameters: Json,
         /// Reason that the person gave, as free text; null if none was given.
         pub reason: Option<String>,
         /// Person or token that requested the action.

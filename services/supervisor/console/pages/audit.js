@@ -65,8 +65,7 @@ export default {
 };
 
 function details(parameters) {
-  const told = typeof parameters === "string" ? JSON.parse(parameters) : (parameters ?? {});
-  const known = Object.entries(told).filter(([, value]) => value !== null);
+  const known = Object.entries(parameters).filter(([, value]) => value !== null);
   return known.length
     ? h(
         "span",

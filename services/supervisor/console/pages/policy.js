@@ -1,7 +1,7 @@
 // The compensation policy of a fleet, and the dialog to change it.
 
 import { ask, has, ifServed, list, schema } from "../api.js";
-import { confirm } from "../dialog.js";
+import { actionButton } from "../dialog.js";
 import { h } from "../dom.js";
 import { percent, time } from "../format.js";
 import { api, link, ROUTES } from "../places.js";
@@ -56,11 +56,7 @@ function part(policy, refresh) {
       ? h(
           "div",
           { class: "buttons" },
-          h(
-            "button",
-            { type: "button", onclick: () => confirm(change(policy), refresh) },
-            `Change the policy of ${policy.fleet} \u2026`,
-          ),
+          actionButton(change(policy), refresh, `Change the policy of ${policy.fleet}`),
         )
       : null,
     policy.history.length ? historyTable(policy) : null,

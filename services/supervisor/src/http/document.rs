@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use axum::http::Method;
-use serde_json::{Value, json};
+use serde_json::Value;
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
-use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 
 use super::access::Role;
 use super::problem::{FieldError, ProblemBody};
@@ -22,10 +21,9 @@ const ROLE: &str = "x-required-role";
         description = "Supervisor for fleets of robots with soft whisker arrays. Lengths in mm, pressures in MPa, strain in \
                        m/m, errors as ratios; times are RFC 3339 in UTC. Errors are RFC 9457 problem documents \
                        (application/problem+json).",
-        license(name = "MIT OR Apache-2.0")
+        license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),
-    components(schemas(ProblemBody, FieldError)),
-    security(("token" = []))
+    components(schemas(ProblemBody, FieldError))
 )]
 struct Base;
 
@@ -35,34 +33,7 @@ pub fn base() -> Document {
     Base::openapi()
 }
 
-/// Adds what all operations share: the security scheme and the possible error responses.
-pub fn complete(document: &mut Document) {
-    let token = SecurityScheme::Http(Http::builder().scheme(HttpAuthScheme::Bearer).bearer_format("vbr_...").build());
-    document.components.get_or_insert_default().add_security_scheme("token", token);
-    let problem = json!({
-        "description": "A problem (RFC 9457)",
-        "content": { super::problem::MEDIA_TYPE: { "schema": { "$ref": "#/components/schemas/Problem" } } },
-    });
-    let Ok(problem) = serde_json::from_value::<utoipa::openapi::Response>(problem) else { return };
-    for item in document.paths.paths.values_mut() {
-        for (method, operation) in operations(item) {
-            let statuses: &[&str] = if method == Method::GET {
-                &["400", "401", "403", "404", "422", "429", "500", "503", "504"]
-            } else {
-                &[
-                    "400", "401", "403", "404", "408", "409", "412", "413", "415", "422", "428", "429", "500", "503",
-                    "504",
-                ]
-            };
-            for status in statuses {
-                let response = utoipa::openapi::RefOr::T(problem.clone());
-                operation.responses.responses.entry((*status).to_owned()).or_insert(response);
-            }
-        }
-    }
-}
-
-fn operations(
+pub(super) fn operations(
     item: &mut utoipa::openapi::PathItem,
 ) -> impl Iterator<Item = (Method, &mut utoipa::openapi::path::Operation)> {
     let of_methods = [

@@ -5,10 +5,13 @@
 //! with `extract` and calls the store or the engine. Errors are a `Problem`. The OpenAPI document is generated from the
 //! handlers (`document`).
 
+mod accept;
 pub mod access;
 pub mod api;
 pub mod asking;
+mod completion;
 mod console;
+pub mod csv_rows;
 #[cfg(feature = "api-page")]
 mod docs;
 #[cfg(not(feature = "api-page"))]
@@ -18,6 +21,7 @@ pub mod document;
 pub mod extract;
 mod headers;
 mod health;
+pub mod listing;
 pub mod moment;
 pub mod number;
 pub mod page;
@@ -27,6 +31,7 @@ pub mod problem;
 pub mod search;
 pub mod server;
 pub mod streams;
+pub mod version;
 pub mod words;
 
 use std::net::{AddrParseError, SocketAddr};
@@ -247,7 +252,7 @@ fn listen(address: SocketAddr, flag: &'static str) -> Result<(TcpListener, Socke
 pub fn router(app: App) -> (Router, Document) {
     let (api, mut document) = OpenApiRouter::with_openapi(document::base()).merge(api::routes()).split_for_parts();
     let roles = Arc::new(document::Roles::of(&mut document));
-    document::complete(&mut document);
+    completion::complete(&mut document, app.access.is_open());
     let gate = Gate { store: app.store.clone(), access: app.access.clone(), roles };
     // Serialised once: all requests share the bytes.
     let served = Bytes::from(document.to_json().unwrap_or_default());

@@ -19,6 +19,7 @@ pub struct Page<T> {
     /// Rows of the page.
     pub items: Vec<T>,
     /// `cursor` of the next page; null on the last page.
+    #[schema(max_length = 1000, pattern = "^eyJzb3J0Ijoi[A-Za-z0-9_-]+$")]
     pub next_cursor: Option<String>,
 }
 
@@ -45,7 +46,7 @@ pub struct Paging<'a> {
     pub order: Option<Order>,
 }
 
-/// End of a page in a given order.
+/// End of a page in a given order. In base64, each cursor begins with `eyJzb3J0Ijoi`, which is `{"sort":"`.
 #[derive(Debug, Serialize, Deserialize)]
 struct Cursor {
     sort: String,
@@ -105,11 +106,11 @@ macro_rules! list_query {
         #[serde(deny_unknown_fields)]
         pub struct $name {
             $($(#[$field_meta])* pub $field: $type,)*
-            /// Maximum number of rows per page.
+            /// Maximum number of rows per page. CSV without a limit has all rows from the cursor on.
             #[param(minimum = 1, maximum = 1000, default = 100)]
             pub limit: Option<u32>,
             /// `next_cursor` of the previous page; omit it for the first page.
-            #[param(max_length = 1000, pattern = "^[A-Za-z0-9_-]*$")]
+            #[param(max_length = 1000, pattern = "^(eyJzb3J0Ijoi[A-Za-z0-9_-]+)?$")]
             pub cursor: Option<String>,
             /// Column by which the list is sorted.
             #[param(inline)]
@@ -117,6 +118,9 @@ macro_rules! list_query {
             /// Order of the list; by default that of the sort column.
             #[param(inline)]
             pub order: Option<$crate::http::page::Order>,
+            /// Format of the answer; by default that of the header `Accept`, and else JSON.
+            #[param(inline)]
+            pub format: Option<$crate::http::listing::FormatWord>,
         }
 
         impl $name {

@@ -59,7 +59,7 @@ kinds! {
     TooLarge: "too-large", PAYLOAD_TOO_LARGE, "Request body too large";
     WrongMediaType: "wrong-media-type", UNSUPPORTED_MEDIA_TYPE, "Unsupported media type";
     Invalid: "invalid", UNPROCESSABLE_ENTITY, "Invalid value";
-    KeyReused: "key-reused", UNPROCESSABLE_ENTITY, "Idempotency key already used";
+    KeyReused: "key-reused", CONFLICT, "Idempotency key already used";
     VersionMissing: "version-missing", PRECONDITION_REQUIRED, "If-Match header required";
     TooManyRequests: "too-many-requests", TOO_MANY_REQUESTS, "Too many requests";
     Internal: "internal", INTERNAL_SERVER_ERROR, "Internal error";
@@ -156,6 +156,12 @@ impl Problem {
     #[must_use]
     pub fn not_found(what: impl std::fmt::Display) -> Self {
         Self::new(Kind::NotFound, format!("there is no {what}, or your token does not cover its fleet"))
+    }
+
+    /// A missing object in a fleet that the caller may access. The text says which part of its path is unknown.
+    #[must_use]
+    pub fn unknown(detail: impl Into<String>) -> Self {
+        Self::new(Kind::NotFound, detail)
     }
 }
 

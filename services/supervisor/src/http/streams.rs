@@ -1,4 +1,4 @@
-//! Open event streams: limits in total and per caller, and how often each caller is identified again.
+//! Open streams of events and of whole lists: limits in total and per caller, and how often each caller is identified again.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -7,7 +7,7 @@ use tokio::time::Duration;
 
 use super::problem::{Kind, Problem};
 
-/// Limits of event streams.
+/// Limits of streams.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StreamOptions {
     /// Interval at which the caller of an open stream is identified again: a stream outlives its token by at most this.
@@ -67,12 +67,12 @@ impl Streams {
         let refused = |what: String| Err(Problem::new(Kind::TooManyRequests, what));
         if open.get(actor).is_some_and(|&count| count >= per_caller_max) {
             return refused(format!(
-                "{actor} has {per_caller_max} open event streams, the limit per caller: close one, or poll"
+                "{actor} has {per_caller_max} open streams, the limit per caller: close one, or read pages"
             ));
         }
         if open.values().sum::<usize>() >= total_max {
             return refused(format!(
-                "{total_max} event streams are open, the limit of this service: try again later, or poll"
+                "{total_max} streams are open, the limit of this service: try again later, or read pages"
             ));
         }
         *open.entry(actor.to_owned()).or_default() += 1;
@@ -109,7 +109,7 @@ mod tests {
         let third = streams.open("a").unwrap_err();
         assert!(third.kind == Kind::TooManyRequests && third.detail.contains("a has 2"), "{third:?}");
         let others = streams.open("b").unwrap();
-        assert!(streams.open("c").unwrap_err().detail.contains("3 event streams"));
+        assert!(streams.open("c").unwrap_err().detail.contains("3 streams"));
         assert_eq!(streams.count(), 3);
         drop(others);
         drop(first);

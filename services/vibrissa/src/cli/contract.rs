@@ -40,6 +40,12 @@ macro_rules! schemas {
 
 schemas!("connection" "factsheet" "contacts" "status" "receipt" "setpoint" "setpoint_state" "request" "test_state" "estimate" "supervisor_state" "supervisor_request");
 
+/// JSON Schema of a message by its name, the last segment of its topic; `None` for an unknown one.
+#[must_use]
+pub(super) fn schema_of(message: &str) -> Option<&'static str> {
+    SCHEMAS.iter().find(|(name, _)| *name == message).map(|(_, schema)| *schema)
+}
+
 /// Prints or writes the documents.
 ///
 /// # Errors

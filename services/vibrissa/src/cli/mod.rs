@@ -7,6 +7,7 @@ pub mod check_robot;
 pub mod config;
 pub mod contract;
 pub mod evaluate;
+pub mod export;
 pub mod metrics;
 pub mod paper;
 pub mod record;
@@ -56,6 +57,8 @@ enum Command {
     Token(token::TokenArgs),
     /// Copy a SQLite database to a file while a supervisor uses it, and verify the copy.
     Backup(backup::BackupArgs),
+    /// Export contacts, minutes, hours, decisions or errors to CSV or Parquet, or a recording to MCAP.
+    Export(export::ExportArgs),
     /// Record MQTT traffic of robots and supervisors to a file for `replay`; publishes nothing.
     Record(record::RecordArgs),
     /// Check rule by rule whether a robot conforms to the contract, in the place of its supervisor.
@@ -99,6 +102,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Setpoint(args) => setpoint::run(&args, &mut stdout()),
         Command::Token(args) => token::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Backup(args) => backup::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Export(args) => export::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Record(args) => record::run(&args).map(|()| ExitCode::SUCCESS),
         Command::CheckRobot(args) => check_robot::run(&args, &mut stdout()),
         Command::Replay(args) => replay::run(&args, &mut stdout().lock()).map(|()| ExitCode::SUCCESS),

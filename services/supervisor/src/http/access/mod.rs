@@ -97,9 +97,25 @@ impl Scope {
     }
 }
 
+/// How a caller was authenticated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Authentication {
+    /// By a direct request on loopback, without a token.
+    Loopback,
+    /// By the token in the supervisor's token file.
+    TokenFile,
+    /// By a token of the supervisor's database.
+    Token,
+    /// By a token of the identity provider.
+    Oidc,
+}
+
 /// An authenticated caller.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Caller {
+    /// Name for people: that of the token or of the person; it need not be unique.
+    pub name: String,
     /// Name in the audit log: `token:NAME#ID`, `oidc:SUBJECT`, `token_file`, or `local`. It is unique, because
     /// idempotency keys, the rate limit and the limit of event streams are per actor.
     pub actor: String,
@@ -107,13 +123,23 @@ pub struct Caller {
     pub role: Role,
     /// Fleets that the caller may access.
     pub scope: Scope,
+    /// How the caller was authenticated.
+    pub authentication: Authentication,
+    /// Expiry of the caller's token, µs since 1970 UTC; `None` without expiry.
+    pub expires_us: Option<i64>,
 }
 
 impl Caller {
     /// The caller of a request without a token on loopback: any user of this machine.
     #[must_use]
     pub fn local() -> Self {
-        Self { actor: "local".to_owned(), role: Role::Admin, scope: Scope::All }
+        Self::unlimited("local", Authentication::Loopback)
+    }
+
+    /// A caller with every right, whose name is also its actor.
+    fn unlimited(name: &str, authentication: Authentication) -> Self {
+        let (name, actor) = (name.to_owned(), name.to_owned());
+        Self { name, actor, role: Role::Admin, scope: Scope::All, authentication, expires_us: None }
     }
 }
 
@@ -167,6 +193,12 @@ impl Access {
         }
     }
 
+    /// Whether a request without a token is let in.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.is_open
+    }
+
     /// Whether any caller can be let in. A database that does not answer now may hold a valid token.
     pub async fn admits_anybody(&self, store: &Store, now_us: i64) -> bool {
         self.is_open
@@ -205,7 +237,7 @@ impl Access {
         };
         // Hashes are compared in constant time.
         if self.token.is_some_and(|known| known == blake3::hash(bearer.as_bytes())) {
-            return Ok(Caller { actor: "token_file".to_owned(), role: Role::Admin, scope: Scope::All });
+            return Ok(Caller::unlimited("token_file", Authentication::TokenFile));
         }
         if let Some(oidc) = self.oidc.as_ref().filter(|_| !token::is_ours(bearer)) {
             return oidc.caller(bearer).await;

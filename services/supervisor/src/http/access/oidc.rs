@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use vibrissa_protocol::Name;
 
 use super::keys::Keys;
-use super::{Caller, Role, Scope, signature};
+use super::{Authentication, Caller, Role, Scope, signature};
 use crate::http::problem::{Kind, Problem};
 
 /// An accepted OpenID provider.
@@ -44,6 +44,9 @@ pub(super) const ALGORITHMS: [Algorithm; 9] = [
     Algorithm::ES384,
     Algorithm::EdDSA,
 ];
+
+/// Standard claims that hold a person's name, the best first. The subject stands in for a missing name.
+const NAME_CLAIMS: [&str; 3] = ["name", "preferred_username", "email"];
 
 impl Oidc {
     /// A provider; no request is sent to it yet.
@@ -104,7 +107,11 @@ impl Oidc {
         } else {
             Scope::Only(fleets.into_iter().filter_map(|fleet| Name::new(fleet).ok()).collect())
         };
-        let subject = claims.get("sub").and_then(Value::as_str).unwrap_or_default();
-        Ok(Caller { actor: format!("oidc:{subject}"), role, scope })
+        let text = |claim: &str| claims.get(claim).and_then(Value::as_str).filter(|text| !text.trim().is_empty());
+        let subject = text("sub").unwrap_or_default();
+        let name = NAME_CLAIMS.into_iter().find_map(text).unwrap_or(subject).to_owned();
+        let expires_us = claims.get("exp").and_then(Value::as_f64).map(|expires_s| (expires_s * 1e6) as i64);
+        let (actor, authentication) = (format!("oidc:{subject}"), Authentication::Oidc);
+        Ok(Caller { name, actor, role, scope, authentication, expires_us })
     }
 }

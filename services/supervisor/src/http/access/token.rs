@@ -5,7 +5,7 @@ use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use subtle::ConstantTimeEq as _;
 use vibrissa_protocol::Name;
 
-use super::{Caller, Role, Scope};
+use super::{Authentication, Caller, Role, Scope};
 use vibrissa_store::tokens::TokenRow;
 use vibrissa_store::{Store, StoreError};
 
@@ -87,5 +87,6 @@ pub async fn caller(store: &Store, token: &str, now_us: i64) -> Result<Option<Ca
         None => Scope::All,
         Some(fleets) => Scope::Only(fleets.split(',').filter_map(|fleet| Name::new(fleet).ok()).collect()),
     };
-    Ok(Some(Caller { actor: actor(&row), role, scope }))
+    let (actor, authentication) = (actor(&row), Authentication::Token);
+    Ok(Some(Caller { name: row.name, actor, role, scope, authentication, expires_us: Some(row.expires_us) }))
 }

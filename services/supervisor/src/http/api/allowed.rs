@@ -1,8 +1,8 @@
 //! Allow lists of robots, and the robots that they refused.
 
 use axum::extract::{DefaultBodyLimit, State};
-use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
-use axum::response::{IntoResponse, Json, Response};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{Json, Response};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use utoipa::ToSchema;
@@ -18,6 +18,7 @@ use crate::http::App;
 use crate::http::asking::{Asker, Why, answered, number_of, reason};
 use crate::http::extract::{Body, OptionalBody, Path};
 use crate::http::problem::{Kind, Problem};
+use crate::http::version::{etag, lists, tagged};
 use vibrissa_store::allowed::{AllowedReading, TurnedAwayReading, names_of};
 use vibrissa_store::lists::actions::ActionRow;
 use vibrissa_store::time::Time;
@@ -95,10 +96,6 @@ async fn in_force(app: &App, at: &FleetPath) -> Result<Option<AllowedReading>, P
     Ok(app.store.allowed_robots(at.fleet.as_str()).await?)
 }
 
-fn etag(version: i64) -> String {
-    format!("\"{version}\"")
-}
-
 /// The fleet's allow list, and the robots that it refused. A change must send the `ETag` of this answer as `If-Match`.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/allowed-robots", tag = "robots", params(FleetPath),
@@ -131,11 +128,8 @@ async fn get_allowed(State(app): State<App>, Path(at): Path<FleetPath>) -> Resul
         reason: reading.and_then(|reading| reading.reason),
         turned_away: turned_away.into_iter().map(TurnedAway::from).collect(),
     };
-    let mut response = Json(body).into_response();
-    if let Ok(tag) = HeaderValue::from_str(&etag(version)) {
-        response.headers_mut().insert(header::ETAG, tag);
-    }
-    Ok(response)
+    // Always with its body: robots are turned away without a new version.
+    Ok(tagged(version, Json(body)))
 }
 
 /// The version in the caller's `If-Match`, if it is still current.
@@ -148,10 +142,10 @@ async fn expected(app: &App, at: &FleetPath, headers: &HeaderMap) -> Result<i64,
             format!("read the list first, and send its ETag as If-Match: {tag}"),
         ));
     };
-    let told = told.to_str().unwrap_or_default().trim();
-    if told == "*" || told.split(',').any(|tag| tag.trim() == etag(now)) {
+    if lists(headers, header::IF_MATCH, now) {
         return Ok(now);
     }
+    let told = told.to_str().unwrap_or_default();
     Err(changed(now, told))
 }
 

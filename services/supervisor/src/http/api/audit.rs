@@ -1,7 +1,7 @@
 //! The audit log: every action that was requested.
 
 use axum::extract::{Extension, State};
-use axum::response::Json;
+use axum::response::{Json, Response};
 use serde::Deserialize;
 use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
@@ -11,6 +11,7 @@ use vibrissa_protocol::Name;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
@@ -75,8 +76,9 @@ list_query! {
 async fn list_audit(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<AuditQuery>,
-) -> Result<Json<Page<ActionRow>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
     selection.is("fleet", query.fleet);
@@ -86,7 +88,7 @@ async fn list_audit(
     selection.is("actor", query.actor);
     selection.filters.extend(between("asked_at", query.from, query.to));
     selection.contains(&["fleet", "robot", "\"array\"", "actor", "reason", "parameters"], query.q);
-    Ok(Json(Page::of(app.store.list(&ACTIONS, &selection).await?, &selection)))
+    listing.answer::<ActionRow>(&app, &ACTIONS, selection).await
 }
 
 /// Path parameters of an action.

@@ -12,11 +12,13 @@ use vibrissa_core::mechanics::{CalibrationRow as Measured, Fit, FitError, Geomet
 use vibrissa_core::units::{Megapascal, Millimetre, Strain};
 use vibrissa_protocol::Name;
 
+use super::plots::Picture;
 use crate::calibration_file::{CalibrationFile, GeometrySection};
 use crate::http::App;
 use crate::http::access::{Caller, Scope};
 use crate::http::asking::{Asker, Why, ask, number_of, reason};
 use crate::http::extract::{Body, OptionalBody, Path, Query};
+use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::{Kind, Problem};
 use crate::plot;
@@ -303,13 +305,12 @@ list_query! {
 async fn list_calibrations(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<CalibrationsQuery>,
-) -> Result<Json<Page<CalibrationRow>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.is("model", query.model);
-    let mut page = Page::of(app.store.list(&CALIBRATIONS, &selection).await?, &selection);
-    page.items = page.items.into_iter().map(|row| seen_by(&caller.scope, row)).collect();
-    Ok(Json(page))
+    listing.answer_with(&app, &CALIBRATIONS, selection, move |row| seen_by(&caller.scope, row)).await
 }
 
 /// One calibration with its numbers, fit and measurements.
@@ -330,7 +331,11 @@ async fn get_calibration(
     get, path = "/v1/calibrations/{calibration_id}/plot.svg", tag = "calibrations", params(CalibrationPath),
     responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"))
 )]
-async fn draw_calibration(State(app): State<App>, Path(at): Path<CalibrationPath>) -> Result<Response, Problem> {
+async fn draw_calibration(
+    State(app): State<App>,
+    Path(at): Path<CalibrationPath>,
+    picture: Picture,
+) -> Result<Response, Problem> {
     let told: Measurements = read(&texts(&app, at.calibration_id).await?.measurements)?;
     let drawn = tokio::task::spawn_blocking(move || {
         let (_, rows, fit) = fitted(&told)?;
@@ -338,7 +343,7 @@ async fn draw_calibration(State(app): State<App>, Path(at): Path<CalibrationPath
             .map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))
     });
     let svg = drawn.await.map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))??;
-    Ok(([(header::CONTENT_TYPE, "image/svg+xml")], svg).into_response())
+    Ok(picture.of(svg))
 }
 
 /// Path parameters of an activation.

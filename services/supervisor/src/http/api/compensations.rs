@@ -1,7 +1,7 @@
 //! Compensations: decisions about trimmed whiskers, and their outcomes.
 
 use axum::extract::{Extension, State};
-use axum::response::Json;
+use axum::response::{Json, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 use utoipa_axum::router::OpenApiRouter;
@@ -12,6 +12,7 @@ use super::paths::CompensationPath;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{LIMIT_MAX, Page, list_query};
 use crate::http::problem::Problem;
@@ -72,8 +73,9 @@ list_query! {
 async fn list_compensations(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<CompensationsQuery>,
-) -> Result<Json<Page<CompensationSummary>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
     selection.is("approval", query.approval);
@@ -86,7 +88,7 @@ async fn list_compensations(
     selection.filters.extend(query.active.map(|active| Filter::IsNull("ended_at", active)));
     selection.contains(&["fleet", "robot", "\"array\""], query.q);
     selection.filters.extend(between("decided_at", query.from, query.to));
-    Ok(Json(Page::of(app.store.list(&COMPENSATIONS, &selection).await?, &selection)))
+    listing.answer::<CompensationSummary>(&app, &COMPENSATIONS, selection).await
 }
 
 /// A decision with all details.

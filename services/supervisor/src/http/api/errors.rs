@@ -1,7 +1,7 @@
 //! Measured errors of compensations, single and in groups.
 
 use axum::extract::{Extension, State};
-use axum::response::Json;
+use axum::response::{Json, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
@@ -11,6 +11,7 @@ use vibrissa_protocol::Name;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::Query;
+use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::number::RowNumber;
 use crate::http::page::{Page, list_query};
@@ -69,13 +70,14 @@ list_query! {
 async fn list_errors(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<ErrorsQuery>,
-) -> Result<Json<Page<ErrorStatement>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     let ErrorsQuery { fleet, robot, array, whisker, case, compensation_id, from, to, .. } = query;
     selection.filters =
         ErrorGroupsQuery { fleet, robot, array, whisker, case, compensation_id, from, to }.filters(&caller);
-    Ok(Json(Page::of(app.store.list(&ERRORS, &selection).await?, &selection)))
+    listing.answer::<ErrorStatement>(&app, &ERRORS, selection).await
 }
 
 /// Filters for groups of errors. Only the newest 200,000 matching statements are grouped.

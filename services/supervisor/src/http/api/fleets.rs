@@ -1,7 +1,7 @@
 //! Fleets: their supervisors and how much needs attention.
 
 use axum::extract::{Extension, State};
-use axum::response::Json;
+use axum::response::{Json, Response};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -9,6 +9,7 @@ use super::paths::FleetPath;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
 use vibrissa_store::lists::fleets::{FleetSort, FleetSummary, fleets};
@@ -30,11 +31,12 @@ list_query! {
 async fn list_fleets(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<FleetsQuery>,
-) -> Result<Json<Page<FleetSummary>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
-    Ok(Json(Page::of(app.store.list(fleets(&app.store), &selection).await?, &selection)))
+    listing.answer::<FleetSummary>(&app, fleets(&app.store), selection).await
 }
 
 /// One fleet with its supervisor.

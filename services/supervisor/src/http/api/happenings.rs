@@ -1,14 +1,17 @@
 //! Trims, changes of health, and alarms.
 
 use axum::extract::{Extension, State};
-use axum::response::Json;
+use axum::response::{Json, Response};
+use serde::Deserialize;
+use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_protocol::Name;
 
 use crate::http::App;
 use crate::http::access::Caller;
-use crate::http::extract::Query;
+use crate::http::extract::{Path, Query};
+use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
@@ -19,7 +22,13 @@ use vibrissa_store::lists::happenings::{
 };
 
 pub(super) fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(list_trims)).routes(routes!(list_health_changes)).routes(routes!(list_alarms))
+    OpenApiRouter::new()
+        .routes(routes!(list_trims))
+        .routes(routes!(get_trim))
+        .routes(routes!(list_health_changes))
+        .routes(routes!(get_health_change))
+        .routes(routes!(list_alarms))
+        .routes(routes!(get_alarm))
 }
 
 list_query! {
@@ -54,8 +63,9 @@ list_query! {
 async fn list_trims(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<TrimsQuery>,
-) -> Result<Json<Page<Trim>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
     selection.is("fleet", query.fleet);
@@ -63,7 +73,7 @@ async fn list_trims(
     selection.is("\"array\"", query.array);
     selection.is_number("whisker", query.whisker);
     selection.filters.extend(between("detected_at", query.from, query.to));
-    Ok(Json(Page::of(app.store.list(&TRIMS, &selection).await?, &selection)))
+    listing.answer::<Trim>(&app, &TRIMS, selection).await
 }
 
 list_query! {
@@ -101,8 +111,9 @@ list_query! {
 async fn list_health_changes(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<HealthChangesQuery>,
-) -> Result<Json<Page<HealthChange>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
     selection.is("fleet", query.fleet);
@@ -111,7 +122,7 @@ async fn list_health_changes(
     selection.is_number("whisker", query.whisker);
     selection.is("kind", query.kind);
     selection.filters.extend(between("recorded_at", query.from, query.to));
-    Ok(Json(Page::of(app.store.list(&HEALTH_CHANGES, &selection).await?, &selection)))
+    listing.answer::<HealthChange>(&app, &HEALTH_CHANGES, selection).await
 }
 
 list_query! {
@@ -148,8 +159,9 @@ list_query! {
 async fn list_alarms(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<AlarmsQuery>,
-) -> Result<Json<Page<Alarm>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
     selection.is("fleet", query.fleet);
@@ -159,5 +171,54 @@ async fn list_alarms(
     selection.is("kind", query.kind);
     selection.is("state", query.state);
     selection.filters.extend(query.standing.map(|standing| Filter::Is("standing", Value::Flag(standing))));
-    Ok(Json(Page::of(app.store.list(&ALARMS, &selection).await?, &selection)))
+    listing.answer::<Alarm>(&app, &ALARMS, selection).await
+}
+
+/// Defines the routes of single rows: each has a number, and a path with that number.
+macro_rules! rows {
+    ($($(#[$meta:meta])* $name:ident($at:ident { $(#[$id_meta:meta])* $id:ident }) -> $row:ident = $path:literal, $list:ident, $what:literal;)+) => {
+        $(
+        #[doc = concat!("Path parameters of a row: ", $what, ".")]
+        #[derive(Debug, Clone, Copy, Deserialize, IntoParams)]
+        #[into_params(parameter_in = Path)]
+        pub struct $at {
+            $(#[$id_meta])*
+            #[param(minimum = 0)]
+            pub $id: i64,
+        }
+
+        $(#[$meta])*
+        #[utoipa::path(
+            get, path = $path, tag = "happenings", params($at),
+            responses((status = 200, description = "The row of the list", body = $row))
+        )]
+        async fn $name(
+            State(app): State<App>,
+            Extension(caller): Extension<Caller>,
+            Path(at): Path<$at>,
+        ) -> Result<Json<$row>, Problem> {
+            let mut filters = vec![Filter::Is(stringify!($id), Value::Whole(at.$id))];
+            filters.extend(caller.scope.filter("fleet"));
+            let found = app.store.first(&$list, filters).await?;
+            found.map(Json).ok_or_else(|| Problem::not_found(format_args!("{} {}", $what, at.$id)))
+        })+
+    };
+}
+
+rows! {
+    /// One detected trim of a whisker.
+    get_trim(TrimPath {
+        /// Number of the trim.
+        trim_id
+    }) -> Trim = "/v1/trims/{trim_id}", TRIMS, "trim";
+    /// One change of a whisker's condition or fault.
+    get_health_change(HealthChangePath {
+        /// Number of the change.
+        health_change_id
+    }) -> HealthChange = "/v1/health-changes/{health_change_id}", HEALTH_CHANGES, "health change";
+    /// One alarm, standing or cleared.
+    get_alarm(AlarmRowPath {
+        /// Number of the alarm.
+        alarm_id
+    }) -> Alarm = "/v1/alarms/{alarm_id}", ALARMS, "alarm";
 }

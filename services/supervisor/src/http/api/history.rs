@@ -1,13 +1,14 @@
 //! Aggregates of a whisker's contacts per minute and hour.
 
 use axum::extract::State;
-use axum::response::Json;
+use axum::response::Response;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::paths::WhiskerPath;
 use crate::http::App;
 use crate::http::extract::{Path, Query};
+use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
@@ -43,8 +44,9 @@ list_query! {
 async fn list_history(
     State(app): State<App>,
     Path(at): Path<WhiskerPath>,
+    listing: Listing,
     Query(query): Query<HistoryQuery>,
-) -> Result<Json<Page<Rollup>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters = between("start_at", query.from, query.to).collect();
     selection.filters.push(Filter::Is("whisker_id", Value::Whole(at.whisker_id(&app.store).await?)));
@@ -52,5 +54,5 @@ async fn list_history(
         ResolutionWord::Minute => &MINUTES,
         ResolutionWord::Hour => &HOURS,
     };
-    Ok(Json(Page::of(app.store.list(list, &selection).await?, &selection)))
+    listing.answer::<Rollup>(&app, list, selection).await
 }

@@ -12,6 +12,7 @@ pub mod events;
 pub mod fleets;
 pub mod happenings;
 pub mod history;
+pub mod me;
 pub mod model;
 pub mod paths;
 pub mod plots;
@@ -43,6 +44,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(quarantine::routes())
         .merge(contacts::routes())
         .merge(history::routes())
+        .merge(me::routes())
         .merge(model::routes())
         .merge(what_if::routes())
         .merge(happenings::routes())

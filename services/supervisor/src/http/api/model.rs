@@ -10,10 +10,11 @@ use vibrissa_core::mechanics::{CONTACT_RATIOS, Model, Offset};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 
 use super::paths::WhiskerPath;
+use super::whiskers::whisker;
 use crate::http::App;
 use crate::http::extract::Path;
 use crate::http::problem::Problem;
-use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa_store::lists::whiskers::Whisker;
 use vibrissa_store::series::{ContactMean, Span};
 use vibrissa_store::time::Time;
 
@@ -124,8 +125,7 @@ fn felt(present: &[RecentContact], ratio: f64) -> (Option<f64>, i64) {
     responses((status = 200, description = "The model", body = ModelOfWhisker))
 )]
 async fn get_model(State(app): State<App>, Path(at): Path<WhiskerPath>) -> Result<Json<ModelOfWhisker>, Problem> {
-    let whisker: Option<Whisker> = app.store.first(&WHISKERS, at.filters()).await?;
-    let whisker = whisker.ok_or_else(|| Problem::not_found(&at))?;
+    let whisker = whisker(&app, &at).await?;
     let span = Span { from: None, to: None, points: CONTACTS };
     let contacts = app.store.contacts(at.whisker_id(&app.store).await?, span).await?.items;
     let stored = app.store.robot_state(at.fleet.as_str(), at.robot.as_str()).await?;

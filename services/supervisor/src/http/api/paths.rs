@@ -5,8 +5,10 @@ use utoipa::IntoParams;
 use vibrissa_protocol::Name;
 
 use crate::http::problem::Problem;
-use vibrissa_store::Store;
-use vibrissa_store::list::{Filter, Value};
+use vibrissa_store::list::{Filter, Selection, Value};
+use vibrissa_store::lists::robots::{ARRAYS, ArraySummary, ROBOTS, RobotSummary};
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa_store::{Store, StoreError};
 
 /// Defines path parameters, the filters for lists that have columns of the same names, and their display text.
 macro_rules! paths {
@@ -89,7 +91,68 @@ impl WhiskerPath {
     }
 }
 
+/// Most whiskers that a problem names.
+const NAMED_MAX: u32 = 32;
+
+impl RobotPath {
+    /// The problem of an unknown robot: says whether its fleet is known.
+    pub async fn unknown(&self, store: &Store) -> Problem {
+        match store.has_fleet(self.fleet.as_str()).await {
+            Ok(true) => Problem::unknown(format!("the fleet {} has no robot {}", self.fleet, self.robot)),
+            Ok(false) => Problem::unknown(format!("there is no fleet {}", self.fleet)),
+            Err(problem) => problem.into(),
+        }
+    }
+}
+
+impl ArrayPath {
+    /// Path of its robot.
+    #[must_use]
+    pub fn on_robot(&self) -> RobotPath {
+        RobotPath { fleet: self.fleet.clone(), robot: self.robot.clone() }
+    }
+
+    /// The problem of an unknown array: says which part of the path is unknown.
+    pub async fn unknown(&self, store: &Store) -> Problem {
+        let robot = self.on_robot();
+        match store.first::<RobotSummary>(&ROBOTS, robot.filters()).await {
+            Ok(Some(_)) => Problem::unknown(format!(
+                "the robot {} of the fleet {} has no array {}",
+                self.robot, self.fleet, self.array
+            )),
+            Ok(None) => robot.unknown(store).await,
+            Err(problem) => problem.into(),
+        }
+    }
+}
+
 impl WhiskerPath {
+    /// The problem of an unknown whisker: says which part of the path is unknown, and which whiskers the array has.
+    pub async fn unknown(&self, store: &Store) -> Problem {
+        let array = self.on_array();
+        match self.others(store).await {
+            Ok(Some(numbers)) => Problem::unknown(format!(
+                "the array {} of the robot {} has no whisker {}; it has {numbers}",
+                self.array, self.robot, self.whisker
+            )),
+            Ok(None) => array.unknown(store).await,
+            Err(problem) => problem.into(),
+        }
+    }
+
+    /// Numbers of the whiskers on its array; `None` if the array is unknown.
+    async fn others(&self, store: &Store) -> Result<Option<String>, StoreError> {
+        let array = self.on_array();
+        if store.first::<ArraySummary>(&ARRAYS, array.filters()).await?.is_none() {
+            return Ok(None);
+        }
+        let selection = Selection { filters: array.filters(), ..Selection::all(&WHISKERS, NAMED_MAX) };
+        let page = store.list::<Whisker>(&WHISKERS, &selection).await?;
+        let mut numbers: Vec<String> = page.rows.iter().map(|row| row.whisker.to_string()).collect();
+        numbers.extend(page.next.map(|_| "more".to_owned()));
+        Ok(Some(numbers.join(", ")))
+    }
+
     /// Path of its array.
     #[must_use]
     pub fn on_array(&self) -> ArrayPath {
@@ -102,7 +165,10 @@ impl WhiskerPath {
     /// The whisker is unknown, or the database cannot be read.
     pub async fn whisker_id(&self, store: &Store) -> Result<i64, Problem> {
         let whisker = (self.fleet.as_str(), self.robot.as_str(), self.array.as_str(), self.whisker);
-        store.whisker_id(whisker).await?.ok_or_else(|| Problem::not_found(self))
+        match store.whisker_id(whisker).await? {
+            Some(whisker_id) => Ok(whisker_id),
+            None => Err(self.unknown(store).await),
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Compensation policy of a fleet, and its history.
 
 use axum::extract::State;
-use axum::http::{HeaderMap, HeaderValue, header};
-use axum::response::{IntoResponse, Json, Response};
+use axum::http::{HeaderMap, header};
+use axum::response::Response;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use utoipa::ToSchema;
@@ -15,8 +15,10 @@ use super::paths::FleetPath;
 use crate::http::App;
 use crate::http::asking::{Asker, ask, reason};
 use crate::http::extract::{Body, Path, Query};
+use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::{Kind, Problem};
+use crate::http::version::{etag, lists, versioned};
 use crate::http::words::{LongerForShorterWord, ModeWord, ObjectiveWord};
 use vibrissa_store::lists::actions::ActionRow;
 use vibrissa_store::lists::policies::{POLICIES, PolicyRow, PolicySort};
@@ -86,23 +88,25 @@ async fn in_force(app: &App, at: &FleetPath) -> Result<PolicyRow, Problem> {
     Ok(set.unwrap_or_else(|| PolicyRow::configured(at.fleet.to_string(), &app.params.policy)))
 }
 
-fn etag(version: i64) -> String {
-    format!("\"{version}\"")
-}
-
 /// The policy in force. A change must send its `ETag` as `If-Match`.
 #[utoipa::path(
-    get, path = "/v1/fleets/{fleet}/policy", tag = "policy", params(FleetPath),
-    responses((status = 200, description = "The policy", body = PolicyRow, headers(("ETag" = String, description = "Its version"))))
+    get, path = "/v1/fleets/{fleet}/policy", tag = "policy",
+    params(
+        FleetPath,
+        ("If-None-Match" = Option<String>, Header, description = "`ETag` of the policy that is known; 304 if it is in force")
+    ),
+    responses(
+        (status = 200, description = "The policy", body = PolicyRow, headers(("ETag" = String, description = "Its version"))),
+        (status = 304, description = "The known policy is in force", headers(("ETag" = String, description = "Its version")))
+    )
 )]
-async fn get_policy(State(app): State<App>, Path(at): Path<FleetPath>) -> Result<Response, Problem> {
+async fn get_policy(
+    State(app): State<App>,
+    Path(at): Path<FleetPath>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
     let policy = in_force(&app, &at).await?;
-    let tag = etag(policy.version);
-    let mut response = Json(policy).into_response();
-    if let Ok(tag) = HeaderValue::from_str(&tag) {
-        response.headers_mut().insert(header::ETAG, tag);
-    }
-    Ok(response)
+    Ok(versioned(&headers, policy.version, &policy))
 }
 
 /// Set another policy in place of the one that was read. Later decisions follow it at once.
@@ -145,10 +149,10 @@ async fn expected(app: &App, at: &FleetPath, headers: &HeaderMap) -> Result<i64,
             format!("read the policy first, and send its ETag as If-Match: {}", etag(now)),
         ));
     };
-    let told = told.to_str().unwrap_or_default().trim();
-    if told == "*" || told.split(',').any(|tag| tag.trim() == etag(now)) {
+    if lists(headers, header::IF_MATCH, now) {
         return Ok(now);
     }
+    let told = told.to_str().unwrap_or_default();
     Err(Problem::new(Kind::VersionChanged, format!("the policy in force is {}, not {told}: read it again", etag(now))))
 }
 
@@ -165,9 +169,10 @@ list_query! {
 async fn list_policies(
     State(app): State<App>,
     Path(at): Path<FleetPath>,
+    listing: Listing,
     Query(query): Query<PoliciesQuery>,
-) -> Result<Json<Page<PolicyRow>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(at.filters());
-    Ok(Json(Page::of(app.store.list(&POLICIES, &selection).await?, &selection)))
+    listing.answer::<PolicyRow>(&app, &POLICIES, selection).await
 }

@@ -1,7 +1,7 @@
 //! Messages that the database refused.
 
 use axum::extract::{Extension, State};
-use axum::response::Json;
+use axum::response::Response;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_protocol::Name;
@@ -9,6 +9,7 @@ use vibrissa_protocol::Name;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::Query;
+use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
 use vibrissa_store::lists::quarantine::{QUARANTINE, QuarantineSort, Quarantined};
@@ -38,11 +39,12 @@ list_query! {
 async fn list_quarantine(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<QuarantineQuery>,
-) -> Result<Json<Page<Quarantined>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
     selection.is("fleet", query.fleet);
     selection.is("robot", query.robot);
-    Ok(Json(Page::of(app.store.list(&QUARANTINE, &selection).await?, &selection)))
+    listing.answer::<Quarantined>(&app, &QUARANTINE, selection).await
 }

@@ -1,7 +1,7 @@
 //! Robots and their arrays.
 
 use axum::extract::{Extension, State};
-use axum::response::Json;
+use axum::response::{Json, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 use utoipa_axum::router::OpenApiRouter;
@@ -12,6 +12,7 @@ use super::paths::{ArrayPath, RobotPath};
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::listing::Listing;
 use crate::http::page::{LIMIT_MAX, Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::search::Search;
@@ -23,8 +24,10 @@ use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(list_robots))
+        .routes(routes!(find_robot))
         .routes(routes!(get_robot))
         .routes(routes!(list_arrays))
+        .routes(routes!(find_array))
         .routes(routes!(get_array))
 }
 
@@ -53,8 +56,9 @@ list_query! {
 async fn list_robots(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<RobotsQuery>,
-) -> Result<Json<Page<RobotSummary>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
     selection.is("fleet", query.fleet);
@@ -64,7 +68,7 @@ async fn list_robots(
         false => Filter::Below("attention", Value::Whole(1)),
     }));
     selection.contains(&["fleet", "robot", "model"], query.q);
-    Ok(Json(Page::of(app.store.list(&ROBOTS, &selection).await?, &selection)))
+    listing.answer::<RobotSummary>(&app, &ROBOTS, selection).await
 }
 
 /// One robot with its counts of whiskers, faults and alarms.
@@ -73,8 +77,23 @@ async fn list_robots(
     responses((status = 200, description = "The robot", body = RobotSummary))
 )]
 async fn get_robot(State(app): State<App>, Path(at): Path<RobotPath>) -> Result<Json<RobotSummary>, Problem> {
-    let found = app.store.first(&ROBOTS, at.filters()).await?;
-    found.map(Json).ok_or_else(|| Problem::not_found(&at))
+    robot(&app, &at).await.map(Json)
+}
+
+/// One robot of the list, by the names in its row: the same answer as below `/v1/fleets`.
+#[utoipa::path(
+    get, path = "/v1/robots/{fleet}/{robot}", tag = "robots", params(RobotPath),
+    responses((status = 200, description = "The robot", body = RobotSummary))
+)]
+async fn find_robot(State(app): State<App>, Path(at): Path<RobotPath>) -> Result<Json<RobotSummary>, Problem> {
+    robot(&app, &at).await.map(Json)
+}
+
+async fn robot(app: &App, at: &RobotPath) -> Result<RobotSummary, Problem> {
+    match app.store.first(&ROBOTS, at.filters()).await? {
+        Some(robot) => Ok(robot),
+        None => Err(at.unknown(&app.store).await),
+    }
 }
 
 list_query! {
@@ -97,13 +116,14 @@ list_query! {
 async fn list_arrays(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<ArraysQuery>,
-) -> Result<Json<Page<ArraySummary>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
     selection.is("fleet", query.fleet);
     selection.is("robot", query.robot);
-    Ok(Json(Page::of(app.store.list(&ARRAYS, &selection).await?, &selection)))
+    listing.answer::<ArraySummary>(&app, &ARRAYS, selection).await
 }
 
 /// An array with its whiskers.
@@ -135,8 +155,7 @@ pub struct Array {
     responses((status = 200, description = "The array", body = Array))
 )]
 async fn get_array(State(app): State<App>, Path(at): Path<ArrayPath>) -> Result<Json<Array>, Problem> {
-    let known: Option<ArraySummary> = app.store.first(&ARRAYS, at.filters()).await?;
-    let known = known.ok_or_else(|| Problem::not_found(&at))?;
+    let known = array_summary(&app, &at).await?;
     Ok(Json(Array {
         fleet: known.fleet,
         robot: known.robot,
@@ -147,6 +166,23 @@ async fn get_array(State(app): State<App>, Path(at): Path<ArrayPath>) -> Result<
         attention: known.attention,
         whiskers: whiskers_of(&app, &at).await?,
     }))
+}
+
+/// One array of the list, by the names in its row, with the counts of the list and without its whiskers.
+#[utoipa::path(
+    get, path = "/v1/arrays/{fleet}/{robot}/{array}", tag = "robots", params(ArrayPath),
+    responses((status = 200, description = "The array", body = ArraySummary))
+)]
+async fn find_array(State(app): State<App>, Path(at): Path<ArrayPath>) -> Result<Json<ArraySummary>, Problem> {
+    array_summary(&app, &at).await.map(Json)
+}
+
+/// An array that is on a robot.
+pub(super) async fn array_summary(app: &App, at: &ArrayPath) -> Result<ArraySummary, Problem> {
+    match app.store.first(&ARRAYS, at.filters()).await? {
+        Some(array) => Ok(array),
+        None => Err(at.unknown(&app.store).await),
+    }
 }
 
 /// The whiskers of an array, in the order in which they became known.

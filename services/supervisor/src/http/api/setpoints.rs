@@ -1,7 +1,7 @@
 //! Setpoints and their progress.
 
 use axum::extract::{Extension, State};
-use axum::response::Json;
+use axum::response::{Json, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
@@ -11,6 +11,7 @@ use vibrissa_protocol::Name;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::number::RowNumber;
 use crate::http::page::{LIMIT_MAX, Page, list_query};
@@ -61,8 +62,9 @@ list_query! {
 async fn list_setpoints(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<SetpointsQuery>,
-) -> Result<Json<Page<Setpoint>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
     selection.is("fleet", query.fleet);
@@ -72,7 +74,7 @@ async fn list_setpoints(
     selection.is("state", query.state);
     selection.is_number("compensation_id", query.compensation_id.map(i64::from));
     selection.filters.extend(between("issued_at", query.from, query.to));
-    Ok(Json(Page::of(app.store.list(&SETPOINTS, &selection).await?, &selection)))
+    listing.answer::<Setpoint>(&app, &SETPOINTS, selection).await
 }
 
 /// Path parameters of a setpoint.

@@ -172,9 +172,9 @@ async fn get_what_if(
     let length = Millimetre::new(query.length_mm).ok().filter(|length| length.mm() >= 1.0);
     let length = length.ok_or_else(|| Problem::invalid("length_mm", "must be 1 to 1000"))?;
     let stored = app.store.robot_state(at.fleet.as_str(), at.robot.as_str()).await?;
-    let stored = stored.ok_or_else(|| Problem::not_found(&at))?;
+    let Some(stored) = stored else { return Err(at.unknown(&app.store).await) };
     let robot = stored.robot().map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))?;
-    let index = robot.find(at.array.as_str(), at.whisker).ok_or_else(|| Problem::not_found(&at))?;
+    let Some(index) = robot.find(at.array.as_str(), at.whisker) else { return Err(at.unknown(&app.store).await) };
     // Assigning compensators in a large array takes a while.
     let (params, robot_id) = (app.params_of(at.fleet.as_str()).await?, stored.robot_id);
     let answered = tokio::task::spawn_blocking(move || {

@@ -1,7 +1,7 @@
 //! Whiskers and their state.
 
 use axum::extract::{Extension, State};
-use axum::response::Json;
+use axum::response::{Json, Response};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_protocol::Name;
@@ -10,6 +10,7 @@ use super::paths::WhiskerPath;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::search::Search;
@@ -18,7 +19,7 @@ use vibrissa_store::list::{Filter, Value};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker, WhiskerSort, named};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(list_whiskers)).routes(routes!(get_whisker))
+    OpenApiRouter::new().routes(routes!(list_whiskers)).routes(routes!(find_whisker)).routes(routes!(get_whisker))
 }
 
 list_query! {
@@ -54,8 +55,9 @@ list_query! {
 async fn list_whiskers(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<WhiskersQuery>,
-) -> Result<Json<Page<Whisker>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
     selection.is("fleet", query.fleet);
@@ -65,7 +67,7 @@ async fn list_whiskers(
     selection.filters.extend(query.faulty.map(|faulty| Filter::IsNull("fault", !faulty)));
     selection.filters.extend(query.held.map(|held| Filter::Is("held", Value::Flag(held))));
     selection.filters.extend(query.q.map(|q| named(q.to_string())));
-    Ok(Json(Page::of(app.store.list(&WHISKERS, &selection).await?, &selection)))
+    listing.answer::<Whisker>(&app, &WHISKERS, selection).await
 }
 
 /// One whisker with its state.
@@ -75,6 +77,22 @@ async fn list_whiskers(
     responses((status = 200, description = "The whisker", body = Whisker))
 )]
 async fn get_whisker(State(app): State<App>, Path(at): Path<WhiskerPath>) -> Result<Json<Whisker>, Problem> {
-    let found = app.store.first(&WHISKERS, at.filters()).await?;
-    found.map(Json).ok_or_else(|| Problem::not_found(&at))
+    whisker(&app, &at).await.map(Json)
+}
+
+/// One whisker of the list, by the names in its row: the same answer as below `/v1/fleets`.
+#[utoipa::path(
+    get, path = "/v1/whiskers/{fleet}/{robot}/{array}/{whisker}", tag = "whiskers", params(WhiskerPath),
+    responses((status = 200, description = "The whisker", body = Whisker))
+)]
+async fn find_whisker(State(app): State<App>, Path(at): Path<WhiskerPath>) -> Result<Json<Whisker>, Problem> {
+    whisker(&app, &at).await.map(Json)
+}
+
+/// A whisker that is on a robot.
+pub(super) async fn whisker(app: &App, at: &WhiskerPath) -> Result<Whisker, Problem> {
+    match app.store.first(&WHISKERS, at.filters()).await? {
+        Some(whisker) => Ok(whisker),
+        None => Err(at.unknown(&app.store).await),
+    }
 }

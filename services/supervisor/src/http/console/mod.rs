@@ -82,6 +82,7 @@ files!(
     "parts/proposals.js"
     "parts/tests.js"
     "places.js"
+    "rights.js"
     "router.js"
     "session.js"
     "sse.js"

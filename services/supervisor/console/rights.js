@@ -1,0 +1,40 @@
+// The user: name, role, and the requests that the role allows.
+
+import { get, requiredRole, schema } from "./api.js";
+import { h } from "./dom.js";
+import { time } from "./format.js";
+
+/** An expiry nearer than this is shown. */
+const NEAR_MS = 7 * 86_400_000;
+
+let me = null;
+
+/** Asks the service who the user is, unless that is known. */
+export async function identify() {
+  me ??= await get("/v1/me");
+}
+
+/** Forgets the user, before another one signs in. */
+export function forget() {
+  me = null;
+}
+
+/** Why the user's role does not allow a request; null if it does. */
+export function refusal(method, path) {
+  const needed = requiredRole(method, path);
+  const roles = schema("Role")?.enum ?? [];
+  if (!me || !needed || roles.indexOf(me.role) >= roles.indexOf(needed)) return null;
+  return `This requires the role ${needed.toLowerCase()}. Your role is ${me.role.toLowerCase()}.`;
+}
+
+/** Name and role for the header; empty before the user is known. */
+export function badge() {
+  if (!me) return [];
+  const fleets = me.fleets ? `Fleets: ${me.fleets.join(", ") || "none"}.` : "All fleets.";
+  const expires = me.expires_at ? Date.parse(me.expires_at) : NaN;
+  const isNear = expires - Date.now() < NEAR_MS;
+  return [
+    h("span", { title: `${me.actor} in the audit log. ${fleets}` }, h("strong", {}, me.name), `, ${me.role.toLowerCase()}`),
+    isNear ? h("span", { class: "hint" }, " until ", time(me.expires_at)) : null,
+  ].filter(Boolean);
+}

@@ -1,0 +1,62 @@
+//! Versions of resources: `ETag`, `If-None-Match` and `If-Match`.
+
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Json, Response};
+use serde::Serialize;
+
+/// `ETag` of a version.
+#[must_use]
+pub fn etag(version: i64) -> String {
+    format!("\"{version}\"")
+}
+
+/// Whether a header lists the `ETag` of a version, or all of them by `*`. A weak tag counts.
+#[must_use]
+pub fn lists(headers: &HeaderMap, name: HeaderName, version: i64) -> bool {
+    let told = headers.get_all(name).iter().filter_map(|tags| tags.to_str().ok()).flat_map(|tags| tags.split(','));
+    told.map(|tag| tag.trim().trim_start_matches("W/")).any(|tag| tag == "*" || tag == etag(version))
+}
+
+/// The answer with a resource and its `ETag`: without its body (304) if `If-None-Match` lists the present version.
+/// Version 0 is the configuration, whose content may change at a restart; it is always sent.
+#[must_use]
+pub fn versioned(headers: &HeaderMap, version: i64, body: &impl Serialize) -> Response {
+    if version > 0 && lists(headers, header::IF_NONE_MATCH, version) {
+        tagged(version, StatusCode::NOT_MODIFIED)
+    } else {
+        tagged(version, Json(body))
+    }
+}
+
+/// An answer with the `ETag` of its version.
+#[must_use]
+pub fn tagged(version: i64, answer: impl IntoResponse) -> Response {
+    let mut response = answer.into_response();
+    if let Ok(tag) = HeaderValue::from_str(&etag(version)) {
+        response.headers_mut().insert(header::ETAG, tag);
+    }
+    response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unchanged_version_is_not_sent_again() {
+        for (told, status) in [
+            (None, 200),
+            (Some("\"6\""), 200),
+            (Some("7"), 200),
+            (Some("\"7\""), 304),
+            (Some("\"x\", W/\"7\""), 304),
+            (Some("*"), 304),
+        ] {
+            let mut headers = HeaderMap::new();
+            headers.extend(told.map(|told| (header::IF_NONE_MATCH, told.parse().unwrap())));
+            let answer = versioned(&headers, 7, &"a policy");
+            assert_eq!((answer.status().as_u16(), &answer.headers()[header::ETAG]), (status, "\"7\""), "{told:?}");
+            assert_eq!(versioned(&headers, 0, &"the configuration").status().as_u16(), 200);
+        }
+    }
+}
