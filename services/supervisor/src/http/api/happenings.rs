@@ -1,4 +1,4 @@
-//! Trims, changes of health, and alarms.
+//! Trims and changes of health.
 
 use axum::extract::{Extension, State};
 use axum::response::Json;
@@ -12,14 +12,11 @@ use crate::http::extract::Query;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
-use crate::http::words::{AlarmKindWord, AlarmStateWord, HealthKindWord};
-use vibrissa_store::list::{Filter, Value};
-use vibrissa_store::lists::happenings::{
-    ALARMS, Alarm, AlarmSort, HEALTH_CHANGES, HealthChange, HealthChangeSort, TRIMS, Trim, TrimSort,
-};
+use crate::http::words::HealthKindWord;
+use vibrissa_store::lists::happenings::{HEALTH_CHANGES, HealthChange, HealthChangeSort, TRIMS, Trim, TrimSort};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(list_trims)).routes(routes!(list_health_changes)).routes(routes!(list_alarms))
+    OpenApiRouter::new().routes(routes!(list_trims)).routes(routes!(list_health_changes))
 }
 
 list_query! {
@@ -112,52 +109,4 @@ async fn list_health_changes(
     selection.is("kind", query.kind);
     selection.filters.extend(between("recorded_at", query.from, query.to));
     Ok(Json(Page::of(app.store.list(&HEALTH_CHANGES, &selection).await?, &selection)))
-}
-
-list_query! {
-    /// Filters for the list of alarms.
-    pub struct AlarmsQuery by AlarmSort {
-        /// Name of the fleet.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
-        /// Name of the robot.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub robot: Option<Name>,
-        /// Name of the array.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub array: Option<Name>,
-        /// Number of the whisker in its array.
-        #[param(maximum = 65535)]
-        pub whisker: Option<u16>,
-        /// Kind of the alarm.
-        #[param(inline)]
-        pub kind: Option<AlarmKindWord>,
-        /// True: only standing alarms; false: only the others.
-        pub standing: Option<bool>,
-        /// State of the alarm.
-        #[param(inline)]
-        pub state: Option<AlarmStateWord>,
-    }
-}
-
-/// All alarms, standing and cleared.
-#[utoipa::path(
-    get, path = "/v1/alarms", tag = "happenings", params(AlarmsQuery),
-    responses((status = 200, description = "A page of alarms", body = Page<Alarm>))
-)]
-async fn list_alarms(
-    State(app): State<App>,
-    Extension(caller): Extension<Caller>,
-    Query(query): Query<AlarmsQuery>,
-) -> Result<Json<Page<Alarm>>, Problem> {
-    let mut selection = query.page()?;
-    selection.filters.extend(caller.scope.filter("fleet"));
-    selection.is("fleet", query.fleet);
-    selection.is("robot", query.robot);
-    selection.is("\"array\"", query.array);
-    selection.is_number("whisker", query.whisker);
-    selection.is("kind", query.kind);
-    selection.is("state", query.state);
-    selection.filters.extend(query.standing.map(|standing| Filter::Is("standing", Value::Flag(standing))));
-    Ok(Json(Page::of(app.store.list(&ALARMS, &selection).await?, &selection)))
 }
