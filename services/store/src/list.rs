@@ -115,8 +115,8 @@ pub enum Filter {
     Below(&'static str, Value),
     /// The column is null (true), or is not (false).
     IsNull(&'static str, bool),
-    /// The column contains the text; capital ASCII letters count as small ones.
-    Contains(&'static str, String),
+    /// At least one of the columns contains the text, in upper or lower case.
+    Contains(&'static [&'static str], String),
     /// One of the conditions holds; none holds of an empty list.
     AnyOf(Vec<Filter>),
 }
@@ -161,6 +161,11 @@ impl Selection {
     /// Adds the condition that a column equals a number, if one is given.
     pub fn is_number(&mut self, column: &'static str, number: Option<impl Into<i64>>) {
         self.filters.extend(number.map(|number| Filter::Is(column, Value::Whole(number.into()))));
+    }
+
+    /// Adds the condition that at least one column contains a text, if one is given.
+    pub fn contains(&mut self, columns: &'static [&'static str], text: Option<impl ToString>) {
+        self.filters.extend(text.map(|text| Filter::Contains(columns, text.to_string())));
     }
 
     /// Adds a condition.
@@ -240,8 +245,13 @@ where
         Filter::IsNull(column, is_null) => {
             sql.push(*column).push(if *is_null { " IS NULL" } else { " IS NOT NULL" });
         }
-        Filter::Contains(column, text) => {
-            sql.push("lower(").push(*column).push(") LIKE ").push_bind(pattern(text)).push(" ESCAPE '!'");
+        Filter::Contains(columns, text) => {
+            let pattern = pattern(text);
+            sql.push("(false");
+            for column in *columns {
+                sql.push(" OR lower(").push(*column).push(") LIKE ").push_bind(pattern.clone()).push(" ESCAPE '!'");
+            }
+            sql.push(")");
         }
         Filter::AnyOf(filters) => {
             sql.push("(false");
@@ -254,10 +264,17 @@ where
     }
 }
 
-/// The pattern of LIKE for texts that contain this one.
+/// The pattern of LIKE for a text in lower case anywhere in a column.
 fn pattern(text: &str) -> String {
-    let escaped = text.to_ascii_lowercase().replace('!', "!!").replace('%', "!%").replace('_', "!_");
-    format!("%{escaped}%")
+    let mut pattern = String::from("%");
+    for letter in text.to_lowercase().chars() {
+        if matches!(letter, '%' | '_' | '!') {
+            pattern.push('!');
+        }
+        pattern.push(letter);
+    }
+    pattern.push('%');
+    pattern
 }
 
 /// The place of conditions within a query.

@@ -83,6 +83,10 @@ pub struct FoldedAlarm {
     guidance: AlarmGuidance,
 }
 
+/// Columns that a search looks into.
+const SEARCHED: &[&str] =
+    &["fleet", "robot", "\"array\"", "kind", "acknowledged_by", "acknowledged_reason", "shelved_reason"];
+
 /// Most words of a search.
 const WORDS_MAX: usize = 8;
 
@@ -124,7 +128,7 @@ pub struct AlarmFilter {
     /// Words that the alarm must contain, in its names, kind or comments; capital and small letters count alike.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(max_length = 200)]
-    pub search: Option<String>,
+    pub q: Option<String>,
     /// Earliest time of raising, inclusive.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, format = DateTime)]
@@ -152,7 +156,7 @@ impl AlarmFilter {
         all.extend(self.state.map(|state| Filter::Is("state", Value::Text(state.to_string()))));
         all.extend(self.open.map(|open| Filter::IsNull("shelved_until", open)));
         all.extend(between("raised_at", self.from, self.to));
-        all.extend(searched(self.search.as_deref().unwrap_or_default())?);
+        all.extend(searched(self.q.as_deref().unwrap_or_default())?);
         Ok(all)
     }
 }
@@ -165,10 +169,10 @@ fn kinds_of(level: guidance::Level) -> Vec<String> {
 /// A condition for each word of a search.
 fn searched(search: &str) -> Result<Vec<Filter>, Problem> {
     if search.chars().count() > 200 || search.split_whitespace().count() > WORDS_MAX {
-        return Err(Problem::invalid("search", format!("must have at most {WORDS_MAX} words and 200 characters")));
+        return Err(Problem::invalid("q", format!("must have at most {WORDS_MAX} words and 200 characters")));
     }
     if search.contains('\0') {
-        return Err(Problem::nul("search"));
+        return Err(Problem::nul("q"));
     }
     Ok(search.split_whitespace().map(contains).collect())
 }
@@ -177,9 +181,7 @@ fn contains(word: &str) -> Filter {
     let small = word.to_lowercase();
     let is_named = |kind: &AlarmKind| kind.label().is_some_and(|label| label.to_lowercase().contains(&small));
     let kinds = AlarmKind::all().into_iter().filter(is_named).map(|kind| kind.word().to_owned()).collect();
-    let columns = ["fleet", "robot", "\"array\"", "kind", "acknowledged_by", "acknowledged_reason", "shelved_reason"];
-    let mut any: Vec<Filter> = columns.map(|column| Filter::Contains(column, word.to_owned())).into();
-    any.push(Filter::IsOneOf("kind", kinds));
+    let mut any = vec![Filter::Contains(SEARCHED, word.to_owned()), Filter::IsOneOf("kind", kinds)];
     any.extend(word.parse::<u16>().ok().map(|number| Filter::Is("whisker", Value::Whole(number.into()))));
     Filter::AnyOf(any)
 }
@@ -215,7 +217,7 @@ macro_rules! alarms_query {
                 pub open: Option<bool>,
                 /// Words that the alarm must contain, in its names, kind or comments; capital and small letters count alike.
                 #[param(max_length = 200)]
-                pub search: Option<String>,
+                pub q: Option<String>,
                 /// Earliest time of raising, inclusive.
                 #[param(value_type = Option<String>, format = DateTime)]
                 pub from: Option<Moment>,
@@ -238,7 +240,7 @@ macro_rules! alarms_query {
                     level: self.level,
                     state: self.state,
                     open: self.open,
-                    search: self.search.clone(),
+                    q: self.q.clone(),
                     from: self.from,
                     to: self.to,
                 }
