@@ -8,10 +8,7 @@ use vibrissa_core::policy::{LongerForShorter, Mode, PolicyParams};
 use vibrissa_core::policy_numbers;
 use vibrissa_core::robot::{OperatorAction, Place, Scope};
 
-use crate::words::{Word, named};
-
-/// Kind of the action that activates a calibration.
-pub const CALIBRATION: &str = "CALIBRATION";
+use crate::words::{Severity, Word, Words, named};
 
 /// Kind of an operator's action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,6 +46,71 @@ impl ActionKind {
         Self::TouchTest,
         Self::Policy,
     ];
+}
+
+/// Kind of an action that a supervisor carries out without stepping a robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RecordedKind {
+    /// Activates a calibration.
+    Calibration,
+    /// Uploads a calibration.
+    CalibrationUpload,
+    /// Changes the list of allowed robots.
+    AllowedRobots,
+    /// Acknowledges an alarm.
+    AlarmAcknowledge,
+    /// Silences an alarm until a time.
+    AlarmShelve,
+    /// Ends the silence of an alarm.
+    AlarmUnshelve,
+    /// Acknowledges all alarms that meet conditions; each alarm has its own entry beside it.
+    AlarmsAcknowledge,
+    /// Silences all alarms that meet conditions until a time.
+    AlarmsShelve,
+    /// Ends the silence of all alarms that meet conditions.
+    AlarmsUnshelve,
+    /// Creates an API token.
+    TokenCreate,
+    /// Revokes an API token.
+    TokenRevoke,
+}
+
+/// Kind of an entry of the audit log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AuditKind {
+    /// An action that the fleet's engine executes.
+    Action(ActionKind),
+    /// Any other action.
+    Recorded(RecordedKind),
+}
+
+impl Word for AuditKind {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Action(kind) => kind.word(),
+            Self::Recorded(kind) => kind.word(),
+        }
+    }
+}
+
+impl Words for AuditKind {
+    const NAME: &'static str = "AuditKind";
+
+    fn all() -> Vec<Self> {
+        let actions = ActionKind::all().into_iter().map(Self::Action);
+        actions.chain(RecordedKind::all().into_iter().map(Self::Recorded)).collect()
+    }
+
+    fn label(self) -> Option<&'static str> {
+        match self {
+            Self::Action(kind) => kind.label(),
+            Self::Recorded(kind) => kind.label(),
+        }
+    }
+
+    fn severity(self) -> Option<Severity> {
+        None
+    }
 }
 
 /// The whisker or compensation of an action; the robot is given separately.

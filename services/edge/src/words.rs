@@ -17,7 +17,7 @@ use vibrissa_core::robot::effect::{
 use vibrissa_core::robot::event::{ArrayKind, GaugeState, Link, Rejection};
 use vibrissa_protocol::{SetpointError, SetpointReason, TouchTestKind, TouchTestReason, WhiskerCondition};
 
-use crate::actions::ActionKind;
+use crate::actions::{ActionKind, RecordedKind};
 use crate::guidance::Level;
 
 /// How urgent a word is for people.
@@ -255,6 +255,19 @@ words! {
         Rebaseline => "REBASELINE" "relearn baseline",
         TouchTest => "TOUCH_TEST" "touch test",
         Policy => "POLICY" "change the policy",
+    }
+    RecordedKind {
+        Calibration => "CALIBRATION" "activate a calibration",
+        CalibrationUpload => "CALIBRATION_UPLOAD" "upload a calibration",
+        AllowedRobots => "ALLOWED_ROBOTS" "change the allowed robots",
+        AlarmAcknowledge => "ALARM_ACKNOWLEDGE" "acknowledge an alarm",
+        AlarmShelve => "ALARM_SHELVE" "shelve an alarm",
+        AlarmUnshelve => "ALARM_UNSHELVE" "unshelve an alarm",
+        AlarmsAcknowledge => "ALARMS_ACKNOWLEDGE" "acknowledge many alarms",
+        AlarmsShelve => "ALARMS_SHELVE" "shelve many alarms",
+        AlarmsUnshelve => "ALARMS_UNSHELVE" "unshelve many alarms",
+        TokenCreate => "TOKEN_CREATE" "create a token",
+        TokenRevoke => "TOKEN_REVOKE" "revoke a token",
     }
     ArrayKind {
         Type1 => "TYPE_1" "whiskers that compensate for one another",

@@ -1,6 +1,8 @@
 //! Tokens of the REST API.
 
 use serde_json::json;
+use vibrissa_edge::actions::RecordedKind;
+use vibrissa_edge::words::Word as _;
 
 use super::actions::{NewAction, record_done};
 use super::database::on;
@@ -35,7 +37,7 @@ from_row! {
 
 /// The entry in the audit log. Tokens are created and revoked on the command line, by anyone with access to the
 /// database.
-fn audited(kind: &str, row: &TokenRow, now_us: i64) -> NewAction {
+fn audited(kind: RecordedKind, row: &TokenRow, now_us: i64) -> NewAction {
     let parameters = json!({
         "token_id": row.token_id, "name": row.name, "role": row.role, "fleets": row.fleets, "expires_at": Time(row.expires_us),
     });
@@ -46,7 +48,7 @@ fn audited(kind: &str, row: &TokenRow, now_us: i64) -> NewAction {
         whisker: None,
         compensation_id: None,
         alarm_id: None,
-        kind: kind.to_owned(),
+        kind: kind.word().to_owned(),
         parameters: parameters.to_string(),
         reason: None,
         actor: "command line".to_owned(),
@@ -69,7 +71,7 @@ impl Store {
     pub async fn add_token(&self, row: &TokenRow) -> Result<(), StoreError> {
         const WHAT: &str = "store a token";
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
-        record_done(&mut tx, &audited("TOKEN_CREATE", row, row.created_us), row.created_us).await?;
+        record_done(&mut tx, &audited(RecordedKind::TokenCreate, row, row.created_us), row.created_us).await?;
         on!(&mut tx, |tx| sqlx::query(
             "INSERT INTO api_tokens (token_id, name, role, fleets, secret_hash, created_us, created_by, expires_us) \
              VALUES ($1, $2, $3, $4, $5, $6, $7, $8)",
@@ -138,7 +140,7 @@ impl Store {
         .map(|done| done.rows_affected() > 0))
         .map_err(failed(WHAT))?;
         if is_new {
-            record_done(&mut tx, &audited("TOKEN_REVOKE", &row, now_us), now_us).await?;
+            record_done(&mut tx, &audited(RecordedKind::TokenRevoke, &row, now_us), now_us).await?;
         }
         tx.commit().await.map_err(failed(WHAT))?;
         Ok(is_new)

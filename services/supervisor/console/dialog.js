@@ -2,7 +2,8 @@
 
 import { ask, get, has, Problem } from "./api.js";
 import { h } from "./dom.js";
-import { notice, problemPanel } from "./notices.js";
+import { follower } from "./follow.js";
+import { problemPanel, report } from "./notices.js";
 
 /** Time for which a pending action is polled. */
 const PATIENCE_MS = 15_000;
@@ -11,7 +12,8 @@ const PAUSE_MS = 500;
 /**
  * Opens the dialog of an action:
  * `{ title, what: [sentences], fields: [{ name, label, hint, type, required, .. }], reason: "optional" | "required",
- * button, grave, path, method, headers, body(values) }`. `done` is called after its execution.
+ * list, button, grave, path, method, headers, body(values), moves }`. `moves` is the whisker whose pressure the action may
+ * change: its setpoint is followed to the robot's answer. `done` is called after the execution.
  */
 export function confirm(action, done) {
   const answer = h("div", { class: "answer", role: "alert" });
@@ -23,9 +25,10 @@ export function confirm(action, done) {
     button.disabled = true;
     answer.replaceChildren();
     try {
-      const words = await carryOut(action, action.body(Object.fromEntries(new FormData(event.target))), key);
+      const follow = action.moves ? await follower(action.moves) : null;
+      const isDone = await carryOut(action, action.body(Object.fromEntries(new FormData(event.target))), key);
       dialog.close();
-      notice(words);
+      tellResult(action, isDone, follow);
       done();
     } catch (problem) {
       answer.replaceChildren(problemPanel(problem));
@@ -42,6 +45,7 @@ export function confirm(action, done) {
       { onsubmit: submit },
       h("h2", { id: "dialog-title" }, action.title),
       action.what.map((sentence) => h("p", {}, sentence)),
+      action.list ?? null,
       fields.map(field),
       answer,
       h(
@@ -94,23 +98,32 @@ function keys() {
   };
 }
 
+/** Sends the action; returns whether it was executed, or is still pending. */
 async function carryOut(action, body, key) {
   const headers = { ...action.headers, "Idempotency-Key": key(body) };
   const answer = await ask(action.path, { method: action.method ?? "POST", headers, body });
   const told = await answer.json().catch(() => ({}));
-  if (told.state !== "PENDING") return `Done: ${action.title}.`;
-  return await settled(told, action);
+  return told.state !== "PENDING" || (await isSettled(told));
 }
 
 /** Polls the action: the fleet's supervisor executes it, which may not be the one that answers. */
-async function settled(told, action) {
+async function isSettled(told) {
   const until = Date.now() + PATIENCE_MS;
   while (has("GET", "/v1/actions/{}") && Date.now() < until) {
     await new Promise((resolve) => setTimeout(resolve, PAUSE_MS));
     const now = await get(`/v1/actions/${encodeURIComponent(told.action_id)}`);
-    if (now.state === "DONE") return `Done: ${action.title}.`;
+    if (now.state === "DONE") return true;
     if (now.state !== "PENDING")
       throw new Problem({ detail: now.problem ?? `Not done: ${now.state.toLowerCase()}.` });
   }
-  return `Pending: ${action.title}. The fleet's supervisor has not answered yet; see the audit log for the result.`;
+  return false;
+}
+
+/** Shows the result; for a pressure, each answer of the robot until the last one. */
+function tellResult(action, isDone, follow) {
+  const tell = report();
+  const say = (words, tone, isFinal) => tell(`${action.title}: ${words}.`, tone, isFinal);
+  if (!isDone) say("the fleet's supervisor has not answered yet, see the audit log", "warn", true);
+  else if (!follow) say("done", "good", true);
+  else follow(say).catch((problem) => say(`sent, but the robot's answer is unknown: ${problem.message}`, "warn", true));
 }

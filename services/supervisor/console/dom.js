@@ -87,4 +87,6 @@ function morph(old, next) {
   }
   for (const [type, handler] of Object.entries(next[HANDLERS] ?? {})) listen(old, type, handler);
   morphChildren(old, next);
+  // A field that shows the address follows it, unless somebody is typing.
+  if ("ofAddress" in old.dataset && old !== document.activeElement) old.value = next.value;
 }

@@ -3,6 +3,7 @@
 
 import { s } from "./dom.js";
 import { mm, mpa } from "./format.js";
+import { isUncompensated } from "./marks.js";
 import { link } from "./places.js";
 import { CONDITIONS, CONNECTIONS, FAULTS, say } from "./words.js";
 
@@ -81,12 +82,19 @@ function one(whisker) {
     }),
     s("path", { d: cone(x, whole), class: "whole" }),
     s("path", { d: cone(x, length, BASE_MM, widthAt(whisker)), class: "body" }),
+    isUncompensated(whisker) ? uncompensated(x, length) : null,
     interval(whisker),
     s("text", { x, y: -Math.max(whole, length) - 4, class: "length" }, length.toFixed(1)),
     s("text", { x, y: 9, class: "name" }, whisker.whisker),
     s("text", { x, y: 16, class: "state" }, word),
     s("text", { x, y: 22, class: "state" }, `${(whisker.pressure_mpa ?? whisker.setpoint_mpa).toFixed(3)}`),
   );
+}
+
+/** A cross on a trimmed whisker for which nobody compensates: it differs without its colour, too. */
+function uncompensated(x, length) {
+  const [y, half] = [-length / 2, 3.2];
+  return s("path", { d: `M${x - half} ${y - half}l${2 * half} ${2 * half}m0 ${-2 * half}l${-2 * half} ${2 * half}`, class: "refused" });
 }
 
 function interval({ x_mm: x, length_low_mm: low, length_high_mm: high }) {
@@ -98,6 +106,7 @@ function worst(whisker) {
   if (whisker.connection !== "ONLINE") return [say(CONNECTIONS, whisker.connection).replace("connection ", ""), "off"];
   if (whisker.fault)
     return [say(FAULTS, whisker.fault).split(":")[0].split(" ")[0], FAULTS[whisker.fault]?.[1] ?? "bad"];
+  if (whisker.condition === "TRIMMED") return isUncompensated(whisker) ? ["trimmed", "bad"] : ["compensated", "info"];
   return [say(CONDITIONS, whisker.condition).split(" ").at(-1), CONDITIONS[whisker.condition]?.[1] ?? "off"];
 }
 

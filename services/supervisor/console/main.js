@@ -1,5 +1,6 @@
 // The page: shows the view of its address, and keeps it up to date.
 
+import { pathOf } from "./address.js";
 import { learn } from "./api.js";
 import { h, morphChildren } from "./dom.js";
 import { Live } from "./live.js";
@@ -26,18 +27,21 @@ const live = new Live(
   (state) => document.getElementById("connection").replaceChildren(mark(...STATES[state])),
 );
 
+/** Whether the page of the address is shown, in whatever state (search, order). */
+const isShown = () => main.dataset.address !== undefined && pathOf(main.dataset.address) === pathOf(location.hash);
+
 async function show(isNavigation) {
-  const { page, parts } = find(location.hash);
+  const { page, parts, state } = find(location.hash);
   const number = isNavigation ? shown.number + 1 : shown.number;
   if (isNavigation) {
     shown = { number, page, parts };
     document.getElementById("nav").replaceChildren(navigation(location.hash));
-    if (main.dataset.address !== location.hash) main.setAttribute("aria-busy", "true");
+    if (!isShown()) main.setAttribute("aria-busy", "true");
   }
   let content;
   try {
     await learn();
-    const data = await page.load(parts);
+    const data = await page.load(parts, state);
     content = page.view(data, parts, refresh);
     live.told(true);
   } catch (problem) {
@@ -61,7 +65,7 @@ function failed(problem, isNavigation) {
 
 function put(content, isNavigation) {
   const next = h("main", {}, content);
-  const isSameAddress = main.dataset.address === location.hash;
+  const isSameAddress = isShown();
   const hadFocus = main.contains(document.activeElement);
   if (isSameAddress) morphChildren(main, next);
   else main.replaceChildren(...next.childNodes);

@@ -6,14 +6,27 @@ const SHOWN_MS = 12_000;
 
 /** Shows a message for a while; screen readers announce it. */
 export function notice(words) {
+  report()(words, "good", true);
+}
+
+/**
+ * Shows a message that changes: returns `tell(words, tone, isFinal)`. The message disappears a while after its final
+ * words, unless they are bad news: those stay until they are dismissed.
+ */
+export function report() {
   const close = h(
     "button",
     { type: "button", class: "quiet", "aria-label": "Dismiss the message", onclick: () => shown.remove() },
     "\u00d7",
   );
-  const shown = h("div", { class: "notice" }, h("span", {}, words), close);
+  const told = h("span", {});
+  const shown = h("div", { class: "notice" }, told, close);
   document.getElementById("notices").append(shown);
-  setTimeout(() => shown.remove(), SHOWN_MS);
+  return (words, tone, isFinal) => {
+    told.textContent = words;
+    shown.className = `notice ${tone}`;
+    if (isFinal && tone !== "bad") setTimeout(() => shown.remove(), SHOWN_MS);
+  };
 }
 
 /** A problem with the service's texts, and the request ID for its log. */

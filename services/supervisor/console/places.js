@@ -1,5 +1,6 @@
 // Addresses within the page, and paths of the API.
 
+import { address } from "./address.js";
 import { path } from "./api.js";
 
 const part = encodeURIComponent;
@@ -11,6 +12,9 @@ export const link = {
   robot: ({ fleet, robot }) => `#/fleets/${part(fleet)}/robots/${part(robot)}`,
   whisker: ({ fleet, robot, array, whisker }) =>
     `${link.robot({ fleet, robot })}/arrays/${part(array)}/whiskers/${whisker}`,
+  whiskers: (state = {}) => address("/whiskers", state),
+  compensations: (state = {}) => address("/compensations", state),
+  audit: (state = {}) => address("/audit", state),
   compensation: (id) => `#/compensations/${part(id)}`,
   policy: (fleet) => `#/policy/${part(fleet)}`,
 };
@@ -21,6 +25,9 @@ export const api = {
   robot: ({ fleet, robot }) => path`/v1/fleets/${fleet}/robots/${robot}`,
   whisker: ({ fleet, robot, array, whisker }) =>
     path`/v1/fleets/${fleet}/robots/${robot}/arrays/${array}/whiskers/${whisker}`,
+  whiskers: (state = {}) => address("/whiskers", state),
+  compensations: (state = {}) => address("/compensations", state),
+  audit: (state = {}) => address("/audit", state),
   compensation: (id) => path`/v1/compensations/${id}`,
   alarm: (id) => path`/v1/alarms/${id}`,
   policy: (fleet) => path`/v1/fleets/${fleet}/policy`,

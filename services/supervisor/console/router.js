@@ -1,22 +1,27 @@
 // Addresses within the page, and their views.
 
+import { pathOf, stateOf } from "./address.js";
 import { h } from "./dom.js";
 import alarms from "./pages/alarms.js";
 import audit from "./pages/audit.js";
 import compensation from "./pages/compensation.js";
+import compensations from "./pages/compensations.js";
 import fleet from "./pages/fleet.js";
 import fleets from "./pages/fleets.js";
 import nowhere from "./pages/nowhere.js";
 import policy from "./pages/policy.js";
 import robot from "./pages/robot.js";
 import whisker from "./pages/whisker.js";
+import whiskers from "./pages/whiskers.js";
 
 const PAGES = [
   ["fleets", fleets],
   ["fleets/:fleet", fleet],
   ["fleets/:fleet/robots/:robot", robot],
   ["fleets/:fleet/robots/:robot/arrays/:array/whiskers/:whisker", whisker],
+  ["whiskers", whiskers],
   ["alarms", alarms],
+  ["compensations", compensations],
   ["compensations/:id", compensation],
   ["audit", audit],
   ["policy", policy],
@@ -26,19 +31,22 @@ const PAGES = [
 const MAIN = [
   ["Fleets", "#/fleets", "fleets"],
   ["Alarms", "#/alarms", "alarms"],
+  ["Whiskers", "#/whiskers", "whiskers"],
+  ["Compensations", "#/compensations", "compensations"],
   ["Policy", "#/policy", "policy"],
   ["Audit", "#/audit", "audit"],
 ];
 
-/** The view of an address, and its parameters by name. */
+/** The view of an address, its parameters by name, and its state (search, filters, order). */
 export function find(hash) {
-  const told = hash.replace(/^#?\/?/, "").split("/");
-  if (told[0] === "") return { page: fleets, parts: {} };
+  const told = pathOf(hash).replace(/^\/?/, "").split("/");
+  const state = stateOf(hash);
+  if (told[0] === "") return { page: fleets, parts: {}, state };
   for (const [pattern, page] of PAGES) {
     const parts = match(pattern.split("/"), told);
-    if (parts) return { page, parts };
+    if (parts) return { page, parts, state };
   }
-  return { page: nowhere, parts: {} };
+  return { page: nowhere, parts: {}, state };
 }
 
 function match(pattern, told) {
@@ -61,8 +69,9 @@ function decoded(part) {
 
 /** Links to the main pages; the present one is marked. */
 export function navigation(hash) {
-  const first = hash.replace(/^#?\/?/, "").split("/")[0] || "fleets";
-  const current = (target, address) => (target !== first ? null : address === hash ? "page" : "true");
+  const path = pathOf(hash);
+  const first = path.replace(/^\/?/, "").split("/")[0] || "fleets";
+  const current = (target, address) => (target !== first ? null : pathOf(address) === path ? "page" : "true");
   const item = ([words, address, target]) =>
     h("li", {}, h("a", { href: address, "aria-current": current(target, address) }, words));
   return h("ul", {}, MAIN.map(item));

@@ -3,12 +3,13 @@
 import { h } from "./dom.js";
 
 /**
- * A table. `columns` are `{ name, cell(row), numeric, head }`; a row's `head` cell names it. Without rows, `empty` is
- * shown instead.
+ * A table. `columns` are `{ name, cell(row), numeric, head }`; a row's `head` cell names it. `heading` of a column,
+ * `{ content, order }`, replaces its name. Without rows, `empty` is shown instead.
  */
 export function table({ caption, columns, rows, empty, key }) {
   if (!rows.length) return h("p", { class: "empty" }, empty);
-  const heading = (column) => h("th", { scope: "col", class: column.numeric ? "number" : null }, column.name);
+  const heading = ({ name, numeric, heading: told }) =>
+    h("th", { scope: "col", class: numeric ? "number" : null, "aria-sort": told?.order }, told?.content ?? name);
   const cell = (column, row) => {
     const attributes = { class: column.numeric ? "number" : null };
     return column.head

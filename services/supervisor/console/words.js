@@ -8,6 +8,7 @@ import * as declared from "./declared.js";
 export {
   ALARM_KINDS,
   ARRAY_TYPES,
+  AUDIT_KINDS,
   CASES,
   END_REASONS,
   LONGER_FOR_SHORTER,
@@ -39,15 +40,28 @@ export const SETPOINT_STATES = marked(declared.SETPOINT_STATES, { EXPIRED: "cloc
 
 export const TEST_STATES = marked(declared.TEST_STATES, { EXPIRED: "clock" });
 
+/** Why a robot rejects a setpoint. */
+export const SETPOINT_ERRORS = {
+  NOT_READY: "the robot cannot change the pressure at the moment",
+  STALE: "the robot has a newer setpoint",
+  EXPIRED: "the setpoint reached the robot too late",
+  UNKNOWN_WHISKER: "the robot has no such whisker",
+  WRONG_BOOT: "the robot has restarted since the setpoint",
+  OUT_OF_RANGE: "the pressure is out of the robot's range",
+};
+
 /** Why a robot rejects a touch test. */
 export const TEST_ERRORS = {
+  ...SETPOINT_ERRORS,
   NOT_READY: "the robot cannot do it at the moment",
   STALE: "the robot has a newer request or setpoint",
   EXPIRED: "the request reached the robot too late",
-  UNKNOWN_WHISKER: "the robot has no such whisker",
   WRONG_BOOT: "the robot has restarted since the request",
   OUT_OF_RANGE: "the request is out of the robot's range",
 };
+
+/** How soon somebody must act on an alarm, the least urgent first. */
+export const ALARM_LEVELS = marked(declared.ALARM_LEVELS, { WARNING: "slope", URGENT: "diamond", CRITICAL: "cross" });
 
 export const ALARM_STATES = {
   UNACKNOWLEDGED: ["not acknowledged", "bad", "bell"],
@@ -69,13 +83,6 @@ export const ACTION_STATES = {
   DONE: ["done", "good", "tick"],
   REFUSED: ["refused", "bad", "cross"],
   EXPIRED: ["expired", "warn", "clock"],
-};
-
-export const ACTION_KINDS = {
-  ...declared.ACTION_KINDS,
-  ACKNOWLEDGE: "acknowledge an alarm",
-  SHELVE: "shelve an alarm",
-  UNSHELVE: "unshelve an alarm",
 };
 
 /** The words for one of the API's words. */

@@ -8,7 +8,7 @@ use crate::stage::Stage;
 
 /// Numbers all usable elements and counts them.
 const NUMBER: &str = "[...document.querySelectorAll('a[href], button, input, select, textarea, summary')] \
-    .filter((one) => one.getClientRects().length && !one.disabled) \
+    .filter((one) => one.getClientRects().length && one.checkVisibility() && !one.disabled) \
     .map((one, index) => (one.numbered = index)).length";
 /// Number of the focused element, and whether the focus is visible.
 const FOCUSED: &str = "(() => { const one = document.activeElement; \

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod browser;
+mod browsing;
 mod checks;
+mod following;
 mod stage;
 mod touch_tests;
 

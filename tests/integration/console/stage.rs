@@ -121,6 +121,8 @@ impl Stage {
             ("fleet", "fleets/f"),
             ("robot", "fleets/f/robots/r"),
             ("whisker", "fleets/f/robots/r/arrays/left/whiskers/0"),
+            ("whiskers", "whiskers"),
+            ("compensations", "compensations"),
             ("compensation", &format!("compensations/{decision}")),
             ("alarms", "alarms"),
             ("policy", "policy"),

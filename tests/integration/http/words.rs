@@ -6,7 +6,7 @@ use vibrissa_core::robot::effect::{
     AlarmKind, CommandState, Condition, EndReason, Fault, RefinementOutcome, TestKind, TestReason, TestState,
 };
 use vibrissa_core::robot::event::Link;
-use vibrissa_edge::actions::ActionKind;
+use vibrissa_edge::actions::AuditKind;
 use vibrissa_edge::words::Words;
 
 use crate::document::Document;
@@ -53,7 +53,7 @@ async fn filters_and_console_have_each_word() {
         ("TEST_REASONS", words::<TestReason>()),
         ("LOOKS", words::<RefinementOutcome>()),
         ("ALARM_KINDS", words::<AlarmKind>()),
-        ("ACTION_KINDS", words::<ActionKind>()),
+        ("AUDIT_KINDS", words::<AuditKind>()),
     ];
     for (list, words) in lists {
         let start = format!("export const {list} = ");

@@ -206,6 +206,8 @@ sorts! {
     pub enum CompensationSort {
         /// By time of the decision.
         DecidedAt = "decided_at" Whole Down,
+        /// By name of the robot.
+        Robot = "robot" Text Up,
         /// By number of the compensation.
         CompensationId = "compensation_id" Whole Up,
     }

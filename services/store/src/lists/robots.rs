@@ -119,6 +119,16 @@ sorts! {
         Attention = "attention" Whole Down,
         /// By name of the robot.
         Robot = "robot" Text Up,
+        /// By connection state.
+        Connection = "connection" Text Up,
+        /// By number of whiskers.
+        Whiskers = "whiskers" Whole Down,
+        /// By number of trimmed whiskers.
+        WhiskersTrimmed = "whiskers_trimmed" Whole Down,
+        /// By number of trimmed whiskers without a compensation in force.
+        WhiskersUncompensated = "whiskers_uncompensated" Whole Down,
+        /// By number of standing alarms.
+        Alarms = "alarms" Whole Down,
         /// By the order in which they became known.
         RobotId = "robot_id" Whole Up,
     }

@@ -88,6 +88,10 @@ sorts! {
     pub enum WhiskerSort {
         /// By the order in which they became known.
         WhiskerId = "whisker_id" Whole Up,
+        /// By name of the robot.
+        Robot = "robot" Text Up,
+        /// By mechanical condition.
+        Condition = "condition" Text Up,
         /// By estimated length.
         LengthMm = "length_mm" Real Up,
         /// By number of contacts that were used.

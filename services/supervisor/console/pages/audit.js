@@ -1,46 +1,64 @@
 // The actions that people requested, and their results.
 
-import { ifServed, list } from "../api.js";
+import { has } from "../api.js";
+import { browser, optionsOf } from "../browse.js";
 import { h } from "../dom.js";
-import { time } from "../format.js";
+import { mpa, time } from "../format.js";
 import { markOf } from "../marks.js";
+import { fleetFilter, fleetsOf } from "../parts/fleets.js";
 import { link } from "../places.js";
-import { table } from "../table.js";
-import { ACTION_KINDS, ACTION_STATES, say } from "../words.js";
+import { ACTION_STATES, AUDIT_KINDS, say } from "../words.js";
 
-const ROWS = 200;
+const audit = (fleets) =>
+  browser({
+    route: "/v1/audit",
+    what: "actions",
+    search: "robot, actor, reason ...",
+    filters: [
+      ...fleetFilter(fleets),
+      { name: "kind", label: "Action", options: optionsOf(AUDIT_KINDS) },
+      { name: "state", label: "Result", options: optionsOf(ACTION_STATES) },
+    ],
+  });
+
+const COLUMNS = [
+  {
+    name: "Time",
+    sort: "action_id",
+    descends: true,
+    isDefault: true,
+    head: true,
+    cell: (row) => time(row.asked_at),
+  },
+  { name: "Actor", cell: (row) => row.actor },
+  { name: "Action", cell: (row) => [say(AUDIT_KINDS, row.kind), details(row.parameters)] },
+  { name: "Subject", cell: subject },
+  {
+    name: "Result",
+    cell: (row) =>
+      h("span", { class: "marks" }, markOf(ACTION_STATES, row.state), row.problem ? h("span", {}, row.problem) : null),
+  },
+  { name: "Reason", cell: (row) => row.reason ?? "\u2013" },
+];
 
 export default {
-  load: () => ifServed("/v1/audit", () => list("/v1/audit", { limit: ROWS })),
+  async load(_, state) {
+    if (!has("GET", "/v1/audit")) return null;
+    const fleets = await fleetsOf();
+    return { fleets, page: await audit(fleets).load(state) };
+  },
 
-  view(actions) {
+  view(data) {
     const heading = h("h1", { tabindex: "-1" }, "Audit");
-    if (!actions) return [heading, h("p", { class: "empty" }, "This service offers no actions.")];
+    if (!data) return [heading, h("p", { class: "empty" }, "This service offers no actions.")];
     return [
       heading,
-      h("p", { class: "summary" }, `Requested actions, the newest first; at most ${ROWS}.`),
-      table({
+      h("p", { class: "summary" }, "The actions that people requested, and their results."),
+      audit(data.fleets).view(data.page, {
         caption: "Actions",
-        rows: actions,
+        columns: COLUMNS,
         key: (row) => `action-${row.action_id}`,
         empty: "No actions yet.",
-        columns: [
-          { name: "Time", head: true, cell: (row) => time(row.asked_at) },
-          { name: "Actor", cell: (row) => row.actor ?? "\u2013" },
-          { name: "Action", cell: (row) => [say(ACTION_KINDS, row.kind), details(row.parameters)] },
-          { name: "Subject", cell: subject },
-          {
-            name: "Result",
-            cell: (row) =>
-              h(
-                "span",
-                { class: "marks" },
-                markOf(ACTION_STATES, row.state),
-                row.problem ? h("span", {}, row.problem) : null,
-              ),
-          },
-          { name: "Reason", cell: (row) => row.reason ?? "\u2013" },
-        ],
       }),
     ];
   },

@@ -1,26 +1,63 @@
 // A fleet with its robots, those that need attention first.
 
-import { get, has, list } from "../api.js";
+import { get, has } from "../api.js";
+import { browser, optionsOf } from "../browse.js";
 import { h } from "../dom.js";
 import { count, time } from "../format.js";
 import { markOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
 import { proposals, proposalsOf } from "../parts/proposals.js";
-import { table, trail } from "../table.js";
+import { trail } from "../table.js";
 import { CONNECTIONS } from "../words.js";
 import { health, supervision } from "./fleets.js";
 
+const robots = browser({
+  route: "/v1/robots",
+  what: "robots",
+  search: "robot or model",
+  filters: [
+    { name: "connection", label: "Connection", options: optionsOf(CONNECTIONS) },
+    {
+      name: "attention",
+      label: "Attention",
+      options: [
+        ["true", "needed"],
+        ["false", "not needed"],
+      ],
+    },
+  ],
+});
+
+const COLUMNS = [
+  { name: "Robot", sort: "robot", head: true, cell: (row) => h("a", { href: link.robot(row) }, row.robot) },
+  { name: "Connection", sort: "connection", cell: (row) => markOf(CONNECTIONS, row.connection) },
+  {
+    name: "Needs attention",
+    sort: "attention",
+    descends: true,
+    isDefault: true,
+    cell: (row) => h("span", { class: "marks" }, health(row)),
+  },
+  {
+    name: "Whiskers",
+    sort: "whiskers",
+    descends: true,
+    cell: (row) => `${row.whiskers_healthy} of ${row.whiskers} healthy, in ${count(row.arrays, "array")}`,
+  },
+  { name: "Last message", cell: (row) => time(row.updated_at) },
+];
+
 export default {
-  async load({ fleet }) {
-    const [about, robots, waiting] = await Promise.all([
+  async load({ fleet }, state) {
+    const [about, page, waiting] = await Promise.all([
       get(api.fleet(fleet)),
-      list("/v1/robots", { fleet, sort: "attention", order: "descending" }),
+      robots.load(state, { fleet }),
       proposalsOf({ fleet }),
     ]);
-    return { about, robots, waiting };
+    return { about, page, waiting };
   },
 
-  view({ about, robots, waiting }, { fleet }, refresh) {
+  view({ about, page, waiting }, { fleet }, refresh) {
     return [
       trail(["Fleets", link.fleets()]),
       h("h1", { tabindex: "-1" }, `Fleet ${fleet}`),
@@ -30,23 +67,19 @@ export default {
         {},
         `${count(about.robots, "robot")}, ${about.robots_online} online; ${count(about.whiskers, "whisker")}, ${about.whiskers_healthy} healthy.`,
       ),
-      has("GET", ROUTES.policy) ? h("p", {}, h("a", { href: link.policy(fleet) }, "Policy")) : null,
+      h(
+        "p",
+        { class: "links" },
+        h("a", { href: link.whiskers({ fleet }) }, "Whiskers"),
+        h("a", { href: link.compensations({ fleet }) }, "Compensations"),
+        has("GET", ROUTES.policy) ? h("a", { href: link.policy(fleet) }, "Policy") : null,
+      ),
       proposals(waiting, refresh),
-      table({
-        caption: "Robots, those that need attention first",
-        rows: robots,
+      robots.view(page, {
+        caption: "Robots",
+        columns: COLUMNS,
         key: (row) => `robot-${row.robot}`,
         empty: "No robot of this fleet is known yet.",
-        columns: [
-          { name: "Robot", head: true, cell: (row) => h("a", { href: link.robot(row) }, row.robot) },
-          { name: "Connection", cell: (row) => markOf(CONNECTIONS, row.connection) },
-          { name: "Needs attention", cell: (row) => h("span", { class: "marks" }, health(row)) },
-          {
-            name: "Whiskers",
-            cell: (row) => `${row.whiskers_healthy} of ${row.whiskers} healthy, in ${count(row.arrays, "array")}`,
-          },
-          { name: "Last message", cell: (row) => time(row.updated_at) },
-        ],
       }),
     ];
   },

@@ -27,7 +27,9 @@ export default {
 
   view({ about, whiskers, decisions, tests }, { fleet, robot }, refresh) {
     const waiting = decisions.filter((one) => one.approval === "PROPOSED");
-    const running = decisions.filter((one) => one.approval !== "PROPOSED");
+    const decided = decisions.filter((one) => one.approval !== "PROPOSED");
+    const running = decided.filter((one) => one.compensator_whisker !== null);
+    const without = decided.filter((one) => one.compensator_whisker === null);
     const arrays = Map.groupBy(whiskers, (whisker) => whisker.array);
     const actions = robotActions(about, refresh);
     return [
@@ -44,6 +46,12 @@ export default {
       proposedTests(tests),
       whiskers.length ? null : h("p", { class: "empty" }, "The robot has not sent a factsheet yet."),
       [...arrays].map(([array, row]) => arrayPart(array, row, running)),
+      without.length
+        ? section(
+            "Trimmed, not compensated",
+            decisionsTable(without, "Decisions that found no compensator", ""),
+          )
+        : null,
       section(
         "Active compensations",
         decisionsTable(running, "Active compensations", "No active compensations."),

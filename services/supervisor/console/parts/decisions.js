@@ -26,39 +26,33 @@ export function standing(row) {
   return row.setpoint_state ? markOf(SETPOINT_STATES, row.setpoint_state) : mark("active", "good", "circle");
 }
 
+/** The columns of a table of decisions. */
+export function decisionColumns() {
+  return [
+    {
+      name: "Decision",
+      head: true,
+      cell: (row) => h("a", { href: link.compensation(row.compensation_id) }, `${row.array} ${row.target_whisker}`),
+    },
+    { name: "Decided", sort: "decided_at", descends: true, isDefault: true, cell: (row) => time(row.decided_at) },
+    { name: "Compensator", cell: (row) => server(row) },
+    {
+      name: "Pressure",
+      numeric: true,
+      cell: (row) =>
+        row.pressure_mpa === null
+          ? "\u2013"
+          : `${mpa(row.pressure_before_mpa)} \u2192 ${mpa(row.held_pressure_mpa ?? row.pressure_mpa)}`,
+    },
+    { name: "Predicted error", numeric: true, cell: (row) => error(row, "predicted_error") },
+    { name: "Measured error", numeric: true, cell: (row) => error(row, "measured_error") },
+    { name: "State", cell: standing },
+  ];
+}
+
 /** Decisions, the newest first. */
 export function decisionsTable(rows, caption, empty) {
-  return table({
-    caption,
-    rows,
-    empty,
-    key: (row) => `decision-${row.compensation_id}`,
-    columns: [
-      {
-        name: "Decision",
-        head: true,
-        cell: (row) =>
-          h(
-            "a",
-            { href: link.compensation(row.compensation_id) },
-            `${row.array} ${row.target_whisker}, no. ${row.compensation_id}`,
-          ),
-      },
-      { name: "Decided", cell: (row) => time(row.decided_at) },
-      { name: "Compensator", cell: (row) => server(row) },
-      {
-        name: "Pressure",
-        numeric: true,
-        cell: (row) =>
-          row.pressure_mpa === null
-            ? "\u2013"
-            : `${mpa(row.pressure_before_mpa)} \u2192 ${mpa(row.held_pressure_mpa ?? row.pressure_mpa)}`,
-      },
-      { name: "Predicted error", numeric: true, cell: (row) => error(row, "predicted_error") },
-      { name: "Measured error", numeric: true, cell: (row) => error(row, "measured_error") },
-      { name: "State", cell: standing },
-    ],
-  });
+  return table({ caption, rows, empty, key: (row) => `decision-${row.compensation_id}`, columns: decisionColumns() });
 }
 
 /** The compensator of a decision, and the case. */

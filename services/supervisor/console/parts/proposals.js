@@ -7,11 +7,13 @@ import { interval, mpa, percent } from "../format.js";
 import { link } from "../places.js";
 import { section } from "../table.js";
 
+/** Most proposals that a page shows. */
+const SHOWN_MAX = 20;
+
 /** Waiting proposals of a fleet or a robot; empty if the service has no approvals. */
 export async function proposalsOf(where) {
   if (!has("POST", "/v1/compensations/{}/approve")) return [];
-  const rows = await list("/v1/compensations", { ...where, active: true });
-  return rows.filter((row) => row.approval === "PROPOSED");
+  return list("/v1/compensations", { ...where, active: true, approval: "PROPOSED", limit: SHOWN_MAX + 1 });
 }
 
 /** The section of waiting proposals with their buttons; null without proposals. */
@@ -22,8 +24,11 @@ export function proposals(rows, refresh) {
     h(
       "ul",
       { class: "cards" },
-      rows.map((row) => proposal(row, refresh)),
+      rows.slice(0, SHOWN_MAX).map((row) => proposal(row, refresh)),
     ),
+    rows.length > SHOWN_MAX
+      ? h("p", {}, h("a", { href: link.compensations({ approval: "PROPOSED", active: "true" }) }, "All proposals"))
+      : null,
   );
 }
 

@@ -7,7 +7,7 @@ use tracing::info;
 use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::{ActionProblem, Event, OperatorAction, Outcome, Params, Place};
 use vibrissa_core::units::Micros;
-use vibrissa_edge::actions::{self, ActionKind, CALIBRATION, PolicyChange, Request, Subject};
+use vibrissa_edge::actions::{self, ActionKind, PolicyChange, RecordedKind, Request, Subject};
 use vibrissa_edge::ids::command_id;
 use vibrissa_edge::words::{Word, named};
 use vibrissa_protocol::Name;
@@ -67,7 +67,7 @@ impl Execution<'_> {
         self.shards.set_action(None);
         let kind = match named::<ActionKind>(&action.kind) {
             Some(kind) => kind.word(),
-            None if action.kind == CALIBRATION => CALIBRATION,
+            None if action.kind == RecordedKind::Calibration.word() => RecordedKind::Calibration.word(),
             None => "UNKNOWN",
         };
         self.metrics.actions.count([kind, state]);
@@ -91,7 +91,7 @@ impl Execution<'_> {
         let whisker =
             action.whisker.map(u16::try_from).transpose().map_err(|_| refused(ActionProblem::UnknownWhisker))?;
         let subject = Subject { array: action.array.as_deref(), whisker, compensation };
-        if action.kind == CALIBRATION {
+        if action.kind == RecordedKind::Calibration.word() {
             return self.change_calibration(action);
         }
         let request = actions::request(&action.kind, &action.parameters, subject);

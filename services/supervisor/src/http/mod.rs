@@ -25,6 +25,7 @@ mod parse_error;
 pub mod passage;
 pub mod problem;
 pub mod runbooks;
+pub mod search;
 pub mod server;
 pub mod streams;
 pub mod words;

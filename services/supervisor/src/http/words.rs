@@ -12,6 +12,7 @@ use vibrissa_core::mechanics::Objective;
 use vibrissa_core::policy::{Case, LongerForShorter, Mode};
 use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition, TestState};
 use vibrissa_core::robot::event::Link;
+use vibrissa_edge::actions::AuditKind;
 use vibrissa_edge::guidance::Level;
 use vibrissa_edge::words::{Word, Words, named};
 
@@ -29,6 +30,8 @@ pub type CaseWord = OneOf<Case>;
 pub type SetpointStateWord = OneOf<CommandState>;
 /// Progress of a touch test.
 pub type TestStateWord = OneOf<TestState>;
+/// Kind of an entry of the audit log.
+pub type AuditKindWord = OneOf<AuditKind>;
 /// How soon somebody must act on an alarm.
 pub type LevelWord = OneOf<Level>;
 /// Kind of alarm.

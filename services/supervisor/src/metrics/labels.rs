@@ -11,7 +11,7 @@ use vibrissa_protocol::RobotTopic;
 
 use super::kinds::{Labels, Word};
 use crate::births::BirthCause;
-use vibrissa_edge::actions::CALIBRATION;
+use vibrissa_edge::actions::RecordedKind;
 use vibrissa_store::RejectionCause;
 
 /// Case of a decision that found no compensator.
@@ -105,7 +105,7 @@ pub(super) const ALARM: Labels<1> = by_one("kind", all::<AlarmKind>);
 pub(super) const ACTION: Labels<2> = Labels {
     names: ["kind", "state"],
     values: || {
-        let kinds = ActionKind::ALL.map(ActionKind::word).into_iter().chain([CALIBRATION]);
+        let kinds = ActionKind::ALL.map(ActionKind::word).into_iter().chain([RecordedKind::Calibration.word()]);
         kinds.flat_map(|kind| ["DONE", "REFUSED", "EXPIRED"].map(|state| [kind, state])).collect()
     },
 };

@@ -13,7 +13,9 @@ use serde_json::json;
 use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
+use vibrissa_edge::actions::RecordedKind;
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::words::Word as _;
 use vibrissa_store::alarms::{AlarmSubject, Said};
 use vibrissa_store::lists::actions::ActionRow;
 use vibrissa_store::time::Time;
@@ -77,11 +79,11 @@ async fn say(
     why: Option<String>,
 ) -> Result<Response, Problem> {
     let (kind, parameters) = match said {
-        Said::Acknowledged => ("ALARM_ACKNOWLEDGE", json!({})),
-        Said::Shelved { until_us } => ("ALARM_SHELVE", json!({ "until": Time(until_us) })),
-        Said::Unshelved => ("ALARM_UNSHELVE", json!({})),
+        Said::Acknowledged => (RecordedKind::AlarmAcknowledge, json!({})),
+        Said::Shelved { until_us } => (RecordedKind::AlarmShelve, json!({ "until": Time(until_us) })),
+        Said::Unshelved => (RecordedKind::AlarmUnshelve, json!({})),
     };
-    let mut action = asker.action(kind, &parameters, reason(why)?);
+    let mut action = asker.action(kind.word(), &parameters, reason(why)?);
     action.fleet = Some(subject.fleet.clone());
     action.robot = Some(subject.robot.clone());
     action.array.clone_from(&subject.array);

@@ -16,6 +16,7 @@ use crate::http::extract::Query;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
+use crate::http::search::Search;
 use crate::http::words::{AlarmKindWord, AlarmStateWord, LevelWord, OneOf};
 use vibrissa_core::robot::effect::AlarmKind;
 use vibrissa_store::list::{Filter, Value};
@@ -70,6 +71,16 @@ impl Alarm {
     pub(super) fn of(row: AlarmRow, app: &App) -> Self {
         Self { guidance: AlarmGuidance::of(&row.kind, app), row }
     }
+}
+
+/// Number of alarms of a kind in a fleet, with the level of the kind.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct AlarmsOfKind {
+    #[serde(flatten)]
+    count: AlarmCount,
+    /// How soon somebody must act.
+    #[schema(inline)]
+    level: LevelWord,
 }
 
 /// A standing alarm, or a storm of them, with guidance.
@@ -127,8 +138,8 @@ pub struct AlarmFilter {
     pub open: Option<bool>,
     /// Words that the alarm must contain, in its names, kind or comments; capital and small letters count alike.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(max_length = 200)]
-    pub q: Option<String>,
+    #[schema(value_type = Option<String>, min_length = 1, max_length = 100)]
+    pub q: Option<Search>,
     /// Earliest time of raising, inclusive.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, format = DateTime)]
@@ -143,7 +154,7 @@ impl AlarmFilter {
     /// The conditions for the database, limited to the caller's fleets.
     ///
     /// # Errors
-    /// The search is too long, or contains a NUL character.
+    /// The search has too many words, or contains a NUL character.
     pub(super) fn conditions(self, scope: &Scope) -> Result<Vec<Filter>, Problem> {
         let text = |column, name: Option<Name>| name.map(|name| Filter::Is(column, Value::Text(name.to_string())));
         let mut all: Vec<Filter> = scope.filter("fleet").into_iter().collect();
@@ -156,7 +167,7 @@ impl AlarmFilter {
         all.extend(self.state.map(|state| Filter::Is("state", Value::Text(state.to_string()))));
         all.extend(self.open.map(|open| Filter::IsNull("shelved_until", open)));
         all.extend(between("raised_at", self.from, self.to));
-        all.extend(searched(self.q.as_deref().unwrap_or_default())?);
+        all.extend(searched(&self.q.map(|q| q.to_string()).unwrap_or_default())?);
         Ok(all)
     }
 }
@@ -168,8 +179,8 @@ fn kinds_of(level: guidance::Level) -> Vec<String> {
 
 /// A condition for each word of a search.
 fn searched(search: &str) -> Result<Vec<Filter>, Problem> {
-    if search.chars().count() > 200 || search.split_whitespace().count() > WORDS_MAX {
-        return Err(Problem::invalid("q", format!("must have at most {WORDS_MAX} words and 200 characters")));
+    if search.split_whitespace().count() > WORDS_MAX {
+        return Err(Problem::invalid("q", format!("must have at most {WORDS_MAX} words")));
     }
     if search.contains('\0') {
         return Err(Problem::nul("q"));
@@ -216,8 +227,8 @@ macro_rules! alarms_query {
                 /// True: only alarms that are not shelved; false: only shelved ones.
                 pub open: Option<bool>,
                 /// Words that the alarm must contain, in its names, kind or comments; capital and small letters count alike.
-                #[param(max_length = 200)]
-                pub q: Option<String>,
+                #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
+                pub q: Option<Search>,
                 /// Earliest time of raising, inclusive.
                 #[param(value_type = Option<String>, format = DateTime)]
                 pub from: Option<Moment>,
@@ -310,14 +321,15 @@ async fn list_folded_alarms(
 /// Numbers of standing alarms by fleet and kind.
 #[utoipa::path(
     get, path = "/v1/alarms/counts", tag = "happenings", params(AlarmCountsQuery),
-    responses((status = 200, description = "A page of counts", body = Page<AlarmCount>))
+    responses((status = 200, description = "A page of counts", body = Page<AlarmsOfKind>))
 )]
 async fn count_alarms(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     Query(query): Query<AlarmCountsQuery>,
-) -> Result<Json<Page<AlarmCount>>, Problem> {
+) -> Result<Json<Page<AlarmsOfKind>>, Problem> {
     let mut selection = query.page()?;
     selection.filters = query.filter().conditions(&caller.scope)?;
-    Ok(Json(Page::of(app.store.list(&COUNTS, &selection).await?, &selection)))
+    let page = Page::of(app.store.list::<AlarmCount>(&COUNTS, &selection).await?, &selection);
+    Ok(Json(page.map(|count| AlarmsOfKind { level: AlarmGuidance::of(&count.kind, &app).level, count })))
 }

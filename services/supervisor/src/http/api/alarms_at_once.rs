@@ -7,6 +7,8 @@ use serde_json::{Value, json};
 use utoipa::ToSchema;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
+use vibrissa_edge::actions::RecordedKind;
+use vibrissa_edge::words::Word;
 use vibrissa_store::alarms::Said;
 use vibrissa_store::alarms_at_once::AT_ONCE_MAX;
 use vibrissa_store::list::{Filter, Value as Sql};
@@ -101,11 +103,13 @@ struct Request {
 }
 
 /// Name of the action for the whole request, of that for each alarm, and parameters of both.
-fn kinds(said: Said) -> (&'static str, &'static str, Value) {
+fn kinds(said: Said) -> (RecordedKind, RecordedKind, Value) {
     match said {
-        Said::Acknowledged => ("ALARMS_ACKNOWLEDGE", "ALARM_ACKNOWLEDGE", json!({})),
-        Said::Shelved { until_us } => ("ALARMS_SHELVE", "ALARM_SHELVE", json!({ "until": Time(until_us) })),
-        Said::Unshelved => ("ALARMS_UNSHELVE", "ALARM_UNSHELVE", json!({})),
+        Said::Acknowledged => (RecordedKind::AlarmsAcknowledge, RecordedKind::AlarmAcknowledge, json!({})),
+        Said::Shelved { until_us } => {
+            (RecordedKind::AlarmsShelve, RecordedKind::AlarmShelve, json!({ "until": Time(until_us) }))
+        }
+        Said::Unshelved => (RecordedKind::AlarmsUnshelve, RecordedKind::AlarmUnshelve, json!({})),
     }
 }
 
@@ -128,9 +132,9 @@ async fn say(app: &App, asker: Asker, request: Request) -> Result<Json<AlarmsCha
         let changed = AlarmsChanged { dry_run: true, alarms, more, newest_alarm_id, action_id: None, items };
         return Ok(Json(changed));
     }
-    let mut each = asker.clone().action(of_each, &parameters, reason.clone());
+    let mut each = asker.clone().action(of_each.word(), &parameters, reason.clone());
     each.idempotency_key = None;
-    let mut all = asker.action(of_all, &all, reason);
+    let mut all = asker.action(of_all.word(), &all, reason);
     all.fleet = fleet;
     let done = app.store.say_to_alarms(&concerned.alarms, request.said, &all, &each).await?;
     let action_id = Some(number_of(done.asked)?);

@@ -9,6 +9,8 @@ use utoipa::ToSchema;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use uuid::Uuid;
+use vibrissa_edge::actions::RecordedKind;
+use vibrissa_edge::words::Word as _;
 use vibrissa_protocol::Name;
 
 use super::paths::FleetPath;
@@ -178,7 +180,7 @@ async fn set(
         "robots": text.as_ref().map(|text| text.lines().count()),
         "list": text.as_ref().map(|text| Uuid::new_v5(&Uuid::NAMESPACE_OID, text.as_bytes()).to_string()),
     });
-    let mut action = asker.action("ALLOWED_ROBOTS", &parameters, why);
+    let mut action = asker.action(RecordedKind::AllowedRobots.word(), &parameters, why);
     action.fleet = Some(at.fleet.to_string());
     let asked = app.store.set_allowed_robots(at.fleet.as_str(), version, text.as_deref(), &action).await?;
     let action_id = number_of(asked.ok_or_else(|| changed(version + 1, &etag(version)))?)?;

@@ -11,9 +11,11 @@ use vibrissa_protocol::Name;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
-use crate::http::words::words;
+use crate::http::search::Search;
+use crate::http::words::{AuditKindWord, words};
 use vibrissa_store::list::{Filter, Value};
 use vibrissa_store::lists::actions::{ACTIONS, ActionRow, ActionSort};
 
@@ -47,6 +49,21 @@ list_query! {
         /// State of the action.
         #[param(inline)]
         pub state: Option<ActionState>,
+        /// Kind of action.
+        #[param(inline)]
+        pub kind: Option<AuditKindWord>,
+        /// Person or token that requested the action.
+        #[param(max_length = 200)]
+        pub actor: Option<String>,
+        /// Earliest time of the request, inclusive.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub from: Option<Moment>,
+        /// Latest time of the request, exclusive.
+        #[param(value_type = Option<String>, format = DateTime)]
+        pub to: Option<Moment>,
+        /// Text to look for in the names of fleet, robot and array, in actor, reason and parameters, in upper or lower case.
+        #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
+        pub q: Option<Search>,
     }
 }
 
@@ -65,6 +82,10 @@ async fn list_audit(
     selection.is("fleet", query.fleet);
     selection.is("robot", query.robot);
     selection.is("state", query.state);
+    selection.is("kind", query.kind);
+    selection.is("actor", query.actor);
+    selection.filters.extend(between("asked_at", query.from, query.to));
+    selection.contains(&["fleet", "robot", "\"array\"", "actor", "reason", "parameters"], query.q);
     Ok(Json(Page::of(app.store.list(&ACTIONS, &selection).await?, &selection)))
 }
 

@@ -20,7 +20,8 @@ use crate::http::extract::{Body, OptionalBody, Path, Query};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::{Kind, Problem};
 use crate::plot;
-use vibrissa_edge::actions::CALIBRATION;
+use vibrissa_edge::actions::RecordedKind;
+use vibrissa_edge::words::Word as _;
 use vibrissa_store::actions::Asked;
 use vibrissa_store::calibrations::NewCalibration;
 use vibrissa_store::list::{Filter, Value};
@@ -219,7 +220,8 @@ async fn upload(State(app): State<App>, asker: Asker, Body(told): Body<Measureme
         fit: text(&CalibrationFit::from(&fit))?,
         calibration: text(&file)?,
     };
-    let action = asker.action("CALIBRATION_UPLOAD", &json!({ "model": told.model, "calibration": file }), why);
+    let action =
+        asker.action(RecordedKind::CalibrationUpload.word(), &json!({ "model": told.model, "calibration": file }), why);
     let (asked, calibration_id) = app.store.add_calibration(&new, &action).await?;
     let id = match (asked, calibration_id) {
         (_, Some(id)) => id,
@@ -375,7 +377,7 @@ async fn activate(
         return Err(Problem::not_found(format_args!("fleet {}", at.fleet)));
     }
     let parameters = json!({ "calibration_id": at.calibration_id, "calibration": numbers });
-    let mut action = asker.action(CALIBRATION, &parameters, reason(why.reason)?);
+    let mut action = asker.action(RecordedKind::Calibration.word(), &parameters, reason(why.reason)?);
     action.fleet = Some(at.fleet.to_string());
     ask(&app, &at.fleet, &action).await
 }

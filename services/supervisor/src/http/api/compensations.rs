@@ -15,6 +15,7 @@ use crate::http::extract::{Path, Query};
 use crate::http::moment::{Moment, between};
 use crate::http::page::{LIMIT_MAX, Page, list_query};
 use crate::http::problem::Problem;
+use crate::http::search::Search;
 use crate::http::words::{ApprovalWord, CaseWord};
 use vibrissa_store::list::{Filter, Selection, Value};
 use vibrissa_store::lists::compensations::{
@@ -51,6 +52,9 @@ list_query! {
         pub approval: Option<ApprovalWord>,
         /// True: only active compensations; false: only ended ones.
         pub active: Option<bool>,
+        /// Text to look for in the names of fleet, robot and array, in upper or lower case.
+        #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
+        pub q: Option<Search>,
         /// Earliest time of the decision, inclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub from: Option<Moment>,
@@ -80,6 +84,7 @@ async fn list_compensations(
     selection.is_number("compensator_whisker", query.compensator_whisker);
     selection.is("compensation_case", query.case);
     selection.filters.extend(query.active.map(|active| Filter::IsNull("ended_at", active)));
+    selection.contains(&["fleet", "robot", "\"array\""], query.q);
     selection.filters.extend(between("decided_at", query.from, query.to));
     Ok(Json(Page::of(app.store.list(&COMPENSATIONS, &selection).await?, &selection)))
 }

@@ -14,8 +14,9 @@ use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
 use crate::http::page::{LIMIT_MAX, Page, list_query};
 use crate::http::problem::Problem;
+use crate::http::search::Search;
 use crate::http::words::ConnectionWord;
-use vibrissa_store::list::Selection;
+use vibrissa_store::list::{Filter, Selection, Value};
 use vibrissa_store::lists::robots::{ARRAYS, ArraySort, ArraySummary, ROBOTS, RobotSort, RobotSummary};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
 
@@ -36,6 +37,11 @@ list_query! {
         /// Connection state of the robot.
         #[param(inline)]
         pub connection: Option<ConnectionWord>,
+        /// True: only robots with something that needs attention; false: only the others.
+        pub attention: Option<bool>,
+        /// Text to look for in the names of fleet and robot and in the model, in upper or lower case.
+        #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
+        pub q: Option<Search>,
     }
 }
 
@@ -53,6 +59,11 @@ async fn list_robots(
     selection.filters.extend(caller.scope.filter("fleet"));
     selection.is("fleet", query.fleet);
     selection.is("connection", query.connection);
+    selection.filters.extend(query.attention.map(|attention| match attention {
+        true => Filter::AtLeast("attention", Value::Whole(1)),
+        false => Filter::Below("attention", Value::Whole(1)),
+    }));
+    selection.contains(&["fleet", "robot", "model"], query.q);
     Ok(Json(Page::of(app.store.list(&ROBOTS, &selection).await?, &selection)))
 }
 

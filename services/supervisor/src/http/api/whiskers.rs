@@ -12,8 +12,9 @@ use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
+use crate::http::search::Search;
 use crate::http::words::ConditionWord;
-use vibrissa_store::list::Filter;
+use vibrissa_store::list::{Filter, Value};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker, WhiskerSort};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
@@ -37,6 +38,11 @@ list_query! {
         pub condition: Option<ConditionWord>,
         /// True: only whiskers with a fault; false: only those without.
         pub faulty: Option<bool>,
+        /// True: only whiskers that an operator holds; false: only the others.
+        pub held: Option<bool>,
+        /// Text to look for in the names of fleet, robot and array and in the model, in upper or lower case.
+        #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
+        pub q: Option<Search>,
     }
 }
 
@@ -57,6 +63,8 @@ async fn list_whiskers(
     selection.is("\"array\"", query.array);
     selection.is("condition", query.condition);
     selection.filters.extend(query.faulty.map(|faulty| Filter::IsNull("fault", !faulty)));
+    selection.filters.extend(query.held.map(|held| Filter::Is("held", Value::Flag(held))));
+    selection.contains(&["fleet", "robot", "\"array\"", "model"], query.q);
     Ok(Json(Page::of(app.store.list(&WHISKERS, &selection).await?, &selection)))
 }
 

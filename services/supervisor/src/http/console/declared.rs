@@ -10,7 +10,8 @@ use vibrissa_core::robot::effect::{
     AlarmKind, CommandState, Condition, EndReason, Fault, Reason, RefinementOutcome, TestKind, TestReason, TestState,
 };
 use vibrissa_core::robot::event::{ArrayKind, Link};
-use vibrissa_edge::actions::ActionKind;
+use vibrissa_edge::actions::AuditKind;
+use vibrissa_edge::guidance::Level;
 use vibrissa_edge::words::Words;
 
 /// Path of the module below `/console/`.
@@ -32,7 +33,8 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
         ("TEST_REASONS", words::<TestReason>()),
         ("LOOKS", words::<RefinementOutcome>()),
         ("ALARM_KINDS", labels::<AlarmKind>()),
-        ("ACTION_KINDS", words::<ActionKind>()),
+        ("ALARM_LEVELS", words::<Level>()),
+        ("AUDIT_KINDS", words::<AuditKind>()),
         ("ARRAY_TYPES", words::<ArrayKind>()),
         ("MODES", words::<Mode>()),
         ("OBJECTIVES", words::<Objective>()),

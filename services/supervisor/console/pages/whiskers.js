@@ -1,0 +1,72 @@
+// The whiskers of all fleets: find one by name, condition or fault.
+
+import { browser, optionsOf } from "../browse.js";
+import { h } from "../dom.js";
+import { interval, mm, mpa, time } from "../format.js";
+import { marksOf } from "../marks.js";
+import { link, whiskerName } from "../places.js";
+import { fleetFilter, fleetsOf } from "../parts/fleets.js";
+import { CONDITIONS } from "../words.js";
+
+const yesOrNo = (yes, no) => [
+  ["true", yes],
+  ["false", no],
+];
+
+const whiskers = (fleets) =>
+  browser({
+    route: "/v1/whiskers",
+    what: "whiskers",
+    search: "robot, array or model",
+    filters: [
+      ...fleetFilter(fleets),
+      { name: "condition", label: "Condition", options: optionsOf(CONDITIONS) },
+      { name: "faulty", label: "Fault", options: yesOrNo("with a fault", "without") },
+      { name: "held", label: "Held", options: yesOrNo("held", "not held") },
+    ],
+  });
+
+const COLUMNS = [
+  {
+    name: "Whisker",
+    sort: "whisker_id",
+    isDefault: true,
+    head: true,
+    cell: (row) => h("a", { href: link.whisker(row) }, whiskerName(row)),
+  },
+  {
+    name: "Robot",
+    sort: "robot",
+    cell: (row) => h("a", { href: link.robot(row) }, `${row.fleet}, ${row.robot}`),
+  },
+  { name: "State", sort: "condition", cell: marksOf },
+  {
+    name: "Length",
+    sort: "length_mm",
+    numeric: true,
+    cell: (row) => interval(row.length_mm, row.length_low_mm, row.length_high_mm),
+  },
+  { name: "Whole", numeric: true, cell: (row) => mm(row.whole_length_mm, 1) },
+  { name: "Pressure", numeric: true, cell: (row) => mpa(row.pressure_mpa) },
+  { name: "Contacts", sort: "contacts", descends: true, numeric: true, cell: (row) => row.contacts.toLocaleString("en") },
+  { name: "Last message", cell: (row) => time(row.heard_at) },
+];
+
+export default {
+  async load(_, state) {
+    const fleets = await fleetsOf();
+    return { fleets, page: await whiskers(fleets).load(state) };
+  },
+
+  view({ fleets, page }) {
+    return [
+      h("h1", { tabindex: "-1" }, "Whiskers"),
+      whiskers(fleets).view(page, {
+        caption: "Whiskers that are on a robot",
+        columns: COLUMNS,
+        key: (row) => `whisker-${row.fleet}-${row.robot}-${row.array}-${row.whisker}`,
+        empty: "No whisker is known yet.",
+      }),
+    ];
+  },
+};
