@@ -115,7 +115,7 @@ pub fn of(kind: AlarmKind) -> Guidance {
                 "its network or the path to the broker is interrupted",
                 "its program has stopped sending status and contacts",
             ],
-            runbook: "VibrissaRobotsDisconnected.md",
+            runbook: "VibrissaRobotSilent.md",
         },
         AlarmKind::Fault(fault) => of_fault(fault),
         AlarmKind::Proposed => Guidance {

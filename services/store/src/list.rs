@@ -304,7 +304,7 @@ where
 /// The place of the column `kind` in the order of alarms: greater is more urgent, and 0 is no kind of this program.
 static URGENCY: LazyLock<String> = LazyLock::new(|| {
     let case = |kind: AlarmKind| format!(" WHEN '{}' THEN {}", kind.word(), urgency(kind));
-    format!("CASE kind{} ELSE 0 END", BY_URGENCY.map(case).concat())
+    format!("CAST(CASE kind{} ELSE 0 END AS BIGINT)", BY_URGENCY.map(case).concat())
 });
 
 /// The statement of a selection; it asks for one row more than the limit, to learn whether there is a next page.

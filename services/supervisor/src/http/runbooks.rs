@@ -47,6 +47,7 @@ pages! {
     "VibrissaReadingsShifted.md",
     "VibrissaRestarting.md",
     "VibrissaRobotNotTaken.md",
+    "VibrissaRobotSilent.md",
     "VibrissaRobotsDisconnected.md",
     "VibrissaSessionTakenOver.md",
     "VibrissaSetpointFailed.md",
