@@ -64,7 +64,7 @@ export const TEST_ERRORS = {
 export const ALARM_LEVELS = marked(declared.ALARM_LEVELS, { WARNING: "slope", URGENT: "diamond", CRITICAL: "cross" });
 
 export const ALARM_STATES = {
-  UNACKNOWLEDGED: ["not acknowledged", "bad", "bell"],
+  UNACKNOWLEDGED: ["not acknowledged", "info", "bell"],
   STANDING: ["standing", "bad", "bell"],
   ACKNOWLEDGED: ["acknowledged", "warn", "tick"],
   SHELVED: ["shelved", "off", "clock"],

@@ -30,7 +30,8 @@ fn alerts_about_alarms_have_the_severity_of_their_level() {
         let (_, kinds) = rest.split_once('"').unwrap();
         let (kinds, _) = kinds.split_once('"').unwrap();
         for word in kinds.split('|') {
-            let kind = BY_URGENCY.into_iter().find(|kind| kind.word() == word).unwrap_or_else(|| panic!("{name}: {word}"));
+            let kind =
+                BY_URGENCY.into_iter().find(|kind| kind.word() == word).unwrap_or_else(|| panic!("{name}: {word}"));
             let guidance = of(kind);
             let severity = format!("severity: {}\n", guidance.level.prometheus());
             assert!(rule.contains(&severity), "{name}: {word} is {}, so {severity}", guidance.level.word());
@@ -49,8 +50,7 @@ fn the_table_of_levels_has_each_kind_in_order_at_its_level() {
         let start = format!("| {} | ", level.word());
         let row = page.lines().find(|line| line.starts_with(&start)).unwrap_or_else(|| panic!("{start}"));
         let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
-        let kinds: Vec<&str> =
-            BY_URGENCY.into_iter().filter(|&kind| of(kind).level == level).map(Word::word).collect();
+        let kinds: Vec<&str> = BY_URGENCY.into_iter().filter(|&kind| of(kind).level == level).map(Word::word).collect();
         assert_eq!(cells[2..], [level.prometheus(), &kinds.join(", ")], "docs/operators.md");
     }
 }

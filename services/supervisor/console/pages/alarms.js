@@ -96,6 +96,8 @@ function summary(counts) {
 
 /** Buttons for everything that the filters show, on this page and the others. */
 function atOnce(counts, filter, refresh) {
+  // One alarm has its own buttons.
+  if (sum(counts, "alarms") < 2) return null;
   const buttons = alarmsActions(filter, { alarms: sum(counts, "alarms"), open: sum(counts, "unacknowledged") }, refresh);
   return buttons.length ? h("div", { class: "buttons" }, buttons) : null;
 }

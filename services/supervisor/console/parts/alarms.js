@@ -84,17 +84,12 @@ function card(row, actions) {
 /** The mark of an alarm's level with its kind as words. */
 function level(row) {
   const [words, tone, shape] = ALARM_LEVELS[row.level] ?? [row.level, "off", "ring"];
-  return h(
-    "span",
-    { class: "kind" },
-    mark(words.split(":")[0], tone, shape),
-    h("span", {}, `: ${say(ALARM_KINDS, row.kind)}`),
-  );
+  return [mark(words.split(":")[0], tone, shape), h("span", {}, say(ALARM_KINDS, row.kind))];
 }
 
 function subject(row) {
   if (row.array === null) return null;
-  return [" \u2013 ", h("a", { href: link.whisker(row) }, `whisker ${whiskerName(row)}`)];
+  return h("a", { href: link.whisker(row) }, `whisker ${whiskerName(row)}`);
 }
 
 function cleared(row) {
