@@ -32,7 +32,6 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 #[derive(Debug, Clone, Serialize, ToSchema)]
 pub struct AlarmGuidance {
     /// How soon somebody must act.
-    #[schema(inline)]
     pub level: LevelWord,
     /// What to do now.
     pub hint: &'static str,
@@ -79,7 +78,6 @@ pub struct AlarmsOfKind {
     #[serde(flatten)]
     count: AlarmCount,
     /// How soon somebody must act.
-    #[schema(inline)]
     level: LevelWord,
 }
 
@@ -123,15 +121,12 @@ pub struct AlarmFilter {
     pub whisker: Option<u16>,
     /// Kind of the alarm.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(inline)]
     pub kind: Option<AlarmKindWord>,
     /// Level of the alarm.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(inline)]
     pub level: Option<LevelWord>,
     /// State of the alarm.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(inline)]
     pub state: Option<AlarmStateWord>,
     /// True: only alarms that are not shelved; false: only shelved ones.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -46,7 +46,6 @@ pub struct Which {
 pub struct AlarmsAtOnce {
     /// The alarms.
     #[serde(default)]
-    #[schema(inline)]
     pub which: Which,
     /// True: only list the alarms, and change nothing.
     #[serde(default)]
@@ -62,7 +61,6 @@ pub struct AlarmsAtOnce {
 pub struct ShelfAtOnce {
     /// The alarms.
     #[serde(default)]
-    #[schema(inline)]
     pub which: Which,
     /// True: only list the alarms, and change nothing.
     #[serde(default)]
