@@ -151,6 +151,22 @@ async fn filters_of_alarms_are_in_the_address_and_buttons_are_visible_on_a_phone
     stage.browser.until("the page after a reload", &format!("!window.old && !!{card}")).await;
     assert_eq!(stage.browser.js("document.getElementById('filter-level').value").await, "URGENT");
     assert_eq!(stage.browser.js("document.getElementById('filter-state').value").await, "UNACKNOWLEDGED");
+
+    // A trimmed whisker without compensation has its own mark and its own drawing, which are no colour.
+    stage.open("#/fleets/f/robots/r").await;
+    let marks = text(&mut stage, "tr[data-key='whisker-left-0'] .marks").await;
+    assert!(marks.contains("trimmed, not compensated"), "{marks}");
+    assert_eq!(stage.browser.js("document.querySelectorAll('svg.drawing .refused').length").await, json!(1));
+    let summary = text(&mut stage, "main > .marks").await;
+    assert!(summary.contains("1 trimmed, not compensated") && !summary.contains("needs attention"), "{summary}");
+    assert!(!text(&mut stage, "main").await.contains("nobody"));
+    let picture = stage.picture("uncompensated");
+    stage.browser.picture(&picture).await;
+    // A robot that is not connected is no robot that needs nothing.
+    stage.robot.connection(ConnectionState::Offline).await;
+    stage.open("#/fleets/f").await;
+    stage.browser.until("it is offline", "document.querySelector('main tbody').innerText.includes('offline')").await;
+    assert!(!text(&mut stage, "main tbody").await.contains("nothing needs attention"));
     stage.is_clean();
     stage.stop().await;
 }

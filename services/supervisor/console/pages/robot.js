@@ -84,7 +84,7 @@ function legend() {
   return h(
     "p",
     { class: "hint" },
-    "To scale, in mm. Dashed: whole length. Bar at the tip: 95 % interval of the length. Arrow: from compensator to target. Below: state, and pressure in MPa.",
+    "To scale, in mm. Dashed: whole length. Bar at the tip: 95 % interval of the length. Arrow: from compensator to target. Tick or cross: trimmed, with or without a compensation. Below: state, and pressure in MPa.",
   );
 }
 
