@@ -26,6 +26,9 @@ pub struct List {
     /// by the place of `kind` in the order of alarms, and `{filters}` by conditions that begin with AND. Without `{filters}`
     /// the conditions apply to the query's rows.
     pub select: &'static str,
+    /// More columns, each after a comma, that are computed for the rows of a page alone, from the columns of `q`. They
+    /// cannot filter or sort.
+    pub details: &'static str,
     /// Columns that may sort the list; the first one is the default. None of them is ever null.
     pub sorts: &'static [Sort],
     /// A whole-numbered column with a unique value in each row, which breaks ties.
@@ -119,6 +122,18 @@ pub enum Filter {
     Contains(&'static [&'static str], String),
     /// One of the conditions holds; none holds of an empty list.
     AnyOf(Vec<Filter>),
+    /// The column is one of those that a query selects, of the rows of which at least one column contains the text.
+    /// Faster than `Contains` where the names are in a shorter table.
+    IsNamed {
+        /// Column of the list.
+        column: &'static str,
+        /// Query of one column, without a condition.
+        select: &'static str,
+        /// Columns of the query's tables that are searched.
+        names: &'static [&'static str],
+        /// Text to look for.
+        text: String,
+    },
 }
 
 /// Position in a sorted list: the last row of a page.
@@ -245,12 +260,10 @@ where
         Filter::IsNull(column, is_null) => {
             sql.push(*column).push(if *is_null { " IS NULL" } else { " IS NOT NULL" });
         }
-        Filter::Contains(columns, text) => {
-            let pattern = pattern(text);
-            sql.push("(false");
-            for column in *columns {
-                sql.push(" OR lower(").push(*column).push(") LIKE ").push_bind(pattern.clone()).push(" ESCAPE '!'");
-            }
+        Filter::Contains(columns, text) => push_contains(sql, columns, text),
+        Filter::IsNamed { column, select, names, text } => {
+            sql.push(*column).push(" IN (").push(*select).push(" WHERE ");
+            push_contains(sql, names, text);
             sql.push(")");
         }
         Filter::AnyOf(filters) => {
@@ -262,6 +275,19 @@ where
             sql.push(")");
         }
     }
+}
+
+/// Appends the condition that at least one column contains a text.
+fn push_contains<DB: Database>(sql: &mut QueryBuilder<DB>, columns: &[&'static str], text: &str)
+where
+    String: for<'q> Encode<'q, DB> + Type<DB>,
+{
+    let pattern = pattern(text);
+    sql.push("(false");
+    for column in columns {
+        sql.push(" OR lower(").push(*column).push(") LIKE ").push_bind(pattern.clone()).push(" ESCAPE '!'");
+    }
+    sql.push(")");
 }
 
 /// The pattern of LIKE for a text in lower case anywhere in a column.
@@ -315,7 +341,8 @@ where
     bool: for<'q> Encode<'q, DB> + Type<DB>,
     String: for<'q> Encode<'q, DB> + Type<DB>,
 {
-    let mut sql = QueryBuilder::<DB>::new("SELECT * FROM (");
+    let mut sql = QueryBuilder::<DB>::new("SELECT q.*");
+    sql.push(list.details).push(" FROM (SELECT * FROM (");
     push_select(&mut sql, list.select, &selection.filters);
     sql.push(") q WHERE true");
     if !list.select.contains(FILTERS) {
@@ -328,8 +355,9 @@ where
         push_value(&mut sql, &position.value);
         sql.push(", ").push_bind(position.id).push(")");
     }
-    sql.push(" ORDER BY ").push(sort).push(order).push(", ").push(id).push(order);
-    sql.push(" LIMIT ").push_bind(i64::from(selection.limit) + 1);
+    let order = format!(" ORDER BY {sort}{order}, {id}{order}");
+    sql.push(&order).push(" LIMIT ").push_bind(i64::from(selection.limit) + 1);
+    sql.push(") q").push(&order);
     sql
 }
 

@@ -67,6 +67,7 @@ pub static ACTIONS: List = List {
     what: "list the actions",
     select: "SELECT action_id, fleet, robot, \"array\", whisker, compensation_id, alarm_id, kind, parameters, reason, actor, \
              role, request_id, asked_us AS asked_at, state, problem, done_us AS done_at, test_id FROM actions",
+    details: "",
     sorts: ActionSort::SORTS,
     id: "action_id",
 };

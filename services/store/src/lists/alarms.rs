@@ -149,7 +149,7 @@ macro_rules! rows {
 
 /// All alarms, standing and cleared.
 pub static ALARMS: List =
-    List { what: "list the alarms", select: rows!("true"), sorts: AlarmSort::SORTS, id: "alarm_id" };
+    List { what: "list the alarms", select: rows!("true"), details: "", sorts: AlarmSort::SORTS, id: "alarm_id" };
 
 /// The standing alarms: without a look at the cleared ones.
 pub static STANDING: List = List { what: "list the standing alarms", select: rows!("a.cleared_us IS NULL"), ..ALARMS };
@@ -181,6 +181,7 @@ pub static FOLDED: List = List {
           WINDOW g AS (PARTITION BY fleet, robot, \"array\", newest)) \
          SELECT placed.*, most * 35184372088832 + last * 32 + urgency AS place FROM placed"
     ),
+    details: "",
     sorts: FoldedSort::SORTS,
     id: "alarm_id",
 };
@@ -194,6 +195,7 @@ pub static COUNTS: List = List {
         rows!("a.cleared_us IS NULL"),
         ") u WHERE true {filters} GROUP BY fleet, kind, urgency"
     ),
+    details: "",
     sorts: CountSort::SORTS,
     id: "alarm_id",
 };

@@ -58,6 +58,7 @@ pub static CALIBRATIONS: List = List {
     select: "SELECT c.calibration_id, c.model, version, uploaded_us AS uploaded_at, uploaded_by, \
              (SELECT string_agg(fleet, ',' ORDER BY fleet) FROM active_calibrations a \
               WHERE a.calibration_id = c.calibration_id) AS active_in FROM calibrations c",
+    details: "",
     sorts: CalibrationSort::SORTS,
     id: "calibration_id",
 };
@@ -66,6 +67,7 @@ pub static CALIBRATIONS: List = List {
 pub static CALIBRATION_TEXTS: List = List {
     what: "read a calibration",
     select: "SELECT calibration_id, model, measurements, fit, calibration FROM calibrations",
+    details: "",
     sorts: CalibrationSort::SORTS,
     id: "calibration_id",
 };

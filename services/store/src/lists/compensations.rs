@@ -240,6 +240,7 @@ pub static COMPENSATIONS: List = List {
              LEFT JOIN whiskers k ON k.whisker_id = c.compensator_whisker_id \
              LEFT JOIN compensation_errors e ON e.compensation_error_id = (SELECT max(compensation_error_id) \
               FROM compensation_errors n WHERE n.compensation_id = c.compensation_id)",
+    details: "",
     sorts: CompensationSort::SORTS,
     id: "compensation_id",
 };
@@ -251,6 +252,7 @@ pub static CANDIDATES: List = List {
              pressure_before_mpa, k.pressure_mpa, predicted_error, predicted_error_low, predicted_error_high, \
              predicted_error_by_ratio, gives_up_own_role, chosen, refused \
              FROM compensation_candidates k JOIN whiskers w USING (whisker_id)",
+    details: "",
     sorts: &[by_order("ordinal")],
     id: "ordinal",
 };
@@ -261,6 +263,7 @@ pub static LOOKS: List = List {
     select: "SELECT compensation_refinement_id, compensation_id, recorded_us AS recorded_at, contacts, outcome, \
              pressure_from_mpa, pressure_best_mpa, error, error_low, error_high, error_best, error_best_low, \
              error_best_high, error_with_gain, error_with_own_gain, gain_published FROM compensation_refinements",
+    details: "",
     sorts: &[by_order("compensation_refinement_id")],
     id: "compensation_refinement_id",
 };
@@ -274,6 +277,7 @@ pub static RATIO_ERRORS: List = List {
              JOIN compensation_errors e ON e.compensation_error_id = b.compensation_error_id \
              WHERE e.compensation_error_id IN (SELECT max(compensation_error_id) FROM compensation_errors \
               GROUP BY compensation_id)",
+    details: "",
     sorts: &[by_order("ordinal")],
     id: "ordinal",
 };

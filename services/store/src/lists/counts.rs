@@ -1,14 +1,14 @@
 //! Counts of whiskers, alarms and proposals as parts of statements, so that robots, arrays and fleets count alike.
 
-/// Subquery that counts the whiskers on robots, grouped by a column of `robots` or `whiskers`. Each whisker is in exactly one
-/// of the counts `healthy`, `learning`, `worn`, `compensated`, `faulty` and `uncompensated`; `trimmed` is a count beside them.
-macro_rules! whisker_counts {
+/// Subquery that counts the whiskers on robots that are not sound, grouped by a column of `whiskers`. They
+/// are few, and the index `whiskers_in_need` has all that is counted: a row of `whiskers` is long. Each of them is in exactly
+/// one of the counts `learning`, `worn`, `compensated`, `faulty` and `uncompensated`; `trimmed` is a count beside them.
+macro_rules! need_counts {
     ($key:literal) => {
         concat!(
             "(SELECT ",
             $key,
-            ", count(*) AS whiskers, \
-             count(*) FILTER (WHERE condition = 'HEALTHY' AND fault IS NULL) AS whiskers_healthy, \
+            ", count(*) AS whiskers_unsound, \
              count(*) FILTER (WHERE condition = 'TRIMMED') AS whiskers_trimmed, \
              count(*) FILTER (WHERE condition = 'LEARNING' AND fault IS NULL) AS whiskers_learning, \
              count(*) FILTER (WHERE condition IN ('SUSPECTED', 'ERODING', 'SENSITIVITY_LOSS') AND fault IS NULL) \
@@ -18,17 +18,16 @@ macro_rules! whisker_counts {
              count(*) FILTER (WHERE condition = 'TRIMMED' AND served IS NULL) AS whiskers_uncompensated, \
              count(*) FILTER (WHERE fault IS NOT NULL AND NOT (condition = 'TRIMMED' AND served IS NULL)) \
               AS whiskers_faulty \
-             FROM whiskers w JOIN robots r ON r.robot_id = w.robot_id \
-             LEFT JOIN (SELECT DISTINCT target_whisker_id AS served FROM compensations \
+             FROM whiskers w LEFT JOIN (SELECT DISTINCT target_whisker_id AS served FROM compensations \
               WHERE ended_us IS NULL AND compensator_whisker_id IS NOT NULL AND approval <> 'PROPOSED') c \
               ON c.served = w.whisker_id \
-             WHERE position IS NOT NULL GROUP BY ",
+             WHERE position IS NOT NULL AND (condition <> 'HEALTHY' OR fault IS NOT NULL) GROUP BY ",
             $key,
             ")"
         )
     };
 }
-pub(super) use whisker_counts;
+pub(super) use need_counts;
 
 /// Subquery of the alarms that meet a condition, each with whether it is standing, and until when alarms of its kind about
 /// its whisker or robot are shelved.

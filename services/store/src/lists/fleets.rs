@@ -3,7 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::counts::{alarm_counts, proposal_counts, whisker_counts};
+use super::counts::{alarm_counts, need_counts, proposal_counts};
 use super::sorts;
 use crate::Store;
 use crate::from_row::from_row;
@@ -90,10 +90,10 @@ macro_rules! fleets {
                 $holds,
                 " THEN true ELSE false END AS supervised, coalesce(robots, 0) AS robots, \
                  coalesce(robots_online, 0) AS robots_online, coalesce(whiskers, 0) AS whiskers, \
-                 coalesce(whiskers_healthy, 0) AS whiskers_healthy, \
+                 coalesce(whiskers, 0) - coalesce(whiskers_unsound, 0) AS whiskers_healthy, \
                  coalesce(whiskers_learning, 0) AS whiskers_learning, coalesce(whiskers_worn, 0) AS whiskers_worn, \
-         coalesce(whiskers_compensated, 0) AS whiskers_compensated, \
-         coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
+                 coalesce(whiskers_compensated, 0) AS whiskers_compensated, \
+                 coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
                  coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
                  coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(proposals, 0) AS proposals, \
                  coalesce(alarms, 0) AS alarms \
@@ -101,15 +101,25 @@ macro_rules! fleets {
                  LEFT JOIN (SELECT fleet, count(*) AS robots, \
                   count(*) FILTER (WHERE connection = 'ONLINE') AS robots_online FROM robots GROUP BY fleet) r \
                   USING (fleet) \
-                 LEFT JOIN ",
-                whisker_counts!("fleet"),
-                " w USING (fleet) \
+                 LEFT JOIN (SELECT fleet, CAST(sum(whiskers) AS BIGINT) AS whiskers FROM robots JOIN (SELECT robot_id, count(*) AS whiskers \
+                  FROM whiskers WHERE position IS NOT NULL GROUP BY robot_id) n USING (robot_id) GROUP BY fleet) n \
+                  USING (fleet) \
+                 LEFT JOIN (SELECT fleet, CAST(sum(whiskers_unsound) AS BIGINT) AS whiskers_unsound, \
+                  CAST(sum(whiskers_learning) AS BIGINT) AS whiskers_learning, \
+                  CAST(sum(whiskers_worn) AS BIGINT) AS whiskers_worn, \
+                  CAST(sum(whiskers_compensated) AS BIGINT) AS whiskers_compensated, \
+                  CAST(sum(whiskers_trimmed) AS BIGINT) AS whiskers_trimmed, \
+                  CAST(sum(whiskers_uncompensated) AS BIGINT) AS whiskers_uncompensated, \
+                  CAST(sum(whiskers_faulty) AS BIGINT) AS whiskers_faulty FROM robots JOIN ",
+                need_counts!("w.robot_id"),
+                " n USING (robot_id) GROUP BY fleet) w USING (fleet) \
                  LEFT JOIN ",
                 alarm_counts!("fleet"),
                 " a USING (fleet) LEFT JOIN ",
                 proposal_counts!("fleet"),
                 " o USING (fleet)) q"
             ),
+            details: "",
             sorts: FleetSort::SORTS,
             id: "fleet_id",
         }

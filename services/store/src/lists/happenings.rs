@@ -93,6 +93,7 @@ pub static TRIMS: List = List {
              length_after_mm + 1.959963984540054 * length_after_sd_mm AS length_after_high_mm, contacts_to_detect \
              FROM trims t JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
              JOIN robots r ON r.robot_id = w.robot_id",
+    details: "",
     sorts: TrimSort::SORTS,
     id: "trim_id",
 };
@@ -103,6 +104,7 @@ pub static HEALTH_CHANGES: List = List {
     select: "SELECT health_change_id, fleet, robot, \"array\", w.whisker, kind, was, becomes, \
              recorded_us AS recorded_at FROM health_changes h JOIN whiskers w USING (whisker_id) \
              JOIN arrays USING (array_id) JOIN robots r ON r.robot_id = w.robot_id",
+    details: "",
     sorts: HealthChangeSort::SORTS,
     id: "health_change_id",
 };

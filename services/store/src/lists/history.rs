@@ -88,6 +88,7 @@ macro_rules! select {
 pub static MINUTES: List = List {
     what: "list a whisker's minutes",
     select: select!("contact_minutes"),
+    details: "",
     sorts: RollupSort::SORTS,
     id: "whisker_id",
 };
@@ -96,6 +97,7 @@ pub static MINUTES: List = List {
 pub static HOURS: List = List {
     what: "list a whisker's hours",
     select: select!("contact_hours"),
+    details: "",
     sorts: RollupSort::SORTS,
     id: "whisker_id",
 };

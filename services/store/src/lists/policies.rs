@@ -77,4 +77,5 @@ sorts! {
 }
 
 /// The policies that operators have set, in all versions.
-pub static POLICIES: List = List { what: "list the policies", select: SELECT, sorts: PolicySort::SORTS, id: "version" };
+pub static POLICIES: List =
+    List { what: "list the policies", select: SELECT, details: "", sorts: PolicySort::SORTS, id: "version" };

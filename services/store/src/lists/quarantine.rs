@@ -83,6 +83,7 @@ pub static QUARANTINE: List = List {
     what: "list the messages in quarantine",
     select: "SELECT quarantine_id, fleet, robot, topic, boot_id, seq, received_us AS received_at, \
              quarantined_us AS quarantined_at, cause, code, payload FROM quarantine",
+    details: "",
     sorts: QuarantineSort::SORTS,
     id: "quarantine_id",
 };

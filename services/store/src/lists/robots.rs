@@ -3,7 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::counts::{alarm_counts, proposal_counts, whisker_counts};
+use super::counts::{alarm_counts, need_counts, proposal_counts};
 use super::sorts;
 use crate::from_row::from_row;
 use crate::list::List;
@@ -121,8 +121,6 @@ sorts! {
         Robot = "robot" Text Up,
         /// By connection state.
         Connection = "connection" Text Up,
-        /// By number of whiskers.
-        Whiskers = "whiskers" Whole Down,
         /// By number of trimmed whiskers.
         WhiskersTrimmed = "whiskers_trimmed" Whole Down,
         /// By number of trimmed whiskers without a compensation in force.
@@ -149,25 +147,27 @@ pub static ROBOTS: List = List {
     what: "list the robots",
     select: concat!(
         "SELECT r.robot_id, r.fleet, r.robot, r.model, r.connection, r.boot_id, \
-         CASE WHEN updated_us > 0 THEN updated_us END AS updated_at, coalesce(arrays, 0) AS arrays, \
-         coalesce(whiskers, 0) AS whiskers, coalesce(whiskers_healthy, 0) AS whiskers_healthy, \
+         CASE WHEN updated_us > 0 THEN updated_us END AS updated_at, \
+         coalesce(whiskers_unsound, 0) AS whiskers_unsound, \
          coalesce(whiskers_learning, 0) AS whiskers_learning, coalesce(whiskers_worn, 0) AS whiskers_worn, \
          coalesce(whiskers_compensated, 0) AS whiskers_compensated, \
          coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
          coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
          coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(alarms, 0) AS alarms, \
          coalesce(proposals, 0) AS proposals, r.held, \
-         coalesce(alarms, 0) AS attention FROM robots r \
-         LEFT JOIN (SELECT robot_id, count(DISTINCT array_id) AS arrays FROM whiskers WHERE position IS NOT NULL \
-          GROUP BY robot_id) n ON n.robot_id = r.robot_id \
-         LEFT JOIN ",
-        whisker_counts!("w.robot_id"),
+         coalesce(alarms, 0) AS attention FROM robots r LEFT JOIN ",
+        need_counts!("w.robot_id"),
         " w ON w.robot_id = r.robot_id LEFT JOIN ",
         alarm_counts!("r.robot_id"),
         " a ON a.robot_id = r.robot_id LEFT JOIN ",
         proposal_counts!("r.robot_id"),
         " o ON o.robot_id = r.robot_id"
     ),
+    details: ", (SELECT count(DISTINCT array_id) FROM whiskers w WHERE w.robot_id = q.robot_id AND position IS NOT NULL) \
+              AS arrays, \
+              (SELECT count(*) FROM whiskers w WHERE w.robot_id = q.robot_id AND position IS NOT NULL) AS whiskers, \
+              (SELECT count(*) FROM whiskers w WHERE w.robot_id = q.robot_id AND position IS NOT NULL) \
+              - whiskers_unsound AS whiskers_healthy",
     sorts: RobotSort::SORTS,
     id: "robot_id",
 };
@@ -176,16 +176,24 @@ pub static ROBOTS: List = List {
 pub static ARRAYS: List = List {
     what: "list the arrays",
     select: concat!(
-        "SELECT y.array_id, fleet, robot, \"array\", array_type, connection, whiskers, whiskers_healthy, \
-         whiskers_learning, whiskers_worn, whiskers_compensated, whiskers_trimmed, whiskers_uncompensated, \
-         whiskers_faulty, coalesce(alarms, 0) AS alarms, \
+        "SELECT y.array_id, fleet, robot, \"array\", array_type, connection, \
+         coalesce(whiskers_unsound, 0) AS whiskers_unsound, \
+         coalesce(whiskers_learning, 0) AS whiskers_learning, coalesce(whiskers_worn, 0) AS whiskers_worn, \
+         coalesce(whiskers_compensated, 0) AS whiskers_compensated, \
+         coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
+         coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
+         coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(alarms, 0) AS alarms, \
          coalesce(alarms, 0) AS attention \
-         FROM arrays y JOIN robots b ON b.robot_id = y.robot_id JOIN ",
-        whisker_counts!("w.array_id"),
+         FROM arrays y JOIN robots b ON b.robot_id = y.robot_id LEFT JOIN ",
+        need_counts!("w.array_id"),
         " w ON w.array_id = y.array_id LEFT JOIN ",
         alarm_counts!("w.array_id"),
-        " a ON a.array_id = y.array_id"
+        " a ON a.array_id = y.array_id \
+         WHERE EXISTS (SELECT 1 FROM whiskers w WHERE w.array_id = y.array_id AND position IS NOT NULL)"
     ),
+    details: ", (SELECT count(*) FROM whiskers w WHERE w.array_id = q.array_id AND position IS NOT NULL) AS whiskers, \
+              (SELECT count(*) FROM whiskers w WHERE w.array_id = q.array_id AND position IS NOT NULL) \
+              - whiskers_unsound AS whiskers_healthy",
     sorts: ArraySort::SORTS,
     id: "array_id",
 };

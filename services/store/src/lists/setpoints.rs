@@ -86,6 +86,7 @@ pub static SETPOINTS: List = List {
              s.pressure_mpa, slew_mpa_per_s, reason, s.state, s.error, reached_mpa, issued_us AS issued_at, \
              expires_us AS expires_at FROM setpoints s JOIN whiskers w ON w.whisker_id = s.whisker_id \
              JOIN arrays USING (array_id) JOIN robots r ON r.robot_id = w.robot_id",
+    details: "",
     sorts: SetpointSort::SORTS,
     id: "setpoint_id",
 };
@@ -94,6 +95,7 @@ pub static SETPOINTS: List = List {
 pub static SETPOINT_STATES: List = List {
     what: "list the states of a setpoint",
     select: "SELECT setpoint_state_id, command_id, recorded_us AS at, state, error, pressure_mpa FROM setpoint_states",
+    details: "",
     sorts: &[Sort { column: "setpoint_state_id", kind: Kind::Whole, descending: false }],
     id: "setpoint_state_id",
 };

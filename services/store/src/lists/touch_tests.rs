@@ -75,6 +75,7 @@ pub static TOUCH_TESTS: List = List {
              t.length_mm + 1.959963984540054 * t.length_sd_mm AS length_high_mm FROM touch_tests t \
              JOIN whiskers w ON w.whisker_id = t.whisker_id JOIN arrays USING (array_id) \
              JOIN robots r ON r.robot_id = w.robot_id",
+    details: "",
     sorts: TouchTestSort::SORTS,
     id: "touch_test_id",
 };

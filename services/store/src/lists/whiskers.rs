@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 use super::sorts;
 use crate::from_row::from_row;
-use crate::list::List;
+use crate::list::{Filter, List};
 use crate::time::Time;
 
 from_row! {
@@ -102,18 +102,29 @@ sorts! {
 /// All whiskers that are on a robot now.
 pub static WHISKERS: List = List {
     what: "list the whiskers",
-    select: "SELECT w.whisker_id, fleet, robot, \"array\", array_type, w.whisker, w.model, x_mm, y_mm, whole_length_mm, \
+    select: "SELECT w.whisker_id, w.array_id, fleet, robot, \"array\", array_type, w.whisker, w.model, x_mm, y_mm, whole_length_mm, \
              length_mm, length_mm - 1.959963984540054 * length_sd_mm AS length_low_mm, \
              length_mm + 1.959963984540054 * length_sd_mm AS length_high_mm, condition, fault, pressure_mpa, \
              setpoint_mpa, nominal_pressure_mpa, pressure_max_mpa, contacts, heard_us AS heard_at, connection, CASE WHEN w.held OR r.held THEN true ELSE false END AS held, \
              leak_per_s, leak_low_per_s, leak_high_per_s, erosion_mm_per_contact, erosion_low_mm_per_contact, \
-             erosion_high_mm_per_contact, contacts_left, contacts_left_low, contacts_left_high, \
-             (SELECT max(compensation_id) FROM compensations c WHERE c.target_whisker_id = w.whisker_id \
-              AND c.ended_us IS NULL AND c.compensator_whisker_id IS NOT NULL AND approval <> 'PROPOSED') AS compensated_by, \
-             (SELECT max(compensation_id) FROM compensations c WHERE c.compensator_whisker_id = w.whisker_id \
-              AND c.ended_us IS NULL AND approval <> 'PROPOSED') AS serves_in \
+             erosion_high_mm_per_contact, contacts_left, contacts_left_low, contacts_left_high \
              FROM whiskers w JOIN arrays USING (array_id) JOIN robots r ON r.robot_id = w.robot_id \
              WHERE position IS NOT NULL",
+    details: ", (SELECT max(compensation_id) FROM compensations c WHERE c.target_whisker_id = q.whisker_id \
+              AND c.ended_us IS NULL AND c.compensator_whisker_id IS NOT NULL AND approval <> 'PROPOSED') AS compensated_by, \
+              (SELECT max(compensation_id) FROM compensations c WHERE c.compensator_whisker_id = q.whisker_id \
+              AND c.ended_us IS NULL AND approval <> 'PROPOSED') AS serves_in",
     sorts: WhiskerSort::SORTS,
     id: "whisker_id",
 };
+
+/// The condition that the name of fleet, robot or array contains a text.
+#[must_use]
+pub fn named(text: String) -> Filter {
+    Filter::IsNamed {
+        column: "array_id",
+        select: "SELECT y.array_id FROM arrays y JOIN robots b ON b.robot_id = y.robot_id",
+        names: &["b.fleet", "b.robot", "y.\"array\""],
+        text,
+    }
+}

@@ -40,8 +40,6 @@ const COLUMNS = [
   },
   {
     name: "Whiskers",
-    sort: "whiskers",
-    descends: true,
     cell: (row) => `${row.whiskers_healthy} of ${row.whiskers} healthy, in ${count(row.arrays, "array")}`,
   },
   { name: "Last message", cell: (row) => time(row.updated_at) },

@@ -15,7 +15,7 @@ use crate::http::problem::Problem;
 use crate::http::search::Search;
 use crate::http::words::ConditionWord;
 use vibrissa_store::list::{Filter, Value};
-use vibrissa_store::lists::whiskers::{WHISKERS, Whisker, WhiskerSort};
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker, WhiskerSort, named};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(list_whiskers)).routes(routes!(get_whisker))
@@ -40,7 +40,7 @@ list_query! {
         pub faulty: Option<bool>,
         /// True: only whiskers that an operator holds; false: only the others.
         pub held: Option<bool>,
-        /// Text to look for in the names of fleet, robot and array and in the model, in upper or lower case.
+        /// Text to look for in the names of fleet, robot and array, in upper or lower case.
         #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
         pub q: Option<Search>,
     }
@@ -64,7 +64,7 @@ async fn list_whiskers(
     selection.is("condition", query.condition);
     selection.filters.extend(query.faulty.map(|faulty| Filter::IsNull("fault", !faulty)));
     selection.filters.extend(query.held.map(|held| Filter::Is("held", Value::Flag(held))));
-    selection.contains(&["fleet", "robot", "\"array\"", "model"], query.q);
+    selection.filters.extend(query.q.map(|q| named(q.to_string())));
     Ok(Json(Page::of(app.store.list(&WHISKERS, &selection).await?, &selection)))
 }
 
