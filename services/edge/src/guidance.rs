@@ -39,7 +39,7 @@ impl Level {
 pub struct Guidance {
     /// How soon somebody must act.
     pub level: Level,
-    /// What to do now, in one or two sentences.
+    /// Advice for people at once, in one or two sentences.
     pub hint: &'static str,
     /// Likely causes, the most likely first.
     pub causes: &'static [&'static str],
@@ -47,7 +47,7 @@ pub struct Guidance {
     pub runbook: &'static str,
 }
 
-/// All kinds of alarms, the most urgent first: by level, then by what it costs to wait.
+/// All kinds of alarms, the most urgent first: by level, then by the cost of waiting.
 pub const BY_URGENCY: [AlarmKind; 17] = [
     AlarmKind::SetpointFailed,
     AlarmKind::Uncompensated,

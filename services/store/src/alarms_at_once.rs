@@ -24,7 +24,7 @@ pub struct Concerned {
     pub more: bool,
 }
 
-/// What a request did.
+/// Result of a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Done {
     /// The action that stands for the whole request.

@@ -126,7 +126,7 @@ pub(crate) static CLEARED: Statement<AlarmClearedRow> = Statement::custom(
      FROM ROWS) AS m WHERE t.alarm_id = m.alarm_id AND OWNED",
 );
 
-/// As [`CLEARED`].
+/// As [`CLEARED`], for alarms about robots.
 pub(crate) static ROBOT_CLEARED: Statement<RobotAlarmClearedRow> = Statement::custom(
     "alarms",
     "UPDATE alarms AS t SET cleared_us = m.cleared_us FROM (SELECT n.cleared_us, (SELECT s.alarm_id FROM alarms s \

@@ -80,7 +80,7 @@ async fn a_hundred_and_twenty_silent_robots_are_one_row_that_unfolds_and_is_ackn
     let picture = stage.picture("storm-unfolded");
     stage.browser.picture(&picture).await;
 
-    // The dialog lists what it would acknowledge before it does.
+    // The dialog lists the alarms before it acknowledges them.
     stage.browser.size(1280, 900).await;
     stage.open("#/alarms").await;
     let button = "[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('Acknowledge all 120'))";

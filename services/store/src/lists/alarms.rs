@@ -87,7 +87,7 @@ from_row! {
 /// A standing alarm, or the newest one of a storm.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FoldedRow {
-    /// The alarm.
+    /// The alarm itself.
     pub row: AlarmRow,
     /// The alarms for which it stands.
     pub fold: Fold,

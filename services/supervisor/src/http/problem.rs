@@ -69,7 +69,7 @@ kinds! {
 }
 
 impl Kind {
-    /// What to do, and the runbook, if the cause is the service and not the request.
+    /// Advice and the runbook, if the cause is the service and not the request.
     #[must_use]
     pub const fn guidance(self) -> Option<(&'static str, &'static str)> {
         #[allow(clippy::wildcard_enum_match_arm, reason = "most problems lie in the request")]
@@ -116,7 +116,7 @@ pub struct ProblemBody {
     pub instance: String,
     /// Request ID, as in the log.
     pub request_id: String,
-    /// What to do now; omitted if the cause lies in the request.
+    /// Advice; omitted if the cause lies in the request.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(required = false, nullable = false)]
     pub hint: Option<String>,

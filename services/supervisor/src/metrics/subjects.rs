@@ -3,7 +3,7 @@
 /// A group of metrics.
 #[derive(Debug)]
 pub(super) struct Subject {
-    /// Heading.
+    /// Heading in the document.
     pub(super) title: &'static str,
     /// Beginnings of the names of its metrics; the longest beginning decides.
     pub(super) begins: &'static [&'static str],

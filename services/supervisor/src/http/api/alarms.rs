@@ -33,7 +33,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 pub struct AlarmGuidance {
     /// How soon somebody must act.
     pub level: LevelWord,
-    /// What to do now.
+    /// Advice for people at once.
     pub hint: &'static str,
     /// Likely causes, the most likely first.
     pub causes: &'static [&'static str],

@@ -44,7 +44,7 @@ pub struct Which {
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AlarmsAtOnce {
-    /// The alarms.
+    /// Alarms that the request concerns.
     #[serde(default)]
     pub which: Which,
     /// True: only list the alarms, and change nothing.
@@ -59,7 +59,7 @@ pub struct AlarmsAtOnce {
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShelfAtOnce {
-    /// The alarms.
+    /// Alarms that the request concerns.
     #[serde(default)]
     pub which: Which,
     /// True: only list the alarms, and change nothing.
