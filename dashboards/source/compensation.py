@@ -3,6 +3,8 @@
 from . import rows, variables, words
 from .fleet import error_steps, in_force
 from .grafana import (
+    CONSOLE_ROBOT,
+    CONSOLE_WHISKER,
     bargauge,
     barchart,
     by_name,
@@ -40,7 +42,7 @@ def dashboard():
     return whole(
         "vibrissa-compensation",
         "Compensation errors (Eq. 35): over time, by case, by contact ratio, and compared with predictions.",
-        variables.sources() + variables.supervisors() + variables.fleets(),
+        variables.sources() + variables.console() + variables.supervisors() + variables.fleets(),
         [
             ("Compensations in force", now()),
             ("Over time", over_time()),
@@ -159,8 +161,8 @@ def by_ratio():
 def tables():
     to_whisker = drill_down(
         "vibrissa-whisker", "Show the whisker", fleet="fleet", robot="robot", array="array", whisker="whisker"
-    )
-    to_robot = drill_down("vibrissa-robot", "Show the robot", fleet="fleet", robot="robot")
+    ) + CONSOLE_WHISKER
+    to_robot = drill_down("vibrissa-robot", "Show the robot", fleet="fleet", robot="robot") + CONSOLE_ROBOT
     errors = [
         by_name(name, unit="percentunit", decimals=1) for name in ("measured", "low", "high", "with gain", "predicted")
     ]

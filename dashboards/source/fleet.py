@@ -1,7 +1,7 @@
 """All fleets: robots, whiskers, recent events, and links to details."""
 
 from . import rows, variables, words
-from .grafana import bargauge, by_name, drill_down, promql, sql, stat, table, timeseries
+from .grafana import CONSOLE_ROBOT, CONSOLE_WHISKER, bargauge, by_name, drill_down, promql, sql, stat, table, timeseries
 from .layout import whole
 from .rows import FLEETS, between, time
 from .series import any_of, gained, largest, least, mean, of_fleet, rate, shares, total
@@ -16,7 +16,7 @@ def dashboard():
     return whole(
         "vibrissa-fleet",
         "Robots, whiskers, trims, compensations, setpoints and alarms of all fleets.",
-        variables.sources() + variables.supervisors() + variables.fleets(),
+        variables.sources() + variables.console() + variables.supervisors() + variables.fleets(),
         [
             ("Now", now()),
             ("Whiskers and alarms", whiskers()),
@@ -227,10 +227,10 @@ def setpoints():
 
 
 def tables():
-    to_robot = drill_down("vibrissa-robot", "Show the robot", fleet="fleet", robot="robot")
+    to_robot = drill_down("vibrissa-robot", "Show the robot", fleet="fleet", robot="robot") + CONSOLE_ROBOT
     to_whisker = drill_down(
         "vibrissa-whisker", "Show the whisker", fleet="fleet", robot="robot", array="array", whisker="whisker"
-    )
+    ) + CONSOLE_WHISKER
     return [
         table(
             "Robots",
@@ -261,8 +261,8 @@ ROBOTS = f"""
         count(*) FILTER (WHERE w.condition = 'HEALTHY' AND w.fault IS NULL) AS healthy,
         count(*) FILTER (WHERE w.condition = 'TRIMMED') AS trimmed,
         count(*) FILTER (WHERE w.fault IS NOT NULL) AS faults,
-        (SELECT count(*) FROM alarms o JOIN whiskers x USING (whisker_id)
-            WHERE x.robot_id = r.robot_id AND o.cleared_us IS NULL) AS alarms,
+        (SELECT count(*) FROM alarms o LEFT JOIN whiskers x USING (whisker_id)
+            WHERE coalesce(o.robot_id, x.robot_id) = r.robot_id AND o.cleared_us IS NULL) AS alarms,
         coalesce(sum(w.contacts), 0)::bigint AS contacts, r.held, {time("max(w.heard_us)")} AS heard
     FROM robots r LEFT JOIN whiskers w ON w.robot_id = r.robot_id AND w.position IS NOT NULL
     WHERE {FLEETS} GROUP BY r.robot_id ORDER BY alarms DESC, trimmed DESC, r.fleet, r.robot
@@ -270,7 +270,7 @@ ROBOTS = f"""
 
 ALARMS = f"""
     SELECT {rows.PLACE}, o.kind, {time("o.raised_us")} AS raised, o.acknowledged_by AS "acknowledged by"
-    FROM alarms o {rows.OF_WHISKER}
+    FROM alarms o {rows.OF_ALARM}
     WHERE {FLEETS} AND o.cleared_us IS NULL ORDER BY o.raised_us DESC LIMIT 200
 """
 

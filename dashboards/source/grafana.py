@@ -223,8 +223,19 @@ def hidden(*names):
     return [by_name(name, custom__hideFrom__viz=True, custom__hidden=True) for name in names]
 
 
+def to_console(*path):
+    """A link from a cell or a series to a page of the console; fields of the row are named with a colon before them."""
+    part = lambda one: f"${{__data.fields.{one[1:]}}}" if one.startswith(":") else one
+    url = "${console:raw}/#/" + "/".join(part(one) for one in path)
+    return [{"title": "Open in the console", "url": url, "targetBlank": True}]
+
+
+CONSOLE_ROBOT = to_console("fleets", ":fleet", "robots", ":robot")
+CONSOLE_WHISKER = to_console("fleets", ":fleet", "robots", ":robot", "arrays", ":array", "whiskers", ":whisker")
+
+
 def drill_down(uid, title, **variables):
     """A link from a cell to a dashboard, with variables from the cell's row."""
     along = [f"var-{name}=${{__data.fields.{field}}}" for name, field in variables.items()]
-    along += [f"${{{name}:queryparam}}" for name in ("prometheus_datasource", "postgres_datasource")]
+    along += [f"${{{name}:queryparam}}" for name in ("prometheus_datasource", "postgres_datasource", "console")]
     return [{"title": title, "url": f"/d/{uid}?{'&'.join(along)}&${{__url_time_range}}", "targetBlank": False}]

@@ -13,8 +13,8 @@ ALL = [
 ]
 
 
-def whole(uid, description, variables, rows, annotations=(), refresh="10s", since="now-1h"):
-    """A dashboard; `rows` are (title, panels)."""
+def whole(uid, description, variables, rows, annotations=(), refresh="10s", since="now-1h", console="#/alarms"):
+    """A dashboard; `rows` are (title, panels), and `console` is the page of the console that its panels link to."""
     title = next(title for known, title, _ in ALL if known == uid)
     return {
         "uid": uid,
@@ -33,7 +33,7 @@ def whole(uid, description, variables, rows, annotations=(), refresh="10s", sinc
         "templating": {"list": list(variables)},
         "annotations": {"list": list(annotations)},
         "links": [link_to(*other) for other in ALL if other[0] != uid],
-        "panels": placed(rows),
+        "panels": [linked(panel, console) for panel in placed(rows)],
     }
 
 
@@ -69,6 +69,15 @@ def placed(rows):
             x, height = x + width, max(height, tall)
         y += height
     return [{"id": number, **panel} for number, panel in enumerate(panels, 1)]
+
+
+def linked(panel, page):
+    """A panel whose series and numbers link to a page of the console; rows and columns with links keep their own."""
+    if panel["type"] == "row":
+        return panel
+    link = {"title": "Open in the console", "url": "${console:raw}/" + page, "targetBlank": True}
+    config = panel["fieldConfig"]
+    return {**panel, "fieldConfig": {**config, "defaults": {**config["defaults"], "links": [link]}}}
 
 
 def place(x, y, width, height):

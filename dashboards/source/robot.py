@@ -1,7 +1,7 @@
 """One robot: its whiskers, recent events, and its fleet."""
 
 from . import rows, variables, words
-from .grafana import by_name, drill_down, hidden, promql, sql, stat, table, timeline, timeseries
+from .grafana import CONSOLE_WHISKER, by_name, drill_down, hidden, promql, sql, stat, table, timeline, timeseries
 from .layout import whole
 from .rows import ROBOT, between, bucket, time
 from .series import largest, of_fleet, shares, total
@@ -17,7 +17,7 @@ def dashboard():
     return whole(
         "vibrissa-robot",
         "One robot: its whiskers now and over time, its compensations, setpoints and alarms.",
-        variables.sources() + variables.supervisors() + variables.robot(),
+        variables.sources() + variables.console() + variables.supervisors() + variables.robot(),
         [
             ("Now", now()),
             ("Whiskers", whiskers()),
@@ -26,15 +26,14 @@ def dashboard():
             ("Its fleet", fleet()),
         ],
         rows.happenings(ROBOT),
+        console="#/fleets/${fleet}/robots/${robot}",
     )
 
 
 def now():
     count = lambda condition: sql(f"SELECT count(*) FILTER (WHERE {condition}) AS whiskers {OF_ROBOT}")
     standing = (
-        "SELECT count(*) AS alarms FROM alarms o JOIN"
-        f" {rows.WHISKERS.replace('whiskers w', 'whiskers w USING (whisker_id)')} WHERE {ROBOT} AND o.cleared_us IS"
-        " NULL"
+        f"SELECT count(*) AS alarms FROM alarms o {rows.OF_ALARM} WHERE {ROBOT} AND o.cleared_us IS NULL"
     )
     text = {"textMode": "value"}
     connection = stat(
@@ -75,7 +74,7 @@ def now():
 def whiskers():
     to_whisker = drill_down(
         "vibrissa-whisker", "Show the whisker", fleet="fleet", robot="robot", array="array", whisker="whisker"
-    )
+    ) + CONSOLE_WHISKER
     lengths = [by_name(name, unit="lengthmm", decimals=1) for name in ("whole", "length", "low", "high")]
     pressures = [by_name(name, unit="pressurepa") for name in ("pressure", "setpoint")]
     places = hidden("fleet", "robot")
@@ -131,7 +130,7 @@ def over_time():
 def tables():
     to_whisker = drill_down(
         "vibrissa-whisker", "Show the whisker", fleet="fleet", robot="robot", array="array", whisker="whisker"
-    )
+    ) + CONSOLE_WHISKER
     places = hidden("fleet", "robot")
     linked = [by_name("whisker", links=to_whisker), *places]
     errors = [by_name(name, unit="percentunit", decimals=1) for name in ("predicted", "measured")]
@@ -231,6 +230,6 @@ SETPOINTS = f"""
 ALARMS = f"""
     SELECT {rows.PLACE}, o.kind, {time("o.raised_us")} AS raised, {time("o.cleared_us")} AS over,
         o.acknowledged_by AS "acknowledged by"
-    FROM alarms o {rows.OF_WHISKER}
+    FROM alarms o {rows.OF_ALARM}
     WHERE {ROBOT} AND (o.cleared_us IS NULL OR {between("o.raised_us")}) ORDER BY o.raised_us DESC LIMIT 200
 """

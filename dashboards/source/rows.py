@@ -20,6 +20,11 @@ WHISKER_ID = f"(SELECT w.whisker_id FROM {WHISKERS} WHERE {WHISKER})"
 
 # Joins to the whisker, for tables with its number, and for compensations by their target.
 OF_WHISKER = f"JOIN {WHISKERS.replace(' JOIN', ' USING (whisker_id) JOIN', 1)}"
+# The same for alarms, of which some concern a robot as a whole.
+OF_ALARM = (
+    "LEFT JOIN whiskers w USING (whisker_id) LEFT JOIN arrays a ON a.array_id = w.array_id"
+    " JOIN robots r ON r.robot_id = coalesce(o.robot_id, w.robot_id)"
+)
 OF_TARGET = OF_WHISKER.replace("USING (whisker_id)", "ON w.whisker_id = c.target_whisker_id")
 
 PLACE = """r.fleet, r.robot, a."array", w.whisker"""

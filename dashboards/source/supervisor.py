@@ -26,7 +26,7 @@ def dashboard():
     return whole(
         "vibrissa-supervisor",
         "The supervisors themselves: messages, lag, receipts, queues, database, broker, ownership, HTTP, processes.",
-        variables.sources() + variables.supervisors() + variables.fleets(),
+        variables.sources() + variables.console() + variables.supervisors() + variables.fleets(),
         [
             ("Now", now()),
             ("Messages in", messages()),

@@ -34,6 +34,24 @@ def source(name, label, query, description):
     }
 
 
+def console():
+    """Address of the console, for links from panels."""
+    address = "http://127.0.0.1:8080"
+    return [
+        {
+            "type": "textbox",
+            "name": "console",
+            "label": "Console",
+            "description": "Address of a supervisor, whose console the links open.",
+            "query": address,
+            "current": {"text": address, "value": address},
+            "options": [{"selected": True, "text": address, "value": address}],
+            "hide": 0,
+            "skipUrlSync": False,
+        }
+    ]
+
+
 def supervisors():
     """Supervisors: all by default."""
     return [

@@ -2,7 +2,7 @@
 
 from . import rows, variables, whisker_rows, words
 from .fleet import error_steps
-from .grafana import barchart, by_name, drill_down, hidden, sql, stat, table, timeline, timeseries
+from .grafana import barchart, by_name, drill_down, hidden, sql, stat, table, timeline, timeseries, to_console
 from .layout import whole
 from .rows import WHISKER, WHISKERS
 
@@ -18,7 +18,7 @@ def dashboard():
         "vibrissa-whisker",
         "One whisker: length, sensitivity, pressure and compensation error over time, decisions with all candidates.",
         # No query goes to Prometheus, but links to the other dashboards pass its data source on.
-        variables.sources() + variables.supervisors() + variables.whisker(),
+        variables.sources() + variables.console() + variables.supervisors() + variables.whisker(),
         [
             ("Now", now()),
             ("Length and sensitivity", lengths()),
@@ -27,6 +27,7 @@ def dashboard():
             ("Decisions, setpoints, alarms", tables()),
         ],
         rows.happenings(WHISKER),
+        console="#/fleets/${fleet}/robots/${robot}/arrays/${array}/whiskers/${whisker}",
     )
 
 
@@ -157,7 +158,7 @@ def errors():
 def tables():
     other = drill_down(
         "vibrissa-whisker", "Show this whisker", fleet="fleet", robot="robot", array="array", whisker="candidate"
-    )
+    ) + to_console("fleets", ":fleet", "robots", ":robot", "arrays", ":array", "whiskers", ":candidate")
     places = hidden("fleet", "robot", "array")
     shares = [by_name(name, unit="percentunit", decimals=1) for name in ("predicted", "low", "high")]
     in_pascals = lambda *names: [by_name(name, unit="pressurepa") for name in names]

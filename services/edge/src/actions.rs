@@ -63,6 +63,12 @@ pub enum RecordedKind {
     AlarmShelve,
     /// Ends the silence of an alarm.
     AlarmUnshelve,
+    /// Acknowledges all alarms that meet conditions; each alarm has its own entry beside it.
+    AlarmsAcknowledge,
+    /// Silences all alarms that meet conditions until a time.
+    AlarmsShelve,
+    /// Ends the silence of all alarms that meet conditions.
+    AlarmsUnshelve,
     /// Creates an API token.
     TokenCreate,
     /// Revokes an API token.

@@ -4,6 +4,7 @@
 
 pub mod actions;
 pub mod clock;
+pub mod guidance;
 pub mod ids;
 pub mod touch_tests;
 pub mod words;

@@ -18,6 +18,7 @@ use vibrissa_core::robot::event::{ArrayKind, GaugeState, Link, Rejection};
 use vibrissa_protocol::{SetpointError, SetpointReason, TouchTestKind, TouchTestReason, WhiskerCondition};
 
 use crate::actions::{ActionKind, RecordedKind};
+use crate::guidance::Level;
 
 /// How urgent a word is for people.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -222,8 +223,14 @@ words! {
         ArrayShift => "ARRAY_SHIFT" "shift shared by the whole array",
         BaselineDrift => "BASELINE_DRIFT" "baseline drift of the gauge",
         Proposed => "PROPOSED" "a compensation waits for approval",
-        ReachLost => "REACH_LOST" "no contacts near the tip any more";
+        ReachLost => "REACH_LOST" "no contacts near the tip any more",
+        RobotSilent => "ROBOT_SILENT" "the robot is silent or not connected";
         Fault(Fault)
+    }
+    Level {
+        Warning => "WARNING" "warning: plan for it" (Info),
+        Urgent => "URGENT" "urgent: look within the working day" (Warn),
+        Critical => "CRITICAL" "critical: act now" (Bad),
     }
     Mode {
         Automatic => "AUTOMATIC" "automatic: compensations start at once",
@@ -256,6 +263,9 @@ words! {
         AlarmAcknowledge => "ALARM_ACKNOWLEDGE" "acknowledge an alarm",
         AlarmShelve => "ALARM_SHELVE" "shelve an alarm",
         AlarmUnshelve => "ALARM_UNSHELVE" "unshelve an alarm",
+        AlarmsAcknowledge => "ALARMS_ACKNOWLEDGE" "acknowledge many alarms",
+        AlarmsShelve => "ALARMS_SHELVE" "shelve many alarms",
+        AlarmsUnshelve => "ALARMS_UNSHELVE" "unshelve many alarms",
         TokenCreate => "TOKEN_CREATE" "create a token",
         TokenRevoke => "TOKEN_REVOKE" "revoke a token",
     }

@@ -9,24 +9,26 @@ use super::{Store, StoreError, failed};
 const WHAT: &str = "update an alarm";
 
 from_row! {
-    /// The whisker and kind of an alarm, and what operators have done about it.
+    /// The whisker or robot and the kind of an alarm, and what operators have done about it.
     #[derive(Debug, Clone, PartialEq, Eq)]
     pub struct AlarmSubject {
         /// Name of the fleet.
         pub fleet: String,
         /// Name of the robot.
         pub robot: String,
-        /// Name of the array.
-        pub array: String,
-        /// Number of the whisker in its array.
-        pub whisker: i64,
-        /// Number of the whisker in the database.
-        pub whisker_id: i64,
+        /// Name of the array; `None` for an alarm about the robot as a whole.
+        pub array: Option<String>,
+        /// Number of the whisker in its array; `None` for an alarm about the robot as a whole.
+        pub whisker: Option<i64>,
+        /// Number of the whisker in the database; `None` for an alarm about the robot as a whole.
+        pub whisker_id: Option<i64>,
+        /// Number of the robot in the database; `None` for an alarm about a whisker.
+        pub robot_id: Option<i64>,
         /// Kind of alarm, such as `UNCOMPENSATED`.
         pub kind: String,
         /// Person or token that acknowledged it; `None` if it was not acknowledged.
         pub acknowledged_by: Option<String>,
-        /// Time until which alarms of this kind about this whisker are shelved, µs since 1970 UTC. It may be in the
+        /// Time until which alarms of this kind about this whisker or robot are shelved, µs since 1970 UTC. It may be in the
         /// past.
         pub shelved_until_us: Option<i64>,
     }
@@ -37,7 +39,7 @@ from_row! {
 pub enum Said {
     /// Acknowledges the alarm.
     Acknowledged,
-    /// Shelves the alarm, and all alarms of its kind about its whisker, for a while.
+    /// Shelves the alarm, and all alarms of its kind about its whisker or robot, for a while.
     Shelved {
         /// End of the shelving, µs since 1970 UTC by the supervisor's clock.
         until_us: i64,
@@ -47,17 +49,18 @@ pub enum Said {
 }
 
 impl Store {
-    /// Whisker and kind of the alarm of this number; `None` if there is no such alarm.
+    /// Whisker or robot and kind of the alarm of this number; `None` if there is no such alarm.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn alarm_subject(&self, alarm_id: i64) -> Result<Option<AlarmSubject>, StoreError> {
         on!(&self.pool, |pool| sqlx::query_as(
-            "SELECT fleet, robot, \"array\", w.whisker, l.whisker_id, l.kind, acknowledged_by, \
-             (SELECT until_us FROM alarm_shelves s WHERE s.whisker_id = l.whisker_id AND s.kind = l.kind \
-              ORDER BY alarm_shelf_id DESC LIMIT 1) AS shelved_until_us \
-             FROM alarms l JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
-             JOIN robots r ON r.robot_id = w.robot_id WHERE alarm_id = $1",
+            "SELECT fleet, robot, \"array\", w.whisker, l.whisker_id, l.robot_id, l.kind, acknowledged_by, \
+             (SELECT until_us FROM alarm_shelves s WHERE (s.whisker_id = l.whisker_id OR s.robot_id = l.robot_id) \
+              AND s.kind = l.kind ORDER BY alarm_shelf_id DESC LIMIT 1) AS shelved_until_us \
+             FROM alarms l LEFT JOIN whiskers w ON w.whisker_id = l.whisker_id \
+             LEFT JOIN arrays y ON y.array_id = w.array_id \
+             JOIN robots r ON r.robot_id = coalesce(l.robot_id, w.robot_id) WHERE alarm_id = $1",
         )
         .bind(alarm_id)
         .fetch_optional(pool)
@@ -83,7 +86,8 @@ impl Store {
             let change = NewChange {
                 kind: "ALARM",
                 recorded_us: now_us,
-                whisker_id: Some(subject.whisker_id),
+                whisker_id: subject.whisker_id,
+                robot_id: subject.robot_id,
                 ..NewChange::default()
             };
             changes::write(&mut tx, &subject.fleet, change, now_us).await.map_err(failed(WHAT))?;
@@ -107,10 +111,11 @@ async fn write(tx: &mut Tx<'_>, subject: &AlarmSubject, said: Said, action: &New
         .await
         .map(drop)),
         Said::Shelved { until_us } => on!(tx, |tx| sqlx::query(
-            "INSERT INTO alarm_shelves (whisker_id, kind, shelved_us, until_us, shelved_by, reason) \
-             VALUES ($1, $2, $3, $4, $5, $6)",
+            "INSERT INTO alarm_shelves (whisker_id, robot_id, kind, shelved_us, until_us, shelved_by, reason) \
+             VALUES ($1, $2, $3, $4, $5, $6, $7)",
         )
         .bind(subject.whisker_id)
+        .bind(subject.robot_id)
         .bind(&subject.kind)
         .bind(action.asked_us)
         .bind(until_us)
@@ -120,10 +125,12 @@ async fn write(tx: &mut Tx<'_>, subject: &AlarmSubject, said: Said, action: &New
         .await
         .map(drop)),
         Said::Unshelved => on!(tx, |tx| sqlx::query(
-            "UPDATE alarm_shelves SET until_us = $1 WHERE whisker_id = $2 AND kind = $3 AND until_us > $1",
+            "UPDATE alarm_shelves SET until_us = $1 WHERE (whisker_id = $2 OR robot_id = $3) AND kind = $4 \
+             AND until_us > $1",
         )
         .bind(action.asked_us)
         .bind(subject.whisker_id)
+        .bind(subject.robot_id)
         .bind(&subject.kind)
         .execute(&mut **tx)
         .await

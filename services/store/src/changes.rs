@@ -132,6 +132,12 @@ impl<'a> NewChange<'a> {
             Record::Refinement(row) => number("ERROR", row.compensation_id, row.recorded_us),
             Record::Alarm(row) => whisker("ALARM", row.whisker_id, row.raised_us),
             Record::AlarmCleared(row) => whisker("ALARM", row.whisker_id, row.cleared_us),
+            Record::RobotAlarm(row) => {
+                Self { kind: "ALARM", recorded_us: row.raised_us, robot_id: Some(row.robot_id), ..Self::default() }
+            }
+            Record::RobotAlarmCleared(row) => {
+                Self { kind: "ALARM", recorded_us: row.cleared_us, robot_id: Some(row.robot_id), ..Self::default() }
+            }
             Record::AlarmsForgotten { robot_id, cleared_us } => {
                 Self { kind: "ALARM", recorded_us: *cleared_us, robot_id: Some(*robot_id), ..Self::default() }
             }

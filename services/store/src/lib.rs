@@ -9,6 +9,7 @@ pub mod actions;
 pub mod address;
 pub mod aggregates;
 pub mod alarms;
+pub mod alarms_at_once;
 pub mod allowed;
 mod apart;
 pub mod backup;

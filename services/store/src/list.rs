@@ -3,10 +3,16 @@
 //! A [`List`] (see [`lists`](super::lists)) is a query with the columns that may sort it. A [`Selection`] is what a
 //! request asks of it. Only values come from outside; columns and operators are part of the program.
 
+use std::sync::LazyLock;
+
 use serde::{Deserialize, Serialize};
 use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
 use sqlx::{ColumnIndex, Database, Decode, Encode, FromRow, Postgres, QueryBuilder, Row, Sqlite, Type};
+
+use vibrissa_core::robot::effect::AlarmKind;
+use vibrissa_edge::guidance::{BY_URGENCY, urgency};
+use vibrissa_edge::words::Word;
 
 use super::database::Either;
 use super::{Store, StoreError, failed};
@@ -16,7 +22,9 @@ use super::{Store, StoreError, failed};
 pub struct List {
     /// Purpose of the query, for errors: `list the whiskers`.
     pub what: &'static str,
-    /// The query, without order and limit; `{now_us}` in it is replaced by the present time, µs since 1970 UTC.
+    /// The query, without order and limit. In it `{now_us}` is replaced by the present time, µs since 1970 UTC, `{urgency}`
+    /// by the place of `kind` in the order of alarms, and `{filters}` by conditions that begin with AND. Without `{filters}`
+    /// the conditions apply to the query's rows.
     pub select: &'static str,
     /// More columns, each after a comma, that are computed for the rows of a page alone, from the columns of `q`. They
     /// cannot filter or sort.
@@ -112,6 +120,8 @@ pub enum Filter {
     IsNull(&'static str, bool),
     /// At least one of the columns contains the text, in upper or lower case.
     Contains(&'static [&'static str], String),
+    /// One of the conditions holds; none holds of an empty list.
+    AnyOf(Vec<Filter>),
     /// The column is one of those that a query selects, of the rows of which at least one column contains the text.
     /// Faster than `Contains` where the names are in a shorter table.
     IsNamed {
@@ -221,35 +231,53 @@ where
 {
     for filter in filters {
         sql.push(" AND ");
-        match filter {
-            Filter::Is(column, value) => {
-                sql.push(*column).push(" = ");
-                push_value(sql, value);
+        push_filter(sql, filter);
+    }
+}
+
+fn push_filter<DB: Database>(sql: &mut QueryBuilder<DB>, filter: &Filter)
+where
+    i64: for<'q> Encode<'q, DB> + Type<DB>,
+    f64: for<'q> Encode<'q, DB> + Type<DB>,
+    bool: for<'q> Encode<'q, DB> + Type<DB>,
+    String: for<'q> Encode<'q, DB> + Type<DB>,
+{
+    match filter {
+        Filter::Is(column, value) => {
+            sql.push(*column).push(" = ");
+            push_value(sql, value);
+        }
+        Filter::IsOneOf(column, values) => {
+            sql.push(*column).push(" IN (NULL");
+            for value in values {
+                sql.push(", ").push_bind(value.clone());
             }
-            Filter::IsOneOf(column, values) => {
-                sql.push(*column).push(" IN (NULL");
-                for value in values {
-                    sql.push(", ").push_bind(value.clone());
-                }
-                sql.push(")");
+            sql.push(")");
+        }
+        Filter::AtLeast(column, value) => {
+            sql.push(*column).push(" >= ");
+            push_value(sql, value);
+        }
+        Filter::Below(column, value) => {
+            sql.push(*column).push(" < ");
+            push_value(sql, value);
+        }
+        Filter::IsNull(column, is_null) => {
+            sql.push(*column).push(if *is_null { " IS NULL" } else { " IS NOT NULL" });
+        }
+        Filter::Contains(columns, text) => push_contains(sql, columns, text),
+        Filter::IsNamed { column, select, names, text } => {
+            sql.push(*column).push(" IN (").push(*select).push(" WHERE ");
+            push_contains(sql, names, text);
+            sql.push(")");
+        }
+        Filter::AnyOf(filters) => {
+            sql.push("(false");
+            for filter in filters {
+                sql.push(" OR ");
+                push_filter(sql, filter);
             }
-            Filter::AtLeast(column, value) => {
-                sql.push(*column).push(" >= ");
-                push_value(sql, value);
-            }
-            Filter::Below(column, value) => {
-                sql.push(*column).push(" < ");
-                push_value(sql, value);
-            }
-            Filter::IsNull(column, is_null) => {
-                sql.push(*column).push(if *is_null { " IS NULL" } else { " IS NOT NULL" });
-            }
-            Filter::Contains(columns, text) => push_contains(sql, columns, text),
-            Filter::IsNamed { column, select, names, text } => {
-                sql.push(*column).push(" IN (").push(*select).push(" WHERE ");
-                push_contains(sql, names, text);
-                sql.push(")");
-            }
+            sql.push(")");
         }
     }
 }
@@ -280,6 +308,36 @@ fn pattern(text: &str) -> String {
     pattern
 }
 
+/// The place of conditions within a query.
+const FILTERS: &str = "{filters}";
+
+/// Appends a query, with conditions at the place that it has for them.
+pub(super) fn push_select<DB: Database>(sql: &mut QueryBuilder<DB>, select: &str, filters: &[Filter])
+where
+    i64: for<'q> Encode<'q, DB> + Type<DB>,
+    f64: for<'q> Encode<'q, DB> + Type<DB>,
+    bool: for<'q> Encode<'q, DB> + Type<DB>,
+    String: for<'q> Encode<'q, DB> + Type<DB>,
+{
+    // A number of this process, not of a client: whether times lie ahead is judged by this supervisor's clock.
+    let now_us = vibrissa_edge::clock::wall_clock().0;
+    let select = select.replace("{now_us}", &now_us.to_string()).replace("{urgency}", &URGENCY);
+    match select.split_once(FILTERS) {
+        None => drop(sql.push(select)),
+        Some((before, after)) => {
+            sql.push(before);
+            push_filters(sql, filters);
+            sql.push(after);
+        }
+    }
+}
+
+/// The place of the column `kind` in the order of alarms: greater is more urgent, and 0 is no kind of this program.
+static URGENCY: LazyLock<String> = LazyLock::new(|| {
+    let case = |kind: AlarmKind| format!(" WHEN '{}' THEN {}", kind.word(), urgency(kind));
+    format!("CAST(CASE kind{} ELSE 0 END AS BIGINT)", BY_URGENCY.map(case).concat())
+});
+
 /// The statement of a selection; it asks for one row more than the limit, to learn whether there is a next page.
 fn statement<DB: Database>(list: &List, selection: &Selection) -> QueryBuilder<DB>
 where
@@ -290,10 +348,11 @@ where
 {
     let mut sql = QueryBuilder::<DB>::new("SELECT q.*");
     sql.push(list.details).push(" FROM (SELECT * FROM (");
-    // A number of this process, not of a client: whether times lie ahead is judged by this supervisor's clock.
-    let now_us = vibrissa_edge::clock::wall_clock().0;
-    sql.push(list.select.replace("{now_us}", &now_us.to_string())).push(") q WHERE true");
-    push_filters(&mut sql, &selection.filters);
+    push_select(&mut sql, list.select, &selection.filters);
+    sql.push(") q WHERE true");
+    if !list.select.contains(FILTERS) {
+        push_filters(&mut sql, &selection.filters);
+    }
     let (sort, id) = (selection.sort.column, list.id);
     let (after, order) = if selection.descending { (" < (", " DESC") } else { (" > (", " ASC") };
     if let Some(position) = &selection.after {

@@ -7,7 +7,7 @@ use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, RollupRow, Rows, Se
 use super::database::{Tx, on};
 use super::tables::{
     ALARMS, ANSWERED, BINS, CANDIDATES, CLEARED, DECISIONS, ENDED, ERRORS, HEALTH, POLICIES, REFINEMENTS, RESPONSES,
-    ROBOTS, SETPOINTS, STATES, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
+    ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS, STATES, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
 };
 use super::{StoreError, actions, calibrations, failed, quarantine, tables};
 use crate::Resolution;
@@ -85,6 +85,10 @@ async fn write_record(tx: &mut Tx<'_>, fleet: &str, record: &Record) -> Result<(
         }
         Record::Alarm(row) => (ALARMS.write(tx, &[row]).await.map(drop), "write an alarm"),
         Record::AlarmCleared(row) => (CLEARED.write(tx, &[row]).await.map(drop), "clear an alarm"),
+        Record::RobotAlarm(row) => (ROBOT_ALARMS.write(tx, &[row]).await.map(drop), "write an alarm about a robot"),
+        Record::RobotAlarmCleared(row) => {
+            (ROBOT_CLEARED.write(tx, &[row]).await.map(drop), "clear an alarm about a robot")
+        }
         Record::Gone { robot_id, array, whisker, cleared_us } => {
             (write_gone(tx, *robot_id, array, *whisker, *cleared_us).await, "clear the alarms of a whisker")
         }
@@ -134,10 +138,10 @@ async fn write_approved(tx: &mut Tx<'_>, compensation_id: i64) -> sqlx::Result<(
     on!(tx, |tx| sqlx::query(SQL).bind(compensation_id).execute(&mut **tx).await.map(drop))
 }
 
-/// Clears the alarms of all whiskers of a robot, and ends its touch tests: nobody follows them any more.
+/// Clears all alarms of a robot and its whiskers, and ends its touch tests: nobody follows them any more.
 async fn write_forgotten(tx: &mut Tx<'_>, robot_id: i64, cleared_us: i64) -> sqlx::Result<()> {
     const ALARMS: &str = "UPDATE alarms SET cleared_us = $1 WHERE cleared_us IS NULL \
-         AND whisker_id IN (SELECT whisker_id FROM whiskers WHERE robot_id = $2)";
+         AND (robot_id = $2 OR whisker_id IN (SELECT whisker_id FROM whiskers WHERE robot_id = $2))";
     const TESTS: &str = "UPDATE touch_tests SET state = 'ABANDONED', updated_us = $1, ended_us = $1 \
          WHERE ended_us IS NULL AND robot_id = $2";
     for sql in [ALARMS, TESTS] {

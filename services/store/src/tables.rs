@@ -2,8 +2,8 @@
 
 use super::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow,
-    JournalRow, PolicyRow, QuarantineRow, RefinementRow, ResponseRow, RobotRow, RollupRow, SetpointRow,
-    SetpointStateRow, TouchTestProgressRow, TouchTestRow, TrimRow, WhiskerRow,
+    JournalRow, PolicyRow, QuarantineRow, RefinementRow, ResponseRow, RobotAlarmClearedRow, RobotAlarmRow, RobotRow,
+    RollupRow, SetpointRow, SetpointStateRow, TouchTestProgressRow, TouchTestRow, TrimRow, WhiskerRow,
 };
 use super::changes::NewChange;
 use super::row::{Declared, Parent, Statement, columns};
@@ -71,6 +71,7 @@ pub(crate) static SETPOINTS: Statement<SetpointRow> = Statement::insert("setpoin
 pub(crate) static STATES: Statement<SetpointStateRow> = Statement::insert("setpoint_states");
 pub(crate) static REFINEMENTS: Statement<RefinementRow> = Statement::insert("compensation_refinements");
 pub(crate) static ALARMS: Statement<AlarmRow> = Statement::insert("alarms");
+pub(crate) static ROBOT_ALARMS: Statement<RobotAlarmRow> = Statement::insert("alarms");
 pub(crate) static POLICIES: Statement<PolicyRow> = Statement::insert("policies");
 pub(crate) static QUARANTINE: Statement<(InFleet<'static>, &QuarantineRow)> = Statement::insert("quarantine");
 
@@ -125,6 +126,14 @@ pub(crate) static CLEARED: Statement<AlarmClearedRow> = Statement::custom(
      FROM ROWS) AS m WHERE t.alarm_id = m.alarm_id AND OWNED",
 );
 
+/// As [`CLEARED`], for alarms about robots.
+pub(crate) static ROBOT_CLEARED: Statement<RobotAlarmClearedRow> = Statement::custom(
+    "alarms",
+    "UPDATE alarms AS t SET cleared_us = m.cleared_us FROM (SELECT n.cleared_us, (SELECT s.alarm_id FROM alarms s \
+     WHERE s.robot_id = n.robot_id AND s.kind = n.kind AND s.cleared_us IS NULL LIMIT 1) AS alarm_id \
+     FROM ROWS) AS m WHERE t.alarm_id = m.alarm_id AND OWNED",
+);
+
 pub(crate) static TOUCH_TESTS: Statement<TouchTestRow> = Statement::insert("touch_tests");
 
 /// The newest state of touch tests. Progress without a state leaves it unchanged.
@@ -151,7 +160,7 @@ pub struct Written {
 /// The columns of all statements, as the rows are declared.
 #[must_use]
 pub fn written() -> Vec<Written> {
-    let all: [&dyn Declared; 26] = [
+    let all: [&dyn Declared; 28] = [
         &ROBOTS,
         &WHISKERS,
         &CONTACTS,
@@ -176,6 +185,8 @@ pub fn written() -> Vec<Written> {
         &ENDED,
         &ANSWERED,
         &CLEARED,
+        &ROBOT_ALARMS,
+        &ROBOT_CLEARED,
         &TOUCH_TESTS,
         &TOUCH_TEST_PROGRESS,
     ];

@@ -1,9 +1,11 @@
 // Operators' actions, each with its effect on the robot.
 
-import { has } from "./api.js";
+import { ask, has } from "./api.js";
 import { actionButton } from "./dialog.js";
-import { mpa } from "./format.js";
+import { h } from "./dom.js";
+import { count, mpa } from "./format.js";
 import { api, ROUTES, whiskerName } from "./places.js";
+import { ALARM_KINDS, say } from "./words.js";
 import { fromField, toField, zone } from "./zone.js";
 
 const withReason = (values) => ({ reason: values.reason?.trim() || undefined });
@@ -149,29 +151,72 @@ export function proposalActions(proposal, done) {
 /** Buttons to acknowledge, shelve and unshelve an alarm. */
 export function alarmActions(alarm, done) {
   const at = api.alarm(alarm.alarm_id);
-  const name = `the alarm of whisker ${whiskerName(alarm)} of ${alarm.robot}`;
+  const whose = alarm.array === null ? `robot ${alarm.robot}` : `whisker ${whiskerName(alarm)} of ${alarm.robot}`;
+  const name = `the alarm of ${whose}`;
   const actions = [];
   const add = (one, action) =>
     has("POST", `/v1/alarms/{}/${one}`) &&
-    actions.push(actionButton({ path: `${at}/${one}`, body: withReason, reason: "optional", ...action }, done, action.short));
-  if (alarm.state === "UNACKNOWLEDGED") {
-    add("acknowledge", {
-      title: `Acknowledge ${name}`,
-      what: [
-        "This records that you have seen the alarm. It stands until its cause is gone; the robot is not affected.",
-      ],
-      button: "Acknowledge",
-    });
-  }
+    actions.push(
+      actionButton({ path: `${at}/${one}`, body: withReason, reason: "optional", ...action }, done, action.short),
+    );
+  if (alarm.state === "UNACKNOWLEDGED") add("acknowledge", { title: `Acknowledge ${name}`, ...ACKNOWLEDGE });
   if (alarm.state === "UNACKNOWLEDGED" || alarm.state === "ACKNOWLEDGED") add("shelve", shelve(name));
-  if (alarm.state === "SHELVED") {
-    add("unshelve", {
-      title: `Unshelve ${name}`,
-      what: ["The alarm is listed among the standing alarms again."],
-      button: "Unshelve",
-    });
-  }
+  if (alarm.state === "SHELVED") add("unshelve", { title: `Unshelve ${name}`, ...UNSHELVE });
   return actions;
+}
+
+const ACKNOWLEDGE = {
+  what: ["This records that you have seen the alarm. It stands until its cause is gone; the robot is not affected."],
+  button: "Acknowledge",
+};
+
+const UNSHELVE = { what: ["The alarm is listed among the standing alarms again."], button: "Unshelve" };
+
+/**
+ * Buttons for all alarms that the filters show, on all pages. The dialog lists the alarms that the service would change.
+ * `alarms` and `open` are the numbers of alarms and of those that are not acknowledged.
+ */
+export function alarmsActions(filter, { alarms, open }, done) {
+  const actions = [];
+  const add = (one, many, action) => {
+    if (!many || !has("POST", `/v1/alarms/${one}`)) return;
+    actions.push(atOnce(one, filter, action, done));
+  };
+  const isShelved = filter.state === "SHELVED";
+  if (!isShelved) add("acknowledge", open, { ...ACKNOWLEDGE, verb: "Acknowledge", many: open });
+  if (!isShelved) add("shelve", alarms, { ...shelve(""), verb: "Shelve", many: alarms });
+  if (isShelved) add("unshelve", alarms, { ...UNSHELVE, verb: "Unshelve", many: alarms });
+  return actions;
+}
+
+/** A button that asks the service which alarms it would change, and then opens the dialog with their list. */
+function atOnce(one, filter, action, done) {
+  const path = `/v1/alarms/${one}`;
+  const values = (which) => (told) => ({ ...action.body?.(told), ...withReason(told), which });
+  const prepare = async () => {
+    // A dry run of shelving needs an end and a reason, too.
+    const tried = one === "shelve" ? { until: new Date(Date.now() + 3_600_000).toISOString(), reason: "dry run" } : {};
+    const answer = await ask(path, { method: "POST", body: { which: { filter }, dry_run: true, ...tried } });
+    const told = await answer.json();
+    const which = { filter, up_to_alarm_id: told.newest_alarm_id ?? 0 };
+    const title = `${action.verb} ${count(told.alarms, "alarm")}`;
+    return { reason: "optional", ...action, title, path, button: action.verb, body: values(which), list: concerned(told) };
+  };
+  return actionButton({ path, prepare }, done, `${action.verb} all ${action.many.toLocaleString("en")}`);
+}
+
+/** The alarms that a dry run found, in a box. */
+function concerned({ items, more }) {
+  const where = (row) => (row.array === null ? row.robot : `${row.robot}, whisker ${whiskerName(row)}`);
+  const item = (row) => h("li", {}, `${say(ALARM_KINDS, row.kind)}: ${row.fleet}, ${where(row)}`);
+  return [
+    h(
+      "div",
+      { class: "concerned", role: "region", "aria-label": "Alarms concerned", tabindex: "0" },
+      h("ol", {}, items.map(item)),
+    ),
+    more ? h("p", { class: "hint" }, "More alarms match: repeat this for them.") : null,
+  ];
 }
 
 function shelve(name) {

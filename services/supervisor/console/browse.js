@@ -14,7 +14,8 @@ const TYPING_MS = 300;
 
 /**
  * A list of the API as a table: `{ route, what, filters, search, rows }`. `what` names the rows in the plural,
- * `filters` are `{ name, label, options: [[value, words]] }` with the API's parameter as name, and `search` is the hint
+ * `filters` are `{ name, label, options: [[value, words]] }` with the API's parameter as name, or `{ name, label, text: true }`
+ * for a text; `empty` names the choice of no filter. And `search` is the hint
  * of the search field, or null without one. A column of the table with `sort` (the API's sort key) can order it;
  * `descends` makes the greatest value first at the first click.
  */
@@ -28,20 +29,22 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
       return get(route, { limit: rows, ...asked, ...fixed });
     },
 
-    /** The tools, the table and the links to other pages of the list. */
-    view(page, { caption, columns, key, empty }) {
+    /** The tools, the table (or `body` for rows that are no table), and the links to other pages of the list. */
+    view(page, { caption, columns, key, empty, body = null }) {
       const state = stateOf(location.hash);
       const isNarrowed = [...filters.map(({ name }) => name), "q"].some((name) => state[name]);
       const nothing = isNarrowed ? `No ${what} match.` : empty;
       return [
         tools(state, isNarrowed),
-        table({
-          caption,
-          columns: columns.map((column) => ({ ...column, heading: column.sort && heading(column, state) })),
-          rows: page.items,
-          key,
-          empty: state.cursor ? `No more ${what}.` : nothing,
-        }),
+        body && page.items.length
+          ? body
+          : table({
+              caption,
+              columns: (columns ?? []).map((column) => ({ ...column, heading: column.sort && heading(column, state) })),
+              rows: page.items,
+              key,
+              empty: state.cursor ? `No more ${what}.` : nothing,
+            }),
         pager(page, state),
       ];
     },
@@ -52,7 +55,7 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
       "form",
       { class: "tools", role: "search", "aria-label": `Find ${what}`, onsubmit: (event) => event.preventDefault() },
       search === null ? null : searchField(state),
-      filters.map((filter) => choice(filter, state)),
+      filters.map((filter) => (filter.text ? textField(filter, state) : choice(filter, state))),
       isNarrowed
         ? h("a", { href: changed(Object.fromEntries([...known, "cursor"].map((name) => [name, null]))) }, "Show all")
         : null,
@@ -85,7 +88,14 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
     );
   }
 
-  function choice({ name, label, options }, state) {
+  /** A field for a text that must match exactly. */
+  function textField({ name, label }, state) {
+    const choose = (event) => change({ [name]: event.target.value.trim(), cursor: null });
+    const attributes = { id: `filter-${name}`, name, maxlength: 64, value: state[name] ?? "", "data-of-address": true };
+    return h("label", { class: "tool" }, h("span", {}, label), h("input", { ...attributes, onchange: choose }));
+  }
+
+  function choice({ name, label, options, empty = "all" }, state) {
     const option = ([value, words]) => h("option", { value, selected: (state[name] ?? "") === value }, words);
     const choose = (event) => change({ [name]: event.target.value, cursor: null });
     return h(
@@ -95,7 +105,7 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
       h(
         "select",
         { id: `filter-${name}`, name, "data-of-address": true, onchange: choose },
-        [["", "all"], ...options].map(option),
+        [["", empty], ...options].map(option),
       ),
     );
   }

@@ -13,7 +13,7 @@ const PAUSE_MS = 500;
 /**
  * A button that opens the dialog of an action. If the user's role does not allow the action, the button is disabled and
  * says why: in a tooltip, which is also its description for screen readers, and in a message when it is pressed. It can
- * still be focused; otherwise the keyboard would not reach the reason.
+ * still be focused; otherwise the keyboard would not reach the reason. An action with `prepare` is completed by it first.
  */
 export function actionButton(action, done, words = action.button) {
   const reason = refusal(action.method ?? "POST", action.path);
@@ -24,16 +24,24 @@ export function actionButton(action, done, words = action.button) {
       class: action.grave ? "grave" : null,
       "aria-disabled": reason ? "true" : null,
       title: reason,
-      onclick: () => (reason ? notice(reason) : confirm(action, done)),
+      onclick: () => (reason ? notice(reason) : open(action, done)),
     },
     `${words} \u2026`,
   );
 }
 
+async function open(action, done) {
+  try {
+    confirm(action.prepare ? await action.prepare() : action, done);
+  } catch (problem) {
+    notice(problem.message);
+  }
+}
+
 /**
  * Opens the dialog of an action:
  * `{ title, what: [sentences], fields: [{ name, label, hint, type, required, .. }], reason: "optional" | "required",
- * button, grave, path, method, headers, body(values), moves }`. `moves` is the whisker whose pressure the action may
+ * list, button, grave, path, method, headers, body(values), moves }`. `moves` is the whisker whose pressure the action may
  * change: its setpoint is followed to the robot's answer. `done` is called after the execution.
  */
 function confirm(action, done) {
@@ -66,6 +74,7 @@ function confirm(action, done) {
       { onsubmit: submit },
       h("h2", { id: "dialog-title" }, action.title),
       action.what.map((sentence) => h("p", {}, sentence)),
+      action.list ?? null,
       fields.map(field),
       answer,
       h(

@@ -3,6 +3,7 @@
 
 import { s } from "./dom.js";
 import { mm, mpa } from "./format.js";
+import { isUncompensated } from "./marks.js";
 import { link } from "./places.js";
 import { CONDITIONS, CONNECTIONS, FAULTS, say } from "./words.js";
 
@@ -79,8 +80,8 @@ function widthAt(whisker) {
 
 function one(whisker) {
   const { x_mm: x, length_mm: length, whole_length_mm: whole } = whisker;
-  const [word, tone] = worst(whisker);
-  const words = `Whisker ${whisker.whisker}: ${word}, ${mm(length, 1)} of ${mm(whole, 1)}, ${mpa(whisker.pressure_mpa ?? whisker.setpoint_mpa, 3)}`;
+  const [word, tone, told = word] = worst(whisker);
+  const words = `Whisker ${whisker.whisker}: ${told}, ${mm(length, 1)} of ${mm(whole, 1)}, ${mpa(whisker.pressure_mpa ?? whisker.setpoint_mpa, 3)}`;
   // The link says in words what the picture beside it shows.
   return s(
     "g",
@@ -103,6 +104,7 @@ function one(whisker) {
       { class: "seen", "aria-hidden": "true" },
       s("path", { d: cone(x, whole), class: "whole" }),
       s("path", { d: cone(x, length, BASE_MM, widthAt(whisker)), class: "body" }),
+      whisker.condition === "TRIMMED" ? compensation(whisker) : null,
       interval(whisker),
       s("text", { x, y: -Math.max(whole, length) - 4, class: "length" }, length.toFixed(1)),
       s("text", { x, y: 9, class: "name" }, whisker.whisker),
@@ -110,6 +112,17 @@ function one(whisker) {
       s("text", { x, y: 22, class: "state" }, `${(whisker.pressure_mpa ?? whisker.setpoint_mpa).toFixed(3)}`),
     ),
   );
+}
+
+/** A cross on a trimmed whisker without a compensation, a tick on one with: they differ without their colour, too. */
+function compensation(whisker) {
+  const { x_mm: x, length_mm: length } = whisker;
+  const y = -length / 2;
+  const cross = `M${x - 3} ${y - 3}l6 6m0 -6l-6 6`;
+  const tick = `M${x - 3} ${y}l2 2.5l4 -5`;
+  return isUncompensated(whisker)
+    ? s("path", { d: cross, class: "sign refused" })
+    : s("path", { d: tick, class: "sign served" });
 }
 
 function interval({ x_mm: x, length_low_mm: low, length_high_mm: high }) {
@@ -121,6 +134,11 @@ function worst(whisker) {
   if (whisker.connection !== "ONLINE") return [say(CONNECTIONS, whisker.connection).replace("connection ", ""), "off"];
   if (whisker.fault)
     return [say(FAULTS, whisker.fault).split(":")[0].split(" ")[0], FAULTS[whisker.fault]?.[1] ?? "bad"];
+  if (whisker.condition === "TRIMMED") {
+    return isUncompensated(whisker)
+      ? ["trimmed", "bad", "trimmed, not compensated"]
+      : ["trimmed", "info", "trimmed, compensated"];
+  }
   return [say(CONDITIONS, whisker.condition).split(" ").at(-1), CONDITIONS[whisker.condition]?.[1] ?? "off"];
 }
 

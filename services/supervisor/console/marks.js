@@ -12,6 +12,11 @@ const SHAPES = {
     s("path", { d: "M2 14h12L11.5 8h-7Z", class: "fill" }),
     s("path", { d: "M6 5 8 1 10 5", "stroke-dasharray": "1.5 1.5" }),
   ],
+  // A cut whisker on a pedestal: its place is taken.
+  propped: () => [
+    s("path", { d: "M4 9h8L10.5 5h-5Z", class: "fill" }),
+    s("path", { d: "M2 14h12M4 14v-2.5M12 14v-2.5" }),
+  ],
   slope: () => s("path", { d: "M2 3v11h12Z", class: "fill" }),
   down: () => s("path", { d: "M8 2v10M3.5 8 8 13l4.5-5" }),
   clock: () => [s("circle", { cx: 8, cy: 8, r: 6.2 }), s("path", { d: "M8 4v4l3 2" })],
@@ -49,8 +54,9 @@ export function marksOf(whisker) {
   const marks = [];
   if (whisker.connection !== "ONLINE") marks.push(markOf(CONNECTIONS, whisker.connection));
   if (whisker.fault) marks.push(markOf(FAULTS, whisker.fault));
-  marks.push(markOf(CONDITIONS, whisker.condition));
-  if (isUncompensated(whisker)) marks.push(mark("no compensator", "bad", "cross"));
+  if (whisker.condition !== "TRIMMED") marks.push(markOf(CONDITIONS, whisker.condition));
+  else if (isUncompensated(whisker)) marks.push(mark("trimmed, not compensated", "bad", "stump"));
+  else marks.push(mark("trimmed, compensated", "info", "propped"));
   if (whisker.held) marks.push(mark("held by an operator", "info", "hand"));
   return h("span", { class: "marks" }, marks);
 }

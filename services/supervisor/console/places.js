@@ -27,9 +27,6 @@ export const api = {
   robot: ({ fleet, robot }) => path`/v1/fleets/${fleet}/robots/${robot}`,
   whisker: ({ fleet, robot, array, whisker }) =>
     path`/v1/fleets/${fleet}/robots/${robot}/arrays/${array}/whiskers/${whisker}`,
-  whiskers: (state = {}) => address("/whiskers", state),
-  compensations: (state = {}) => address("/compensations", state),
-  audit: (state = {}) => address("/audit", state),
   compensation: (id) => path`/v1/compensations/${id}`,
   alarm: (id) => path`/v1/alarms/${id}`,
   policy: (fleet) => path`/v1/fleets/${fleet}/policy`,

@@ -60,8 +60,11 @@ export const TEST_ERRORS = {
   OUT_OF_RANGE: "the request is out of the robot's range",
 };
 
+/** How soon somebody must act on an alarm, the least urgent first. */
+export const ALARM_LEVELS = marked(declared.ALARM_LEVELS, { WARNING: "slope", URGENT: "diamond", CRITICAL: "cross" });
+
 export const ALARM_STATES = {
-  UNACKNOWLEDGED: ["not acknowledged", "bad", "bell"],
+  UNACKNOWLEDGED: ["not acknowledged", "info", "bell"],
   STANDING: ["standing", "bad", "bell"],
   ACKNOWLEDGED: ["acknowledged", "warn", "tick"],
   SHELVED: ["shelved", "off", "clock"],

@@ -22,6 +22,7 @@ mod policy;
 mod purity;
 mod reality;
 mod replaced;
+mod silence;
 mod stored;
 mod taken_up;
 mod touch_tests;

@@ -2,7 +2,7 @@
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{AlarmKind, Command, Condition, Effect, EndReason, Fault, Reason};
-use vibrissa_core::robot::event::{ArraySheet, Factsheet, Link, Task, TouchTests};
+use vibrissa_core::robot::event::{ArraySheet, Factsheet, GaugeState, RegulatorState, Task, TouchTests, WhiskerStatus};
 use vibrissa_core::robot::{Event, OperatorAction, Params, Place};
 use vibrissa_core::units::Millimetre;
 use vibrissa_evaluation::World;
@@ -214,7 +214,12 @@ fn two_that_are_no_neighbours_any_more_do_not_serve_each_other() {
 fn alarms_of_a_whisker_that_is_gone_are_cleared_by_its_name() {
     let mut world = served();
     let boot_id = world.core.connection_state().0.expect("born").to_owned();
-    world.step(&Event::Connection { boot_id: &boot_id, link: Link::Broken });
+    let view = world.core.whisker(4).unwrap();
+    let (regulator, gauge) = (RegulatorState::Ok, GaugeState::Open);
+    let status =
+        WhiskerStatus { array: "left", whisker: 4, pressure: view.setpoint, setpoint: view.setpoint, regulator, gauge };
+    let robot_time = view.heard.unwrap();
+    world.step(&Event::Status { boot_id: &boot_id, robot_time, whiskers: &[status] });
     world.effects.clear();
     let factsheet = told(&world, |array| {
         array.whiskers.pop();
@@ -225,6 +230,6 @@ fn alarms_of_a_whisker_that_is_gone_are_cleared_by_its_name() {
         Effect::Gone { array, number, alarms } => Some((array.clone(), *number, alarms.clone())),
         _ => None,
     });
-    assert_eq!(gone, [("left".to_owned(), 4, vec![AlarmKind::Fault(Fault::Stale)])]);
+    assert_eq!(gone, [("left".to_owned(), 4, vec![AlarmKind::Fault(Fault::Gauge(GaugeState::Open))])]);
     assert_eq!(world.picked(|effect| matches!(effect, Effect::AlarmCleared { .. }).then_some(())), []);
 }

@@ -62,6 +62,9 @@ async fn the_drawing_is_to_scale_and_its_whiskers_are_links() {
     let links = "[...document.querySelectorAll('svg.drawing a')].map((one) => one.getAttribute('href'))";
     let address = |whisker| format!("#/fleets/f/robots/r/arrays/left/whiskers/{whisker}");
     assert_eq!(stage.browser.js(links).await, json!([address(0), address(1), address(2)]));
+    let marks = stage.browser.js("document.querySelector(\"tr[data-key='whisker-left-0'] .marks\").innerText").await;
+    assert!(marks.as_str().unwrap().contains("trimmed, compensated"), "{marks}");
+    assert_eq!(stage.browser.js("document.querySelectorAll('svg.drawing .refused').length").await, json!(0));
     let arrows = stage.browser.js("document.querySelectorAll('svg.drawing .arrow').length").await;
     assert_eq!(arrows, json!(1));
     stage.stop().await;

@@ -12,10 +12,11 @@ use vibrissa_store::batch::{
 use vibrissa_store::changes::Mark;
 use vibrissa_store::list::{Filter, Value as FilterValue};
 use vibrissa_store::lists::actions::{ACTIONS, ActionRow};
+use vibrissa_store::lists::alarms::{ALARMS, AlarmRow as Alarm};
 use vibrissa_store::lists::compensations::{
     CANDIDATES, COMPENSATIONS, Candidate, CompensationSummary, LOOKS, Look, RATIO_ERRORS, RatioError,
 };
-use vibrissa_store::lists::happenings::{ALARMS, Alarm, TRIMS, Trim};
+use vibrissa_store::lists::happenings::{TRIMS, Trim};
 use vibrissa_store::lists::touch_tests::{TOUCH_TESTS, TouchTest};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
 use vibrissa_store::{Batch, Lease, Store, Writer};

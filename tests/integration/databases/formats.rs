@@ -5,14 +5,17 @@
 
 use vibrissa_core::units::Micros;
 use vibrissa_store::Batch;
-use vibrissa_store::batch::{ContactRow, Record, TouchTestProgressRow, TouchTestRow};
+use vibrissa_store::batch::{
+    ContactRow, Record, RobotAlarmClearedRow, RobotAlarmRow, TouchTestProgressRow, TouchTestRow,
+};
 use vibrissa_supervisor::engine::rollup::Open;
 
 #[test]
-fn golden_batches_of_older_versions_are_read_and_become_version_3() {
+fn golden_batches_of_older_versions_are_read_and_become_version_4() {
     let of_version_1 = include_bytes!("../../data/formats/batch-1.bin");
     let of_version_2 = include_bytes!("../../data/formats/batch-2.bin");
     let of_version_3 = include_bytes!("../../data/formats/batch-3.bin");
+    let of_version_4 = include_bytes!("../../data/formats/batch-4.bin");
     let mut batch = Batch::from_bytes(of_version_1).unwrap();
     assert!(!batch.records.is_empty() && !batch.whiskers.is_empty(), "{batch:?}");
     // The batch of version 1 has no contacts; one of version 1 with contacts is read in the store's own tests.
@@ -20,11 +23,15 @@ fn golden_batches_of_older_versions_are_read_and_become_version_3() {
     batch.contacts.push(contact("DISTANCE", Some(0.8), Some(52.5)));
     assert_eq!(format!("{:?}", Batch::from_bytes(of_version_2).unwrap()), format!("{batch:?}"));
     batch.records.extend(touch_test());
-    if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        std::fs::write("data/formats/batch-3.bin", batch.to_bytes().unwrap()).unwrap();
-    }
-    assert!(batch.to_bytes().unwrap() == of_version_3, "the bytes have changed");
     assert_eq!(format!("{:?}", Batch::from_bytes(of_version_3).unwrap()), format!("{batch:?}"));
+    let (robot_id, kind) = (1, "ROBOT_SILENT");
+    batch.records.push(Record::RobotAlarm(RobotAlarmRow { robot_id, raised_us: 5, kind }));
+    batch.records.push(Record::RobotAlarmCleared(RobotAlarmClearedRow { robot_id, cleared_us: 6, kind }));
+    if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
+        std::fs::write("data/formats/batch-4.bin", batch.to_bytes().unwrap()).unwrap();
+    }
+    assert!(batch.to_bytes().unwrap() == of_version_4, "the bytes have changed");
+    assert_eq!(format!("{:?}", Batch::from_bytes(of_version_4).unwrap()), format!("{batch:?}"));
 }
 
 /// A touch test, its progress, and the action that requested it.

@@ -77,6 +77,16 @@ impl Opened {
     }
 }
 
+/// The fields of a list's rows that rows of then had: later versions have added others.
+fn of_then(view: &Value, recorded: &Value) -> Value {
+    let known = |field: &String| recorded[0].get(field).is_some();
+    let rows = view.as_array().unwrap().iter().map(|row| {
+        let fields = row.as_object().unwrap().iter().filter(|(field, _)| known(field));
+        fields.map(|(field, value)| (field.clone(), value.clone())).collect()
+    });
+    Value::Array(rows.collect())
+}
+
 async fn nothing_is_lost(opened: Opened, expected: &str) {
     let views = opened.settled().await;
     let log = std::fs::read_to_string(opened.folder.path().join("log")).unwrap();
@@ -93,7 +103,7 @@ async fn nothing_is_lost(opened: Opened, expected: &str) {
     };
     assert_eq!((trimmed(&recorded), recorded["/v1/compensations"].as_array().unwrap().len()), (2, 2));
     for path in VIEWS {
-        assert_eq!(views[path], recorded[path], "{path}");
+        assert_eq!(of_then(&views[path], &recorded[path]), recorded[path], "{path}");
     }
     assert!(opened.process.is_running());
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod compose;
+mod guidance;
 mod packages;
 mod profiles;
 mod sbom;

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod access;
+mod alarms;
+mod alarms_at_once;
 mod document;
 mod events;
 mod exports;

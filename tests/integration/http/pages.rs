@@ -128,12 +128,18 @@ async fn brute_force_counts_are_those_of_the_lists() {
                 let count =
                     |keep: &dyn Fn(&Value) -> bool| whiskers.iter().filter(is_of).filter(|item| keep(item)).count();
                 assert_eq!(one["whiskers"], count(&|_| true), "{one}");
-                assert_eq!(one["whiskers_faulty"], count(&|item| !item["fault"].is_null()), "{one}");
+                let is_faulty = |item: &Value| !item["fault"].is_null();
                 assert_eq!(one["whiskers_trimmed"], count(&|item| item["condition"] == "TRIMMED"), "{one}");
                 let is_unserved = |item: &Value| item["condition"] == "TRIMMED" && item["compensated_by"].is_null();
                 assert_eq!(one["whiskers_uncompensated"], count(&is_unserved), "{one}");
                 let is_well = |item: &Value| item["condition"] == "HEALTHY" && item["fault"].is_null();
                 assert_eq!(one["whiskers_healthy"], count(&is_well), "{one}");
+                assert_eq!(one["whiskers_faulty"], count(&|item| is_faulty(item) && !is_unserved(item)), "{one}");
+                let is_served = |item: &Value| item["condition"] == "TRIMMED" && !is_unserved(item) && !is_faulty(item);
+                assert_eq!(one["whiskers_compensated"], count(&is_served), "{one}");
+                let states = ["healthy", "learning", "worn", "compensated", "uncompensated", "faulty"];
+                let sum: i64 = states.iter().map(|state| one[format!("whiskers_{state}")].as_i64().unwrap()).sum();
+                assert_eq!(one["whiskers"], sum, "each whisker is in one count: {one}");
                 assert_eq!(one["alarms"], alarms.iter().filter(is_of).count(), "{one}");
             }
         }

@@ -10,7 +10,7 @@ use vibrissa_protocol::Name;
 use vibrissa_store::Resolution;
 use vibrissa_store::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow,
-    Interval, LayoutRow, Record, RefinementRow, RobotRow, RollupRow, SetpointRow, SetpointStateRow,
+    Interval, LayoutRow, Record, RefinementRow, RobotAlarmRow, RobotRow, RollupRow, SetpointRow, SetpointStateRow,
     TouchTestProgressRow, TouchTestRow, TrimRow, WhiskerRow,
 };
 use vibrissa_store::{Batch, Lease, Store, Supervisor, Writer};
@@ -210,6 +210,7 @@ fn happenings(robot_id: i64, ids: &[i64]) -> Vec<Record> {
             kind: ["UNCOMPENSATED", "LEAK"][number as usize % 2],
         }));
     }
+    records.push(Record::RobotAlarm(RobotAlarmRow { robot_id, raised_us: START_US + 5_000_000, kind: "ROBOT_SILENT" }));
     records.push(Record::AlarmCleared(AlarmClearedRow {
         whisker_id: ids[0],
         cleared_us: START_US + 60_000_000,

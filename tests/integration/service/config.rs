@@ -99,6 +99,7 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::HttpListen => ["127.0.0.1:81", "127.0.0.1:82", "[::1]:83"],
         Key::HttpTokenFile => ["token0", "token1", "token2"],
         Key::HttpOidcIssuer | Key::HttpOidcJwksUrl => ["https://i0.example", "https://i1.example", "http://[::1]:9"],
+        Key::HttpRunbooksUrl => ["https://wiki.example/r0", "http://wiki.example/r1", "http://[::1]:9/r2"],
         Key::HttpOidcAudience | Key::HttpOidcRoleClaim | Key::HttpOidcFleetsClaim => ["c0", "c1", "c2"],
         Key::TracesOtlpEndpoint => ["http://h0:4318", "https://h1/otlp", "http://[::1]:4318"],
         Key::TracesSampleRatio => ["0.0", "0.5", "1.0"],

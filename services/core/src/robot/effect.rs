@@ -102,6 +102,16 @@ pub enum Effect {
         /// Kind of alarm.
         kind: AlarmKind,
     },
+    /// Raise an alarm about the robot as a whole. It stands until it is cleared, and is not raised again before.
+    RobotAlarm {
+        /// Kind of alarm.
+        kind: AlarmKind,
+    },
+    /// Clear an alarm about the robot as a whole, because its cause is over.
+    RobotAlarmCleared {
+        /// Kind of alarm.
+        kind: AlarmKind,
+    },
     /// A whisker is not on the robot any more: these alarms are cleared, and no index names it.
     Gone {
         /// Its array, by name.
@@ -582,7 +592,8 @@ pub enum AlarmKind {
     /// The gauge's baseline drifts. The drift is followed and taken out, but the gauge stays suspect: until an operator
     /// has it learned anew, or replaces the whisker.
     BaselineDrift,
-    /// A fault: until it goes or becomes another.
+    /// A fault: until it goes or becomes another. A whisker has [`Fault::Stale`] as an alarm only while other whiskers of
+    /// its robot are heard.
     Fault(Fault),
     /// A compensation for this whisker waits for approval: until it is approved, refused or over.
     Proposed,
@@ -590,4 +601,7 @@ pub enum AlarmKind {
     /// robot divides distances by an old length or knows only distances, or the robot has changed its habits. Until such
     /// contacts come again, a touch test decides, or a trim is called.
     ReachLost,
+    /// No whisker of the robot is heard, or the robot is not connected: one alarm about the robot, until a whisker is
+    /// heard again.
+    RobotSilent,
 }

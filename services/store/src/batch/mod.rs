@@ -97,7 +97,9 @@ impl Batch {
             | Record::Quarantined(_)
             | Record::TouchTest(_)
             | Record::TouchTestProgress(_)
-            | Record::TestOfAction { .. } => None,
+            | Record::TestOfAction { .. }
+            | Record::RobotAlarm(_)
+            | Record::RobotAlarmCleared(_) => None,
         });
         let whiskers = self.whiskers.iter().map(|row| row.whisker_id);
         let contacts = self.contacts.iter().map(|row| row.whisker_id);

@@ -61,6 +61,8 @@ impl Owners {
             Record::TouchTest(row) => Self::robot(row.robot_id),
             Record::TouchTestProgress(row) => Self::robot(row.robot_id),
             Record::TestOfAction { robot_id, .. } => Self::robot(*robot_id),
+            Record::RobotAlarm(row) => Self::robot(row.robot_id),
+            Record::RobotAlarmCleared(row) => Self::robot(row.robot_id),
             Record::Activation(_) | Record::Policy(_) => Owner::Fleet,
             Record::Quarantined(_) => Owner::Quarantine,
         }

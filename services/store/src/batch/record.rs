@@ -87,6 +87,10 @@ pub enum Record {
         /// Identifier of the test, a UUID.
         test_id: String,
     },
+    /// A raised alarm about a robot as a whole.
+    RobotAlarm(RobotAlarmRow),
+    /// The end of the cause of an alarm about a robot as a whole.
+    RobotAlarmCleared(RobotAlarmClearedRow),
 }
 
 /// State of a new setpoint.
@@ -202,6 +206,28 @@ row! {
         /// Time of the end, µs since 1970 UTC by the supervisor's clock.
         pub cleared_us: i64,
         /// Kind of alarm, such as `UNCOMPENSATED`.
+        #[borsh(deserialize_with = "words::word")]
+        pub kind: &'static str,
+    }
+
+    /// A raised alarm about a robot as a whole.
+    pub struct RobotAlarmRow {
+        /// Number of the robot in the database.
+        pub robot_id: i64,
+        /// Time at which it was raised, µs since 1970 UTC by the supervisor's clock.
+        pub raised_us: i64,
+        /// Kind of alarm, such as `ROBOT_SILENT`.
+        #[borsh(deserialize_with = "words::word")]
+        pub kind: &'static str,
+    }
+
+    /// The end of the cause of an alarm about a robot as a whole.
+    pub struct RobotAlarmClearedRow {
+        /// Number of the robot in the database.
+        pub robot_id: i64,
+        /// Time of the end, µs since 1970 UTC by the supervisor's clock.
+        pub cleared_us: i64,
+        /// Kind of alarm, such as `ROBOT_SILENT`.
         #[borsh(deserialize_with = "words::word")]
         pub kind: &'static str,
     }

@@ -1,7 +1,8 @@
 //! Counts of whiskers, alarms and proposals as parts of statements, so that robots, arrays and fleets count alike.
 
 /// Subquery that counts the whiskers on robots that are not sound, grouped by a column of `whiskers`. They
-/// are few, and the index `whiskers_in_need` has all that is counted: a row of `whiskers` is long.
+/// are few, and the index `whiskers_in_need` has all that is counted: a row of `whiskers` is long. Each of them is in exactly
+/// one of the counts `learning`, `worn`, `compensated`, `faulty` and `uncompensated`; `trimmed` is a count beside them.
 macro_rules! need_counts {
     ($key:literal) => {
         concat!(
@@ -9,8 +10,14 @@ macro_rules! need_counts {
             $key,
             ", count(*) AS whiskers_unsound, \
              count(*) FILTER (WHERE condition = 'TRIMMED') AS whiskers_trimmed, \
+             count(*) FILTER (WHERE condition = 'LEARNING' AND fault IS NULL) AS whiskers_learning, \
+             count(*) FILTER (WHERE condition IN ('SUSPECTED', 'ERODING', 'SENSITIVITY_LOSS') AND fault IS NULL) \
+              AS whiskers_worn, \
+             count(*) FILTER (WHERE condition = 'TRIMMED' AND served IS NOT NULL AND fault IS NULL) \
+              AS whiskers_compensated, \
              count(*) FILTER (WHERE condition = 'TRIMMED' AND served IS NULL) AS whiskers_uncompensated, \
-             count(*) FILTER (WHERE fault IS NOT NULL) AS whiskers_faulty \
+             count(*) FILTER (WHERE fault IS NOT NULL AND NOT (condition = 'TRIMMED' AND served IS NULL)) \
+              AS whiskers_faulty \
              FROM whiskers w LEFT JOIN (SELECT DISTINCT target_whisker_id AS served FROM compensations \
               WHERE ended_us IS NULL AND compensator_whisker_id IS NOT NULL AND approval <> 'PROPOSED') c \
               ON c.served = w.whisker_id \
@@ -22,17 +29,24 @@ macro_rules! need_counts {
 }
 pub(super) use need_counts;
 
-/// Subquery of all alarms, each with whether it is standing, and until when alarms of its kind about its whisker are
-/// shelved.
+/// Subquery of the alarms that meet a condition, each with whether it is standing, and until when alarms of its kind about
+/// its whisker or robot are shelved.
 macro_rules! alarms {
-    () => {
-        "(SELECT a.alarm_id, a.whisker_id, a.raised_us, a.kind, a.cleared_us, a.acknowledged_us, a.acknowledged_by, \
-         a.acknowledged_reason, CASE WHEN a.cleared_us IS NULL THEN true ELSE false END AS standing, \
-         CASE WHEN h.until_us > {now_us} THEN h.until_us END AS shelved_until_us, \
-         CASE WHEN h.until_us > {now_us} THEN h.shelved_by END AS shelved_by, \
-         CASE WHEN h.until_us > {now_us} THEN h.reason END AS shelved_reason \
-         FROM alarms a LEFT JOIN alarm_shelves h ON h.alarm_shelf_id = (SELECT max(alarm_shelf_id) FROM alarm_shelves n \
-          WHERE n.whisker_id = a.whisker_id AND n.kind = a.kind))"
+    ($condition:literal) => {
+        concat!(
+            "(SELECT a.alarm_id, a.whisker_id, a.robot_id, a.raised_us, a.kind, a.cleared_us, a.acknowledged_us, \
+             a.acknowledged_by, a.acknowledged_reason, \
+             CASE WHEN a.cleared_us IS NULL THEN true ELSE false END AS standing, \
+             CASE WHEN h.until_us > {now_us} THEN h.until_us END AS shelved_until_us, \
+             CASE WHEN h.until_us > {now_us} THEN h.shelved_by END AS shelved_by, \
+             CASE WHEN h.until_us > {now_us} THEN h.reason END AS shelved_reason \
+             FROM alarms a LEFT JOIN alarm_shelves h ON h.alarm_shelf_id = coalesce(\
+              (SELECT max(alarm_shelf_id) FROM alarm_shelves n WHERE n.whisker_id = a.whisker_id AND n.kind = a.kind), \
+              (SELECT max(alarm_shelf_id) FROM alarm_shelves n WHERE n.robot_id = a.robot_id AND n.kind = a.kind)) \
+             WHERE ",
+            $condition,
+            ")"
+        )
     };
 }
 pub(super) use alarms;
@@ -44,9 +58,10 @@ macro_rules! alarm_counts {
             "(SELECT ",
             $key,
             ", count(*) AS alarms FROM ",
-            $crate::lists::counts::alarms!(),
-            " s JOIN whiskers w ON w.whisker_id = s.whisker_id JOIN robots r ON r.robot_id = w.robot_id \
-             WHERE standing AND shelved_until_us IS NULL GROUP BY ",
+            $crate::lists::counts::alarms!("a.cleared_us IS NULL"),
+            " s LEFT JOIN whiskers w ON w.whisker_id = s.whisker_id \
+             JOIN robots r ON r.robot_id = coalesce(s.robot_id, w.robot_id) \
+             WHERE shelved_until_us IS NULL GROUP BY ",
             $key,
             ")"
         )

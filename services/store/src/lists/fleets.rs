@@ -34,13 +34,22 @@ from_row! {
         /// Number of whiskers in condition `HEALTHY` and without a fault.
         #[schema(minimum = 0)]
         pub whiskers_healthy: i64,
-        /// Number of whiskers in condition `TRIMMED`.
+        /// Number of whiskers in condition `LEARNING` and without a fault.
+        #[schema(minimum = 0)]
+        pub whiskers_learning: i64,
+        /// Number of whiskers in condition `SUSPECTED`, `ERODING` or `SENSITIVITY_LOSS` and without a fault.
+        #[schema(minimum = 0)]
+        pub whiskers_worn: i64,
+        /// Number of trimmed whiskers with a compensation in force and without a fault.
+        #[schema(minimum = 0)]
+        pub whiskers_compensated: i64,
+        /// Number of whiskers in condition `TRIMMED`, which the other counts contain, too.
         #[schema(minimum = 0)]
         pub whiskers_trimmed: i64,
-        /// Number of trimmed whiskers without a compensation in force.
+        /// Number of trimmed whiskers without a compensation in force, with or without a fault.
         #[schema(minimum = 0)]
         pub whiskers_uncompensated: i64,
-        /// Number of whiskers with a fault.
+        /// Number of whiskers with a fault, except uncompensated ones.
         #[schema(minimum = 0)]
         pub whiskers_faulty: i64,
         /// Number of compensations that wait for an operator's approval.
@@ -49,8 +58,8 @@ from_row! {
         /// Number of standing alarms that are not shelved.
         #[schema(minimum = 0)]
         pub alarms: i64,
-        /// Number of things that need attention: alarms, faulty whiskers, uncompensated whiskers, proposals and
-        /// disconnected robots, plus one if no supervisor holds the fleet.
+        /// Number of things that need attention: `alarms`, plus one if no supervisor holds the fleet. Each thing has one
+        /// alarm, such as a silent robot or a proposal.
         #[schema(minimum = 0)]
         pub attention: i64,
     }
@@ -72,8 +81,7 @@ macro_rules! fleets {
         List {
             what: "list the fleets",
             select: concat!(
-                "SELECT q.*, alarms + whiskers_faulty + whiskers_uncompensated + proposals + robots - robots_online \
-                 + CASE WHEN supervised THEN 0 ELSE 1 END AS attention FROM \
+                "SELECT q.*, alarms + CASE WHEN supervised THEN 0 ELSE 1 END AS attention FROM \
                  (SELECT row_number() OVER (ORDER BY fleet) AS fleet_id, fleet, \
                  CASE WHEN ",
                 $holds,
@@ -83,6 +91,8 @@ macro_rules! fleets {
                 " THEN true ELSE false END AS supervised, coalesce(robots, 0) AS robots, \
                  coalesce(robots_online, 0) AS robots_online, coalesce(whiskers, 0) AS whiskers, \
                  coalesce(whiskers, 0) - coalesce(whiskers_unsound, 0) AS whiskers_healthy, \
+                 coalesce(whiskers_learning, 0) AS whiskers_learning, coalesce(whiskers_worn, 0) AS whiskers_worn, \
+                 coalesce(whiskers_compensated, 0) AS whiskers_compensated, \
                  coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
                  coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
                  coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(proposals, 0) AS proposals, \
@@ -95,6 +105,9 @@ macro_rules! fleets {
                   FROM whiskers WHERE position IS NOT NULL GROUP BY robot_id) n USING (robot_id) GROUP BY fleet) n \
                   USING (fleet) \
                  LEFT JOIN (SELECT fleet, CAST(sum(whiskers_unsound) AS BIGINT) AS whiskers_unsound, \
+                  CAST(sum(whiskers_learning) AS BIGINT) AS whiskers_learning, \
+                  CAST(sum(whiskers_worn) AS BIGINT) AS whiskers_worn, \
+                  CAST(sum(whiskers_compensated) AS BIGINT) AS whiskers_compensated, \
                   CAST(sum(whiskers_trimmed) AS BIGINT) AS whiskers_trimmed, \
                   CAST(sum(whiskers_uncompensated) AS BIGINT) AS whiskers_uncompensated, \
                   CAST(sum(whiskers_faulty) AS BIGINT) AS whiskers_faulty FROM robots JOIN ",

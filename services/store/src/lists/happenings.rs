@@ -1,9 +1,8 @@
-//! Events of whiskers: trims, changes of health, alarms.
+//! Events of whiskers: trims and changes of health.
 
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::counts::alarms;
 use super::sorts;
 use crate::from_row::from_row;
 use crate::list::List;
@@ -64,45 +63,6 @@ from_row! {
         /// Time of the change, by the supervisor's clock.
         pub recorded_at: Time,
     }
-
-    /// An alarm about a whisker.
-    #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
-    pub struct Alarm {
-        /// Number of the alarm.
-        #[schema(minimum = 0)]
-        pub alarm_id: i64,
-        /// Name of the fleet.
-        pub fleet: String,
-        /// Name of the robot.
-        pub robot: String,
-        /// Name of the array.
-        pub array: String,
-        /// Number of the whisker in its array.
-        #[schema(minimum = 0)]
-        pub whisker: i64,
-        /// Kind of alarm, such as `UNCOMPENSATED`, or a fault, such as `LEAK`: one of the values of the filter `kind`.
-        pub kind: String,
-        /// Time at which it was raised, by the supervisor's clock.
-        pub raised_at: Time,
-        /// Whether its cause persists.
-        pub standing: bool,
-        /// Time at which its cause ended, by the supervisor's clock; null while it stands.
-        pub cleared_at: Option<Time>,
-        /// Time at which it was acknowledged; null if it was not.
-        pub acknowledged_at: Option<Time>,
-        /// Person or token that acknowledged it; null if it was not acknowledged.
-        pub acknowledged_by: Option<String>,
-        /// Comment given with the acknowledgement; null without a comment.
-        pub acknowledged_reason: Option<String>,
-        /// Time until which alarms of this kind about this whisker are shelved; null if they are not shelved.
-        pub shelved_until: Option<Time>,
-        /// Person or token that shelved it; null if it is not shelved.
-        pub shelved_by: Option<String>,
-        /// Reason given for shelving it; null if it is not shelved.
-        pub shelved_reason: Option<String>,
-        /// State: `UNACKNOWLEDGED`, `ACKNOWLEDGED`, `SHELVED` or `CLEARED`.
-        pub state: String,
-    }
 }
 
 sorts! {
@@ -122,16 +82,6 @@ sorts! {
     pub enum HealthChangeSort {
         /// By time of the change.
         RecordedAt = "recorded_at" Whole Down,
-    }
-}
-
-sorts! {
-    /// Sort keys of the list of alarms.
-    pub enum AlarmSort {
-        /// By the time at which they were raised.
-        RaisedAt = "raised_at" Whole Down,
-        /// By kind of alarm.
-        Kind = "kind" Text Up,
     }
 }
 
@@ -157,22 +107,4 @@ pub static HEALTH_CHANGES: List = List {
     details: "",
     sorts: HealthChangeSort::SORTS,
     id: "health_change_id",
-};
-
-/// All alarms, standing and cleared.
-pub static ALARMS: List = List {
-    what: "list the alarms",
-    select: concat!(
-        "SELECT s.alarm_id, fleet, robot, \"array\", w.whisker, s.kind, s.raised_us AS raised_at, standing, \
-         cleared_us AS cleared_at, acknowledged_us AS acknowledged_at, acknowledged_by, acknowledged_reason, \
-         shelved_until_us AS shelved_until, shelved_by, shelved_reason, \
-         CASE WHEN NOT standing THEN 'CLEARED' WHEN shelved_until_us IS NOT NULL THEN 'SHELVED' \
-         WHEN acknowledged_us IS NULL THEN 'UNACKNOWLEDGED' ELSE 'ACKNOWLEDGED' END AS state FROM ",
-        alarms!(),
-        " s JOIN whiskers w ON w.whisker_id = s.whisker_id JOIN arrays y ON y.array_id = w.array_id \
-         JOIN robots r ON r.robot_id = w.robot_id"
-    ),
-    details: "",
-    sorts: AlarmSort::SORTS,
-    id: "alarm_id",
 };

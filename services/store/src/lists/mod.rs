@@ -1,6 +1,7 @@
 //! The lists of the REST API: each has its row, its query, and the columns that may sort it.
 
 pub mod actions;
+pub mod alarms;
 pub mod calibrations;
 pub mod compensations;
 mod counts;

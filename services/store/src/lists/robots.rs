@@ -35,13 +35,22 @@ from_row! {
         /// Number of whiskers in condition `HEALTHY` and without a fault.
         #[schema(minimum = 0)]
         pub whiskers_healthy: i64,
-        /// Number of whiskers in condition `TRIMMED`.
+        /// Number of whiskers in condition `LEARNING` and without a fault.
+        #[schema(minimum = 0)]
+        pub whiskers_learning: i64,
+        /// Number of whiskers in condition `SUSPECTED`, `ERODING` or `SENSITIVITY_LOSS` and without a fault.
+        #[schema(minimum = 0)]
+        pub whiskers_worn: i64,
+        /// Number of trimmed whiskers with a compensation in force and without a fault.
+        #[schema(minimum = 0)]
+        pub whiskers_compensated: i64,
+        /// Number of whiskers in condition `TRIMMED`, which the other counts contain, too.
         #[schema(minimum = 0)]
         pub whiskers_trimmed: i64,
-        /// Number of trimmed whiskers without a compensation in force.
+        /// Number of trimmed whiskers without a compensation in force, with or without a fault.
         #[schema(minimum = 0)]
         pub whiskers_uncompensated: i64,
-        /// Number of whiskers with a fault.
+        /// Number of whiskers with a fault, except uncompensated ones.
         #[schema(minimum = 0)]
         pub whiskers_faulty: i64,
         /// Number of standing alarms that are not shelved.
@@ -52,8 +61,7 @@ from_row! {
         pub proposals: i64,
         /// Whether an operator holds the robot: no automatic setpoint is sent to a held robot.
         pub held: bool,
-        /// Number of things that need attention: alarms, faulty whiskers, uncompensated whiskers and proposals, plus
-        /// one if the robot is not connected.
+        /// Number of things that need attention: `alarms`. Each thing has one alarm, such as a silent robot or a proposal.
         #[schema(minimum = 0)]
         pub attention: i64,
     }
@@ -77,19 +85,28 @@ from_row! {
         /// Number of whiskers in condition `HEALTHY` and without a fault.
         #[schema(minimum = 0)]
         pub whiskers_healthy: i64,
-        /// Number of whiskers in condition `TRIMMED`.
+        /// Number of whiskers in condition `LEARNING` and without a fault.
+        #[schema(minimum = 0)]
+        pub whiskers_learning: i64,
+        /// Number of whiskers in condition `SUSPECTED`, `ERODING` or `SENSITIVITY_LOSS` and without a fault.
+        #[schema(minimum = 0)]
+        pub whiskers_worn: i64,
+        /// Number of trimmed whiskers with a compensation in force and without a fault.
+        #[schema(minimum = 0)]
+        pub whiskers_compensated: i64,
+        /// Number of whiskers in condition `TRIMMED`, which the other counts contain, too.
         #[schema(minimum = 0)]
         pub whiskers_trimmed: i64,
-        /// Number of trimmed whiskers without a compensation in force.
+        /// Number of trimmed whiskers without a compensation in force, with or without a fault.
         #[schema(minimum = 0)]
         pub whiskers_uncompensated: i64,
-        /// Number of whiskers with a fault.
+        /// Number of whiskers with a fault, except uncompensated ones.
         #[schema(minimum = 0)]
         pub whiskers_faulty: i64,
         /// Number of standing alarms that are not shelved.
         #[schema(minimum = 0)]
         pub alarms: i64,
-        /// Number of things that need attention: alarms, faulty whiskers and uncompensated whiskers.
+        /// Number of things that need attention: `alarms`. An alarm about the whole robot is not among them.
         #[schema(minimum = 0)]
         pub attention: i64,
     }
@@ -131,15 +148,17 @@ pub static ROBOTS: List = List {
     select: concat!(
         "SELECT r.robot_id, r.fleet, r.robot, r.model, r.connection, r.boot_id, \
          CASE WHEN updated_us > 0 THEN updated_us END AS updated_at, \
-         coalesce(whiskers_unsound, 0) AS whiskers_unsound, coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
+         coalesce(whiskers_unsound, 0) AS whiskers_unsound, \
+         coalesce(whiskers_learning, 0) AS whiskers_learning, coalesce(whiskers_worn, 0) AS whiskers_worn, \
+         coalesce(whiskers_compensated, 0) AS whiskers_compensated, \
+         coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
          coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
          coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(alarms, 0) AS alarms, \
          coalesce(proposals, 0) AS proposals, r.held, \
-         coalesce(alarms, 0) + coalesce(proposals, 0) + coalesce(whiskers_faulty, 0) + coalesce(whiskers_uncompensated, 0) \
-         + CASE WHEN connection = 'ONLINE' THEN 0 ELSE 1 END AS attention FROM robots r LEFT JOIN ",
+         coalesce(alarms, 0) AS attention FROM robots r LEFT JOIN ",
         need_counts!("w.robot_id"),
         " w ON w.robot_id = r.robot_id LEFT JOIN ",
-        alarm_counts!("w.robot_id"),
+        alarm_counts!("r.robot_id"),
         " a ON a.robot_id = r.robot_id LEFT JOIN ",
         proposal_counts!("r.robot_id"),
         " o ON o.robot_id = r.robot_id"
@@ -158,10 +177,13 @@ pub static ARRAYS: List = List {
     what: "list the arrays",
     select: concat!(
         "SELECT y.array_id, fleet, robot, \"array\", array_type, connection, \
-         coalesce(whiskers_unsound, 0) AS whiskers_unsound, coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
+         coalesce(whiskers_unsound, 0) AS whiskers_unsound, \
+         coalesce(whiskers_learning, 0) AS whiskers_learning, coalesce(whiskers_worn, 0) AS whiskers_worn, \
+         coalesce(whiskers_compensated, 0) AS whiskers_compensated, \
+         coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
          coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
          coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(alarms, 0) AS alarms, \
-         coalesce(alarms, 0) + coalesce(whiskers_faulty, 0) + coalesce(whiskers_uncompensated, 0) AS attention \
+         coalesce(alarms, 0) AS attention \
          FROM arrays y JOIN robots b ON b.robot_id = y.robot_id LEFT JOIN ",
         need_counts!("w.array_id"),
         " w ON w.array_id = y.array_id LEFT JOIN ",

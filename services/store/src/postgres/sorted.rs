@@ -5,7 +5,8 @@ use std::collections::HashSet;
 
 use crate::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow, Record,
-    RefinementRow, SetpointRow, SetpointStateRow, TouchTestProgressRow, TouchTestRow, TrimRow,
+    RefinementRow, RobotAlarmClearedRow, RobotAlarmRow, SetpointRow, SetpointStateRow, TouchTestProgressRow,
+    TouchTestRow, TrimRow,
 };
 use crate::tables::{BinKey, CandidateKey};
 
@@ -27,6 +28,8 @@ pub(super) struct Sorted<'b> {
     pub(super) refinements: Vec<&'b RefinementRow>,
     pub(super) alarms: Vec<&'b AlarmRow>,
     pub(super) cleared: Vec<&'b AlarmClearedRow>,
+    pub(super) robot_alarms: Vec<&'b RobotAlarmRow>,
+    pub(super) robot_cleared: Vec<&'b RobotAlarmClearedRow>,
     pub(super) tests: Vec<&'b TouchTestRow>,
     /// For each older touch test, its progress added up.
     pub(super) test_progress: Vec<TouchTestProgressRow>,
@@ -40,6 +43,7 @@ enum Touched<'b> {
     Error(i64, i64),
     Setpoint(&'b str),
     Alarm(i64, &'b str),
+    RobotAlarm(i64, &'b str),
     Test(i64, &'b str),
 }
 
@@ -59,6 +63,8 @@ impl<'b> Sorted<'b> {
                 Record::Error(row) => touched.insert(Touched::Error(row.compensation_id, row.recorded_us)),
                 Record::Alarm(row) => touched.insert(Touched::Alarm(row.whisker_id, row.kind)),
                 Record::AlarmCleared(row) => touched.insert(Touched::Alarm(row.whisker_id, row.kind)),
+                Record::RobotAlarm(row) => touched.insert(Touched::RobotAlarm(row.robot_id, row.kind)),
+                Record::RobotAlarmCleared(row) => touched.insert(Touched::RobotAlarm(row.robot_id, row.kind)),
                 Record::TouchTest(row) => touched.insert(Touched::Test(row.robot_id, &row.test_id)),
                 Record::TouchTestProgress(row) => {
                     touched.insert(Touched::Test(row.robot_id, &row.test_id)) || sorted.progress(row).is_some()
@@ -119,6 +125,8 @@ impl<'b> Sorted<'b> {
             Record::Refinement(row) => self.refinements.push(row),
             Record::Alarm(row) => self.alarms.push(row),
             Record::AlarmCleared(row) => self.cleared.push(row),
+            Record::RobotAlarm(row) => self.robot_alarms.push(row),
+            Record::RobotAlarmCleared(row) => self.robot_cleared.push(row),
             Record::TouchTest(row) => self.tests.push(row),
             Record::TouchTestProgress(row) => match self.progress(row) {
                 Some(before) => before.add(row),

@@ -16,7 +16,8 @@ use crate::batch::{ContactRow, RollupRow};
 use crate::records::tell_of_rollups;
 use crate::tables::{
     ALARMS, ANSWERED, BINS, CANDIDATES, CHANGES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, HEALTH, InFleet, JOURNAL,
-    REFINEMENTS, RESPONSES, ROBOTS, SETPOINTS, STATES, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
+    REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS, STATES, TOUCH_TEST_PROGRESS, TOUCH_TESTS,
+    TRIMS, WHISKERS,
 };
 use crate::{Batch, Lease, Resolution, StoreError, changes, failed, tables};
 
@@ -161,6 +162,8 @@ impl<'b> Whole<'b> {
             .rows("refinements_new", &REFINEMENTS, &sorted.refinements)
             .rows("alarms_new", &ALARMS, &sorted.alarms)
             .rows("alarms_cleared", &CLEARED, &sorted.cleared)
+            .rows("robot_alarms_new", &ROBOT_ALARMS, &sorted.robot_alarms)
+            .rows("robot_alarms_cleared", &ROBOT_CLEARED, &sorted.robot_cleared)
             .rows("touch_tests_new", &TOUCH_TESTS, &sorted.tests)
             .rows("touch_tests_now", &TOUCH_TEST_PROGRESS, &sorted.test_progress)
             .rows("responses_new", &RESPONSES, &batch.responses)

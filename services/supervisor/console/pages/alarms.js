@@ -1,79 +1,105 @@
-// All alarms, the standing ones first.
+// Alarms: the standing ones by robot and array, the most urgent first, with storms folded; and the cleared ones.
+// The address holds filters and page; the service groups, orders and counts.
 
 import { list } from "../api.js";
-import { alarmActions } from "../actions.js";
+import { alarmActions, alarmsActions } from "../actions.js";
+import { browser, optionsOf } from "../browse.js";
 import { h } from "../dom.js";
-import { count, time } from "../format.js";
-import { markOf } from "../marks.js";
-import { link, whiskerName } from "../places.js";
-import { section, table } from "../table.js";
-import { ALARM_KINDS, ALARM_STATES, say } from "../words.js";
+import { count } from "../format.js";
+import { mark } from "../marks.js";
+import { alarmGroups, storms } from "../parts/alarms.js";
+import { fleetFilter, fleetsOf } from "../parts/fleets.js";
+import { ALARM_KINDS, ALARM_LEVELS } from "../words.js";
 
-const OLD = 100;
+const STATES = [
+  ["UNACKNOWLEDGED", "not acknowledged"],
+  ["ACKNOWLEDGED", "acknowledged"],
+  ["SHELVED", "shelved"],
+  ["CLEARED", "cleared"],
+];
+
+const FILTERS = ["fleet", "robot", "array", "kind", "level", "state", "q"];
+
+const alarms = (fleets, route) =>
+  browser({
+    route,
+    what: "alarms",
+    search: "robot, array, kind or comment",
+    filters: [
+      ...fleetFilter(fleets),
+      { name: "level", label: "Level", options: optionsOf(ALARM_LEVELS).reverse() },
+      { name: "kind", label: "Kind", options: optionsOf(ALARM_KINDS) },
+      { name: "state", label: "State", empty: "standing, not shelved", options: STATES },
+      { name: "robot", label: "Robot", text: true },
+    ],
+  });
+
+/** The filters of an address as parameters of the API. */
+function filterOf(state) {
+  const filter = Object.fromEntries(FILTERS.filter((name) => state[name]).map((name) => [name, state[name]]));
+  return filter.state ? filter : { ...filter, open: true };
+}
 
 export default {
-  async load() {
-    const [standing, over] = await Promise.all([
-      list("/v1/alarms", { standing: true }),
-      list("/v1/alarms", { standing: false, limit: OLD }),
+  async load(_, state) {
+    const fleets = await fleetsOf();
+    const filter = filterOf(state);
+    if (state.state === "CLEARED") {
+      const page = await alarms(fleets, "/v1/alarms").load(state, { standing: false, sort: "raised_at" });
+      return { fleets, page, filter, counts: null, members: new Map() };
+    }
+    const isFlat = state.fold === "no";
+    const route = isFlat ? "/v1/alarms" : "/v1/alarms/folded";
+    const fixed = { ...filter, ...(isFlat ? { standing: true, sort: "urgency" } : { sort: undefined, order: undefined }) };
+    const [page, counts] = await Promise.all([
+      alarms(fleets, route).load(state, fixed),
+      list("/v1/alarms/counts", filter),
     ]);
-    return { standing, over };
+    return { fleets, page, filter, counts, members: await storms(page.items, filter, state.storm) };
   },
 
-  view({ standing, over }, _, refresh) {
-    const urgency = { UNACKNOWLEDGED: 0, STANDING: 0, ACKNOWLEDGED: 1, SHELVED: 2 };
-    const sorted = standing
-      .map(withState)
-      .sort((one, other) => urgency[one.state] - urgency[other.state] || other.raised_at.localeCompare(one.raised_at));
-    const open = sorted.filter((one) => one.state === "UNACKNOWLEDGED").length;
+  view({ fleets, page, filter, counts, members }, _, refresh) {
     return [
       h("h1", { tabindex: "-1" }, "Alarms"),
-      h(
-        "p",
-        { class: "summary" },
-        standing.length
-          ? `${count(standing.length, "alarm")} standing${open ? `, ${open} not acknowledged` : ""}.`
-          : "No standing alarms.",
-      ),
-      section("Standing", alarmsTable(sorted, "Standing alarms, the most urgent first", "None.", refresh)),
-      section("Cleared", alarmsTable(over.map(withState), `The newest ${OLD} cleared alarms`, "None.", refresh)),
+      counts ? summary(counts) : h("p", { class: "summary" }, "Alarms whose cause is over, the newest first."),
+      alarms(fleets, "").view(page, {
+        body: [
+          counts ? atOnce(counts, filter, refresh) : null,
+          page.items.length ? alarmGroups(page.items, members, (row) => alarmActions(row, refresh)) : null,
+        ],
+        empty: "No standing alarms.",
+      }),
     ];
   },
 };
 
-function withState(alarm) {
-  return { ...alarm, state: alarm.state ?? (alarm.standing ? "STANDING" : "CLEARED") };
-}
-
-function alarmsTable(rows, caption, empty, refresh) {
-  const actions = (row) => h("span", { class: "buttons" }, alarmActions(row, refresh));
-  const canAct = rows.some((row) => alarmActions(row, refresh).length);
-  const columns = [
-    { name: "Alarm", head: true, cell: (row) => say(ALARM_KINDS, row.kind) },
-    { name: "State", cell: state },
-    {
-      name: "Whisker",
-      cell: (row) => h("a", { href: link.whisker(row) }, `${row.fleet}, ${row.robot}, whisker ${whiskerName(row)}`),
-    },
-    { name: "Raised", cell: (row) => time(row.raised_at) },
-    rows.some((row) => row.cleared_at) ? { name: "Cleared", cell: (row) => time(row.cleared_at) } : null,
-    canAct ? { name: "Actions", cell: actions } : null,
+function summary(counts) {
+  const total = sum(counts, "alarms");
+  if (!total) return h("p", { class: "summary" }, "No standing alarms.");
+  const open = sum(counts, "unacknowledged");
+  const levels = Object.keys(ALARM_LEVELS).reverse();
+  const kinds = Map.groupBy(counts, (one) => one.level);
+  const marks = levels.map((level) => {
+    const [words, tone, shape] = ALARM_LEVELS[level];
+    const alarms = sum(kinds.get(level) ?? [], "alarms");
+    return alarms ? mark(`${alarms.toLocaleString("en")} ${words.split(":")[0]}`, tone, shape) : null;
+  });
+  return [
+    h(
+      "p",
+      { class: "summary" },
+      `${count(total, "alarm")}${open ? `, ${open === total ? "none" : `${(total - open).toLocaleString("en")} of them`} acknowledged` : ", all acknowledged"}.`,
+    ),
+    h("p", { class: "marks" }, marks),
   ];
-  return table({ caption, rows, empty, key: (row) => `alarm-${row.alarm_id}`, columns: columns.filter(Boolean) });
 }
 
-function state(alarm) {
-  const by =
-    {
-      ACKNOWLEDGED: [alarm.acknowledged_by, alarm.acknowledged_reason],
-      SHELVED: [alarm.shelved_by, alarm.shelved_reason],
-    }[alarm.state] ?? [];
-  const words = [by[0] && `by ${by[0]}`, by[1] && `\u201c${by[1]}\u201d`].filter(Boolean).join(": ");
-  return h(
-    "span",
-    { class: "marks" },
-    markOf(ALARM_STATES, alarm.state),
-    alarm.state === "SHELVED" && alarm.shelved_until ? h("span", {}, "until ", time(alarm.shelved_until)) : null,
-    words ? h("span", {}, words) : null,
-  );
+/** Buttons for everything that the filters show, on this page and the others. */
+function atOnce(counts, filter, refresh) {
+  // One alarm has its own buttons.
+  if (sum(counts, "alarms") < 2) return null;
+  const buttons = alarmsActions(filter, { alarms: sum(counts, "alarms"), open: sum(counts, "unacknowledged") }, refresh);
+  return buttons.length ? h("div", { class: "buttons" }, buttons) : null;
 }
+
+const sum = (rows, name) => rows.reduce((sum, row) => sum + row[name], 0);

@@ -61,14 +61,21 @@ export function supervision(fleet) {
     : mark("no supervisor now", "bad", "gap");
 }
 
-/** Marks for the counts that need attention, of a fleet or a robot. */
+/** Marks for the whiskers of a fleet or a robot by state, each whisker in one of them, and for what waits for people. */
 export function health(row) {
   const marks = [
-    row.whiskers_uncompensated && mark(`${row.whiskers_uncompensated} without compensator`, "bad", "cross"),
+    row.whiskers_uncompensated && mark(`${row.whiskers_uncompensated} trimmed, not compensated`, "bad", "stump"),
     row.whiskers_faulty && mark(count(row.whiskers_faulty, "faulty whisker"), "bad", "cross"),
-    row.whiskers_trimmed && mark(`${row.whiskers_trimmed} trimmed`, "warn", "stump"),
+    row.whiskers_compensated && mark(`${row.whiskers_compensated} trimmed, compensated`, "info", "propped"),
+    row.whiskers_worn && mark(`${row.whiskers_worn} worn or suspected`, "warn", "slope"),
+    row.whiskers_learning && mark(`${row.whiskers_learning} being learned`, "info", "dots"),
     row.proposals && mark(`${count(row.proposals, "proposal")} waiting for approval`, "warn", "diamond"),
     row.alarms && mark(count(row.alarms, "alarm"), "bad", "bell"),
   ].filter(Boolean);
-  return marks.length ? marks : [mark("nothing needs attention", "good", "circle")];
+  if (row.attention > 0) return marks;
+  if (isAway(row)) return marks.length ? marks : [mark("nothing is known while it is not connected", "off", "gap")];
+  return [...marks, mark("nothing needs attention", "good", "circle")];
 }
+
+/** Whether it is a robot that is not connected, of whose present state nothing is known. */
+const isAway = (row) => row.connection !== undefined && row.connection !== "ONLINE";

@@ -27,7 +27,9 @@ export default {
 
   view({ about, whiskers, decisions, tests }, { fleet, robot }, refresh) {
     const waiting = decisions.filter((one) => one.approval === "PROPOSED");
-    const running = decisions.filter((one) => one.approval !== "PROPOSED");
+    const decided = decisions.filter((one) => one.approval !== "PROPOSED");
+    const running = decided.filter((one) => one.compensator_whisker !== null);
+    const without = decided.filter((one) => one.compensator_whisker === null);
     const arrays = Map.groupBy(whiskers, (whisker) => whisker.array);
     const actions = robotActions(about, refresh);
     return [
@@ -44,7 +46,16 @@ export default {
       proposedTests(tests),
       whiskers.length ? null : h("p", { class: "empty" }, "The robot has not sent a factsheet yet."),
       [...arrays].map(([array, row]) => arrayPart(array, row, running)),
-      section("Active compensations", decisionsTable(running, "Active compensations", "No active compensations.")),
+      without.length
+        ? section(
+            "Trimmed, not compensated",
+            decisionsTable(without, "Decisions that found no compensator", ""),
+          )
+        : null,
+      section(
+        "Active compensations",
+        decisionsTable(running, "Active compensations", "No active compensations."),
+      ),
     ];
   },
 };
@@ -76,7 +87,7 @@ function legend() {
   return h(
     "p",
     { class: "hint" },
-    "To scale, in mm. Dashed: whole length. Bar at the tip: 95 % interval of the length. Arrow: from compensator to target. Below: state, and pressure in MPa.",
+    "To scale, in mm. Dashed: whole length. Bar at the tip: 95 % interval of the length. Arrow: from compensator to target. Tick or cross: trimmed, with or without a compensation. Below: state, and pressure in MPa.",
   );
 }
 

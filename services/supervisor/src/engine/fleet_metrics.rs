@@ -67,6 +67,9 @@ impl Survey {
     fn add(&mut self, known: &mut KnownRobot) {
         let (_, link) = known.robot.connection_state();
         *self.robots.entry(link.word()).or_default() += 1;
+        for kind in known.robot.standing() {
+            *self.alarms.entry(kind.word()).or_default() += 1;
+        }
         for view in views(&known.robot) {
             *self.whiskers.entry(health(&view)).or_default() += 1;
             for kind in view.standing.kinds() {

@@ -73,6 +73,12 @@ fn next_page(uri: &Uri, cursor: &str) -> String {
 }
 
 impl Listing {
+    /// Whether the client wants CSV.
+    #[must_use]
+    pub const fn is_csv(&self) -> bool {
+        self.is_csv
+    }
+
     /// The selected rows of a list.
     ///
     /// # Errors

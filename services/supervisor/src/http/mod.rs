@@ -28,6 +28,7 @@ pub mod page;
 mod parse_error;
 pub mod passage;
 pub mod problem;
+pub mod runbooks;
 pub mod search;
 pub mod server;
 pub mod streams;
@@ -86,6 +87,8 @@ pub struct App {
     pub traces: Option<Traces>,
     /// Allow list of robots from a file, if configured.
     pub robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
+    /// Where the runbooks are, without a slash at the end.
+    pub runbooks_url: Arc<str>,
 }
 
 impl App {
@@ -112,6 +115,7 @@ impl App {
             action_notifier,
             traces: None,
             robots_file: None,
+            runbooks_url: runbooks::PATH.into(),
         }
     }
 
@@ -119,6 +123,15 @@ impl App {
     #[must_use]
     pub fn traced(self, traces: Option<Traces>) -> Self {
         Self { traces, ..self }
+    }
+
+    /// Replaces the place of the runbooks, if another is configured.
+    #[must_use]
+    pub fn with_runbooks(self, url: Option<&str>) -> Self {
+        match url {
+            Some(url) => Self { runbooks_url: url.trim_end_matches('/').into(), ..self },
+            None => self,
+        }
     }
 
     /// Replaces the limits of event streams.
@@ -159,7 +172,7 @@ pub struct ListenError {
 }
 
 /// Addresses and connection limits of the HTTP service.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HttpOptions {
     /// Main listener; port 0 takes any free port.
     pub listen: SocketAddr,
@@ -167,11 +180,13 @@ pub struct HttpOptions {
     pub monitoring_listen: Option<SocketAddr>,
     /// Connection limits of the main listener.
     pub limits: Limits,
+    /// Address of the runbooks; `None` for those of this service.
+    pub runbooks_url: Option<String>,
 }
 
 impl From<SocketAddr> for HttpOptions {
     fn from(listen: SocketAddr) -> Self {
-        Self { listen, monitoring_listen: None, limits: Limits::default() }
+        Self { listen, monitoring_listen: None, limits: Limits::default(), runbooks_url: None }
     }
 }
 
@@ -208,6 +223,7 @@ const MONITORING_LIMITS: Limits = Limits { connections_max: 64, connections_per_
 /// # Errors
 /// An address is in use or cannot be bound.
 pub async fn serve(options: &HttpOptions, app: App, stop: watch::Receiver<bool>) -> Result<Serving, ListenError> {
+    let app = app.with_runbooks(options.runbooks_url.as_deref());
     let limits = server::possible(options.limits, server::descriptors::raise_limit());
     let monitored = match options.monitoring_listen {
         Some(address) => {
@@ -264,6 +280,7 @@ pub fn router(app: App) -> (Router, Document) {
             get(async move || ([(header::CONTENT_TYPE, "application/json")], served).into_response()),
         )
         .route("/problems/{name}", get(problem::explain))
+        .merge(runbooks::routes())
         .route("/livez", get(health::livez))
         .with_state(app.clone())
         .merge(docs::routes())

@@ -1,6 +1,6 @@
 //! Time parameters of requests.
 
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use vibrissa_protocol::Timestamp;
 
 use vibrissa_store::list::{Filter, Value};
@@ -9,6 +9,12 @@ use vibrissa_store::time::Time;
 /// A time: RFC 3339 with any offset and any number of decimals, in the years 0000 to 9999.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Moment(pub Time);
+
+impl Serialize for Moment {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.serialize(serializer)
+    }
+}
 
 /// The calendar repeats after 400 years.
 const US_OF_400_YEARS: i64 = 146_097 * 86_400_000_000;

@@ -86,6 +86,12 @@ fn position(cursor: &str, sort: Sort, descending: bool) -> Result<Position, Prob
 }
 
 impl<T> Page<T> {
+    /// The same page with other rows.
+    #[must_use]
+    pub fn map<U>(self, with: impl FnMut(T) -> U) -> Page<U> {
+        Page { items: self.items.into_iter().map(with).collect(), next_cursor: self.next_cursor }
+    }
+
     /// Builds a page from these rows.
     #[must_use]
     pub fn of(rows: Rows<T>, selection: &Selection) -> Self {

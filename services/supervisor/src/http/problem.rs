@@ -68,6 +68,24 @@ kinds! {
     TooSlow: "too-slow", GATEWAY_TIMEOUT, "Timed out";
 }
 
+impl Kind {
+    /// Advice and the runbook, if the cause is the service and not the request.
+    #[must_use]
+    pub const fn guidance(self) -> Option<(&'static str, &'static str)> {
+        #[allow(clippy::wildcard_enum_match_arm, reason = "most problems lie in the request")]
+        match self {
+            Self::Unavailable => Some(("Check the database, then repeat the request.", "VibrissaDatabaseDown.md")),
+            Self::NotSupervised => {
+                Some(("Start a supervisor of this fleet, then repeat the request.", "VibrissaFleetUnsupervised.md"))
+            }
+            Self::TooSlow => {
+                Some(("Check the load of the database, then repeat the request.", "VibrissaDatabaseErrors.md"))
+            }
+            _ => None,
+        }
+    }
+}
+
 /// An error of the API.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
@@ -98,6 +116,14 @@ pub struct ProblemBody {
     pub instance: String,
     /// Request ID, as in the log.
     pub request_id: String,
+    /// Advice; omitted if the cause lies in the request.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(required = false, nullable = false)]
+    pub hint: Option<String>,
+    /// Path of the runbook on this service; omitted like `hint`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(required = false, nullable = false, example = "/runbooks/VibrissaDatabaseDown.md")]
+    pub runbook_url: Option<String>,
     /// Invalid fields; omitted if empty.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schema(required = false)]
@@ -132,6 +158,8 @@ impl Problem {
             detail: self.detail,
             instance,
             request_id,
+            hint: kind.guidance().map(|(hint, _)| hint.to_owned()),
+            runbook_url: kind.guidance().map(|(_, runbook)| format!("{}/{runbook}", super::runbooks::PATH)),
             errors: self.errors,
         };
         let json = serde_json::to_vec(&body).unwrap_or_default();

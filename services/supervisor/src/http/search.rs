@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Most characters of a search text.
 const LENGTH_MAX: usize = 100;
 
 /// A text to look for in the names and texts of a list's rows: 1 to 100 characters.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Search(String);
 
 impl fmt::Display for Search {

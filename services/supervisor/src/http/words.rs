@@ -13,6 +13,7 @@ use vibrissa_core::policy::{Case, LongerForShorter, Mode};
 use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition, TestState};
 use vibrissa_core::robot::event::Link;
 use vibrissa_edge::actions::AuditKind;
+use vibrissa_edge::guidance::Level;
 use vibrissa_edge::words::{Word, Words, named};
 
 /// A value of one of the core's closed enums, in JSON and in queries as its word.
@@ -31,6 +32,8 @@ pub type SetpointStateWord = OneOf<CommandState>;
 pub type TestStateWord = OneOf<TestState>;
 /// Kind of an entry of the audit log.
 pub type AuditKindWord = OneOf<AuditKind>;
+/// How soon somebody must act on an alarm.
+pub type LevelWord = OneOf<Level>;
 /// Kind of alarm.
 pub type AlarmKindWord = OneOf<AlarmKind>;
 /// Whether compensations need approval.

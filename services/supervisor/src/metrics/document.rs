@@ -9,6 +9,7 @@ use prometheus::proto::{MetricFamily, MetricType};
 use prometheus::{Error, Result};
 use vibrissa_protocol::Name;
 
+use super::subjects::{SUBJECTS, subject};
 use super::{Metrics, RobotSample, WhiskerSample};
 
 /// Most values of a label that are listed; of a label with more, only their number is shown.
@@ -26,20 +27,33 @@ whiskers, alarms and errors in force are exported by the supervisor that holds i
 elsewhere: take the sum or the maximum over supervisors. The values of labels are bounded: robots and clients cannot
 add any, except in metrics marked with \u{b9}, which are exported with `metrics.series = \"whiskers\"` only.
 
-| metric | type | labels | meaning |
-| --- | --- | --- | --- |
+The queries are examples for Prometheus and Grafana. The alert rules in `deploy/prometheus/rules` have more.
 ";
 
-/// Lists all metrics in a Markdown table.
+const TABLE: &str = "\n| metric | type | labels | meaning |\n| --- | --- | --- | --- |\n";
+
+/// Lists all metrics by subject in Markdown tables, with example queries.
 ///
 /// # Errors
-/// A metric cannot be registered.
+/// A metric cannot be registered, or has no subject.
 pub fn document() -> Result<String> {
+    let families = everything()?.registry.gather();
     let mut text = HEAD.to_owned();
-    for family in everything()?.registry.gather() {
-        row(&mut text, &family).map_err(|problem| Error::Msg(problem.to_string()))?;
+    for one in SUBJECTS {
+        let is_of = |family: &&MetricFamily| subject(family.name()).is_some_and(|of| of.title == one.title);
+        let failed = |problem: std::fmt::Error| Error::Msg(problem.to_string());
+        write!(text, "\n## {}\n{TABLE}", one.title).map_err(failed)?;
+        for family in families.iter().filter(is_of) {
+            row(&mut text, family).map_err(failed)?;
+        }
+        for (told, query) in one.queries {
+            write!(text, "\n{told}:\n\n```promql\n{query}\n```\n").map_err(failed)?;
+        }
     }
-    Ok(text)
+    match families.iter().find(|family| subject(family.name()).is_none()) {
+        Some(family) => Err(Error::Msg(format!("{} needs a subject in metrics/subjects.rs", family.name()))),
+        None => Ok(text),
+    }
 }
 
 /// Metrics with at least one series in each family: a family without series is not exported.

@@ -11,6 +11,7 @@ mod kinds;
 mod labels;
 #[cfg(target_os = "linux")]
 mod process;
+mod subjects;
 mod whiskers;
 
 use std::sync::Arc;

@@ -105,3 +105,24 @@ fn the_document_of_the_metrics_is_what_they_are() {
     let written = include_str!("../../../../docs/metrics.md");
     assert_eq!(written, document().unwrap(), "regenerate it: vibrissa metrics > docs/metrics.md");
 }
+
+#[test]
+fn the_queries_of_the_document_name_metrics_that_exist() {
+    let text = document().unwrap();
+    let rows: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next()).collect();
+    let mut sorted = rows.clone();
+    sorted.sort_unstable();
+    sorted.dedup();
+    assert_eq!(sorted.len(), rows.len(), "each metric has one subject");
+    let queries = text.split("```promql\n").skip(1).map(|rest| rest.split("\n```").next().unwrap());
+    let mut named = 0;
+    for query in queries {
+        let words = query.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
+        for metric in words.filter(|word| word.starts_with("vibrissa_") || word.starts_with("process_")) {
+            let base = metric.strip_suffix("_bucket").unwrap_or(metric);
+            assert!(rows.contains(&base), "{metric} in {query}");
+            named += 1;
+        }
+    }
+    assert!(named > 20, "{named} metrics in queries");
+}

@@ -26,7 +26,22 @@ pub(super) fn listeners(reader: &mut Reader) -> Option<HttpOptions> {
     }
     let limits =
         Limits { connections_max: connections_max?, connections_per_address_max: connections_per_address_max? };
-    (monitoring_listen.is_some() == is_monitored).then_some(HttpOptions { listen: listen?, monitoring_listen, limits })
+    let runbooks_url = runbooks_url(reader)?;
+    (monitoring_listen.is_some() == is_monitored).then_some(HttpOptions {
+        listen: listen?,
+        monitoring_listen,
+        limits,
+        runbooks_url,
+    })
+}
+
+/// Address of the runbooks, if configured; outer `None` after a refusal.
+#[expect(clippy::option_option, reason = "outer: None after a refusal; inner: None if not configured")]
+fn runbooks_url(reader: &mut Reader) -> Option<Option<String>> {
+    if !reader.is_explicit(Key::HttpRunbooksUrl) {
+        return Some(None);
+    }
+    reader.parsed(Key::HttpRunbooksUrl, |text| web_url(text).map(|_| text.to_owned())).map(Some)
 }
 
 fn address(text: &str, example: &str) -> Result<SocketAddr, String> {

@@ -171,6 +171,9 @@ policy_numbers! { keys {
         "Claim with the role: viewer, operator, engineer or admin, or a list with one of them";
     HttpOidcFleetsClaim: "http.oidc_fleets_claim", Kind::Text, Some(r#""vibrissa_fleets""#),
         "Claim with the fleets: a list of names, or * for all";
+    HttpRunbooksUrl: "http.runbooks_url", Kind::Text, None,
+        "Address of the runbooks that alarms link to, such as https://wiki.example/runbooks; default: /runbooks of this \
+         service";
     MetricsSeries: "metrics.series", Kind::Text, Some(r#""fleets""#),
         "Detail of the Prometheus metrics: fleets (totals) or whiskers (also each robot and whisker: four series per \
          whisker)";

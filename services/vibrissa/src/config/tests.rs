@@ -61,8 +61,8 @@ fn every_key_is_shown_and_has_a_default_or_none_by_intent() {
     let shown = show::effective(&Sources::default(), None);
     for key in Key::ALL {
         assert!(shown.contains(&format!("{} ", key.section().1)), "{key}");
-        let is_optional =
-            matches!(key, Key::Name | Key::MqttUrl | Key::HttpMonitoringListen) || key.path().contains("_file");
+        let is_optional = matches!(key, Key::Name | Key::MqttUrl | Key::HttpMonitoringListen | Key::HttpRunbooksUrl)
+            || key.path().contains("_file");
         let is_credential = matches!(key, Key::MqttUsername | Key::MqttPassword);
         let is_provider = matches!(key, Key::HttpOidcIssuer | Key::HttpOidcAudience | Key::HttpOidcJwksUrl);
         let is_collector = matches!(key, Key::TracesOtlpEndpoint);

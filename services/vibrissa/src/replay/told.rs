@@ -129,6 +129,12 @@ enum Told<'a> {
         place: Place<'a>,
         kind: &'static str,
     },
+    RobotAlarm {
+        kind: &'static str,
+    },
+    RobotAlarmCleared {
+        kind: &'static str,
+    },
     Gone {
         #[serde(flatten)]
         place: Place<'a>,
@@ -311,6 +317,8 @@ fn told<'a>(effect: &'a Effect, source: Option<&'a protocol::Contacts>, robot: O
         Effect::Alarm { whisker, kind } => Told::Alarm { place: place(*whisker)?, kind: kind.word() },
         Effect::Approved { compensation } => Told::Approved { compensation: *compensation },
         Effect::AlarmCleared { whisker, kind } => Told::AlarmCleared { place: place(*whisker)?, kind: kind.word() },
+        Effect::RobotAlarm { kind } => Told::RobotAlarm { kind: kind.word() },
+        Effect::RobotAlarmCleared { kind } => Told::RobotAlarmCleared { kind: kind.word() },
         Effect::Gone { array, number, alarms } => Told::Gone {
             place: Place { array, whisker: *number },
             alarms: alarms.iter().map(|kind| kind.word()).collect(),

@@ -48,7 +48,8 @@ fn a_manual_setpoint_is_neither_taken_while_offline_nor_sent_after_a_restart() {
     let set = OperatorAction::Setpoint { whisker: at(1), pressure_mpa: 0.12 };
     world.step(&Event::Connection { boot_id: &boot_id, link: Link::Broken });
     assert_eq!(ask(&mut world, set), Outcome::Refused(ActionProblem::RobotOffline));
-    assert_eq!(standing(&world, 1).len(), 1, "stale");
+    assert_eq!(world.core.standing().collect::<Vec<_>>(), [AlarmKind::RobotSilent]);
+    assert_eq!(standing(&world, 1), [], "the robot has the alarm");
     world.step(&Event::Connection { boot_id: &boot_id, link: Link::Online });
     // Straight to the core: it is on its way, and no answer comes.
     let now = world.core.whisker(1).unwrap().heard.unwrap();

@@ -74,6 +74,8 @@ closed_list! {
     Effect::Approved { .. } => "approved",
     Effect::Alarm { .. } => "alarm",
     Effect::AlarmCleared { .. } => "alarm cleared",
+    Effect::RobotAlarm { .. } => "robot alarm",
+    Effect::RobotAlarmCleared { .. } => "robot alarm cleared",
     Effect::Gone { .. } => "gone",
     Effect::MissedTouch { .. } => "missed touch",
     Effect::Test(_) => "test",

@@ -10,9 +10,10 @@ use vibrissa_tests::postgres::Postgres;
 
 use super::{list, named_alerts, text};
 
-/// Two robots, one ONLINE, with four healthy whiskers each (numbers 1 to 4 and 5 to 8).
+/// Three robots with four healthy whiskers each (numbers 1 to 4, 5 to 8 and 9 to 12): one is ONLINE, one OFFLINE, one silent.
 const HEALTHY: &str = r#"
-INSERT INTO robots (fleet, robot, connection) VALUES ('paint', 'crawler', 'ONLINE'), ('paint', 'away', 'OFFLINE');
+INSERT INTO robots (fleet, robot, connection) VALUES ('paint', 'crawler', 'ONLINE'), ('paint', 'away', 'OFFLINE'),
+    ('paint', 'silent', 'ONLINE');
 INSERT INTO arrays (robot_id, "array", array_type) SELECT robot_id, 'left', 'TYPE_1' FROM robots ORDER BY robot_id;
 INSERT INTO whiskers (array_id, robot_id, whisker, position, x_mm, y_mm, model, whole_length_mm, nominal_pressure_mpa,
     pressure_max_mpa, length_mm, length_sd_mm, condition, setpoint_mpa, heard_us)
@@ -26,7 +27,8 @@ VALUES (1, 1, 1, 70, 0.1, 1, 'SELF_COMPENSATION', 1, NULL), (2, 1, 3, 70, 0.1, 3
 INSERT INTO compensation_errors (compensation_id, recorded_us, contacts, bins, error, error_low, error_high)
 VALUES (1, 1, 100, 3, 0.7, 0.6, 0.8), (1, 2, 200, 4, 0.6, 0.49, 0.7), (2, 1, 100, 3, 0.7, 0.6, 0.8);
 UPDATE whiskers SET condition = 'ERODING', contacts_left_high = 9000 WHERE whisker_id = 3;
-UPDATE whiskers SET fault = 'STALE', heard_us = 1 WHERE robot_id = 2;
+UPDATE whiskers SET fault = 'STALE', heard_us = 1 WHERE robot_id IN (2, 3);
+INSERT INTO alarms (robot_id, raised_us, kind) VALUES (3, 1, 'ROBOT_SILENT');
 "#;
 
 /// For each alert of Grafana: SQL that triggers it for the whisker `crawler/left/1`, and the kind of alarm that shelves

@@ -77,7 +77,7 @@ fn links_lead_to_dashboards_that_know_their_variables() {
         let others = ALL.iter().filter(|other| other.uid() != dashboard.uid());
         let expected: BTreeSet<String> = others.map(|other| format!("/d/{}", other.uid())).collect();
         assert_eq!(links.iter().map(|&link| link.to_owned()).collect::<BTreeSet<_>>(), expected, "{}", dashboard.file);
-        for (panel, link) in drill_downs(dashboard) {
+        for (panel, link) in drill_downs(dashboard).filter(|(_, link)| !link.starts_with(CONSOLE)) {
             let place = format!("{}: {}: {link}", dashboard.file, panel["title"]);
             let (uid, query) = link.strip_prefix("/d/").and_then(|rest| rest.split_once('?')).expect(&place);
             let target =
@@ -89,7 +89,7 @@ fn links_lead_to_dashboards_that_know_their_variables() {
                         assert!(target.variable(name).is_some(), "{place}: the target has no variable {name}");
                     }
                     None => {
-                        assert!(part == "${__url_time_range}" || part.ends_with("_datasource:queryparam}"), "{place}")
+                        assert!(part == "${__url_time_range}" || part.ends_with(":queryparam}"), "{place}")
                     }
                 }
             }
@@ -107,6 +107,36 @@ pub(super) fn drill_downs(dashboard: &Dashboard) -> impl Iterator<Item = (&Value
             properties.filter(|property| property["id"] == "links").flat_map(|property| list(&property["value"]));
         links.map(move |link| (panel, text(&link["url"])))
     })
+}
+
+/// Start of the links to the console.
+const CONSOLE: &str = "${console:raw}/#/";
+
+/// Panels link to a page of the console, and so do cells that name a robot or a whisker; the address is a variable.
+#[test]
+fn panels_lead_to_the_console() {
+    let is_page = |path: &str| {
+        let parts: Vec<&str> = path.split('/').collect();
+        matches!(
+            parts[..],
+            ["alarms"] | ["fleets", _, "robots", _] | ["fleets", _, "robots", _, "arrays", _, "whiskers", _]
+        )
+    };
+    for dashboard in ALL.iter() {
+        let address = dashboard.variable("console").expect(&dashboard.file);
+        assert_eq!((text(&address["type"]), text(&address["query"])), ("textbox", "http://127.0.0.1:8080"));
+        for panel in dashboard.panels() {
+            let links: Vec<&str> =
+                list(&panel["fieldConfig"]["defaults"]["links"]).map(|link| text(&link["url"])).collect();
+            let [link] = links[..] else { panic!("{}: {}: one link", dashboard.file, panel["title"]) };
+            assert!(link.strip_prefix(CONSOLE).is_some_and(is_page), "{}: {link}", dashboard.file);
+        }
+        for (panel, link) in drill_downs(dashboard).filter(|(_, link)| link.contains("console:raw")) {
+            assert!(link.strip_prefix(CONSOLE).is_some_and(is_page), "{}: {}: {link}", dashboard.file, panel["title"]);
+        }
+    }
+    let of_cells = ALL.iter().flat_map(drill_downs).filter(|(_, link)| link.starts_with(CONSOLE)).count();
+    assert!(of_cells >= 5, "{of_cells}");
 }
 
 #[test]

@@ -7,9 +7,11 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use crate::encoding;
 use crate::robot::Robot;
 use crate::robot::effect::{AlarmKind, Condition, Effect, Fault, WhiskerIndex};
+use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
+use crate::units::Micros;
 
-/// All kinds except faults, of which there are several. A cause comes before its consequences.
+/// All kinds of a whisker except faults, of which there are several. A cause comes before its consequences.
 const KINDS: [AlarmKind; 8] = [
     AlarmKind::SensitivityLoss,
     AlarmKind::Eroding,
@@ -20,6 +22,8 @@ const KINDS: [AlarmKind; 8] = [
     AlarmKind::Proposed,
     AlarmKind::ReachLost,
 ];
+
+const STALE: Option<Fault> = Some(Fault::Stale);
 
 /// The first kinds, which fill a stored byte together with the bit for a fault.
 const IN_ONE_BYTE: u32 = 7;
@@ -84,7 +88,10 @@ impl BorshDeserialize for Standing {
 impl Robot {
     /// Raises the alarms of a whisker that are due and do not stand, and clears those that stand and are not due.
     pub(in crate::robot) fn tell_alarms(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        let due = self.alarms_due(index);
+        self.let_stand(index, self.alarms_due(index), effects);
+    }
+
+    fn let_stand(&mut self, index: WhiskerIndex, due: Standing, effects: &mut Vec<Effect>) {
         let was = self.whiskers[index].standing;
         if due == was {
             return;
@@ -98,7 +105,62 @@ impl Robot {
     /// The alarms that the state of a whisker asks for.
     pub(in crate::robot) fn alarms_due(&self, index: WhiskerIndex) -> Standing {
         let is_proposed = self.head.compensations.iter().any(|one| one.proposed && one.target() == index);
-        self.whiskers[index].due(is_proposed)
+        let due = self.whiskers[index].due(is_proposed);
+        let stands = !self.head.silent && self.whiskers[index].standing.fault == STALE;
+        Standing { fault: due.fault.filter(|_| due.fault != STALE || stands), ..due }
+    }
+
+    /// Raises or clears the alarm for the robot's silence. Returns whether the silence has begun: then no whisker's own
+    /// silence is an alarm any more.
+    pub(in crate::robot) fn tell_silence(&mut self, now: Micros, effects: &mut Vec<Effect>) -> bool {
+        let (was, is) = (self.head.silent, self.is_silent());
+        if was == is {
+            return false;
+        }
+        self.head.silent = is;
+        let kind = AlarmKind::RobotSilent;
+        if is {
+            effects.push(Effect::RobotAlarm { kind });
+        } else {
+            self.head.heard_again = now;
+            // Ticks follow the whiskers that stay silent.
+            self.tick_deadline.end();
+            effects.push(Effect::RobotAlarmCleared { kind });
+        }
+        is
+    }
+
+    /// Whether no whisker is heard.
+    fn is_silent(&self) -> bool {
+        // First a whisker of this step, because it is in the processor's cache.
+        let is_heard = self.whiskers.first_touched().is_some_and(|index| self.whiskers[index].fault != STALE);
+        !is_heard && !self.whiskers.is_empty() && self.whiskers.iter().all(|whisker| whisker.fault == STALE)
+    }
+
+    /// Raises the alarms of whiskers that are silent alone. Whiskers of a robot that falls silent are not: they become
+    /// stale one after the other, and nothing comes from any of them.
+    pub(in crate::robot) fn tell_lone_silence(&mut self, params: &Params, effects: &mut Vec<Effect>) {
+        if self.is_silent() || !(0..self.whiskers.len()).any(|index| self.may_be_silent_alone(index)) {
+            return;
+        }
+        let newest = self.whiskers.iter().filter_map(|whisker| whisker.heard).max().unwrap_or_default();
+        for index in 0..self.whiskers.len() {
+            let heard = self.whiskers[index].heard.unwrap_or_default().max(self.head.heard_again);
+            if self.may_be_silent_alone(index) && newest.since(heard) > params.health.stale_after {
+                self.let_stand(index, Standing { fault: STALE, ..self.alarms_due(index) }, effects);
+            }
+        }
+    }
+
+    /// Whether a whisker is silent, and whether it is so alone is not known yet.
+    pub(in crate::robot) fn may_be_silent_alone(&self, index: WhiskerIndex) -> bool {
+        let whisker = &self.whiskers[index];
+        !self.head.silent && whisker.fault == STALE && whisker.standing.fault != STALE
+    }
+
+    /// The standing alarms about the robot as a whole.
+    pub fn standing(&self) -> impl Iterator<Item = AlarmKind> + '_ {
+        self.head.silent.then_some(AlarmKind::RobotSilent).into_iter()
     }
 }
 

@@ -52,6 +52,7 @@ impl Robot {
             self.follow_test(now, index, effects);
             self.request_test(params, now, index, effects);
         }
+        self.tell_lone_silence(params, effects);
         let each = |index: WhiskerIndex| self.quiet_until(params, now, index);
         let until = (0..self.whiskers.len()).map(each).try_fold(Micros(u64::MAX), |least, one| Some(least.min(one?)));
         self.tick_deadline = TickDeadline(until.map(|until| (now, until)));
@@ -65,7 +66,7 @@ impl Robot {
     /// Until when a tick has nothing to do for a whisker; none if it has something to do now.
     fn quiet_until(&self, params: &Params, now: Micros, index: WhiskerIndex) -> Option<Micros> {
         let whisker = &self.whiskers[index];
-        let is_up_to_date = whisker.fault == self.present_fault(params, now, index);
+        let is_up_to_date = whisker.fault == self.present_fault(params, now, index) && !self.may_be_silent_alone(index);
         whisker.quiet_until(params, now, self.head.listening_since).filter(|_| is_up_to_date)
     }
 }

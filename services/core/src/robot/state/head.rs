@@ -40,6 +40,10 @@ pub(in crate::robot) struct Head {
     /// Times for tests after a pause and on a schedule, by whisker; none of whiskers that were not touched since such
     /// tests were asked for.
     pub test_times: Vec<TestTimes>,
+    /// The alarm for the robot's silence stands.
+    pub silent: bool,
+    /// End of the robot's last silence; 0 before the first.
+    pub heard_again: Micros,
 }
 
 /// An array of the factsheet.
@@ -74,6 +78,8 @@ impl Head {
             touch_tests: TouchTests::default(),
             tests: TestBudget::default(),
             test_times: Vec::new(),
+            silent: false,
+            heard_again: Micros::default(),
         }
     }
 }

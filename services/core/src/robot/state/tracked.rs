@@ -4,8 +4,8 @@
 //!
 //! - The stored bytes must be written at the next checkpoint: [`Tracked::take_mark`] for the head,
 //!   [`Whiskers::take_changed`] for the whiskers.
-//! - The alarms of a whisker must be evaluated: it was accessed in this step, or a compensation began, ended or was
-//!   approved.
+//! - The alarms of a whisker must be evaluated: it was accessed in this step, a compensation began, ended or was
+//!   approved, or the robot fell silent.
 //! - The policy must look at the arrays: the [`DecisionBasis`] of an accessed whisker or the list of compensations
 //!   differs from that of the last decision.
 //! - The cached deadline of ticks may be too late: it is lowered to the deadline of each accessed whisker, see
@@ -107,6 +107,11 @@ impl Whiskers {
     /// Access for a change that need not be written.
     pub(in crate::robot) fn without_mark(&mut self) -> &mut [Whisker] {
         &mut self.all
+    }
+
+    /// The first whisker that was accessed since the end of the last step.
+    pub(in crate::robot) fn first_touched(&self) -> Option<WhiskerIndex> {
+        self.next_touched(0)
     }
 
     /// The first whisker from `index` on that was accessed since the end of the last step.
@@ -257,11 +262,12 @@ impl Robot {
             self.reconcile_all(params, now, effects);
             has_other_compensations |= self.note_basis();
         }
-        let mut next = self.first_from(0, has_other_compensations);
+        let of_all = self.tell_silence(now, effects) || has_other_compensations;
+        let mut next = self.first_from(0, of_all);
         while let Some(index) = next {
             self.tell_alarms(index, effects);
             self.meet_deadline(params, now, index);
-            next = self.first_from(index + 1, has_other_compensations);
+            next = self.first_from(index + 1, of_all);
         }
         let stands = |index: WhiskerIndex| self.alarms_due(index) == self.whiskers[index].standing;
         debug_assert!((0..self.whiskers.len()).all(stands), "an alarm of a whisker that was not accessed is due");

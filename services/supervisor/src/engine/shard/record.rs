@@ -15,8 +15,8 @@ use crate::metrics::{APPROVED, NO_CASE, PROPOSED, STARTED, UNSERVED};
 use vibrissa_edge::ids::{command_id, wide_id};
 use vibrissa_edge::words::Word;
 use vibrissa_store::batch::{
-    AlarmClearedRow, AlarmRow, ContactRow, EndedRow, HealthRow, Record, ResponseRow, SetpointStateRow,
-    TouchTestProgressRow, TrimRow,
+    AlarmClearedRow, AlarmRow, ContactRow, EndedRow, HealthRow, Record, ResponseRow, RobotAlarmClearedRow,
+    RobotAlarmRow, SetpointStateRow, TouchTestProgressRow, TrimRow,
 };
 
 impl Stepper {
@@ -189,6 +189,17 @@ impl Stepper {
                     raised_us: recorded_us,
                     kind: kind.word(),
                 }));
+            }
+            Effect::RobotAlarm { kind } => {
+                self.metrics.alarms_raised.count([kind.word()]);
+                warn!(robot = %name, alarm = kind.word(), "alarm raised");
+                let row = RobotAlarmRow { robot_id, raised_us: recorded_us, kind: kind.word() };
+                self.batch.rows_mut().records.push(Record::RobotAlarm(row));
+            }
+            Effect::RobotAlarmCleared { kind } => {
+                info!(robot = %name, alarm = kind.word(), "alarm cleared");
+                let row = RobotAlarmClearedRow { robot_id, cleared_us: recorded_us, kind: kind.word() };
+                self.batch.rows_mut().records.push(Record::RobotAlarmCleared(row));
             }
             Effect::Approved { compensation } => {
                 if let Some(case) = known.case_of(compensation) {

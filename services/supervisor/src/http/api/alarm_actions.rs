@@ -49,6 +49,22 @@ pub struct ShelfBody {
     pub reason: String,
 }
 
+/// Shelving until a time, for a reason.
+///
+/// # Errors
+/// The time is not in the next 30 days, or the reason is empty.
+pub(super) fn shelved(until: Moment, reason: &str) -> Result<Said, Problem> {
+    let now_us = wall_clock().0 as i64;
+    let Moment(Time(until_us)) = until;
+    if until_us <= now_us || until_us.saturating_sub(now_us) > SHELF_US_MAX {
+        return Err(Problem::invalid("until", "must be in the future, at most 30 days from now"));
+    }
+    if reason.trim().is_empty() {
+        return Err(Problem::invalid("reason", "must not be empty: state why the alarm is shelved"));
+    }
+    Ok(Said::Shelved { until_us })
+}
+
 async fn subject(app: &App, at: &AlarmPath, asker: &Asker) -> Result<AlarmSubject, Problem> {
     let found = app.store.alarm_subject(at.alarm_id).await?;
     let found = found.filter(|subject| asker.caller.scope.covers(&subject.fleet));
@@ -70,8 +86,8 @@ async fn say(
     let mut action = asker.action(kind.word(), &parameters, reason(why)?);
     action.fleet = Some(subject.fleet.clone());
     action.robot = Some(subject.robot.clone());
-    action.array = Some(subject.array.clone());
-    action.whisker = Some(subject.whisker);
+    action.array.clone_from(&subject.array);
+    action.whisker = subject.whisker;
     action.alarm_id = Some(at.alarm_id);
     let action_id = number_of(app.store.say_to_alarm(&subject, said, &action).await?)?;
     app.action_notifier.changed();
@@ -99,7 +115,7 @@ async fn acknowledge(
     say(&app, &at, (asker, subject), Said::Acknowledged, why.reason).await
 }
 
-/// Shelve an alarm: silence it, and others of its kind about the same whisker, until a time.
+/// Shelve an alarm: silence it, and others of its kind about the same whisker or robot, until a time.
 #[utoipa::path(
     post, path = "/v1/alarms/{alarm_id}/shelve", tag = "alarms",
     params(AlarmPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
@@ -114,18 +130,11 @@ async fn shelve(
     Body(shelf): Body<ShelfBody>,
 ) -> Result<Response, Problem> {
     let subject = subject(&app, &at, &asker).await?;
-    let now_us = wall_clock().0 as i64;
-    let Moment(Time(until_us)) = shelf.until;
-    if until_us <= now_us || until_us.saturating_sub(now_us) > SHELF_US_MAX {
-        return Err(Problem::invalid("until", "must be in the future, at most 30 days from now"));
-    }
-    if shelf.reason.trim().is_empty() {
-        return Err(Problem::invalid("reason", "must not be empty: state why the alarm is shelved"));
-    }
-    say(&app, &at, (asker, subject), Said::Shelved { until_us }, Some(shelf.reason)).await
+    let said = shelved(shelf.until, &shelf.reason)?;
+    say(&app, &at, (asker, subject), said, Some(shelf.reason)).await
 }
 
-/// Unshelve an alarm, and others of its kind about the same whisker.
+/// Unshelve an alarm, and others of its kind about the same whisker or robot.
 #[utoipa::path(
     post, path = "/v1/alarms/{alarm_id}/unshelve", tag = "alarms",
     params(AlarmPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),

@@ -1,4 +1,4 @@
-//! Trims, changes of health, and alarms.
+//! Trims and changes of health.
 
 use axum::extract::{Extension, State};
 use axum::response::{Json, Response};
@@ -15,11 +15,9 @@ use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
-use crate::http::words::{AlarmKindWord, AlarmStateWord, HealthKindWord};
+use crate::http::words::HealthKindWord;
 use vibrissa_store::list::{Filter, Value};
-use vibrissa_store::lists::happenings::{
-    ALARMS, Alarm, AlarmSort, HEALTH_CHANGES, HealthChange, HealthChangeSort, TRIMS, Trim, TrimSort,
-};
+use vibrissa_store::lists::happenings::{HEALTH_CHANGES, HealthChange, HealthChangeSort, TRIMS, Trim, TrimSort};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
@@ -27,8 +25,6 @@ pub(super) fn routes() -> OpenApiRouter<App> {
         .routes(routes!(get_trim))
         .routes(routes!(list_health_changes))
         .routes(routes!(get_health_change))
-        .routes(routes!(list_alarms))
-        .routes(routes!(get_alarm))
 }
 
 list_query! {
@@ -125,55 +121,6 @@ async fn list_health_changes(
     listing.answer::<HealthChange>(&app, &HEALTH_CHANGES, selection).await
 }
 
-list_query! {
-    /// Filters for the list of alarms.
-    pub struct AlarmsQuery by AlarmSort {
-        /// Name of the fleet.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
-        /// Name of the robot.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub robot: Option<Name>,
-        /// Name of the array.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub array: Option<Name>,
-        /// Number of the whisker in its array.
-        #[param(maximum = 65535)]
-        pub whisker: Option<u16>,
-        /// Kind of the alarm.
-        #[param(inline)]
-        pub kind: Option<AlarmKindWord>,
-        /// True: only standing alarms; false: only the others.
-        pub standing: Option<bool>,
-        /// State of the alarm.
-        #[param(inline)]
-        pub state: Option<AlarmStateWord>,
-    }
-}
-
-/// All alarms, standing and cleared.
-#[utoipa::path(
-    get, path = "/v1/alarms", tag = "happenings", params(AlarmsQuery),
-    responses((status = 200, description = "A page of alarms", body = Page<Alarm>))
-)]
-async fn list_alarms(
-    State(app): State<App>,
-    Extension(caller): Extension<Caller>,
-    listing: Listing,
-    Query(query): Query<AlarmsQuery>,
-) -> Result<Response, Problem> {
-    let mut selection = query.page()?;
-    selection.filters.extend(caller.scope.filter("fleet"));
-    selection.is("fleet", query.fleet);
-    selection.is("robot", query.robot);
-    selection.is("\"array\"", query.array);
-    selection.is_number("whisker", query.whisker);
-    selection.is("kind", query.kind);
-    selection.is("state", query.state);
-    selection.filters.extend(query.standing.map(|standing| Filter::Is("standing", Value::Flag(standing))));
-    listing.answer::<Alarm>(&app, &ALARMS, selection).await
-}
-
 /// Defines the routes of single rows: each has a number, and a path with that number.
 macro_rules! rows {
     ($($(#[$meta:meta])* $name:ident($at:ident { $(#[$id_meta:meta])* $id:ident }) -> $row:ident = $path:literal, $list:ident, $what:literal;)+) => {
@@ -216,9 +163,4 @@ rows! {
         /// Number of the change.
         health_change_id
     }) -> HealthChange = "/v1/health-changes/{health_change_id}", HEALTH_CHANGES, "health change";
-    /// One alarm, standing or cleared.
-    get_alarm(AlarmRowPath {
-        /// Number of the alarm.
-        alarm_id
-    }) -> Alarm = "/v1/alarms/{alarm_id}", ALARMS, "alarm";
 }

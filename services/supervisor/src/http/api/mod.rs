@@ -2,6 +2,8 @@
 
 pub mod actions;
 pub mod alarm_actions;
+pub mod alarms;
+pub mod alarms_at_once;
 pub mod allowed;
 pub mod audit;
 pub mod calibrations;
@@ -34,7 +36,9 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(whiskers::routes())
         .merge(actions::routes())
         .merge(policy::routes())
+        .merge(alarms::routes())
         .merge(alarm_actions::routes())
+        .merge(alarms_at_once::routes())
         .merge(allowed::routes())
         .merge(audit::routes())
         .merge(calibrations::routes())

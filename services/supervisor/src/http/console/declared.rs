@@ -11,6 +11,7 @@ use vibrissa_core::robot::effect::{
 };
 use vibrissa_core::robot::event::{ArrayKind, Link};
 use vibrissa_edge::actions::AuditKind;
+use vibrissa_edge::guidance::Level;
 use vibrissa_edge::words::Words;
 
 /// Path of the module below `/console/`.
@@ -32,6 +33,7 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
         ("TEST_REASONS", words::<TestReason>()),
         ("LOOKS", words::<RefinementOutcome>()),
         ("ALARM_KINDS", labels::<AlarmKind>()),
+        ("ALARM_LEVELS", words::<Level>()),
         ("AUDIT_KINDS", words::<AuditKind>()),
         ("ARRAY_TYPES", words::<ArrayKind>()),
         ("MODES", words::<Mode>()),

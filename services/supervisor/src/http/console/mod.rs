@@ -77,6 +77,7 @@ files!(
     "pages/robot.js"
     "pages/whisker.js"
     "pages/whiskers.js"
+    "parts/alarms.js"
     "parts/decisions.js"
     "parts/fleets.js"
     "parts/proposals.js"

@@ -1,0 +1,201 @@
+//! Alarms: all of them, the standing ones with storms folded, and their counts.
+
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::counts::alarms;
+use super::sorts;
+use crate::from_row::from_row;
+use crate::list::List;
+use crate::time::Time;
+
+from_row! {
+    /// An alarm about a whisker, or about a robot as a whole.
+    #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+    pub struct AlarmRow {
+        /// Number of the alarm.
+        #[schema(minimum = 0)]
+        pub alarm_id: i64,
+        /// Name of the fleet.
+        pub fleet: String,
+        /// Name of the robot.
+        pub robot: String,
+        /// Name of the array; null for an alarm about the robot as a whole.
+        pub array: Option<String>,
+        /// Number of the whisker in its array; null for an alarm about the robot as a whole.
+        #[schema(minimum = 0)]
+        pub whisker: Option<i64>,
+        /// Kind of alarm, such as `UNCOMPENSATED`, or a fault, such as `LEAK`: one of the values of the filter `kind`.
+        pub kind: String,
+        /// Time at which it was raised, by the supervisor's clock.
+        pub raised_at: Time,
+        /// Whether its cause persists.
+        pub standing: bool,
+        /// Time at which its cause ended, by the supervisor's clock; null while it stands.
+        pub cleared_at: Option<Time>,
+        /// Time at which it was acknowledged; null if it was not.
+        pub acknowledged_at: Option<Time>,
+        /// Person or token that acknowledged it; null if it was not acknowledged.
+        pub acknowledged_by: Option<String>,
+        /// Comment given with the acknowledgement; null without a comment.
+        pub acknowledged_reason: Option<String>,
+        /// Time until which alarms of this kind about this whisker or robot are shelved; null if they are not shelved.
+        pub shelved_until: Option<Time>,
+        /// Person or token that shelved it; null if it is not shelved.
+        pub shelved_by: Option<String>,
+        /// Reason given for shelving it; null if it is not shelved.
+        pub shelved_reason: Option<String>,
+        /// State: `UNACKNOWLEDGED`, `ACKNOWLEDGED`, `SHELVED` or `CLEARED`.
+        pub state: String,
+    }
+
+    /// How many alarms a folded row stands for.
+    #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+    pub struct Fold {
+        /// Number of alarms: 1, or that of a storm of more than 10 alarms of this kind in this fleet, each raised within 5
+        /// minutes of the one before. The other fields are those of its newest alarm.
+        #[schema(minimum = 1)]
+        pub alarms: i64,
+        /// Number of robots that they concern.
+        #[schema(minimum = 1)]
+        pub robots: i64,
+        /// Number of them that are not acknowledged and not shelved.
+        #[schema(minimum = 0)]
+        pub unacknowledged: i64,
+        /// Time at which the first of them was raised.
+        pub first_raised_at: Time,
+        /// Time at which the last of them was raised.
+        pub last_raised_at: Time,
+    }
+
+    /// Number of alarms of a kind in a fleet.
+    #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+    pub struct AlarmCount {
+        /// Name of the fleet.
+        pub fleet: String,
+        /// Kind of alarm.
+        pub kind: String,
+        /// Number of alarms.
+        #[schema(minimum = 1)]
+        pub alarms: i64,
+        /// Number of them that are not acknowledged and not shelved.
+        #[schema(minimum = 0)]
+        pub unacknowledged: i64,
+    }
+}
+
+/// A standing alarm, or the newest one of a storm.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FoldedRow {
+    /// The alarm itself.
+    pub row: AlarmRow,
+    /// The alarms for which it stands.
+    pub fold: Fold,
+}
+
+impl<'r, R: sqlx::Row> sqlx::FromRow<'r, R> for FoldedRow
+where
+    AlarmRow: sqlx::FromRow<'r, R>,
+    Fold: sqlx::FromRow<'r, R>,
+{
+    fn from_row(row: &'r R) -> sqlx::Result<Self> {
+        Ok(Self { row: AlarmRow::from_row(row)?, fold: Fold::from_row(row)? })
+    }
+}
+
+sorts! {
+    /// Sort keys of the list of alarms.
+    pub enum AlarmSort {
+        /// By the time at which they were raised.
+        RaisedAt = "raised_at" Whole Down,
+        /// By level, then by kind: the most urgent first.
+        Urgency = "urgency" Whole Down,
+        /// By kind of alarm.
+        Kind = "kind" Text Up,
+    }
+}
+
+sorts! {
+    /// Sort keys of the list of folded alarms.
+    pub enum FoldedSort {
+        /// Arrays and storms by their most urgent alarm, then by their newest one; in an array by urgency.
+        Place = "place" Whole Down,
+    }
+}
+
+sorts! {
+    /// Sort keys of the counts of alarms.
+    pub enum CountSort {
+        /// By level, then by kind: the most urgent first.
+        Urgency = "urgency" Whole Down,
+    }
+}
+
+/// The columns of [`AlarmRow`], of the alarms that meet a condition.
+macro_rules! rows {
+    ($condition:literal) => {
+        concat!(
+            "SELECT t.*, {urgency} AS urgency FROM (SELECT s.alarm_id, fleet, robot, \"array\", w.whisker, s.kind, \
+             s.raised_us AS raised_at, standing, cleared_us AS cleared_at, acknowledged_us AS acknowledged_at, \
+             acknowledged_by, acknowledged_reason, shelved_until_us AS shelved_until, shelved_by, shelved_reason, \
+             CASE WHEN NOT standing THEN 'CLEARED' WHEN shelved_until_us IS NOT NULL THEN 'SHELVED' \
+             WHEN acknowledged_us IS NULL THEN 'UNACKNOWLEDGED' ELSE 'ACKNOWLEDGED' END AS state FROM ",
+            alarms!($condition),
+            " s LEFT JOIN whiskers w ON w.whisker_id = s.whisker_id LEFT JOIN arrays y ON y.array_id = w.array_id \
+             JOIN robots r ON r.robot_id = coalesce(s.robot_id, w.robot_id)) t"
+        )
+    };
+}
+
+/// All alarms, standing and cleared.
+pub static ALARMS: List =
+    List { what: "list the alarms", select: rows!("true"), details: "", sorts: AlarmSort::SORTS, id: "alarm_id" };
+
+/// The standing alarms: without a look at the cleared ones.
+pub static STANDING: List = List { what: "list the standing alarms", select: rows!("a.cleared_us IS NULL"), ..ALARMS };
+
+/// The standing alarms by robot and array, with storms folded. `place` orders them: the urgency of the row's array or storm, the
+/// number of the newest alarm in it, and the row's own urgency, in one number.
+pub static FOLDED: List = List {
+    what: "list the folded alarms",
+    select: concat!(
+        "WITH wanted AS (SELECT * FROM (",
+        rows!("a.cleared_us IS NULL"),
+        ") u WHERE true {filters}), \
+         stepped AS (SELECT wanted.*, CASE WHEN raised_at - lag(raised_at) OVER \
+          (PARTITION BY fleet, kind ORDER BY raised_at, alarm_id) <= 300000000 THEN 0 ELSE 1 END AS begins FROM wanted), \
+         burst AS (SELECT stepped.*, sum(begins) OVER \
+          (PARTITION BY fleet, kind ORDER BY raised_at, alarm_id) AS burst FROM stepped), \
+         folds AS (SELECT fleet AS of_fleet, kind AS of_kind, burst AS of_burst, count(*) AS alarms, \
+          count(DISTINCT robot) AS robots, count(*) FILTER (WHERE state = 'UNACKNOWLEDGED') AS unacknowledged, \
+          min(raised_at) AS first_raised_at, max(raised_at) AS last_raised_at, max(alarm_id) AS newest \
+          FROM burst GROUP BY fleet, kind, burst HAVING count(*) > 10), \
+         folded AS (SELECT burst.*, coalesce(alarms, 1) AS alarms, coalesce(robots, 1) AS robots, \
+          coalesce(unacknowledged, CASE WHEN state = 'UNACKNOWLEDGED' THEN 1 ELSE 0 END) AS unacknowledged, \
+          coalesce(first_raised_at, raised_at) AS first_raised_at, coalesce(last_raised_at, raised_at) AS last_raised_at, \
+          newest FROM burst LEFT JOIN folds \
+          ON of_fleet = fleet AND of_kind = kind AND of_burst = burst WHERE newest IS NULL OR newest = alarm_id), \
+         placed AS (SELECT folded.*, \
+          CASE WHEN newest IS NULL THEN max(urgency) OVER g ELSE urgency END AS most, \
+          coalesce(newest, max(alarm_id) OVER g) AS last FROM folded \
+          WINDOW g AS (PARTITION BY fleet, robot, \"array\", newest)) \
+         SELECT placed.*, most * 35184372088832 + last * 32 + urgency AS place FROM placed"
+    ),
+    details: "",
+    sorts: FoldedSort::SORTS,
+    id: "alarm_id",
+};
+
+/// Numbers of standing alarms by fleet and kind.
+pub static COUNTS: List = List {
+    what: "count the alarms",
+    select: concat!(
+        "SELECT fleet, kind, urgency, count(*) AS alarms, \
+         count(*) FILTER (WHERE state = 'UNACKNOWLEDGED') AS unacknowledged, max(alarm_id) AS alarm_id FROM (",
+        rows!("a.cleared_us IS NULL"),
+        ") u WHERE true {filters} GROUP BY fleet, kind, urgency"
+    ),
+    details: "",
+    sorts: CountSort::SORTS,
+    id: "alarm_id",
+};

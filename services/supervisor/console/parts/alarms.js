@@ -1,0 +1,193 @@
+// Alarms as cards by robot and array, each with what to do, and storms of alarms as one card.
+
+import { changed } from "../address.js";
+import { list } from "../api.js";
+import { h } from "../dom.js";
+import { count, time } from "../format.js";
+import { mark, markOf } from "../marks.js";
+import { link, whiskerName } from "../places.js";
+import { ALARM_KINDS, ALARM_LEVELS, ALARM_STATES, say } from "../words.js";
+
+/** Most alarms of an unfolded storm that are shown on the page. */
+const MEMBERS = 50;
+
+const stormOf = (row) => `${row.fleet}:${row.kind}:${row.fold.first_raised_at}`;
+const isStorm = (row) => row.fold !== undefined && row.fold.alarms > 1;
+
+/** The alarms of the unfolded storm by the storm's name; none of a storm that is not on the page. */
+export async function storms(rows, filter, unfolded) {
+  const row = rows.find((one) => isStorm(one) && stormOf(one) === unfolded);
+  if (!row) return new Map();
+  // `to` is exclusive, and times have microseconds.
+  const to = new Date(new Date(row.fold.last_raised_at).getTime() + 1000).toISOString();
+  const times = { from: row.fold.first_raised_at, to };
+  const asked = { ...filter, fleet: row.fleet, kind: row.kind, standing: true, sort: "urgency", ...times, limit: MEMBERS };
+  return new Map([[unfolded, await list("/v1/alarms", asked)]]);
+}
+
+/** Cards of alarms under the robot and array that neighbouring rows share. `actions` makes the buttons of an alarm. */
+export function alarmGroups(rows, members, actions) {
+  const groups = [];
+  for (const row of rows) {
+    const key = isStorm(row) ? `storm-${stormOf(row)}` : `${row.fleet}/${row.robot}/${row.array ?? ""}`;
+    const last = groups.at(-1);
+    if (last?.key === key && !isStorm(row)) last.rows.push(row);
+    else groups.push({ key, rows: [row] });
+  }
+  const group = ({ key, rows: [first, ...others] }) =>
+    h(
+      "li",
+      { class: "group", "data-key": `group-${key}` },
+      isStorm(first) ? storm(first, members, actions) : [place(first), cards([first, ...others], actions)],
+    );
+  return h("ul", { class: "groups" }, groups.map(group));
+}
+
+/** The heading of a group: where its alarms are. */
+function place(row) {
+  const whole = row.array === null ? "whole robot" : `array ${row.array}`;
+  return h(
+    "h2",
+    { class: "place" },
+    h("a", { href: link.fleet(row.fleet) }, row.fleet),
+    h("span", { "aria-hidden": "true" }, " \u203a "),
+    h("a", { href: link.robot(row) }, row.robot),
+    `, ${whole}`,
+  );
+}
+
+function cards(rows, actions) {
+  return h(
+    "ul",
+    { class: "alarms" },
+    rows.map((row) => card(row, actions)),
+  );
+}
+
+function card(row, actions) {
+  const buttons = actions(row);
+  return h(
+    "li",
+    { class: `alarm ${row.level.toLowerCase()}`, "data-key": `alarm-${row.alarm_id}`, "data-kind": row.kind },
+    h(
+      "div",
+      { class: "about" },
+      h("h3", {}, level(row), subject(row)),
+      h("p", { class: "marks" }, state(row), h("span", {}, "raised ", time(row.raised_at)), cleared(row)),
+      h("p", {}, row.hint),
+      guidance(row),
+    ),
+    buttons.length ? h("div", { class: "buttons" }, buttons) : null,
+  );
+}
+
+/** The mark of an alarm's level with its kind as words. */
+function level(row) {
+  const [words, tone, shape] = ALARM_LEVELS[row.level] ?? [row.level, "off", "ring"];
+  return [mark(words.split(":")[0], tone, shape), h("span", {}, say(ALARM_KINDS, row.kind))];
+}
+
+function subject(row) {
+  if (row.array === null) return null;
+  return h("a", { href: link.whisker(row) }, `whisker ${whiskerName(row)}`);
+}
+
+function cleared(row) {
+  return row.cleared_at ? h("span", {}, "cleared ", time(row.cleared_at)) : null;
+}
+
+/** Likely causes and the runbook, on request. */
+function guidance(row) {
+  return h(
+    "details",
+    {},
+    h("summary", {}, "Likely causes and runbook"),
+    row.causes.length ? h("ol", {}, row.causes.map((cause) => h("li", {}, cause))) : null,
+    h("p", {}, h("a", { href: row.runbook_url, target: "_blank", rel: "noreferrer" }, "Runbook")),
+  );
+}
+
+function state(alarm) {
+  const by =
+    {
+      ACKNOWLEDGED: [alarm.acknowledged_by, alarm.acknowledged_reason],
+      SHELVED: [alarm.shelved_by, alarm.shelved_reason],
+    }[alarm.state] ?? [];
+  const words = [by[0] && `by ${by[0]}`, by[1] && `\u201c${by[1]}\u201d`].filter(Boolean).join(": ");
+  return [
+    markOf(ALARM_STATES, alarm.state),
+    alarm.state === "SHELVED" && alarm.shelved_until ? h("span", {}, "until ", time(alarm.shelved_until)) : null,
+    words ? h("span", {}, words) : null,
+  ];
+}
+
+/** One card for all alarms of a storm, and its alarms once it is unfolded. */
+function storm(row, members, actions) {
+  const known = members.get(stormOf(row));
+  const { alarms, robots, unacknowledged } = row.fold;
+  const all = { fleet: row.fleet, kind: row.kind, storm: null, cursor: null };
+  return [
+    h(
+      "h2",
+      { class: "place" },
+      h("a", { href: link.fleet(row.fleet) }, row.fleet),
+      `, ${count(robots, "robot")}: ${count(alarms, "alarm")} of one kind`,
+    ),
+    h(
+      "div",
+      { class: `alarm storm ${row.level.toLowerCase()}`, "data-kind": row.kind },
+      h(
+        "div",
+        { class: "about" },
+        h("h3", {}, level(row)),
+        h(
+          "p",
+          { class: "marks" },
+          h("span", {}, unacknowledged ? `${unacknowledged.toLocaleString("en")} not acknowledged` : "all acknowledged"),
+          h("span", {}, "raised from ", time(row.fold.first_raised_at), " to ", time(row.fold.last_raised_at)),
+        ),
+        h("p", {}, row.hint),
+        guidance(row),
+      ),
+      h(
+        "div",
+        { class: "buttons" },
+        h(
+          "a",
+          {
+            class: "button",
+            href: changed({ storm: known ? null : stormOf(row) }),
+            "aria-expanded": known ? "true" : "false",
+            role: "button",
+          },
+          known ? "Fold" : `Show the ${count(alarms, "alarm")}`,
+        ),
+        h("a", { class: "button", href: changed(all) }, "Only these"),
+      ),
+    ),
+    known ? cardsOfStorm(known, alarms, all, actions) : null,
+  ];
+}
+
+function cardsOfStorm(rows, alarms, all, actions) {
+  const more = alarms - rows.length;
+  return [
+    h("ul", { class: "alarms members" }, rows.map((row) => member(row, actions))),
+    more > 0 ? h("p", {}, h("a", { href: changed({ ...all, fold: "no" }) }, `List all ${alarms.toLocaleString("en")}`)) : null,
+  ];
+}
+
+/** An alarm of a storm: only where it is, because its kind and what to do are told once. */
+function member(row, actions) {
+  const where =
+    row.array === null
+      ? h("a", { href: link.robot(row) }, row.robot)
+      : h("a", { href: link.whisker(row) }, `${row.robot}, whisker ${whiskerName(row)}`);
+  const buttons = actions(row);
+  return h(
+    "li",
+    { class: "alarm", "data-key": `member-${row.alarm_id}` },
+    h("div", { class: "about" }, h("p", { class: "marks" }, where, state(row), h("span", {}, time(row.raised_at)))),
+    buttons.length ? h("div", { class: "buttons" }, buttons) : null,
+  );
+}

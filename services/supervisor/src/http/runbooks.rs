@@ -1,0 +1,89 @@
+//! The runbooks under `/runbooks/`: what an alarm means and what to do. They are part of the program, so they can be read
+//! without other hosts, and without a token, because they contain no data.
+
+use axum::Router;
+use axum::extract;
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+
+use super::problem::Problem;
+
+/// Path of the runbooks on this service.
+pub const PATH: &str = "/runbooks";
+
+/// The page that lists the others.
+const FIRST: &str = "README.md";
+
+macro_rules! pages {
+    ($($name:literal,)+) => {
+        /// The pages by name, in order.
+        const PAGES: &[(&str, &str)] =
+            &[$(($name, include_str!(concat!("../../../../docs/runbooks/", $name)))),+];
+    };
+}
+
+pages! {
+    "README.md",
+    "VibrissaApprovalWaiting.md",
+    "VibrissaBrokerDisconnected.md",
+    "VibrissaCommitLag.md",
+    "VibrissaCompensationErrorHigh.md",
+    "VibrissaContactLag.md",
+    "VibrissaDatabaseDown.md",
+    "VibrissaDatabaseErrors.md",
+    "VibrissaFleetHeldTwice.md",
+    "VibrissaFleetSilent.md",
+    "VibrissaFleetUnsupervised.md",
+    "VibrissaHttpErrors.md",
+    "VibrissaInboxShedding.md",
+    "VibrissaLeaseFlapping.md",
+    "VibrissaMessagesLost.md",
+    "VibrissaMessagesQuarantined.md",
+    "VibrissaMessagesRefused.md",
+    "VibrissaNoSupervisor.md",
+    "VibrissaProbesLost.md",
+    "VibrissaQueueNearlyFull.md",
+    "VibrissaReadingsShifted.md",
+    "VibrissaRestarting.md",
+    "VibrissaRobotNotTaken.md",
+    "VibrissaRobotSilent.md",
+    "VibrissaRobotsDisconnected.md",
+    "VibrissaSessionTakenOver.md",
+    "VibrissaSetpointFailed.md",
+    "VibrissaSetpointsFailing.md",
+    "VibrissaSupervisorDown.md",
+    "VibrissaWhiskerFault.md",
+    "VibrissaWhiskerUncompensated.md",
+    "VibrissaWhiskerWearing.md",
+    "WhiskerErodingAway.md",
+    "WhiskerUnheard.md",
+}
+
+/// The pages as Markdown, which browsers show as text.
+pub(super) fn routes() -> Router<super::App> {
+    Router::new()
+        .route("/runbooks", get(async || page(FIRST)))
+        .route("/runbooks/{name}", get(async |extract::Path(name): extract::Path<String>| page(&name)))
+}
+
+fn page(name: &str) -> Response {
+    match PAGES.iter().find(|(known, _)| *known == name) {
+        Some((_, text)) => ([(header::CONTENT_TYPE, "text/plain; charset=utf-8")], *text).into_response(),
+        None => Problem::not_found(format_args!("runbook called {name}: {PATH}/{FIRST} lists them")).into_response(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_page_of_the_folder_is_served() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/runbooks");
+        let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.collect();
+        names.sort();
+        assert_eq!(PAGES.iter().map(|(name, _)| *name).collect::<Vec<_>>(), names, "the list above, in order");
+    }
+}

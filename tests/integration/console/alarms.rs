@@ -1,0 +1,172 @@
+//! The alarms page during a storm: one alarm for each silent robot, one row for all of them, and one request about them.
+
+use serde_json::{Value, json};
+use vibrissa_protocol::{ArrayType, ConnectionState};
+use vibrissa_tests::robot::{HandRobot, array};
+use vibrissa_tests::wait::until_true;
+use vibrissa_tests::web::try_get;
+
+use crate::checks::{complaints, overflow};
+use crate::stage::Stage;
+
+/// Robots beside robot `r`, each with three whiskers.
+const ROBOTS: usize = 119;
+const ALL: usize = ROBOTS + 1;
+
+async fn items(stage: &Stage, path: &str) -> Vec<Value> {
+    let (status, body) = try_get(stage.service.http, path).await.unwrap();
+    assert_eq!(status, 200, "{body}");
+    serde_json::from_str::<Value>(&body).unwrap()["items"].as_array().unwrap().clone()
+}
+
+/// Stops all robots: 120 with three whiskers each.
+async fn silenced() -> Stage {
+    let mut stage = Stage::start().await;
+    for number in 0..ROBOTS {
+        let sheet = array(ArrayType::Type1, &[70.0, 68.0, 65.0]);
+        let mut robot = HandRobot::connect(stage.service.broker.port, &format!("many-{number:03}"), sheet).await;
+        robot.birth().await;
+        robot.settle().await;
+        robot.connection(ConnectionState::ConnectionBroken).await;
+    }
+    stage.robot.connection(ConnectionState::ConnectionBroken).await;
+    let standing = "/v1/alarms?standing=true&limit=1000";
+    until_true("an alarm for each robot", async || items(&stage, standing).await.len() >= ALL).await;
+    stage
+}
+
+async fn text(stage: &mut Stage, selector: &str) -> String {
+    let text = stage.browser.js(&format!("document.querySelector({})?.innerText ?? ''", json!(selector))).await;
+    text.as_str().unwrap().to_owned()
+}
+
+#[tokio::test]
+async fn a_hundred_and_twenty_silent_robots_are_one_row_that_unfolds_and_is_acknowledged_at_once() {
+    let mut stage = silenced().await;
+    let standing = items(&stage, "/v1/alarms?standing=true&limit=1000").await;
+    assert_eq!(standing.len(), ALL, "one for each robot, and none for a whisker");
+    assert!(standing.iter().all(|alarm| alarm["kind"] == "ROBOT_SILENT" && alarm["whisker"].is_null()));
+
+    stage.open("#/alarms").await;
+    assert_eq!(stage.browser.js("document.querySelectorAll('.groups > li').length").await, json!(1));
+    let storm = text(&mut stage, ".storm").await;
+    for part in ["urgent", "silent or not connected", "120 not acknowledged", "Check the robot's power"] {
+        assert!(storm.contains(part), "{part}: {storm}");
+    }
+    assert!(text(&mut stage, ".summary").await.starts_with("120 alarms"));
+    for (width, scheme) in [(1280, "light"), (1280, "dark"), (390, "light"), (390, "dark")] {
+        stage.browser.size(width, 844).await;
+        stage.browser.prefers(scheme).await;
+        stage.open("#/alarms").await;
+        assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{width} {scheme}");
+        assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{width} {scheme}");
+        let picture = stage.picture(&format!("storm-{width}-{scheme}"));
+        stage.browser.picture(&picture).await;
+    }
+    let height = stage.browser.js("document.documentElement.scrollHeight").await.as_f64().unwrap();
+    assert!(height < 2500.0, "{height} px on a phone");
+
+    // The runbook opens from the alarm.
+    let runbook = stage.browser.js("document.querySelector('.storm details a').getAttribute('href')").await;
+    let (status, words) = try_get(stage.service.http, runbook.as_str().unwrap()).await.unwrap();
+    assert_eq!((status, words.contains("ROBOT_SILENT")), (200, true), "{words}");
+
+    // Unfolded, it shows a bounded number of alarms, and a reload keeps it unfolded.
+    stage.browser.js("document.querySelector('.storm a[aria-expanded]').click()").await;
+    stage.browser.until("its alarms", "document.querySelectorAll('.members > li').length === 50").await;
+    stage.browser.js("void (window.old = true)").await;
+    stage.browser.call("Page.reload", json!({})).await;
+    stage.browser.until("the same", "!window.old && document.querySelectorAll('.members > li').length === 50").await;
+    let picture = stage.picture("storm-unfolded");
+    stage.browser.picture(&picture).await;
+
+    // The dialog lists the alarms before it acknowledges them.
+    stage.browser.size(1280, 900).await;
+    stage.open("#/alarms").await;
+    let button = "[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('Acknowledge all 120'))";
+    stage.browser.js(&format!("{button}.click()")).await;
+    stage.browser.until("the list", "document.querySelectorAll('dialog[open] .concerned li').length === 120").await;
+    assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
+    let picture = stage.picture("storm-dialog");
+    stage.browser.picture(&picture).await;
+    assert_eq!(items(&stage, "/v1/alarms?state=ACKNOWLEDGED").await.len(), 0, "nothing has changed yet");
+    stage.browser.js("document.querySelector('dialog textarea').value = 'the switch of hall 2'").await;
+    stage.browser.js("document.querySelector('dialog form').requestSubmit()").await;
+    stage
+        .browser
+        .until("all are acknowledged", "document.querySelector('.summary').textContent.includes('all acknowledged')")
+        .await;
+    let acknowledged = items(&stage, "/v1/alarms?state=ACKNOWLEDGED&limit=1000").await;
+    assert_eq!(acknowledged.len(), ALL);
+    assert!(acknowledged.iter().all(|alarm| alarm["acknowledged_reason"] == "the switch of hall 2"));
+    assert_eq!(items(&stage, "/v1/audit?kind=ALARM_ACKNOWLEDGE&limit=1000").await.len(), ALL);
+    stage.is_clean();
+    stage.stop().await;
+}
+
+#[tokio::test]
+async fn filters_of_alarms_are_in_the_address_and_buttons_are_visible_on_a_phone() {
+    // No compensation is good enough.
+    let mut stage = Stage::with(|params| params.policy.predicted_error_max = 1e-6).await;
+    stage.cut().await;
+    let standing = "/v1/alarms?standing=true";
+    until_true("the alarm", async || items(&stage, standing).await.iter().any(|one| one["kind"] == "UNCOMPENSATED"))
+        .await;
+    stage.browser.size(390, 844).await;
+    stage.open("#/alarms").await;
+    let card = "document.querySelector('.alarm[data-kind=UNCOMPENSATED]')";
+    let place = text(&mut stage, ".group h2").await;
+    assert!(place.contains("f") && place.contains("r, array left"), "{place}");
+    let buttons = format!(
+        "[...{card}.querySelectorAll('button')].map((one) => one.getBoundingClientRect()).every((one) => \
+         one.width > 40 && one.height >= 44 && one.left >= 0 && one.right <= innerWidth)"
+    );
+    assert_eq!(stage.browser.js(&buttons).await, json!(true));
+    assert_eq!(stage.browser.js(&format!("{card}.querySelectorAll('button').length")).await, json!(2));
+    for scheme in ["light", "dark"] {
+        stage.browser.prefers(scheme).await;
+        assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{scheme}");
+        assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{scheme}");
+        let picture = stage.picture(&format!("alarm-card-{scheme}"));
+        stage.browser.picture(&picture).await;
+    }
+    stage.browser.size(1280, 900).await;
+    let picture = stage.picture("alarm-card-wide");
+    stage.browser.picture(&picture).await;
+
+    let choose = |name: &str, value: &str| {
+        format!(
+            "{{ const field = document.getElementById('filter-{name}'); field.value = '{value}'; \
+             field.dispatchEvent(new Event('change')); }}"
+        )
+    };
+    stage.browser.js(&choose("level", "CRITICAL")).await;
+    stage.browser.until("no critical alarm", &format!("!{card} && !!document.querySelector('main .empty')")).await;
+    stage.browser.js(&choose("level", "URGENT")).await;
+    stage.browser.until("the alarm again", card).await;
+    stage.browser.js(&choose("state", "UNACKNOWLEDGED")).await;
+    stage.browser.until("the address", "location.hash === '#/alarms?level=URGENT&state=UNACKNOWLEDGED'").await;
+    stage.browser.js("void (window.old = true)").await;
+    stage.browser.call("Page.reload", json!({})).await;
+    stage.browser.until("the page after a reload", &format!("!window.old && !!{card}")).await;
+    assert_eq!(stage.browser.js("document.getElementById('filter-level').value").await, "URGENT");
+    assert_eq!(stage.browser.js("document.getElementById('filter-state').value").await, "UNACKNOWLEDGED");
+
+    // A trimmed whisker without compensation has its own mark and its own drawing, which are no colour.
+    stage.open("#/fleets/f/robots/r").await;
+    let marks = text(&mut stage, "tr[data-key='whisker-left-0'] .marks").await;
+    assert!(marks.contains("trimmed, not compensated"), "{marks}");
+    assert_eq!(stage.browser.js("document.querySelectorAll('svg.drawing .refused').length").await, json!(1));
+    let summary = text(&mut stage, "main > .marks").await;
+    assert!(summary.contains("1 trimmed, not compensated") && !summary.contains("needs attention"), "{summary}");
+    assert!(!text(&mut stage, "main").await.contains("nobody"));
+    let picture = stage.picture("uncompensated");
+    stage.browser.picture(&picture).await;
+    // A robot that is not connected is no robot that needs nothing.
+    stage.robot.connection(ConnectionState::Offline).await;
+    stage.open("#/fleets/f").await;
+    stage.browser.until("it is offline", "document.querySelector('main tbody').innerText.includes('offline')").await;
+    assert!(!text(&mut stage, "main tbody").await.contains("nothing needs attention"));
+    stage.is_clean();
+    stage.stop().await;
+}
