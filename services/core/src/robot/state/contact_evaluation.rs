@@ -131,7 +131,7 @@ impl Whisker {
                 let deviation = seen.residual + self.filter.offset().at(seen.ratio) + shift;
                 // An outlier gets a larger variance.
                 let variance = seen.noise_variance / seen.seen.sound.max(1e-3);
-                let walk = self.walks.rate();
+                let walk = self.walks.doubt().rate;
                 self.whole_waiting.add(&mut self.whole, seen.ratio, deviation, variance, walk);
             }
         }
