@@ -382,6 +382,8 @@ pub enum TestReason {
     Pause,
     /// The interval since the last test is over.
     Schedule,
+    /// Its sensitivity rose, and its contacts left open whether it was cut or its gain wanders.
+    Change,
 }
 
 /// State of a touch test.
@@ -407,6 +409,8 @@ pub enum TestState {
     Proposed,
     /// It was proposed, and is requested now or not needed any more.
     Withdrawn,
+    /// It was proposed, and an operator refused it.
+    Refused,
 }
 
 /// Reason for a setpoint.

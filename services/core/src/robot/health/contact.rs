@@ -45,6 +45,7 @@ impl Robot {
         if let Some((seen, ratio)) = felt.innovation.zip(felt.ratio) {
             self.gain_wandered(params, index, felt.wandered);
             self.conclude(params, index, felt.verdict, effects);
+            self.test_change(params, index, &felt);
             self.measure(params, index, (position, ratio), contact, &seen, effects);
             self.follow_wear(params, index, effects);
         }
