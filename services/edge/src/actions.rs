@@ -29,13 +29,15 @@ pub enum ActionKind {
     Rebaseline,
     /// Has the robot measure the length of a whisker by touches.
     TouchTest,
+    /// Rejects a proposed touch test.
+    RefuseTouchTest,
     /// Changes the policy of the fleet.
     Policy,
 }
 
 impl ActionKind {
     /// All kinds of actions.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Approve,
         Self::Refuse,
         Self::Setpoint,
@@ -44,6 +46,7 @@ impl ActionKind {
         Self::Replaced,
         Self::Rebaseline,
         Self::TouchTest,
+        Self::RefuseTouchTest,
         Self::Policy,
     ];
 }
@@ -273,7 +276,8 @@ pub fn request<'a>(kind: &str, parameters: &str, subject: Subject<'a>) -> Result
         | ActionKind::Release
         | ActionKind::Replaced
         | ActionKind::Rebaseline
-        | ActionKind::TouchTest => {
+        | ActionKind::TouchTest
+        | ActionKind::RefuseTouchTest => {
             let Nothing {} = parsed(kind, parameters)?;
             match known {
                 ActionKind::Approve => OperatorAction::Approve { compensation: compensation(kind, subject)? },
@@ -282,6 +286,7 @@ pub fn request<'a>(kind: &str, parameters: &str, subject: Subject<'a>) -> Result
                 ActionKind::Release => OperatorAction::Release(scope(kind, subject)?),
                 ActionKind::Replaced => OperatorAction::Replaced(place(kind, subject)?),
                 ActionKind::TouchTest => OperatorAction::TouchTest(place(kind, subject)?),
+                ActionKind::RefuseTouchTest => OperatorAction::RefuseTouchTest(place(kind, subject)?),
                 ActionKind::Rebaseline | ActionKind::Setpoint | ActionKind::Policy => {
                     OperatorAction::Rebaseline(place(kind, subject)?)
                 }
@@ -341,6 +346,7 @@ mod tests {
             ("REPLACED", "{}", WHISKER, OperatorAction::Replaced(whisker)),
             ("REBASELINE", "{}", WHISKER, OperatorAction::Rebaseline(whisker)),
             ("TOUCH_TEST", "{}", WHISKER, OperatorAction::TouchTest(whisker)),
+            ("REFUSE_TOUCH_TEST", "{}", WHISKER, OperatorAction::RefuseTouchTest(whisker)),
         ];
         for (kind, parameters, subject, action) in expected {
             let asked = request(kind, parameters, subject).unwrap_or_else(|problem| panic!("{kind}: {problem}"));

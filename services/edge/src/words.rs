@@ -254,6 +254,7 @@ words! {
         Replaced => "REPLACED" "whisker replaced",
         Rebaseline => "REBASELINE" "relearn baseline",
         TouchTest => "TOUCH_TEST" "touch test",
+        RefuseTouchTest => "REFUSE_TOUCH_TEST" "refuse touch test",
         Policy => "POLICY" "change the policy",
     }
     RecordedKind {
@@ -295,6 +296,7 @@ words! {
         Abandoned => "ABANDONED" "abandoned: the robot restarted, or the whisker is gone" (Off),
         Proposed => "PROPOSED" "waits for an operator" (Warn),
         Withdrawn => "WITHDRAWN" "withdrawn: requested, or not needed any more" (Off),
+        Refused => "REFUSED" "refused by an operator" (Off),
     }
     TestKind {
         Tip => "TIP" "sweep over the tip",
@@ -306,6 +308,7 @@ words! {
         Operator => "OPERATOR" "requested by an operator",
         Pause => "PAUSE" "not touched for long, or the robot restarted",
         Schedule => "SCHEDULE" "on schedule",
+        Change => "CHANGE" "more sensitive: cut, or a gain that wanders",
     }
     Rejection {
         Stale => "STALE",
@@ -325,6 +328,7 @@ impl Word for ActionProblem {
             ActionProblem::PressureOutOfRange { .. } => "PRESSURE_OUT_OF_RANGE",
             ActionProblem::RobotOffline => "ROBOT_OFFLINE",
             ActionProblem::NoTouchTests => "NO_TOUCH_TESTS",
+            ActionProblem::NoProposedTest => "NO_PROPOSED_TEST",
             ActionProblem::TestUnderWay => "TEST_UNDER_WAY",
             ActionProblem::TestOfHeld => "TEST_OF_HELD",
             ActionProblem::Held => "HELD",
@@ -364,6 +368,7 @@ pub fn touch_test_reason(reason: TestReason) -> TouchTestReason {
         TestReason::Operator => TouchTestReason::Operator,
         TestReason::Pause => TouchTestReason::Pause,
         TestReason::Schedule => TouchTestReason::Schedule,
+        TestReason::Change => TouchTestReason::Change,
     }
 }
 

@@ -250,6 +250,8 @@ words!(
         Pause = "PAUSE",
         /// The interval since the last test is over.
         Schedule = "SCHEDULE",
+        /// The whisker became more sensitive, and its contacts leave open whether it was cut.
+        Change = "CHANGE",
     }
 );
 words!(

@@ -98,6 +98,31 @@ function setpoint(whisker) {
   };
 }
 
+/** Buttons to start or refuse a proposed touch test. */
+export function testActions(test, done) {
+  if (test.state !== "PROPOSED") return [];
+  const name = `whisker ${whiskerName(test)} of ${test.robot}`;
+  const start = {
+    title: `Measure the length of ${name} by touches`,
+    what: ["The robot touches the whisker near its tip on request. The pressure does not change."],
+    button: "Start the test",
+  };
+  const refuse = {
+    title: `Refuse the touch test of ${name}`,
+    what: ["Nothing is sent. The test is not proposed again for the same reason until there is new evidence."],
+    button: "Refuse the test",
+    grave: true,
+  };
+  return [
+    ["touch_test", start],
+    ["touch_test/refuse", refuse],
+  ]
+    .filter(([one]) => offered(ROUTES.whisker, one))
+    .map(([one, action]) =>
+      button({ reason: "optional", path: `${api.whisker(test)}/${one}`, body: withReason, ...action }, done),
+    );
+}
+
 /** Buttons for the actions on a robot. */
 export function robotActions(robot, done) {
   const at = api.robot(robot);

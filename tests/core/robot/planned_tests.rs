@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::policy::Mode;
-use vibrissa_core::robot::effect::{CommandKey, Effect, ProposedTest, TestReason, TestState, TouchTest};
-use vibrissa_core::robot::event::TestReport;
-use vibrissa_core::robot::{Event, OperatorAction, Outcome, Params, Place, Scope};
-use vibrissa_core::units::Micros;
+use vibrissa_core::robot::effect::{CommandKey, Condition, Effect, ProposedTest, TestReason, TestState, TouchTest};
+use vibrissa_core::robot::event::{Distance, MissedTouch, TestReport};
+use vibrissa_core::robot::{ActionProblem, Event, OperatorAction, Outcome, Params, Place, Scope};
+use vibrissa_core::units::{Micros, Millimetre};
 use vibrissa_evaluation::World;
 use vibrissa_protocol::{ArrayType, Task, TouchTestKind};
 use vibrissa_simulator::places::Places;
@@ -199,6 +199,48 @@ fn in_mode_advise_a_test_is_proposed_once_and_an_operator_starts_it() {
     assert_eq!(last_states(&world)[&started[0].key], TestState::Done);
     assert_eq!(trimmed(&world), [1], "the tests of a row follow each other");
     assert_eq!(proposals(&world).len(), 1);
+}
+
+#[test]
+fn a_refused_test_is_not_proposed_again_without_new_evidence() {
+    let mut params = params();
+    params.policy.mode = Mode::Advise;
+    let mut world = world(Places::Distance, params.clone(), vec![cut(1, 30.0)]);
+    let refuse = |world: &mut World, whisker| {
+        let place = place(whisker);
+        world.step(&Event::Operator(&OperatorAction::RefuseTouchTest(place)))
+    };
+    assert_eq!(refuse(&mut world, 1), Outcome::Refused(ActionProblem::NoProposedTest));
+    world.run_until_s(40.0);
+    let key = proposals(&world)[0].key;
+    assert_eq!(refuse(&mut world, 1), Outcome::Taken);
+    assert_eq!(last_states(&world)[&key], TestState::Refused);
+    assert_eq!(world.core.whisker(1).unwrap().touch_test, None);
+    assert_eq!(refuse(&mut world, 1), Outcome::Refused(ActionProblem::NoProposedTest));
+    // The silence goes on, and so does the suspicion. Another mode is no evidence.
+    world.run_until_s(50.0);
+    world.params.policy.mode = Mode::Automatic;
+    world.step(&Event::PolicyChanged);
+    world.run_until_s(60.0);
+    assert_eq!((proposals(&world).len(), tests(&world).len()), (1, 0));
+    assert_eq!(world.core.whisker(1).unwrap().condition, Condition::Suspected);
+    // An operator may think otherwise, ...
+    assert_eq!(world.step(&Event::Operator(&OperatorAction::TouchTest(place(1)))), Outcome::Taken);
+    assert_eq!(tests(&world).len(), 1);
+    world.run_until_s(80.0);
+    assert_eq!(trimmed(&world), [1]);
+
+    // ... and a touch that does not come is evidence.
+    let mut world = self::world(Places::Distance, params, vec![cut(1, 30.0)]);
+    world.run_until_s(40.0);
+    assert_eq!(refuse(&mut world, 1), Outcome::Taken);
+    let boot_id = world.core.connection_state().0.unwrap().to_owned();
+    let robot_time = Micros(world.robot.start_us() + 40_000_000);
+    let at = Distance { at: Millimetre::known(66.0), sd_mm: 0.5 };
+    let array = crate::name("left");
+    let missed = [MissedTouch { array: array.as_str(), whisker: 1, robot_time, at }];
+    world.step(&Event::Contacts { boot_id: &boot_id, seq: 1_000_000, contacts: &[], missed: &missed });
+    assert_eq!(proposals(&world).len(), 2);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The evaluation on whiskers with nuisances: does it have the nuisances that it states, and does it measure?
 
 use vibrissa_evaluation::reality::{
-    Circumstances, Course, Figures, Habit, Nuisance, Nuisances, Place, Plan, Row, Touch, Whisker, evaluate,
+    Circumstances, Course, Figures, Found, Habit, Nuisance, Nuisances, Place, Plan, Row, Touch, Whisker, evaluate,
 };
 
 fn nuisances(nuisance: Nuisance, strength: f64) -> Nuisances {
@@ -161,6 +161,23 @@ fn each_row_runs_and_each_word_names_its_row() {
         let whiskers = if nuisance == Nuisance::Scrape { 4 } else { 1 };
         assert_eq!(figures.found.len(), whiskers, "{}", nuisance.word());
     }
+}
+
+/// Cuts of one or two millimetres among real nuisances pass for gains that wander, until touches tell.
+#[test]
+fn property_touch_tests_tell_small_cuts_from_a_wandering_gain() {
+    let found = |place| {
+        let rows = vec![Row::real(Nuisance::Mix)];
+        let plan = Plan { seed: 106, rows, place, contacts: 6000, incidents: 42 };
+        let figures = evaluate(&plan, &|| ()).remove(0);
+        let small = figures.found.iter().filter(|one| one.size_mm <= 2.0);
+        let called: Vec<&Found> = small.filter(|one| one.call.is_some()).collect();
+        let off = called.iter().filter(|one| one.length.is_some_and(|(off_mm, _)| off_mm.abs() > 1.5)).count();
+        (called.len(), off)
+    };
+    let ((without, _), (with, off)) = (found(Place::Ratio), found(Place::RatioTests));
+    assert!(with >= without + 3, "{without} of 12 without tests, {with} with them");
+    assert_eq!(off, 0, "a length is wrong");
 }
 
 #[test]

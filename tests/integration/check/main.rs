@@ -34,6 +34,7 @@ fn timings() -> Timings {
     let ms = Duration::from_millis;
     Timings {
         retained: ms(400),
+        supervisor: ms(400),
         answer: ms(1500),
         grace: ms(400),
         status: (ms(1000), ms(3000)),

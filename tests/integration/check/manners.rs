@@ -1,6 +1,6 @@
 //! Conditions under which a check does not begin, and early ends of a check.
 
-use vibrissa::check::{Outcome, Progress, check};
+use vibrissa::check::{CheckOptions, Outcome, Progress, check};
 use vibrissa_protocol::{
     BootId, Connection as Told, ConnectionState, RobotTopic, Rule, SupervisorPresence, Timestamp, encode,
 };
@@ -27,11 +27,20 @@ async fn nothing_is_checked_while_a_supervisor_owns_the_fleet() {
     fleet.stop().await;
 }
 
+/// Robots answer a request for births there, and the rules about retained messages are not judged.
 #[tokio::test(flavor = "multi_thread")]
-async fn a_broker_that_retains_nothing_is_told_so() {
+async fn a_robot_is_checked_with_a_broker_that_retains_nothing() {
     let broker = Mosquitto::builder().line("retain_available false").start();
-    let why = refusal(&broker).await;
-    assert!(why.contains("retains no messages"), "{why}");
+    let (fleet, _) = robot(&broker, "r", None).await;
+    let options = CheckOptions { restart: false, ..options("r") };
+    let report =
+        check(&connection(&broker, "r"), options, &mut |_: Progress| {}, std::future::pending()).await.unwrap();
+    assert_eq!(report.rules(Outcome::Fail), [], "{report}");
+    let seen = |rule: Rule| report.findings.iter().find(|one| one.rule == rule).map_or("", |one| one.seen.as_str());
+    assert_eq!(seen(Rule::FactsheetRetained), "the broker retains no messages");
+    assert_eq!(seen(Rule::Birth), "ONLINE; the broker retains no messages");
+    assert_eq!(seen(Rule::FactsheetAfterBirth), "it followed the birth");
+    fleet.stop().await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

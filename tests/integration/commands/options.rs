@@ -44,7 +44,11 @@ fn closed_words_are_taken_in_any_case_and_a_wrong_one_lists_the_allowed_ones() {
     out(&vibrissa(&token, folder.path()));
     for (arguments, code, words) in [
         (vec!["whiskers", "--condition", "cut"], 2, "LEARNING, HEALTHY, SUSPECTED, TRIMMED"),
-        (vec!["evaluate", "reality", "--place", "base"], 2, "RATIO, TIP, DISTANCE, DISTANCE_TESTS, UNKNOWN"),
+        (
+            vec!["evaluate", "reality", "--place", "base"],
+            2,
+            "RATIO, RATIO_TESTS, TIP, DISTANCE, DISTANCE_TESTS, UNKNOWN",
+        ),
         (vec!["evaluate", "reality", "--rows", "rain"], 2, "the rows are ideal, "),
         (vec!["token", "create", "--role", "boss", "--all-fleets"], 2, "VIEWER, OPERATOR, ENGINEER, ADMIN"),
         (vec!["config", "--policy-mode", "manual"], 1, "must be automatic or advise, not \"manual\""),

@@ -111,3 +111,34 @@ async fn a_proposed_test_is_shown_and_started_by_an_operator() {
     stage.is_clean();
     stage.stop().await;
 }
+
+#[tokio::test]
+async fn a_proposed_test_is_refused_where_it_is_listed() {
+    let mut stage = Stage::with(|params| {
+        params.policy.mode = Mode::Advise;
+        params.touch_tests.every = Micros::from_s(1.0);
+    })
+    .await;
+    stage.robot.touch_tests = vec![TouchTestKind::Wall];
+    stage.robot.birth().await;
+    stage.robot.settle().await;
+    stage.open("#/fleets/f/robots/r").await;
+    let contact = stage.robot.contact(1);
+    stage.robot.send(vec![Contact { ratio: None, distance_mm: Some(60.0), ..contact }]).await;
+    stage.browser.until("the proposal", "document.body.innerText.includes('Refuse the test')").await;
+    let first = listed(&stage, "&state=PROPOSED").await[0]["test_id"].clone();
+    let picture = stage.picture("refused-test");
+    stage.browser.picture(&picture).await;
+    press(&mut stage, "Refuse the test", "the wall is hot").await;
+    stage.open(WHISKER).await;
+    row_says(&mut stage, "refused by an operator").await;
+    let audit = ask(stage.service.http, "GET", "/v1/audit", &[]).await.unwrap().json();
+    let refusal = &audit["items"][0];
+    assert_eq!((&refusal["kind"], &refusal["state"]), (&"REFUSE_TOUCH_TEST".into(), &"DONE".into()));
+    assert_eq!(refusal["reason"], "the wall is hot");
+    let ended = listed(&stage, "&state=REFUSED").await;
+    assert_eq!(ended[0]["test_id"], first);
+    assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
+    stage.is_clean();
+    stage.stop().await;
+}

@@ -1,6 +1,8 @@
 //! Rows of touch tests, from an operator's action to the robot's answers.
 
-use vibrissa_protocol::{ArrayType, RobotTopic, TouchTestKind, TouchTestOutcome, encode};
+use vibrissa_core::policy::Mode;
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::{ArrayType, Contact, RobotTopic, TouchTestKind, TouchTestOutcome, encode};
 use vibrissa_tests::actions::{answered, asks_of};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::robot::{HandRobot, array};
@@ -59,13 +61,34 @@ async fn touches_count_once_and_a_test_goes_on_under_the_next_supervisor() {
 }
 
 #[tokio::test]
+async fn an_operator_refuses_a_proposed_test() {
+    let mut params = quick();
+    params.policy.mode = Mode::Advise;
+    params.touch_tests.every = Micros::from_s(1.0);
+    let running = Running::with(params, None).await;
+    let mut robot = tester(running.port()).await;
+    let refuse = asks_of("REFUSE_TOUCH_TEST", "{}", Some(0));
+    let answer = answered(&running.service.store, &running.service.action_notifier, &refuse).await;
+    assert_eq!(answer.state, "REFUSED");
+    assert!(answer.problem.as_deref().is_some_and(|why| why.starts_with("NO_PROPOSED_TEST")), "{answer:?}");
+    // A whisker whose contacts state distances is due by the schedule.
+    let contact = robot.contact(0);
+    robot.send(vec![Contact { ratio: None, distance_mm: Some(60.0), ..contact }]).await;
+    until_row(&running, "PROPOSED 0 0 0 0").await;
+    let answer = answered(&running.service.store, &running.service.action_notifier, &refuse).await;
+    assert_eq!((answer.state.as_str(), &answer.problem), ("DONE", &None), "{answer:?}");
+    until_row(&running, "REFUSED 0 0 1 0").await;
+    running.service.stop().await;
+}
+
+#[tokio::test]
 async fn touches_of_tests_that_nobody_requested_leave_no_row() {
     let running = Running::start().await;
     let mut robot = tester(running.port()).await;
     let mut contacts = Vec::new();
     for number in 0..100 {
         let contact = robot.contact(0);
-        contacts.push(vibrissa_protocol::Contact { test_id: Some(format!("made-up-{number}")), ..contact });
+        contacts.push(Contact { test_id: Some(format!("made-up-{number}")), ..contact });
     }
     robot.send(contacts).await;
     robot.receipted().await;

@@ -161,6 +161,20 @@ async fn a_load_ends_when_all_of_it_is_receipted_although_messages_are_overlooke
     assert!(report.sent_again >= 300 / 7, "{}", report.sent_again);
 }
 
+/// MQTT 3.1.1 does not tell whether a broker retains messages, and such a broker closes the connection of who asks it to.
+#[tokio::test]
+async fn a_load_without_retained_messages_suits_a_broker_that_retains_none() {
+    let broker = Mosquitto::builder().line("retain_available false").start();
+    let url = format!("mqtt://127.0.0.1:{}", broker.port());
+    let shape = ["--robots", "2", "--messages", "20", "--no-receipts"];
+    let run = async |more: &[&str]| {
+        let plan = plan(&[&["--mqtt-url", url.as_str()], shape.as_slice(), more].concat());
+        load::run(plan, || ()).await
+    };
+    assert!(run(&[]).await.is_err(), "the broker takes no retained message");
+    assert_eq!(run(&["--no-retained"]).await.unwrap().sent, 20);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 

@@ -184,6 +184,12 @@ impl Detector {
         self.suspicion.is_some()
     }
 
+    /// Contacts since the present suspicion began.
+    #[must_use]
+    pub fn contacts_suspected(&self) -> Option<u32> {
+        self.suspicion.as_ref().map(|suspicion| suspicion.contacts_since)
+    }
+
     /// The suspected change of ln length, fitted as a step, or `None` without a suspicion. The confirmed change may
     /// be of another kind.
     #[must_use]

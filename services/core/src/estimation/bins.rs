@@ -5,7 +5,7 @@
 //! ratio and pressure, so that neither the slope within a bin nor a dithering regulator adds to the error.
 //!
 //! If the whisker's gain wanders, a mean over all contacts would tell its past. So each bin is the scalar Kalman filter of a
-//! random walk: contacts lose weight as others follow.
+//! random walk: contacts lose weight as others follow, in whichever bin.
 
 use borsh::io::{Error, ErrorKind, Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -16,9 +16,6 @@ use crate::units::ContactRatio;
 
 /// Width of a bin in contact ratio; bins are centred on [`CONTACT_RATIOS`].
 pub const WIDTH: f64 = 0.05;
-
-/// Usual number of contacts between two in the same bin, for the wandering between them.
-const CONTACTS_BETWEEN: f64 = CONTACT_RATIOS.len() as f64;
 
 /// Mean log deviation from the model in one bin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -252,9 +249,10 @@ impl ResponseBins {
     }
 
     fn add_at(&mut self, index: usize, ratio: f64, log_deviation: f64, weight: f64, walk: f64) {
-        let bin = &mut self.bins[index];
-        bin.widen(CONTACTS_BETWEEN * walk * walk);
-        bin.add(index, ratio, log_deviation, weight);
+        if walk > 0.0 {
+            self.bins.iter_mut().for_each(|bin| bin.widen(walk * walk));
+        }
+        self.bins[index].add(index, ratio, log_deviation, weight);
     }
 
     /// Adds `log_shift` to all means: the measurements move to a new scale.
@@ -311,7 +309,7 @@ mod tests {
         let mut add = |deviation: f64| bins.add(ContactRatio::TIP, deviation, noise, walk);
         (0..1000).for_each(|_| add(0.0));
         add(1.0);
-        let q = CONTACTS_BETWEEN * walk * walk / noise;
+        let q = walk * walk / noise;
         let gain = 0.5 * ((q * q + 4.0 * q).sqrt() - q);
         assert!((bins.bin(11).mean() / gain - 1.0).abs() < 1e-3, "{} {gain}", bins.bin(11).mean());
         assert!((bins.bin(11).variance() / (gain * noise) - 1.0).abs() < 1e-3);

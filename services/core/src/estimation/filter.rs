@@ -217,6 +217,15 @@ impl LengthFilter {
         (self.mean[BASELINE].into(), self.covariance.variance(BASELINE).max(0.0).sqrt())
     }
 
+    /// Variance of the response that the filter predicts, in log sensitivity, where length moves it by `log_slope` per unit of
+    /// log length.
+    #[must_use]
+    pub fn response_variance(&self, ratio: ContactRatio, log_slope: f64) -> f64 {
+        let row = [1.0, ratio.a() - Offset::CENTRE, log_slope, 0.0, 0.0, 0.0];
+        let spread = self.covariance.times(&row);
+        row.iter().zip(spread).map(|(row, spread)| row * spread).sum::<f64>().max(0.0)
+    }
+
     /// Compares one contact with the prediction, without learning from it.
     ///
     /// # Errors
@@ -424,6 +433,16 @@ impl LengthFilter {
         after.mean[0] = (f64::from(after.mean[0]) + moved.by) as f32;
         after.covariance.widen(0, moved.variance);
         self.become_if_sound(after)
+    }
+
+    /// The gain may be off by this much, log sensitivity, which the length has made up for: `log_slope` is what it moves log
+    /// sensitivity by. The prediction is as certain as before.
+    pub fn doubt_gain(&mut self, log_sd: f64, log_slope: f64) {
+        let mut after = self.clone();
+        let mut direction = [0.0; STATES];
+        (direction[0], direction[LENGTH]) = (1.0, -1.0 / log_slope);
+        after.covariance.add_square(&direction, log_sd.powi(2));
+        self.become_if_sound(after);
     }
 
     /// All whiskers of the array have shifted by about this much in log sensitivity, which is no change of length.

@@ -53,6 +53,17 @@ pub struct Wandering {
     pub log_ratio: f64,
 }
 
+/// What the contacts leave open about the gain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GainDoubt {
+    /// Expected deviation of the gain from the length filter's, log sensitivity.
+    pub by: f64,
+    /// Its variance beside the length filter's own.
+    pub variance: f64,
+    /// Root of the mean square of the random walks, log sensitivity per square root of a contact.
+    pub rate: f64,
+}
+
 /// Change of the length filter's offset with another rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moved {
@@ -67,6 +78,21 @@ impl GainWalks {
     #[must_use]
     pub fn rate(&self) -> f64 {
         RATES[usize::from(self.taken) % COUNT]
+    }
+
+    /// What the contacts leave open about the gain: its deviation from the length filter's and its rate, over all walks.
+    #[must_use]
+    pub fn doubt(&self) -> GainDoubt {
+        let odds = |index: usize| if index > usize::from(self.taken) { FASTER } else { 0.0 };
+        let log: [f64; COUNT] = std::array::from_fn(|index| f64::from(self.log_ratio[index]) + odds(index));
+        let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let weights = log.map(|log| (log - most).exp());
+        let all: f64 = weights.iter().sum();
+        let mean_of = |of: &dyn Fn(usize) -> f64| (0..COUNT).map(|index| weights[index] / all * of(index)).sum::<f64>();
+        let by = mean_of(&|index| self.beyond[index].into());
+        let variance =
+            mean_of(&|index| f64::from(self.variance[index]) + (f64::from(self.beyond[index]) - by).powi(2)).max(0.0);
+        GainDoubt { by, variance, rate: mean_of(&|index| RATES[index].powi(2)).sqrt() }
     }
 
     /// Compares a contact with each walk, before the length filter learns from it.

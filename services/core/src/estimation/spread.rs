@@ -99,6 +99,12 @@ impl RatioSpread {
         ExpectedRatio { ratio, sd: sd * (1.0 - lost).sqrt(), mean, lost: lost_most }
     }
 
+    /// Mean of the ratios at which the robot touches at present, once it is known.
+    #[must_use]
+    pub fn mean(&self) -> Option<ContactRatio> {
+        (self.contacts >= CONTACTS_MIN).then(|| ContactRatio::new(self.mean.into()).ok()).flatten()
+    }
+
     /// Share of the errors in the variance of the stated ratios.
     fn errors_share(&self, error_sd: f64, scale: f64) -> f64 {
         (scale * error_sd * error_sd / f64::from(self.variance)).min(ERRORS_MOST)

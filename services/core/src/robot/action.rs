@@ -34,6 +34,9 @@ pub enum OperatorAction<'a> {
     Replaced(Place<'a>),
     /// The robot shall measure the length of a whisker by touches.
     TouchTest(Place<'a>),
+    /// The proposed touch test of a whisker shall not be done. It is not proposed again for the same reason without new
+    /// evidence.
+    RefuseTouchTest(Place<'a>),
     /// The whisker is the same, but its readings must be learned anew, because its gauge was replaced, for example. See
     /// the module `rebaseline` for the state that stays.
     Rebaseline(Place<'a>),
@@ -82,6 +85,9 @@ pub enum ActionProblem {
     /// The robot's factsheet names no touch test.
     #[error("the robot can do no touch test: its factsheet names none")]
     NoTouchTests,
+    /// No touch test of this whisker waits for an operator.
+    #[error("there is no touch test of this whisker that waits for an operator, or none any more")]
+    NoProposedTest,
     /// A touch test of this whisker is under way.
     #[error("a touch test of this whisker is under way")]
     TestUnderWay,

@@ -392,6 +392,8 @@ pub enum TestReason {
     Pause,
     /// The interval since the last test is over.
     Schedule,
+    /// Its sensitivity rose, and its contacts left open whether it was cut or its gain wanders.
+    Change,
 }
 
 /// State of a touch test.
@@ -417,6 +419,8 @@ pub enum TestState {
     Proposed,
     /// It was proposed, and is requested now or not needed any more.
     Withdrawn,
+    /// It was proposed, and an operator refused it.
+    Refused,
 }
 
 /// Reason for a setpoint.
@@ -498,9 +502,9 @@ pub struct CompensationError {
     pub contacts: u32,
     /// The bins that are measured.
     pub bins: Vec<ErrorBin>,
-    /// Mean over the bins, as a ratio.
+    /// Mean over the contact ratios about which contacts tell, and over the cases that they leave open, as a ratio.
     pub mean: f64,
-    /// Standard deviation of the mean.
+    /// Standard deviation of the mean. It includes what the gain may have wandered.
     pub sd: f64,
     /// The same with the gain in force applied, over all contact ratios, with its standard deviation: from
     /// contacts since that gain was published. None while these are too few.

@@ -42,6 +42,8 @@ pub enum Place {
     /// The contact ratio to the present length.
     #[default]
     Ratio,
+    /// The same, from a robot that does touch tests at given distances on request.
+    RatioTests,
     /// Each contact is at the tip.
     Tip,
     /// The distance from the base.
@@ -54,13 +56,15 @@ pub enum Place {
 
 impl Place {
     /// All kinds of places.
-    pub const ALL: [Self; 5] = [Self::Ratio, Self::Tip, Self::Distance, Self::DistanceTests, Self::Unknown];
+    pub const ALL: [Self; 6] =
+        [Self::Ratio, Self::RatioTests, Self::Tip, Self::Distance, Self::DistanceTests, Self::Unknown];
 
     /// Name in tables, JSON and on the command line.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
             Self::Ratio => "RATIO",
+            Self::RatioTests => "RATIO_TESTS",
             Self::Tip => "TIP",
             Self::Distance => "DISTANCE",
             Self::DistanceTests => "DISTANCE_TESTS",
@@ -68,11 +72,19 @@ impl Place {
         }
     }
 
+    /// Whether the robot does touch tests.
+    pub(crate) fn has_tests(self) -> bool {
+        match self {
+            Self::RatioTests | Self::DistanceTests => true,
+            Self::Ratio | Self::Tip | Self::Distance | Self::Unknown => false,
+        }
+    }
+
     /// Whether objects stand at distances from the base, whatever the whisker's length, and the task is to read there.
     pub(crate) fn is_distance(self) -> bool {
         match self {
             Self::Distance | Self::DistanceTests => true,
-            Self::Ratio | Self::Tip | Self::Unknown => false,
+            Self::Ratio | Self::RatioTests | Self::Tip | Self::Unknown => false,
         }
     }
 }

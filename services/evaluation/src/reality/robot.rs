@@ -148,7 +148,7 @@ impl Robot {
             let at = Circumstances { pressure_mpa: self.air[number].pressure_mpa(), ..shared };
             let pressure_mpa = self.air[number].reading_mpa();
             let touch = self.whiskers[number].touch_at(&at, self.place);
-            message.extend(touch.map(|touch| self.contact(number, &touch, pressure_mpa)));
+            message.extend(touch.map(|touch| self.contact(number, &touch, self.place, pressure_mpa)));
         }
         let seq = self.seq;
         self.seq += 1;
@@ -156,10 +156,12 @@ impl Robot {
         self.message = message;
     }
 
-    /// A contact as the robot can know it.
-    fn contact(&self, number: usize, touch: &Touch, pressure_mpa: f64) -> Contact<'static> {
-        let place = match self.place {
-            Place::Ratio => ContactPlace::Ratio { ratio: ContactRatio::known(touch.ratio), sd: None },
+    /// A contact with a place as the robot can know it.
+    fn contact(&self, number: usize, touch: &Touch, kind: Place, pressure_mpa: f64) -> Contact<'static> {
+        let place = match kind {
+            Place::Ratio | Place::RatioTests => {
+                ContactPlace::Ratio { ratio: ContactRatio::known(touch.ratio), sd: None }
+            }
             Place::Tip => ContactPlace::Tip(None),
             Place::Distance | Place::DistanceTests => {
                 let at = Millimetre::known(touch.distance_mm);
@@ -281,7 +283,7 @@ impl Robot {
             let deflection_mm = test.deflections_mm[turn % test.deflections_mm.len()];
             if let Some(touch) = self.whiskers[number].touch_on_request(&at, distance_mm, deflection_mm) {
                 let pressure_mpa = self.air[number].reading_mpa();
-                contacts.push(Contact { is_test: true, ..self.contact(number, &touch, pressure_mpa) });
+                contacts.push(Contact { is_test: true, ..self.contact(number, &touch, Place::Distance, pressure_mpa) });
             } else {
                 let sd_mm = self.whiskers[number].distance_sd_mm();
                 let at = Distance { at: Millimetre::known(distance_mm), sd_mm };
@@ -345,5 +347,5 @@ fn factsheet(layout: Layout, place: Place) -> Factsheet {
         Layout::Neighbours | Layout::Together => vec![array((ARRAYS[0], 0..WHISKERS))],
         Layout::Single => (0..WHISKERS).map(|number| array((ARRAYS[number], number..number + 1))).collect(),
     };
-    Factsheet { arrays, touch_tests: TouchTests { tip: false, wall: place == Place::DistanceTests } }
+    Factsheet { arrays, touch_tests: TouchTests { tip: false, wall: place.has_tests() } }
 }

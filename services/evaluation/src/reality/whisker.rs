@@ -171,7 +171,7 @@ impl Whisker {
         let within = |(low, high): (f64, f64), share: f64| low + share * (high - low);
         let drawn = within(at.habit.ratios, place);
         let ratio = match kind {
-            Place::Ratio | Place::Unknown => drawn,
+            Place::Ratio | Place::RatioTests | Place::Unknown => drawn,
             Place::Tip => 1.0,
             Place::Distance | Place::DistanceTests => drawn * self.whole_mm / self.length_mm,
         };

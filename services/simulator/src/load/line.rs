@@ -337,7 +337,12 @@ impl Line {
         self.topic.clear();
         self.topic.extend_from_slice(self.robots[at].level.as_bytes());
         self.topic.extend_from_slice(kind.as_str().as_bytes());
-        packet::publish(&mut self.out, &self.topic, Manner { id, retain: kind.is_retained() }, payload);
+        packet::publish(
+            &mut self.out,
+            &self.topic,
+            Manner { id, retain: kind.is_retained() && !self.common.plan.no_retained },
+            payload,
+        );
     }
 
     /// Writes as much as possible; returns whether data is left.

@@ -60,6 +60,9 @@ pub struct LoadPlan {
     /// Expect no receipts: end when the broker has received all messages
     #[arg(long)]
     pub no_receipts: bool,
+    /// Publish nothing with the retain flag, which brokers that retain no messages refuse; robots answer requests for births
+    #[arg(long)]
+    pub no_retained: bool,
     /// Contacts per whisker in the preparation, in messages of 20, to train the supervisor's estimates
     #[arg(long, default_value_t = 0)]
     pub learn: usize,

@@ -25,13 +25,13 @@ from_row! {
         pub whisker: i64,
         /// Kind of test: `TIP` (an object is swept over the tip) or `WALL` (touches of a known surface at given distances).
         pub kind: String,
-        /// Reason for the test: `SUSPICION`, `SETPOINT`, `OPERATOR`, `PAUSE` or `SCHEDULE`.
+        /// Reason for the test: `SUSPICION`, `SETPOINT`, `OPERATOR`, `PAUSE`, `SCHEDULE` or `CHANGE`.
         pub reason: String,
         /// Number of requested touches.
         #[schema(minimum = 1, maximum = 1000)]
         pub contacts: i64,
-        /// State: `PROPOSED`, `PENDING`, `ACCEPTED`, `RUNNING`, `DONE`, `REJECTED`, `FAILED`, `EXPIRED`, `ABANDONED` or
-        /// `WITHDRAWN`.
+        /// State: `PROPOSED`, `PENDING`, `ACCEPTED`, `RUNNING`, `DONE`, `REJECTED`, `FAILED`, `EXPIRED`, `ABANDONED`,
+        /// `WITHDRAWN` or `REFUSED`.
         pub state: String,
         /// Reason that the robot gave for rejecting the test, such as `NOT_READY`; null unless it was rejected.
         pub error: Option<String>,

@@ -43,7 +43,7 @@ export default {
       ]),
       actions.length ? h("div", { class: "buttons" }, actions) : null,
       proposals(waiting, refresh),
-      proposedTests(tests),
+      proposedTests(tests, refresh),
       whiskers.length ? null : h("p", { class: "empty" }, "The robot has not sent a factsheet yet."),
       [...arrays].map(([array, row]) => arrayPart(array, row, running)),
       without.length

@@ -77,7 +77,7 @@ export default {
         ),
       ),
       section("Setpoints", setpointsTable(setpoints, "Setpoints, the newest first")),
-      section("Touch tests", testsTable(tests)),
+      section("Touch tests", testsTable(tests, refresh)),
       section("Trims", trimsTable(trims)),
       section("Changes of health", changesTable(changes)),
     ];

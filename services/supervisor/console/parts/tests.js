@@ -1,5 +1,6 @@
 // Touch tests: their progress and results.
 
+import { testActions } from "../actions.js";
 import { h } from "../dom.js";
 import { count, interval, time } from "../format.js";
 import { markOf } from "../marks.js";
@@ -8,7 +9,7 @@ import { section, table } from "../table.js";
 import { say, TEST_ERRORS, TEST_KINDS, TEST_REASONS, TEST_STATES } from "../words.js";
 
 /** Touch tests of a whisker, the newest first. */
-export function testsTable(rows) {
+export function testsTable(rows, done) {
   return table({
     caption: "Touch tests, the newest first",
     rows,
@@ -18,7 +19,7 @@ export function testsTable(rows) {
       { name: "Requested", head: true, cell: (row) => time(row.requested_at) },
       { name: "State", cell: (row) => h("span", { class: "marks" }, markOf(TEST_STATES, row.state)) },
       { name: "Touches", numeric: true, cell: touches },
-      { name: "Result", cell: result },
+      { name: "Result", cell: (row) => result(row, done) },
       { name: "Kind", cell: (row) => say(TEST_KINDS, row.kind) },
       { name: "Reason", cell: (row) => say(TEST_REASONS, row.reason) },
     ],
@@ -26,7 +27,7 @@ export function testsTable(rows) {
 }
 
 /** The section of proposed touch tests; null without any. */
-export function proposedTests(rows) {
+export function proposedTests(rows, done) {
   if (!rows.length) return null;
   const proposed = (row) =>
     h(
@@ -36,8 +37,9 @@ export function proposedTests(rows) {
       h(
         "p",
         {},
-        `Reason: ${say(TEST_REASONS, row.reason)}. The button "Touch test" on the page of the whisker starts it.`,
+        `Reason: ${say(TEST_REASONS, row.reason)}.`,
       ),
+      h("div", { class: "buttons" }, testActions(row, done)),
     );
   return section("Proposed touch tests", h("ul", { class: "cards" }, rows.map(proposed)));
 }
@@ -49,9 +51,9 @@ function touches(row) {
 }
 
 /** What came of a test: the length, or why there is none. */
-function result(row) {
+function result(row, done) {
   if (row.length_mm !== null) return ["length ", interval(row.length_mm, row.length_low_mm, row.length_high_mm)];
   if (row.error) return say(TEST_ERRORS, row.error);
-  if (row.state === "PROPOSED") return `start it with "Touch test"`;
+  if (row.state === "PROPOSED") return h("div", { class: "buttons" }, testActions(row, done));
   return row.ended_at ? `no result after ${count(row.touches + row.missed, "touch", "touches")}` : "\u2013";
 }

@@ -73,12 +73,6 @@ fn next_page(uri: &Uri, cursor: &str) -> String {
 }
 
 impl Listing {
-    /// Whether the client wants CSV.
-    #[must_use]
-    pub const fn is_csv(&self) -> bool {
-        self.is_csv
-    }
-
     /// The selected rows of a list.
     ///
     /// # Errors
@@ -87,32 +81,32 @@ impl Listing {
     where
         T: Listed + Serialize + PartialSchema + 'static,
     {
-        self.answer_with(app, list, selection, |row: T| row).await
+        self.answer_with::<T, T>(app, list, selection, |row| row).await
     }
 
-    /// The selected rows of a list, each changed by a function.
+    /// The selected rows of a list, each turned into the row of the answer by a function.
     ///
     /// # Errors
     /// The database cannot be read, or the caller has too many open streams.
-    pub async fn answer_with<T>(
+    pub async fn answer_with<R, T>(
         self,
         app: &App,
         list: &'static List,
         mut selection: Selection,
-        change: impl Fn(T) -> T + Send + Sync + 'static,
+        change: impl Fn(R) -> T + Send + Sync + 'static,
     ) -> Result<Response, Problem>
     where
-        T: Listed + Serialize + PartialSchema + 'static,
+        R: Listed + 'static,
+        T: Serialize + PartialSchema + 'static,
     {
         if self.is_csv && !self.is_limited {
             let place = app.streams.open(&self.caller.actor)?;
             selection.limit = LIMIT_MAX;
-            let first = app.store.list::<T>(list, &selection).await?;
+            let first = app.store.list::<R>(list, &selection).await?;
             return Ok(self.streamed(Reading { app: app.clone(), list, selection, change, place }, first));
         }
-        let rows = app.store.list::<T>(list, &selection).await?;
-        let mut page = Page::of(rows, &selection);
-        page.items = page.items.into_iter().map(change).collect();
+        let rows = app.store.list::<R>(list, &selection).await?;
+        let page = Page::of(rows, &selection).map(change);
         let link =
             page.next_cursor.as_deref().map(|cursor| format!("<{}>; rel=\"next\"", next_page(&self.uri, cursor)));
         let mut response = if self.is_csv {
@@ -131,10 +125,11 @@ impl Listing {
     }
 
     /// All rows as CSV, read from the database page by page as the client takes them.
-    fn streamed<T, F>(self, reading: Reading<F>, first: Rows<T>) -> Response
+    fn streamed<R, T, F>(self, reading: Reading<F>, first: Rows<R>) -> Response
     where
-        T: Listed + Serialize + PartialSchema + 'static,
-        F: Fn(T) -> T + Send + Sync + 'static,
+        R: Listed + 'static,
+        T: Serialize + PartialSchema + 'static,
+        F: Fn(R) -> T + Send + Sync + 'static,
     {
         let headers = self.headers();
         let check_at = Instant::now() + reading.app.streams.options().check_every;
@@ -151,7 +146,7 @@ impl Listing {
                 Some(position) => {
                     reading.check(&credential, &mut check_at).await?;
                     reading.selection.after = Some(position);
-                    Some(reading.app.store.list::<T>(reading.list, &reading.selection).await?)
+                    Some(reading.app.store.list::<R>(reading.list, &reading.selection).await?)
                 }
             };
             Ok(Some((Bytes::from(text), (reading, following, credential, check_at, false))))

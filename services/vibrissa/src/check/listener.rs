@@ -35,6 +35,8 @@ pub(super) struct Listener {
     pub(super) factsheet: Option<Factsheet>,
     pub(super) connection: Option<ConnectionState>,
     pub(super) supervisor: Option<SupervisorState>,
+    /// Whether the broker retains messages. Otherwise robots publish without the retain flag.
+    pub(super) retains: bool,
     /// Whether arriving messages are current; at first they may be retained ones.
     pub(super) is_live: bool,
     /// A boot that began during the check: its numbers must begin at 0.
@@ -55,6 +57,7 @@ impl Listener {
             factsheet: None,
             connection: None,
             supervisor: None,
+            retains: true,
             is_live: false,
             born: None,
             streams: BTreeMap::new(),
@@ -116,11 +119,12 @@ impl Listener {
                 let seen = if retained { format!("{kind} is retained") } else { "none is retained".to_owned() };
                 self.findings.judge(Rule::NotRetained, !retained, seen);
             }
-            RobotTopic::Factsheet => {
+            RobotTopic::Factsheet if self.retains => {
                 let seen = if retained { "retained" } else { "published without the retain flag" };
                 self.findings.judge(Rule::FactsheetRetained, retained, seen);
             }
-            RobotTopic::Connection
+            RobotTopic::Factsheet
+            | RobotTopic::Connection
             | RobotTopic::Receipt
             | RobotTopic::Setpoint
             | RobotTopic::Request
@@ -189,8 +193,12 @@ impl Listener {
                         self.born = Some(connection.boot_id.clone());
                     }
                     self.boot = Some(connection.boot_id.clone());
-                    let seen = if received.retained { "ONLINE, retained" } else { "ONLINE, without the retain flag" };
-                    self.findings.judge(Rule::Birth, received.retained, seen);
+                    let seen = match (received.retained, self.retains) {
+                        (true, _) => "ONLINE, retained",
+                        (false, true) => "ONLINE, without the retain flag",
+                        (false, false) => "ONLINE; the broker retains no messages",
+                    };
+                    self.findings.judge(Rule::Birth, received.retained || !self.retains, seen);
                 }
                 self.connection = Some(connection.state);
             }

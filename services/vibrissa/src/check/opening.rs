@@ -14,6 +14,8 @@ use super::timings::BIRTHS_WITHIN;
 const WATCHED: usize = 4;
 /// Status period below which an answer to a request cannot be distinguished from the next regular status.
 const TOO_QUICK: Duration = Duration::from_millis(400);
+/// Why rules about retained messages are not judged.
+pub(super) const NOT_RETAINED: &str = "the broker retains no messages";
 /// Size of a pressure change.
 const STEP_MPA: f64 = 0.01;
 
@@ -23,12 +25,17 @@ impl Bench {
     /// # Errors
     /// A supervisor owns the fleet, or the robot is not connected.
     pub(super) async fn open(&mut self) -> anyhow::Result<()> {
-        let limit = self.timings().retained;
+        let timings = self.timings();
+        let limit = if self.heard.retains { timings.retained } else { timings.supervisor };
         // The first messages are the retained ones, among them the supervisor's state if there is one.
         self.listen(limit)
             .await
             .context("cannot check the fleet while a supervisor owns it; stop the supervisor first")?;
         self.heard.is_live = true;
+        if !self.heard.retains {
+            self.skip(&[Rule::FactsheetRetained, Rule::WillRetained], NOT_RETAINED);
+            self.hear_births().await?;
+        }
         let (fleet, robot) = (self.options.fleet.clone(), self.options.robot.clone());
         match self.heard.connection {
             Some(ConnectionState::Online) => {}
@@ -41,15 +48,29 @@ impl Bench {
                     let seconds = seconds(patience);
                     bail!("no message of {fleet}/{robot} within {seconds}: is it on, and are these its names?");
                 }
-                self.fail(Rule::Birth, "the robot sends messages, but the broker retains no ONLINE of it");
+                let seen = if self.heard.retains {
+                    "the robot sends messages, but the broker retains no ONLINE of it"
+                } else {
+                    "the robot sends messages, but no ONLINE, not even on request"
+                };
+                self.fail(Rule::Birth, seen);
             }
         }
         self.open_factsheet().await
     }
 
+    /// Asks for births, because the broker retains none.
+    async fn hear_births(&mut self) -> anyhow::Result<()> {
+        self.request_births().await?;
+        let limit = BIRTHS_WITHIN + self.timings().answer;
+        self.until(limit, |heard| (heard.connection.is_some() && heard.factsheet.is_some()).then_some(())).await?;
+        Ok(())
+    }
+
     async fn open_factsheet(&mut self) -> anyhow::Result<()> {
         if self.heard.factsheet.is_some() {
-            self.pass(Rule::FactsheetAfterBirth, "the broker retains a factsheet");
+            let seen = if self.heard.retains { "the broker retains a factsheet" } else { "it followed the birth" };
+            self.pass(Rule::FactsheetAfterBirth, seen);
             return Ok(());
         }
         let mark = self.mark();

@@ -48,7 +48,9 @@ impl Bench {
                 };
                 self.judge(Rule::Will, is_its, seen);
                 let seen = if *retained { "retained" } else { "without the retain flag" };
-                self.judge(Rule::WillRetained, *retained, seen);
+                if self.heard.retains {
+                    self.judge(Rule::WillRetained, *retained, seen);
+                }
             }
             None => {
                 self.fail(Rule::Will, "the robot returned without a CONNECTION_BROKEN");

@@ -11,6 +11,8 @@ pub(super) const BIRTHS_WITHIN: Duration = Duration::from_secs(2);
 pub struct Timings {
     /// Reading the retained messages.
     pub retained: Duration,
+    /// Hearing the fleet's supervisor where the broker retains no messages: it repeats its state every 5 s.
+    pub supervisor: Duration,
     /// Answer to a request, and first answer to a setpoint.
     pub answer: Duration,
     /// Time after a receipt in which covered messages may still arrive, because they were in transit.
@@ -38,6 +40,7 @@ impl Default for Timings {
         let s = Duration::from_secs;
         Self {
             retained: s(1),
+            supervisor: s(6),
             answer: s(5),
             grace: s(1),
             status: (s(1), s(10)),

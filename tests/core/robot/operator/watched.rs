@@ -85,6 +85,7 @@ impl Watch {
             OperatorAction::Approve { .. }
             | OperatorAction::Refuse { .. }
             | OperatorAction::TouchTest(_)
+            | OperatorAction::RefuseTouchTest(_)
             | OperatorAction::Replaced(_)
             | OperatorAction::Rebaseline(_) => {}
         }

@@ -4,7 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::policy::Mode;
-use vibrissa_core::robot::effect::{Command, CommandKey};
+use vibrissa_core::robot::effect::{Command, CommandKey, TestState};
 use vibrissa_core::robot::event::{
     ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, MissedTouch, RegulatorState,
     Rejection, SetpointReport, Task, TestReport, TouchTests, WhiskerSheet, WhiskerStatus,
@@ -126,8 +126,15 @@ impl Plant {
             (_, 10..12) => OperatorAction::Setpoint { whisker, pressure_mpa: self.random.random_range(0.0..0.2) },
             (_, 12) => OperatorAction::Replaced(whisker),
             (_, 13) => OperatorAction::TouchTest(whisker),
+            (_, 14) => OperatorAction::RefuseTouchTest(Self::with_proposed_test(robot).unwrap_or(whisker)),
             (_, _) => OperatorAction::Rebaseline(whisker),
         }
+    }
+
+    fn with_proposed_test(robot: &Robot) -> Option<Place<'static>> {
+        let mut views = (0..robot.whisker_count()).filter_map(|index| robot.whisker(index));
+        let proposed = views.find(|view| view.touch_test.is_some_and(|(_, state)| state == TestState::Proposed));
+        proposed.map(|view| Place { array: ARRAY, whisker: view.sheet.number })
     }
 
     pub(super) fn contacts(&mut self) -> Said {

@@ -1,9 +1,13 @@
 //! The compensation error (Eq. 35), measured from the compensator's contacts.
+//!
+//! Each contact-ratio bin has an error of its own. The mean comes from the smooth responses of [`super::responses`], with all
+//! that contacts leave open: noise, the walk of the gain, the length, and places where the robot does not touch.
 
 use crate::estimation::{Bin, Innovation, ResponseBins};
 use crate::mechanics::{CONTACT_RATIOS, ErrorProfile, Model, Offset, compensation_error};
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
+use crate::robot::compensation::responses::LevelFrom;
 use crate::robot::effect::{CompensationError, Condition, Effect, ErrorBin, Origin, Response, WhiskerIndex};
 use crate::robot::event::Contact;
 use crate::robot::params::Params;
@@ -84,7 +88,7 @@ impl Robot {
             return;
         }
         let noise_variance = seen.noise_variance / seen.seen.sound.max(1e-3);
-        let walk = whisker.walks.rate();
+        let walk = whisker.walks.doubt().rate;
         running.after.add(seen.ratio, deviation, noise_variance, walk);
         running.refining.since_gain.add(seen.ratio, deviation, noise_variance, walk);
         let contacts = running.after.contacts();
@@ -150,19 +154,24 @@ impl Robot {
     pub fn error(&self, params: &Params, running: &Compensation) -> Option<CompensationError> {
         let length_variance = {
             let estimate = self.whiskers[running.compensator()].filter.length();
-            (estimate.sd_mm / estimate.length.mm()).powi(2)
+            (estimate.sd_mm.max(running.length_sd_mm) / estimate.length.mm()).powi(2)
         };
         let bins: Vec<ErrorBin> = CONTACT_RATIOS
             .iter()
             .filter_map(|&ratio| self.error_bin(params, running, ratio, length_variance))
             .collect();
-        let count = bins.len() as f64;
-        (!bins.is_empty()).then(|| CompensationError {
+        if bins.is_empty() {
+            return None;
+        }
+        let felt =
+            self.measured_responses(params, running, &running.refining.carried, &running.after, LevelFrom::Filter)?;
+        let (mean, sd) = felt.expected_error(&params.cubature);
+        Some(CompensationError {
             compensation: running.id,
             pressure: running.pressure,
             contacts: running.after.contacts(),
-            mean: bins.iter().map(|bin| bin.error).sum::<f64>() / count,
-            sd: bins.iter().map(|bin| bin.sd.powi(2)).sum::<f64>().sqrt() / count,
+            mean,
+            sd,
             bins,
             with_gain: running.error_with_gain(self, params),
         })

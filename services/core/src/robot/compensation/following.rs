@@ -80,11 +80,12 @@ impl Robot {
             self.whiskers[index].undecided = true;
             return;
         };
+        let carried = whisker.carried(params, &setpoint);
         let running = &mut self.head.compensations[at];
         (running.length, running.length_sd_mm) = (length.length, length.sd_mm);
         (running.pressure, running.predicted_error) = (setpoint.pressure, setpoint.error.mean);
         running.after = crate::estimation::ResponseBins::default();
-        running.refining = Refining::new(setpoint.gain.by_ratio);
+        running.refining = Refining::new(setpoint.gain.by_ratio, carried);
         // Not settled until the robot has taken it: that is what makes it be sent.
         running.settled = false;
         let desired = running.desired(Reason::Refinement);
@@ -96,10 +97,16 @@ impl Whisker {
     /// Standard deviation of the length that one contact tells, mm.
     fn contact_sd_mm(&self, params: &Params) -> f64 {
         let slope = self.model(params).map_or(0.0, |model| self.log_slope_with_length(model).abs());
+        let log_sd = self.contact_log_sd(params);
+        if slope > 0.0 { log_sd / slope * self.filter.length().length.mm() } else { f64::INFINITY }
+    }
+
+    /// Standard deviation of the noise of one usual contact, log sensitivity.
+    pub(in crate::robot) fn contact_log_sd(&self, params: &Params) -> f64 {
+        let slope = self.model(params).map_or(0.0, |model| self.log_slope_with_length(model).abs());
         // The contact ratio moves the sensitivity as much as the length does.
         let by_ratio = slope * params.noise.ratio / Offset::CENTRE;
         let log_variance = params.noise.strain_relative.powi(2) + params.noise.deflection_relative.powi(2);
-        let log_sd = (self.noise.variance() * (log_variance + by_ratio.powi(2))).sqrt();
-        if slope > 0.0 { log_sd / slope * self.filter.length().length.mm() } else { f64::INFINITY }
+        (self.noise.variance() * (log_variance + by_ratio.powi(2))).sqrt()
     }
 }

@@ -376,11 +376,11 @@ impl Robot {
             length: one.filter.length().length,
             pressure_before: one.sheet.pressure,
             pressure: setpoint.pressure,
-            before: (!is_self).then(|| one.whole.clone()),
+            before: (!is_self).then(|| one.present_whole()),
             after: ResponseBins::default(),
             settled: false,
             length_sd_mm: one.filter.length().sd_mm,
-            refining: Refining::new(setpoint.gain.by_ratio),
+            refining: Refining::new(setpoint.gain.by_ratio, one.carried(params, &setpoint)),
             proposed: params.policy.mode == Mode::Advise,
         };
         self.whiskers[chosen.target].unserved = false;

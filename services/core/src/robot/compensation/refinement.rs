@@ -20,7 +20,7 @@ use crate::mechanics::{CONTACT_RATIOS, Compensator, Setpoint, least_error};
 use crate::policy::Case;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
-use crate::robot::compensation::responses::{MeasuredResponses, sum};
+use crate::robot::compensation::responses::{LevelFrom, MeasuredResponses, sum};
 use crate::robot::effect::{Condition, Effect, Reason, Refinement, RefinementOutcome};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Desired;
@@ -69,7 +69,7 @@ pub(in crate::robot) struct Refining {
     /// Contacts at the present pressure from which the next evaluation is due; 0 for the first.
     due: u32,
     /// Belief about the response at the present pressure before it was held.
-    carried: Carried,
+    pub carried: Carried,
     /// The gain that was published last.
     pub gain: Curve,
     /// The compensator's response since: the gain is judged by contacts that it was not made from.
@@ -77,13 +77,13 @@ pub(in crate::robot) struct Refining {
 }
 
 impl Refining {
-    pub(in crate::robot) fn new(gain: Curve) -> Self {
-        Self { steps: 0, due: 0, carried: Carried::default(), gain, since_gain: ResponseBins::default() }
+    pub(in crate::robot) fn new(gain: Curve, carried: Carried) -> Self {
+        Self { steps: 0, due: 0, carried, gain, since_gain: ResponseBins::default() }
     }
 
     /// The same steps and gain, without any contacts at the present pressure.
     pub(in crate::robot) fn felt_anew(&self) -> Self {
-        Self { steps: self.steps, ..Self::new(self.gain) }
+        Self { steps: self.steps, ..Self::new(self.gain, Carried::default()) }
     }
 
     /// Brings what was measured to another scale, by this much log sensitivity.
@@ -113,7 +113,7 @@ struct Look {
     /// The gain for it.
     gain: Curve,
     /// Belief about the response there.
-    carried: Carried,
+    pub carried: Carried,
 }
 
 impl Robot {
@@ -143,7 +143,9 @@ impl Robot {
             self.remember(at);
         }
         let running = &self.head.compensations[at];
-        let Some(felt) = self.measured_responses(params, running, &running.refining.carried, &running.after) else {
+        let Some(felt) =
+            self.measured_responses(params, running, &running.refining.carried, &running.after, LevelFrom::Filter)
+        else {
             return;
         };
         let look = self.look(params, running, &felt);
@@ -277,7 +279,7 @@ impl Compensation {
             return None;
         }
         // From these contacts alone: the earlier belief went into the gain.
-        let felt = robot.measured_responses(params, self, &Carried::default(), since)?;
+        let felt = robot.measured_responses(params, self, &Carried::default(), since, LevelFrom::Contacts)?;
         let gain = Some(&self.refining.gain);
         Some((felt.error(gain), felt.error_sd(&params.cubature, gain)))
     }

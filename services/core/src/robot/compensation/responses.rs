@@ -1,8 +1,8 @@
 //! The measured responses of Eq. 35: smooth curves with the causes of their uncertainty.
 
-use crate::estimation::uncertainty::{Curve, Uncertain, mean_error, moments};
+use crate::estimation::uncertainty::{Curve, Uncertain, interval95, mean_error, moments};
 use crate::estimation::{Belief, Carried, CubatureCases, Nominal, OwnCalibration, ResponseBins, Smooth};
-use crate::mechanics::{ByRatio, CONTACT_RATIOS, Model, Offset};
+use crate::mechanics::{ByRatio, CONTACT_RATIOS, Model, Offset, Setpoint};
 use crate::policy::Case;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
@@ -10,10 +10,26 @@ use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
+/// 97.5 % quantile of the standard normal distribution.
+const NORMAL_975: f64 = 1.959_964;
+
+/// Largest standard deviation of the compensator's response relative to the target where contacts tell it, log sensitivity: a
+/// cut of 5 mm is 0.17.
+const TOLD_SD: f64 = 0.05;
+
 /// Indices of the responses.
 pub(in crate::robot) const AFTER: usize = 0;
 pub(in crate::robot) const BEFORE: usize = 1;
 pub(in crate::robot) const TARGET: usize = 2;
+
+/// Source of the level of a compensator's response.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::robot) enum LevelFrom {
+    /// The length filter, if it knows the level better than the averages.
+    Filter,
+    /// The averaged contacts alone.
+    Contacts,
+}
 
 /// The three responses of Eq. 35, ln s by contact ratio.
 pub(in crate::robot) struct MeasuredResponses {
@@ -33,6 +49,27 @@ impl MeasuredResponses {
     /// The standard deviation of [`Self::error`].
     pub(in crate::robot) fn error_sd(&self, even: &CubatureCases, gain: Option<&Curve>) -> f64 {
         moments(&self.responses.cases(even, self.error_of(log_gain(gain)))).1
+    }
+
+    /// Mean of Eq. 35 over all cases that the contacts leave open, and its standard deviation. The error has a longer tail
+    /// above than below: the standard deviation is large enough that the mean and 1.96 of it hold 97.5 of 100 cases.
+    /// Contact ratios about which the contacts tell nothing are left out: robots may touch one part of a whisker alone.
+    pub(in crate::robot) fn expected_error(&self, even: &CubatureCases) -> (f64, f64) {
+        let told = self.told();
+        let errors = self.responses.cases(even, |[after, before, target]| mean_error(after, before, target, &told));
+        let (mean, sd) = moments(&errors);
+        let (_, high) = interval95(errors);
+        (mean, sd.max((high - mean) / NORMAL_975))
+    }
+
+    /// The contact ratios at which the contacts tell the compensator's response relative to the target; all known ones if
+    /// they tell it nowhere.
+    fn told(&self) -> [bool; CONTACT_RATIOS.len()] {
+        let variance = |k: usize| {
+            self.responses.causes.iter().map(|cause| (cause[AFTER][k] - cause[TARGET][k]).powi(2)).sum::<f64>()
+        };
+        let told = std::array::from_fn(|k| self.known[k] && variance(k) <= TOLD_SD.powi(2));
+        if told.contains(&true) { told } else { self.known }
     }
 
     fn error_of(&self, log_gain: Curve) -> impl Fn(&[Curve; 3]) -> f64 {
@@ -64,6 +101,7 @@ impl Robot {
         running: &Compensation,
         carried: &Carried,
         after: &ResponseBins,
+        from: LevelFrom,
     ) -> Option<MeasuredResponses> {
         let (one, target) = (&self.whiskers[running.compensator()], &self.whiskers[running.target()]);
         let (model, target_model) = (one.model(params)?, target.model(params)?);
@@ -87,15 +125,18 @@ impl Robot {
             (sum(&log(model, one.sheet.length, running.pressure_before), &before.by_ratio()), Some(before))
         };
         let mut responses = Uncertain { mean: [after_mean, before_mean, target_mean], causes: Vec::new() };
-        responses.moves(&held.causes(), &[AFTER]);
+        self.level(params, running, &held, after, from, &mut responses);
         match before {
             Some(before) => {
                 responses.moves(&whole.causes(), &[TARGET]);
+                responses.moves(&[target.lag(params, &target.whole)], &[TARGET]);
                 responses.moves(&before.causes(), &[BEFORE]);
+                responses.moves(&[one.lag(params, &one.whole)], &[BEFORE]);
             }
             None => {
                 responses.moves(&whole.causes(), &[TARGET, BEFORE]);
-                let sd_mm = one.filter.length().sd_mm;
+                responses.moves(&[target.lag(params, &target.whole)], &[TARGET, BEFORE]);
+                let sd_mm = one.filter.length().sd_mm.max(running.length_sd_mm);
                 responses.moves(&[by_length(model, running.length, running.pressure_before, sd_mm)], &[BEFORE]);
             }
         }
@@ -103,7 +144,78 @@ impl Robot {
     }
 }
 
+impl Robot {
+    /// Adds the uncertainty of the compensator's response, and takes its level from the length filter if that knows it
+    /// better. The filter follows a gain that wanders, and averages tell where it was.
+    fn level(
+        &self,
+        params: &Params,
+        running: &Compensation,
+        held: &Smooth,
+        after: &ResponseBins,
+        from: LevelFrom,
+        responses: &mut Uncertain<3>,
+    ) {
+        let one = &self.whiskers[running.compensator()];
+        let lag = one.lag(params, after);
+        let causes = held.causes();
+        let present = match from {
+            LevelFrom::Filter => one.spread.mean().and_then(|at| one.present(params, running, at)),
+            LevelFrom::Contacts => None,
+        };
+        if let Some((at, log, variance)) = present {
+            let value = |curve: &Curve| at_ratio(curve, at);
+            let own_variance = causes.iter().map(|cause| value(cause).powi(2)).sum::<f64>() + lag[0].powi(2);
+            if variance < own_variance {
+                let off = log - value(&held.by_ratio());
+                responses.mean[AFTER].iter_mut().for_each(|mean| *mean += off);
+                let bent = causes.map(|cause| cause.map(|one| one - value(&cause)));
+                responses.moves(&bent, &[AFTER]);
+                responses.moves(&[[variance.sqrt(); CONTACT_RATIOS.len()]], &[AFTER]);
+                return;
+            }
+        }
+        responses.moves(&causes, &[AFTER]);
+        responses.moves(&[lag], &[AFTER]);
+    }
+}
+
+/// A curve between its points.
+fn at_ratio(curve: &Curve, ratio: ContactRatio) -> f64 {
+    let last = CONTACT_RATIOS.len() - 1;
+    let steps = (ratio.a() - CONTACT_RATIOS[0]) / (CONTACT_RATIOS[1] - CONTACT_RATIOS[0]);
+    let k = (steps.max(0.0) as usize).min(last - 1);
+    curve[k] + (steps - k as f64) * (curve[k + 1] - curve[k])
+}
+
 impl Whisker {
+    /// The present response by the length filter, where the robot touches: contact ratio, ln of it over the model's at the
+    /// compensation's length, and variance.
+    fn present(&self, params: &Params, running: &Compensation, at: ContactRatio) -> Option<(ContactRatio, f64, f64)> {
+        let model = self.model(params)?;
+        let morphology = model.morphology(running.pressure);
+        let length = self.filter.length().length;
+        let (here, slope) = model.sensitivity_and_slope(at, length, &morphology).ok()?;
+        let (reference, _) = model.sensitivity_and_slope(at, running.length, &morphology).ok()?;
+        let doubt = self.walks.doubt();
+        let log = (here / reference).ln() + self.filter.offset().at(at) + doubt.by;
+        let slope = slope * length.mm() / (length.mm() + morphology.elongation_mm);
+        Some((at, log, self.filter.response_variance(at, slope) + doubt.variance))
+    }
+
+    /// Standard deviation of the gain from that of averages over its past, as a curve.
+    fn lag(&self, params: &Params, bins: &ResponseBins) -> Curve {
+        [self.gain_lag(params, bins); CONTACT_RATIOS.len()]
+    }
+
+    /// Standard deviation of the gain from that of averages over its past, log sensitivity: an average lags by a third of
+    /// the contacts that it remembers.
+    pub(in crate::robot) fn gain_lag(&self, params: &Params, bins: &ResponseBins) -> f64 {
+        let contact_variance = self.contact_log_sd(params).powi(2) * self.noise.inflation();
+        let remembered = contact_variance * bins.felt().map(|bin| 1.0 / bin.variance()).sum::<f64>();
+        self.walks.doubt().rate * (remembered / 3.0).sqrt()
+    }
+
     /// Belief about its own calibration.
     pub(in crate::robot) fn belief(&self, model: &Model) -> Belief {
         let nominal = self.nominal();
@@ -111,6 +223,19 @@ impl Whisker {
             Some(own) => own.belief(model, &nominal),
             None => OwnCalibration::default().belief(model, &nominal),
         }
+    }
+
+    /// Belief about its response at a setpoint, against the model at its present length.
+    pub(in crate::robot) fn carried(&self, params: &Params, setpoint: &Setpoint) -> Carried {
+        let Some(model) = self.model(params) else { return Carried::default() };
+        let belief = self.belief(model);
+        let length = self.filter.length();
+        self.change(model, length.length, (self.sheet.pressure, setpoint.pressure), |from, to| {
+            let mut causes = belief.causes(from, to).to_vec();
+            causes.push(by_length(model, length.length, setpoint.pressure, length.sd_mm));
+            causes.push(self.lag(params, &self.whole));
+            Smooth::through(&self.whole).carried(&Belief::change(&belief.predict, from, to), &causes)
+        })
     }
 
     fn nominal(&self) -> Nominal<'_> {

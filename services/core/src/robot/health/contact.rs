@@ -45,6 +45,7 @@ impl Robot {
         if let Some((seen, ratio)) = felt.innovation.zip(felt.ratio) {
             self.gain_wandered(params, index, felt.wandered);
             self.conclude(params, index, felt.verdict, effects);
+            self.test_change(params, index, &felt);
             self.measure(params, index, (position, ratio), contact, &seen, effects);
             self.follow_wear(params, index, effects);
         }
@@ -106,8 +107,9 @@ impl Robot {
             Kind::Shorter if whisker.regains(params, change) => self.rescale(params, index, change),
             Kind::Shorter => {
                 whisker.jump(change);
+                whisker.doubt_gain(params);
                 if whisker.is_at_nominal_pressure() {
-                    whisker.rare.get_or_insert().whole_offset.get_or_insert_with(|| whisker.filter.offset());
+                    whisker.leaves_whole(whisker.filter.offset());
                 }
                 let before = whisker.rare.pending_trim.map_or(length_before_mm, |pending| pending.length_before_mm);
                 whisker.rare.get_or_insert().pending_trim = Some(PendingTrim {
@@ -144,7 +146,7 @@ impl Robot {
         if whisker.is_at_nominal_pressure() {
             let now = whisker.filter.offset();
             let before = Offset { level: now.level - log_shift, ..now };
-            whisker.rare.get_or_insert().whole_offset.get_or_insert(before);
+            whisker.leaves_whole(before);
         }
         self.shift_measured(index, log_shift);
         self.hasten_reviews(index);

@@ -24,6 +24,7 @@ impl Robot {
             }
             OperatorAction::Hold(scope) => self.hold(scope),
             OperatorAction::Release(scope) => self.end_hold(scope),
+            OperatorAction::RefuseTouchTest(place) => self.refuse_test(now, place, effects),
             OperatorAction::TouchTest(place) => self.test_by_hand(params, now, place, effects),
             OperatorAction::Replaced(place) => self.at(place).map(|index| self.replaced(params, index, effects)),
             OperatorAction::Rebaseline(place) => self.at(place).map(|index| self.rebaseline(params, index, effects)),

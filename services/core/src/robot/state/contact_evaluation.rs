@@ -125,13 +125,17 @@ impl Whisker {
         }
         if calm {
             self.learn_noise(params, seen);
-            if matches!(self.condition, Condition::Learning | Condition::Healthy) && self.is_at_nominal_pressure() {
+            let may_be_cut = self.rare.length_test.as_ref().is_some_and(|test| test.is_for_change());
+            if matches!(self.condition, Condition::Learning | Condition::Healthy)
+                && self.is_at_nominal_pressure()
+                && !may_be_cut
+            {
                 // Against the model at whole length: the residual is against the present estimate.
                 let shift = seen.row[LENGTH] * self.filter.log_length();
                 let deviation = seen.residual + self.filter.offset().at(seen.ratio) + shift;
                 // An outlier gets a larger variance.
                 let variance = seen.noise_variance / seen.seen.sound.max(1e-3);
-                let walk = self.walks.rate();
+                let walk = self.walks.doubt().rate;
                 self.whole_waiting.add(&mut self.whole, seen.ratio, deviation, variance, walk);
             }
         }

@@ -14,7 +14,7 @@ use crate::robot::params::Params;
 use crate::robot::state::factsheet::Sheet;
 use crate::robot::state::rare_state::Rare;
 use crate::robot::state::tracked::DecisionBasis;
-use crate::units::{Megapascal, Micros};
+use crate::units::{ContactRatio, Megapascal, Micros};
 
 /// Largest step of an eroding whisker's pressure that leaves its offset as certain as it was.
 const EROSION_STEP_MAX_MPA: f64 = 0.01;
@@ -240,9 +240,45 @@ impl Whisker {
         self.rare.whole_offset.unwrap_or_else(|| self.filter.offset())
     }
 
+    /// Difference between the level of its response while whole by the length filter, which has this offset, and by the
+    /// averages, log sensitivity. Averages leave out the contacts in which a change was in doubt, and tell where a gain
+    /// that wanders was.
+    pub(in crate::robot) fn whole_lag(&self, offset: Offset) -> f64 {
+        let sums = self.whole.felt().fold((0.0, 0.0, 0.0), |(weight, ratio, mean), bin| {
+            let one = 1.0 / bin.variance();
+            (weight + one, ratio + one * bin.mean_ratio(), mean + one * bin.mean())
+        });
+        let (weight, ratio, mean) = sums;
+        ContactRatio::new(ratio / weight).map_or(0.0, |at| offset.at(at) - mean / weight)
+    }
+
+    /// Its response while whole, at its present level.
+    pub(in crate::robot) fn present_whole(&self) -> ResponseBins {
+        let mut whole = self.whole.clone();
+        if self.is_at_nominal_pressure() {
+            whole.shift(self.whole_lag(self.filter.offset()));
+        }
+        whole
+    }
+
+    /// It is not whole any more: this was its offset.
+    pub(in crate::robot) fn leaves_whole(&mut self, offset: Offset) {
+        if self.rare.whole_offset.is_none() {
+            self.whole.shift(self.whole_lag(offset));
+            self.rare.get_or_insert().whole_offset = Some(offset);
+        }
+    }
+
     /// Moves the estimate by a confirmed change.
     pub(in crate::robot) fn jump(&mut self, change: &Change) {
         self.filter.jump(change.size, change.variance, change.lacking);
+    }
+
+    /// The gain may have wandered before a change, and what it did counts as length.
+    pub(in crate::robot) fn doubt_gain(&mut self, params: &Params) {
+        let Some(model) = self.model(params) else { return };
+        let (lag, slope) = (self.gain_lag(params, &self.whole), self.log_slope_with_length(model));
+        self.filter.doubt_gain(lag, slope);
     }
 
     /// Whether a rise of sensitivity takes back a loss: it leads to about the level before the loss.

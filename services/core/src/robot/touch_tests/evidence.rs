@@ -2,7 +2,7 @@
 
 use crate::estimation::Reach;
 use crate::robot::Robot;
-use crate::robot::effect::{Condition, Effect, TestReason, WhiskerIndex};
+use crate::robot::effect::{Condition, Effect, TestReason, TestState, WhiskerIndex};
 use crate::robot::event::{Contact, ContactPlace, MissedTouch};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::{PendingTrim, Whisker};
@@ -11,6 +11,8 @@ use crate::units::{Micros, Millimetre};
 
 /// A cut is called when its posterior probability leaves less than this for the length before: five missed touches.
 const UNCHANGED_MAX: f64 = 1e-6;
+/// The same after a change of sensitivity, which is evidence, too.
+const UNCHANGED_AFTER_CHANGE_MAX: f64 = 1e-4;
 /// A suspicion is refuted when the length before has at least this posterior probability.
 const UNCHANGED_MIN: f64 = 0.99;
 /// Touches that a called cut needs: a robot whose wall is away feels nothing at any distance.
@@ -25,6 +27,8 @@ const USABLE_SD_MM: f64 = 1.5;
 const SHARED_SD_MM: f64 = 0.2;
 /// Losses below this are not called, mm: the factory length is not better known.
 const LOSS_MIN_MM: f64 = 0.4;
+/// Nor those within so many standard deviations of the length before: it was not known better.
+const LOSS_MIN_SD: f64 = 3.0;
 
 impl Robot {
     /// Takes a contact's place in as evidence of the whisker's reach and length.
@@ -54,7 +58,8 @@ impl Robot {
             }
             ContactPlace::Tip(None) | ContactPlace::Unknown => false,
         };
-        let is_distance = !matches!(contact.place, ContactPlace::Ratio { .. });
+        // A test of a robot that states ratios says where it was asked to touch, not where its habit is.
+        let is_distance = !contact.is_test && !matches!(contact.place, ContactPlace::Ratio { .. });
         self.judge_reach(index, is_distance, effects);
         if is_evidence {
             self.judge_length(params, index, effects);
@@ -79,6 +84,8 @@ impl Robot {
         if test.is_only_followed() {
             return;
         }
+        // This is new evidence: a test that an operator refused may be proposed again.
+        test.in_flight.take_if(|test| test.state == TestState::Refused);
         test.evidence.missed(missed.at.at.mm(), missed.at.sd_mm);
         test.sd_mm = missed.at.sd_mm;
         test.contacts = test.contacts.saturating_add(1);
@@ -122,13 +129,21 @@ impl Robot {
         // Touches of the robot's habit do not refute the silence that they leave: only those of a test do.
         let may_refute = test.under_way().is_none() && (test.done > 0 || !whisker.is_reach_silent());
         let length_before_mm = test.evidence.length_mm();
-        let is_shorter = posterior.unchanged < UNCHANGED_MAX
+        let unchanged_max = if test.is_for_change() { UNCHANGED_AFTER_CHANGE_MAX } else { UNCHANGED_MAX };
+        let is_shorter = posterior.unchanged < unchanged_max
             && test.touches >= TOUCHES_MIN
             && posterior.sd_mm <= sd_most_mm
-            && posterior.mean_mm < length_before_mm - LOSS_MIN_MM;
+            && posterior.mean_mm < length_before_mm - LOSS_MIN_MM.max(LOSS_MIN_SD * whisker.filter.length().sd_mm);
         if is_shorter {
             let contacts = test.contacts.into();
-            self.call_measured(index, posterior.mean_mm, posterior.sd_mm.hypot(SHARED_SD_MM), contacts, effects);
+            self.call_measured(
+                params,
+                index,
+                posterior.mean_mm,
+                posterior.sd_mm.hypot(SHARED_SD_MM),
+                contacts,
+                effects,
+            );
         } else if posterior.unchanged > UNCHANGED_MIN && test.contacts >= CONTACTS_MIN && may_refute {
             let whisker = &mut self.whiskers[index];
             // Silence that is refuted was a change of habits.
@@ -145,6 +160,7 @@ impl Robot {
     /// Calls a trim of a measured length.
     fn call_measured(
         &mut self,
+        params: &Params,
         index: WhiskerIndex,
         length_mm: f64,
         sd_mm: f64,
@@ -158,8 +174,11 @@ impl Robot {
             return;
         }
         whisker.detector = crate::detection::Detector::default();
+        if whisker.rare.length_test.as_ref().is_some_and(|test| test.is_for_change()) {
+            whisker.take_gain_back(params);
+        }
         if whisker.is_at_nominal_pressure() {
-            whisker.rare.get_or_insert().whole_offset.get_or_insert_with(|| whisker.filter.offset());
+            whisker.leaves_whole(whisker.filter.offset());
         }
         let before = whisker.rare.pending_trim.map_or(length_before_mm, |pending| pending.length_before_mm);
         whisker.rare.get_or_insert().pending_trim = Some(PendingTrim {
@@ -226,6 +245,7 @@ impl Whisker {
         let length_mm = self.filter.length().length.mm();
         let Some(rare) = self.rare.get_mut() else { return };
         let in_flight = rare.length_test.take().and_then(|test| test.in_flight);
+        let in_flight = in_flight.filter(|test| test.state != TestState::Refused);
         rare.length_test =
             in_flight.map(|test| Box::new(LengthTest { in_flight: Some(test), ..LengthTest::new(length_mm) }));
     }

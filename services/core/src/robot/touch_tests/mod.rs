@@ -8,7 +8,7 @@
 //! ```text
 //!            silence, a missed touch,                   requested        ACCEPTED, RUNNING
 //!            a setpoint, an operator,
-//!            a pause, a schedule
+//!            a pause, a schedule, a change
 //! no test ────────────────────────────▶ measurement ──────────────▶ in flight ───────────┐
 //!    ▲                                     │    ▲  │                   ▲                 │
 //!    │ the length is decided, or the       │    │  │ in mode ADVISE    │ an operator     │
@@ -18,9 +18,12 @@
 //! ```
 //! A measurement can end while its test is in flight. Such a test is only followed to its end.
 //!
-//! [`evidence`] adds contacts and decides, [`request`] sends requests and takes the robot's answers, [`plan`] finds the
+//! An operator can refuse a proposed test. It is not proposed again for the same reason until there is new evidence.
+//!
+//! [`evidence`] adds contacts and decides, [`change`] asks for tests after changes of sensitivity that stay undecided, [`request`] sends requests and takes the robot's answers, [`plan`] finds the
 //! whiskers that are due after a pause or by the schedule.
 
+mod change;
 mod evidence;
 mod plan;
 mod request;
@@ -50,6 +53,7 @@ pub(in crate::robot) struct LengthTest {
     done: u8,
     /// Reason for the next test; `None` if none is wanted.
     wanted: Option<TestReason>,
+    /// The requested or proposed test; one that an operator refused stays until there is new evidence.
     in_flight: Option<TestInFlight>,
     /// No request before this, by the supervisor's clock.
     not_before: Micros,
@@ -91,7 +95,7 @@ impl LengthTest {
 
     /// The requested or proposed test and its progress.
     pub(in crate::robot) fn in_flight(&self) -> Option<(TestKind, TestState)> {
-        self.in_flight.map(|test| (test.kind, test.state))
+        self.in_flight.filter(|test| test.state != TestState::Refused).map(|test| (test.kind, test.state))
     }
 
     /// Key of the requested test; none for a proposal.
@@ -101,7 +105,7 @@ impl LengthTest {
 
     /// The requested test, which is not a proposal.
     fn under_way(&self) -> Option<TestInFlight> {
-        self.in_flight.filter(|test| test.state != TestState::Proposed)
+        self.in_flight.filter(|test| !matches!(test.state, TestState::Proposed | TestState::Refused))
     }
 
     /// The proposed test.
@@ -109,9 +113,20 @@ impl LengthTest {
         self.in_flight.filter(|test| test.state == TestState::Proposed)
     }
 
+    /// Whether it measures after a change of sensitivity that stayed undecided.
+    pub(in crate::robot) fn is_for_change(&self) -> bool {
+        self.wanted == Some(TestReason::Change)
+    }
+
+    /// Whether an operator has refused the wanted test.
+    fn is_refused(&self) -> bool {
+        self.in_flight.is_some_and(|test| test.state == TestState::Refused && self.wanted == Some(test.reason))
+    }
+
     /// Whether its measurement has ended before its test: the touches are no evidence any more.
     fn is_only_followed(&self) -> bool {
-        self.in_flight.is_some_and(|test| self.wanted != Some(test.reason))
+        let test = self.in_flight.filter(|test| test.state != TestState::Refused);
+        test.is_some_and(|test| self.wanted != Some(test.reason))
     }
 }
 

@@ -56,15 +56,21 @@ impl Robot {
         let Some(test) = whisker.rare.length_test.as_ref() else { return false };
         let Some(reason) = test.wanted.filter(|_| test.under_way().is_none()) else { return false };
         let waits = now < test.not_before && test.not_before.since(now) <= params.touch_tests.pause;
-        let waits = waits && asking == Asking::ByItself;
+        let waits = (waits || test.is_refused()) && asking == Asking::ByItself;
         if waits || self.holds(index) || whisker.command.is_some() || !self.can_be_told(params, now) {
             return false;
         }
         let kind = match (reason, self.head.touch_tests.tip, self.head.touch_tests.wall) {
             (TestReason::Setpoint, _, true) => TestKind::Wall,
-            (TestReason::Suspicion | TestReason::Operator | TestReason::Pause | TestReason::Schedule, false, true) => {
-                TestKind::Wall
-            }
+            (
+                TestReason::Suspicion
+                | TestReason::Operator
+                | TestReason::Pause
+                | TestReason::Schedule
+                | TestReason::Change,
+                false,
+                true,
+            ) => TestKind::Wall,
             (_, true, _) => TestKind::Tip,
             (_, false, false) => return false,
         };
@@ -282,6 +288,31 @@ impl Robot {
         Ok(())
     }
 
+    /// An operator refuses a proposed test. Silence goes on being suspected, and the refused test stays noted, so that it is
+    /// not proposed again. All other reasons are gone with their proposal.
+    pub(in crate::robot) fn refuse_test(
+        &mut self,
+        now: Micros,
+        place: Place<'_>,
+        effects: &mut Vec<Effect>,
+    ) -> Result<(), ActionProblem> {
+        let index = self.at(place)?;
+        let test = self.whiskers[index].length_test_mut();
+        let proposed = test.and_then(|test| test.proposal()).ok_or(ActionProblem::NoProposedTest)?;
+        if proposed.reason != TestReason::Suspicion
+            && let Some(test) = self.whiskers[index].length_test_mut()
+        {
+            test.wanted.take_if(|reason| *reason == proposed.reason);
+        }
+        self.end_test(now, index, TestState::Refused, None, Micros::default(), effects);
+        if proposed.reason == TestReason::Suspicion
+            && let Some(test) = self.whiskers[index].length_test_mut()
+        {
+            test.in_flight = Some(TestInFlight { state: TestState::Refused, ..proposed });
+        }
+        Ok(())
+    }
+
     /// A setpoint of a compensation was applied: its error is to be measured.
     pub(in crate::robot) fn test_after_setpoint(&mut self, index: WhiskerIndex) {
         let is_free = self.whiskers[index].rare.length_test.as_ref().is_none_or(|test| test.is_only_followed());
@@ -309,7 +340,11 @@ impl LengthTest {
             }
             (
                 TestKind::Wall,
-                TestReason::Suspicion | TestReason::Operator | TestReason::Pause | TestReason::Schedule,
+                TestReason::Suspicion
+                | TestReason::Operator
+                | TestReason::Pause
+                | TestReason::Schedule
+                | TestReason::Change,
             ) => (self.evidence.informative_mm(LENGTH_CONTACTS.into(), self.sd_mm), LENGTH_CONTACTS),
         }
     }
@@ -319,6 +354,9 @@ impl crate::robot::Whisker {
     /// The end of its test when the whisker leaves the robot or another one takes its place.
     pub(in crate::robot) fn abandoned_test(&self, whisker: Option<WhiskerIndex>) -> Option<Effect> {
         let test = self.rare.length_test.as_ref().and_then(|test| test.in_flight)?;
+        if test.state == TestState::Refused {
+            return None;
+        }
         let state = if test.state == TestState::Proposed { TestState::Withdrawn } else { TestState::Abandoned };
         Some(Effect::TestState { test: test.key, whisker, state, rejection: None })
     }

@@ -75,7 +75,8 @@ pub(super) fn is_over(state: TestState) -> bool {
         | TestState::Failed
         | TestState::Expired
         | TestState::Abandoned
-        | TestState::Withdrawn => true,
+        | TestState::Withdrawn
+        | TestState::Refused => true,
     }
 }
 

@@ -26,6 +26,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
         .routes(routes!(whisker_replaced))
         .routes(routes!(rebaseline_whisker))
         .routes(routes!(test_whisker))
+        .routes(routes!(refuse_whisker_test))
         .routes(routes!(hold_robot))
         .routes(routes!(release_robot))
         .routes(routes!(approve))
@@ -150,6 +151,11 @@ whisker_actions! {
     /// then follows with the reason `OPERATOR`.
     test_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/touch_test",
         "TOUCH_TEST", "The touch test is requested";
+    /// Refuse a proposed touch test of a whisker.
+    ///
+    /// The test ends in the state `REFUSED`. It is not proposed again for the same reason without new evidence.
+    refuse_whisker_test = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/touch_test/refuse",
+        "REFUSE_TOUCH_TEST", "The touch test is refused";
 }
 
 /// Defines the actions on a robot.

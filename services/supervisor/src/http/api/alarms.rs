@@ -1,9 +1,13 @@
 //! Alarms with guidance: all of them, the standing ones with storms folded, and their counts.
 
+use std::borrow::Cow;
+
 use axum::extract::{Extension, State};
-use axum::response::{IntoResponse, Json, Response};
+use axum::response::{Json, Response};
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use utoipa::openapi::schema::ObjectBuilder;
+use utoipa::openapi::{Ref, RefOr, Schema};
+use utoipa::{PartialSchema, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_edge::guidance;
@@ -63,7 +67,7 @@ impl AlarmGuidance {
 }
 
 /// An alarm about a whisker or a robot, with guidance.
-#[derive(Debug, Clone, Serialize, ToSchema)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Alarm {
     #[serde(flatten)]
     row: AlarmRow,
@@ -79,7 +83,7 @@ impl Alarm {
 }
 
 /// Number of alarms of a kind in a fleet, with the level of the kind.
-#[derive(Debug, Clone, Serialize, ToSchema)]
+#[derive(Debug, Clone, Serialize)]
 pub struct AlarmsOfKind {
     #[serde(flatten)]
     count: AlarmCount,
@@ -88,7 +92,7 @@ pub struct AlarmsOfKind {
 }
 
 /// A standing alarm, or a storm of them, with guidance.
-#[derive(Debug, Clone, Serialize, ToSchema)]
+#[derive(Debug, Clone, Serialize)]
 pub struct FoldedAlarm {
     #[serde(flatten)]
     row: AlarmRow,
@@ -96,6 +100,42 @@ pub struct FoldedAlarm {
     fold: Fold,
     #[serde(flatten)]
     guidance: AlarmGuidance,
+}
+
+/// Declares the schema of a row that serde flattens from parts, as one object: generators of clients and the columns of
+/// CSV need its properties in one place.
+macro_rules! joined_schema {
+    ($($row:ident = $description:literal: $($part:ty),+ $(; $field:literal: $inner:ty)?;)+) => {
+        $(impl PartialSchema for $row {
+            fn schema() -> RefOr<Schema> {
+                let mut all = ObjectBuilder::new().description(Some($description));
+                $(if let RefOr::T(Schema::Object(part)) = <$part>::schema() {
+                    all = part.properties.into_iter().fold(all, |all, (name, schema)| all.property(name, schema));
+                    all = part.required.into_iter().fold(all, ObjectBuilder::required);
+                })+
+                $(all = all.property($field, Ref::from_schema_name(<$inner>::name())).required($field);)?
+                all.into()
+            }
+        }
+
+        impl ToSchema for $row {
+            fn name() -> Cow<'static, str> {
+                stringify!($row).into()
+            }
+
+            fn schemas(schemas: &mut Vec<(String, RefOr<Schema>)>) {
+                $(<$part>::schemas(schemas);)+
+                $(schemas.push((<$inner>::name().into_owned(), <$inner>::schema()));
+                <$inner>::schemas(schemas);)?
+            }
+        })+
+    };
+}
+
+joined_schema! {
+    Alarm = "An alarm about a whisker or a robot, with guidance.": AlarmRow, AlarmGuidance;
+    FoldedAlarm = "A standing alarm, or a storm of them, with guidance.": AlarmRow, AlarmGuidance; "fold": Fold;
+    AlarmsOfKind = "Number of alarms of a kind in a fleet, with the level of the kind.": AlarmCount; "level": LevelWord;
 }
 
 /// Columns that a search looks into.
@@ -279,7 +319,7 @@ alarms_query! {
     pub struct AlarmCountsQuery by CountSort {}
 }
 
-/// All alarms, standing and cleared, each with a hint, likely causes and its runbook. CSV has no guidance.
+/// All alarms, standing and cleared, each with a hint, likely causes and its runbook.
 #[utoipa::path(
     get, path = "/v1/alarms", tag = "happenings", params(AlarmsQuery),
     responses((status = 200, description = "A page of alarms", body = Page<Alarm>))
@@ -294,11 +334,8 @@ async fn list_alarms(
     selection.filters = query.filter().conditions(&caller.scope)?;
     selection.filters.extend(query.standing.map(|standing| Filter::Is("standing", Value::Flag(standing))));
     let list = if query.standing == Some(true) { &STANDING } else { &ALARMS };
-    if listing.is_csv() {
-        return listing.answer::<AlarmRow>(&app, list, selection).await;
-    }
-    let page = Page::of(app.store.list(list, &selection).await?, &selection);
-    Ok(Json(page.map(|row| Alarm::of(row, &app))).into_response())
+    let guided = app.clone();
+    listing.answer_with(&app, list, selection, move |row: AlarmRow| Alarm::of(row, &guided)).await
 }
 
 /// One alarm, standing or cleared, with a hint, likely causes and its runbook.

@@ -29,7 +29,7 @@ pub struct RealityArgs {
     /// Rows, each at all its strengths (`mix,ar1`) or at one (`temperature:2`); all rows if not given.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = rows_of)]
     rows: Vec<Rows>,
-    /// Place that the robots know of their contacts; `DISTANCE_TESTS` is with touch tests.
+    /// Place that the robots know of their contacts; `RATIO_TESTS` and `DISTANCE_TESTS` are with touch tests.
     #[arg(long, default_value = "RATIO", value_parser = one_of(Place::ALL.to_vec(), Place::word))]
     place: Place,
     /// Print everything as JSON instead of a table.
