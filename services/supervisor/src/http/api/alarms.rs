@@ -365,15 +365,17 @@ async fn get_alarm(
 async fn list_folded_alarms(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<FoldedAlarmsQuery>,
-) -> Result<Json<Page<FoldedAlarm>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters = query.filter().conditions(&caller.scope)?;
-    let page = Page::of(app.store.list(&FOLDED, &selection).await?, &selection);
-    Ok(Json(page.map(|FoldedRow { row, fold }| {
-        let guidance = AlarmGuidance::of(&row.kind, &app);
+    let guided = app.clone();
+    let folded = move |FoldedRow { row, fold }| {
+        let guidance = AlarmGuidance::of(&row.kind, &guided);
         FoldedAlarm { row, fold, guidance }
-    })))
+    };
+    listing.answer_with(&app, &FOLDED, selection, folded).await
 }
 
 /// Numbers of standing alarms by fleet and kind.
@@ -384,10 +386,15 @@ async fn list_folded_alarms(
 async fn count_alarms(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
+    listing: Listing,
     Query(query): Query<AlarmCountsQuery>,
-) -> Result<Json<Page<AlarmsOfKind>>, Problem> {
+) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters = query.filter().conditions(&caller.scope)?;
-    let page = Page::of(app.store.list::<AlarmCount>(&COUNTS, &selection).await?, &selection);
-    Ok(Json(page.map(|count| AlarmsOfKind { level: AlarmGuidance::of(&count.kind, &app).level, count })))
+    let guided = app.clone();
+    let levelled = move |count: AlarmCount| {
+        let level = AlarmGuidance::of(&count.kind, &guided).level;
+        AlarmsOfKind { level, count }
+    };
+    listing.answer_with(&app, &COUNTS, selection, levelled).await
 }
