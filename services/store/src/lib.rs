@@ -29,6 +29,7 @@ pub mod lists;
 mod load;
 mod lock;
 mod membership;
+pub mod overview;
 mod partitions;
 pub mod policies;
 mod postgres;

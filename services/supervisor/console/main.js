@@ -9,6 +9,7 @@ import { problemPanel } from "./notices.js";
 import { badge, forget, identify } from "./rights.js";
 import { find, navigation } from "./router.js";
 import { signInForm, signOut, token } from "./session.js";
+import { startShortcuts } from "./shortcuts.js";
 import { showZoneChoice } from "./zone-choice.js";
 import { onZone } from "./zone.js";
 
@@ -124,6 +125,7 @@ addEventListener("hashchange", () => {
   document.querySelector("dialog")?.close();
   show(true);
 });
+startShortcuts(document.getElementById("shortcuts"));
 showZoneChoice(document.getElementById("zone"));
 onZone(() => refresh());
 // Drawings fit the width of the window. The height changes whenever a phone hides its address bar.

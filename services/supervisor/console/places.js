@@ -15,10 +15,15 @@ export const link = {
   whiskers: (state = {}) => address("/whiskers", state),
   compensations: (state = {}) => address("/compensations", state),
   audit: (state = {}) => address("/audit", state),
+  alarms: (state = {}) => address("/alarms", state),
+  trims: (state = {}) => address("/trims", state),
+  setpoints: (state = {}) => address("/setpoints", state),
+  whatIf: (state = {}) => address("/what-if", state),
+  calibrations: () => "#/calibrations",
+  calibration: (id) => `#/calibrations/${part(id)}`,
   compensation: (id) => `#/compensations/${part(id)}`,
   policy: (fleet) => `#/policy/${part(fleet)}`,
   alarm: (id) => `#/alarms?alarm_id=${part(id)}`,
-  audit: () => "#/audit",
 };
 
 /** Paths of the API. */
@@ -29,6 +34,7 @@ export const api = {
     path`/v1/fleets/${fleet}/robots/${robot}/arrays/${array}/whiskers/${whisker}`,
   compensation: (id) => path`/v1/compensations/${id}`,
   alarm: (id) => path`/v1/alarms/${id}`,
+  calibration: (id) => path`/v1/calibrations/${id}`,
   policy: (fleet) => path`/v1/fleets/${fleet}/policy`,
 };
 

@@ -4,6 +4,8 @@ import { pathOf, stateOf } from "./address.js";
 import { h } from "./dom.js";
 import alarms from "./pages/alarms.js";
 import audit from "./pages/audit.js";
+import calibration from "./pages/calibration.js";
+import calibrations from "./pages/calibrations.js";
 import compensation from "./pages/compensation.js";
 import compensations from "./pages/compensations.js";
 import fleet from "./pages/fleet.js";
@@ -11,6 +13,9 @@ import fleets from "./pages/fleets.js";
 import nowhere from "./pages/nowhere.js";
 import policy from "./pages/policy.js";
 import robot from "./pages/robot.js";
+import setpoints from "./pages/setpoints.js";
+import trims from "./pages/trims.js";
+import whatIf from "./pages/what-if.js";
 import whisker from "./pages/whisker.js";
 import whiskers from "./pages/whiskers.js";
 
@@ -23,6 +28,11 @@ const PAGES = [
   ["alarms", alarms],
   ["compensations", compensations],
   ["compensations/:id", compensation],
+  ["calibrations", calibrations],
+  ["calibrations/:id", calibration],
+  ["trims", trims],
+  ["setpoints", setpoints],
+  ["what-if", whatIf],
   ["audit", audit],
   ["policy", policy],
   ["policy/:fleet", policy],
@@ -33,6 +43,8 @@ const MAIN = [
   ["Alarms", "#/alarms", "alarms"],
   ["Whiskers", "#/whiskers", "whiskers"],
   ["Compensations", "#/compensations", "compensations"],
+  ["What if", "#/what-if", "what-if"],
+  ["Calibrations", "#/calibrations", "calibrations"],
   ["Policy", "#/policy", "policy"],
   ["Audit", "#/audit", "audit"],
 ];

@@ -68,7 +68,7 @@ async fn robots_are_searched_sorted_and_paged_and_a_reload_keeps_it() {
 
     // A search without results says so, and leads back.
     stage.open("#/fleets/f?q=nobody").await;
-    let nothing = "document.querySelector('main .empty').textContent";
+    let nothing = "[...document.querySelectorAll('main .empty')].at(-1).textContent";
     assert_eq!(stage.browser.js(nothing).await, "No robots match.");
     stage.browser.js("document.querySelector('.tools a').click()").await;
     stage.browser.until("all robots", &format!("{NAMES}.length === {ROWS}")).await;

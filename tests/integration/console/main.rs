@@ -18,5 +18,6 @@ mod advising;
 mod keyboard;
 mod live;
 mod loading;
+mod overview;
 mod reading;
 mod signing_in;

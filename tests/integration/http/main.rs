@@ -13,6 +13,7 @@ mod groups;
 mod history;
 mod items;
 mod oidc;
+mod overview;
 mod pages;
 mod pictures;
 mod rows;

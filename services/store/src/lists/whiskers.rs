@@ -106,7 +106,7 @@ sorts! {
 /// All whiskers that are on a robot now.
 pub static WHISKERS: List = List {
     what: "list the whiskers",
-    select: "SELECT w.whisker_id, w.array_id, fleet, robot, \"array\", array_type, w.whisker, w.model, x_mm, y_mm, whole_length_mm, \
+    select: "SELECT w.whisker_id, w.robot_id, w.array_id, fleet, robot, \"array\", array_type, w.whisker, w.model, x_mm, y_mm, whole_length_mm, \
              length_mm, length_mm - 1.959963984540054 * length_sd_mm AS length_low_mm, \
              length_mm + 1.959963984540054 * length_sd_mm AS length_high_mm, condition, fault, pressure_mpa, \
              setpoint_mpa, nominal_pressure_mpa, pressure_max_mpa, contacts, heard_us AS heard_at, connection, CASE WHEN w.held OR r.held THEN true ELSE false END AS held, \

@@ -53,7 +53,7 @@ class RatioChart extends HTMLElement {
       const key = JSON.stringify(spec);
       if (key !== this.#key) this.#begin(spec, values, key);
       else this.#body.querySelector("details > div").replaceChildren(values);
-      await this.#plot.set(data, RATIOS);
+      await this.#plot.set(data, spec.window ?? RATIOS);
       this.#body.dataset.state = "drawn";
     } catch (problem) {
       if (turn !== this.#turn) return;
@@ -186,6 +186,82 @@ function errorTable(measured, predicted) {
 
 const intervalOf = ([, error, low, high]) => interval(error, low, high, percent);
 
+/** Attribute: `rows`, the sensitivities of a what-if query as JSON. */
+class WhatIfChart extends RatioChart {
+  static observedAttributes = ["rows"];
+
+  load() {
+    const rows = JSON.parse(this.getAttribute("rows"));
+    const of = (name) => {
+      const known = rows.filter((one) => one[name] !== null);
+      return { x: known.map((one) => one.ratio), y: known.map((one) => one[name]) };
+    };
+    const spec = {
+      key: "what-if",
+      title: "Sensitivity by contact ratio",
+      unit: "strain per mm of deflection, 1/mm",
+      atLeast: [0, 0],
+      level: null,
+      series: [
+        { name: "before the cut", tone: "a", look: "line", say: perMm },
+        { name: "after the cut", tone: "b", look: "line", dash: [3, 3], say: perMm },
+        { name: "compensated", tone: "c", look: "line", dash: [8, 4], say: perMm },
+      ],
+    };
+    const data = ["before_per_mm", "after_per_mm", "compensated_per_mm"].map(of);
+    const cell = (name) => (row) => (row[name] === null ? "\u2013" : row[name].toFixed(5));
+    const values = table({
+      caption: "Predicted sensitivity by contact ratio, in strain per mm of deflection",
+      rows,
+      empty: "None.",
+      columns: [
+        { name: "Contact ratio", head: true, cell: (row) => row.ratio.toFixed(2) },
+        { name: "Before the cut", numeric: true, cell: cell("before_per_mm") },
+        { name: "After the cut", numeric: true, cell: cell("after_per_mm") },
+        { name: "Compensated", numeric: true, cell: cell("compensated_per_mm") },
+      ],
+    });
+    return { spec, data, values };
+  }
+}
+
+/** Attribute: `fit`, `{ readings: [[pressure_mpa, k2]], curve: [[pressure_mpa, k2]] }` as JSON. */
+class CalibrationChart extends RatioChart {
+  static observedAttributes = ["fit"];
+
+  load() {
+    const { readings, curve } = JSON.parse(this.getAttribute("fit"));
+    const series = (pairs) => ({ x: pairs.map(([x]) => x), y: pairs.map(([, y]) => y) });
+    const say = (value) => value.toFixed(4);
+    const most = curve.at(-1)[0];
+    const spec = {
+      key: "calibration",
+      title: "Modulus of the chamber's wall, relative to the rubber's (k2), by pressure in MPa",
+      unit: null,
+      atLeast: [0, 0],
+      level: null,
+      window: { from: -0.02 * most, to: 1.02 * most },
+      cursorWords: (pressure) => mpa(pressure),
+      series: [
+        { name: "readings", tone: "b", look: "points", say },
+        { name: "fit c + a exp(-b Q)", tone: "a", look: "line", say },
+      ],
+    };
+    const values = table({
+      caption: "Readings",
+      rows: readings,
+      empty: "None.",
+      columns: [
+        { name: "Pressure", head: true, cell: ([pressure]) => mpa(pressure) },
+        { name: "k2", numeric: true, cell: ([, k2]) => say(k2) },
+      ],
+    });
+    return { spec, data: [series(readings), series(curve)], values };
+  }
+}
+
+customElements.define("what-if-chart", WhatIfChart);
+customElements.define("calibration-chart", CalibrationChart);
 customElements.define("model-chart", ModelChart);
 customElements.define("error-chart", ErrorChart);
 
@@ -194,6 +270,22 @@ export function modelChart(whisker) {
   const { fleet, robot, array, whisker: number } = whisker;
   const version = [whisker.contacts, whisker.setpoint_mpa, whisker.pressure_mpa, whisker.length_mm].join(" ");
   return h("model-chart", { "data-key": "model", fleet, robot, array, whisker: number, version });
+}
+
+/** The sensitivities before and after a cut, and of the compensator. */
+export const whatIfChart = (rows) => h("what-if-chart", { "data-key": "what-if", rows: JSON.stringify(rows) });
+
+/** Points of the curve of a calibration. */
+const CURVE = 60;
+
+/** Readings and fit of a calibration. */
+export function calibrationChart({ measurements, fit }) {
+  const pairs = measurements.rows.map((row, index) => [row.pressure_mpa, fit.residuals[index]?.k2 ?? null]);
+  const readings = pairs.filter(([, k2]) => k2 !== null).sort(([one], [other]) => one - other);
+  const most = Math.max(0.1, ...readings.map(([pressure]) => pressure));
+  const k2 = (pressure) => fit.c.value + fit.a.value * Math.exp(-fit.b_per_mpa.value * pressure);
+  const curve = Array.from({ length: CURVE + 1 }, (_, index) => (index * most) / CURVE).map((at) => [at, k2(at)]);
+  return h("calibration-chart", { "data-key": "calibration", fit: JSON.stringify({ readings, curve }) });
 }
 
 /** Contact ratios of the predicted errors. */

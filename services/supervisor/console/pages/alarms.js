@@ -9,6 +9,7 @@ import { count } from "../format.js";
 import { mark } from "../marks.js";
 import { alarmGroups, storms } from "../parts/alarms.js";
 import { fleetFilter, fleetsOf } from "../parts/fleets.js";
+import { fromOf, SINCE } from "../parts/since.js";
 import { ALARM_KINDS, ALARM_LEVELS } from "../words.js";
 
 const STATES = [
@@ -17,6 +18,8 @@ const STATES = [
   ["SHELVED", "shelved"],
   ["CLEARED", "cleared"],
 ];
+
+const RAISED = "Alarms that were raised in this time, the newest first, whether they still stand or not.";
 
 const FILTERS = ["fleet", "robot", "array", "kind", "level", "state", "q"];
 
@@ -30,6 +33,7 @@ const alarms = (fleets, route) =>
       { name: "level", label: "Level", options: optionsOf(ALARM_LEVELS).reverse() },
       { name: "kind", label: "Kind", options: optionsOf(ALARM_KINDS) },
       { name: "state", label: "State", empty: "standing, not shelved", options: STATES },
+      { ...SINCE, label: "Raised", empty: "any time" },
       { name: "robot", label: "Robot", text: true },
     ],
   });
@@ -44,6 +48,12 @@ export default {
   async load(_, state) {
     const fleets = await fleetsOf();
     const filter = filterOf(state);
+    if (state.since) {
+      // All alarms of that time, whether they stand or not.
+      const fixed = { ...fromOf(state), sort: "raised_at" };
+      const page = await alarms(fleets, "/v1/alarms").load(state, fixed);
+      return { fleets, page, filter, counts: null, members: new Map(), since: state.since };
+    }
     if (state.state === "CLEARED") {
       const page = await alarms(fleets, "/v1/alarms").load(state, { standing: false, sort: "raised_at" });
       return { fleets, page, filter, counts: null, members: new Map() };
@@ -58,10 +68,10 @@ export default {
     return { fleets, page, filter, counts, members: await storms(page.items, filter, state.storm) };
   },
 
-  view({ fleets, page, filter, counts, members }, _, refresh) {
+  view({ fleets, page, filter, counts, members, since }, _, refresh) {
     return [
       h("h1", { tabindex: "-1" }, "Alarms"),
-      counts ? summary(counts) : h("p", { class: "summary" }, "Alarms whose cause is over, the newest first."),
+      counts ? summary(counts) : h("p", { class: "summary" }, since ? RAISED : "Alarms whose cause is over, the newest first."),
       alarms(fleets, "").view(page, {
         body: [
           counts ? atOnce(counts, filter, refresh) : null,

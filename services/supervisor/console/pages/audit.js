@@ -6,6 +6,7 @@ import { h } from "../dom.js";
 import { time } from "../format.js";
 import { markOf } from "../marks.js";
 import { fleetFilter, fleetsOf } from "../parts/fleets.js";
+import { fromOf, SINCE } from "../parts/since.js";
 import { link } from "../places.js";
 import { ACTION_STATES, AUDIT_KINDS, say } from "../words.js";
 
@@ -16,6 +17,7 @@ const audit = (fleets) =>
     search: "robot, actor, reason ...",
     filters: [
       ...fleetFilter(fleets),
+      SINCE,
       { name: "kind", label: "Action", options: optionsOf(AUDIT_KINDS) },
       { name: "state", label: "Result", options: optionsOf(ACTION_STATES) },
     ],
@@ -45,7 +47,7 @@ export default {
   async load(_, state) {
     if (!has("GET", "/v1/audit")) return null;
     const fleets = await fleetsOf();
-    return { fleets, page: await audit(fleets).load(state) };
+    return { fleets, page: await audit(fleets).load(state, fromOf(state)) };
   },
 
   view(data) {
@@ -65,7 +67,7 @@ export default {
 };
 
 function details(parameters) {
-  const known = Object.entries(parameters).filter(([, value]) => value !== null);
+  const known = Object.entries(parameters).filter(([, value]) => value !== null && typeof value !== "object");
   return known.length
     ? h(
         "span",

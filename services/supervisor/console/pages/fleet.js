@@ -6,6 +6,7 @@ import { h } from "../dom.js";
 import { count, time } from "../format.js";
 import { markOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
+import { hasOverview, overview, OVERVIEW } from "../parts/overview.js";
 import { proposals, proposalsOf } from "../parts/proposals.js";
 import { trail } from "../table.js";
 import { CONNECTIONS } from "../words.js";
@@ -47,15 +48,16 @@ const COLUMNS = [
 
 export default {
   async load({ fleet }, state) {
-    const [about, page, waiting] = await Promise.all([
+    const [about, page, waiting, told] = await Promise.all([
       get(api.fleet(fleet)),
       robots.load(state, { fleet }),
       proposalsOf({ fleet }),
+      hasOverview() ? get(OVERVIEW, { fleet }) : null,
     ]);
-    return { about, page, waiting };
+    return { about, page, waiting, told };
   },
 
-  view({ about, page, waiting }, { fleet }, refresh) {
+  view({ about, page, waiting, told }, { fleet }, refresh) {
     return [
       trail(["Fleets", link.fleets()]),
       h("h1", { tabindex: "-1" }, `Fleet ${fleet}`),
@@ -73,6 +75,7 @@ export default {
         has("GET", ROUTES.policy) ? h("a", { href: link.policy(fleet) }, "Policy") : null,
       ),
       proposals(waiting, refresh),
+      overview(told, fleet),
       robots.view(page, {
         caption: "Robots",
         columns: COLUMNS,

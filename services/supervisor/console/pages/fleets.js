@@ -1,22 +1,24 @@
 // All fleets, those that need attention first.
 
-import { list } from "../api.js";
+import { get, list } from "../api.js";
 import { h } from "../dom.js";
 import { count } from "../format.js";
 import { mark } from "../marks.js";
 import { link } from "../places.js";
+import { hasOverview, overview, OVERVIEW } from "../parts/overview.js";
 import { proposals, proposalsOf } from "../parts/proposals.js";
 
 export default {
   async load() {
-    const [fleets, waiting] = await Promise.all([
+    const [fleets, waiting, told] = await Promise.all([
       list("/v1/fleets", { sort: "attention", order: "descending" }),
       proposalsOf({}),
+      hasOverview() ? get(OVERVIEW) : null,
     ]);
-    return { fleets, waiting };
+    return { fleets, waiting, told };
   },
 
-  view({ fleets, waiting }, _, refresh) {
+  view({ fleets, waiting, told }, _, refresh) {
     return [
       h("h1", { tabindex: "-1" }, "Fleets"),
       h("p", { class: "summary" }, summary(fleets)),
@@ -28,6 +30,7 @@ export default {
             { class: "empty" },
             "No fleet is known yet. Start the service with --fleet to supervise one.",
           ),
+      fleets.length ? overview(told) : null,
     ];
   },
 };

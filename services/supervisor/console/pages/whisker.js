@@ -55,6 +55,7 @@ export default {
   ) {
     const others = serves.filter((one) => !targets.some((known) => known.compensation_id === one.compensation_id));
     const actions = whiskerActions(about, refresh);
+    const cut = { fleet, robot, array, whisker, length_mm: (0.9 * about.length_mm).toFixed(1) };
     return [
       trail(
         ["Fleets", link.fleets()],
@@ -63,6 +64,9 @@ export default {
       ),
       h("h1", { tabindex: "-1" }, `Whisker ${array} ${whisker} of ${robot}`),
       h("p", {}, marksOf(about)),
+      has("GET", `${ROUTES.whisker}/what-if`)
+        ? h("p", { class: "links" }, h("a", { href: link.whatIf(cut) }, "What if it were cut?"))
+        : null,
       facts(of(about)),
       actions.length ? section("Actions", h("div", { class: "buttons" }, actions)) : null,
       section("Charts", whiskerCharts(about)),

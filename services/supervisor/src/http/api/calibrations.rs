@@ -21,6 +21,7 @@ use crate::http::extract::{Body, OptionalBody, Path, Query};
 use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::{Kind, Problem};
+use crate::http::search::Search;
 use crate::plot;
 use vibrissa_edge::actions::RecordedKind;
 use vibrissa_edge::words::Word as _;
@@ -36,6 +37,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(list_calibrations, upload))
         .routes(routes!(get_calibration))
+        .routes(routes!(get_use))
         .routes(routes!(draw_calibration))
         .routes(routes!(activate))
 }
@@ -294,6 +296,9 @@ list_query! {
         /// Name of the whisker model.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub model: Option<Name>,
+        /// Text to look for in the names of models and of those who uploaded, in upper or lower case.
+        #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
+        pub q: Option<Search>,
     }
 }
 
@@ -310,6 +315,7 @@ async fn list_calibrations(
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.is("model", query.model);
+    selection.contains(&["model", "uploaded_by"], query.q);
     listing.answer_with(&app, &CALIBRATIONS, selection, move |row| seen_by(&caller.scope, row)).await
 }
 
@@ -324,6 +330,59 @@ async fn get_calibration(
     Path(at): Path<CalibrationPath>,
 ) -> Result<Json<CalibrationDetail>, Problem> {
     detail(&app, &caller.scope, at.calibration_id).await.map(Json)
+}
+
+/// Use of a whisker model in a fleet.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct CalibrationUse {
+    /// Name of the fleet.
+    pub fleet: String,
+    /// Whether this calibration of the model is active in the fleet.
+    pub is_active: bool,
+    /// Number of robots with whiskers of the model.
+    #[schema(minimum = 0)]
+    pub robots: i64,
+    /// Number of whiskers of the model that are on robots now.
+    #[schema(minimum = 0)]
+    pub whiskers: i64,
+}
+
+/// Fleets in which a calibration or its model is used.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct CalibrationUses {
+    /// The fleets by name.
+    pub items: Vec<CalibrationUse>,
+}
+
+/// Fleets that have whiskers of the calibration's model, or in which the calibration is active.
+#[utoipa::path(
+    get, path = "/v1/calibrations/{calibration_id}/use", tag = "calibrations", params(CalibrationPath),
+    responses((status = 200, description = "The fleets", body = CalibrationUses))
+)]
+async fn get_use(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Path(at): Path<CalibrationPath>,
+) -> Result<Json<CalibrationUses>, Problem> {
+    let row: Option<CalibrationRow> =
+        app.store.first(&CALIBRATIONS, vec![Filter::Is("calibration_id", Value::Whole(at.calibration_id))]).await?;
+    let row = row.ok_or_else(|| Problem::not_found(format_args!("calibration {}", at.calibration_id)))?;
+    let row = seen_by(&caller.scope, row);
+    let filters: Vec<Filter> = caller.scope.filter("r.fleet").into_iter().collect();
+    let known = app.store.model_use(&filters, &row.model).await?;
+    let active: Vec<&str> = row.active_in.iter().flat_map(|fleets| fleets.split(',')).collect();
+    let without = active.iter().filter(|fleet| !known.iter().any(|one| one.fleet == **fleet));
+    let mut items: Vec<CalibrationUse> = without
+        .map(|fleet| CalibrationUse { fleet: (*fleet).to_owned(), is_active: true, robots: 0, whiskers: 0 })
+        .collect();
+    items.extend(known.iter().map(|one| CalibrationUse {
+        fleet: one.fleet.clone(),
+        is_active: active.contains(&one.fleet.as_str()),
+        robots: one.robots,
+        whiskers: one.whiskers,
+    }));
+    items.sort_by(|one, other| one.fleet.cmp(&other.fleet));
+    Ok(Json(CalibrationUses { items }))
 }
 
 /// Plot of the measurements and the fit.

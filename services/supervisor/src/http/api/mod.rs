@@ -16,6 +16,7 @@ pub mod happenings;
 pub mod history;
 pub mod me;
 pub mod model;
+pub mod overview;
 pub mod paths;
 pub mod plots;
 pub mod policy;
@@ -44,6 +45,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(calibrations::routes())
         .merge(events::routes())
         .merge(fleets::routes())
+        .merge(overview::routes())
         .merge(robots::routes())
         .merge(quarantine::routes())
         .merge(contacts::routes())

@@ -91,7 +91,7 @@ pub struct Sensitivity {
 }
 
 /// The model's sensitivity at a contact ratio.
-fn per_mm(model: &Model, ratio: ContactRatio, length_mm: f64, pressure_mpa: f64) -> Option<f64> {
+pub(super) fn per_mm(model: &Model, ratio: ContactRatio, length_mm: f64, pressure_mpa: f64) -> Option<f64> {
     let (length, pressure) = (Millimetre::new(length_mm).ok()?, Megapascal::new(pressure_mpa).ok()?);
     model.check_length(length).ok()?;
     model.sensitivity_per_mm(ratio, length, &model.morphology(pressure)).ok()

@@ -6,11 +6,13 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
+use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::effect::{CandidateRecord, Decision};
-use vibrissa_core::robot::{Planned, Robot, WhatIf};
-use vibrissa_core::units::Millimetre;
+use vibrissa_core::robot::{Params, Planned, Robot, WhatIf};
+use vibrissa_core::units::{ContactRatio, Millimetre};
 use vibrissa_edge::words::Word;
 
+use super::model::per_mm;
 use super::paths::WhiskerPath;
 use crate::http::App;
 use crate::http::extract::{Path, Query};
@@ -42,6 +44,22 @@ pub struct WhatIfAnswer {
     pub ended: Vec<WhatIfEnd>,
     /// Setpoints that would be sent.
     pub setpoints: Vec<WhatIfSetpoint>,
+    /// Predicted sensitivities at the contact ratios 0.45, 0.50 .. 1.00, each with the learned offset of the whisker that
+    /// feels the contact; empty if the answering supervisor does not know the whisker's model.
+    pub by_ratio: Vec<WhatIfSensitivity>,
+}
+
+/// Predicted sensitivities at a contact ratio, in strain per mm of deflection (Eq. 31, averaged over the gauge's grid).
+#[derive(Debug, Serialize, ToSchema)]
+pub struct WhatIfSensitivity {
+    /// Contact ratio: position along the whisker, 0 at the base, 1 at the tip.
+    pub ratio: f64,
+    /// Whole whisker at its nominal pressure, which a compensation imitates; null where the contact would lie on the chamber.
+    pub before_per_mm: Option<f64>,
+    /// Whisker after the cut, at its nominal pressure.
+    pub after_per_mm: Option<f64>,
+    /// Compensator at the pressure of its setpoint; null without a compensator.
+    pub compensated_per_mm: Option<f64>,
 }
 
 /// A decision that would be taken.
@@ -92,12 +110,48 @@ struct Names<'a> {
     robot_id: i64,
 }
 
+/// The sensitivities before the cut, after it, and of the compensator that the decision about the whisker chooses.
+fn by_ratio(
+    robot: &Robot,
+    params: &Params,
+    index: usize,
+    length: Millimetre,
+    decisions: &[Decision],
+) -> Vec<WhatIfSensitivity> {
+    let Some(view) = robot.whisker(index) else { return Vec::new() };
+    let Some(model) = params.model(&view.sheet.model) else { return Vec::new() };
+    let own = decisions.iter().find(|one| one.target == index);
+    let chosen = own.and_then(|one| one.candidates.get(one.chosen?));
+    let compensator = chosen.and_then(|one| {
+        let view = robot.whisker(one.whisker)?;
+        // A whisker that serves itself has the length of the cut.
+        let length = if one.whisker == index { length } else { one.length.length };
+        Some((params.model(&view.sheet.model)?, view.offset, length, one.pressure?))
+    });
+    let sensitivity = |a: f64| {
+        let ratio = ContactRatio::new(a).ok()?;
+        let own = |length: Millimetre| {
+            let predicted = per_mm(model, ratio, length.mm(), view.sheet.pressure.mpa())?;
+            Some(predicted * view.offset.at(ratio).exp())
+        };
+        Some(WhatIfSensitivity {
+            ratio: a,
+            before_per_mm: own(view.sheet.length),
+            after_per_mm: own(length),
+            compensated_per_mm: compensator.and_then(|(model, offset, length, pressure)| {
+                Some(per_mm(model, ratio, length.mm(), pressure.mpa())? * offset.at(ratio).exp())
+            }),
+        })
+    };
+    CONTACT_RATIOS.into_iter().filter_map(sensitivity).collect()
+}
+
 impl Names<'_> {
     fn name(&self, index: usize) -> (String, u16) {
         self.robot.whisker(index).map_or_else(Default::default, |view| (view.array.to_owned(), view.sheet.number))
     }
 
-    fn answer(&self, answer: &WhatIf) -> WhatIfAnswer {
+    fn answer(&self, answer: &WhatIf, by_ratio: Vec<WhatIfSensitivity>) -> WhatIfAnswer {
         let ended = answer.ended.iter().map(|&(number, reason)| WhatIfEnd {
             compensation_id: wide_id(self.robot_id, number),
             reason: reason.word().to_owned(),
@@ -106,6 +160,7 @@ impl Names<'_> {
             decisions: answer.decisions.iter().map(|one| self.decision(one)).collect(),
             ended: ended.collect(),
             setpoints: answer.setpoints.iter().map(|one| self.setpoint(one)).collect(),
+            by_ratio,
         }
     }
 
@@ -179,7 +234,8 @@ async fn get_what_if(
     let (params, robot_id) = (app.params_of(at.fleet.as_str()).await?, stored.robot_id);
     let answered = tokio::task::spawn_blocking(move || {
         let answer = robot.what_if(&params, index, length)?;
-        Ok::<_, vibrissa_core::robot::WhatIfError>(Names { robot: &robot, robot_id }.answer(&answer))
+        let curve = by_ratio(&robot, &params, index, length, &answer.decisions);
+        Ok::<_, vibrissa_core::robot::WhatIfError>(Names { robot: &robot, robot_id }.answer(&answer, curve))
     });
     let answered = answered.await.map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))?;
     answered.map(Json).map_err(|problem| Problem::new(Kind::Refused, problem.to_string()))

@@ -1,0 +1,226 @@
+//! The overview of one or several fleets: changes since a time, and the distribution of measured errors. Each query reads
+//! a bounded number of rows by an index, so that it costs the same in a fleet of ten robots and of ten thousand.
+
+use serde::Serialize;
+use sqlx::postgres::PgRow;
+use sqlx::sqlite::SqliteRow;
+use sqlx::{Database, Encode, FromRow, Postgres, QueryBuilder, Sqlite, Type};
+use utoipa::ToSchema;
+
+use super::database::Either;
+use super::from_row::from_row;
+use super::list::{Filter, push_filters};
+use super::{Store, StoreError, failed};
+
+/// Most changes of a kind that are counted.
+pub const CHANGES_MAX: i64 = 100_000;
+/// Most compensations in force whose errors are counted; if there are more, some of them are.
+pub const COMPENSATIONS_MAX: i64 = 20_000;
+
+from_row! {
+    /// Numbers of changes since a time, each at most [`CHANGES_MAX`].
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub struct Changes {
+        /// Number of detected trims.
+        pub trims: i64,
+        /// Number of setpoints that were issued and applied.
+        pub setpoints_applied: i64,
+        /// Number of alarms that were raised.
+        pub alarms: i64,
+        /// Number of whiskers that people marked as replaced.
+        pub whiskers_replaced: i64,
+    }
+
+    /// Number of compensations whose error is in a bin.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub struct ErrorBin {
+        /// Number of the bin, from 0; its width is a part of the question. The last bin has no upper bound.
+        pub bin: i64,
+        /// Number of compensations.
+        pub compensations: i64,
+    }
+
+    /// Whiskers of a model in a fleet.
+    #[derive(Debug, Clone, PartialEq, Eq)]
+    pub struct ModelUse {
+        /// Name of the fleet.
+        pub fleet: String,
+        /// Number of robots with such whiskers.
+        pub robots: i64,
+        /// Number of such whiskers on robots now.
+        pub whiskers: i64,
+    }
+}
+
+from_row! {
+    /// A robot of an overview, a row of the list of robots.
+    #[derive(Debug, Clone, PartialEq, Eq)]
+    pub struct RobotRow {
+        /// Number of the robot.
+        pub robot_id: i64,
+        /// Name of the fleet.
+        pub fleet: String,
+        /// Name of the robot.
+        pub robot: String,
+        /// Connection state.
+        pub connection: String,
+        /// Number of things that need attention.
+        pub attention: i64,
+    }
+
+    /// A whisker of an overview, a row of the list of whiskers.
+    #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+    pub struct OverviewWhisker {
+        /// Name of the array.
+        pub array: String,
+        /// Number of the whisker in its array.
+        #[schema(minimum = 0)]
+        pub whisker: i64,
+        /// Position on the array along x, mm.
+        pub x_mm: f64,
+        /// Position on the array along y, mm.
+        pub y_mm: f64,
+        /// Estimated present length, mm.
+        pub length_mm: f64,
+        /// Length of the whole whisker, mm.
+        pub whole_length_mm: f64,
+        /// Mechanical condition, such as `HEALTHY` or `TRIMMED`.
+        pub condition: String,
+        /// Fault, such as `LEAK`; null without one.
+        pub fault: Option<String>,
+        /// Number of the compensation in force for it; null without one.
+        pub compensated_by: Option<i64>,
+    }
+}
+
+/// Rows of each kind of change, up to the time. CROSS JOIN keeps SQLite's order of tables: the few new rows first, and then
+/// the robot of each.
+const CHANGES: [(&str, &str); 4] = [
+    ("trims", "trims c CROSS JOIN robots r WHERE r.robot_id = c.robot_id AND c.detected_us >= "),
+    (
+        "setpoints_applied",
+        "setpoints c CROSS JOIN robots r WHERE r.robot_id = c.robot_id AND c.state = 'APPLIED' AND c.issued_us >= ",
+    ),
+    (
+        "alarms",
+        "alarms c LEFT JOIN whiskers w ON w.whisker_id = c.whisker_id CROSS JOIN robots r \
+         WHERE r.robot_id = coalesce(c.robot_id, w.robot_id) AND c.raised_us >= ",
+    ),
+    ("whiskers_replaced", "actions r WHERE r.kind = 'REPLACED' AND r.state = 'DONE' AND r.asked_us >= "),
+];
+
+/// Appends the statement of the changes since a time; the filters concern the column `r.fleet`.
+fn changes<DB: Database>(filters: &[Filter], from_us: i64) -> QueryBuilder<DB>
+where
+    i64: for<'q> Encode<'q, DB> + Type<DB>,
+    f64: for<'q> Encode<'q, DB> + Type<DB>,
+    bool: for<'q> Encode<'q, DB> + Type<DB>,
+    String: for<'q> Encode<'q, DB> + Type<DB>,
+{
+    let mut sql = QueryBuilder::<DB>::new("SELECT ");
+    for (at, (name, rows)) in CHANGES.into_iter().enumerate() {
+        sql.push(if at == 0 { "" } else { ", " }).push("(SELECT count(*) FROM (SELECT 1 AS one FROM ").push(rows);
+        sql.push_bind(from_us);
+        push_filters(&mut sql, filters);
+        sql.push(" LIMIT ").push_bind(CHANGES_MAX).push(") q) AS ").push(name);
+    }
+    sql
+}
+
+/// The statement of the newest measured errors of the compensations in force, counted in `bins` bins of equal width.
+fn error_bins<DB: Database>(filters: &[Filter], width: f64, bins: i64) -> QueryBuilder<DB>
+where
+    i64: for<'q> Encode<'q, DB> + Type<DB>,
+    f64: for<'q> Encode<'q, DB> + Type<DB>,
+    bool: for<'q> Encode<'q, DB> + Type<DB>,
+    String: for<'q> Encode<'q, DB> + Type<DB>,
+{
+    let mut sql = QueryBuilder::<DB>::new("SELECT CAST(CASE");
+    for bin in 0..bins - 1 {
+        #[expect(clippy::cast_precision_loss, reason = "there are few bins")]
+        let end = width * (bin + 1) as f64;
+        sql.push(" WHEN error < ").push_bind(end).push(" THEN ").push_bind(bin);
+    }
+    sql.push(" ELSE ").push_bind(bins - 1).push(
+        " END AS BIGINT) AS bin, count(*) AS compensations FROM (SELECT (SELECT error FROM compensation_errors e \
+         WHERE e.compensation_id = c.compensation_id ORDER BY recorded_us DESC, compensation_error_id DESC LIMIT 1) AS error \
+         FROM compensations c CROSS JOIN robots r WHERE r.robot_id = c.robot_id AND ended_us IS NULL \
+         AND compensator_whisker_id IS NOT NULL AND approval <> 'PROPOSED'",
+    );
+    push_filters(&mut sql, filters);
+    sql.push(" LIMIT ").push_bind(COMPENSATIONS_MAX).push(") q WHERE error IS NOT NULL GROUP BY 1 ORDER BY 1");
+    sql
+}
+
+/// The statement of the whiskers of a model by fleet.
+fn model_use<DB: Database>(filters: &[Filter], model: &str) -> QueryBuilder<DB>
+where
+    i64: for<'q> Encode<'q, DB> + Type<DB>,
+    f64: for<'q> Encode<'q, DB> + Type<DB>,
+    bool: for<'q> Encode<'q, DB> + Type<DB>,
+    String: for<'q> Encode<'q, DB> + Type<DB>,
+{
+    let mut sql = QueryBuilder::<DB>::new(
+        "SELECT r.fleet, count(*) AS robots, CAST(sum(n.whiskers) AS BIGINT) AS whiskers FROM \
+         (SELECT robot_id, count(*) AS whiskers FROM whiskers WHERE position IS NOT NULL AND model = ",
+    );
+    sql.push_bind(model.to_owned()).push(" GROUP BY robot_id) n JOIN robots r ON r.robot_id = n.robot_id WHERE true");
+    push_filters(&mut sql, filters);
+    sql.push(" GROUP BY r.fleet ORDER BY r.fleet");
+    sql
+}
+
+/// Runs a statement of either database, for all its rows.
+macro_rules! rows {
+    ($store:expr, $what:literal, $statement:ident($($argument:expr),*)) => {
+        match &$store.pool {
+            Either::Sqlite(pool) => {
+                let mut sql = $statement::<Sqlite>($($argument),*);
+                all::<_, SqliteRow, _>(sql.build_query_as().persistent(false).fetch_all(pool).await)
+            }
+            Either::Postgres(pool) => {
+                let mut sql = $statement::<Postgres>($($argument),*);
+                all::<_, PgRow, _>(sql.build_query_as().persistent(false).fetch_all(pool).await)
+            }
+        }
+        .map_err(failed($what))
+    };
+}
+
+/// Names the row's type for the compiler.
+fn all<T, R, E>(found: Result<Vec<T>, E>) -> Result<Vec<T>, E>
+where
+    R: sqlx::Row,
+    T: for<'r> FromRow<'r, R>,
+{
+    found
+}
+
+impl Store {
+    /// Numbers of changes since a time. The filters concern the column `r.fleet`.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn changes_since(&self, filters: &[Filter], from_us: i64) -> Result<Changes, StoreError> {
+        let found: Vec<Changes> = rows!(self, "count the changes", changes(filters, from_us))?;
+        let none = Changes { trims: 0, setpoints_applied: 0, alarms: 0, whiskers_replaced: 0 };
+        Ok(found.into_iter().next().unwrap_or(none))
+    }
+
+    /// The newest measured errors of the compensations in force, counted in bins of a width; empty bins are missing. The
+    /// filters concern the column `r.fleet`.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn error_bins(&self, filters: &[Filter], width: f64, bins: i64) -> Result<Vec<ErrorBin>, StoreError> {
+        rows!(self, "count the errors", error_bins(filters, width, bins))
+    }
+
+    /// The whiskers of a model by fleet. The filters concern the column `r.fleet`.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn model_use(&self, filters: &[Filter], model: &str) -> Result<Vec<ModelUse>, StoreError> {
+        rows!(self, "count the whiskers of a model", model_use(filters, model))
+    }
+}

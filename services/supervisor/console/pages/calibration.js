@@ -1,0 +1,133 @@
+// A calibration: its curve, its parameters, where its model is used, and its activation.
+
+import { get, ifServed, list } from "../api.js";
+import { calibrationChart } from "../charts/ratio.js";
+import { actionButton } from "../dialog.js";
+import { h } from "../dom.js";
+import { count, interval, time } from "../format.js";
+import { mark } from "../marks.js";
+import { api, link } from "../places.js";
+import { facts, section, table, trail } from "../table.js";
+
+/** Most versions of the model, and most activations of a fleet, among which the previous one is looked for. */
+const VERSIONS = 200;
+
+export default {
+  async load({ id }) {
+    const told = await get(api.calibration(id));
+    const [uses, versions] = await Promise.all([
+      ifServed("/v1/calibrations/{}/use", async () => (await get(`${api.calibration(id)}/use`)).items, []),
+      list("/v1/calibrations", { model: told.model, limit: VERSIONS }),
+    ]);
+    const active = uses.filter((one) => one.is_active);
+    const previous = new Map(
+      await Promise.all(active.map(async ({ fleet }) => [fleet, await previousOf(fleet, told, versions)])),
+    );
+    return { told, uses, versions, previous };
+  },
+
+  view({ told, uses, versions, previous }, _, refresh) {
+    return [
+      trail(["Calibrations", link.calibrations()]),
+      h("h1", { tabindex: "-1" }, `Calibration ${told.model}, version ${told.version}`),
+      facts([
+        ["Uploaded", time(told.uploaded_at)],
+        ["Actor", told.uploaded_by],
+        ["c, limit of k2 at high pressure", number(told.fit.c)],
+        ["a, excess of k2 at zero pressure", number(told.fit.a)],
+        ["b, rate of softening per MPa", number(told.fit.b_per_mpa, 2)],
+        ["Young's modulus of the rubber", `${told.measurements.youngs_modulus_mpa}\u00a0MPa`],
+        ["Scatter of single strains", `${(100 * told.fit.strain_scatter).toFixed(1)}\u00a0%`],
+        ["Readings", count(told.measurements.rows.length, "reading")],
+      ]),
+      section("Curve", calibrationChart(told)),
+      section("Where it is used", usesTable(told, uses, previous, refresh)),
+      section("Versions of this model", versionsTable(told, versions)),
+    ];
+  },
+};
+
+const number = ({ value, low, high }, digits = 4) => interval(value, low, high, (one) => one.toFixed(digits));
+
+/** The version that was active in a fleet before this one; null if none is known. */
+async function previousOf(fleet, told, versions) {
+  const activations = await ifServed(
+    "/v1/audit",
+    () => list("/v1/audit", { fleet, kind: "CALIBRATION", state: "DONE", limit: VERSIONS }),
+    [],
+  );
+  const others = activations.map((one) => one.parameters.calibration_id).filter((id) => id !== told.calibration_id);
+  return others.map((id) => versions.find((one) => one.calibration_id === id)).find(Boolean) ?? null;
+}
+
+function usesTable(told, uses, previous, refresh) {
+  return table({
+    caption: `Fleets with whiskers of model ${told.model}`,
+    rows: uses,
+    key: (row) => `use-${row.fleet}`,
+    empty: "No robot has whiskers of this model.",
+    columns: [
+      { name: "Fleet", head: true, cell: (row) => h("a", { href: link.fleet(row.fleet) }, row.fleet) },
+      {
+        name: "This calibration",
+        cell: (row) => (row.is_active ? mark("active", "good", "tick") : mark("not active", "off", "ring")),
+      },
+      { name: "Robots", numeric: true, cell: (row) => row.robots.toLocaleString("en") },
+      {
+        name: "Whiskers",
+        numeric: true,
+        cell: (row) =>
+          h("a", { href: link.whiskers({ fleet: row.fleet, q: told.model }) }, row.whiskers.toLocaleString("en")),
+      },
+      { name: "Action", cell: (row) => action(told, row, previous.get(row.fleet), refresh) },
+    ],
+  });
+}
+
+function action(told, { fleet, is_active: isActive, whiskers }, previous, refresh) {
+  if (!isActive) return activation(told, fleet, whiskers, "Activate", refresh);
+  if (previous) return activation(previous, fleet, whiskers, `Restore version ${previous.version}`, refresh);
+  return "\u2013";
+}
+
+function activation(one, fleet, whiskers, button, refresh) {
+  return h(
+    "span",
+    { class: "buttons" },
+    actionButton(
+      {
+        title: `${button} of ${one.model} in fleet ${fleet}`,
+        what: [
+          `Version ${one.version} applies to ${count(whiskers, "whisker")} of fleet ${fleet}. Their baselines are relearned at their present lengths; until then a cut is not detected. Pressures do not change.`,
+        ],
+        button,
+        grave: true,
+        reason: "optional",
+        path: `${api.fleet(fleet)}/calibrations/${one.calibration_id}/activate`,
+        body: (values) => ({ reason: values.reason?.trim() || undefined }),
+      },
+      refresh,
+    ),
+  );
+}
+
+function versionsTable(told, versions) {
+  return table({
+    caption: `Versions of ${told.model}, the newest first`,
+    rows: versions,
+    key: (row) => `version-${row.calibration_id}`,
+    empty: "",
+    columns: [
+      {
+        name: "Version",
+        head: true,
+        cell: (row) =>
+          row.calibration_id === told.calibration_id
+            ? `${row.version}, this one`
+            : h("a", { href: link.calibration(row.calibration_id) }, String(row.version)),
+      },
+      { name: "Uploaded", cell: (row) => time(row.uploaded_at) },
+      { name: "Active in", cell: (row) => row.active_in?.replaceAll(",", ", ") ?? "no fleet" },
+    ],
+  });
+}
