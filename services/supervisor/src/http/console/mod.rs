@@ -80,6 +80,7 @@ files!(
     "parts/alarms.js"
     "parts/decisions.js"
     "parts/fleets.js"
+    "parts/incidents.js"
     "parts/proposals.js"
     "parts/tests.js"
     "places.js"
