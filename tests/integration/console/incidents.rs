@@ -52,8 +52,8 @@ async fn a_whisker_of_the_demo_is_cut_and_replaced_by_buttons() {
         }
     }
     press(&mut browser, "Replace", "Crawler-1/left/2 is new, and reported as replaced.").await;
-    let learning = |one: &Value| one["condition"] == "LEARNING";
-    demo.item("/v1/whiskers?robot=crawler-1&array=left&whisker=2", learning).await;
+    let learning = |one: &Value| one["whisker"] == 2 && one["condition"] == "LEARNING";
+    demo.item("/v1/whiskers?robot=crawler-1&array=left", learning).await;
     press(&mut browser, "Heat by 10 K", "have 34.0").await;
     assert_eq!(browser.problems(), Vec::<String>::new());
     demo.type_line("quit");

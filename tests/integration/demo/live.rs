@@ -22,21 +22,23 @@ async fn paper_a_typed_cut_is_called_and_compensated_and_a_replaced_whisker_is_l
     .await;
     demo.type_line("cut 5 whisker 2");
     demo.prints("crawler-1/left/2 is cut by 5 mm to 65.0 mm").await;
+    demo.type_line("cut 22 crawler-2/nose/2");
 
     let trim = demo.item(&format!("/v1/trims?{OF_WHISKER}&whisker=2"), |_| true).await;
     let length_mm = trim["length_after_mm"].as_f64().unwrap();
     assert!((length_mm - 65.0).abs() < 1.5, "{trim}");
-    let alarm = demo.item(&format!("/v1/alarms?{OF_WHISKER}&whisker=2"), |_| true).await;
+    let uncompensated = |one: &Value| one["whisker"] == 2 && one["kind"] == "UNCOMPENSATED";
+    let alarm = demo.item("/v1/alarms?robot=crawler-2", uncompensated).await;
     assert!(alarm["hint"].as_str().is_some_and(|hint| !hint.is_empty()), "{alarm}");
     let applied = |one: &Value| one["setpoint_state"] == "APPLIED";
     let decision = demo.item(&format!("/v1/compensations?{OF_WHISKER}&target_whisker=2"), applied).await;
     assert!(!decision["compensator_whisker"].is_null(), "{decision}");
     demo.prints("crawler-1/left/2: SUSPECTED -> TRIMMED").await;
 
-    demo.type_line("replace");
+    demo.type_line("replace crawler-1/left/2");
     demo.prints("crawler-1/left/2 is new, and reported as replaced").await;
-    let learning = |one: &Value| one["condition"] == "LEARNING";
-    demo.item(&format!("/v1/whiskers?{OF_WHISKER}&whisker=2"), learning).await;
+    let learning = |one: &Value| one["whisker"] == 2 && one["condition"] == "LEARNING";
+    demo.item(&format!("/v1/whiskers?{OF_WHISKER}"), learning).await;
     let ended = |one: &Value| one["end_reason"] == "REPLACED";
     demo.item(&format!("/v1/compensations?{OF_WHISKER}&target_whisker=2"), ended).await;
 

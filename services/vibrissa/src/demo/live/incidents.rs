@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde_json::json;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::scenario::{BadScenario, Change};
-use vibrissa_simulator::{RobotHandle, Whisker, fleet::now_us};
+use vibrissa_simulator::{Robot, RobotHandle, fleet::now_us};
 use vibrissa_store::{Store, StoreError};
 use vibrissa_supervisor::action_notifier::ActionNotifier;
 use vibrissa_supervisor::http::asking::{Asker, number_of};
@@ -101,23 +101,22 @@ impl Opened {
     fn change(&self, at: &WhiskerName, incident: Incident) -> Result<String, Refusal> {
         let unknown = || Refusal::UnknownWhisker(at.clone(), self.whiskers());
         let robot = self.robots.iter().find(|robot| *robot.name() == at.robot).ok_or_else(unknown)?;
-        // Asked before the robot is locked, because the problem names the whiskers of all robots.
-        if robot.with(|robot| robot.whisker(&at.array, at.whisker).is_none()) {
-            return Err(unknown());
-        }
+        let facts = |robot: &mut Robot| {
+            let plant = robot.whisker(&at.array, at.whisker)?.plant();
+            Some((plant.length_mm(), plant.temperature_c()))
+        };
+        // The lock is free again before `unknown` locks all robots.
+        let (length_mm, temperature_c) = robot.with(facts).ok_or_else(unknown)?;
         robot.with(|robot| {
-            let Some(plant) = robot.whisker(&at.array, at.whisker).map(Whisker::plant) else {
-                return Err(Refusal::UnknownWhisker(at.clone(), String::new()));
-            };
             let whisker = Some(at.whisker);
             let (whisker, change, told) = match incident {
                 Incident::Cut { by_mm } => {
-                    let length_mm = cut(at, plant.length_mm(), by_mm)?;
+                    let length_mm = cut(at, length_mm, by_mm)?;
                     let told = format!("{at} is cut by {by_mm} mm to {length_mm:.1} mm");
                     (whisker, Change::Trim { length_mm }, told)
                 }
                 Incident::Erode => {
-                    let until_length_mm = (plant.length_mm() - EROSION_MM).max(LENGTH_MIN_MM);
+                    let until_length_mm = (length_mm - EROSION_MM).max(LENGTH_MIN_MM);
                     let told = format!(
                         "{at} loses {EROSION_MM_PER_CONTACT} mm with each contact, down to {until_length_mm:.1} mm"
                     );
@@ -128,7 +127,7 @@ impl Opened {
                     (whisker, Change::Leak { rate_mpa_per_s: LEAK_MPA_PER_S }, told)
                 }
                 Incident::Heat { by_k } => {
-                    let temperature_c = heated(plant.temperature_c(), by_k)?;
+                    let temperature_c = heated(temperature_c, by_k)?;
                     let sensitivity_factor = 1.0 + SENSITIVITY_PER_K * (temperature_c - NOMINAL_C);
                     let told = format!(
                         "the whiskers of {}/{} have {temperature_c:.1} \u{b0}C: each feels {:.1} % more than at \

@@ -13,12 +13,13 @@ const LINES_WAITING: usize = 16;
 
 /// What can be typed.
 pub(super) const MENU: &str = "  cut 5 whisker 2         cut whisker 2 by 5 mm
+  cut 22 crawler-2/nose/2 too short for any compensation: an alarm with a hint
   erode whisker 1         wear whisker 1 off with each contact
   leak whisker 3          let the chamber of whisker 3 leak
   heat 10                 heat the whiskers of the array by 10 K: no cut must be called
   replace whisker 2       install a new whisker 2, and report it to the supervisor
   help, quit
-A whisker of another array has its full name: cut 5 crawler-2/nose/0. Without a whisker, the last one is meant.";
+A whisker of another array has its full name. Without a whisker, the last one is meant.";
 
 /// A typed line.
 #[derive(Debug, Clone, PartialEq)]
