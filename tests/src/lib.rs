@@ -2,6 +2,7 @@
 
 pub mod actions;
 pub mod certificates;
+pub mod demo;
 pub mod extremes;
 pub mod jwt;
 pub mod mosquitto;

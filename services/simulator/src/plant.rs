@@ -271,6 +271,15 @@ impl Plant {
         self.record(t_us, until_length_mm, true);
     }
 
+    /// Installs a new whisker of the same rubber, with its first length and a new gauge.
+    pub(crate) fn replace(&mut self, t_us: u64) {
+        self.length_mm = self.whole_length_mm;
+        self.erosion = None;
+        self.gauge = GaugeCondition::Ok;
+        self.baseline = Baseline::default();
+        self.record(t_us, self.length_mm, false);
+    }
+
     fn record(&mut self, t_us: u64, length_mm: f64, gradual: bool) {
         self.changes.push(LengthChange { t_us, contact: self.contacts, length_mm, gradual });
     }
@@ -358,6 +367,12 @@ impl Plant {
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model
+    }
+
+    /// Present temperature, in degrees Celsius.
+    #[must_use]
+    pub fn temperature_c(&self) -> f64 {
+        self.temperature_c
     }
 
     /// Condition of the gauge as the robot detects it.

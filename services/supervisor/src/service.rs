@@ -18,7 +18,7 @@ use crate::broker::Broker;
 use crate::engine::{ContactRetention, Limits};
 use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
-use crate::http::{App, HttpOptions, Serving};
+use crate::http::{App, FurtherRoutes, HttpOptions, Serving};
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
@@ -117,6 +117,14 @@ impl Service {
     /// A port is taken, or the database cannot be used. An unreachable PostgreSQL server or broker is no error: the
     /// service waits for it.
     pub async fn start(options: ServiceOptions) -> anyhow::Result<Self> {
+        Self::start_with(options, FurtherRoutes::default()).await
+    }
+
+    /// Like [`Service::start`], with HTTP routes of the caller beside those of the API.
+    ///
+    /// # Errors
+    /// Those of [`Service::start`].
+    pub async fn start_with(options: ServiceOptions, further_routes: FurtherRoutes) -> anyhow::Result<Self> {
         if options.database.is_exposed() {
             warn!(database = %options.database, "database server is not verified: add ?sslmode=verify-full to its URL");
         }
@@ -188,6 +196,7 @@ impl Service {
             stopped.clone(),
         )
         .traced(traces.clone())
+        .with_routes(further_routes)
         .allowing(robots_file);
         let Serving { address: http, monitoring, task: http_task } =
             crate::http::serve(&options.http, app, stopped.clone()).await?;

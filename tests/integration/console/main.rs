@@ -8,6 +8,7 @@ mod browsing;
 mod charts;
 mod checks;
 mod following;
+mod incidents;
 mod stage;
 mod touch_tests;
 mod widths;

@@ -1,6 +1,8 @@
 //! Runs the demo like a new user.
 
-use vibrissa::demo::{DemoOptions, run};
+mod live;
+
+use vibrissa::demo::{DemoOptions, Serving, run};
 
 /// The demo itself fails if a trim was missed, late or false, a length off by more than 1 mm, a setpoint not applied, a
 /// contact lost, or the mean error of self-compensation not below the paper's 20.385 %.
@@ -12,7 +14,7 @@ async fn paper_the_demo_ends_as_expected() {
         seed: 2021,
         mqtt_port: 0,
         http: "127.0.0.1:0".parse().unwrap(),
-        serve: false,
+        serving: Serving::Never,
     };
     assert!(run(&options).await.unwrap(), "see the report above");
     let picture = std::fs::read_to_string(folder.path().join("demo.svg")).unwrap();

@@ -1,10 +1,12 @@
 //! Applies the events of the scenario to a robot.
 
+use vibrissa_protocol::Name;
+
 use super::{Outgoing, Robot, boot_id};
 use crate::commands::Commands;
 use crate::link::FaultKind;
 use crate::plant::GaugeCondition;
-use crate::scenario::{Change, Event, Misbehaviour};
+use crate::scenario::{BadScenario, Change, Event, Misbehaviour};
 
 impl Robot {
     /// Sorts the scenario's events by their triggers.
@@ -69,6 +71,7 @@ impl Robot {
             | Change::GaugeShort
             | Change::GaugeSaturated { .. }
             | Change::GaugeOk
+            | Change::Replace
             | Change::BaselineDrift { .. }
             | Change::Silent { .. } => {
                 if let Some(at) = self.place(event) {
@@ -95,6 +98,10 @@ impl Robot {
                 whisker.plant.set_gauge(GaugeCondition::Saturated { limit_strain });
             }
             Change::GaugeOk => whisker.plant.set_gauge(GaugeCondition::Ok),
+            Change::Replace => {
+                whisker.plant.replace(at_us);
+                whisker.leak_mpa_per_s = 0.0;
+            }
             Change::BaselineDrift { strain_per_contact, until_strain } => {
                 whisker.plant.drift(strain_per_contact, until_strain);
             }
@@ -111,6 +118,24 @@ impl Robot {
             | Change::SupplyLow { .. } => {}
         }
         self.report_change(at_us);
+    }
+
+    /// Lets something happen at the next poll: to a whisker, to an array, or to the robot, as [`Change`] states.
+    ///
+    /// # Errors
+    /// The change is invalid, or the robot has no such array or whisker.
+    pub fn happen_soon(
+        &mut self,
+        array: Option<Name>,
+        whisker: Option<u16>,
+        change: Change,
+        now_us: u64,
+    ) -> Result<(), BadScenario> {
+        let event = Event { at_s: Some(0.0), at_contact: None, array, whisker, change };
+        event.check("incident", &self.config.robot)?;
+        let place = self.events.partition_point(|&(at_us, _)| at_us <= now_us);
+        self.events.insert(place, (now_us, event));
+        Ok(())
     }
 
     /// Restarts at the next poll, as after a power cut: without a farewell, in a new boot.

@@ -253,6 +253,12 @@ impl Robot {
         self.batch_until_us = self.batch_until_us.map(|_| 0);
     }
 
+    /// Makes contacts from now on at this rate of each whisker, also after [`Robot::rest`]. The rate is limited to the range
+    /// of [`Behaviour::contacts_per_second`](crate::scenario::Behaviour::contacts_per_second).
+    pub fn touch_at_rate(&mut self, contacts_per_second: f64, now_us: u64) {
+        self.contacts.restart(now_us, contacts_per_second.clamp(1e-6, 10_000.0));
+    }
+
     /// Whether the robot is connected.
     #[must_use]
     pub fn is_connected(&self) -> bool {

@@ -61,6 +61,15 @@ impl Contacts {
     pub(super) fn stop(&mut self) {
         self.next.clear();
     }
+
+    /// Goes on from a time at another rate.
+    pub(super) fn restart(&mut self, start_us: u64, per_second: f64) {
+        self.stop();
+        self.start_us = start_us;
+        self.interval_us = 1e6 / per_second;
+        self.streams.iter_mut().for_each(|(_, made)| *made = 0);
+        (0..self.streams.len()).for_each(|whisker| self.plan(whisker));
+    }
 }
 
 impl Robot {

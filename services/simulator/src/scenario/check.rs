@@ -148,7 +148,7 @@ fn length(place: String, length_mm: f64) -> Checked {
 }
 
 impl Event {
-    fn check(&self, place: &str, robot: &RobotScenario) -> Checked {
+    pub(crate) fn check(&self, place: &str, robot: &RobotScenario) -> Checked {
         match (self.at_s, self.at_contact) {
             (Some(at_s), None) => within(format!("{place} at_s"), at_s, 0.0..=1e9)?,
             (None, Some(_)) => {}
@@ -206,7 +206,7 @@ impl Change {
                 length(field("until_length_mm"), until_length_mm)
             }
             Self::Leak { rate_mpa_per_s } => within(field("rate_mpa_per_s"), rate_mpa_per_s, 0.0..=10.0),
-            Self::GaugeOpen | Self::GaugeShort | Self::GaugeOk | Self::Restart => Ok(()),
+            Self::GaugeOpen | Self::GaugeShort | Self::GaugeOk | Self::Replace | Self::Restart => Ok(()),
             Self::BaselineDrift { strain_per_contact, until_strain } => {
                 within(field("strain_per_contact"), strain_per_contact, -0.01..=0.01)?;
                 within(field("until_strain"), until_strain, -0.5..=0.5)?;

@@ -64,6 +64,9 @@ pub enum Change {
     /// To a whisker: its gauge works again.
     #[serde(rename = "GAUGE_OK")]
     GaugeOk,
+    /// To a whisker: a new one is installed in its place, as at the start, with a tight chamber and a working gauge.
+    #[serde(rename = "REPLACE")]
+    Replace,
     /// To a whisker: its gauge's zero drifts with each contact, as under cyclic load.
     #[serde(rename = "BASELINE_DRIFT")]
     BaselineDrift {
@@ -189,6 +192,7 @@ impl Change {
             | Self::GaugeShort
             | Self::GaugeSaturated { .. }
             | Self::GaugeOk
+            | Self::Replace
             | Self::BaselineDrift { .. }
             | Self::Silent { .. } => Target::Whisker,
             Self::Temperature { .. } | Self::DeflectionScale { .. } => Target::RobotOrArray,

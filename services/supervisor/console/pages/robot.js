@@ -8,6 +8,7 @@ import { count, interval, mm, mpa, time } from "../format.js";
 import { attention, markOf, marksOf } from "../marks.js";
 import { api, link } from "../places.js";
 import { decisionsTable } from "../parts/decisions.js";
+import { incidents } from "../parts/incidents.js";
 import { proposals } from "../parts/proposals.js";
 import { proposedTests } from "../parts/tests.js";
 import { facts, section, table, trail } from "../table.js";
@@ -42,6 +43,7 @@ export default {
         ["Whiskers", `${count(about.whiskers, "whisker")}, ${about.whiskers_healthy} healthy`],
       ]),
       actions.length ? h("div", { class: "buttons" }, actions) : null,
+      incidents(whiskers, refresh),
       proposals(waiting, refresh),
       proposedTests(tests, refresh),
       whiskers.length ? null : h("p", { class: "empty" }, "The robot has not sent a factsheet yet."),

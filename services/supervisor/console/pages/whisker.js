@@ -9,6 +9,7 @@ import { count, interval, mm, mpa, percent, time } from "../format.js";
 import { markOf, marksOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
 import { candidatesTable, decisionsTable, setpointsTable } from "../parts/decisions.js";
+import { incidents } from "../parts/incidents.js";
 import { testsTable } from "../parts/tests.js";
 import { facts, section, table, trail } from "../table.js";
 import { APPROVALS, CONDITIONS, FAULTS, say } from "../words.js";
@@ -69,6 +70,7 @@ export default {
         : null,
       facts(of(about)),
       actions.length ? section("Actions", h("div", { class: "buttons" }, actions)) : null,
+      incidents([about], refresh),
       section("Charts", whiskerCharts(about)),
       has("GET", `${ROUTES.whisker}/model`) ? section("Model", modelChart(about), modelHint()) : null,
       newest ? section("Newest decision", decision(newest, refresh)) : null,

@@ -19,6 +19,7 @@ mod docs;
 mod docs;
 pub mod document;
 pub mod extract;
+mod further_routes;
 mod headers;
 mod health;
 pub mod listing;
@@ -60,6 +61,7 @@ use crate::readiness::Readiness;
 use crate::robots_file::RobotsFile;
 use crate::trace::Traces;
 use access::{Access, Gate, origin};
+pub use further_routes::FurtherRoutes;
 use server::{Limits, Server};
 use streams::{StreamOptions, Streams};
 use vibrissa_store::{Store, StoreError};
@@ -89,6 +91,8 @@ pub struct App {
     pub robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
     /// Where the runbooks are, without a slash at the end.
     pub runbooks_url: Arc<str>,
+    /// Routes beside those of the API.
+    pub further_routes: FurtherRoutes,
 }
 
 impl App {
@@ -116,6 +120,7 @@ impl App {
             traces: None,
             robots_file: None,
             runbooks_url: runbooks::PATH.into(),
+            further_routes: FurtherRoutes::default(),
         }
     }
 
@@ -132,6 +137,12 @@ impl App {
             Some(url) => Self { runbooks_url: url.trim_end_matches('/').into(), ..self },
             None => self,
         }
+    }
+
+    /// Adds routes beside those of the API.
+    #[must_use]
+    pub fn with_routes(self, further_routes: FurtherRoutes) -> Self {
+        Self { further_routes, ..self }
     }
 
     /// Replaces the limits of event streams.
@@ -264,9 +275,10 @@ fn listen(address: SocketAddr, flag: &'static str) -> Result<(TcpListener, Socke
     Ok((listener, bound))
 }
 
-/// The complete router, and the OpenAPI document of the routes under `/v1`.
+/// The complete router, and the OpenAPI document of the routes under `/v1` and of the further ones.
 pub fn router(app: App) -> (Router, Document) {
-    let (api, mut document) = OpenApiRouter::with_openapi(document::base()).merge(api::routes()).split_for_parts();
+    let routes = OpenApiRouter::with_openapi(document::base()).merge(api::routes()).merge(app.further_routes.router());
+    let (api, mut document) = routes.split_for_parts();
     let roles = Arc::new(document::Roles::of(&mut document));
     completion::complete(&mut document, app.access.is_open());
     let gate = Gate { store: app.store.clone(), access: app.access.clone(), roles };

@@ -10,7 +10,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
 
 use super::config::ConfigArgs;
-use crate::demo::{self, DemoOptions};
+use crate::demo::{self, DemoOptions, Serving};
 use crate::exposure::exposures;
 use vibrissa_supervisor::service::Service;
 
@@ -56,9 +56,12 @@ pub struct DemoArgs {
     /// Address of the HTTP listener; port 0 takes any free port.
     #[arg(long, default_value = "127.0.0.1:0")]
     http: SocketAddr,
-    /// Keep serving after the report.
+    /// After the report, let the robots go on touching, and cut or wear off whiskers by commands or on the console.
     #[arg(long)]
     serve: bool,
+    /// Like --serve, at once and without the scripted part.
+    #[arg(long)]
+    live: bool,
 }
 
 /// Runs the demo; true if it succeeded.
@@ -73,7 +76,11 @@ pub fn demo(args: DemoArgs) -> anyhow::Result<bool> {
         seed: args.seed,
         mqtt_port: args.mqtt_port,
         http: args.http,
-        serve: args.serve,
+        serving: match (args.live, args.serve) {
+            (true, _) => Serving::AtOnce,
+            (false, true) => Serving::AfterReport,
+            (false, false) => Serving::Never,
+        },
     };
     runtime()?.block_on(demo::run(&options))
 }

@@ -1,5 +1,6 @@
 //! The demonstration: broker, supervisor, database and a simulated fleet in one process, over real MQTT.
 
+mod live;
 mod picture;
 mod report;
 pub mod scenario;
@@ -16,9 +17,11 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::Fleet;
 
+use live::Incidents;
 use scenario::{CONTACTS_PER_SECOND, INCIDENTS, What};
 use vibrissa_store::DatabaseAddress;
 use vibrissa_store::Store;
+use vibrissa_supervisor::http::FurtherRoutes;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::service::{HistoryOptions, LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 
@@ -38,8 +41,19 @@ pub struct DemoOptions {
     pub mqtt_port: u16,
     /// Address of the HTTP listener.
     pub http: SocketAddr,
-    /// Whether to keep serving after the report.
-    pub serve: bool,
+    /// Whether the robots go on touching, for a person who lets incidents happen.
+    pub serving: Serving,
+}
+
+/// Whether and when the demo serves a person.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Serving {
+    /// The demo ends after its report.
+    Never,
+    /// After the report.
+    AfterReport,
+    /// At once, without the scripted part.
+    AtOnce,
 }
 
 /// Runs the demo; true if all expected events happened.
@@ -48,7 +62,12 @@ pub struct DemoOptions {
 /// A part cannot be started, or a file cannot be written.
 pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     let database = fresh_database(&options.folder)?;
-    let service = Service::start(ServiceOptions {
+    let incidents = Incidents::default();
+    let routes = match options.serving {
+        Serving::Never => FurtherRoutes::default(),
+        Serving::AfterReport | Serving::AtOnce => live::routes(incidents.clone()),
+    };
+    let service_options = ServiceOptions {
         access: AccessOptions::default(),
         name: "demo".to_owned(),
         fleets: vec![Name::new(scenario::FLEET)?],
@@ -62,15 +81,28 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
         http: options.http.into(),
         traces: None,
         params: Params::nguyen_2021(Formulation::Published),
-    })
-    .await?;
+    };
+    let service = Service::start_with(service_options, routes).await?;
     let broker = vibrissa_simulator::Broker::new(service.broker.host.clone(), service.broker.port);
     println!("vibrissa demo: two robots with nine whiskers, over MQTT on {broker:?}; HTTP on http://{}", service.http);
+    let mut scenario = scenario::scenario(options.seed)?;
+    if options.serving == Serving::AtOnce {
+        scenario.robots.iter_mut().for_each(|robot| robot.events.clear());
+        let fleet = Fleet::start(&scenario, &broker)?;
+        println!(
+            "The supervisor learns the whiskers from {CONTACTS_PER_SECOND} contacts of each a second (time-lapse)."
+        );
+        live::learn(&service.store).await?;
+        live::run(&service, &fleet, &incidents).await?;
+        fleet.stop().await;
+        service.stop().await;
+        return Ok(true);
+    }
     println!(
         "Each whisker has {CONTACTS_PER_SECOND} contacts a second (time-lapse). Three are cut, one erodes, one is cut \
          too short.\n"
     );
-    let fleet = Fleet::start(&scenario::scenario(options.seed)?, &broker)?;
+    let fleet = Fleet::start(&scenario, &broker)?;
     watch(&service.store).await?;
     let settled = settle(&fleet, &service.store).await?;
     let outcome = report::report(&service.store, &fleet, settled).await?;
@@ -79,12 +111,8 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     let picture = options.folder.join("demo.svg");
     picture::draw(&service.store, &picture).await.with_context(|| format!("drawing {}", picture.display()))?;
     println!("\nDatabase: {}\nChart:    {}", database.display(), picture.display());
-    if options.serve {
-        println!(
-            "\nServing until Ctrl-C: the console on http://{}/, the API in /openapi.json, /metrics; MQTT on {broker:?}",
-            service.http
-        );
-        tokio::signal::ctrl_c().await.context("waiting for Ctrl-C")?;
+    if options.serving == Serving::AfterReport {
+        live::run(&service, &fleet, &incidents).await?;
     }
     fleet.stop().await;
     service.stop().await;

@@ -114,6 +114,51 @@ fn a_gauge_can_be_repaired() {
 }
 
 #[test]
+fn a_replaced_whisker_is_whole_and_tight_and_its_gauge_works() {
+    let mut bench = Bench::with_events([]);
+    let drift = Change::BaselineDrift { strain_per_contact: 1e-6, until_strain: 1e-4 };
+    let trim = Change::Trim { length_mm: 60.0 };
+    for change in [trim, Change::Leak { rate_mpa_per_s: 0.002 }, Change::GaugeOpen, drift] {
+        bench.robot.happen_soon(Some(left()), Some(0), change, START).unwrap();
+    }
+    bench.run(30.0);
+    let condition = |bench: &Bench| (bench.first().regulator().condition(), bench.first().plant().gauge());
+    assert_eq!((condition(&bench), bench.first().plant().length_mm()), ((Regulator::Leak, Gauge::Open), 60.0));
+    let begun_us = START + 30 * S;
+    bench.robot.happen_soon(Some(left()), Some(0), Change::Replace, begun_us).unwrap();
+    bench.run(60.0);
+    assert_eq!((condition(&bench), bench.first().plant().length_mm()), ((Regulator::Ok, Gauge::Ok), 70.0));
+    assert_eq!(bench.first().plant().baseline_strain(), 0.0);
+    let changes: Vec<(u64, f64)> = bench.first().changes().iter().map(|one| (one.t_us, one.length_mm)).collect();
+    assert_eq!(changes, [(START, 60.0), (begun_us, 70.0)]);
+}
+
+#[test]
+fn what_cannot_happen_is_refused() {
+    let mut bench = Bench::with_events([]);
+    let mut refused =
+        |array, whisker, change| bench.robot.happen_soon(array, whisker, change, START).unwrap_err().to_string();
+    assert!(refused(Some(left()), Some(9), Change::Replace).contains("array left has no whisker 9"));
+    assert!(refused(Some(left()), Some(0), Change::Trim { length_mm: 30.0 }).contains("length_mm is 30"));
+    assert!(refused(None, Some(0), Change::GaugeOpen).contains("needs array and whisker"));
+}
+
+#[test]
+fn a_resting_robot_goes_on_at_another_rate() {
+    let mut bench = Bench::with_events([]);
+    bench.run(10.0);
+    bench.robot.rest();
+    let before = bench.robot.contacts_made();
+    bench.run(10.0);
+    assert_eq!(bench.robot.contacts_made(), before);
+    bench.robot.touch_at_rate(5.0, START + 20 * S);
+    bench.run(10.0);
+    let made = bench.robot.contacts_made() - before;
+    let expected = 50 * bench.robot.whiskers().len() as u64;
+    assert!(made.abs_diff(expected) <= expected / 20, "{made} of {expected}");
+}
+
+#[test]
 fn a_deflection_scale_is_of_an_array() {
     let scale = Change::DeflectionScale { factor: 1.2 };
     let scale = Event { array: Some(left()), ..Event::robot_at_s(0.0, scale) };

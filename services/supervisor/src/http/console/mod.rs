@@ -86,6 +86,7 @@ files!(
     "parts/alarms.js"
     "parts/decisions.js"
     "parts/fleets.js"
+    "parts/incidents.js"
     "parts/overview.js"
     "parts/proposals.js"
     "parts/since.js"

@@ -1,0 +1,144 @@
+//! The demo after its scripted part: the robots go on touching, and a person lets incidents happen to their whiskers.
+
+mod incident;
+mod incidents;
+mod routes;
+mod terminal;
+
+use std::time::Duration;
+
+use anyhow::Context;
+use tokio::sync::mpsc;
+use uuid::Uuid;
+use vibrissa_simulator::Fleet;
+use vibrissa_simulator::fleet::now_us;
+use vibrissa_store::Store;
+use vibrissa_store::lists::compensations::{COMPENSATIONS, CompensationSummary};
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa_supervisor::http::access::Caller;
+use vibrissa_supervisor::http::asking::Asker;
+use vibrissa_supervisor::service::Service;
+
+use incident::WhiskerName;
+pub(super) use incidents::Incidents;
+pub(super) use routes::routes;
+use terminal::{Command, MENU};
+
+use super::report;
+
+/// Contacts of each robot per second.
+const CONTACTS_PER_SECOND: f64 = 20.0;
+/// Interval between two looks for new events.
+const LOOK_EVERY: Duration = Duration::from_millis(500);
+/// Longest time in which all whiskers are learned in time-lapse.
+const LEARNING_PATIENCE: Duration = Duration::from_secs(30);
+/// The whisker that is meant while no command has named one.
+const FIRST_WHISKER: &str = "crawler-1/left/0";
+
+/// Waits until all whiskers are learned, while the robots touch in time-lapse.
+pub(super) async fn learn(store: &Store) -> anyhow::Result<()> {
+    let learned = async {
+        loop {
+            tokio::time::sleep(LOOK_EVERY).await;
+            let whiskers: Vec<Whisker> = store.all(&WHISKERS, Vec::new()).await?;
+            if !whiskers.is_empty() && whiskers.iter().all(|whisker| whisker.condition != "LEARNING") {
+                return anyhow::Ok(());
+            }
+        }
+    };
+    tokio::time::timeout(LEARNING_PATIENCE, learned).await.context("the supervisor has not learned all whiskers")?
+}
+
+/// Lets the robots touch in real time and carries out commands, until `quit` or Ctrl-C.
+pub(super) async fn run(service: &Service, fleet: &Fleet, incidents: &Incidents) -> anyhow::Result<()> {
+    for robot in fleet.robots() {
+        robot.with(|robot| robot.touch_at_rate(CONTACTS_PER_SECOND / robot.whiskers().len() as f64, now_us()));
+    }
+    incidents.open(fleet.robots(), &service.store, &service.action_notifier);
+    println!(
+        "\nThe robots go on touching, {CONTACTS_PER_SECOND} times a second each, until Ctrl-C.\n\
+         Console: http://{}/\nBreak a whisker on the page of a robot (\"Demo\"), or type here:\n{MENU}",
+        service.http
+    );
+    let mut story = Story::from_now(&service.store).await?;
+    let mut lines = Some(terminal::lines());
+    let mut last: WhiskerName = FIRST_WHISKER.parse().map_err(anyhow::Error::msg)?;
+    let mut look = tokio::time::interval(LOOK_EVERY);
+    loop {
+        tokio::select! {
+            interrupted = tokio::signal::ctrl_c() => return interrupted.context("waiting for Ctrl-C"),
+            _ = look.tick() => story.tell(&service.store).await?,
+            line = next(&mut lines) => match line.map(|line| terminal::parse(&line, &last)) {
+                // Standard input is closed.
+                None => lines = None,
+                Some(Ok(Command::Nothing)) => {}
+                Some(Ok(Command::Help)) => println!("{MENU}"),
+                Some(Ok(Command::Quit)) => return Ok(()),
+                Some(Ok(Command::Cause(whisker, incident))) => {
+                    match incidents.cause(&whisker, incident, asker()).await {
+                        Ok(told) => println!("{told}"),
+                        Err(refusal) => println!("not done: {refusal}"),
+                    }
+                    last = whisker;
+                }
+                Some(Err(problem)) => println!("not understood: {problem}"),
+            },
+        }
+    }
+}
+
+/// The next line; never without standard input.
+async fn next(lines: &mut Option<mpsc::Receiver<String>>) -> Option<String> {
+    match lines {
+        Some(lines) => lines.recv().await,
+        None => std::future::pending().await,
+    }
+}
+
+/// The person at the terminal, for the audit log.
+fn asker() -> Asker {
+    Asker { caller: Caller::local(), request_id: Uuid::new_v4().to_string(), idempotency_key: None }
+}
+
+/// Prints events once.
+struct Story {
+    told: usize,
+    measured: Vec<i64>,
+}
+
+impl Story {
+    /// The events from now on.
+    async fn from_now(store: &Store) -> anyhow::Result<Self> {
+        let mut story = Self { told: report::story(store).await?.len(), measured: Vec::new() };
+        story.measured(store).await?;
+        Ok(story)
+    }
+
+    async fn tell(&mut self, store: &Store) -> anyhow::Result<()> {
+        let lines = report::story(store).await?;
+        lines.iter().skip(self.told).for_each(|line| println!("  {line}"));
+        self.told = self.told.max(lines.len());
+        self.measured(store).await?.iter().for_each(|line| println!("  {line}"));
+        Ok(())
+    }
+
+    /// First measured errors that are new.
+    async fn measured(&mut self, store: &Store) -> anyhow::Result<Vec<String>> {
+        let compensations: Vec<CompensationSummary> = store.all(&COMPENSATIONS, Vec::new()).await?;
+        let mut lines = Vec::new();
+        for one in compensations {
+            let Some(error) = one.measured_error.filter(|_| !self.measured.contains(&one.compensation_id)) else {
+                continue;
+            };
+            self.measured.push(one.compensation_id);
+            lines.push(format!(
+                "{}/{}/{}: compensation error measured, {:.1} %",
+                one.robot,
+                one.array,
+                one.target_whisker,
+                100.0 * error
+            ));
+        }
+        Ok(lines)
+    }
+}

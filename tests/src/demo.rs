@@ -1,0 +1,106 @@
+//! Runs `vibrissa demo --serve --live` as a child process, and types its commands.
+
+use std::io::{BufRead, BufReader, Write};
+use std::net::SocketAddr;
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex};
+
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::wait::until;
+use crate::web::ask;
+
+/// A running demo without its scripted part; killed on drop.
+#[derive(Debug)]
+pub struct LiveDemo {
+    /// Address of its HTTP server.
+    pub http: SocketAddr,
+    child: Child,
+    input: Option<ChildStdin>,
+    printed: Arc<Mutex<Vec<String>>>,
+    _folder: TempDir,
+}
+
+impl LiveDemo {
+    /// Starts the demo, and waits until it accepts commands.
+    ///
+    /// # Panics
+    /// The program cannot be started, or it ends.
+    pub async fn start(program: impl AsRef<Path>) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut child = Command::new(program.as_ref())
+            .args(["demo", "--serve", "--live", "--folder"])
+            .arg(folder.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the program");
+        let printed: Arc<Mutex<Vec<String>>> = Arc::default();
+        let lines = BufReader::new(child.stdout.take().expect("piped")).lines();
+        let kept = printed.clone();
+        std::thread::spawn(move || {
+            lines.map_while(Result::ok).for_each(|line| kept.lock().expect("no panic").push(line));
+        });
+        let input = child.stdin.take();
+        let http = SocketAddr::from(([127, 0, 0, 1], 0));
+        let mut demo = Self { http, child, input, printed, _folder: folder };
+        let console = demo.prints("Console: http://").await;
+        let address = console.trim_start_matches("Console: http://").trim_end_matches('/');
+        demo.http = address.parse().expect("an address");
+        demo
+    }
+
+    /// Waits until a line with this text is printed, and returns it.
+    pub async fn prints(&self, text: &str) -> String {
+        let found = async || self.printed.lock().expect("no panic").iter().find(|line| line.contains(text)).cloned();
+        until(text, found).await
+    }
+
+    /// Types a line.
+    ///
+    /// # Panics
+    /// The demo has ended, or its input is closed.
+    pub fn type_line(&mut self, line: &str) {
+        writeln!(self.input.as_mut().expect("an open input"), "{line}").expect("a running demo");
+    }
+
+    /// Closes the standard input of the demo.
+    pub fn close_input(&mut self) {
+        self.input = None;
+    }
+
+    /// Waits until a list of the API has an item for which `is_it` is true, and returns that item.
+    pub async fn item(&self, path: &str, is_it: impl Fn(&Value) -> bool) -> Value {
+        let look = async || {
+            let answer = ask(self.http, "GET", path, &[]).await.ok()?;
+            answer.json()["items"].as_array()?.iter().find(|item| is_it(item)).cloned()
+        };
+        until(path, look).await
+    }
+
+    /// Sends SIGINT, as Ctrl-C does.
+    ///
+    /// # Panics
+    /// The demo has ended.
+    pub fn interrupt(&self) {
+        let pid = Pid::from_raw(i32::try_from(self.child.id()).expect("a process id"));
+        kill(pid, Signal::SIGINT).expect("our process");
+    }
+
+    /// Waits for the end of the demo.
+    pub async fn ended(&mut self) -> ExitStatus {
+        until("the end of the demo", async || self.child.try_wait().expect("our process")).await
+    }
+}
+
+impl Drop for LiveDemo {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
