@@ -44,11 +44,11 @@ pub struct ExportColumn {
 /// Type of the values of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExportKind {
-    /// Texts.
+    /// Texts in UTF-8.
     Text,
-    /// Whole numbers.
+    /// Whole numbers of 64 bits.
     Whole,
-    /// Floating-point numbers.
+    /// Floating-point numbers of 64 bits.
     Real,
     /// Times, µs since 1970 UTC.
     Time,
@@ -57,9 +57,9 @@ pub enum ExportKind {
 /// A value of an exported row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
-    /// No value.
+    /// An empty cell.
     Null,
-    /// A text.
+    /// A text in UTF-8.
     Text(String),
     /// A whole number.
     Whole(i64),
@@ -69,7 +69,7 @@ pub enum Cell {
     Time(i64),
 }
 
-/// Which rows are exported.
+/// Selection of the rows to export.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Which {
     /// Fleets; all if empty.

@@ -119,7 +119,7 @@ export function testActions(test, done) {
   ]
     .filter(([one]) => offered(ROUTES.whisker, one))
     .map(([one, action]) =>
-      button({ reason: "optional", path: `${api.whisker(test)}/${one}`, body: withReason, ...action }, done),
+      actionButton({ reason: "optional", path: `${api.whisker(test)}/${one}`, body: withReason, ...action }, done),
     );
 }
 

@@ -6,6 +6,7 @@ use vibrissa_core::units::Megapascal;
 use vibrissa_protocol::{ArrayType, SetpointOutcome, SetpointReason};
 use vibrissa_tests::actions::policy_body;
 use vibrissa_tests::robot::{HandRobot, array};
+use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::{Answer, Events, ServerEvent, open, send};
 
 use crate::running::{LEARNED, Running};
@@ -52,6 +53,11 @@ async fn a_pressure_by_hand_reaches_the_robot_and_the_audit_log_says_who_and_why
     let (setpoint, _) = robot.setpoint().await;
     assert_eq!((setpoint.whisker, setpoint.pressure_mpa, setpoint.reason), (1, 0.05, SetpointReason::Operator));
     robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
+    // Until the answer is taken, the supervisor may send the setpoint again.
+    until_true("the setpoint is applied", async || {
+        get(&running, &format!("/v1/setpoints/{}", setpoint.command_id)).await["state"] == "APPLIED"
+    })
+    .await;
     // Sending the same key again returns the same action; with other content it is refused.
     let again = ask(&running, "POST", &format!("{WHISKER}/1/setpoint"), &headers, Some(body)).await;
     assert_eq!((again.status, &again.json()["action_id"]), (200, &first.json()["action_id"]));

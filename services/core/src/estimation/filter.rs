@@ -435,8 +435,8 @@ impl LengthFilter {
         self.become_if_sound(after)
     }
 
-    /// The gain may be off by this much, log sensitivity, which the length has made up for: `log_slope` is what it moves log
-    /// sensitivity by. The prediction is as certain as before.
+    /// Adds an uncertainty of the gain, log sensitivity, that the length has compensated for. `log_slope` is the change of log
+    /// sensitivity with the length. The prediction is as certain as before.
     pub fn doubt_gain(&mut self, log_sd: f64, log_slope: f64) {
         let mut after = self.clone();
         let mut direction = [0.0; STATES];

@@ -53,7 +53,7 @@ pub struct Wandering {
     pub log_ratio: f64,
 }
 
-/// What the contacts leave open about the gain.
+/// Uncertainty of the gain after the contacts so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GainDoubt {
     /// Expected deviation of the gain from the length filter's, log sensitivity.
@@ -80,7 +80,7 @@ impl GainWalks {
         RATES[usize::from(self.taken) % COUNT]
     }
 
-    /// What the contacts leave open about the gain: its deviation from the length filter's and its rate, over all walks.
+    /// Uncertainty of the gain, over all walks: its deviation from the length filter's, and its rate.
     #[must_use]
     pub fn doubt(&self) -> GainDoubt {
         let odds = |index: usize| if index > usize::from(self.taken) { FASTER } else { 0.0 };

@@ -27,7 +27,7 @@ struct Channel {
 }
 
 /// Writes the messages of a recording. `schema_of` returns the JSON Schema of a message by its name, the last segment of
-/// its topic. `read` is told the number of bytes that were read so far, and may end the work.
+/// its topic. `read` is called with the number of bytes read so far, and may end the work.
 ///
 /// # Errors
 /// The recording cannot be read, or the file cannot be written.

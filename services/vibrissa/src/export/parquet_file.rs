@@ -14,7 +14,7 @@ use vibrissa_store::export::{Cell, ExportColumn, ExportKind, ExportTable};
 use super::RowFile;
 use super::new_file::NewFile;
 
-/// Rows that are kept in memory until they become a row group: some 20 MB.
+/// Number of rows in a row group. They are held in memory until the group is full: some 20 MB.
 const GROUP_ROWS: usize = 65_536;
 
 /// A Parquet file that is being written.

@@ -1,7 +1,7 @@
 //! The compensation error (Eq. 35), measured from the compensator's contacts.
 //!
-//! Each contact-ratio bin has an error of its own. The mean comes from the smooth responses of [`super::responses`], with all
-//! that contacts leave open: noise, the walk of the gain, the length, and places where the robot does not touch.
+//! Each contact-ratio bin has an error of its own. The mean comes from the smooth responses of [`super::responses`], with the
+//! uncertainty due to noise, the walk of the gain, the length, and places where the robot does not touch.
 
 use crate::estimation::{Bin, Innovation, ResponseBins};
 use crate::mechanics::{CONTACT_RATIOS, ErrorProfile, Model, Offset, compensation_error};

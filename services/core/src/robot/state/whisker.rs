@@ -241,8 +241,8 @@ impl Whisker {
     }
 
     /// Difference between the level of its response while whole by the length filter, which has this offset, and by the
-    /// averages, log sensitivity. Averages leave out the contacts in which a change was in doubt, and tell where a gain
-    /// that wanders was.
+    /// averages, log sensitivity. Averages leave out the contacts during a doubtful change, and follow a wandering
+    /// gain late.
     pub(in crate::robot) fn whole_lag(&self, offset: Offset) -> f64 {
         let sums = self.whole.felt().fold((0.0, 0.0, 0.0), |(weight, ratio, mean), bin| {
             let one = 1.0 / bin.variance();
@@ -274,7 +274,7 @@ impl Whisker {
         self.filter.jump(change.size, change.variance, change.lacking);
     }
 
-    /// The gain may have wandered before a change, and what it did counts as length.
+    /// Widens the length's uncertainty by a wander of the gain before a change, which counted as a change of length.
     pub(in crate::robot) fn doubt_gain(&mut self, params: &Params) {
         let Some(model) = self.model(params) else { return };
         let (lag, slope) = (self.gain_lag(params, &self.whole), self.log_slope_with_length(model));

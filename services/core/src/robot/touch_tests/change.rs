@@ -2,8 +2,8 @@
 //!
 //! A cut makes a whisker more sensitive at equal contact ratio, and so may a gain that wanders. For cuts of one or two
 //! millimetres contacts often do not tell which it was. Touches do: at the former tip they come or they do not. So if a
-//! suspicion ends as a wandering gain, or lasts, a test is asked for. Until it is done, the response while whole is not
-//! learned. If it finds a cut, the offset that the filter has moved to goes back, and the change counts as length.
+//! suspicion ends as a wandering gain, or lasts, the supervisor requests a test. Until its end, the response while whole
+//! is not learned. If it finds a cut, the offset that the filter has moved to goes back, and the change counts as length.
 
 use crate::detection::Verdict;
 use crate::estimation::filter::LENGTH;
@@ -61,7 +61,7 @@ impl Whisker {
         self.rare.get_or_insert().length_test = Some(Box::new(test));
     }
 
-    /// What passed for a wandering gain was a cut: the offset goes back to that of the response while whole.
+    /// Sets the offset back to that of the response while whole: the change was a cut and not a wandering gain.
     pub(super) fn take_gain_back(&mut self, params: &Params) {
         if !self.is_at_nominal_pressure() {
             return;

@@ -58,7 +58,7 @@ impl Robot {
             }
             ContactPlace::Tip(None) | ContactPlace::Unknown => false,
         };
-        // A test of a robot that states ratios says where it was asked to touch, not where its habit is.
+        // During a test the supervisor chooses the place, so these touches show no habit of the robot.
         let is_distance = !contact.is_test && !matches!(contact.place, ContactPlace::Ratio { .. });
         self.judge_reach(index, is_distance, effects);
         if is_evidence {

@@ -37,7 +37,7 @@ pub struct Which {
     /// later are left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0)]
-    pub up_to_alarm_id: Option<u32>,
+    pub up_to_alarm_id: Option<i64>,
 }
 
 /// Alarms to acknowledge or unshelve.
@@ -120,7 +120,12 @@ async fn say(app: &App, asker: Asker, request: Request) -> Result<Json<AlarmsCha
     }
     let fleet = request.which.filter.fleet.as_ref().map(ToString::to_string);
     let mut filters = request.which.filter.conditions(&asker.caller.scope)?;
-    filters.extend(request.which.up_to_alarm_id.map(|id| Filter::Below("alarm_id", Sql::Whole(i64::from(id) + 1))));
+    if let Some(id) = request.which.up_to_alarm_id {
+        if id < 0 {
+            return Err(Problem::invalid("which.up_to_alarm_id", format!("must be at least 0, not {id}")));
+        }
+        filters.push(Filter::Below("alarm_id", Sql::Whole(id.saturating_add(1))));
+    }
     let concerned = app.store.alarms_concerned(filters, request.said).await?;
     let newest_alarm_id = concerned.alarms.iter().map(|one| one.alarm_id).max();
     let more = concerned.more;

@@ -1,4 +1,4 @@
-//! What can happen to a whisker of the demo, and to which one, as typed and as in JSON.
+//! Incidents of the demo's whiskers: parsed from a typed line and from JSON.
 
 use std::fmt;
 use std::str::FromStr;

@@ -57,7 +57,7 @@ struct IncidentBody {
     by_k: Option<f64>,
 }
 
-/// What happened.
+/// Answer to an incident.
 #[derive(Debug, Serialize, ToSchema)]
 struct Happened {
     /// One sentence for people.
