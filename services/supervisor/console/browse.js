@@ -57,7 +57,7 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
       search === null ? null : searchField(state),
       filters.map((filter) => (filter.text ? textField(filter, state) : choice(filter, state))),
       isNarrowed
-        ? h("a", { href: changed(Object.fromEntries([...known, "cursor"].map((name) => [name, null]))) }, "Show all")
+        ? h("a", { href: changed(Object.fromEntries(known.map((name) => [name, null]))) }, "Show all")
         : null,
       savedViews(),
     );

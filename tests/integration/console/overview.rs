@@ -96,7 +96,7 @@ async fn a_question_what_if_is_in_the_address_and_shows_candidates_and_curve() {
     let (before, after, compensated) = (at("before_per_mm"), at("after_per_mm"), at("compensated_per_mm"));
     assert!(after > before, "{told}");
     assert!((compensated - before).abs() < (after - before).abs(), "{told}");
-    // Another length changes the address, and an impossible one is told in plain words.
+    // Another length changes the address. An impossible length leads to an error in plain words.
     let length = "{ const field = document.getElementById('what-if-length_mm'); field.value = '200'; \
                   field.dispatchEvent(new Event('change')); }";
     stage.browser.js(length).await;

@@ -8,17 +8,9 @@ use anyhow::Context;
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
 
+use super::McapReport;
 use super::new_file::NewFile;
 use crate::replay::lines::Lines;
-
-/// What was written.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Report {
-    /// Messages in the file.
-    pub messages: u64,
-    /// Lines without a JSON object, which the file does not contain.
-    pub left_out: u64,
-}
 
 /// A channel of the file.
 struct Channel {
@@ -36,12 +28,12 @@ pub fn write(
     path: &Path,
     schema_of: fn(&str) -> Option<&'static str>,
     mut read: impl FnMut(u64) -> anyhow::Result<()>,
-) -> anyhow::Result<Report> {
+) -> anyhow::Result<McapReport> {
     let options = WriteOptions::new().compression(None).library(concat!("vibrissa ", env!("CARGO_PKG_VERSION")));
     let mut writer = options.create(NewFile::create(path)?).context("cannot write the file")?;
     let mut lines = Lines::new(recording);
     let mut channels: BTreeMap<String, Channel> = BTreeMap::new();
-    let mut report = Report::default();
+    let mut report = McapReport::default();
     while let Some(line) = lines.next_line().context("cannot read the recording")? {
         read(lines.bytes())?;
         let Some(message) = line.ok().filter(|message| message.payload.first() == Some(&b'{')) else {

@@ -29,3 +29,12 @@ pub trait RowFile {
     /// The file cannot be written.
     fn finish(self: Box<Self>) -> anyhow::Result<()>;
 }
+
+/// Numbers of messages in a written MCAP file, and of lines left out.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct McapReport {
+    /// Messages in the file.
+    pub messages: u64,
+    /// Lines without a JSON object, which the file does not contain.
+    pub left_out: u64,
+}

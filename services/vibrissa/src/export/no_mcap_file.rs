@@ -5,14 +5,7 @@ use std::path::Path;
 
 use anyhow::bail;
 
-/// What was written.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Report {
-    /// Messages in the file.
-    pub messages: u64,
-    /// Lines without a JSON object, which the file does not contain.
-    pub left_out: u64,
-}
+use super::McapReport;
 
 /// Always fails.
 ///
@@ -23,6 +16,6 @@ pub fn write(
     _: &Path,
     _: fn(&str) -> Option<&'static str>,
     _: impl FnMut(u64) -> anyhow::Result<()>,
-) -> anyhow::Result<Report> {
+) -> anyhow::Result<McapReport> {
     bail!("this program was built without MCAP: build it with --features export");
 }

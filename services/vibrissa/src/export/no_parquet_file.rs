@@ -7,7 +7,7 @@ use vibrissa_store::export::{Cell, ExportTable};
 
 use super::RowFile;
 
-/// Never exists.
+/// Stands for the Parquet writer: this build never creates one.
 #[derive(Debug)]
 pub enum ParquetFile {}
 

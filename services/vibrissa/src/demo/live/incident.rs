@@ -40,7 +40,7 @@ impl FromStr for WhiskerName {
     }
 }
 
-/// What happens to a whisker.
+/// An incident of a whisker.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::demo) enum Incident {
     /// It loses this length at once, mm.

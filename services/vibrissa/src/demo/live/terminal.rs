@@ -11,7 +11,7 @@ const LINE_BYTES_MAX: u64 = 1024;
 /// Number of lines that wait to be carried out.
 const LINES_WAITING: usize = 16;
 
-/// What can be typed.
+/// The commands of the terminal.
 pub(super) const MENU: &str = "  cut 5 whisker 2         cut whisker 2 by 5 mm
   cut 22 crawler-2/nose/2 too short for any compensation: an alarm with a hint
   erode whisker 1         wear whisker 1 off with each contact
