@@ -27,7 +27,8 @@ const STEP_ROUNDS: (u64, u64) = (300, 5000);
 const INSTALLED_C: f64 = 24.0;
 /// Share of the steps that come from the temperature, with a thermometer that shows it; the others have no trace.
 const WARM_STEPS: f64 = 0.5;
-/// Temperature that a warm step shows, K per log sensitivity: that of a rubber with 0.5 % per K.
+/// Temperature that a warm step shows, K per log sensitivity: that of a rubber with 0.5 % per K, unless the whiskers have
+/// coefficients of their own.
 const STEP_K: f64 = 200.0;
 /// Zones and ranges of deflections among which habits change.
 const ZONES: [(f64, f64); 2] = [(0.8, 0.9), (0.5, 0.6)];
@@ -50,7 +51,7 @@ pub struct Course {
     pub habit: Habit,
     /// Change of all sensitivities, in log sensitivity, apart from each whisker's coefficient of temperature.
     pub log_shift: f64,
-    /// Part of the thermometer's deviation that belongs to `log_shift`, K.
+    /// Deviation that a warm step shows on the thermometer, K.
     step_k: f64,
     phase: f64,
     zone: usize,
@@ -118,27 +119,34 @@ impl Course {
     /// A step away, or the step back.
     fn step(&mut self) {
         let [up, warm]: [f64; 2] = std::array::from_fn(|_| self.random.random());
-        if self.log_shift == 0.0 {
-            self.log_shift = if up < 0.5 { self.nuisances.step } else { -self.nuisances.step };
-            self.step_k = if warm < WARM_STEPS { STEP_K * self.log_shift } else { 0.0 };
-        } else {
+        if self.log_shift != 0.0 || self.step_k != 0.0 {
             (self.log_shift, self.step_k) = (0.0, 0.0);
+            return;
         }
+        let log_shift = if up < 0.5 { self.nuisances.step } else { -self.nuisances.step };
+        let is_warm = warm < WARM_STEPS;
+        self.step_k = if is_warm { STEP_K * log_shift } else { 0.0 };
+        self.log_shift = if is_warm && self.has_coefficients() { 0.0 } else { log_shift };
     }
 
-    /// Deviation of the rubber's temperature from that at installation, K, apart from steps.
+    /// Deviation of the temperature from that at installation, K, to which whiskers with a coefficient respond.
     #[must_use]
     pub fn warmer_k(&self) -> f64 {
-        if self.nuisances.temperature == 0.0 {
+        if !self.has_coefficients() {
             return 0.0;
         }
         let at = |seconds: f64| SWING_K * (TAU * seconds / DAY_S + self.phase).sin();
-        at(self.now_s) - at(0.0)
+        at(self.now_s) - at(0.0) + self.step_k
+    }
+
+    /// Whether the whiskers have temperature coefficients of their own. A warm step acts through them then.
+    fn has_coefficients(&self) -> bool {
+        self.nuisances.temperature > 0.0
     }
 
     /// Temperature that the robot reports, degrees Celsius.
     #[must_use]
     pub fn temperature_c(&self) -> f64 {
-        INSTALLED_C + self.warmer_k() + self.step_k
+        INSTALLED_C + if self.has_coefficients() { self.warmer_k() } else { self.step_k }
     }
 }
