@@ -28,6 +28,16 @@ const SURELY_EROSION: f64 = 2e-5;
 /// (6.3 to 1.8 in a million contacts), and nearly all reports of 0.5 mm, which is 1.7 % of the sensitivity.
 const LONG_AGO_CONTACTS: f64 = 500.0;
 const CONTACTS_PER_LOG_RATIO: f64 = 50.0;
+/// Noise from which a whisker counts as unsteady, as a multiple of the variance that its robot states. Creep, loops and
+/// habits make such noise, and they also add up to slow changes and to steps that are no change of the whisker. Independent
+/// noise as stated gives 0.9 to 1.1, strong correlated noise 1.2 to 4, all nuisances together 2.9 to 16.
+const UNSTEADY_NOISE: f64 = 2.5;
+/// Loss of log length from which erosion of an unsteady whisker is reported: 3.5 mm of 70, which is 10 % of the sensitivity.
+/// Without it the mix of nuisances gives five times as many false reports of erosion.
+const EROSION_LOSS_MIN: f64 = 0.05;
+/// Fall of sensitivity of an unsteady whisker that is reported as a loss, in log length: 10 % of the sensitivity. Without it
+/// the mix gives as many false losses as reports of erosion.
+const FALL_MIN: f64 = 0.047;
 /// Log likelihood that a wandering gain must gain over any change.
 const WANDERS_LOG_RATIO: f64 = 2.0;
 /// Log likelihood gained by a further loss beside the step that may still be chance: 0.9 standard deviations.
@@ -40,7 +50,8 @@ const PATIENCE: (u32, u32) = (4, 400);
 impl Detector {
     /// Verdict on a confirmed suspicion: `Looking` while its kind cannot be determined.
     pub(super) fn decided(&self, params: &DetectionParams, suspicion: &Suspicion, situation: &Situation) -> Verdict {
-        let Situation { eroding, others, wandering } = *situation;
+        let Situation { eroding, others, wandering, noise } = *situation;
+        let unsteady = noise > UNSTEADY_NOISE;
         let kind = ALL[usize::from(suspicion.candidate)].kind;
         let impatient = suspicion.contacts_since > PATIENCE.0 * suspicion.contacts_at_alarm + PATIENCE.1;
         match (kind, others) {
@@ -57,6 +68,8 @@ impl Detector {
             return Verdict::Wandered;
         }
         match self.told_apart(params, suspicion.contacts_since, impatient, eroding) {
+            Some(explained) if unsteady && !eroding && self.is_little_erosion(&explained) => Verdict::Looking,
+            Some(explained) if unsteady && self.is_little_fall(&explained) => Verdict::Wandered,
             Some(explained) if self.lead(&explained, &wandering) >= 0.0 => {
                 Verdict::Changed(Change::of(&self.candidates, &explained))
             }
@@ -64,6 +77,17 @@ impl Detector {
             Some(_) if impatient => Verdict::Wandered,
             Some(_) | None => Verdict::Looking,
         }
+    }
+
+    /// Whether a change is erosion that has taken off less than is reported. It may go on.
+    fn is_little_erosion(&self, explained: &Explanation) -> bool {
+        let contacts = f64::from(self.candidates.contacts(explained.index));
+        ALL[explained.index].kind == Kind::Eroding && explained.fit.size.abs() * contacts < EROSION_LOSS_MIN
+    }
+
+    /// Whether a change is a fall of sensitivity that other nuisances explain as well.
+    fn is_little_fall(&self, explained: &Explanation) -> bool {
+        ALL[explained.index].kind == Kind::LessSensitive && explained.fit.size.abs() < FALL_MIN
     }
 
     /// Lead of a change over a wandering gain, beyond the least one for which the change is reported.

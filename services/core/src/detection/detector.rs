@@ -119,6 +119,8 @@ pub struct Situation {
     pub others: Others,
     /// Evidence that the gain wanders instead.
     pub wandering: Wandering,
+    /// Noise of a mean of contacts, as a multiple of the variance that the robot states.
+    pub noise: f64,
 }
 
 /// Result of one contact.

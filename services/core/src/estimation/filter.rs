@@ -84,6 +84,9 @@ pub struct FilterParams {
     /// Initial uncertainty of the temperature coefficient, log sensitivity per K: silicones have 0.3 to 1 %, of either
     /// sign with the gauge's own.
     pub per_k: f64,
+    /// Added uncertainty of the offset after a sudden change of temperature, log sensitivity per K. The coefficient is learned
+    /// from slow changes, in which the gain wanders, too, so that it is less certain than its variance says.
+    pub offset_per_k: f64,
     /// Initial uncertainty of the curvature, log sensitivity per mm of deflection.
     pub bend_per_mm: f64,
 }
@@ -101,6 +104,7 @@ impl Default for FilterParams {
             baseline_wander_strain: 5e-7,
             drifting_baseline_wander_strain: 1e-5,
             per_k: 0.007,
+            offset_per_k: 0.006,
             bend_per_mm: 0.02,
         }
     }
@@ -423,6 +427,13 @@ impl LengthFilter {
         let sd = params.offset_per_mpa * by_mpa;
         self.covariance.widen(0, sd.powi(2));
         self.covariance.widen(1, sd.powi(2));
+    }
+
+    /// The temperature has moved suddenly by so many K: the offset becomes more uncertain.
+    pub fn temperature_moved(&mut self, by_k: f64, params: &FilterParams) {
+        if by_k != 0.0 {
+            self.covariance.widen(0, (params.offset_per_k * by_k).powi(2));
+        }
     }
 
     /// The gain has wandered: the offset moves, and becomes uncertain by this variance.

@@ -2,7 +2,7 @@
 //! length; from many contacts also the whisker's own calibration.
 //!
 //! Knows numbers, not robots. [`noise`] gives the uncertainty of one contact and [`outlier`] its density.
-//! [`spread`] expects the true contact ratio behind a stated one. [`filter`] is the Kalman filter over (offset, offset's slope, log length, baseline, temperature coefficient, curvature). [`bins`] averages responses
+//! [`spread`] expects the true contact ratio behind a stated one, [`temperature`] follows the thermometer. [`filter`] is the Kalman filter over (offset, offset's slope, log length, baseline, temperature coefficient, curvature). [`bins`] averages responses
 //! by contact ratio, [`smooth`] fits a curve to them, [`own_calibration`] compares them between pressures,
 //! [`uncertainty`] gives the uncertainty of Eq. 35 over the cases of [`cubature`]. [`trend`] fits lines to long series;
 //! [`erosion`] and [`leak`] use it, and [`refill`] detects a regulator that refills a leak.
@@ -29,6 +29,7 @@ mod sealed_interval;
 pub mod smooth;
 pub mod spread;
 mod symmetric;
+pub mod temperature;
 pub mod trend;
 pub mod uncertainty;
 
@@ -45,4 +46,5 @@ pub use own_calibration::{Belief, Nominal, OwnCalibration, Visit, Weights};
 pub use reach::Reach;
 pub use smooth::{Carried, Smooth};
 pub use spread::RatioSpread;
+pub use temperature::{Temperatures, Warmth};
 pub use trend::{Interval, Trend};

@@ -77,6 +77,8 @@ const PLAY_MIN_MAX_MM: (f64, f64) = (0.003, 1.0);
 /// Share of outliers of a new whisker, and the number of contacts that it counts as.
 const OUTLIERS_AT_FIRST: f64 = 0.005;
 const OUTLIERS_PRIOR_CONTACTS: f64 = 200.0;
+/// A usual deflection, mm.
+const USUAL_MM: f64 = 3.0;
 /// Range of the share of outliers.
 const OUTLIERS_MIN_MAX: (f64, f64) = (InnovationDensity::OUTLIERS_MIN, 0.1);
 /// Contacts in which the scale is learned before the correlation: it would be that of another scale.
@@ -130,6 +132,13 @@ impl NoiseScale {
         let by_play = (f64::from(self.play_mm) / deflection_mm).powi(2);
         let variance = self.variance() * configured + by_play;
         (variance, by_play / variance)
+    }
+
+    /// Variance of a mean of contacts at a usual deflection, as a multiple of the configured one.
+    #[must_use]
+    pub fn of_mean(&self, noise: &SensorNoise) -> f64 {
+        let configured = noise.strain_relative.powi(2) + noise.deflection_relative.powi(2);
+        self.inflation() * self.of_contact(configured, USUAL_MM).0 / configured
     }
 
     /// Density of an innovation standardised with this scale.

@@ -6,7 +6,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use crate::detection::{Detector, Stored};
 use crate::encoding;
 use crate::estimation::filter::{STATES, STATES_BEFORE_7};
-use crate::estimation::{GainWalks, LengthFilter, NoiseScale, RatioSpread, ResponseBins};
+use crate::estimation::{GainWalks, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Temperatures};
 use crate::robot::state::factsheet::{Sheet, read_numbers, write_numbers};
 use crate::robot::state::rare_state::{Rare, RareState};
 use crate::robot::state::tracked::DecisionBasis;
@@ -14,7 +14,7 @@ use crate::robot::state::whisker::{Air, Whisker};
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
 const FIRST_MARKED: u32 = 6;
 /// Added to the version; the flags of an older whisker are less than this.
@@ -66,7 +66,7 @@ impl BorshSerialize for Whisker {
         encoding::write_u32(self.array.into(), writer)?;
         self.sheet.serialize(writer)?;
         self.air.write(&self.sheet, writer)?;
-        (&self.filter, &self.noise, self.reference_c, &self.spread, &self.walks).serialize(writer)?;
+        (&self.filter, &self.noise, self.temperatures, &self.spread, &self.walks).serialize(writer)?;
         (&self.detector, &self.leak, &self.gauge).serialize(writer)?;
         (&self.whole_waiting, self.condition, self.holds, &self.standing).serialize(writer)?;
         if self.whole != ResponseBins::default() {
@@ -113,7 +113,7 @@ impl BorshDeserialize for Whisker {
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
         let sheet = Sheet::deserialize_reader(reader)?;
         let air = Air::read(&sheet, reader)?;
-        let Learned { filter, noise, reference_c, spread, walks, detector } = Learned::read(version, reader)?;
+        let Learned { filter, noise, temperatures, spread, walks, detector } = Learned::read(version, reader)?;
         let (leak, gauge) = BorshDeserialize::deserialize_reader(reader)?;
         let (whole_waiting, condition, holds, standing) = BorshDeserialize::deserialize_reader(reader)?;
         let whole = if untold { ResponseBins::default() } else { ResponseBins::deserialize_reader(reader)? };
@@ -125,7 +125,7 @@ impl BorshDeserialize for Whisker {
             sheet,
             filter,
             noise,
-            reference_c,
+            temperatures,
             spread,
             walks,
             detector,
@@ -180,7 +180,7 @@ impl BorshDeserialize for Whisker {
 struct Learned {
     filter: LengthFilter,
     noise: NoiseScale,
-    reference_c: Option<f32>,
+    temperatures: Option<Temperatures>,
     spread: RatioSpread,
     walks: GainWalks,
     detector: Detector,
@@ -196,7 +196,11 @@ impl Learned {
             7 => NoiseScale::read_7(reader)?,
             8.. => NoiseScale::deserialize_reader(reader)?,
         };
-        let reference_c = if is_before_7 { None } else { Option::deserialize_reader(reader)? };
+        let temperatures = match version {
+            ..7 => None,
+            7 | 8 => Option::deserialize_reader(reader)?.map(Temperatures::of),
+            9.. => Option::deserialize_reader(reader)?,
+        };
         let spread = match version {
             ..7 => RatioSpread::default(),
             7 => RatioSpread::read_7(reader)?,
@@ -207,7 +211,7 @@ impl Learned {
             states: if is_before_7 { STATES_BEFORE_7 } else { STATES },
             steps: if is_before_8 { STEPS_BEFORE_8 } else { Stored::NOW.steps },
         };
-        Ok(Self { filter, noise, reference_c, spread, walks, detector: Detector::read(&stored, reader)? })
+        Ok(Self { filter, noise, temperatures, spread, walks, detector: Detector::read(&stored, reader)? })
     }
 }
 

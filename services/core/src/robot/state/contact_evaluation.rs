@@ -4,7 +4,7 @@ use crate::detection::{Detector, Others, Situation, Verdict};
 use crate::estimation::filter::{LENGTH, NoInformation, Observation, Wander};
 use crate::estimation::leak::Source;
 use crate::estimation::spread::Deviation;
-use crate::estimation::{ErosionWatch, Innovation};
+use crate::estimation::{ErosionWatch, Innovation, Temperatures, Warmth};
 use crate::mechanics::{Model, compensable_range};
 use crate::robot::effect::{Condition, ContactUse};
 use crate::robot::event::Contact;
@@ -13,9 +13,6 @@ use crate::robot::params::Params;
 use crate::robot::state::place::Placed;
 use crate::robot::state::whisker::Whisker;
 use crate::units::{ContactRatio, Megapascal};
-
-/// Bound of a temperature's difference, K: beyond it a thermometer is broken.
-const WARMER_MAX_K: f64 = 100.0;
 
 /// Result of one contact.
 pub(in crate::robot) struct ContactResult {
@@ -71,7 +68,8 @@ impl Whisker {
         let morphology = model.morphology(contact.pressure);
         let stated_sd = placed.ratio_sd.unwrap_or(params.noise.ratio);
         let expected = self.spread.expected(placed.ratio, stated_sd);
-        let warmer_k = self.warmer_k(contact.temperature_c);
+        let Warmth { warmer_k, moved_k } = self.warmth(contact.temperature_c);
+        self.filter.temperature_moved(moved_k, &params.filter);
         let observation = Observation {
             place: expected,
             informs_length: placed.informs_length,
@@ -104,11 +102,10 @@ impl Whisker {
         self.spread.learn(stated, stated_sd);
     }
 
-    /// Temperature above that of the first contact, K; 0 if it is not known.
-    fn warmer_k(&mut self, temperature_c: Option<f64>) -> f64 {
-        let Some(temperature_c) = temperature_c.filter(|one| one.is_finite()) else { return 0.0 };
-        let reference_c = *self.reference_c.get_or_insert(temperature_c as f32);
-        (temperature_c - f64::from(reference_c)).clamp(-WARMER_MAX_K, WARMER_MAX_K)
+    /// Temperature of a contact; that of the first one if it is not known.
+    fn warmth(&mut self, temperature_c: Option<f64>) -> Warmth {
+        let Some(temperature_c) = temperature_c.filter(|one| one.is_finite()) else { return Warmth::default() };
+        self.temperatures.get_or_insert(Temperatures::of(temperature_c as f32)).feel(temperature_c)
     }
 
     fn take(&mut self, params: &Params, placed: &Placed, seen: &Innovation, others: Others) -> ContactResult {
@@ -190,7 +187,8 @@ impl Whisker {
         let detection = &params.detection;
         if !learning {
             let eroding = self.condition == Condition::Eroding;
-            let situation = Situation { eroding, others, wandering: self.walks.evidence() };
+            let noise = self.noise.of_mean(&params.noise);
+            let situation = Situation { eroding, others, wandering: self.walks.evidence(), noise };
             return self.detector.update(detection, seen, &situation);
         }
         if self.contacts > detection.followed_from.into() {

@@ -4,7 +4,9 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::detection::{Change, Detector};
 use crate::estimation::filter::FilterParams;
-use crate::estimation::{Bin, GainWalks, LeakWatch, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Waiting};
+use crate::estimation::{
+    Bin, GainWalks, LeakWatch, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Temperatures, Waiting,
+};
 use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target};
 use crate::robot::effect::{Command, CommandState, Condition, Fault, Reason};
 use crate::robot::event::RegulatorState;
@@ -29,8 +31,8 @@ pub struct Whisker {
     pub(in crate::robot) noise: NoiseScale,
     /// How fast its gain wanders.
     pub(in crate::robot) walks: GainWalks,
-    /// Temperature of its first contact, degrees Celsius: the offset is stated for it.
-    pub(in crate::robot) reference_c: Option<f32>,
+    /// Temperatures of its contacts; `None` before the first contact with a temperature.
+    pub(in crate::robot) temperatures: Option<Temperatures>,
     /// Places of its contacts.
     pub(in crate::robot) spread: RatioSpread,
     pub(in crate::robot) detector: Detector,
@@ -166,7 +168,7 @@ impl Whisker {
             filter: LengthFilter::new(sheet.length, &params.filter),
             noise: NoiseScale::default(),
             walks: GainWalks::default(),
-            reference_c: None,
+            temperatures: None,
             spread: RatioSpread::default(),
             detector: Detector::default(),
             contacts: 0,
@@ -219,7 +221,7 @@ impl Whisker {
     pub(in crate::robot) fn mend(&mut self) {
         self.filter = LengthFilter::new(self.sheet.length, &FilterParams::default());
         (self.noise, self.detector) = (NoiseScale::default(), Detector::default());
-        (self.reference_c, self.spread) = (None, RatioSpread::default());
+        (self.temperatures, self.spread) = (None, RatioSpread::default());
         self.walks = GainWalks::default();
         (self.whole, self.whole_waiting) = (ResponseBins::default(), Waiting::default());
         (self.contacts, self.condition, self.told_since_alarm) = (0, Condition::Learning, 0.0);
