@@ -1,5 +1,7 @@
 //! Values of options: numbers below zero, closed words, log filters; the help of commands; exit codes.
 
+use std::io::{BufRead, BufReader, Write};
+use std::net::TcpListener;
 use std::process::{Command, Stdio};
 
 use crate::program::{PROGRAM, err, out, vibrissa};
@@ -18,6 +20,7 @@ fn a_number_below_zero_is_answered_with_the_range() {
         ([&solve[..], &["--pressure-mpa", "-0.01"]].concat(), 2, "must be from 0 to 0.2 MPa"),
         ([&solve[..], &["--before-mpa", "-1"]].concat(), 2, "must be from 0 to 0.2 MPa"),
         (vec!["setpoint", "f/r/left/0", "--pressure-mpa", "-0.01"], 2, "must be from 0 to 0.2 MPa"),
+        ([&solve[..], &["--pressure-mpa", "-1e-3"]].concat(), 2, "must be from 0 to 0.2 MPa"),
         (vec!["calibrate", "x.csv", "--gauge-factor", "-2.21"], 2, "must be above 0"),
         (vec!["calibrate", "x.csv", "--youngs-modulus-mpa", "-1"], 2, "must be above 0"),
         (vec!["evaluate", "health", "--cases", "-5"], 2, "-5 is not in 1..=100000"),
@@ -139,4 +142,52 @@ fn a_log_on_a_terminal_has_colours_unless_they_are_not_wanted() {
     let (with, without) = (logged(""), logged("1"));
     assert!(with.contains("WARN") && with.contains(ESCAPE), "{with:?}");
     assert!(without.contains("WARN") && !without.contains(ESCAPE), "{without:?}");
+}
+
+/// Bash itself completes with the script.
+#[test]
+fn a_shell_completes_commands_and_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("completions.bash");
+    std::fs::write(&script, out(&vibrissa(&["completions", "bash"], folder.path()))).unwrap();
+    let completed = |words: &str, index: u32| {
+        let ask = format!(
+            "source '{}'; COMP_WORDS=({words}); COMP_CWORD={index}; _vibrissa vibrissa; printf '%s ' \"${{COMPREPLY[@]}}\"",
+            script.display()
+        );
+        out(&Command::new("bash").args(["-c", &ask]).output().unwrap())
+    };
+    assert_eq!(completed("vibrissa ca", 1).trim(), "calibrate");
+    assert!(completed("vibrissa whiskers --condition ''", 3).contains("TRIMMED"));
+    assert!(completed("vibrissa solve --before", 2).contains("--before-mpa"));
+}
+
+/// A list of no whiskers, for each request, until the program ends.
+#[test]
+fn a_watched_list_is_printed_again() {
+    let server = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("http://{}", server.local_addr().unwrap());
+    std::thread::spawn(move || {
+        let body = r#"{"items":[],"next_cursor":null}"#;
+        let answer = format!(
+            "HTTP/1.1 200 OK\r\nContent-Type: application/json\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{body}",
+            body.len()
+        );
+        for mut client in server.incoming().map_while(Result::ok) {
+            let mut lines = BufReader::new(client.try_clone().unwrap()).lines().map_while(Result::ok);
+            let _ = lines.find(String::is_empty);
+            let _ = client.write_all(answer.as_bytes());
+        }
+    });
+    let mut watching = Command::new(PROGRAM)
+        .args(["whiskers", "--watch", "1", "--url", &url])
+        .env_remove("VIBRISSA_TOKEN")
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let lines = BufReader::new(watching.stdout.take().unwrap()).lines().map_while(Result::ok);
+    let heads = lines.filter(|line| line.starts_with("WHISKER ")).take(3).count();
+    watching.kill().unwrap();
+    watching.wait().unwrap();
+    assert_eq!(heads, 3);
 }

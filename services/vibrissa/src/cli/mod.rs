@@ -4,6 +4,7 @@ pub mod api;
 pub mod backup;
 pub mod calibrate;
 pub mod check_robot;
+pub mod completions;
 pub mod config;
 pub mod contract;
 pub mod evaluate;
@@ -18,6 +19,7 @@ pub mod solve;
 pub mod stop;
 pub mod table;
 pub mod token;
+pub mod watch;
 pub mod whiskers;
 
 mod progress;
@@ -77,12 +79,14 @@ enum Command {
     Contract(contract::ContractArgs),
     /// Print the reference of all Prometheus metrics with labels and meaning, in Markdown.
     Metrics,
+    /// Print a script with which a shell completes commands, options and words.
+    Completions(completions::CompletionsArgs),
 }
 
 /// Parses the command line. Ends the program after a message about a wrong one, or after `--help`.
 #[must_use]
 pub fn parse() -> Cli {
-    let matches = words::lenient(Cli::command()).get_matches();
+    let matches = words::lenient(Cli::command()).get_matches_from(std::env::args_os().map(words::decimal));
     Cli::from_arg_matches(&matches).unwrap_or_else(|problem| problem.format(&mut Cli::command()).exit())
 }
 
@@ -110,6 +114,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Paper(args) => paper::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Evaluate(args) => evaluate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Calibrate(args) => calibrate::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
+        Command::Completions(args) => completions::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Metrics => metrics::run(&mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Contract(args) => contract::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
     }

@@ -8,8 +8,9 @@ use vibrissa_core::robot::effect::Condition;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 
-use super::api::{ApiArgs, number, percent, text};
+use super::api::{Api, ApiArgs, number, percent, text};
 use super::table::Table;
+use super::watch::WatchArgs;
 use super::words::word_of;
 
 /// Arguments of `vibrissa whiskers`.
@@ -25,6 +26,8 @@ pub struct WhiskersArgs {
     #[arg(long, value_parser = word_of::<Condition>())]
     condition: Option<Condition>,
     #[command(flatten)]
+    watch: WatchArgs,
+    #[command(flatten)]
     api: ApiArgs,
 }
 
@@ -33,12 +36,17 @@ pub struct WhiskersArgs {
 /// # Errors
 /// The supervisor does not answer, or refuses the request.
 pub fn whiskers(args: &WhiskersArgs, out: &mut impl Write) -> anyhow::Result<()> {
+    let api = args.api.open()?;
+    args.watch.repeat(out, |out| list_whiskers(args, &api, out))
+}
+
+fn list_whiskers(args: &WhiskersArgs, api: &Api, out: &mut impl Write) -> anyhow::Result<()> {
     let filters = [
         ("fleet", args.fleet.as_ref().map(ToString::to_string)),
         ("robot", args.robot.as_ref().map(ToString::to_string)),
         ("condition", args.condition.map(|condition| condition.word().to_owned())),
     ];
-    let rows = args.api.open()?.rows("/v1/whiskers", &filters)?;
+    let rows = api.rows("/v1/whiskers", &filters)?;
     if args.api.json {
         return lines(&rows, out);
     }
@@ -89,6 +97,8 @@ pub struct CompensationsArgs {
     #[arg(long)]
     active: bool,
     #[command(flatten)]
+    watch: WatchArgs,
+    #[command(flatten)]
     api: ApiArgs,
 }
 
@@ -97,12 +107,17 @@ pub struct CompensationsArgs {
 /// # Errors
 /// The supervisor does not answer, or refuses the request.
 pub fn compensations(args: &CompensationsArgs, out: &mut impl Write) -> anyhow::Result<()> {
+    let api = args.api.open()?;
+    args.watch.repeat(out, |out| list_compensations(args, &api, out))
+}
+
+fn list_compensations(args: &CompensationsArgs, api: &Api, out: &mut impl Write) -> anyhow::Result<()> {
     let filters = [
         ("fleet", args.fleet.as_ref().map(ToString::to_string)),
         ("robot", args.robot.as_ref().map(ToString::to_string)),
         ("active", args.active.then(|| "true".to_owned())),
     ];
-    let rows = args.api.open()?.rows("/v1/compensations", &filters)?;
+    let rows = api.rows("/v1/compensations", &filters)?;
     if args.api.json {
         return lines(&rows, out);
     }
