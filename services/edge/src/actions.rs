@@ -60,6 +60,10 @@ pub enum RecordedKind {
     CalibrationUpload,
     /// Changes the list of allowed robots.
     AllowedRobots,
+    /// Sets a label of a robot.
+    LabelSet,
+    /// Removes a label of a robot.
+    LabelRemove,
     /// Acknowledges an alarm.
     AlarmAcknowledge,
     /// Silences an alarm until a time.

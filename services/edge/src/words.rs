@@ -261,6 +261,8 @@ words! {
         Calibration => "CALIBRATION" "activate a calibration",
         CalibrationUpload => "CALIBRATION_UPLOAD" "upload a calibration",
         AllowedRobots => "ALLOWED_ROBOTS" "change the allowed robots",
+        LabelSet => "LABEL_SET" "set a label",
+        LabelRemove => "LABEL_REMOVE" "remove a label",
         AlarmAcknowledge => "ALARM_ACKNOWLEDGE" "acknowledge an alarm",
         AlarmShelve => "ALARM_SHELVE" "shelve an alarm",
         AlarmUnshelve => "ALARM_UNSHELVE" "unshelve an alarm",

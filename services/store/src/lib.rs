@@ -23,6 +23,7 @@ pub mod export;
 pub mod fault;
 pub mod from_row;
 mod intent_log;
+pub mod labels;
 mod lease;
 pub mod list;
 pub mod lists;

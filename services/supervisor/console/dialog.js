@@ -41,7 +41,7 @@ async function open(action, done) {
 /**
  * Opens the dialog of an action:
  * `{ title, what: [sentences], fields: [{ name, label, hint, type, required, .. }], reason: "optional" | "required",
- * list, button, grave, path, method, headers, body(values), moves }`. `moves` is the whisker whose pressure the action may
+ * list, button, grave, path, pathOf(values), method, headers, body(values), moves }`. `pathOf` is for paths that depend on the values. `moves` is the whisker whose pressure the action may
  * change: its setpoint is followed to the robot's answer. `done` is called after the execution.
  */
 function confirm(action, done) {
@@ -55,7 +55,9 @@ function confirm(action, done) {
     answer.replaceChildren();
     try {
       const follow = action.moves ? await follower(action.moves) : null;
-      const isDone = await carryOut(action, action.body(Object.fromEntries(new FormData(event.target))), key);
+      const values = Object.fromEntries(new FormData(event.target));
+      const path = action.pathOf?.(values) ?? action.path;
+      const isDone = await carryOut({ ...action, path }, action.body(values), key);
       dialog.close();
       tellResult(action, isDone, follow);
       done();

@@ -17,6 +17,7 @@ mod zones;
 mod acting;
 mod advising;
 mod keyboard;
+mod labels;
 mod live;
 mod loading;
 mod overview;

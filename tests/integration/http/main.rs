@@ -12,6 +12,7 @@ mod formats;
 mod groups;
 mod history;
 mod items;
+mod labels;
 mod oidc;
 mod overview;
 mod pages;

@@ -6,6 +6,7 @@ import { h } from "../dom.js";
 import { count, time } from "../format.js";
 import { markOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
+import { LABEL_COLUMN, LABEL_FILTER } from "../parts/labels.js";
 import { hasOverview, overview, OVERVIEW } from "../parts/overview.js";
 import { proposals, proposalsOf } from "../parts/proposals.js";
 import { trail } from "../table.js";
@@ -26,6 +27,7 @@ const robots = browser({
         ["false", "not needed"],
       ],
     },
+    LABEL_FILTER,
   ],
 });
 
@@ -43,6 +45,7 @@ const COLUMNS = [
     name: "Whiskers",
     cell: (row) => `${row.whiskers_healthy} of ${row.whiskers} healthy, in ${count(row.arrays, "array")}`,
   },
+  LABEL_COLUMN,
   { name: "Last message", cell: (row) => time(row.updated_at) },
 ];
 

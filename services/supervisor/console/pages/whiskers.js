@@ -6,6 +6,7 @@ import { interval, mm, mpa, time } from "../format.js";
 import { marksOf } from "../marks.js";
 import { link, whiskerName } from "../places.js";
 import { fleetFilter, fleetsOf } from "../parts/fleets.js";
+import { LABEL_FILTER } from "../parts/labels.js";
 import { CONDITIONS } from "../words.js";
 
 const yesOrNo = (yes, no) => [
@@ -23,6 +24,7 @@ const whiskers = (fleets) =>
       { name: "condition", label: "Condition", options: optionsOf(CONDITIONS) },
       { name: "faulty", label: "Fault", options: yesOrNo("with a fault", "without") },
       { name: "held", label: "Held", options: yesOrNo("held", "not held") },
+      LABEL_FILTER,
     ],
   });
 

@@ -14,6 +14,7 @@ pub mod events;
 pub mod fleets;
 pub mod happenings;
 pub mod history;
+pub mod labels;
 pub mod me;
 pub mod model;
 pub mod overview;
@@ -47,6 +48,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(fleets::routes())
         .merge(overview::routes())
         .merge(robots::routes())
+        .merge(labels::routes())
         .merge(quarantine::routes())
         .merge(contacts::routes())
         .merge(history::routes())

@@ -12,6 +12,7 @@ use super::paths::{ArrayPath, RobotPath};
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::labels::LabelFilter;
 use crate::http::listing::Listing;
 use crate::http::page::{LIMIT_MAX, Page, list_query};
 use crate::http::problem::Problem;
@@ -42,6 +43,9 @@ list_query! {
         pub connection: Option<ConnectionWord>,
         /// True: only robots with something that needs attention; false: only the others.
         pub attention: Option<bool>,
+        /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
+        #[param(inline)]
+        pub label: Option<LabelFilter>,
         /// Text to look for in the names of fleet and robot and in the model, in upper or lower case.
         #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
         pub q: Option<Search>,
@@ -67,6 +71,7 @@ async fn list_robots(
         true => Filter::AtLeast("attention", Value::Whole(1)),
         false => Filter::Below("attention", Value::Whole(1)),
     }));
+    selection.has_labels("robot_id", query.label.as_ref().map(|LabelFilter(conditions)| conditions));
     selection.contains(&["fleet", "robot", "model"], query.q);
     listing.answer::<RobotSummary>(&app, &ROBOTS, selection).await
 }

@@ -10,6 +10,7 @@ use super::paths::WhiskerPath;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::labels::LabelFilter;
 use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
@@ -41,6 +42,9 @@ list_query! {
         pub faulty: Option<bool>,
         /// True: only whiskers that an operator holds; false: only the others.
         pub held: Option<bool>,
+        /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
+        #[param(inline)]
+        pub label: Option<LabelFilter>,
         /// Text to look for in the names of fleet, robot and array, in upper or lower case.
         #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
         pub q: Option<Search>,
@@ -66,6 +70,7 @@ async fn list_whiskers(
     selection.is("condition", query.condition);
     selection.filters.extend(query.faulty.map(|faulty| Filter::IsNull("fault", !faulty)));
     selection.filters.extend(query.held.map(|held| Filter::Is("held", Value::Flag(held))));
+    selection.has_labels("robot_id", query.label.as_ref().map(|LabelFilter(conditions)| conditions));
     selection.filters.extend(query.q.map(|q| named(q.to_string())));
     listing.answer::<Whisker>(&app, &WHISKERS, selection).await
 }

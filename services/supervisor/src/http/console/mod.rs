@@ -87,6 +87,7 @@ files!(
     "parts/decisions.js"
     "parts/fleets.js"
     "parts/incidents.js"
+    "parts/labels.js"
     "parts/overview.js"
     "parts/proposals.js"
     "parts/since.js"
