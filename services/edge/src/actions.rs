@@ -76,6 +76,22 @@ pub enum RecordedKind {
     AlarmsShelve,
     /// Ends the silence of all alarms that meet conditions.
     AlarmsUnshelve,
+    /// Holds all robots that meet conditions; each robot has its own entry beside it.
+    RobotsHold,
+    /// Releases all robots that meet conditions.
+    RobotsRelease,
+    /// Holds all whiskers that meet conditions; each whisker has its own entry beside it.
+    WhiskersHold,
+    /// Releases all whiskers that meet conditions.
+    WhiskersRelease,
+    /// Relearns the baselines of all whiskers that meet conditions.
+    WhiskersRebaseline,
+    /// Changes the policies of all fleets that meet conditions.
+    Policies,
+    /// Activates a calibration in all fleets that meet conditions.
+    Calibrations,
+    /// Stops an action on many.
+    BulkStop,
     /// Creates an API token.
     TokenCreate,
     /// Revokes an API token.

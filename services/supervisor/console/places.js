@@ -14,6 +14,8 @@ export const link = {
     `${link.robot({ fleet, robot })}/arrays/${part(array)}/whiskers/${whisker}`,
   whiskers: (state = {}) => address("/whiskers", state),
   compensations: (state = {}) => address("/compensations", state),
+  bulk: (state = {}) => address("/bulk", state),
+  bulkAction: (id) => `#/bulk/${part(id)}`,
   audit: (state = {}) => address("/audit", state),
   alarms: (state = {}) => address("/alarms", state),
   trims: (state = {}) => address("/trims", state),

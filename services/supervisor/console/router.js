@@ -4,6 +4,8 @@ import { pathOf, stateOf } from "./address.js";
 import { h } from "./dom.js";
 import alarms from "./pages/alarms.js";
 import audit from "./pages/audit.js";
+import bulkAction from "./pages/bulk-action.js";
+import bulk from "./pages/bulk.js";
 import calibration from "./pages/calibration.js";
 import calibrations from "./pages/calibrations.js";
 import compensation from "./pages/compensation.js";
@@ -34,6 +36,8 @@ const PAGES = [
   ["setpoints", setpoints],
   ["what-if", whatIf],
   ["audit", audit],
+  ["bulk", bulk],
+  ["bulk/:id", bulkAction],
   ["policy", policy],
   ["policy/:fleet", policy],
 ];

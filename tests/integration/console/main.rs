@@ -5,6 +5,7 @@
 mod alarms;
 mod browser;
 mod browsing;
+mod bulk;
 mod charts;
 mod checks;
 mod following;

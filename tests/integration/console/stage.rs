@@ -129,6 +129,7 @@ impl Stage {
             ("calibrations", "calibrations"),
             ("trims", "trims"),
             ("setpoints", "setpoints"),
+            ("bulk", "bulk"),
             ("policy", "policy"),
             ("audit", "audit"),
             ("nowhere", "no/such/page"),

@@ -5,6 +5,7 @@
 mod access;
 mod alarms;
 mod alarms_at_once;
+mod bulk;
 mod document;
 mod events;
 mod exports;

@@ -15,6 +15,7 @@ mod web;
 mod actions;
 mod api;
 mod bad_input;
+mod bulk;
 mod config;
 mod estimates;
 mod forgetful;

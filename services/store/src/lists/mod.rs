@@ -2,6 +2,7 @@
 
 pub mod actions;
 pub mod alarms;
+pub mod bulk;
 pub mod calibrations;
 pub mod compensations;
 mod counts;

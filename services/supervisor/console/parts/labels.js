@@ -19,7 +19,7 @@ export function labelChips(labels) {
   if (!known.length) return "\u2013";
   const chip = ([key, value]) => {
     const label = `${key}=${value}`;
-    return h("li", {}, h("a", { class: "label", href: link.whiskers({ label }) }, label));
+    return h("li", {}, h("a", { class: "label", title: label, href: link.whiskers({ label }) }, label));
   };
   return h("ul", { class: "labels" }, known.map(chip));
 }

@@ -6,11 +6,15 @@ pub mod alarms;
 pub mod alarms_at_once;
 pub mod allowed;
 pub mod audit;
+pub mod bulk;
+pub mod bulk_actions;
+pub mod bulk_fleets;
 pub mod calibrations;
 pub mod compensations;
 pub mod contacts;
 pub mod errors;
 pub mod events;
+pub mod filters;
 pub mod fleets;
 pub mod happenings;
 pub mod history;
@@ -43,6 +47,9 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(alarms_at_once::routes())
         .merge(allowed::routes())
         .merge(audit::routes())
+        .merge(bulk::routes())
+        .merge(bulk_actions::routes())
+        .merge(bulk_fleets::routes())
         .merge(calibrations::routes())
         .merge(events::routes())
         .merge(fleets::routes())

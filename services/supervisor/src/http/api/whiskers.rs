@@ -6,6 +6,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_protocol::Name;
 
+use super::filters::WhiskerFilter;
 use super::paths::WhiskerPath;
 use crate::http::App;
 use crate::http::access::Caller;
@@ -16,8 +17,7 @@ use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::search::Search;
 use crate::http::words::ConditionWord;
-use vibrissa_store::list::{Filter, Value};
-use vibrissa_store::lists::whiskers::{WHISKERS, Whisker, WhiskerSort, named};
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker, WhiskerSort};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(list_whiskers)).routes(routes!(find_whisker)).routes(routes!(get_whisker))
@@ -51,6 +51,22 @@ list_query! {
     }
 }
 
+impl WhiskersQuery {
+    /// The conditions among the parameters.
+    fn filter(&self) -> WhiskerFilter {
+        WhiskerFilter {
+            fleet: self.fleet.clone(),
+            robot: self.robot.clone(),
+            array: self.array.clone(),
+            condition: self.condition,
+            faulty: self.faulty,
+            held: self.held,
+            label: self.label.clone(),
+            q: self.q.clone(),
+        }
+    }
+}
+
 /// All whiskers that are on a robot.
 #[utoipa::path(
     get, path = "/v1/whiskers", tag = "whiskers", params(WhiskersQuery),
@@ -63,15 +79,7 @@ async fn list_whiskers(
     Query(query): Query<WhiskersQuery>,
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
-    selection.filters.extend(caller.scope.filter("fleet"));
-    selection.is("fleet", query.fleet);
-    selection.is("robot", query.robot);
-    selection.is("\"array\"", query.array);
-    selection.is("condition", query.condition);
-    selection.filters.extend(query.faulty.map(|faulty| Filter::IsNull("fault", !faulty)));
-    selection.filters.extend(query.held.map(|held| Filter::Is("held", Value::Flag(held))));
-    selection.has_labels("robot_id", query.label.as_ref().map(|LabelFilter(conditions)| conditions));
-    selection.filters.extend(query.q.map(|q| named(q.to_string())));
+    selection.filters = query.filter().conditions(&caller.scope)?;
     listing.answer::<Whisker>(&app, &WHISKERS, selection).await
 }
 
