@@ -92,10 +92,32 @@ pub enum RecordedKind {
     Calibrations,
     /// Stops an action on many.
     BulkStop,
+    /// Begins a staged roll-out.
+    RolloutStart,
+    /// Pauses a roll-out.
+    RolloutPause,
+    /// Resumes a roll-out.
+    RolloutResume,
+    /// Advances a roll-out to its next stage.
+    RolloutAdvance,
+    /// Takes the change of a roll-out back.
+    RolloutBack,
     /// Creates an API token.
     TokenCreate,
     /// Revokes an API token.
     TokenRevoke,
+}
+
+impl RecordedKind {
+    /// The kinds that the engine of a fleet executes.
+    pub const OF_ENGINE: [Self; 6] = [
+        Self::Calibration,
+        Self::RolloutStart,
+        Self::RolloutPause,
+        Self::RolloutResume,
+        Self::RolloutAdvance,
+        Self::RolloutBack,
+    ];
 }
 
 /// Kind of an entry of the audit log.

@@ -15,6 +15,7 @@ use vibrissa_core::robot::effect::{
     TestReason, TestState,
 };
 use vibrissa_core::robot::event::{ArrayKind, GaugeState, Link, Rejection};
+use vibrissa_core::rollout::Stage;
 use vibrissa_protocol::{SetpointError, SetpointReason, TouchTestKind, TouchTestReason, WhiskerCondition};
 
 use crate::actions::{ActionKind, RecordedKind};
@@ -277,12 +278,22 @@ words! {
         Policies => "POLICIES" "change the policies of many fleets",
         Calibrations => "CALIBRATIONS" "activate a calibration in many fleets",
         BulkStop => "BULK_STOP" "stop an action on many",
+        RolloutStart => "ROLLOUT_START" "begin a roll-out",
+        RolloutPause => "ROLLOUT_PAUSE" "pause a roll-out",
+        RolloutResume => "ROLLOUT_RESUME" "resume a roll-out",
+        RolloutAdvance => "ROLLOUT_ADVANCE" "advance a roll-out",
+        RolloutBack => "ROLLOUT_ROLL_BACK" "roll a change back",
         TokenCreate => "TOKEN_CREATE" "create a token",
         TokenRevoke => "TOKEN_REVOKE" "revoke a token",
     }
     ArrayKind {
         Type1 => "TYPE_1" "whiskers that compensate for one another",
         Type2 => "TYPE_2" "single whiskers, each for itself",
+    }
+    Stage {
+        Few => "FEW" "5 % of the robots",
+        Quarter => "QUARTER" "25 % of the robots",
+        All => "ALL" "all robots",
     }
     Link {
         Online => "ONLINE" "online" (Good),

@@ -40,6 +40,7 @@ pub mod queries;
 mod records;
 mod resolution;
 pub mod retention;
+pub mod rollouts;
 mod row;
 pub mod secret;
 pub mod series;

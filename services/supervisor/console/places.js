@@ -24,6 +24,9 @@ export const link = {
   calibrations: () => "#/calibrations",
   calibration: (id) => `#/calibrations/${part(id)}`,
   compensation: (id) => `#/compensations/${part(id)}`,
+  policies: () => "#/policy",
+  rollouts: (state = {}) => address("/rollouts", state),
+  rollout: (id) => `#/rollouts/${part(id)}`,
   policy: (fleet) => `#/policy/${part(fleet)}`,
   alarm: (id) => `#/alarms?alarm_id=${part(id)}`,
 };

@@ -15,6 +15,8 @@ import fleets from "./pages/fleets.js";
 import nowhere from "./pages/nowhere.js";
 import policy from "./pages/policy.js";
 import robot from "./pages/robot.js";
+import rollout from "./pages/rollout.js";
+import rollouts from "./pages/rollouts.js";
 import setpoints from "./pages/setpoints.js";
 import trims from "./pages/trims.js";
 import whatIf from "./pages/what-if.js";
@@ -38,6 +40,8 @@ const PAGES = [
   ["audit", audit],
   ["bulk", bulk],
   ["bulk/:id", bulkAction],
+  ["rollouts", rollouts],
+  ["rollouts/:id", rollout],
   ["policy", policy],
   ["policy/:fleet", policy],
 ];

@@ -23,4 +23,5 @@ mod live;
 mod loading;
 mod overview;
 mod reading;
+mod rollouts;
 mod signing_in;

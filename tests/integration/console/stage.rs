@@ -130,6 +130,7 @@ impl Stage {
             ("trims", "trims"),
             ("setpoints", "setpoints"),
             ("bulk", "bulk"),
+            ("rollouts", "rollouts"),
             ("policy", "policy"),
             ("audit", "audit"),
             ("nowhere", "no/such/page"),

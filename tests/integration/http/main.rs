@@ -18,6 +18,7 @@ mod oidc;
 mod overview;
 mod pages;
 mod pictures;
+mod rollouts;
 mod rows;
 mod scope;
 mod series;

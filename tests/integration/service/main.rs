@@ -24,6 +24,7 @@ mod metrics;
 mod quickstart;
 mod replaced;
 mod restart;
+mod rollouts;
 mod schemathesis;
 mod setpoint_command;
 mod setpoints;

@@ -13,6 +13,7 @@ pub mod history;
 pub mod policies;
 pub mod quarantine;
 pub mod robots;
+pub mod rollouts;
 pub mod setpoints;
 pub mod touch_tests;
 pub mod whiskers;

@@ -7,6 +7,7 @@ import { h } from "../dom.js";
 import { count, interval, time } from "../format.js";
 import { mark } from "../marks.js";
 import { prepared } from "../parts/bulk.js";
+import { rolloutButton } from "../parts/rollouts.js";
 import { api, link } from "../places.js";
 import { facts, section, table, trail } from "../table.js";
 
@@ -86,7 +87,8 @@ function usesTable(told, uses, previous, refresh) {
 }
 
 function action(told, { fleet, is_active: isActive, whiskers }, previous, refresh) {
-  if (!isActive) return activation(told, fleet, whiskers, "Activate", refresh);
+  if (!isActive)
+    return h("span", { class: "buttons" }, activation(told, fleet, whiskers, "Activate", refresh), inStages(told, fleet, refresh));
   if (previous) return activation(previous, fleet, whiskers, `Restore version ${previous.version}`, refresh);
   return "\u2013";
 }
@@ -110,6 +112,18 @@ function activation(one, fleet, whiskers, button, refresh) {
       refresh,
     ),
   );
+}
+
+/** The button that rolls the calibration out in stages. */
+function inStages(told, fleet, refresh) {
+  const action = {
+    fleet,
+    title: `Roll version ${told.version} of ${told.model} out in fleet ${fleet}`,
+    what: "The baselines of the changed robots' whiskers are relearned; until then a cut is not detected.",
+    change: () => ({ calibration_id: told.calibration_id }),
+    words: "Roll out in stages",
+  };
+  return rolloutButton(action, refresh);
 }
 
 /** The button that activates the calibration in all fleets. */

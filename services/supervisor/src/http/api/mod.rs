@@ -27,6 +27,7 @@ pub mod plots;
 pub mod policy;
 pub mod quarantine;
 pub mod robots;
+pub mod rollouts;
 pub mod setpoints;
 pub mod touch_tests;
 pub mod what_if;
@@ -55,6 +56,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(fleets::routes())
         .merge(overview::routes())
         .merge(robots::routes())
+        .merge(rollouts::routes())
         .merge(labels::routes())
         .merge(quarantine::routes())
         .merge(contacts::routes())
