@@ -32,7 +32,7 @@ CREATE TABLE rollouts (
 );
 CREATE UNIQUE INDEX rollouts_open ON rollouts (fleet) WHERE state IN ('RUNNING', 'PAUSED');
 
--- What happened in a roll-out. `event`: STARTED, LOOKED, ADVANCED, PAUSED, RESUMED, ROLLED_BACK or COMPLETED. `actor` is a person or
+-- Events of roll-outs. `event`: STARTED, LOOKED, ADVANCED, PAUSED, RESUMED, ROLLED_BACK or COMPLETED. `actor` is a person or
 -- token, or `supervisor` if it followed from the errors. `detail` says why, in words.
 CREATE TABLE rollout_events (
     rollout_event_id BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY,

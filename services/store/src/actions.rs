@@ -163,7 +163,7 @@ impl Store {
 }
 
 impl Store {
-    /// The action that an actor requested with an idempotency key; `None` if there is none.
+    /// The action that an actor requested with an idempotency key; `None` if the key is new.
     ///
     /// # Errors
     /// The database cannot be read.

@@ -18,7 +18,7 @@ pub const REFUSALS_MAX: i64 = 20;
 /// An action of a request for many.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChildAction {
-    /// The action.
+    /// Action of the subject.
     pub action: NewAction,
     /// Time before which it must not be executed, µs since 1970 UTC by the owner's clock.
     pub not_before_us: i64,

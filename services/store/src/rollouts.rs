@@ -69,7 +69,7 @@ pub struct Compared {
     pub unchanged_error: Option<f64>,
 }
 
-/// What happened in a roll-out.
+/// An event of a roll-out.
 #[derive(Debug, Clone, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub struct RolloutEvent {
     /// Kind of event, such as `ADVANCED`.
@@ -80,12 +80,12 @@ pub struct RolloutEvent {
     pub detail: String,
 }
 
-/// A new state of a roll-out, with what led to it.
+/// A new state of a roll-out, with its event.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct RolloutChange {
-    /// The state.
+    /// State of the roll-out.
     pub row: RolloutRow,
-    /// What led to it; `None` for new numbers alone.
+    /// The event that led to it; `None` for new numbers alone.
     pub event: Option<RolloutEvent>,
 }
 
@@ -124,7 +124,7 @@ from_row! {
         pub error: f64,
     }
 
-    /// What happened in a roll-out.
+    /// An event of a roll-out.
     #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
     pub struct RolloutEventReading {
         /// Time of the event, by the supervisor's clock.
@@ -212,7 +212,7 @@ impl Writer {
 }
 
 impl Store {
-    /// What happened in a roll-out, the newest first.
+    /// The events of a roll-out, the newest first.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -226,7 +226,7 @@ impl Store {
     }
 }
 
-/// Writes the state of a roll-out, and what led to it.
+/// Writes the state of a roll-out, and its event.
 pub(super) async fn write(tx: &mut Tx<'_>, change: &RolloutChange) -> sqlx::Result<()> {
     const STATE: &str = "INSERT INTO rollouts (rollout_id, fleet, kind, change, state, stage, place_max, level, robots, looks, \
          probability, changed_robots, unchanged_robots, changed_error, unchanged_error, started_us, stage_us, updated_us, \

@@ -254,3 +254,64 @@ async fn a_roll_out_survives_the_death_of_its_supervisor() {
 fn database_in_of(running: &Running) -> std::path::PathBuf {
     database_in(running.folder())
 }
+
+/// A calibration with the numbers of the paper's whiskers, as another version.
+async fn uploaded(http: SocketAddr) -> Value {
+    let model = vibrissa_core::mechanics::Model::nguyen_2021(vibrissa_core::mechanics::Formulation::Published);
+    let truth = *model.calibration();
+    let row = |pressure_mpa: f64| {
+        let k2 = truth.c + truth.a * (-truth.b_per_mpa * pressure_mpa).exp();
+        let pressure = vibrissa_core::units::Megapascal::new(pressure_mpa).unwrap();
+        json!({ "pressure_mpa": pressure_mpa, "strain": model.axial_strain(pressure).ratio(),
+                "elongation_mm": truth.elongation_gain_mm * pressure_mpa / (k2 * truth.youngs_modulus_mpa) })
+    };
+    let rows: Vec<Value> = [0.02, 0.05, 0.08, 0.12, 0.16, 0.2].into_iter().map(row).collect();
+    let body = json!({ "model": "nguyen-2021", "youngs_modulus_mpa": truth.youngs_modulus_mpa, "rows": rows });
+    let (status, told) = ask(http, "POST", "/v1/calibrations", body).await;
+    assert_eq!(status, 201, "{told}");
+    told["calibration_id"].clone()
+}
+
+#[tokio::test]
+async fn a_calibration_is_relearned_by_the_changed_robots_alone_until_it_is_in_force() {
+    let running = Running::start().await;
+    let names: Vec<String> = ["a", "b", "c", "d", "e", "f"].map(ToOwned::to_owned).to_vec();
+    let mut robots = Vec::new();
+    for name in &names {
+        let mut robot = HandRobot::born(running.port(), name, array(ArrayType::Type2, &[70.0])).await;
+        robot.touch(0, LEARNED + 20).await;
+        robot.receipted().await;
+        robots.push(robot);
+    }
+    let calibration_id = uploaded(running.service.http).await;
+    let body = json!({ "calibration_id": calibration_id, "reason": "new gauges" });
+    let id = done(running.service.http, "/v1/fleets/f/rollouts", body).await["action_id"].clone();
+    let order = in_order(&id, &names);
+    let learning =
+        "SELECT robot FROM whiskers JOIN robots USING (robot_id) WHERE condition = 'LEARNING' ORDER BY robot";
+    let sorted = |names: &[String]| {
+        let mut names = names.to_vec();
+        names.sort();
+        names
+    };
+    // 5 % of six robots are one, 25 % are two.
+    assert_eq!(running.database.texts(learning).await, sorted(&order[..1]));
+    let active = "SELECT count(*) FROM active_calibrations";
+    assert_eq!(running.database.number(active).await, 0);
+    let running = running.again(crate::running::quick(), None).await;
+    assert_eq!(running.database.texts(learning).await, sorted(&order[..1]), "a takeover changes nothing");
+    let http = running.service.http;
+    done(http, &format!("/v1/rollouts/{id}/advance"), json!({})).await;
+    assert_eq!(running.database.texts(learning).await, sorted(&order[..2]));
+    let activate = format!("/v1/fleets/f/calibrations/{calibration_id}/activate");
+    assert_eq!(ask(http, "POST", &activate, json!({})).await.0, 409);
+    done(http, &format!("/v1/rollouts/{id}/advance"), json!({})).await;
+    assert_eq!(running.database.texts(learning).await, sorted(&names));
+    assert_eq!(running.database.number(active).await, 1);
+    let told = read(http, &id).await;
+    assert_eq!(
+        (&told["rollout"]["state"], events(&told)),
+        (&json!("COMPLETED"), vec!["STARTED", "ADVANCED", "COMPLETED"])
+    );
+    running.service.stop().await;
+}

@@ -16,7 +16,7 @@ from_row! {
         pub rollout_id: i64,
         /// Name of the fleet.
         pub fleet: String,
-        /// What it changes: `POLICY` or `CALIBRATION`.
+        /// Kind of the change: `POLICY` or `CALIBRATION`.
         pub kind: String,
         /// The policy, or number and content of the calibration.
         #[schema(value_type = Object)]
@@ -67,7 +67,7 @@ sorts! {
     }
 }
 
-/// All roll-outs.
+/// All roll-outs of all fleets.
 pub static ROLLOUTS: List = List {
     what: "list the roll-outs",
     select: "SELECT rollout_id, fleet, kind, change, state, stage, level, robots, looks, probability, changed_robots, \

@@ -1,4 +1,4 @@
-//! Staged roll-outs of a fleet: robots that get the change before the others, and what follows from their errors.
+//! Staged roll-outs of a fleet: some robots get a change before the others, and their errors decide about the rest.
 //!
 //! The core decides ([`vibrissa_core::rollout`]); here robots are chosen and stepped. The state is a row of the database, written
 //! in the transaction in which robots change, so a roll-out survives its owner. The changed robots have parameters of their
@@ -21,7 +21,7 @@ use vibrissa_store::rollouts::{Compared, RobotError, RolloutChange, RolloutEvent
 use super::actions::{Activation, Execution, Problem};
 use crate::params::with_model;
 
-/// Actor of what follows from the errors alone.
+/// Actor of events that follow from the errors alone.
 const SUPERVISOR: &str = "supervisor";
 
 /// Parameters of the robots that a roll-out has changed.
@@ -39,7 +39,7 @@ impl TrialParams {
     }
 }
 
-/// What a roll-out changes.
+/// The change of a roll-out.
 #[derive(Debug, Clone)]
 enum Change {
     Policy(PolicyParams),
@@ -123,7 +123,7 @@ struct Which {
     rollout_id: i64,
 }
 
-/// What an operator asks of a running roll-out.
+/// A person's order to a roll-out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
     Pause,
@@ -204,7 +204,7 @@ impl Execution<'_> {
         Ok(())
     }
 
-    /// Compares the errors of changed and unchanged robots, and does what follows.
+    /// Compares the errors of changed and unchanged robots, then waits, goes on or rolls back.
     pub(super) fn review_rollout(&mut self, errors: &[RobotError]) {
         let Some(open) = self.rollout.as_mut() else { return };
         let trial = open.trial();
@@ -335,7 +335,7 @@ impl Execution<'_> {
     }
 }
 
-/// What a look found, in words.
+/// The result of a look, in words.
 fn told(look: Look, rules: Rules, compared: &Compared) -> String {
     let percent = |error: Option<f64>| error.map_or_else(|| "-".to_owned(), |error| format!("{:.1} %", 100.0 * error));
     format!(

@@ -55,7 +55,7 @@ macro_rules! bodies {
             /// Conditions on the subjects.
             #[serde(default)]
             pub filter: $filter,
-            #[doc = "True: only list the subjects, and change nothing."]
+            /// True: only list the subjects, and change nothing.
             #[serde(default)]
             pub dry_run: bool,
             /// Digest of the subjects that the dry run listed. The request is refused (412) if other subjects meet the conditions
@@ -132,7 +132,7 @@ pub(super) struct Request {
     pub(super) options: Options,
 }
 
-/// What a caller decides about a request.
+/// The caller's choices for a request.
 pub(super) struct Options {
     pub(super) dry_run: bool,
     pub(super) digest: Option<String>,

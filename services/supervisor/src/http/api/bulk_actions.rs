@@ -74,7 +74,7 @@ pub struct BulkPath {
 /// A request for many with its progress.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct BulkDetail {
-    /// The request.
+    /// The request with its numbers.
     pub request: BulkRow,
     /// Why subjects were refused, the most frequent reason first, at most 20. `/v1/audit?parent_id=...&state=REFUSED` lists
     /// them.

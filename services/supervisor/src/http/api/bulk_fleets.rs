@@ -28,7 +28,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(set_policies)).routes(routes!(activate_in_many))
 }
 
-/// Most robots that are looked at for their fleets.
+/// Most robots that are read to find their fleets.
 const ROBOTS_MAX: usize = 100_000;
 /// Robots of a page.
 const PAGE: u32 = 1000;

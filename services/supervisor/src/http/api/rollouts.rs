@@ -175,12 +175,12 @@ pub struct RolloutPath {
     pub rollout_id: i64,
 }
 
-/// A roll-out with what happened in it.
+/// A roll-out with its events.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct RolloutDetail {
-    /// The roll-out.
+    /// State of the roll-out.
     pub rollout: Rollout,
-    /// What happened in it, the newest first, at most 200.
+    /// Its events, the newest first, at most 200.
     pub events: Vec<RolloutEventReading>,
 }
 
@@ -191,7 +191,7 @@ async fn rollout(app: &App, caller: &Caller, at: &RolloutPath) -> Result<Rollout
     found.ok_or_else(|| Problem::not_found(format_args!("roll-out {}", at.rollout_id)))
 }
 
-/// One roll-out with what happened in it.
+/// One roll-out with its events.
 #[utoipa::path(
     get, path = "/v1/rollouts/{rollout_id}", tag = "rollouts", params(RolloutPath),
     responses((status = 200, description = "The roll-out", body = RolloutDetail))
@@ -250,6 +250,6 @@ orders! {
     resume = "/v1/rollouts/{rollout_id}/resume", RolloutResume, "The roll-out is running";
     /// Advance a roll-out to its next stage, whatever the errors say. After the stage of 25 % the change is in force everywhere.
     advance = "/v1/rollouts/{rollout_id}/advance", RolloutAdvance, "The next stage has begun";
-    /// Roll a change back: the changed robots get what is in force in the fleet. The roll-out ends.
+    /// Roll a change back: the changed robots get the fleet's policy and calibrations again. The roll-out ends.
     roll_back = "/v1/rollouts/{rollout_id}/roll_back", RolloutBack, "The change is taken back";
 }
