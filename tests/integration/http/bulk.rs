@@ -82,7 +82,13 @@ async fn robots_are_selected_by_label_and_many_waiting_actions_are_too_many() {
     assert_eq!(dry["items"], json!([{ "fleet": "g", "robot": "r2", "array": null, "whisker": null }]));
     let (status, none) = post(&served, "/v1/robots/release", &[], json!({ "filter": { "label": "hall=2" } })).await;
     assert_eq!((status, &none["subjects"], &none["action_id"]), (200, &json!(0), &Value::Null), "it is not held");
-    for body in [json!({ "per_second": 0 }), json!({ "per_second": 101 }), json!({ "filter": { "label": "Hall" } })] {
+    for body in [
+        json!({ "per_second": 0 }),
+        json!({ "per_second": 101 }),
+        json!({ "filter": { "label": "Hall" } }),
+        json!({ "digest": "" }),
+        json!({ "digest": "0123456789ABCDEF0123456789abcdef", "dry_run": true }),
+    ] {
         assert_eq!(post(&served, "/v1/robots/hold", &[], body.clone()).await.0, 422, "{body}");
     }
     // Twelve whiskers each time, and at most 2000 wait.

@@ -168,7 +168,6 @@ pub struct AlarmFilter {
     pub whisker: Option<u16>,
     /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(inline)]
     pub label: Option<LabelFilter>,
     /// Kind of the alarm.
     #[serde(skip_serializing_if = "Option::is_none")]

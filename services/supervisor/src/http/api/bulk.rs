@@ -42,6 +42,8 @@ pub const SUBJECTS_MAX: u32 = 1000;
 const PER_S: u32 = 20;
 /// Greatest number of actions that become due in each second.
 const PER_S_MAX: u32 = 100;
+/// Length of a digest.
+const DIGEST_CHARS: usize = 32;
 /// Time in which an action must be executed once it is due, µs.
 const LIFETIME_US: i64 = 30_000_000;
 
@@ -147,7 +149,11 @@ fn digest(subjects: &[(Subject, Value)]) -> String {
     for (subject, parameters) in subjects {
         hasher.update(json!([subject, parameters.get("expected_version")]).to_string().as_bytes());
     }
-    hasher.finalize().to_hex()[..32].to_owned()
+    hasher.finalize().to_hex()[..DIGEST_CHARS].to_owned()
+}
+
+fn is_digest(text: &str) -> bool {
+    text.len() == DIGEST_CHARS && text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
 }
 
 /// The fleet of the subjects, if it is the same for all.
@@ -163,6 +169,9 @@ pub(super) async fn ask_many(app: &App, asker: Asker, request: Request) -> Resul
     let per_s = options.per_second.unwrap_or(PER_S);
     if !(1..=PER_S_MAX).contains(&per_s) {
         return Err(Problem::invalid("per_second", format!("must be 1 to {PER_S_MAX}, not {per_s}")));
+    }
+    if let Some(told) = options.digest.as_ref().filter(|told| !is_digest(told)) {
+        return Err(Problem::invalid("digest", format!("must be the digest of a dry run, not {told:?}")));
     }
     let digest = digest(&subjects);
     let count = subjects.len();

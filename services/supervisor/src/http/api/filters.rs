@@ -35,7 +35,6 @@ pub struct RobotFilter {
     pub held: Option<bool>,
     /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(inline)]
     pub label: Option<LabelFilter>,
     /// Text to look for in the names of fleet and robot and in the model, in upper or lower case.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -70,7 +69,6 @@ pub struct WhiskerFilter {
     pub held: Option<bool>,
     /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(inline)]
     pub label: Option<LabelFilter>,
     /// Text to look for in the names of fleet, robot and array, in upper or lower case.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -47,7 +47,6 @@ pub struct LabelPath {
 #[schema(as = LabelValue)]
 pub struct LabelBody {
     /// Value: 1 to 64 characters without commas and control characters, and without spaces at its ends.
-    #[schema(inline)]
     pub value: LabelValueText,
     /// Reason in free text, at most 1000 characters.
     #[schema(max_length = 1000)]
