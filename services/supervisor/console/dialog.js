@@ -31,8 +31,11 @@ export function actionButton(action, done, words = action.button) {
 }
 
 async function open(action, done) {
+  const address = location.hash;
   try {
-    confirm(action.prepare ? await action.prepare() : action, done);
+    const complete = action.prepare ? await action.prepare() : action;
+    // The user may have left the page meanwhile: its dialog would appear on another one.
+    if (location.hash === address) confirm(complete, done);
   } catch (problem) {
     notice(problem.message);
   }

@@ -76,7 +76,9 @@ async fn all_24_robots_shown_are_held_after_a_dry_run_and_their_progress_is_show
     stage.browser.press("Escape").await;
     // A whisker of a held robot cannot be released alone, and the page says so.
     stage.open("#/whiskers?label=hall&q=many-003").await;
+    stage.browser.until("the page", "document.querySelector('h1').textContent === 'Whiskers'").await;
     press(&mut stage, "Release all shown").await;
+    assert!(words(&mut stage, DIALOG).await.contains("Release 2 whiskers"));
     stage.browser.js(&format!("{DIALOG}.querySelector('form').requestSubmit()")).await;
     stage.browser.until("they are refused", &format!("{notice}.includes('0 of 2 done, 2 refused: ROBOT_HELD')")).await;
     looks_right(&mut stage, "whiskers").await;
