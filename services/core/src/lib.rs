@@ -3,6 +3,7 @@
 //! Read in this order: [`units`], [`mechanics`] (the paper's equations and their inverses), [`estimation`] (a
 //! whisker's length and offset from its contacts), [`detection`] (changes that are no longer chance), [`policy`]
 //! (the choice of compensators), and [`robot`], whose `step(params, now, event)` puts them together.
+//! [`rollout`] compares robots with and without a change.
 
 mod encoding;
 pub mod text;
@@ -17,3 +18,5 @@ pub mod detection;
 pub mod policy;
 
 pub mod robot;
+
+pub mod rollout;

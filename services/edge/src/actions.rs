@@ -60,6 +60,10 @@ pub enum RecordedKind {
     CalibrationUpload,
     /// Changes the list of allowed robots.
     AllowedRobots,
+    /// Sets a label of a robot.
+    LabelSet,
+    /// Removes a label of a robot.
+    LabelRemove,
     /// Acknowledges an alarm.
     AlarmAcknowledge,
     /// Silences an alarm until a time.
@@ -72,10 +76,48 @@ pub enum RecordedKind {
     AlarmsShelve,
     /// Ends the silence of all alarms that meet conditions.
     AlarmsUnshelve,
+    /// Holds all robots that meet conditions; each robot has its own entry beside it.
+    RobotsHold,
+    /// Releases all robots that meet conditions.
+    RobotsRelease,
+    /// Holds all whiskers that meet conditions; each whisker has its own entry beside it.
+    WhiskersHold,
+    /// Releases all whiskers that meet conditions.
+    WhiskersRelease,
+    /// Relearns the baselines of all whiskers that meet conditions.
+    WhiskersRebaseline,
+    /// Changes the policies of all fleets that meet conditions.
+    Policies,
+    /// Activates a calibration in all fleets that meet conditions.
+    Calibrations,
+    /// Stops an action on many.
+    BulkStop,
+    /// Begins a staged roll-out.
+    RolloutStart,
+    /// Pauses a roll-out.
+    RolloutPause,
+    /// Resumes a roll-out.
+    RolloutResume,
+    /// Advances a roll-out to its next stage.
+    RolloutAdvance,
+    /// Takes the change of a roll-out back.
+    RolloutBack,
     /// Creates an API token.
     TokenCreate,
     /// Revokes an API token.
     TokenRevoke,
+}
+
+impl RecordedKind {
+    /// The kinds that the engine of a fleet executes.
+    pub const OF_ENGINE: [Self; 6] = [
+        Self::Calibration,
+        Self::RolloutStart,
+        Self::RolloutPause,
+        Self::RolloutResume,
+        Self::RolloutAdvance,
+        Self::RolloutBack,
+    ];
 }
 
 /// Kind of an entry of the audit log.

@@ -6,6 +6,7 @@ pub mod actions;
 pub mod clock;
 pub mod guidance;
 pub mod ids;
+pub mod labels;
 pub mod touch_tests;
 pub mod words;
 

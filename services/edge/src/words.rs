@@ -15,6 +15,7 @@ use vibrissa_core::robot::effect::{
     TestReason, TestState,
 };
 use vibrissa_core::robot::event::{ArrayKind, GaugeState, Link, Rejection};
+use vibrissa_core::rollout::Stage;
 use vibrissa_protocol::{SetpointError, SetpointReason, TouchTestKind, TouchTestReason, WhiskerCondition};
 
 use crate::actions::{ActionKind, RecordedKind};
@@ -261,18 +262,38 @@ words! {
         Calibration => "CALIBRATION" "activate a calibration",
         CalibrationUpload => "CALIBRATION_UPLOAD" "upload a calibration",
         AllowedRobots => "ALLOWED_ROBOTS" "change the allowed robots",
+        LabelSet => "LABEL_SET" "set a label",
+        LabelRemove => "LABEL_REMOVE" "remove a label",
         AlarmAcknowledge => "ALARM_ACKNOWLEDGE" "acknowledge an alarm",
         AlarmShelve => "ALARM_SHELVE" "shelve an alarm",
         AlarmUnshelve => "ALARM_UNSHELVE" "unshelve an alarm",
         AlarmsAcknowledge => "ALARMS_ACKNOWLEDGE" "acknowledge many alarms",
         AlarmsShelve => "ALARMS_SHELVE" "shelve many alarms",
         AlarmsUnshelve => "ALARMS_UNSHELVE" "unshelve many alarms",
+        RobotsHold => "ROBOTS_HOLD" "hold many robots",
+        RobotsRelease => "ROBOTS_RELEASE" "release many robots",
+        WhiskersHold => "WHISKERS_HOLD" "hold many whiskers",
+        WhiskersRelease => "WHISKERS_RELEASE" "release many whiskers",
+        WhiskersRebaseline => "WHISKERS_REBASELINE" "relearn many baselines",
+        Policies => "POLICIES" "change the policies of many fleets",
+        Calibrations => "CALIBRATIONS" "activate a calibration in many fleets",
+        BulkStop => "BULK_STOP" "stop an action on many",
+        RolloutStart => "ROLLOUT_START" "begin a roll-out",
+        RolloutPause => "ROLLOUT_PAUSE" "pause a roll-out",
+        RolloutResume => "ROLLOUT_RESUME" "resume a roll-out",
+        RolloutAdvance => "ROLLOUT_ADVANCE" "advance a roll-out",
+        RolloutBack => "ROLLOUT_ROLL_BACK" "roll a change back",
         TokenCreate => "TOKEN_CREATE" "create a token",
         TokenRevoke => "TOKEN_REVOKE" "revoke a token",
     }
     ArrayKind {
         Type1 => "TYPE_1" "whiskers that compensate for one another",
         Type2 => "TYPE_2" "single whiskers, each for itself",
+    }
+    Stage {
+        Few => "FEW" "5 % of the robots",
+        Quarter => "QUARTER" "25 % of the robots",
+        All => "ALL" "all robots",
     }
     Link {
         Online => "ONLINE" "online" (Good),

@@ -6,7 +6,9 @@
 
 use serde::Serialize;
 use tokio::time::Duration;
+use vibrissa_edge::clock::wall_clock;
 
+use super::bulk::ChildAction;
 use super::database::{Tx, on};
 use super::from_row::from_row;
 use super::{Lease, Store, StoreError, Writer, failed};
@@ -144,7 +146,7 @@ impl Store {
     pub async fn ask(&self, action: &NewAction) -> Result<Asked, StoreError> {
         const WHAT: &str = "request an action";
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
-        let asked = insert(&mut tx, action, "PENDING", None).await.map_err(failed(WHAT))?;
+        let asked = insert(&mut tx, action, "PENDING", None, None).await.map_err(failed(WHAT))?;
         tx.commit().await.map_err(failed(WHAT))?;
         Ok(asked)
     }
@@ -160,8 +162,24 @@ impl Store {
     }
 }
 
+impl Store {
+    /// The action that an actor requested with an idempotency key; `None` if the key is new.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn action_of_key(&self, actor: &str, key: Option<&str>) -> Result<Option<Action>, StoreError> {
+        let sql = format!("SELECT {COLUMNS} FROM actions WHERE actor = $1 AND idempotency_key = $2");
+        on!(&self.pool, |pool| sqlx::query_as(sqlx::AssertSqlSafe(sql))
+            .bind(actor)
+            .bind(key)
+            .fetch_optional(pool)
+            .await)
+        .map_err(failed("read an action"))
+    }
+}
+
 impl Writer {
-    /// At most `most` pending actions of the lease's fleet, in the order of their requests.
+    /// At most `most` pending actions of the lease's fleet whose time has come, in the order of their requests.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -169,11 +187,12 @@ impl Writer {
         const WHAT: &str = "read pending actions";
         // The limit is not a parameter: with a parameter there, SQLite would prepare the statement anew each time.
         let sql = format!(
-            "SELECT {COLUMNS} FROM actions WHERE fleet = $1 AND state = 'PENDING' ORDER BY action_id LIMIT {most}"
+            "SELECT {COLUMNS} FROM actions WHERE fleet = $1 AND state = 'PENDING' AND not_before_us <= $2 \
+             ORDER BY action_id LIMIT {most}"
         );
-        let fleet = lease.fleet().as_str();
+        let (fleet, now_us) = (lease.fleet().as_str(), wall_clock().0 as i64);
         self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).fetch_all(link).await)
+            on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).bind(now_us).fetch_all(link).await)
                 .map_err(failed(WHAT))
         })
         .await
@@ -183,13 +202,31 @@ impl Writer {
 /// Records an action that needs no engine as done, in the transaction of its effects. Unless the result is
 /// [`Asked::New`], the action was done before, and the caller must not repeat its effects.
 pub(super) async fn record_done(tx: &mut Tx<'_>, action: &NewAction, done_us: i64) -> Result<Asked, StoreError> {
-    insert(tx, action, "DONE", Some(done_us)).await.map_err(failed("record an action"))
+    insert(tx, action, "DONE", Some(done_us), None).await.map_err(failed("record an action"))
 }
 
-async fn insert(tx: &mut Tx<'_>, action: &NewAction, state: &str, done_us: Option<i64>) -> sqlx::Result<Asked> {
+/// Inserts an action of a request for many.
+pub(super) async fn insert_child(tx: &mut Tx<'_>, parent_id: i64, child: &ChildAction) -> sqlx::Result<()> {
+    insert(tx, &child.action, "PENDING", None, Some((parent_id, child.not_before_us))).await.map(drop)
+}
+
+/// Marks an action as the request for many.
+pub(super) async fn mark_many(tx: &mut Tx<'_>, parent_id: i64, subjects: i64) -> sqlx::Result<()> {
+    const SQL: &str = "UPDATE actions SET subjects = $1 WHERE action_id = $2";
+    on!(tx, |tx| sqlx::query(SQL).bind(subjects).bind(parent_id).execute(&mut **tx).await.map(drop))
+}
+
+/// Inserts an action; one of a request for many has the request's number, and a time before which it is not executed.
+async fn insert(
+    tx: &mut Tx<'_>,
+    action: &NewAction,
+    state: &str,
+    done_us: Option<i64>,
+    of_many: Option<(i64, i64)>,
+) -> sqlx::Result<Asked> {
     const SQL: &str = "INSERT INTO actions (fleet, robot, \"array\", whisker, compensation_id, alarm_id, kind, parameters, \
-         reason, actor, role, request_id, idempotency_key, asked_us, expires_us, state, done_us) \
-         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17) \
+         reason, actor, role, request_id, idempotency_key, asked_us, expires_us, state, done_us, parent_id, not_before_us) \
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19) \
          ON CONFLICT (actor, idempotency_key) DO NOTHING RETURNING action_id";
     let new: Option<i64> = on!(&mut *tx, |tx| sqlx::query_scalar(SQL)
         .bind(&action.fleet)
@@ -209,6 +246,8 @@ async fn insert(tx: &mut Tx<'_>, action: &NewAction, state: &str, done_us: Optio
         .bind(action.expires_us)
         .bind(state)
         .bind(done_us)
+        .bind(of_many.map(|(parent_id, _)| parent_id))
+        .bind(of_many.map_or(0, |(_, not_before_us)| not_before_us))
         .fetch_optional(&mut **tx)
         .await)?;
     if let Some(action_id) = new {

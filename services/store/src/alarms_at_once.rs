@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::actions::{Asked, NewAction, record_done};
+use super::actions::{Asked, NewAction, mark_many, record_done};
 use super::alarms::Said;
 use super::changes::{self, NewChange};
 use super::database::{Tx, on};
@@ -74,9 +74,10 @@ impl Store {
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
         let asked = record_done(&mut tx, of_all, now_us).await?;
         let request_id = match &asked {
-            Asked::New(_) => {
+            Asked::New(parent_id) => {
                 let ids = write(&mut tx, alarms, said, of_each).await.map_err(failed(WHAT))?;
-                record(&mut tx, &ids, of_each).await.map_err(failed(WHAT))?;
+                mark_many(&mut tx, *parent_id, ids.len() as i64).await.map_err(failed(WHAT))?;
+                record(&mut tx, *parent_id, &ids, of_each).await.map_err(failed(WHAT))?;
                 let is_changed = |one: &&AlarmRow| ids.contains(&one.alarm_id);
                 let fleets: BTreeSet<&str> = alarms.iter().filter(is_changed).map(|one| one.fleet.as_str()).collect();
                 for fleet in fleets {
@@ -156,12 +157,12 @@ async fn write(tx: &mut Tx<'_>, alarms: &[AlarmRow], said: Said, action: &NewAct
     Ok(changed.into_iter().collect())
 }
 
-/// Records an action about each alarm.
-async fn record(tx: &mut Tx<'_>, ids: &BTreeSet<i64>, action: &NewAction) -> sqlx::Result<()> {
+/// Records an action about each alarm, as parts of the request's.
+async fn record(tx: &mut Tx<'_>, parent_id: i64, ids: &BTreeSet<i64>, action: &NewAction) -> sqlx::Result<()> {
     let sql = format!(
         "INSERT INTO actions (fleet, robot, \"array\", whisker, alarm_id, kind, parameters, reason, actor, role, request_id, \
-         asked_us, expires_us, state, done_us) \
-         SELECT r.fleet, r.robot, y.\"array\", w.whisker, a.alarm_id, $1, $2, $3, $4, $5, $6, $7, $8, 'DONE', $7 \
+         asked_us, expires_us, state, done_us, parent_id) \
+         SELECT r.fleet, r.robot, y.\"array\", w.whisker, a.alarm_id, $1, $2, $3, $4, $5, $6, $7, $8, 'DONE', $7, $9 \
          FROM alarms a LEFT JOIN whiskers w ON w.whisker_id = a.whisker_id LEFT JOIN arrays y ON y.array_id = w.array_id \
          JOIN robots r ON r.robot_id = coalesce(a.robot_id, w.robot_id) WHERE a.alarm_id IN ({}) ORDER BY a.alarm_id",
         among(ids.iter().copied())
@@ -175,6 +176,7 @@ async fn record(tx: &mut Tx<'_>, ids: &BTreeSet<i64>, action: &NewAction) -> sql
         .bind(&action.request_id)
         .bind(action.asked_us)
         .bind(action.expires_us)
+        .bind(parent_id)
         .execute(&mut **tx)
         .await
         .map(drop))

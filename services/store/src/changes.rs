@@ -154,6 +154,7 @@ impl<'a> NewChange<'a> {
                 ..Self::default()
             },
             Record::TestOfAction { action_id, .. } => number("ACTION", *action_id, 0),
+            Record::Rollout(change) => Self { kind: "POLICY", recorded_us: change.row.updated_us, ..Self::default() },
             Record::Quarantined(row) => Self { kind: "ALARM", recorded_us: row.quarantined_us, ..Self::default() },
         }
     }

@@ -12,6 +12,7 @@ use sqlx::{ColumnIndex, Database, Decode, Encode, FromRow, Postgres, QueryBuilde
 
 use vibrissa_core::robot::effect::AlarmKind;
 use vibrissa_edge::guidance::{BY_URGENCY, urgency};
+use vibrissa_edge::labels::{LabelCondition, LabelConditions};
 use vibrissa_edge::words::Word;
 
 use super::database::Either;
@@ -118,6 +119,8 @@ pub enum Filter {
     Below(&'static str, Value),
     /// The column is null (true), or is not (false).
     IsNull(&'static str, bool),
+    /// The robot whose number is in the column has a label that meets the condition.
+    HasLabel(&'static str, LabelCondition),
     /// At least one of the columns contains the text, in upper or lower case.
     Contains(&'static [&'static str], String),
     /// One of the conditions holds; none holds of an empty list.
@@ -134,6 +137,14 @@ pub enum Filter {
         /// Text to look for.
         text: String,
     },
+}
+
+impl Filter {
+    /// The conditions on the labels of the robot whose number is in a column.
+    pub fn labels(column: &'static str, conditions: Option<&LabelConditions>) -> impl Iterator<Item = Self> {
+        let all = conditions.into_iter().flat_map(LabelConditions::iter);
+        all.map(move |condition| Self::HasLabel(column, condition.clone()))
+    }
 }
 
 /// Position in a sorted list: the last row of a page.
@@ -181,6 +192,11 @@ impl Selection {
     /// Adds the condition that at least one column contains a text, if one is given.
     pub fn contains(&mut self, columns: &'static [&'static str], text: Option<impl ToString>) {
         self.filters.extend(text.map(|text| Filter::Contains(columns, text.to_string())));
+    }
+
+    /// Adds the conditions on the labels of the robot whose number is in a column.
+    pub fn has_labels(&mut self, column: &'static str, conditions: Option<&LabelConditions>) {
+        self.filters.extend(Filter::labels(column, conditions));
     }
 
     /// Adds a condition.
@@ -265,6 +281,10 @@ where
         Filter::IsNull(column, is_null) => {
             sql.push(*column).push(if *is_null { " IS NULL" } else { " IS NOT NULL" });
         }
+        Filter::HasLabel(column, condition) => {
+            sql.push(*column).push(" IN (SELECT robot_id FROM robots WHERE replace(").push(LABEL_LINES).push(", ");
+            sql.push_bind(condition.needle()).push(", '') <> ").push(LABEL_LINES).push(")");
+        }
         Filter::Contains(columns, text) => push_contains(sql, columns, text),
         Filter::IsNamed { column, select, names, text } => {
             sql.push(*column).push(" IN (").push(*select).push(" WHERE ");
@@ -281,6 +301,9 @@ where
         }
     }
 }
+
+/// The labels of a robot, each between two line breaks. LIKE would not tell `Hall` from `hall` in SQLite.
+const LABEL_LINES: &str = "'\n' || labels || '\n'";
 
 /// Appends the condition that at least one column contains a text.
 fn push_contains<DB: Database>(sql: &mut QueryBuilder<DB>, columns: &[&'static str], text: &str)

@@ -9,7 +9,7 @@ use super::tables::{
     ALARMS, ANSWERED, BINS, CANDIDATES, CLEARED, DECISIONS, ENDED, ERRORS, HEALTH, POLICIES, REFINEMENTS, RESPONSES,
     ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS, STATES, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
 };
-use super::{StoreError, actions, calibrations, failed, quarantine, tables};
+use super::{StoreError, actions, calibrations, failed, quarantine, rollouts, tables};
 use crate::Resolution;
 
 /// Writes the rows of all tables except contacts and the journal.
@@ -109,6 +109,7 @@ async fn write_record(tx: &mut Tx<'_>, fleet: &str, record: &Record) -> Result<(
         Record::TestOfAction { action_id, test_id, .. } => {
             (actions::write_test(tx, *action_id, test_id).await, "write the touch test of an action")
         }
+        Record::Rollout(change) => (rollouts::write(tx, change).await, "write a roll-out"),
     };
     written.map_err(failed(what))
 }

@@ -89,9 +89,9 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
   }
 
   /** A field for a text that must match exactly. */
-  function textField({ name, label }, state) {
+  function textField({ name, label, maxlength = 64, placeholder }, state) {
     const choose = (event) => change({ [name]: event.target.value.trim(), cursor: null });
-    const attributes = { id: `filter-${name}`, name, maxlength: 64, value: state[name] ?? "", "data-of-address": true };
+    const attributes = { id: `filter-${name}`, name, maxlength, placeholder, value: state[name] ?? "", "data-of-address": true };
     return h("label", { class: "tool" }, h("span", {}, label), h("input", { ...attributes, onchange: choose }));
   }
 

@@ -31,8 +31,11 @@ export function actionButton(action, done, words = action.button) {
 }
 
 async function open(action, done) {
+  const address = location.hash;
   try {
-    confirm(action.prepare ? await action.prepare() : action, done);
+    const complete = action.prepare ? await action.prepare() : action;
+    // The user may have left the page meanwhile: its dialog would appear on another one.
+    if (location.hash === address) confirm(complete, done);
   } catch (problem) {
     notice(problem.message);
   }
@@ -41,8 +44,8 @@ async function open(action, done) {
 /**
  * Opens the dialog of an action:
  * `{ title, what: [sentences], fields: [{ name, label, hint, type, required, .. }], reason: "optional" | "required",
- * list, button, grave, path, method, headers, body(values), moves }`. `moves` is the whisker whose pressure the action may
- * change: its setpoint is followed to the robot's answer. `done` is called after the execution.
+ * list, button, grave, path, pathOf(values), method, headers, body(values), moves, progress(told, say) }`. `pathOf` is for paths that depend on the values. `moves` is the whisker whose pressure the action may
+ * change: its setpoint is followed to the robot's answer. `progress` follows an action on many in the same way. `done` is called after the execution.
  */
 function confirm(action, done) {
   const answer = h("div", { class: "answer", role: "alert" });
@@ -55,9 +58,11 @@ function confirm(action, done) {
     answer.replaceChildren();
     try {
       const follow = action.moves ? await follower(action.moves) : null;
-      const isDone = await carryOut(action, action.body(Object.fromEntries(new FormData(event.target))), key);
+      const values = Object.fromEntries(new FormData(event.target));
+      const path = action.pathOf?.(values) ?? action.path;
+      const { isDone, told } = await carryOut({ ...action, path }, action.body(values), key);
       dialog.close();
-      tellResult(action, isDone, follow);
+      tellResult(action, isDone, follow ?? (action.progress && ((say) => action.progress(told, say))));
       done();
     } catch (problem) {
       answer.replaceChildren(problemPanel(problem));
@@ -127,12 +132,12 @@ function keys() {
   };
 }
 
-/** Sends the action; returns whether it was executed, or is still pending. */
+/** Sends the action; returns the answer, and whether it was executed or is still pending. */
 async function carryOut(action, body, key) {
   const headers = { ...action.headers, "Idempotency-Key": key(body) };
   const answer = await ask(action.path, { method: action.method ?? "POST", headers, body });
   const told = await answer.json().catch(() => ({}));
-  return told.state !== "PENDING" || (await isSettled(told));
+  return { told, isDone: told.state !== "PENDING" || (await isSettled(told)) };
 }
 
 /** Polls the action: the fleet's supervisor executes it, which may not be the one that answers. */
@@ -154,5 +159,5 @@ function tellResult(action, isDone, follow) {
   const say = (words, tone, isFinal) => tell(`${action.title}: ${words}.`, tone, isFinal);
   if (!isDone) say("the fleet's supervisor has not answered yet, see the audit log", "warn", true);
   else if (!follow) say("done", "good", true);
-  else follow(say).catch((problem) => say(`sent, but the robot's answer is unknown: ${problem.message}`, "warn", true));
+  else follow(say).catch((problem) => say(`sent, but the result is unknown: ${problem.message}`, "warn", true));
 }

@@ -14,6 +14,8 @@ export const link = {
     `${link.robot({ fleet, robot })}/arrays/${part(array)}/whiskers/${whisker}`,
   whiskers: (state = {}) => address("/whiskers", state),
   compensations: (state = {}) => address("/compensations", state),
+  bulk: (state = {}) => address("/bulk", state),
+  bulkAction: (id) => `#/bulk/${part(id)}`,
   audit: (state = {}) => address("/audit", state),
   alarms: (state = {}) => address("/alarms", state),
   trims: (state = {}) => address("/trims", state),
@@ -22,6 +24,9 @@ export const link = {
   calibrations: () => "#/calibrations",
   calibration: (id) => `#/calibrations/${part(id)}`,
   compensation: (id) => `#/compensations/${part(id)}`,
+  policies: () => "#/policy",
+  rollouts: (state = {}) => address("/rollouts", state),
+  rollout: (id) => `#/rollouts/${part(id)}`,
   policy: (fleet) => `#/policy/${part(fleet)}`,
   alarm: (id) => `#/alarms?alarm_id=${part(id)}`,
 };

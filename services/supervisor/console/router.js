@@ -4,6 +4,8 @@ import { pathOf, stateOf } from "./address.js";
 import { h } from "./dom.js";
 import alarms from "./pages/alarms.js";
 import audit from "./pages/audit.js";
+import bulkAction from "./pages/bulk-action.js";
+import bulk from "./pages/bulk.js";
 import calibration from "./pages/calibration.js";
 import calibrations from "./pages/calibrations.js";
 import compensation from "./pages/compensation.js";
@@ -13,6 +15,8 @@ import fleets from "./pages/fleets.js";
 import nowhere from "./pages/nowhere.js";
 import policy from "./pages/policy.js";
 import robot from "./pages/robot.js";
+import rollout from "./pages/rollout.js";
+import rollouts from "./pages/rollouts.js";
 import setpoints from "./pages/setpoints.js";
 import trims from "./pages/trims.js";
 import whatIf from "./pages/what-if.js";
@@ -34,6 +38,10 @@ const PAGES = [
   ["setpoints", setpoints],
   ["what-if", whatIf],
   ["audit", audit],
+  ["bulk", bulk],
+  ["bulk/:id", bulkAction],
+  ["rollouts", rollouts],
+  ["rollouts/:id", rollout],
   ["policy", policy],
   ["policy/:fleet", policy],
 ];

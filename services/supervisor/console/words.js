@@ -16,6 +16,7 @@ export {
   MODES,
   OBJECTIVES,
   REFUSALS,
+  ROLLOUT_STAGES,
   SETPOINT_REASONS,
   TEST_KINDS,
   TEST_REASONS,
@@ -83,6 +84,23 @@ export const ACTION_STATES = {
   DONE: ["done", "good", "tick"],
   REFUSED: ["refused", "bad", "cross"],
   EXPIRED: ["expired", "warn", "clock"],
+};
+
+export const ROLLOUT_STATES = {
+  RUNNING: ["running", "info", "dots"],
+  PAUSED: ["paused", "warn", "hand"],
+  ROLLED_BACK: ["rolled back", "bad", "cross"],
+  COMPLETED: ["in force everywhere", "good", "tick"],
+};
+
+export const ROLLOUT_EVENTS = {
+  STARTED: "begun",
+  LOOKED: "errors compared",
+  ADVANCED: "next stage",
+  PAUSED: "paused",
+  RESUMED: "resumed",
+  ROLLED_BACK: "rolled back",
+  COMPLETED: "completed",
 };
 
 /** The words for one of the API's words. */

@@ -5,6 +5,7 @@
 mod alarms;
 mod browser;
 mod browsing;
+mod bulk;
 mod charts;
 mod checks;
 mod following;
@@ -17,8 +18,10 @@ mod zones;
 mod acting;
 mod advising;
 mod keyboard;
+mod labels;
 mod live;
 mod loading;
 mod overview;
 mod reading;
+mod rollouts;
 mod signing_in;

@@ -74,8 +74,9 @@ async fn each_role_sees_its_name_and_which_actions_it_may_not_use() {
     assert!(shown.len() >= 5 && shown.iter().all(|(_, is_disabled, _)| !is_disabled), "{shown:?}");
     stage.open("#/policy/f").await;
     let shown = buttons(&mut stage).await;
-    let policy = "Change the policy of f \u{2026}".to_owned();
-    assert_eq!(shown, [(policy, true, "This requires the role engineer. Your role is operator.".to_owned())]);
+    let of_engineers = ["Change the policy of f \u{2026}", "Roll a policy out in stages \u{2026}"];
+    let reason = "This requires the role engineer. Your role is operator.";
+    assert_eq!(shown, of_engineers.map(|button| (button.to_owned(), true, reason.to_owned())));
     stage.stop().await;
 }
 

@@ -129,6 +129,8 @@ impl Stage {
             ("calibrations", "calibrations"),
             ("trims", "trims"),
             ("setpoints", "setpoints"),
+            ("bulk", "bulk"),
+            ("rollouts", "rollouts"),
             ("policy", "policy"),
             ("audit", "audit"),
             ("nowhere", "no/such/page"),

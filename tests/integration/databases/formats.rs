@@ -8,10 +8,11 @@ use vibrissa_store::Batch;
 use vibrissa_store::batch::{
     ContactRow, Record, RobotAlarmClearedRow, RobotAlarmRow, TouchTestProgressRow, TouchTestRow,
 };
+use vibrissa_store::rollouts::{Compared, RolloutChange, RolloutEvent, RolloutRow};
 use vibrissa_supervisor::engine::rollup::Open;
 
 #[test]
-fn golden_batches_of_older_versions_are_read_and_become_version_4() {
+fn golden_batches_of_older_versions_are_read_and_become_version_5() {
     let of_version_1 = include_bytes!("../../data/formats/batch-1.bin");
     let of_version_2 = include_bytes!("../../data/formats/batch-2.bin");
     let of_version_3 = include_bytes!("../../data/formats/batch-3.bin");
@@ -27,11 +28,44 @@ fn golden_batches_of_older_versions_are_read_and_become_version_4() {
     let (robot_id, kind) = (1, "ROBOT_SILENT");
     batch.records.push(Record::RobotAlarm(RobotAlarmRow { robot_id, raised_us: 5, kind }));
     batch.records.push(Record::RobotAlarmCleared(RobotAlarmClearedRow { robot_id, cleared_us: 6, kind }));
-    if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        std::fs::write("data/formats/batch-4.bin", batch.to_bytes().unwrap()).unwrap();
-    }
-    assert!(batch.to_bytes().unwrap() == of_version_4, "the bytes have changed");
     assert_eq!(format!("{:?}", Batch::from_bytes(of_version_4).unwrap()), format!("{batch:?}"));
+    batch.records.push(Record::Rollout(Box::new(rollout())));
+    if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
+        std::fs::write("data/formats/batch-5.bin", batch.to_bytes().unwrap()).unwrap();
+    }
+    let of_version_5 = std::fs::read("data/formats/batch-5.bin").unwrap();
+    assert!(batch.to_bytes().unwrap() == of_version_5, "the bytes have changed");
+    assert_eq!(format!("{:?}", Batch::from_bytes(&of_version_5).unwrap()), format!("{batch:?}"));
+}
+
+/// A roll-out after a comparison.
+fn rollout() -> RolloutChange {
+    let row = RolloutRow {
+        rollout_id: 7,
+        fleet: "f".to_owned(),
+        kind: "POLICY".to_owned(),
+        change: "{}".to_owned(),
+        state: "RUNNING".to_owned(),
+        stage: "FEW".to_owned(),
+        place_max: 214_748_364,
+        level: 0.05,
+        robots: 20,
+        looks: 1,
+        compared: Compared {
+            probability: Some(0.4),
+            changed_robots: 5,
+            unchanged_robots: 95,
+            changed_error: Some(0.1),
+            unchanged_error: None,
+        },
+        started_us: 8,
+        stage_us: 9,
+        updated_us: 10,
+        started_by: "ann".to_owned(),
+        reason: Some("a test".to_owned()),
+    };
+    let event = RolloutEvent { event: "LOOKED".to_owned(), actor: "supervisor".to_owned(), detail: "fine".to_owned() };
+    RolloutChange { row, event: Some(event) }
 }
 
 /// A touch test, its progress, and the action that requested it.

@@ -44,7 +44,7 @@ const OF_ROBOTS: [(&str, &str); 19] = [
 ];
 
 /// All other tables, and the reason why this test does not cover them.
-const OTHERS: [(&str, &str); 17] = [
+const OTHERS: [(&str, &str); 19] = [
     ("journal", "has a separate test"),
     ("quarantine", "has a separate test"),
     ("redo", "belongs to a whole transaction, and has a separate test"),
@@ -57,6 +57,8 @@ const OTHERS: [(&str, &str); 17] = [
     ("policies", "belongs to a fleet"),
     ("calibrations", "belongs to a fleet"),
     ("active_calibrations", "belongs to a fleet"),
+    ("rollouts", "belongs to a fleet"),
+    ("rollout_events", "belongs to a fleet"),
     ("api_tokens", "belongs to users"),
     ("alarm_shelves", "belongs to users"),
     ("allowed_robots", "belongs to users"),

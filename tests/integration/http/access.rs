@@ -48,6 +48,8 @@ fn filled(path: &str) -> String {
         ("{compensation_id}", "1"),
         ("{alarm_id}", "0"),
         ("{action_id}", "1"),
+        ("{rollout_id}", "1"),
+        ("{key}", "hall"),
         ("{trim_id}", "1"),
         ("{health_change_id}", "1"),
         ("{test_id}", "t"),
@@ -75,8 +77,9 @@ async fn routes(served: &Served) -> Vec<(String, String, Role)> {
 fn expected(method: &str, path: &str) -> Role {
     match (method, path) {
         ("GET", _) => Role::Viewer,
+        (_, path) if path.contains("/labels/") => Role::Operator,
         ("PUT" | "DELETE", _) => Role::Engineer,
-        (_, path) if path.contains("calibrations") => Role::Engineer,
+        (_, path) if ["calibrations", "rollouts", "policies"].iter().any(|part| path.contains(part)) => Role::Engineer,
         _ => Role::Operator,
     }
 }

@@ -67,6 +67,14 @@ pub(crate) async fn write(store: &Store) -> Written {
     written
 }
 
+/// Writes two further robots into a fleet.
+pub(crate) async fn robots(writer: &mut Writer, lease: &Lease) {
+    let (mut random, mut written) = (ChaCha8Rng::seed_from_u64(7), Written::default());
+    for name in ["r1", "r2"] {
+        robot(writer, lease, name, &mut random, &mut written).await;
+    }
+}
+
 fn known(epoch: u64) -> Robot {
     let whisker = |number: u16| WhiskerSheet {
         number,

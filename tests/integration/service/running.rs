@@ -115,6 +115,11 @@ impl Running {
         self.folder
     }
 
+    /// Folder of the database.
+    pub(crate) fn folder(&self) -> &TempDir {
+        &self.folder
+    }
+
     /// Port of the broker.
     pub(crate) fn port(&self) -> u16 {
         self.service.broker.port

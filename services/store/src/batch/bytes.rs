@@ -6,7 +6,7 @@ use vibrissa_core::policy::PolicyParams;
 use super::{Batch, version_1};
 
 /// First byte of the serialized batch: the format version.
-const VERSION: u8 = 4;
+const VERSION: u8 = 5;
 const _: () = assert!(PolicyParams::NUMBERS.len() == 3, "raise VERSION: the rows of policies have other numbers");
 
 impl Batch {
@@ -22,8 +22,8 @@ impl Batch {
     /// The bytes are not a batch of a version that this program reads.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         match bytes.split_first() {
-            // Version 2 has no touch tests, version 3 no alarms about robots; they are the same otherwise.
-            Some((&(2 | 3 | VERSION), rest)) => borsh::from_slice(rest),
+            // Version 2 has no touch tests, version 3 no alarms about robots, version 4 no roll-outs; they are the same otherwise.
+            Some((&(2..=VERSION), rest)) => borsh::from_slice(rest),
             Some((1, rest)) => borsh::from_slice::<version_1::Batch>(rest).map(Into::into),
             Some((other, _)) => {
                 let problem =
@@ -73,6 +73,6 @@ mod tests {
             assert!(Batch::from_bytes(&bytes[..end]).is_err(), "{end}");
         }
         let newer = [&[VERSION + 1], &bytes[1..]].concat();
-        assert!(Batch::from_bytes(&newer).unwrap_err().to_string().contains("version 5"));
+        assert!(Batch::from_bytes(&newer).unwrap_err().to_string().contains("version 6"));
     }
 }

@@ -99,7 +99,8 @@ impl Batch {
             | Record::TouchTestProgress(_)
             | Record::TestOfAction { .. }
             | Record::RobotAlarm(_)
-            | Record::RobotAlarmCleared(_) => None,
+            | Record::RobotAlarmCleared(_)
+            | Record::Rollout(_) => None,
         });
         let whiskers = self.whiskers.iter().map(|row| row.whisker_id);
         let contacts = self.contacts.iter().map(|row| row.whisker_id);

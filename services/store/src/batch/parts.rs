@@ -63,7 +63,7 @@ impl Owners {
             Record::TestOfAction { robot_id, .. } => Self::robot(*robot_id),
             Record::RobotAlarm(row) => Self::robot(row.robot_id),
             Record::RobotAlarmCleared(row) => Self::robot(row.robot_id),
-            Record::Activation(_) | Record::Policy(_) => Owner::Fleet,
+            Record::Activation(_) | Record::Policy(_) | Record::Rollout(_) => Owner::Fleet,
             Record::Quarantined(_) => Owner::Quarantine,
         }
     }

@@ -4,6 +4,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::{DecisionRow, ErrorRow, PolicyRow, RefinementRow, TouchTestProgressRow, TouchTestRow, words};
 use crate::calibrations::ActivationRow;
+use crate::rollouts::RolloutChange;
 use crate::row::row;
 
 /// One of the rarer rows of a batch.
@@ -91,6 +92,8 @@ pub enum Record {
     RobotAlarm(RobotAlarmRow),
     /// The end of the cause of an alarm about a robot as a whole.
     RobotAlarmCleared(RobotAlarmClearedRow),
+    /// A new state of a roll-out.
+    Rollout(Box<RolloutChange>),
 }
 
 /// State of a new setpoint.

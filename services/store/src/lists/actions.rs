@@ -52,6 +52,9 @@ from_row! {
         /// Identifier of the touch test that the action `TOUCH_TEST` requested: the `test_id` of `/v1/touch-tests`; null
         /// for other actions, and if the request had to wait.
         pub test_id: Option<String>,
+        /// Number of the request for many of which the action is a part: an `action_id` of `/v1/bulk-actions`; null for other
+        /// actions.
+        pub parent_id: Option<i64>,
     }
 }
 
@@ -67,7 +70,7 @@ sorts! {
 pub static ACTIONS: List = List {
     what: "list the actions",
     select: "SELECT action_id, fleet, robot, \"array\", whisker, compensation_id, alarm_id, kind, parameters, reason, actor, \
-             role, request_id, asked_us AS asked_at, state, problem, done_us AS done_at, test_id FROM actions",
+             role, request_id, asked_us AS asked_at, state, problem, done_us AS done_at, test_id, parent_id FROM actions",
     details: "",
     sorts: ActionSort::SORTS,
     id: "action_id",

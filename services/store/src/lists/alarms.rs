@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 use super::counts::alarms;
 use super::sorts;
 use crate::from_row::from_row;
+use crate::labels::RobotLabels;
 use crate::list::List;
 use crate::time::Time;
 
@@ -47,6 +48,9 @@ from_row! {
         pub shelved_reason: Option<String>,
         /// State: `UNACKNOWLEDGED`, `ACKNOWLEDGED`, `SHELVED` or `CLEARED`.
         pub state: String,
+        /// Labels of the robot, by key.
+        #[schema(value_type = std::collections::BTreeMap<String, String>)]
+        pub labels: RobotLabels,
     }
 
     /// How many alarms a folded row stands for.
@@ -135,7 +139,7 @@ sorts! {
 macro_rules! rows {
     ($condition:literal) => {
         concat!(
-            "SELECT t.*, {urgency} AS urgency FROM (SELECT s.alarm_id, fleet, robot, \"array\", w.whisker, s.kind, \
+            "SELECT t.*, {urgency} AS urgency FROM (SELECT s.alarm_id, r.robot_id, r.labels, fleet, robot, \"array\", w.whisker, s.kind, \
              s.raised_us AS raised_at, standing, cleared_us AS cleared_at, acknowledged_us AS acknowledged_at, \
              acknowledged_by, acknowledged_reason, shelved_until_us AS shelved_until, shelved_by, shelved_reason, \
              CASE WHEN NOT standing THEN 'CLEARED' WHEN shelved_until_us IS NOT NULL THEN 'SHELVED' \

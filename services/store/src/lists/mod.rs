@@ -2,6 +2,7 @@
 
 pub mod actions;
 pub mod alarms;
+pub mod bulk;
 pub mod calibrations;
 pub mod compensations;
 mod counts;
@@ -12,6 +13,7 @@ pub mod history;
 pub mod policies;
 pub mod quarantine;
 pub mod robots;
+pub mod rollouts;
 pub mod setpoints;
 pub mod touch_tests;
 pub mod whiskers;

@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 use super::counts::{alarm_counts, need_counts, proposal_counts};
 use super::sorts;
 use crate::from_row::from_row;
+use crate::labels::RobotLabels;
 use crate::list::List;
 use crate::time::Time;
 
@@ -61,6 +62,9 @@ from_row! {
         pub proposals: i64,
         /// Whether an operator holds the robot: no automatic setpoint is sent to a held robot.
         pub held: bool,
+        /// Labels that operators put on the robot, by key.
+        #[schema(value_type = std::collections::BTreeMap<String, String>)]
+        pub labels: RobotLabels,
         /// Number of things that need attention: `alarms`. Each thing has one alarm, such as a silent robot or a proposal.
         #[schema(minimum = 0)]
         pub attention: i64,
@@ -154,7 +158,7 @@ pub static ROBOTS: List = List {
          coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
          coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
          coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(alarms, 0) AS alarms, \
-         coalesce(proposals, 0) AS proposals, r.held, \
+         coalesce(proposals, 0) AS proposals, r.held, r.labels, \
          coalesce(alarms, 0) AS attention FROM robots r LEFT JOIN ",
         need_counts!("w.robot_id"),
         " w ON w.robot_id = r.robot_id LEFT JOIN ",

@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use super::sorts;
 use crate::from_row::from_row;
+use crate::labels::RobotLabels;
 use crate::list::{Filter, List};
 use crate::time::Time;
 
@@ -75,6 +76,9 @@ from_row! {
         pub contacts_left_high: Option<f64>,
         /// Whether an operator holds the whisker or its robot: no automatic setpoint is sent to a held whisker.
         pub held: bool,
+        /// Labels of the robot, by key.
+        #[schema(value_type = std::collections::BTreeMap<String, String>)]
+        pub labels: RobotLabels,
         /// Number of the compensation in force for this whisker; null if no whisker compensates for it.
         pub compensated_by: Option<i64>,
         /// Number of the compensator of that compensation in the array; null without one.
@@ -109,7 +113,7 @@ pub static WHISKERS: List = List {
     select: "SELECT w.whisker_id, w.robot_id, w.array_id, fleet, robot, \"array\", array_type, w.whisker, w.model, x_mm, y_mm, whole_length_mm, \
              length_mm, length_mm - 1.959963984540054 * length_sd_mm AS length_low_mm, \
              length_mm + 1.959963984540054 * length_sd_mm AS length_high_mm, condition, fault, pressure_mpa, \
-             setpoint_mpa, nominal_pressure_mpa, pressure_max_mpa, contacts, heard_us AS heard_at, connection, CASE WHEN w.held OR r.held THEN true ELSE false END AS held, \
+             setpoint_mpa, nominal_pressure_mpa, pressure_max_mpa, contacts, heard_us AS heard_at, connection, r.labels, CASE WHEN w.held OR r.held THEN true ELSE false END AS held, \
              leak_per_s, leak_low_per_s, leak_high_per_s, erosion_mm_per_contact, erosion_low_mm_per_contact, \
              erosion_high_mm_per_contact, contacts_left, contacts_left_low, contacts_left_high \
              FROM whiskers w JOIN arrays USING (array_id) JOIN robots r ON r.robot_id = w.robot_id \

@@ -76,7 +76,8 @@ impl<'b> Sorted<'b> {
                 | Record::Policy(_)
                 | Record::Quarantined(_)
                 | Record::AlarmsForgotten { .. }
-                | Record::TestOfAction { .. } => false,
+                | Record::TestOfAction { .. }
+                | Record::Rollout(_) => false,
             };
             if !is_first {
                 return None;
@@ -139,7 +140,8 @@ impl<'b> Sorted<'b> {
             | Record::Policy(_)
             | Record::Quarantined(_)
             | Record::AlarmsForgotten { .. }
-            | Record::TestOfAction { .. } => {}
+            | Record::TestOfAction { .. }
+            | Record::Rollout(_) => {}
         }
     }
 }

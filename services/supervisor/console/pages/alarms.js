@@ -9,6 +9,7 @@ import { count } from "../format.js";
 import { mark } from "../marks.js";
 import { alarmGroups, storms } from "../parts/alarms.js";
 import { fleetFilter, fleetsOf } from "../parts/fleets.js";
+import { LABEL_FILTER } from "../parts/labels.js";
 import { fromOf, SINCE } from "../parts/since.js";
 import { ALARM_KINDS, ALARM_LEVELS } from "../words.js";
 
@@ -21,7 +22,7 @@ const STATES = [
 
 const RAISED = "Alarms that were raised in this time, the newest first, whether they still stand or not.";
 
-const FILTERS = ["fleet", "robot", "array", "kind", "level", "state", "q"];
+const FILTERS = ["fleet", "robot", "array", "kind", "level", "state", "label", "q"];
 
 const alarms = (fleets, route) =>
   browser({
@@ -35,6 +36,7 @@ const alarms = (fleets, route) =>
       { name: "state", label: "State", empty: "standing, not shelved", options: STATES },
       { ...SINCE, label: "Raised", empty: "any time" },
       { name: "robot", label: "Robot", text: true },
+      LABEL_FILTER,
     ],
   });
 

@@ -6,6 +6,7 @@ import { h } from "../dom.js";
 import { time } from "../format.js";
 import { markOf } from "../marks.js";
 import { fleetFilter, fleetsOf } from "../parts/fleets.js";
+import { bulkLink } from "../parts/bulk.js";
 import { fromOf, SINCE } from "../parts/since.js";
 import { link } from "../places.js";
 import { ACTION_STATES, AUDIT_KINDS, say } from "../words.js";
@@ -56,6 +57,7 @@ export default {
     return [
       heading,
       h("p", { class: "summary" }, "The actions that people requested, and their results."),
+      h("p", { class: "links" }, bulkLink()),
       audit(data.fleets).view(data.page, {
         caption: "Actions",
         columns: COLUMNS,

@@ -1,11 +1,13 @@
 // A calibration: its curve, its parameters, where its model is used, and its activation.
 
-import { get, ifServed, list } from "../api.js";
+import { get, has, ifServed, list } from "../api.js";
 import { calibrationChart } from "../charts/ratio.js";
 import { actionButton } from "../dialog.js";
 import { h } from "../dom.js";
 import { count, interval, time } from "../format.js";
 import { mark } from "../marks.js";
+import { prepared } from "../parts/bulk.js";
+import { rolloutButton } from "../parts/rollouts.js";
 import { api, link } from "../places.js";
 import { facts, section, table, trail } from "../table.js";
 
@@ -41,7 +43,7 @@ export default {
         ["Readings", count(told.measurements.rows.length, "reading")],
       ]),
       section("Curve", calibrationChart(told)),
-      section("Where it is used", usesTable(told, uses, previous, refresh)),
+      section("Where it is used", usesTable(told, uses, previous, refresh), activateInAll(told, uses, refresh)),
       section("Versions of this model", versionsTable(told, versions)),
     ];
   },
@@ -85,7 +87,8 @@ function usesTable(told, uses, previous, refresh) {
 }
 
 function action(told, { fleet, is_active: isActive, whiskers }, previous, refresh) {
-  if (!isActive) return activation(told, fleet, whiskers, "Activate", refresh);
+  if (!isActive)
+    return h("span", { class: "buttons" }, activation(told, fleet, whiskers, "Activate", refresh), inStages(told, fleet, refresh));
   if (previous) return activation(previous, fleet, whiskers, `Restore version ${previous.version}`, refresh);
   return "\u2013";
 }
@@ -109,6 +112,36 @@ function activation(one, fleet, whiskers, button, refresh) {
       refresh,
     ),
   );
+}
+
+/** The button that rolls the calibration out in stages. */
+function inStages(told, fleet, refresh) {
+  const action = {
+    fleet,
+    title: `Roll version ${told.version} of ${told.model} out in fleet ${fleet}`,
+    what: "The baselines of the changed robots' whiskers are relearned; until then a cut is not detected.",
+    change: () => ({ calibration_id: told.calibration_id }),
+    words: "Roll out in stages",
+  };
+  return rolloutButton(action, refresh);
+}
+
+/** The button that activates the calibration in all fleets. */
+function activateInAll(told, uses, refresh) {
+  const path = `/v1/calibrations/${encodeURIComponent(told.calibration_id)}/activate`;
+  if (uses.length < 2 || !has("POST", "/v1/calibrations/{}/activate")) return null;
+  const prepare = () =>
+    prepared({
+      path,
+      noun: "fleet",
+      verb: "Activate in",
+      what: [
+        `Version ${told.version} applies to all whiskers of model ${told.model} in these fleets. Their baselines are relearned at their present lengths; until then a cut is not detected. Pressures do not change.`,
+      ],
+      grave: true,
+      body: { filter: {} },
+    });
+  return h("div", { class: "buttons" }, actionButton({ path, prepare, grave: true }, refresh, "Activate in all fleets"));
 }
 
 function versionsTable(told, versions) {

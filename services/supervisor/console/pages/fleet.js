@@ -6,6 +6,8 @@ import { h } from "../dom.js";
 import { count, time } from "../format.js";
 import { markOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
+import { robotsActions } from "../parts/bulk.js";
+import { LABEL_COLUMN, LABEL_FILTER } from "../parts/labels.js";
 import { hasOverview, overview, OVERVIEW } from "../parts/overview.js";
 import { proposals, proposalsOf } from "../parts/proposals.js";
 import { trail } from "../table.js";
@@ -26,6 +28,7 @@ const robots = browser({
         ["false", "not needed"],
       ],
     },
+    LABEL_FILTER,
   ],
 });
 
@@ -43,8 +46,15 @@ const COLUMNS = [
     name: "Whiskers",
     cell: (row) => `${row.whiskers_healthy} of ${row.whiskers} healthy, in ${count(row.arrays, "array")}`,
   },
+  LABEL_COLUMN,
   { name: "Last message", cell: (row) => time(row.updated_at) },
 ];
+
+/** The filters of the address as conditions of an action on many. */
+function filterOf(fleet, { connection, attention, label, q }) {
+  const filter = { fleet, connection, attention: attention && attention === "true", label, q };
+  return Object.fromEntries(Object.entries(filter).filter(([, value]) => value !== undefined && value !== ""));
+}
 
 export default {
   async load({ fleet }, state) {
@@ -54,10 +64,10 @@ export default {
       proposalsOf({ fleet }),
       hasOverview() ? get(OVERVIEW, { fleet }) : null,
     ]);
-    return { about, page, waiting, told };
+    return { about, page, waiting, told, state };
   },
 
-  view({ about, page, waiting, told }, { fleet }, refresh) {
+  view({ about, page, waiting, told, state }, { fleet }, refresh) {
     return [
       trail(["Fleets", link.fleets()]),
       h("h1", { tabindex: "-1" }, `Fleet ${fleet}`),
@@ -76,6 +86,7 @@ export default {
       ),
       proposals(waiting, refresh),
       overview(told, fleet),
+      page.items.length ? robotsActions(filterOf(fleet, state), refresh) : null,
       robots.view(page, {
         caption: "Robots",
         columns: COLUMNS,

@@ -4,6 +4,8 @@ import { ask, has, ifServed, list, schema } from "../api.js";
 import { actionButton } from "../dialog.js";
 import { h } from "../dom.js";
 import { percent, time } from "../format.js";
+import { prepared } from "../parts/bulk.js";
+import { rolloutButton, rolloutsLink } from "../parts/rollouts.js";
 import { api, link, ROUTES } from "../places.js";
 import { facts, section, table, trail } from "../table.js";
 import { LONGER_FOR_SHORTER, MODES, OBJECTIVES, say } from "../words.js";
@@ -29,6 +31,8 @@ export default {
       fleet ? trail(["Fleets", link.fleets()], [`Fleet ${fleet}`, link.fleet(fleet)]) : null,
       heading,
       h("p", { class: "summary" }, "Rules for decisions about trimmed whiskers."),
+      h("p", { class: "links" }, rolloutsLink(fleet ? { fleet } : {})),
+      atOnce(policies, refresh),
       policies.map((policy) => section(`Fleet ${policy.fleet}`, ...part(policy, refresh))),
     ];
   },
@@ -57,11 +61,48 @@ function part(policy, refresh) {
           "div",
           { class: "buttons" },
           actionButton(change(policy), refresh, `Change the policy of ${policy.fleet}`),
+          inStages(policy, refresh),
         )
       : null,
     policy.history.length ? historyTable(policy) : null,
   ];
 }
+
+/** The button that rolls a policy out in stages. */
+function inStages(policy, refresh) {
+  const { fields, body } = change(policy);
+  const told = (values) => ({ policy: { ...body({ ...values, reason: "" }) } });
+  const action = {
+    fleet: policy.fleet,
+    title: `Roll a policy out in fleet ${policy.fleet}`,
+    what: "Meanwhile the fleet's policy cannot be changed otherwise.",
+    fields,
+    change: told,
+    words: "Roll a policy out in stages",
+  };
+  return rolloutButton(action, refresh);
+}
+
+/** The button that sets one policy in all fleets. */
+function atOnce(policies, refresh) {
+  const path = "/v1/policies";
+  if (policies.length < 2 || !has("POST", path)) return null;
+  const { what, fields, body } = change(policies[0]);
+  const prepare = () =>
+    prepared({
+      path,
+      noun: "fleet",
+      verb: "Change the policy of",
+      what,
+      grave: true,
+      fields,
+      body: { filter: {}, policy: body({ ...fieldValues(fields), reason: "" }) },
+      values: (told) => ({ policy: body(told) }),
+    });
+  return h("div", { class: "buttons" }, actionButton({ path, prepare, grave: true }, refresh, "Change the policy of all fleets"));
+}
+
+const fieldValues = (fields) => Object.fromEntries(fields.map(({ name, value }) => [name, value]));
 
 function change({ fleet, tag, now }) {
   const choice = (name, label, words) => ({

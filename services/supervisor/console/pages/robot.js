@@ -9,6 +9,7 @@ import { attention, markOf, marksOf } from "../marks.js";
 import { api, link } from "../places.js";
 import { decisionsTable } from "../parts/decisions.js";
 import { incidents } from "../parts/incidents.js";
+import { robotLabels } from "../parts/labels.js";
 import { proposals } from "../parts/proposals.js";
 import { proposedTests } from "../parts/tests.js";
 import { facts, section, table, trail } from "../table.js";
@@ -43,6 +44,7 @@ export default {
         ["Whiskers", `${count(about.whiskers, "whisker")}, ${about.whiskers_healthy} healthy`],
       ]),
       actions.length ? h("div", { class: "buttons" }, actions) : null,
+      robotLabels(about, refresh),
       incidents(whiskers, refresh),
       proposals(waiting, refresh),
       proposedTests(tests, refresh),

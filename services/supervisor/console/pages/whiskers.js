@@ -6,6 +6,8 @@ import { interval, mm, mpa, time } from "../format.js";
 import { marksOf } from "../marks.js";
 import { link, whiskerName } from "../places.js";
 import { fleetFilter, fleetsOf } from "../parts/fleets.js";
+import { whiskersActions } from "../parts/bulk.js";
+import { LABEL_FILTER } from "../parts/labels.js";
 import { CONDITIONS } from "../words.js";
 
 const yesOrNo = (yes, no) => [
@@ -23,6 +25,7 @@ const whiskers = (fleets) =>
       { name: "condition", label: "Condition", options: optionsOf(CONDITIONS) },
       { name: "faulty", label: "Fault", options: yesOrNo("with a fault", "without") },
       { name: "held", label: "Held", options: yesOrNo("held", "not held") },
+      LABEL_FILTER,
     ],
   });
 
@@ -52,15 +55,23 @@ const COLUMNS = [
   { name: "Last message", cell: (row) => time(row.heard_at) },
 ];
 
+/** The filters of the address as conditions of an action on many. */
+function filterOf({ fleet, condition, faulty, held, label, q }) {
+  const flag = (word) => (word ? word === "true" : undefined);
+  const filter = { fleet, condition, faulty: flag(faulty), held: flag(held), label, q };
+  return Object.fromEntries(Object.entries(filter).filter(([, value]) => value !== undefined && value !== ""));
+}
+
 export default {
   async load(_, state) {
     const fleets = await fleetsOf();
-    return { fleets, page: await whiskers(fleets).load(state) };
+    return { fleets, state, page: await whiskers(fleets).load(state) };
   },
 
-  view({ fleets, page }) {
+  view({ fleets, state, page }, _, refresh) {
     return [
       h("h1", { tabindex: "-1" }, "Whiskers"),
+      page.items.length ? whiskersActions(filterOf(state), refresh) : null,
       whiskers(fleets).view(page, {
         caption: "Whiskers that are on a robot",
         columns: COLUMNS,

@@ -15,6 +15,7 @@ use vibrissa_protocol::Name;
 use super::commit::pipeline::Pipeline;
 use super::fleet_metrics;
 use super::quarantine::suspects::Suspects;
+use super::rollout::{Order, Rollout};
 use super::shard::shards::Shards;
 use crate::calibration_file::CalibrationFile;
 use crate::metrics::FleetMetrics;
@@ -29,7 +30,7 @@ use vibrissa_store::calibrations::ActivationRow;
 pub(super) const ACTIONS_MAX: i64 = 100;
 
 /// Why an action is refused: a word for programs, a colon, and a text for people.
-type Problem = String;
+pub(super) type Problem = String;
 
 /// The parameters in force, which operators can change.
 pub(super) struct ParamsInForce {
@@ -43,6 +44,8 @@ pub(super) struct Execution<'a> {
     pub(super) fleet: &'a Name,
     pub(super) shards: &'a mut Shards,
     pub(super) in_force: &'a mut ParamsInForce,
+    /// Roll-out that is running or paused.
+    pub(super) rollout: &'a mut Option<Rollout>,
     pub(super) metrics: &'a FleetMetrics,
     /// Time for the core.
     pub(super) now: Micros,
@@ -67,8 +70,9 @@ impl Execution<'_> {
         self.shards.set_action(None);
         let kind = match named::<ActionKind>(&action.kind) {
             Some(kind) => kind.word(),
-            None if action.kind == RecordedKind::Calibration.word() => RecordedKind::Calibration.word(),
-            None => "UNKNOWN",
+            None => named::<RecordedKind>(&action.kind)
+                .filter(|kind| RecordedKind::OF_ENGINE.contains(kind))
+                .map_or("UNKNOWN", RecordedKind::word),
         };
         self.metrics.actions.count([kind, state]);
         info!(
@@ -91,13 +95,35 @@ impl Execution<'_> {
         let whisker =
             action.whisker.map(u16::try_from).transpose().map_err(|_| refused(ActionProblem::UnknownWhisker))?;
         let subject = Subject { array: action.array.as_deref(), whisker, compensation };
-        if action.kind == RecordedKind::Calibration.word() {
-            return self.change_calibration(action);
+        let recorded = named::<RecordedKind>(&action.kind).filter(|kind| RecordedKind::OF_ENGINE.contains(kind));
+        if let Some(kind) = recorded {
+            return self.carry_out_recorded(action, kind);
         }
         let request = actions::request(&action.kind, &action.parameters, subject);
         match request.map_err(|problem| format!("{}: {problem}", problem.word()))? {
             Request::Operator(operator_action) => self.operate(action, &operator_action),
             Request::Policy(change) => self.change_policy(action, &change),
+        }
+    }
+
+    fn carry_out_recorded(&mut self, action: &Action, kind: RecordedKind) -> Result<(), Problem> {
+        #[allow(clippy::wildcard_enum_match_arm, reason = "only the kinds of the engine come here")]
+        match kind {
+            RecordedKind::Calibration => self.change_calibration(action),
+            RecordedKind::RolloutStart => self.start_rollout(action),
+            RecordedKind::RolloutPause => self.order_rollout(action, Order::Pause),
+            RecordedKind::RolloutResume => self.order_rollout(action, Order::Resume),
+            RecordedKind::RolloutAdvance => self.order_rollout(action, Order::Advance),
+            RecordedKind::RolloutBack => self.order_rollout(action, Order::RollBack),
+            _ => Err(format!("UNKNOWN_KIND: {} needs no engine", kind.word())),
+        }
+    }
+
+    /// Refuses a change of what a roll-out changes, or compares with.
+    fn without_rollout(&self) -> Result<(), Problem> {
+        match self.rollout {
+            Some(_) => Err("ROLLOUT_OPEN: a roll-out compares robots: complete it or roll it back first".to_owned()),
+            None => Ok(()),
         }
     }
 
@@ -144,29 +170,24 @@ impl Execution<'_> {
         let malformed = |problem: String| format!("MALFORMED: {problem}");
         let activation: Activation =
             serde_json::from_str(&action.parameters).map_err(|problem| malformed(problem.to_string()))?;
+        self.without_rollout()?;
+        self.activate(&activation, &action.actor).map_err(malformed)?;
+        let names: Vec<Name> = self.shards.robots().map(|known| known.name.clone()).collect();
+        self.relearn(&names, &activation.calibration.name);
+        Ok(())
+    }
+
+    /// Puts a calibration in force, without a step of the robots.
+    pub(super) fn activate(&mut self, activation: &Activation, actor: &str) -> Result<(), String> {
+        self.set_params(with_model(&self.in_force.params, &activation.calibration)?);
         let row = ActivationRow {
             fleet: self.fleet.to_string(),
             model: activation.calibration.name.clone(),
             calibration_id: activation.calibration_id,
             activated_us: wall_clock().0 as i64,
-            activated_by: action.actor.clone(),
+            activated_by: actor.to_owned(),
         };
-        let name = activation.calibration.name.clone();
-        self.set_params(with_model(&self.in_force.params, &activation.calibration).map_err(malformed)?);
         self.shards.record(Record::Activation(Box::new(row)));
-        let concerned: Vec<(Name, String, u16)> = self
-            .shards
-            .robots()
-            .flat_map(|known| {
-                let views = (0..known.robot.whisker_count()).filter_map(|index| known.robot.whisker(index));
-                let its = views.filter(|view| *view.sheet.model == name);
-                its.map(|view| (known.name.clone(), view.array.to_owned(), view.sheet.number)).collect::<Vec<_>>()
-            })
-            .collect();
-        for (robot, array, whisker) in concerned {
-            let operator_action = OperatorAction::Rebaseline(Place { array: &array, whisker });
-            self.shards.step(&robot, self.now, &Event::Operator(&operator_action));
-        }
         Ok(())
     }
 
@@ -176,11 +197,9 @@ impl Execution<'_> {
         if change.expected_version != in_force {
             return Err(format!("VERSION: version {in_force} is in force, not {}", change.expected_version));
         }
+        self.without_rollout()?;
         let policy = change.over(self.in_force.params.policy);
-        self.set_params(Arc::new(Params { policy, ..(*self.in_force.params).clone() }));
-        self.in_force.policy_version += 1;
-        self.shards.record(Record::Policy(Box::new(self.policy_row(action, &policy))));
-        fleet_metrics::show_params(self.metrics, &self.in_force.params, self.in_force.policy_version);
+        self.set_policy(&policy, (&action.actor, action.reason.clone(), action.action_id));
         let names: Vec<Name> = self.shards.robots().map(|known| known.name.clone()).collect();
         for name in names {
             self.shards.step(&name, self.now, &Event::PolicyChanged);
@@ -188,25 +207,33 @@ impl Execution<'_> {
         Ok(())
     }
 
-    fn policy_row(&self, action: &Action, policy: &PolicyParams) -> PolicyRow {
+    /// Puts a policy in force, without a step of the robots. An actor set it for a reason, by an action.
+    pub(super) fn set_policy(
+        &mut self,
+        policy: &PolicyParams,
+        (actor, reason, action_id): (&str, Option<String>, i64),
+    ) {
+        self.set_params(Arc::new(Params { policy: *policy, ..(*self.in_force.params).clone() }));
+        self.in_force.policy_version += 1;
         let changed = PolicyChanged {
             fleet: self.fleet.to_string(),
             version: self.in_force.policy_version,
             changed_us: wall_clock().0 as i64,
-            changed_by: action.actor.clone(),
-            reason: action.reason.clone(),
-            action_id: action.action_id,
+            changed_by: actor.to_owned(),
+            reason,
+            action_id,
         };
-        PolicyRow::new(policy, changed)
+        self.shards.record(Record::Policy(Box::new(PolicyRow::new(policy, changed))));
+        fleet_metrics::show_params(self.metrics, &self.in_force.params, self.in_force.policy_version);
     }
 }
 
 /// Parameters of an action that activates a calibration.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Activation {
-    calibration_id: i64,
-    calibration: CalibrationFile,
+pub(super) struct Activation {
+    pub(super) calibration_id: i64,
+    pub(super) calibration: CalibrationFile,
 }
 
 fn refused(problem: ActionProblem) -> Problem {

@@ -7,6 +7,7 @@
 //!   setpoints and receipts are published.
 //! - [`quarantine`]: robots whose rows the database rejects.
 //! - [`actions`], [`allow_list_sources`]: changes by operators.
+//! - [`rollout`]: changes that only some robots have so far.
 //! - [`birth_watch`]: robots whose births were not received.
 //! - [`start`]: loads a fleet.
 //!
@@ -22,6 +23,7 @@ mod fleet_metrics;
 mod message;
 mod quarantine;
 mod robot;
+mod rollout;
 mod shard;
 mod start;
 
@@ -56,12 +58,15 @@ use commit::pipeline::Pipeline;
 use commit::schedule::{RECEIPTS, TICK};
 use quarantine::suspects::Suspects;
 use robot::limits::Bucket;
+use rollout::Rollout;
 use shard::shards::Shards;
 
 /// Largest number of messages taken from the inbox at a time.
 const MESSAGES_AT_A_TIME: usize = 1024;
 /// Ticks between two checks of the allow list (4 s).
 const TICKS_PER_ALLOW_LIST: u32 = 16;
+/// Ticks between two comparisons of the errors of a roll-out (5 s).
+const TICKS_PER_REVIEW: u32 = 20;
 /// Ticks between two reads of the actions sent to other supervisors, and between two surveys of all robots for the
 /// metrics (1 s).
 const TICKS_PER_SURVEY: u32 = 4;
@@ -75,6 +80,8 @@ pub(crate) struct Engine {
     pipeline: Pipeline,
     suspects: Suspects,
     in_force: ParamsInForce,
+    /// Roll-out that is running or paused.
+    rollout: Option<Rollout>,
     allow_list: AllowListSources,
     action_notifier: ActionNotifier,
     /// Notified when an action for the fleet is sent to this supervisor.
@@ -176,6 +183,9 @@ impl Engine {
         if number.is_multiple_of(TICKS_PER_ALLOW_LIST) {
             self.refresh_allow_list().await?;
         }
+        if number.is_multiple_of(TICKS_PER_REVIEW) {
+            self.review_rollout(now(inbox)).await?;
+        }
         if number.is_multiple_of(TICKS_PER_SURVEY) {
             // Actions may have been sent to another supervisor.
             self.handle_actions(now(inbox)).await?;
@@ -275,13 +285,38 @@ impl Engine {
         if pending.len() as i64 == ACTIONS_MAX {
             self.action_sent.notify_one();
         }
-        let Self { fleet, shards, in_force, metrics, suspects, pipeline, .. } = self;
-        let mut execution = Execution { fleet, shards, in_force, metrics, now };
+        let Self { fleet, shards, in_force, rollout, metrics, suspects, pipeline, .. } = self;
+        let mut execution = Execution { fleet, shards, in_force, rollout, metrics, now };
         for action in &pending {
             execution.handle(action, suspects, pipeline);
         }
+        self.show_rollout();
         self.pipeline.stepped(0, &self.shards);
         Ok(())
+    }
+
+    /// Compares the errors of a roll-out. If the database is unreachable, this does not wait.
+    async fn review_rollout(&mut self, now: Micros) -> Result<(), LeaseLost> {
+        let Some(since_us) = self.rollout.as_ref().and_then(Rollout::compares_since) else { return Ok(()) };
+        self.settle().await?;
+        let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
+        let (writer, lease) = committer.database();
+        let errors = match writer.errors_since(lease, since_us).await {
+            Ok(errors) => errors,
+            Err(problem) => {
+                committer.failed(&problem, "cannot read the errors of a roll-out");
+                return Ok(());
+            }
+        };
+        let Self { fleet, shards, in_force, rollout, metrics, .. } = self;
+        Execution { fleet, shards, in_force, rollout, metrics, now }.review_rollout(&errors);
+        self.show_rollout();
+        self.pipeline.stepped(0, &self.shards);
+        Ok(())
+    }
+
+    fn show_rollout(&self) {
+        self.metrics.rollout_stage.set(self.rollout.as_ref().map_or(0, Rollout::stage_number));
     }
 
     /// Reads the allow lists if they have changed, and writes the refused robots. If the database is unreachable, this

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tokio::runtime::Handle;
 use tokio::sync::watch;
 use tokio::time::Instant;
-use tracing::info;
+use tracing::{error, info};
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::{BootId, Name};
 
@@ -14,9 +14,10 @@ use super::allow_list_sources::AllowListSources;
 use super::birth_watch::BirthWatch;
 use super::commit::committer::Committer;
 use super::commit::pipeline::Pipeline;
-use super::commit::recovery::recover;
+use super::commit::recovery::{recover, write_intents};
 use super::quarantine::suspects::Suspects;
 use super::robot::limits::Bucket;
+use super::rollout::Rollout;
 use super::shard::Shard;
 use super::shard::shards::Shards;
 use super::shard::stepper::Stepper;
@@ -70,6 +71,8 @@ impl EngineOptions {
     pub(crate) async fn start(self) -> Result<Engine, StoreError> {
         let Self { lease, boot_id, mut writer, metrics: program, readiness, action_notifier, .. } = self;
         let (fleet, epoch) = (lease.fleet().clone(), lease.epoch());
+        // A policy, calibration or roll-out may be among them.
+        write_intents(&mut writer, &lease).await?;
         let policy = writer.policy(&lease).await?;
         let params = params::with_policy(self.params, policy.as_ref());
         let params = params::with_calibrations(params, &writer.calibrations(&lease).await?);
@@ -81,6 +84,8 @@ impl EngineOptions {
         };
         let count = shard_count();
         let mut shards = Shards::new((0..count).map(|_| Shard::new(stepper(), epoch, count)).collect());
+        let rollout = open_rollout(&mut writer, &lease, &params).await?;
+        shards.set_trial(rollout.as_ref().map(Rollout::trial).as_ref());
         let allowed = writer.allowed_robots(&lease, 0).await?;
         let last = recover(&mut writer, &lease, &mut shards).await?;
         shards.set_retention(self.retention);
@@ -101,6 +106,7 @@ impl EngineOptions {
             allow_list: AllowListSources::new(fleet.clone(), allowed.as_ref(), self.robots_file, &mut shards),
             suspects: Suspects::new(lease, metrics.clone(), readiness),
             in_force: ParamsInForce { params, policy_version },
+            rollout,
             action_sent: action_notifier.subscribe(&fleet),
             action_notifier,
             birth_watch: BirthWatch::new(),
@@ -115,6 +121,16 @@ impl EngineOptions {
             metrics,
         })
     }
+}
+
+/// The roll-out that the last owner left running or paused. One that this program cannot read stays as it is: its robots get
+/// what is in force in the fleet.
+async fn open_rollout(writer: &mut Writer, lease: &Lease, params: &Arc<Params>) -> Result<Option<Rollout>, StoreError> {
+    let Some(row) = writer.open_rollout(lease).await? else { return Ok(None) };
+    let rollout_id = row.rollout_id;
+    Ok(Rollout::restored(row, params)
+        .inspect_err(|problem| error!(fleet = %lease.fleet(), rollout_id, problem, "cannot go on with a roll-out"))
+        .ok())
 }
 
 /// Adds traces, which continue those of setpoints under way.

@@ -316,7 +316,7 @@ fn property_states_and_journal_are_the_robots_at_each_commit() {
 #[test]
 fn what_befalls_all_robots_at_once_is_written_in_several_transactions() {
     let mut shard = shard(5);
-    let silent = shard.parts().1.params().health.stale_after.0 + 2;
+    let silent = shard.parts().1.params_of(&Name::robot("r1").unwrap()).health.stale_after.0 + 2;
     let mut rate = CheckpointRate::new(Micros(1));
     seal(&mut shard, Micros(1), &mut rate);
     let mut written = Vec::new();

@@ -22,6 +22,7 @@ pub mod extract;
 mod further_routes;
 mod headers;
 mod health;
+pub mod labels;
 pub mod listing;
 pub mod moment;
 pub mod number;

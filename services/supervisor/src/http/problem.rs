@@ -174,6 +174,16 @@ impl Problem {
         Self { errors: vec![FieldError { field, detail }], ..Self::new(Kind::Invalid, told) }
     }
 
+    /// The same problem with its fields inside another one.
+    #[must_use]
+    pub fn within(mut self, outer: &str) -> Self {
+        for error in &mut self.errors {
+            error.field = format!("{outer}.{}", error.field);
+        }
+        self.detail = format!("{outer}.{}", self.detail);
+        self
+    }
+
     /// A text with a NUL character, which PostgreSQL cannot store.
     #[must_use]
     pub fn nul(field: impl Into<String>) -> Self {

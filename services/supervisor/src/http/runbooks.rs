@@ -49,6 +49,7 @@ pages! {
     "VibrissaRobotNotTaken.md",
     "VibrissaRobotSilent.md",
     "VibrissaRobotsDisconnected.md",
+    "VibrissaRolloutRolledBack.md",
     "VibrissaSessionTakenOver.md",
     "VibrissaSetpointFailed.md",
     "VibrissaSetpointsFailing.md",

@@ -210,6 +210,11 @@ of_fleet! {
         "Leases of the fleet that this supervisor acquired, and lost or released.", labels::CHANGE;
     /// 1 for the mode of the policy in force, 0 for the others.
     policy_mode: Gauges = "vibrissa_policy_mode", "1 for the mode of the policy in force.", labels::MODE;
+    /// Stage of the roll-out that is running or paused: 0 without one, 1 for 5 % of the robots, 2 for 25 %.
+    rollout_stage: IntGauge = "vibrissa_rollout_stage",
+        "Stage of the fleet's roll-out: 0 without one, 1 for 5 % of the robots, 2 for 25 %.";
+    /// Events of roll-outs.
+    rollouts: Counters = "vibrissa_rollout_events_total", "Events of roll-outs, by kind.", labels::ROLLOUT_EVENT;
     /// Version of the policy in force; 0 for the policy of the configuration.
     policy_version: IntGauge = "vibrissa_policy_version",
         "Version of the policy in force; 0 for the policy of the configuration.";

@@ -105,10 +105,14 @@ pub(super) const ALARM: Labels<1> = by_one("kind", all::<AlarmKind>);
 pub(super) const ACTION: Labels<2> = Labels {
     names: ["kind", "state"],
     values: || {
-        let kinds = ActionKind::ALL.map(ActionKind::word).into_iter().chain([RecordedKind::Calibration.word()]);
+        let kinds =
+            ActionKind::ALL.map(ActionKind::word).into_iter().chain(RecordedKind::OF_ENGINE.map(RecordedKind::word));
         kinds.flat_map(|kind| ["DONE", "REFUSED", "EXPIRED"].map(|state| [kind, state])).collect()
     },
 };
+pub(super) const ROLLOUT_EVENT: Labels<1> = by_one("event", || {
+    ["STARTED", "LOOKED", "ADVANCED", "PAUSED", "RESUMED", "ROLLED_BACK", "COMPLETED"].map(|event| [event]).to_vec()
+});
 pub(super) const MODE: Labels<1> = by_one("mode", all::<Mode>);
 pub(super) const CHANGE: Labels<1> = by_one("change", || vec![[TAKEN], [LOST]]);
 pub(super) const QUEUE: Labels<1> = by_one("queue", || vec![[INBOX], [OUTBOX]]);

@@ -60,7 +60,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
     },
     Subject {
         title: "Compensations",
-        begins: &["vibrissa_compensation", "vibrissa_refinements_", "vibrissa_policy_"],
+        begins: &["vibrissa_compensation", "vibrissa_refinements_", "vibrissa_policy_", "vibrissa_rollout_"],
         queries: &[
             ("Compensations in force by case", "sum by (fleet, case) (vibrissa_compensations_in_force)"),
             (
@@ -70,6 +70,10 @@ pub(super) const SUBJECTS: &[Subject] = &[
             (
                 "Trims in the last day that none can compensate for",
                 r#"sum by (fleet) (increase(vibrissa_compensations_total{outcome="UNSERVED"}[1d]))"#,
+            ),
+            (
+                "Roll-outs of the last day whose errors were worse, or that people rolled back",
+                r#"sum by (fleet) (increase(vibrissa_rollout_events_total{event="ROLLED_BACK"}[1d])) > 0"#,
             ),
         ],
     },

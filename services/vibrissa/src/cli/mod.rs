@@ -2,6 +2,7 @@
 
 pub mod api;
 pub mod backup;
+pub mod bulk;
 pub mod calibrate;
 pub mod check_robot;
 pub mod completions;
@@ -55,6 +56,8 @@ enum Command {
     Compensations(whiskers::CompensationsArgs),
     /// Set a whisker's pressure manually, or release the whisker to the supervisor again.
     Setpoint(setpoint::SetpointArgs),
+    /// Hold, release, relearn or acknowledge all robots, whiskers or alarms that meet conditions.
+    Bulk(bulk::BulkArgs),
     /// Create, list and revoke API tokens.
     Token(token::TokenArgs),
     /// Copy a SQLite database to a file while a supervisor uses it, and verify the copy.
@@ -104,6 +107,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Whiskers(args) => whiskers::whiskers(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Compensations(args) => whiskers::compensations(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Setpoint(args) => setpoint::run(&args, &mut stdout()),
+        Command::Bulk(args) => bulk::run(&args, &mut stdout()),
         Command::Token(args) => token::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Backup(args) => backup::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Export(args) => export::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),

@@ -28,7 +28,7 @@ struct ReplayedRobot {
 }
 
 /// Writes the rows of the transactions in the intent log. An unreadable one is logged and dropped.
-async fn write_intents(writer: &mut Writer, lease: &Lease) -> Result<(), StoreError> {
+pub(crate) async fn write_intents(writer: &mut Writer, lease: &Lease) -> Result<(), StoreError> {
     while let Some((number, bytes)) = writer.pending_intent(lease).await? {
         let batch = Batch::from_bytes(&bytes).unwrap_or_else(|problem| {
             let (fleet, bytes) = (lease.fleet(), bytes.len());
@@ -100,7 +100,7 @@ impl Replay {
         }
         let (robot_id, journal_number) = (stored.robot_id, stored.journal_number);
         let (robots, stepper) = shards.of(&name).parts();
-        let (params, retention) = (stepper.params(), stepper.retention());
+        let (params, retention) = (stepper.params_of(&name), stepper.retention());
         let (known, forgotten) = KnownRobot::restored(name.clone(), stored, epoch, params, retention);
         stepper.batch_mut().rows_mut().records.extend(forgotten);
         if !known.whisker_ids.is_empty() {
@@ -148,7 +148,7 @@ impl Replay {
 
     /// Does the same for one robot.
     pub(crate) fn finish_robot(&self, known: &mut KnownRobot, epoch: u64, stepper: &mut Stepper) {
-        known.begin(epoch, stepper.params());
+        known.begin(epoch, stepper.params_of(&known.name));
         if self.robots.get(&known.robot_id).is_some_and(|replayed| replayed.is_replayed) {
             stepper.batch_mut().checkpoint(known);
         }

@@ -32,7 +32,7 @@ impl Stepper {
             return;
         };
         let under_way = known.robot.commands_under_way().count();
-        let valid_for = known.robot.valid_for(&self.params, command.whisker, command.pressure);
+        let valid_for = known.robot.valid_for(self.params_of(&known.name), command.whisker, command.pressure);
         let id = command_uuid(&self.fleet, &known.name, command.key);
         let until = known.commands.until(command, id, (wall_clock(), valid_for), under_way);
         if until <= Instant::now() {

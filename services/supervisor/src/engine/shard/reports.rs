@@ -73,7 +73,12 @@ impl Stepper {
         if !is_numbered {
             // Row ids are assigned using a copy, so that an unreachable database changes nothing.
             let mut laid_out = known.robot.clone();
-            laid_out.step(&self.params, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, &mut Vec::new());
+            laid_out.step(
+                self.params_of(&known.name),
+                now,
+                &Event::Factsheet { boot_id, factsheet: &factsheet },
+                &mut Vec::new(),
+            );
             let whiskers = writer.whisker_ids(lease, known.robot_id, &laid_out).await?;
             let ids: Vec<i64> = whiskers.iter().map(|(whisker_id, _)| *whisker_id).collect();
             if ids != known.whisker_ids {

@@ -16,6 +16,7 @@ use crate::engine::commit::transaction::SealedTransaction;
 use crate::engine::message::RawMessage;
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::retention::ContactRetention;
+use crate::engine::rollout::TrialParams;
 use crate::outbox::Publication;
 use crate::trace::{PendingSpans, TracedAction};
 use vibrissa_store::allowed::TurnedAwayReading;
@@ -228,6 +229,13 @@ impl Shards {
     pub(crate) fn set_params(&mut self, params: &Arc<Params>) {
         for shard in &mut self.shards {
             shard.stepper_mut().set_params(params.clone());
+        }
+    }
+
+    /// Sets the parameters of the robots that a roll-out has changed; `None` without one.
+    pub(crate) fn set_trial(&mut self, trial: Option<&TrialParams>) {
+        for shard in &mut self.shards {
+            shard.stepper_mut().set_trial(trial.cloned());
         }
     }
 

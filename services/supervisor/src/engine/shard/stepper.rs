@@ -16,6 +16,7 @@ use crate::engine::commit::batch::{OpenBatch, Source, is_ordinary};
 use crate::engine::commit::journal::{Entry, JournalEvent};
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::retention::ContactRetention;
+use crate::engine::rollout::TrialParams;
 use crate::metrics::FleetMetrics;
 use crate::trace::{OpenTraces, PendingSpans, Step, is_traced};
 use vibrissa_edge::clock::wall_clock;
@@ -44,6 +45,8 @@ pub(crate) struct Stepper {
     pub(super) fleet: Name,
     pub(super) boot_id: BootId,
     pub(super) params: Arc<Params>,
+    /// Parameters of robots that a roll-out has changed.
+    trial: Option<TrialParams>,
     pub(super) metrics: FleetMetrics,
     /// Which contacts get a row of their own.
     pub(super) retention: ContactRetention,
@@ -70,6 +73,7 @@ impl Stepper {
             fleet,
             boot_id,
             params,
+            trial: None,
             metrics,
             retention: ContactRetention::default(),
             batch: OpenBatch::default(),
@@ -83,8 +87,17 @@ impl Stepper {
         }
     }
 
-    pub(crate) fn params(&self) -> &Params {
-        &self.params
+    /// The parameters of a robot.
+    pub(crate) fn params_of(&self, robot: &Name) -> &Params {
+        match &self.trial {
+            Some(trial) if trial.has(robot) => &trial.params,
+            Some(_) | None => &self.params,
+        }
+    }
+
+    /// Sets the parameters of the robots that a roll-out has changed; `None` without one.
+    pub(crate) fn set_trial(&mut self, trial: Option<TrialParams>) {
+        self.trial = trial;
     }
 
     pub(crate) fn set_params(&mut self, params: Arc<Params>) {
@@ -127,7 +140,7 @@ impl Stepper {
         source: Option<Source<'_>>,
     ) -> Outcome {
         let mut effects = std::mem::take(&mut self.effects);
-        let outcome = known.robot.step(&self.params, now, event, &mut effects);
+        let outcome = known.robot.step(self.params_of(&known.name), now, event, &mut effects);
         known.is_heard |= is_of_newest_boot(event, outcome);
         self.has_stepped |= outcome == Outcome::Taken || !effects.is_empty();
         if let Some(traces) = &mut self.traces
@@ -152,7 +165,7 @@ impl Stepper {
     /// effects. Effects other than ordinary ones are new, because parameters have changed, and are recorded.
     pub(crate) fn replay(&mut self, known: &mut KnownRobot, entry: &Entry, event: &Event<'_>) {
         let mut effects = Vec::new();
-        known.robot.step(&self.params, entry.now, event, &mut effects);
+        known.robot.step(self.params_of(&known.name), entry.now, event, &mut effects);
         let mut written = Batch::default();
         for effect in effects {
             if !is_ordinary(&effect) {

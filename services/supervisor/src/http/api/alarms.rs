@@ -18,6 +18,7 @@ use super::alarm_actions::AlarmPath;
 use crate::http::App;
 use crate::http::access::{Caller, Scope};
 use crate::http::extract::{Path, Query};
+use crate::http::labels::LabelFilter;
 use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
@@ -165,6 +166,9 @@ pub struct AlarmFilter {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(maximum = 65535)]
     pub whisker: Option<u16>,
+    /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub label: Option<LabelFilter>,
     /// Kind of the alarm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kind: Option<AlarmKindWord>,
@@ -203,6 +207,7 @@ impl AlarmFilter {
         all.extend(text("robot", self.robot));
         all.extend(text("\"array\"", self.array));
         all.extend(self.whisker.map(|whisker| Filter::Is("whisker", Value::Whole(whisker.into()))));
+        all.extend(Filter::labels("robot_id", self.label.as_ref().map(|LabelFilter(conditions)| conditions)));
         all.extend(self.kind.map(|kind| Filter::Is("kind", Value::Text(kind.to_string()))));
         all.extend(self.level.map(|level| Filter::IsOneOf("kind", kinds_of(level.0))));
         all.extend(self.state.map(|state| Filter::Is("state", Value::Text(state.to_string()))));
@@ -256,6 +261,9 @@ macro_rules! alarms_query {
                 /// Number of the whisker in its array.
                 #[param(maximum = 65535)]
                 pub whisker: Option<u16>,
+                /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
+                #[param(inline)]
+                pub label: Option<LabelFilter>,
                 /// Kind of the alarm.
                 #[param(inline)]
                 pub kind: Option<AlarmKindWord>,
@@ -288,6 +296,7 @@ macro_rules! alarms_query {
                     robot: self.robot.clone(),
                     array: self.array.clone(),
                     whisker: self.whisker,
+                    label: self.label.clone(),
                     kind: self.kind,
                     level: self.level,
                     state: self.state,

@@ -62,6 +62,9 @@ list_query! {
         /// Latest time of the request, exclusive.
         #[param(value_type = Option<String>, format = DateTime)]
         pub to: Option<Moment>,
+        /// Number of the request for many of which the actions are parts.
+        #[param(minimum = 0)]
+        pub parent_id: Option<i64>,
         /// Text to look for in the names of fleet, robot and array, in actor, reason and parameters, in upper or lower case.
         #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
         pub q: Option<Search>,
@@ -86,6 +89,7 @@ async fn list_audit(
     selection.is("state", query.state);
     selection.is("kind", query.kind);
     selection.is("actor", query.actor);
+    selection.is_number("parent_id", query.parent_id);
     selection.filters.extend(between("asked_at", query.from, query.to));
     selection.contains(&["fleet", "robot", "\"array\"", "actor", "reason", "parameters"], query.q);
     listing.answer::<ActionRow>(&app, &ACTIONS, selection).await

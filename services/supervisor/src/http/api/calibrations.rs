@@ -405,6 +405,11 @@ async fn draw_calibration(
     Ok(picture.of(svg))
 }
 
+/// The numbers of a calibration.
+pub(super) async fn numbers_of(app: &App, calibration_id: i64) -> Result<CalibrationFile, Problem> {
+    read(&texts(app, calibration_id).await?.calibration)
+}
+
 /// Path parameters of an activation.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
 #[into_params(parameter_in = Path)]
@@ -436,7 +441,7 @@ async fn activate(
     asker: Asker,
     OptionalBody(why): OptionalBody<Why>,
 ) -> Result<Response, Problem> {
-    let numbers: CalibrationFile = read(&texts(&app, at.calibration_id).await?.calibration)?;
+    let numbers = numbers_of(&app, at.calibration_id).await?;
     if !app.store.has_fleet(at.fleet.as_str()).await? {
         return Err(Problem::not_found(format_args!("fleet {}", at.fleet)));
     }

@@ -6,14 +6,19 @@ pub mod alarms;
 pub mod alarms_at_once;
 pub mod allowed;
 pub mod audit;
+pub mod bulk;
+pub mod bulk_actions;
+pub mod bulk_fleets;
 pub mod calibrations;
 pub mod compensations;
 pub mod contacts;
 pub mod errors;
 pub mod events;
+pub mod filters;
 pub mod fleets;
 pub mod happenings;
 pub mod history;
+pub mod labels;
 pub mod me;
 pub mod model;
 pub mod overview;
@@ -22,6 +27,7 @@ pub mod plots;
 pub mod policy;
 pub mod quarantine;
 pub mod robots;
+pub mod rollouts;
 pub mod setpoints;
 pub mod touch_tests;
 pub mod what_if;
@@ -42,11 +48,16 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(alarms_at_once::routes())
         .merge(allowed::routes())
         .merge(audit::routes())
+        .merge(bulk::routes())
+        .merge(bulk_actions::routes())
+        .merge(bulk_fleets::routes())
         .merge(calibrations::routes())
         .merge(events::routes())
         .merge(fleets::routes())
         .merge(overview::routes())
         .merge(robots::routes())
+        .merge(rollouts::routes())
+        .merge(labels::routes())
         .merge(quarantine::routes())
         .merge(contacts::routes())
         .merge(history::routes())

@@ -58,7 +58,7 @@ macro_rules! policy_body {
 
         impl PolicyBody {
             /// Checks the numbers' ranges.
-            fn check(&self) -> Result<(), Problem> {
+            pub(super) fn check(&self) -> Result<(), Problem> {
                 for (number, value) in PolicyParams::NUMBERS.iter().zip([$(self.$name),+]) {
                     if !(number.min..=number.max).contains(&value) {
                         let what = format!("must be from {} to {}, not {value}", number.min, number.max);
@@ -78,6 +78,11 @@ struct Parameters {
     expected_version: i64,
     #[serde(flatten)]
     policy: PolicyBody,
+}
+
+/// Version of the policy that is in force in a fleet.
+pub(super) async fn version_of(app: &App, fleet: &str) -> Result<i64, Problem> {
+    Ok(app.store.policy(fleet).await?.map_or(0, |policy| policy.version))
 }
 
 async fn in_force(app: &App, at: &FleetPath) -> Result<PolicyRow, Problem> {

@@ -8,16 +8,18 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_protocol::Name;
 
+use super::filters::RobotFilter;
 use super::paths::{ArrayPath, RobotPath};
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::labels::LabelFilter;
 use crate::http::listing::Listing;
 use crate::http::page::{LIMIT_MAX, Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::search::Search;
 use crate::http::words::ConnectionWord;
-use vibrissa_store::list::{Filter, Selection, Value};
+use vibrissa_store::list::Selection;
 use vibrissa_store::lists::robots::{ARRAYS, ArraySort, ArraySummary, ROBOTS, RobotSort, RobotSummary};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
 
@@ -42,9 +44,29 @@ list_query! {
         pub connection: Option<ConnectionWord>,
         /// True: only robots with something that needs attention; false: only the others.
         pub attention: Option<bool>,
+        /// True: only robots that an operator holds; false: only the others.
+        pub held: Option<bool>,
+        /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
+        #[param(inline)]
+        pub label: Option<LabelFilter>,
         /// Text to look for in the names of fleet and robot and in the model, in upper or lower case.
         #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
         pub q: Option<Search>,
+    }
+}
+
+impl RobotsQuery {
+    /// The conditions among the parameters.
+    fn filter(&self) -> RobotFilter {
+        RobotFilter {
+            fleet: self.fleet.clone(),
+            robot: None,
+            connection: self.connection,
+            attention: self.attention,
+            held: self.held,
+            label: self.label.clone(),
+            q: self.q.clone(),
+        }
     }
 }
 
@@ -60,14 +82,7 @@ async fn list_robots(
     Query(query): Query<RobotsQuery>,
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
-    selection.filters.extend(caller.scope.filter("fleet"));
-    selection.is("fleet", query.fleet);
-    selection.is("connection", query.connection);
-    selection.filters.extend(query.attention.map(|attention| match attention {
-        true => Filter::AtLeast("attention", Value::Whole(1)),
-        false => Filter::Below("attention", Value::Whole(1)),
-    }));
-    selection.contains(&["fleet", "robot", "model"], query.q);
+    selection.filters = query.filter().conditions(&caller.scope)?;
     listing.answer::<RobotSummary>(&app, &ROBOTS, selection).await
 }
 

@@ -6,17 +6,18 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_protocol::Name;
 
+use super::filters::WhiskerFilter;
 use super::paths::WhiskerPath;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::labels::LabelFilter;
 use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
 use crate::http::search::Search;
 use crate::http::words::ConditionWord;
-use vibrissa_store::list::{Filter, Value};
-use vibrissa_store::lists::whiskers::{WHISKERS, Whisker, WhiskerSort, named};
+use vibrissa_store::lists::whiskers::{WHISKERS, Whisker, WhiskerSort};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(list_whiskers)).routes(routes!(find_whisker)).routes(routes!(get_whisker))
@@ -41,9 +42,28 @@ list_query! {
         pub faulty: Option<bool>,
         /// True: only whiskers that an operator holds; false: only the others.
         pub held: Option<bool>,
+        /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
+        #[param(inline)]
+        pub label: Option<LabelFilter>,
         /// Text to look for in the names of fleet, robot and array, in upper or lower case.
         #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
         pub q: Option<Search>,
+    }
+}
+
+impl WhiskersQuery {
+    /// The conditions among the parameters.
+    fn filter(&self) -> WhiskerFilter {
+        WhiskerFilter {
+            fleet: self.fleet.clone(),
+            robot: self.robot.clone(),
+            array: self.array.clone(),
+            condition: self.condition,
+            faulty: self.faulty,
+            held: self.held,
+            label: self.label.clone(),
+            q: self.q.clone(),
+        }
     }
 }
 
@@ -59,14 +79,7 @@ async fn list_whiskers(
     Query(query): Query<WhiskersQuery>,
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
-    selection.filters.extend(caller.scope.filter("fleet"));
-    selection.is("fleet", query.fleet);
-    selection.is("robot", query.robot);
-    selection.is("\"array\"", query.array);
-    selection.is("condition", query.condition);
-    selection.filters.extend(query.faulty.map(|faulty| Filter::IsNull("fault", !faulty)));
-    selection.filters.extend(query.held.map(|held| Filter::Is("held", Value::Flag(held))));
-    selection.filters.extend(query.q.map(|q| named(q.to_string())));
+    selection.filters = query.filter().conditions(&caller.scope)?;
     listing.answer::<Whisker>(&app, &WHISKERS, selection).await
 }
 

@@ -10,6 +10,7 @@ use vibrissa_core::robot::effect::{
     AlarmKind, CommandState, Condition, EndReason, Fault, Reason, RefinementOutcome, TestKind, TestReason, TestState,
 };
 use vibrissa_core::robot::event::{ArrayKind, Link};
+use vibrissa_core::rollout::Stage;
 use vibrissa_edge::actions::AuditKind;
 use vibrissa_edge::guidance::Level;
 use vibrissa_edge::words::Words;
@@ -36,6 +37,7 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
         ("ALARM_LEVELS", words::<Level>()),
         ("AUDIT_KINDS", words::<AuditKind>()),
         ("ARRAY_TYPES", words::<ArrayKind>()),
+        ("ROLLOUT_STAGES", words::<Stage>()),
         ("MODES", words::<Mode>()),
         ("OBJECTIVES", words::<Objective>()),
         ("LONGER_FOR_SHORTER", words::<LongerForShorter>()),

@@ -1,0 +1,351 @@
+//! Staged roll-outs of a fleet: some robots get a change before the others, and their errors decide about the rest.
+//!
+//! The core decides ([`vibrissa_core::rollout`]); here robots are chosen and stepped. The state is a row of the database, written
+//! in the transaction in which robots change, so a roll-out survives its owner. The changed robots have parameters of their
+//! own ([`TrialParams`]); those of the fleet stay until the last stage.
+
+use std::sync::Arc;
+
+use tracing::{error, info};
+use vibrissa_core::policy::PolicyParams;
+use vibrissa_core::robot::{Event, OperatorAction, Params, Place};
+use vibrissa_core::rollout::{Look, Rules, Stage, Verdict, limit, place, review};
+use vibrissa_edge::actions::{self, Request, Subject};
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::words::{Word as _, named};
+use vibrissa_protocol::Name;
+use vibrissa_store::actions::Action;
+use vibrissa_store::batch::Record;
+use vibrissa_store::rollouts::{Compared, RobotError, RolloutChange, RolloutEvent, RolloutRow};
+
+use super::actions::{Activation, Execution, Problem};
+use crate::params::with_model;
+
+/// Actor of events that follow from the errors alone.
+const SUPERVISOR: &str = "supervisor";
+
+/// Parameters of the robots that a roll-out has changed.
+#[derive(Debug, Clone)]
+pub(crate) struct TrialParams {
+    pub(crate) params: Arc<Params>,
+    seed: u64,
+    place_max: u32,
+}
+
+impl TrialParams {
+    /// Whether the roll-out has changed a robot.
+    pub(crate) fn has(&self, robot: &Name) -> bool {
+        place(self.seed, robot.as_str()) <= self.place_max
+    }
+}
+
+/// The change of a roll-out.
+#[derive(Debug, Clone)]
+enum Change {
+    Policy(PolicyParams),
+    Calibration(Box<Activation>),
+}
+
+impl Change {
+    /// Reads a change. The base is the policy in force, whose values stay where the change has none.
+    fn read(kind: &str, json: &str, base: &Params) -> Result<Self, Problem> {
+        let malformed = |problem: &dyn std::fmt::Display| format!("MALFORMED: {problem}");
+        match kind {
+            "POLICY" => match actions::request("POLICY", json, Subject::default()) {
+                Ok(Request::Policy(change)) => Ok(Self::Policy(change.over(base.policy))),
+                Ok(Request::Operator(_)) => Err(malformed(&"no policy")),
+                Err(problem) => Err(malformed(&problem)),
+            },
+            _ => serde_json::from_str(json).map(|one| Self::Calibration(Box::new(one))).map_err(|one| malformed(&one)),
+        }
+    }
+
+    /// The parameters of changed robots.
+    fn over(&self, base: &Arc<Params>) -> Result<Arc<Params>, Problem> {
+        match self {
+            Self::Policy(policy) => Ok(Arc::new(Params { policy: *policy, ..(**base).clone() })),
+            Self::Calibration(activation) => {
+                with_model(base, &activation.calibration).map_err(|problem| format!("MALFORMED: {problem}"))
+            }
+        }
+    }
+}
+
+/// The roll-out of a fleet that is running or paused.
+#[derive(Debug, Clone)]
+pub(super) struct Rollout {
+    row: RolloutRow,
+    change: Change,
+    params: Arc<Params>,
+}
+
+impl Rollout {
+    /// Takes a roll-out up that another owner has begun.
+    pub(super) fn restored(row: RolloutRow, base: &Arc<Params>) -> Result<Self, Problem> {
+        let change = Change::read(&row.kind, &row.change, base)?;
+        Ok(Self { params: change.over(base)?, change, row })
+    }
+
+    pub(super) fn trial(&self) -> TrialParams {
+        let (seed, place_max) = (self.row.rollout_id as u64, self.row.place_max as u32);
+        TrialParams { params: self.params.clone(), seed, place_max }
+    }
+
+    fn stage(&self) -> Stage {
+        named(&self.row.stage).unwrap_or(Stage::Few)
+    }
+
+    /// Time since which decisions count, if the errors are to be compared.
+    pub(super) fn compares_since(&self) -> Option<i64> {
+        (self.row.state == "RUNNING" && self.stage() != Stage::All).then_some(self.row.stage_us)
+    }
+
+    /// Stage for the metrics: 1 for 5 %, 2 for 25 %.
+    pub(super) fn stage_number(&self) -> i64 {
+        self.stage() as i64 + 1
+    }
+}
+
+/// Parameters of the action that begins a roll-out.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Start {
+    kind: String,
+    change: serde_json::Value,
+    level: f64,
+    robots: u32,
+}
+
+/// Parameters of the other actions on a roll-out.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Which {
+    rollout_id: i64,
+}
+
+/// A person's order to a roll-out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Order {
+    Pause,
+    Resume,
+    Advance,
+    RollBack,
+}
+
+fn median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    match values.len() {
+        0 => None,
+        count if count % 2 == 1 => Some(values[middle]),
+        _ => Some(f64::midpoint(values[middle - 1], values[middle])),
+    }
+}
+
+impl Execution<'_> {
+    /// Begins a roll-out with its first stage.
+    pub(super) fn start_rollout(&mut self, action: &Action) -> Result<(), Problem> {
+        if let Some(open) = self.rollout {
+            return Err(format!("ROLLOUT_OPEN: roll-out {} has not ended yet", open.row.rollout_id));
+        }
+        let start: Start =
+            serde_json::from_str(&action.parameters).map_err(|problem| format!("MALFORMED: {problem}"))?;
+        let expected = start.change.get("expected_version").and_then(serde_json::Value::as_i64);
+        if expected.is_some_and(|expected| expected != self.in_force.policy_version) {
+            let in_force = self.in_force.policy_version;
+            return Err(format!("VERSION: version {in_force} is in force, not {}", expected.unwrap_or_default()));
+        }
+        let change_json = start.change.to_string();
+        let change = Change::read(&start.kind, &change_json, &self.in_force.params)?;
+        let params = change.over(&self.in_force.params)?;
+        let now_us = wall_clock().0 as i64;
+        let row = RolloutRow {
+            rollout_id: action.action_id,
+            fleet: self.fleet.to_string(),
+            kind: start.kind,
+            change: change_json,
+            state: "RUNNING".to_owned(),
+            stage: Stage::Few.word().to_owned(),
+            place_max: 0,
+            level: start.level,
+            robots: i64::from(start.robots),
+            looks: 0,
+            compared: Compared::default(),
+            started_us: now_us,
+            stage_us: now_us,
+            updated_us: now_us,
+            started_by: action.actor.clone(),
+            reason: action.reason.clone(),
+        };
+        *self.rollout = Some(Rollout { row, change, params });
+        let reason = action.reason.clone().unwrap_or_else(|| "an engineer began it".to_owned());
+        self.enter(Stage::Few, None, ("STARTED", &action.actor, reason));
+        Ok(())
+    }
+
+    /// Carries out an order of a person.
+    pub(super) fn order_rollout(&mut self, action: &Action, order: Order) -> Result<(), Problem> {
+        let Which { rollout_id } =
+            serde_json::from_str(&action.parameters).map_err(|problem| format!("MALFORMED: {problem}"))?;
+        let Some(open) = self.rollout.as_mut().filter(|open| open.row.rollout_id == rollout_id) else {
+            return Err(format!("ROLLOUT_ENDED: roll-out {rollout_id} has ended, or never began"));
+        };
+        let (state, stage) = (open.row.state.clone(), open.stage());
+        let actor = action.actor.as_str();
+        let why = action.reason.clone().unwrap_or_else(|| "an engineer decided so".to_owned());
+        match (order, state.as_str()) {
+            (Order::Pause, "RUNNING") => self.note(("PAUSED", actor, why), "PAUSED"),
+            (Order::Resume, "PAUSED") => self.note(("RESUMED", actor, why), "RUNNING"),
+            (Order::Pause, _) => return Err("ROLLOUT_PAUSED: it is paused already".to_owned()),
+            (Order::Resume, _) => return Err("ROLLOUT_RUNNING: it is running".to_owned()),
+            (Order::Advance, _) => self.enter(stage.next(), None, ("ADVANCED", actor, why)),
+            (Order::RollBack, _) => self.roll_back(("ROLLED_BACK", actor, why)),
+        }
+        Ok(())
+    }
+
+    /// Compares the errors of changed and unchanged robots, then waits, goes on or rolls back.
+    pub(super) fn review_rollout(&mut self, errors: &[RobotError]) {
+        let Some(open) = self.rollout.as_mut() else { return };
+        let trial = open.trial();
+        let of = |is_changed: bool| -> Vec<f64> {
+            let names = errors.iter().filter_map(|one| Some((Name::robot(&one.robot).ok()?, one.error)));
+            names.filter(|(name, _)| trial.has(name) == is_changed).map(|(_, error)| error).collect()
+        };
+        let (mut changed, mut unchanged) = (of(true), of(false));
+        let rules = Rules { level: open.row.level, robots: open.row.robots as u32 };
+        let verdict = review(rules, open.row.looks as u32, &changed, &unchanged);
+        let before = open.row.compared;
+        open.row.compared = Compared {
+            probability: before.probability,
+            changed_robots: changed.len() as i64,
+            unchanged_robots: unchanged.len() as i64,
+            changed_error: median(&mut changed),
+            unchanged_error: median(&mut unchanged),
+        };
+        let look = match verdict {
+            Verdict::Wait => {
+                if open.row.compared != before {
+                    open.row.updated_us = wall_clock().0 as i64;
+                    let row = open.row.clone();
+                    self.shards.record(Record::Rollout(Box::new(RolloutChange { row, event: None })));
+                }
+                return;
+            }
+            Verdict::Continue(look) | Verdict::Advance(look) | Verdict::RollBack(look) => look,
+        };
+        open.row.looks = i64::from(look.looks);
+        open.row.compared.probability = Some(look.probability);
+        let (stage, told) = (open.stage(), told(look, rules, &open.row.compared));
+        match verdict {
+            Verdict::Wait => {}
+            Verdict::Continue(_) => self.note(("LOOKED", SUPERVISOR, told), "RUNNING"),
+            Verdict::Advance(_) => self.enter(stage.next(), Some(look), ("ADVANCED", SUPERVISOR, told)),
+            Verdict::RollBack(_) => self.roll_back(("ROLLED_BACK", SUPERVISOR, told)),
+        }
+    }
+
+    /// Notes a state in which no robot changes.
+    fn note(&mut self, (event, actor, detail): (&'static str, &str, String), state: &str) {
+        let Some(open) = self.rollout.as_mut() else { return };
+        open.row.state = state.to_owned();
+        open.row.updated_us = wall_clock().0 as i64;
+        self.metrics.rollouts.count([event]);
+        info!(fleet = %self.fleet, rollout = open.row.rollout_id, event, actor, detail, "roll-out");
+        let event = RolloutEvent { event: event.to_owned(), actor: actor.to_owned(), detail };
+        let change = RolloutChange { row: open.row.clone(), event: Some(event) };
+        self.shards.record(Record::Rollout(Box::new(change)));
+    }
+
+    /// Enters a stage: more robots change. In the last one the change comes into force, and the roll-out ends.
+    fn enter(&mut self, stage: Stage, look: Option<Look>, event: (&'static str, &str, String)) {
+        let Some(open) = self.rollout.as_mut() else { return };
+        let before = (event.0 != "STARTED").then(|| open.trial());
+        let seed = open.row.rollout_id as u64;
+        let mut places: Vec<u32> = self.shards.robots().map(|known| place(seed, known.name.as_str())).collect();
+        let last = before.as_ref().map_or(0, |trial| trial.place_max);
+        open.row.place_max = i64::from(limit(stage, &mut places, last));
+        open.row.stage = stage.word().to_owned();
+        open.row.stage_us = wall_clock().0 as i64;
+        open.row.looks = 0;
+        open.row.compared = Compared { probability: look.map(|look| look.probability), ..Compared::default() };
+        let (trial, change, row) = (open.trial(), open.change.clone(), open.row.clone());
+        let newly: Vec<Name> = self.names(|name| trial.has(name) && !before.as_ref().is_some_and(|one| one.has(name)));
+        if stage == Stage::All {
+            let (_, actor, detail) = event;
+            self.note(("COMPLETED", actor, detail), "COMPLETED");
+            *self.rollout = None;
+            self.shards.set_trial(None);
+            match &change {
+                Change::Policy(policy) => {
+                    self.set_policy(policy, (&row.started_by, row.reason.clone(), row.rollout_id))
+                }
+                Change::Calibration(activation) => {
+                    if let Err(problem) = self.activate(activation, &row.started_by) {
+                        error!(fleet = %self.fleet, rollout = row.rollout_id, problem, "cannot activate a calibration");
+                    }
+                }
+            }
+        } else {
+            self.note(event, "RUNNING");
+            self.shards.set_trial(Some(&trial));
+        }
+        self.apply(&change, &newly);
+    }
+
+    /// Takes the change back from all changed robots. The roll-out ends.
+    fn roll_back(&mut self, event: (&'static str, &str, String)) {
+        let Some(open) = self.rollout.as_ref() else { return };
+        let (trial, change) = (open.trial(), open.change.clone());
+        self.note(event, "ROLLED_BACK");
+        *self.rollout = None;
+        self.shards.set_trial(None);
+        let changed = self.names(|name| trial.has(name));
+        self.apply(&change, &changed);
+    }
+
+    fn names(&self, is_wanted: impl Fn(&Name) -> bool) -> Vec<Name> {
+        self.shards.robots().map(|known| known.name.clone()).filter(|name| is_wanted(name)).collect()
+    }
+
+    /// Tells robots that their parameters have changed.
+    fn apply(&mut self, change: &Change, robots: &[Name]) {
+        match change {
+            Change::Policy(_) => {
+                for name in robots {
+                    self.shards.step(name, self.now, &Event::PolicyChanged);
+                }
+            }
+            Change::Calibration(activation) => self.relearn(robots, &activation.calibration.name),
+        }
+    }
+
+    /// Relearns the baselines of the whiskers of a model.
+    pub(super) fn relearn(&mut self, robots: &[Name], model: &str) {
+        for name in robots {
+            let Some(known) = self.shards.robot(name) else { continue };
+            let views = (0..known.robot.whisker_count()).filter_map(|index| known.robot.whisker(index));
+            let its = views.filter(|view| *view.sheet.model == model);
+            let whiskers: Vec<(String, u16)> = its.map(|view| (view.array.to_owned(), view.sheet.number)).collect();
+            for (array, whisker) in whiskers {
+                let operator_action = OperatorAction::Rebaseline(Place { array: &array, whisker });
+                self.shards.step(name, self.now, &Event::Operator(&operator_action));
+            }
+        }
+    }
+}
+
+/// The result of a look, in words.
+fn told(look: Look, rules: Rules, compared: &Compared) -> String {
+    let percent = |error: Option<f64>| error.map_or_else(|| "-".to_owned(), |error| format!("{:.1} %", 100.0 * error));
+    format!(
+        "median error {} of {} changed robots, {} of {} unchanged ones; chance alone looks so much worse with probability {:.4}, \
+         and the limit is {:.4}",
+        percent(compared.changed_error),
+        compared.changed_robots,
+        percent(compared.unchanged_error),
+        compared.unchanged_robots,
+        look.probability,
+        rules.threshold()
+    )
+}

@@ -1,0 +1,99 @@
+//! Actions on many in the console: from the filtered table over the dry run to the progress.
+
+use serde_json::{Value, json};
+use vibrissa_protocol::ArrayType;
+use vibrissa_tests::robot::{HandRobot, array};
+use vibrissa_tests::web::{send, try_get};
+
+use crate::checks::{complaints, overflow};
+use crate::stage::Stage;
+
+const DIALOG: &str = "document.querySelector('dialog[open]')";
+const ROBOTS: usize = 24;
+
+/// 24 robots in hall 2 beside robot `r`.
+async fn many() -> (Stage, Vec<HandRobot>) {
+    let stage = Stage::start().await;
+    let mut robots = Vec::new();
+    for number in 0..ROBOTS {
+        let name = format!("many-{number:03}");
+        robots.push(HandRobot::born(stage.service.broker.port, &name, array(ArrayType::Type1, &[70.0, 68.0])).await);
+        let path = format!("/v1/fleets/f/robots/{name}/labels/hall");
+        let set = vibrissa_tests::wait::until("the robot is known", async || {
+            let answer = send(stage.service.http, "PUT", &path, &[], Some(&json!({ "value": "2" }))).await.unwrap();
+            Some(answer.status).filter(|status| *status != 404)
+        });
+        assert_eq!(set.await, 200);
+    }
+    (stage, robots)
+}
+
+async fn press(stage: &mut Stage, button: &str) {
+    let find =
+        format!("[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('{button}'))");
+    stage.browser.until("the button", &format!("!!{find}")).await;
+    stage.browser.js(&format!("{find}.click()")).await;
+    stage.browser.until("a dialog", DIALOG).await;
+}
+
+async fn words(stage: &mut Stage, of: &str) -> String {
+    stage.browser.js(&format!("{of}.innerText")).await.as_str().unwrap().to_owned()
+}
+
+async fn looks_right(stage: &mut Stage, name: &str) {
+    for (width, scheme) in [(1280, "light"), (390, "dark")] {
+        stage.browser.size(width, 844).await;
+        stage.browser.prefers(scheme).await;
+        assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{name} {width} {scheme}");
+        assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{name} {width} {scheme}");
+        let picture = stage.picture(&format!("bulk-{name}-{width}-{scheme}"));
+        stage.browser.picture(&picture).await;
+    }
+    stage.browser.size(1280, 900).await;
+}
+
+#[tokio::test]
+async fn all_24_robots_shown_are_held_after_a_dry_run_and_their_progress_is_shown() {
+    let (mut stage, _robots) = many().await;
+    stage.open("#/fleets/f?label=hall%3D2").await;
+    press(&mut stage, "Hold all shown").await;
+    let told = words(&mut stage, DIALOG).await;
+    for part in ["Hold 24 robots", "f, many-000", "f, many-023", "Pressures do not change"] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    assert!(!told.contains("f, r\n"), "robot r has no such label: {told}");
+    looks_right(&mut stage, "dialog").await;
+    stage.browser.js(&format!("{DIALOG}.querySelector('textarea').value = 'work in hall 2'")).await;
+    stage.browser.js(&format!("{DIALOG}.querySelector('form').requestSubmit()")).await;
+    let notice = "document.getElementById('notices').textContent";
+    stage.browser.until("all are done", &format!("{notice}.includes(': 24 done')")).await;
+    let (_, robots) = try_get(stage.service.http, "/v1/robots?held=true&limit=1000").await.unwrap();
+    let robots: Value = serde_json::from_str(&robots).unwrap();
+    assert_eq!(robots["items"].as_array().unwrap().len(), ROBOTS);
+    // The same question again finds nothing more to hold.
+    press(&mut stage, "Hold all shown").await;
+    assert!(words(&mut stage, DIALOG).await.contains("Hold no robots"));
+    stage.browser.press("Escape").await;
+    // A whisker of a held robot cannot be released alone, and the page says so.
+    stage.open("#/whiskers?label=hall&q=many-003").await;
+    stage.browser.until("the page", "document.querySelector('h1').textContent === 'Whiskers'").await;
+    press(&mut stage, "Release all shown").await;
+    assert!(words(&mut stage, DIALOG).await.contains("Release 2 whiskers"));
+    stage.browser.js(&format!("{DIALOG}.querySelector('form').requestSubmit()")).await;
+    stage.browser.until("they are refused", &format!("{notice}.includes('0 of 2 done, 2 refused: ROBOT_HELD')")).await;
+    looks_right(&mut stage, "whiskers").await;
+    stage.open("#/audit").await;
+    stage.browser.js("document.querySelector('main .links a').click()").await;
+    stage.browser.until("the list", "document.querySelectorAll('main tbody tr').length === 2").await;
+    looks_right(&mut stage, "list").await;
+    stage.browser.js("document.querySelector('main tbody a').click()").await;
+    stage.browser.until("the request", "document.querySelector('h1').textContent.startsWith('Action ')").await;
+    stage.browser.until("its subjects", "document.querySelectorAll('main tbody tr').length === 3").await;
+    let told = words(&mut stage, "document.querySelector('main')").await;
+    for part in ["release many whiskers", "0 of 2 done, 2 refused", "ROBOT_HELD", "label: hall"] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    looks_right(&mut stage, "one").await;
+    stage.is_clean();
+    stage.stop().await;
+}

@@ -1,0 +1,141 @@
+//! Staged roll-outs: their rows, the errors that they compare, and their answers, on both databases.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+use vibrissa_protocol::Name;
+use vibrissa_store::batch::Record;
+use vibrissa_store::rollouts::{Compared, RolloutChange, RolloutEvent, RolloutRow};
+use vibrissa_store::{Batch, Supervisor};
+use vibrissa_tests::actions::policy_body;
+use vibrissa_tests::web::send;
+
+use crate::rows;
+use crate::served::Served;
+
+fn row(rollout_id: i64) -> RolloutRow {
+    RolloutRow {
+        rollout_id,
+        fleet: "k".to_owned(),
+        kind: "POLICY".to_owned(),
+        change: r#"{"mode":"ADVISE"}"#.to_owned(),
+        state: "RUNNING".to_owned(),
+        stage: "FEW".to_owned(),
+        place_max: i64::from(u32::MAX / 20),
+        level: 0.05,
+        robots: 20,
+        looks: 0,
+        compared: Compared::default(),
+        started_us: rows::START_US,
+        stage_us: rows::START_US,
+        updated_us: rows::START_US,
+        started_by: "ann".to_owned(),
+        reason: None,
+    }
+}
+
+fn event(event: &str, detail: &str) -> Option<RolloutEvent> {
+    Some(RolloutEvent { event: event.to_owned(), actor: "supervisor".to_owned(), detail: detail.to_owned() })
+}
+
+/// The mean error of each robot, from the list of compensations.
+async fn means(served: &Served) -> BTreeMap<String, f64> {
+    let mut errors: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for one in served.all("/v1/compensations?fleet=k&limit=1000").await {
+        let error = if one["compensator_whisker"].is_null() { Some(1.0) } else { one["measured_error"].as_f64() };
+        errors.entry(one["robot"].as_str().unwrap().to_owned()).or_default().extend(error);
+    }
+    errors.retain(|_, values| !values.is_empty());
+    errors.into_iter().map(|(robot, values)| (robot, values.iter().sum::<f64>() / values.len() as f64)).collect()
+}
+
+async fn a_roll_out_is_written_read_compared_and_listed(served: &Served) {
+    let fleet = Name::new("k").unwrap();
+    let supervisor = Supervisor {
+        id: "k".into(),
+        name: "supervisor k".to_owned(),
+        fleets: vec![fleet.clone()],
+        time_to_live: std::time::Duration::from_secs(600),
+    };
+    let mut writer = served.store.writer();
+    writer.sign_in(&supervisor, &[]).await.unwrap();
+    let lease = writer.acquire(&supervisor, &fleet).await.unwrap().unwrap();
+    rows::robots(&mut writer, &lease).await;
+    let body = json!({ "policy": policy_body(&vibrissa_core::policy::PolicyParams::default()), "reason": "try it" });
+    // Nothing owns the fleet here, so the action expires or stays pending; its row is what the roll-out refers to.
+    let begun = send(served.http, "POST", "/v1/fleets/k/rollouts", &[], Some(&body)).await.unwrap();
+    assert_eq!(begun.status, 202, "{}", begun.body);
+    let begun = begun.json();
+    assert_eq!((&begun["kind"], &begun["parameters"]["level"]), (&json!("ROLLOUT_START"), &json!(0.05)));
+    assert_eq!(begun["parameters"]["change"]["expected_version"], 0);
+    let id = begun["action_id"].as_i64().unwrap();
+
+    let mut write = async |row: RolloutRow, event: Option<RolloutEvent>| {
+        let records = vec![Record::Rollout(Box::new(RolloutChange { row, event }))];
+        writer.commit(&lease, &Batch { records, ..Batch::default() }).await.unwrap();
+        writer.open_rollout(&lease).await.unwrap()
+    };
+    assert_eq!(write(row(id), event("STARTED", "try it")).await, Some(row(id)));
+    let compared = Compared {
+        probability: Some(0.25),
+        changed_robots: 5,
+        unchanged_robots: 90,
+        changed_error: Some(0.125),
+        unchanged_error: Some(0.5),
+    };
+    let later =
+        RolloutRow { stage: "QUARTER".to_owned(), looks: 2, compared, updated_us: rows::START_US + 7, ..row(id) };
+    assert_eq!(write(later.clone(), event("ADVANCED", "no difference")).await, Some(later.clone()));
+    assert_eq!(write(later.clone(), None).await, Some(later.clone()), "numbers without an event");
+    let told = served.json(&format!("/v1/rollouts/{id}")).await;
+    let events: Vec<&Value> = told["events"].as_array().unwrap().iter().map(|one| &one["event"]).collect();
+    assert_eq!(events, [&json!("ADVANCED"), &json!("STARTED")]);
+    let rollout = &told["rollout"];
+    assert_eq!((&rollout["stage"], &rollout["change"]["mode"]), (&json!("QUARTER"), &json!("ADVISE")));
+    assert_eq!((&rollout["probability"], &rollout["changed_error"]), (&json!(0.25), &json!(0.125)));
+    assert_eq!(served.items("/v1/rollouts?fleet=k&state=RUNNING").await, [rollout.clone()]);
+    assert_eq!(
+        write(RolloutRow { state: "ROLLED_BACK".to_owned(), ..later }, event("ROLLED_BACK", "worse")).await,
+        None
+    );
+    assert_eq!(served.items("/v1/rollouts?state=RUNNING").await, Vec::<Value>::new());
+
+    let mut read = served.store.writer();
+    let errors = read.errors_since(&lease, 0).await.unwrap();
+    let expected = means(served).await;
+    assert!(expected.len() == 2 && errors.len() == 2, "{expected:?} {errors:?}");
+    for one in &errors {
+        assert!((one.error - expected[&one.robot]).abs() < 1e-12, "{one:?} {expected:?}");
+    }
+    assert_eq!(read.errors_since(&lease, i64::MAX).await.unwrap(), []);
+}
+
+#[tokio::test]
+async fn a_roll_out_is_written_read_compared_and_listed_on_sqlite() {
+    a_roll_out_is_written_read_compared_and_listed(&Served::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn a_roll_out_is_written_read_compared_and_listed_on_postgres() {
+    a_roll_out_is_written_read_compared_and_listed(&Served::postgres().await).await;
+}
+
+#[tokio::test]
+async fn a_roll_out_that_is_not_valid_is_refused() {
+    let served = Served::sqlite().await;
+    let policy = policy_body(&vibrissa_core::policy::PolicyParams::default());
+    for (body, status, field) in [
+        (json!({}), 422, "policy"),
+        (json!({ "policy": policy, "calibration_id": 1 }), 422, "policy"),
+        (json!({ "policy": policy, "level": 0.5 }), 422, "level"),
+        (json!({ "policy": policy, "robots": 3 }), 422, "robots"),
+    ] {
+        let answer = send(served.http, "POST", "/v1/fleets/f/rollouts", &[], Some(&body)).await.unwrap();
+        let told = answer.json();
+        assert_eq!((answer.status, &told["errors"][0]["field"]), (status, &json!(field)), "{told}");
+    }
+    let calibration = json!({ "calibration_id": 7 });
+    let answer = send(served.http, "POST", "/v1/fleets/f/rollouts", &[], Some(&calibration)).await.unwrap();
+    assert_eq!(answer.status, 404);
+    assert_eq!(send(served.http, "POST", "/v1/rollouts/7/pause", &[], None).await.unwrap().status, 404);
+}
