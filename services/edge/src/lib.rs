@@ -7,6 +7,7 @@ pub mod clock;
 pub mod guidance;
 pub mod ids;
 pub mod touch_tests;
+pub mod webhooks;
 pub mod words;
 
 use vibrissa_core::robot::event::{

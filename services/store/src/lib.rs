@@ -45,6 +45,7 @@ mod sqlite;
 pub mod tables;
 pub mod time;
 pub mod tokens;
+pub mod webhooks;
 mod writer;
 
 use std::sync::Arc;

@@ -67,6 +67,7 @@ impl Stage {
             broker: None,
             mqtt_port: 0,
             http: ([127, 0, 0, 1], 0).into(),
+            webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
             traces: None,
             params,
         })

@@ -60,6 +60,7 @@ use crate::params;
 use crate::readiness::Readiness;
 use crate::robots_file::RobotsFile;
 use crate::trace::Traces;
+use crate::webhooks::{WebhookOptions, Webhooks};
 use access::{Access, Gate, origin};
 pub use further_routes::FurtherRoutes;
 use server::{Limits, Server};
@@ -89,6 +90,8 @@ pub struct App {
     pub traces: Option<Traces>,
     /// Allow list of robots from a file, if configured.
     pub robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
+    /// Sends tests to webhooks.
+    pub webhooks: Webhooks,
     /// Where the runbooks are, without a slash at the end.
     pub runbooks_url: Arc<str>,
     /// Routes beside those of the API.
@@ -108,6 +111,7 @@ impl App {
         stop: watch::Receiver<bool>,
     ) -> Self {
         let streams = Streams::new(StreamOptions::default());
+        let webhooks = Webhooks::new(&WebhookOptions::default(), store.clone(), metrics.clone(), "http".into());
         Self {
             store,
             metrics,
@@ -119,6 +123,7 @@ impl App {
             action_notifier,
             traces: None,
             robots_file: None,
+            webhooks,
             runbooks_url: runbooks::PATH.into(),
             further_routes: FurtherRoutes::default(),
         }
@@ -155,6 +160,12 @@ impl App {
     #[must_use]
     pub fn allowing(self, robots_file: Option<watch::Receiver<Arc<RobotsFile>>>) -> Self {
         Self { robots_file, ..self }
+    }
+
+    /// Replaces the sender of webhooks.
+    #[must_use]
+    pub fn delivering(self, webhooks: Webhooks) -> Self {
+        Self { webhooks, ..self }
     }
 }
 

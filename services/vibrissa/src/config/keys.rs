@@ -174,6 +174,8 @@ policy_numbers! { keys {
     HttpRunbooksUrl: "http.runbooks_url", Kind::Text, None,
         "Address of the runbooks that alarms link to, such as https://wiki.example/runbooks; default: /runbooks of this \
          service";
+    WebhooksAllowedHosts: "webhooks.allowed_hosts", Kind::Texts, Some("[]"),
+        "Hosts that webhooks may reach at private addresses, as in their URLs: names such as hooks.lan, or addresses";
     MetricsSeries: "metrics.series", Kind::Text, Some(r#""fleets""#),
         "Detail of the Prometheus metrics: fleets (totals) or whiskers (also each robot and whisker: four series per \
          whisker)";

@@ -9,6 +9,7 @@ pub mod audit;
 pub mod calibrations;
 pub mod compensations;
 pub mod contacts;
+pub mod dead_letters;
 pub mod errors;
 pub mod events;
 pub mod fleets;
@@ -24,6 +25,7 @@ pub mod quarantine;
 pub mod robots;
 pub mod setpoints;
 pub mod touch_tests;
+pub mod webhooks;
 pub mod what_if;
 pub mod whiskers;
 
@@ -59,4 +61,6 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(touch_tests::routes())
         .merge(errors::routes())
         .merge(plots::routes())
+        .merge(webhooks::routes())
+        .merge(dead_letters::routes())
 }
