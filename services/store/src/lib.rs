@@ -41,6 +41,7 @@ pub mod retention;
 mod row;
 pub mod secret;
 pub mod series;
+pub mod sessions;
 mod sqlite;
 pub mod tables;
 pub mod time;

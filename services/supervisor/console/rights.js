@@ -19,6 +19,16 @@ export function forget() {
   me = null;
 }
 
+/** Whether the user is known. */
+export function isKnown() {
+  return me !== null;
+}
+
+/** Whether the user has signed in with the identity provider. */
+export function isSession() {
+  return me?.authentication === "SESSION";
+}
+
 /** Why the user's role does not allow a request; null if it does. */
 export function refusal(method, path) {
   const needed = requiredRole(method, path);

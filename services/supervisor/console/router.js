@@ -15,6 +15,8 @@ import policy from "./pages/policy.js";
 import robot from "./pages/robot.js";
 import setpoints from "./pages/setpoints.js";
 import trims from "./pages/trims.js";
+import webhook from "./pages/webhook.js";
+import webhooks from "./pages/webhooks.js";
 import whatIf from "./pages/what-if.js";
 import whisker from "./pages/whisker.js";
 import whiskers from "./pages/whiskers.js";
@@ -36,6 +38,8 @@ const PAGES = [
   ["audit", audit],
   ["policy", policy],
   ["policy/:fleet", policy],
+  ["webhooks", webhooks],
+  ["webhooks/:id", webhook],
 ];
 
 const MAIN = [
@@ -46,6 +50,7 @@ const MAIN = [
   ["What if", "#/what-if", "what-if"],
   ["Calibrations", "#/calibrations", "calibrations"],
   ["Policy", "#/policy", "policy"],
+  ["Webhooks", "#/webhooks", "webhooks"],
   ["Audit", "#/audit", "audit"],
 ];
 

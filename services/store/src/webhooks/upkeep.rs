@@ -58,14 +58,21 @@ impl Store {
         tx.commit().await.map_err(failed(WHAT))
     }
 
-    /// A PostgreSQL server that was restored from a dump begins to count transactions anew. Events and targets that name
+    /// Prepares the queues when a supervisor starts. A file has one supervisor at a time, so nobody holds a target of it now. A
+    /// PostgreSQL server that was restored from a dump begins to count transactions anew: events and targets that name
     /// transactions of the former server come before all new ones then.
     ///
     /// # Errors
     /// The database cannot be written.
-    pub async fn mend_webhook_order(&self) -> Result<(), StoreError> {
+    pub async fn prepare_webhook_queues(&self) -> Result<(), StoreError> {
         const MINE: &str = "pg_snapshot_xmax(pg_current_snapshot())::text::bigint";
-        let Either::Postgres(pool) = &self.pool else { return Ok(()) };
+        let pool = match &self.pool {
+            Either::Sqlite(pool) => {
+                const RELEASE: &str = "UPDATE webhooks SET holder = NULL, held_until_us = 0 WHERE holder IS NOT NULL";
+                return sqlx::query(RELEASE).execute(pool).await.map(drop).map_err(failed("release the webhooks"));
+            }
+            Either::Postgres(pool) => pool,
+        };
         for sql in [
             format!("UPDATE webhook_events SET tx = 0 WHERE tx >= {MINE}"),
             format!("UPDATE webhooks SET done_tx = 0 WHERE done_tx >= {MINE}"),

@@ -32,6 +32,7 @@ pub mod problem;
 pub mod runbooks;
 pub mod search;
 pub mod server;
+mod sign_in;
 pub mod streams;
 pub mod version;
 pub mod words;
@@ -304,6 +305,7 @@ pub fn router(app: App) -> (Router, Document) {
         )
         .route("/problems/{name}", get(problem::explain))
         .merge(runbooks::routes())
+        .merge(sign_in::routes())
         .route("/livez", get(health::livez))
         .with_state(app.clone())
         .merge(docs::routes())

@@ -14,7 +14,7 @@ use vibrissa_store::webhooks::queue::{Job, Outcome};
 
 /// Time for which a target is held. It is longer than an attempt and the storage of its result may take, so that no other
 /// supervisor begins meanwhile.
-const HOLD: Duration = Duration::from_secs(45);
+const HOLD: Duration = Duration::from_secs(15);
 
 /// Delivers to a target.
 pub(super) struct Delivery {

@@ -63,7 +63,7 @@ impl Default for Pace {
 impl Pace {
     /// The pause after so many failed attempts, before the jitter.
     fn pause(&self, failures: i64) -> Duration {
-        let doublings = u32::try_from(failures - 1).unwrap_or_default().min(20);
+        let doublings = (failures - 1).clamp(0, 20);
         self.first.saturating_mul(1 << doublings).min(self.longest)
     }
 }
@@ -105,12 +105,12 @@ impl Webhooks {
     /// Delivers until `stop` becomes true.
     pub(crate) async fn run(self, mut stop: watch::Receiver<bool>) {
         let mut tasks: HashMap<i64, JoinHandle<()>> = HashMap::new();
-        let (mut measured, mut trimmed, mut is_mended, mut is_failing) = (None, None, false, false);
+        let (mut measured, mut trimmed, mut is_prepared, mut is_failing) = (None, None, false, false);
         while timeout(LOOK_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
             let looked = async {
-                if !is_mended {
-                    self.store.mend_webhook_order().await?;
-                    is_mended = true;
+                if !is_prepared {
+                    self.store.prepare_webhook_queues().await?;
+                    is_prepared = true;
                 }
                 tasks.retain(|_, task| !task.is_finished());
                 for webhook_id in self.store.due_webhooks(&self.holder).await? {

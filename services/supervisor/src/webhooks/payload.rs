@@ -22,7 +22,6 @@ const VERSION: u32 = 1;
 pub struct WebhookEvent {
     /// Kind of the event.
     #[serde(rename = "type")]
-    #[schema(inline)]
     pub kind: EventKindWord,
     /// Time of the event, by the supervisor's clock.
     pub timestamp: Time,
@@ -40,7 +39,6 @@ pub struct EventData {
     #[schema(minimum = 1)]
     pub event_id: Option<i64>,
     /// How soon somebody must act.
-    #[schema(inline)]
     pub level: LevelWord,
     /// Name of the fleet; null in a test.
     pub fleet: Option<String>,
@@ -69,7 +67,6 @@ pub struct AlarmPart {
     /// Number of the alarm, the same when it is raised and when it is cleared.
     pub alarm_id: i64,
     /// Kind of the alarm.
-    #[schema(inline)]
     pub kind: AlarmKindWord,
     /// Advice in one or two sentences.
     pub hint: String,
@@ -94,10 +91,8 @@ pub struct TrimPart {
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ConditionPart {
     /// Condition before.
-    #[schema(inline)]
     pub was: Option<ConditionWord>,
     /// Condition after.
-    #[schema(inline)]
     pub becomes: Option<ConditionWord>,
 }
 
@@ -107,7 +102,6 @@ pub struct CompensationPart {
     /// Number of the compensation.
     pub compensation_id: i64,
     /// Case of the paper.
-    #[schema(inline)]
     pub case: Option<CaseWord>,
     /// Number of the compensating whisker in the array.
     pub compensator_whisker: Option<i64>,
@@ -116,7 +110,6 @@ pub struct CompensationPart {
     /// Predicted compensation error, as a ratio.
     pub predicted_error: Option<f64>,
     /// Why it ended; null when it begins.
-    #[schema(inline)]
     pub end_reason: Option<EndReasonWord>,
 }
 
@@ -126,12 +119,10 @@ pub struct SetpointPart {
     /// Identifier of the setpoint, a UUID.
     pub command_id: String,
     /// State of the setpoint.
-    #[schema(inline)]
     pub state: Option<SetpointStateWord>,
     /// Pressure of the setpoint, MPa.
     pub pressure_mpa: Option<f64>,
     /// Reason of the setpoint.
-    #[schema(inline)]
     pub reason: Option<SetpointReasonWord>,
     /// Why the robot rejected it; null otherwise.
     pub error: Option<String>,
@@ -216,5 +207,47 @@ impl AlarmPart {
         let guidance = of_word(word)?;
         let runbook = format!("{RUNBOOKS}/{}", guidance.runbook);
         Some(Self { alarm_id, kind: OneOf(named(word)?), hint: guidance.hint.to_owned(), runbook })
+    }
+}
+
+/// JSON Schema of [`WebhookEvent`], as docs/webhook.schema.json has it.
+#[must_use]
+pub fn schema() -> serde_json::Value {
+    use utoipa::{PartialSchema as _, ToSchema as _};
+    let mut parts = Vec::new();
+    WebhookEvent::schemas(&mut parts);
+    let mut schema = serde_json::json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "WebhookEvent",
+    });
+    let told = serde_json::to_value(WebhookEvent::schema()).unwrap_or_default();
+    let parts: std::collections::BTreeMap<String, serde_json::Value> =
+        parts.into_iter().map(|(name, part)| (name, serde_json::to_value(part).unwrap_or_default())).collect();
+    if let (Some(schema), serde_json::Value::Object(told)) = (schema.as_object_mut(), told) {
+        schema.extend(told);
+        schema.insert("$defs".to_owned(), serde_json::json!(parts));
+    }
+    // The same schemas are components of the OpenAPI document.
+    let text = schema.to_string().replace("#/components/schemas/", "#/$defs/");
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_files_in_docs_describe_the_events_of_webhooks() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/webhook.schema.json");
+        let written = serde_json::to_string_pretty(&schema()).unwrap() + "\n";
+        if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
+            std::fs::write(path, &written).unwrap();
+        }
+        let there = std::fs::read_to_string(path).unwrap_or_default();
+        assert!(
+            there == written,
+            "docs/webhook.schema.json differs from the code: write it with VIBRISSA_WRITE_DOCS=1"
+        );
+        assert!(written.contains("\"COMPENSATION_BEGUN\"") && written.contains("\"$ref\": \"#/$defs/EventData\""));
     }
 }

@@ -76,12 +76,10 @@ pub struct Webhook {
     /// Kinds of its events; null for all kinds.
     pub kinds: Option<Vec<EventKindWord>>,
     /// Its least urgent events.
-    #[schema(inline)]
     pub level: LevelWord,
     /// Whether events are delivered; otherwise they wait.
     pub enabled: bool,
     /// State of the webhook.
-    #[schema(inline)]
     pub state: WebhookState,
     /// Time of its creation.
     pub created_at: Time,
@@ -205,7 +203,6 @@ pub struct WebhookBody {
     #[schema(min_items = 1)]
     pub kinds: Option<Vec<EventKindWord>>,
     /// Its least urgent events; `WARNING` if omitted, which means all.
-    #[schema(inline)]
     pub level: Option<LevelWord>,
     /// Whether events are delivered, by default true; otherwise they wait.
     pub enabled: Option<bool>,
