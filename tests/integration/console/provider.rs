@@ -89,7 +89,7 @@ async fn people_sign_in_with_keycloak_and_out_again() {
     // With a role: back to the page that was asked for, with a session that no script can read.
     sign_in(&mut stage, "ann").await;
     comes(&mut stage, "the fleet", "document.querySelector('h1')?.textContent === 'Fleet f'").await;
-    let user = "document.getElementById('user').textContent.startsWith('Ann Bell, operator')";
+    let user = "document.getElementById('user')?.textContent.startsWith('Ann Bell, operator')";
     comes(&mut stage, "the user", user).await;
     assert_eq!(stage.browser.js("document.cookie + sessionStorage.length + localStorage.length").await, json!("00"));
     let session = cookies(&mut stage).await;

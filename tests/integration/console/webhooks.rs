@@ -83,7 +83,7 @@ async fn a_webhook_is_created_tested_and_its_dead_letters_are_delivered_again() 
     stage.browser.size(1280, 900).await;
     status.store(204, Ordering::SeqCst);
     let before = requests.load(Ordering::SeqCst);
-    press(&mut stage, "Deliver again").await;
+    press(&mut stage, "Deliver all again").await;
     submit(&mut stage).await;
     stage.browser.until("no dead letters", "document.body.innerText.includes('No dead letters.')").await;
     assert!(requests.load(Ordering::SeqCst) >= before + 3);

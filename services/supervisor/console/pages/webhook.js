@@ -34,7 +34,7 @@ export default {
         ["Oldest waiting event", webhook.oldest_at ? time(webhook.oldest_at) : null],
         ["Last answer", lastAnswer(webhook)],
         ["Last success", webhook.last_success_at ? time(webhook.last_success_at) : null],
-        ["Next attempt", webhook.next_at ? time(webhook.next_at) : null],
+        ["Next attempt", webhook.next_at && webhook.waiting ? time(webhook.next_at) : null],
         ["Delivered", webhook.delivered.toLocaleString("en")],
         ["Failed attempts", webhook.failed.toLocaleString("en")],
         ["Removed undelivered", webhook.lost ? webhook.lost.toLocaleString("en") : null],
@@ -45,9 +45,9 @@ export default {
       section(
         "Dead letters",
         h("p", { class: "hint" }, "Events that the target has not taken after all attempts."),
-        letters.length ? h("div", { class: "buttons" }, letterActions(webhook, letters, refresh)) : null,
+        letters.length ? h("div", { class: "buttons" }, letterActions(webhook, letters, refresh, "all ")) : null,
         table({
-          caption: letters.length > shown.length ? `The newest ${shown.length} of ${letters.length}` : "Dead letters",
+          caption: letters.length > shown.length ? `The newest ${shown.length} of ${letters.length}` : "The newest first",
           rows: shown,
           columns: columns(webhook, refresh),
           key: (row) => `letter-${row.event_id}`,

@@ -188,7 +188,7 @@ export function webhookActions(webhook, done, gone) {
 }
 
 /** The buttons for all dead letters of a webhook, or for one of them. */
-export function letterActions(webhook, letters, done) {
+export function letterActions(webhook, letters, done, all = "") {
   const path = `${api.webhook(webhook.webhook_id)}/dead-letters`;
   const which = letters.map((letter) => letter.event_id);
   const body = (values) => ({ event_ids: which, reason: withReason(values) });
@@ -200,7 +200,9 @@ export function letterActions(webhook, letters, done) {
   };
   const discard = { title: `Discard ${many}`, what: ["They are deleted undelivered."], button: "Discard", grave: true };
   return [
-    ["redeliver", redeliver],
-    ["discard", discard],
-  ].map(([one, action]) => actionButton({ reason: "optional", path: `${path}/${one}`, body, ...action }, done));
+    ["redeliver", `Deliver ${all}again`, redeliver],
+    ["discard", `Discard ${all}`.trim(), discard],
+  ].map(([one, words, action]) => {
+    return actionButton({ reason: "optional", path: `${path}/${one}`, body, ...action }, done, words);
+  });
 }

@@ -53,6 +53,7 @@ pages! {
     "VibrissaSetpointFailed.md",
     "VibrissaSetpointsFailing.md",
     "VibrissaSupervisorDown.md",
+    "VibrissaWebhookStuck.md",
     "VibrissaWhiskerFault.md",
     "VibrissaWhiskerUncompensated.md",
     "VibrissaWhiskerWearing.md",
