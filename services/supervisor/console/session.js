@@ -34,7 +34,7 @@ const CAUSES = {
 };
 
 function complaint(problem, wasKnown) {
-  if (token() || wasKnown) return problem.message;
+  if (token() || wasKnown) return `${problem.message[0].toUpperCase()}${problem.message.slice(1)}.`;
   return CAUSES[stateOf(location.hash).sign_in] ?? null;
 }
 
