@@ -106,6 +106,24 @@ pub enum RecordedKind {
     TokenCreate,
     /// Revokes an API token.
     TokenRevoke,
+    /// Creates a webhook.
+    WebhookCreate,
+    /// Changes a webhook.
+    WebhookChange,
+    /// Removes a webhook.
+    WebhookRemove,
+    /// Gives a webhook a new secret.
+    WebhookSecret,
+    /// Sends a test to a webhook.
+    WebhookTest,
+    /// Delivers dead letters of a webhook again.
+    WebhookRedeliver,
+    /// Removes dead letters of a webhook.
+    WebhookDiscard,
+    /// Signs in at the console with the identity provider.
+    SignIn,
+    /// Signs out at the console.
+    SignOut,
 }
 
 impl RecordedKind {

@@ -8,6 +8,9 @@ use vibrissa_core::robot::event::GaugeState;
 
 use crate::words::Word;
 
+/// Path of the runbooks on a supervisor.
+pub const RUNBOOKS: &str = "/runbooks";
+
 /// How soon somebody must act, in the words of VDA 5050's `errorLevel`.
 ///
 /// VDA 5050's level `FATAL`, which stops the vehicle, has no use here: the supervisor is not the safety function and

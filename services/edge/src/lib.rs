@@ -8,6 +8,7 @@ pub mod guidance;
 pub mod ids;
 pub mod labels;
 pub mod touch_tests;
+pub mod webhooks;
 pub mod words;
 
 use vibrissa_core::robot::event::{

@@ -20,6 +20,7 @@ use vibrissa_protocol::{SetpointError, SetpointReason, TouchTestKind, TouchTestR
 
 use crate::actions::{ActionKind, RecordedKind};
 use crate::guidance::Level;
+use crate::webhooks::EventKind;
 
 /// How urgent a word is for people.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -233,6 +234,16 @@ words! {
         Urgent => "URGENT" "urgent: look within the working day" (Warn),
         Critical => "CRITICAL" "critical: act now" (Bad),
     }
+    EventKind {
+        AlarmRaised => "ALARM_RAISED" "alarm raised",
+        AlarmCleared => "ALARM_CLEARED" "alarm cleared",
+        Trim => "TRIM" "trim detected",
+        ConditionChanged => "CONDITION_CHANGED" "condition changed",
+        CompensationBegun => "COMPENSATION_BEGUN" "compensation begun",
+        CompensationEnded => "COMPENSATION_ENDED" "compensation ended",
+        SetpointFailed => "SETPOINT_FAILED" "setpoint rejected, failed or expired",
+        Test => "TEST" "test of the target",
+    }
     Mode {
         Automatic => "AUTOMATIC" "automatic: compensations start at once",
         Advise => "ADVISE" "advise: an operator approves each compensation",
@@ -285,6 +296,15 @@ words! {
         RolloutBack => "ROLLOUT_ROLL_BACK" "roll a change back",
         TokenCreate => "TOKEN_CREATE" "create a token",
         TokenRevoke => "TOKEN_REVOKE" "revoke a token",
+        WebhookCreate => "WEBHOOK_CREATE" "create a webhook",
+        WebhookChange => "WEBHOOK_CHANGE" "change a webhook",
+        WebhookRemove => "WEBHOOK_REMOVE" "remove a webhook",
+        WebhookSecret => "WEBHOOK_SECRET" "renew a webhook's secret",
+        WebhookTest => "WEBHOOK_TEST" "test a webhook",
+        WebhookRedeliver => "WEBHOOK_REDELIVER" "deliver dead letters again",
+        WebhookDiscard => "WEBHOOK_DISCARD" "discard dead letters",
+        SignIn => "SIGN_IN" "sign in",
+        SignOut => "SIGN_OUT" "sign out",
     }
     ArrayKind {
         Type1 => "TYPE_1" "whiskers that compensate for one another",

@@ -44,10 +44,12 @@ pub mod rollouts;
 mod row;
 pub mod secret;
 pub mod series;
+pub mod sessions;
 mod sqlite;
 pub mod tables;
 pub mod time;
 pub mod tokens;
+pub mod webhooks;
 mod writer;
 
 use std::sync::Arc;

@@ -44,8 +44,10 @@ async function open(action, done) {
 /**
  * Opens the dialog of an action:
  * `{ title, what: [sentences], fields: [{ name, label, hint, type, required, .. }], reason: "optional" | "required",
- * list, button, grave, path, pathOf(values), method, headers, body(values), moves, progress(told, say) }`. `pathOf` is for paths that depend on the values. `moves` is the whisker whose pressure the action may
- * change: its setpoint is followed to the robot's answer. `progress` follows an action on many in the same way. `done` is called after the execution.
+ * list, button, grave, path, pathOf(values), method, headers, body(values), moves, progress(told, say), after(answer) }`. `pathOf`
+ * is for paths that depend on the values. `moves` is the whisker whose pressure the action may change: its setpoint is followed
+ * to the robot's answer. `progress` follows an action on many in the same way. `after` gets the service's answer, and `done` is
+ * called after the execution.
  */
 function confirm(action, done) {
   const answer = h("div", { class: "answer", role: "alert" });
@@ -99,9 +101,10 @@ function reasonField(required) {
 }
 
 /** A field with its label and hint. */
-export function field({ name, label, hint, options, value, rows, ...attributes }) {
+export function field({ name, label, hint, options, checks, value, rows, ...attributes }) {
   const id = `field-${name}`;
   const described = hint ? `${id}-hint` : null;
+  if (checks) return checkboxes({ id, name, label, hint, checks, described });
   const common = { id, name, "aria-describedby": described, ...attributes };
   const choice = ([word, words]) => h("option", { value: word, selected: word === value }, words);
   const control = options
@@ -116,6 +119,37 @@ export function field({ name, label, hint, options, value, rows, ...attributes }
     control,
     hint ? h("p", { class: "hint", id: described }, hint) : null,
   );
+}
+
+/** Checkboxes `[word, words, isChecked]`; each checked one is a value `NAME:WORD` of the form. */
+function checkboxes({ id, name, label, hint, checks, described }) {
+  const one = ([word, words, isChecked]) =>
+    h(
+      "label",
+      { class: "check" },
+      h("input", { type: "checkbox", name: `${name}:${word}`, checked: isChecked }),
+      h("span", {}, words),
+    );
+  return h(
+    "fieldset",
+    { class: "field", id, "aria-describedby": described },
+    h("legend", {}, label),
+    checks.map(one),
+    hint ? h("p", { class: "hint", id: described }, hint) : null,
+  );
+}
+
+/** Opens a dialog that tells something, with a button to close it. */
+export function tell(title, ...content) {
+  const dialog = h(
+    "dialog",
+    { "aria-labelledby": "told-title", onclose: () => dialog.remove() },
+    h("h2", { id: "told-title" }, title),
+    content,
+    h("div", { class: "buttons" }, h("button", { type: "button", class: "primary", onclick: () => dialog.close() }, "Close")),
+  );
+  document.body.append(dialog);
+  dialog.showModal();
 }
 
 /** A repeated request keeps its key, so that it is executed once; a changed one gets a new key. */
@@ -137,6 +171,7 @@ async function carryOut(action, body, key) {
   const headers = { ...action.headers, "Idempotency-Key": key(body) };
   const answer = await ask(action.path, { method: action.method ?? "POST", headers, body });
   const told = await answer.json().catch(() => ({}));
+  if (action.after) action.after(told);
   return { told, isDone: told.state !== "PENDING" || (await isSettled(told)) };
 }
 

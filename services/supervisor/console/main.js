@@ -6,9 +6,9 @@ import { h, morphChildren } from "./dom.js";
 import { Live } from "./live.js";
 import { mark } from "./marks.js";
 import { problemPanel } from "./notices.js";
-import { badge, forget, identify } from "./rights.js";
+import { badge, forget, identify, isKnown, isSession } from "./rights.js";
 import { find, navigation } from "./router.js";
-import { signInForm, signOut, token } from "./session.js";
+import { offersSignIn, signInForm, signOut, token } from "./session.js";
 import { startShortcuts } from "./shortcuts.js";
 import { showZoneChoice } from "./zone-choice.js";
 import { onZone } from "./zone.js";
@@ -51,15 +51,17 @@ async function show(isNavigation) {
   } catch (problem) {
     if (number !== shown.number) return;
     live.told(!problem.isSilence);
-    content = failed(problem, isNavigation);
+    content = await failed(problem, isNavigation);
   }
   if (number === shown.number && content) put(content, isNavigation);
 }
 
-function failed(problem, isNavigation) {
+async function failed(problem, isNavigation) {
   if (problem.status === 401) {
     live.stop();
-    return signInForm(problem, start);
+    const wasKnown = isKnown();
+    forget();
+    return signInForm(problem, { isOffered: await offersSignIn(), wasKnown }, start);
   }
   if (problem.status === undefined) console.error(problem);
   // Keep the view while the service does not answer: the connection's state is shown.
@@ -77,7 +79,7 @@ function put(content, isNavigation) {
   const heading = main.querySelector("h1");
   document.title = `${heading?.textContent ?? ""} \u2013 vibrissa`;
   document.getElementById("user").replaceChildren(...badge());
-  document.getElementById("sign-out").hidden = token() === null;
+  document.getElementById("sign-out").hidden = token() === null && !isSession();
   // After a link, focus the heading, so that screen readers announce the new page. The first page has no predecessor.
   if (isNavigation && !isSameAddress && main.dataset.address !== undefined) {
     heading?.focus({ preventScroll: true });
@@ -109,11 +111,13 @@ async function start() {
   live.start();
 }
 
-document.getElementById("sign-out").addEventListener("click", () => {
-  signOut();
+document.getElementById("sign-out").addEventListener("click", async () => {
+  const place = await signOut(isSession());
   document.getElementById("notices").replaceChildren();
   document.querySelector("dialog")?.close();
-  start();
+  // Otherwise the next person at this browser would be signed in again without a password.
+  if (place) location.assign(place);
+  else start();
 });
 // The fragment of the address selects the view, so the skip link must not change it.
 document.getElementById("skip").addEventListener("click", (event) => {

@@ -28,6 +28,8 @@ export const link = {
   rollouts: (state = {}) => address("/rollouts", state),
   rollout: (id) => `#/rollouts/${part(id)}`,
   policy: (fleet) => `#/policy/${part(fleet)}`,
+  webhooks: () => "#/webhooks",
+  webhook: (id) => `#/webhooks/${part(id)}`,
   alarm: (id) => `#/alarms?alarm_id=${part(id)}`,
 };
 
@@ -41,6 +43,7 @@ export const api = {
   alarm: (id) => path`/v1/alarms/${id}`,
   calibration: (id) => path`/v1/calibrations/${id}`,
   policy: (fleet) => path`/v1/fleets/${fleet}/policy`,
+  webhook: (id) => path`/v1/webhooks/${id}`,
 };
 
 /** Route templates of the API, to check whether they exist. */

@@ -4,8 +4,8 @@ import { get, requiredRole, schema } from "./api.js";
 import { h } from "./dom.js";
 import { time } from "./format.js";
 
-/** An expiry nearer than this is shown. */
-const NEAR_MS = 7 * 86_400_000;
+/** An expiry of a token or a session that is nearer than this is shown. */
+const NEAR_MS = { token: 7 * 86_400_000, session: 3_600_000 };
 
 let me = null;
 
@@ -17,6 +17,16 @@ export async function identify() {
 /** Forgets the user, before another one signs in. */
 export function forget() {
   me = null;
+}
+
+/** Whether the user is known. */
+export function isKnown() {
+  return me !== null;
+}
+
+/** Whether the user has signed in with the identity provider. */
+export function isSession() {
+  return me?.authentication === "SESSION";
 }
 
 /** Why the user's role does not allow a request; null if it does. */
@@ -32,7 +42,7 @@ export function badge() {
   if (!me) return [];
   const fleets = me.fleets ? `Fleets: ${me.fleets.join(", ") || "none"}.` : "All fleets.";
   const expires = me.expires_at ? Date.parse(me.expires_at) : NaN;
-  const isNear = expires - Date.now() < NEAR_MS;
+  const isNear = expires - Date.now() < (isSession() ? NEAR_MS.session : NEAR_MS.token);
   return [
     h("span", { title: `${me.actor} in the audit log. ${fleets}` }, h("strong", {}, me.name), `, ${me.role.toLowerCase()}`),
     isNear ? h("span", { class: "hint" }, " until ", time(me.expires_at)) : null,

@@ -19,6 +19,8 @@ import rollout from "./pages/rollout.js";
 import rollouts from "./pages/rollouts.js";
 import setpoints from "./pages/setpoints.js";
 import trims from "./pages/trims.js";
+import webhook from "./pages/webhook.js";
+import webhooks from "./pages/webhooks.js";
 import whatIf from "./pages/what-if.js";
 import whisker from "./pages/whisker.js";
 import whiskers from "./pages/whiskers.js";
@@ -44,6 +46,8 @@ const PAGES = [
   ["rollouts/:id", rollout],
   ["policy", policy],
   ["policy/:fleet", policy],
+  ["webhooks", webhooks],
+  ["webhooks/:id", webhook],
 ];
 
 const MAIN = [
@@ -54,6 +58,7 @@ const MAIN = [
   ["What if", "#/what-if", "what-if"],
   ["Calibrations", "#/calibrations", "calibrations"],
   ["Policy", "#/policy", "policy"],
+  ["Webhooks", "#/webhooks", "webhooks"],
   ["Audit", "#/audit", "audit"],
 ];
 

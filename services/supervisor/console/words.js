@@ -11,6 +11,7 @@ export {
   AUDIT_KINDS,
   CASES,
   END_REASONS,
+  EVENT_KINDS,
   LONGER_FOR_SHORTER,
   LOOKS,
   MODES,
@@ -101,6 +102,14 @@ export const ROLLOUT_EVENTS = {
   RESUMED: "resumed",
   ROLLED_BACK: "rolled back",
   COMPLETED: "completed",
+};
+
+/** States of a webhook. */
+export const WEBHOOK_STATES = {
+  NEW: ["nothing sent yet", "info", "dots"],
+  WORKING: ["working", "good", "circle"],
+  FAILING: ["failing", "bad", "cross"],
+  DISABLED: ["disabled", "off", "ring"],
 };
 
 /** The words for one of the API's words. */

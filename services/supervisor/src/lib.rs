@@ -2,7 +2,8 @@
 //!
 //! Read in this order: [`service`] starts all tasks. `ownership` and `fleet` take fleets by leases. [`mqtt`], [`inbox`],
 //! [`outbox`] and [`broker`] carry messages, which [`vibrissa_edge`] turns into events of the core. [`engine`] steps the core and
-//! commits its effects to [`vibrissa_store`]. [`http`] serves people, [`metrics`] and [`trace`] serve monitoring.
+//! commits its effects to [`vibrissa_store`]. [`http`] serves people, [`webhooks`] sends
+//! events to other programs, [`metrics`] and [`trace`] serve monitoring.
 
 pub mod service;
 
@@ -26,6 +27,7 @@ pub mod engine;
 
 pub mod http;
 pub mod metrics;
+pub mod one_of;
 #[cfg(feature = "traces")]
 pub mod trace;
 #[cfg(not(feature = "traces"))]
@@ -37,3 +39,4 @@ pub mod calibration_file;
 mod params;
 pub mod plot;
 pub mod robots_file;
+pub mod webhooks;

@@ -26,6 +26,7 @@ use crate::readiness::Readiness;
 use crate::robots_file;
 use crate::trace::{TraceOptions, Traces};
 use crate::upkeep;
+use crate::webhooks::{WebhookOptions, Webhooks};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::ids::start_seed;
 use vibrissa_store::retention::Retention;
@@ -80,6 +81,8 @@ pub struct ServiceOptions {
     pub access: AccessOptions,
     /// Whether Prometheus gets series for each robot and whisker: four per whisker.
     pub metrics_per_whisker: bool,
+    /// Hosts and pauses of webhooks.
+    pub webhooks: WebhookOptions,
     /// Collector of traces; `None` disables tracing.
     pub traces: Option<TraceOptions>,
     /// The core's parameters.
@@ -106,6 +109,7 @@ pub struct Service {
     embedded: Option<Broker>,
     stop: watch::Sender<bool>,
     ownership: JoinHandle<()>,
+    webhooks: JoinHandle<()>,
     http_task: JoinHandle<()>,
 }
 
@@ -177,6 +181,7 @@ impl Service {
             fleets: options.fleets,
             time_to_live: options.lease_time_to_live,
         };
+        let webhooks = Webhooks::new(&options.webhooks, store.clone(), metrics.clone(), shared.supervisor.clone());
         let ownership = Ownership::new(supervisor, shared, is_prepared);
         let access = Access::new(&options.access, options.http.listen.ip());
         if is_prepared && !access.admits_anybody(&store, wall_clock().0 as i64).await {
@@ -197,11 +202,13 @@ impl Service {
         )
         .traced(traces.clone())
         .with_routes(further_routes)
-        .allowing(robots_file);
+        .allowing(robots_file)
+        .delivering(webhooks.clone());
         let Serving { address: http, monitoring, task: http_task } =
             crate::http::serve(&options.http, app, stopped.clone()).await?;
         tokio::spawn(forget_changes(store.clone(), stopped.clone()));
         tokio::spawn(upkeep::run(store.clone(), options.history.retention, metrics.clone(), stopped.clone()));
+        let webhooks = tokio::spawn(webhooks.run(stopped.clone()));
         let ownership = tokio::spawn(ownership.run(stopped));
         Ok(Self {
             broker,
@@ -215,6 +222,7 @@ impl Service {
             embedded,
             stop,
             ownership,
+            webhooks,
             http_task,
         })
     }
@@ -229,6 +237,11 @@ impl Service {
         let mut http_task = self.http_task;
         if timeout(STOP_PATIENCE, &mut http_task).await.is_err() {
             http_task.abort();
+        }
+        // An attempt may be under way; its event is delivered again after the next start.
+        let mut webhooks = self.webhooks;
+        if timeout(STOP_PATIENCE, &mut webhooks).await.is_err() {
+            webhooks.abort();
         }
         let _ = timeout(STOP_PATIENCE, self.store.close()).await;
         if let Some(traces) = self.traces {

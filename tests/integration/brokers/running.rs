@@ -51,6 +51,7 @@ impl Running {
             broker: Some(broker),
             mqtt_port: 0,
             http: "127.0.0.1:0".parse().unwrap(),
+            webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
             traces: None,
             params: Params::nguyen_2021(Formulation::Published),
         })

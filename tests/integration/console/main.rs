@@ -10,8 +10,11 @@ mod charts;
 mod checks;
 mod following;
 mod incidents;
+mod keycloak;
+mod provider;
 mod stage;
 mod touch_tests;
+mod webhooks;
 mod widths;
 mod zones;
 

@@ -1,16 +1,21 @@
 //! A service with a robot, and a browser that shows its console.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use serde_json::Value;
+use sqlx::ConnectOptions as _;
+use sqlx::sqlite::SqliteConnectOptions;
 use tempfile::TempDir;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::{ArrayType, Name};
 use vibrissa_store::DatabaseAddress;
 use vibrissa_store::secret::Secret;
+use vibrissa_supervisor::http::HttpOptions;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+use vibrissa_supervisor::webhooks::{Pace, WebhookOptions};
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::try_get;
@@ -19,6 +24,14 @@ use crate::browser::Browser;
 
 /// Contacts until a whisker counts as learned; few, so that tests are fast.
 pub(crate) const LEARNED: usize = 60;
+
+/// Pauses between attempts of webhooks that a test can wait for.
+const FAST: Pace = Pace {
+    first: Duration::from_millis(20),
+    longest: Duration::from_millis(100),
+    attempts_max: 2,
+    age_max: Duration::from_secs(86_400),
+};
 
 /// Largest number of rounds of contacts until a cut is detected.
 const ROUNDS_MAX: usize = 30;
@@ -48,8 +61,24 @@ impl Stage {
         Self::to(AccessOptions::default(), change).await
     }
 
-    /// Starts robot `r` of fleet `f`, whose array `left` has three whiskers with learned baselines.
+    /// Starts a service on this port with these credentials.
+    pub(crate) async fn at(port: u16, access: AccessOptions) -> Self {
+        Self::on(([127, 0, 0, 1], port).into(), access, |_| ()).await
+    }
+
     async fn to(access: AccessOptions, change: impl FnOnce(&mut Params)) -> Self {
+        Self::on(([127, 0, 0, 1], 0).into(), access, change).await
+    }
+
+    /// Tokens of the only session, as the database has them.
+    pub(crate) async fn sealed(&self) -> String {
+        let file = SqliteConnectOptions::new().filename(self.folder.path().join("vibrissa.sqlite3"));
+        let mut link = file.connect().await.unwrap();
+        sqlx::query_scalar("SELECT hex(sealed) FROM console_sessions").fetch_one(&mut link).await.unwrap()
+    }
+
+    /// Starts robot `r` of fleet `f`, whose array `left` has three whiskers with learned baselines.
+    async fn on(http: HttpOptions, access: AccessOptions, change: impl FnOnce(&mut Params)) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let fleet = Name::new("f").unwrap();
         let mut params = Params::nguyen_2021(Formulation::Published);
@@ -66,7 +95,8 @@ impl Stage {
             metrics_per_whisker: false,
             broker: None,
             mqtt_port: 0,
-            http: ([127, 0, 0, 1], 0).into(),
+            http,
+            webhooks: WebhookOptions { allowed_hosts: vec!["127.0.0.1".to_owned()], pace: FAST },
             traces: None,
             params,
         })
@@ -132,6 +162,7 @@ impl Stage {
             ("bulk", "bulk"),
             ("rollouts", "rollouts"),
             ("policy", "policy"),
+            ("webhooks", "webhooks"),
             ("audit", "audit"),
             ("nowhere", "no/such/page"),
         ];

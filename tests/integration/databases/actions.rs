@@ -32,6 +32,7 @@ async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Servi
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,
         http: ([127, 0, 0, 1], 0).into(),
+        webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,
         params: Params::nguyen_2021(Formulation::Published),
     })

@@ -250,6 +250,7 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto, keep: Contact
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: HistoryOptions { keep, ..HistoryOptions::default() },
         metrics_per_whisker: false,
+        webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,

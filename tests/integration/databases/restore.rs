@@ -39,6 +39,7 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: vibrissa_supervisor::service::HistoryOptions::default(),
         metrics_per_whisker: false,
+        webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,

@@ -384,6 +384,7 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,
         http: ([127, 0, 0, 1], 0).into(),
+        webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,
         params: Params::nguyen_2021(Formulation::Published),
     })

@@ -61,6 +61,7 @@ impl Provider {
             jwks_url: None,
             role_claim: "groups".to_owned(),
             fleets_claim: "fleets".to_owned(),
+            sign_in: None,
         };
         AccessOptions { token: None, oidc: Some(oidc) }
     }

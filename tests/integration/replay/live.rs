@@ -142,6 +142,7 @@ async fn service(folder: &TempDir, port: u16) -> Service {
         broker: Some(BrokerAddress::new("127.0.0.1", port)),
         mqtt_port: 0,
         http: "127.0.0.1:0".parse().unwrap(),
+        webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,
         params,
     })

@@ -92,6 +92,7 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::MqttPort => ["1884", "1885", "1886"],
         Key::MqttUsername | Key::MqttPassword => ["user-0", "user-1", "user-2"],
         Key::DatabasePasswordFile
+        | Key::HttpOidcClientSecretFile
         | Key::MqttPasswordFile
         | Key::MqttCaFile
         | Key::MqttClientCertificateFile
@@ -100,7 +101,11 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::HttpTokenFile => ["token0", "token1", "token2"],
         Key::HttpOidcIssuer | Key::HttpOidcJwksUrl => ["https://i0.example", "https://i1.example", "http://[::1]:9"],
         Key::HttpRunbooksUrl => ["https://wiki.example/r0", "http://wiki.example/r1", "http://[::1]:9/r2"],
-        Key::HttpOidcAudience | Key::HttpOidcRoleClaim | Key::HttpOidcFleetsClaim => ["c0", "c1", "c2"],
+        Key::HttpOidcAudience | Key::HttpOidcClientId | Key::HttpOidcRoleClaim | Key::HttpOidcFleetsClaim => {
+            ["c0", "c1", "c2"]
+        }
+        Key::HttpPublicUrl => ["https://c0.example", "https://c1.example:8443", "http://127.0.0.1:8080"],
+        Key::WebhooksAllowedHosts => ["hooks.lan", "10.0.0.7", "::1"],
         Key::TracesOtlpEndpoint => ["http://h0:4318", "https://h1/otlp", "http://[::1]:4318"],
         Key::TracesSampleRatio => ["0.0", "0.5", "1.0"],
         Key::PolicyMode => ["advise", "automatic", "advise"],
@@ -132,6 +137,15 @@ fn companions(key: Key) -> &'static [&'static str] {
         Key::MqttClientKeyFile => &["--mqtt-url=mqtts://h", "--mqtt-client-certificate-file=file0"],
         Key::HttpOidcIssuer => &["--http-oidc-audience=a"],
         Key::HttpOidcAudience => &["--http-oidc-issuer=https://i.example"],
+        Key::HttpOidcClientId => {
+            &["--http-oidc-issuer=https://i.example", "--http-oidc-audience=a", "--http-public-url=https://c.example"]
+        }
+        Key::HttpOidcClientSecretFile => &[
+            "--http-oidc-issuer=https://i.example",
+            "--http-oidc-audience=a",
+            "--http-public-url=https://c.example",
+            "--http-oidc-client-id=c",
+        ],
         Key::HttpOidcJwksUrl | Key::HttpOidcRoleClaim | Key::HttpOidcFleetsClaim => {
             &["--http-oidc-issuer=https://i.example", "--http-oidc-audience=a"]
         }

@@ -79,6 +79,7 @@ impl Running {
         let fleet = Name::new("f").unwrap();
         let service = Service::start(ServiceOptions {
             access,
+            webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
             traces,
             name: "s".to_owned(),
             fleets: vec![fleet.clone()],

@@ -33,6 +33,7 @@ pub mod problem;
 pub mod runbooks;
 pub mod search;
 pub mod server;
+mod sign_in;
 pub mod streams;
 pub mod version;
 pub mod words;
@@ -61,6 +62,7 @@ use crate::params;
 use crate::readiness::Readiness;
 use crate::robots_file::RobotsFile;
 use crate::trace::Traces;
+use crate::webhooks::{WebhookOptions, Webhooks};
 use access::{Access, Gate, origin};
 pub use further_routes::FurtherRoutes;
 use server::{Limits, Server};
@@ -90,6 +92,8 @@ pub struct App {
     pub traces: Option<Traces>,
     /// Allow list of robots from a file, if configured.
     pub robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
+    /// Sends tests to webhooks.
+    pub webhooks: Webhooks,
     /// Where the runbooks are, without a slash at the end.
     pub runbooks_url: Arc<str>,
     /// Routes beside those of the API.
@@ -109,6 +113,7 @@ impl App {
         stop: watch::Receiver<bool>,
     ) -> Self {
         let streams = Streams::new(StreamOptions::default());
+        let webhooks = Webhooks::new(&WebhookOptions::default(), store.clone(), metrics.clone(), "http".into());
         Self {
             store,
             metrics,
@@ -120,6 +125,7 @@ impl App {
             action_notifier,
             traces: None,
             robots_file: None,
+            webhooks,
             runbooks_url: runbooks::PATH.into(),
             further_routes: FurtherRoutes::default(),
         }
@@ -156,6 +162,12 @@ impl App {
     #[must_use]
     pub fn allowing(self, robots_file: Option<watch::Receiver<Arc<RobotsFile>>>) -> Self {
         Self { robots_file, ..self }
+    }
+
+    /// Replaces the sender of webhooks.
+    #[must_use]
+    pub fn delivering(self, webhooks: Webhooks) -> Self {
+        Self { webhooks, ..self }
     }
 }
 
@@ -294,6 +306,7 @@ pub fn router(app: App) -> (Router, Document) {
         )
         .route("/problems/{name}", get(problem::explain))
         .merge(runbooks::routes())
+        .merge(sign_in::routes())
         .route("/livez", get(health::livez))
         .with_state(app.clone())
         .merge(docs::routes())

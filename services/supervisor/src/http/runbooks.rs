@@ -10,7 +10,7 @@ use axum::routing::get;
 use super::problem::Problem;
 
 /// Path of the runbooks on this service.
-pub const PATH: &str = "/runbooks";
+pub const PATH: &str = vibrissa_edge::guidance::RUNBOOKS;
 
 /// The page that lists the others.
 const FIRST: &str = "README.md";
@@ -54,6 +54,7 @@ pages! {
     "VibrissaSetpointFailed.md",
     "VibrissaSetpointsFailing.md",
     "VibrissaSupervisorDown.md",
+    "VibrissaWebhookStuck.md",
     "VibrissaWhiskerFault.md",
     "VibrissaWhiskerUncompensated.md",
     "VibrissaWhiskerWearing.md",

@@ -12,6 +12,7 @@ mod labels;
 #[cfg(target_os = "linux")]
 mod process;
 mod subjects;
+mod webhooks;
 mod whiskers;
 
 use std::sync::Arc;
@@ -24,6 +25,7 @@ pub use fleet::FleetMetrics;
 pub use http::{ConnectionMetrics, HttpMetrics};
 pub use kinds::{Counters, Gauges, Histograms, Quantities, Word};
 pub use labels::{APPROVED, INBOX, LOST, NO_CASE, OUTBOX, PROPOSED, STARTED, TAKEN, UNSERVED};
+pub use webhooks::WebhookMetrics;
 pub use whiskers::{RobotSample, WhiskerMetrics, WhiskerSample};
 
 /// All metrics of the program.
@@ -48,6 +50,8 @@ pub struct Metrics {
     pub old_rows_removed: IntCounter,
     /// Metrics of the HTTP servers.
     pub http: HttpMetrics,
+    /// Metrics of webhooks.
+    pub webhooks: WebhookMetrics,
     /// Metrics of single robots and whiskers, if they are enabled.
     pub whiskers: Option<WhiskerMetrics>,
 }
@@ -105,6 +109,7 @@ impl Metrics {
         Ok(Self {
             families: Arc::new(fleet::Families::declare(&registry)?),
             http: HttpMetrics::declare(&registry)?,
+            webhooks: WebhookMetrics::declare(&registry)?,
             build,
             database_errors,
             database_up,

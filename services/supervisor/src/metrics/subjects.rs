@@ -140,6 +140,17 @@ pub(super) const SUBJECTS: &[Subject] = &[
         ],
     },
     Subject {
+        title: "Webhooks",
+        begins: &["vibrissa_webhook_"],
+        queries: &[
+            ("Seconds that the oldest event has waited", "max(vibrissa_webhook_queue_age_seconds)"),
+            (
+                "Share of the attempts that failed",
+                r#"sum(increase(vibrissa_webhook_attempts_total{outcome!="DELIVERED"}[1h])) / sum(increase(vibrissa_webhook_attempts_total[1h]))"#,
+            ),
+        ],
+    },
+    Subject {
         title: "HTTP and traces",
         begins: &["vibrissa_http_", "vibrissa_trace_"],
         queries: &[

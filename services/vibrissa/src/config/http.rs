@@ -8,6 +8,7 @@ use super::reader::Reader;
 use vibrissa_supervisor::http::HttpOptions;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::http::access::oidc::OidcOptions;
+use vibrissa_supervisor::http::access::provider::SignInOptions;
 use vibrissa_supervisor::http::server::Limits;
 
 /// Minimum length of a token in a file, in characters.
@@ -68,9 +69,10 @@ fn oidc(reader: &mut Reader) -> Option<Option<OidcOptions>> {
         (is_set, reader.parsed(key, secure_url))
     });
     let audience = reader.text(Key::HttpOidcAudience);
+    let sign_in = sign_in(reader);
     let (role_claim, fleets_claim) = (reader.text(Key::HttpOidcRoleClaim)?, reader.text(Key::HttpOidcFleetsClaim)?);
     if !issuer.0 {
-        for key in [Key::HttpOidcAudience, Key::HttpOidcJwksUrl] {
+        for key in [Key::HttpOidcAudience, Key::HttpOidcJwksUrl, Key::HttpOidcClientId] {
             if reader.is_explicit(key) {
                 reader.refuse(key, "has no effect without http.oidc_issuer");
             }
@@ -86,7 +88,40 @@ fn oidc(reader: &mut Reader) -> Option<Option<OidcOptions>> {
     if jwks_url.0 && jwks_url.1.is_none() {
         return None;
     }
-    Some(Some(OidcOptions { issuer: issuer.1?, audience: audience?, jwks_url: jwks_url.1, role_claim, fleets_claim }))
+    let (issuer, jwks_url) = (issuer.1?, jwks_url.1);
+    Some(Some(OidcOptions { issuer, audience: audience?, jwks_url, role_claim, fleets_claim, sign_in: sign_in? }))
+}
+
+/// How people sign in at the console, if configured; outer `None` after a refusal.
+#[expect(clippy::option_option, reason = "outer: None after a refusal; inner: None if not configured")]
+fn sign_in(reader: &mut Reader) -> Option<Option<SignInOptions>> {
+    let is_secret = reader.is_explicit(Key::HttpOidcClientSecretFile);
+    let client_secret = reader.secret_file(Key::HttpOidcClientSecretFile);
+    let is_public = reader.is_explicit(Key::HttpPublicUrl);
+    let public_url = reader.parsed(Key::HttpPublicUrl, public_url);
+    if !reader.is_explicit(Key::HttpOidcClientId) {
+        if is_secret {
+            reader.refuse(Key::HttpOidcClientSecretFile, "has no effect without http.oidc_client_id");
+        }
+        return Some(None);
+    }
+    if !is_public {
+        let what = "needs the address to which the provider leads browsers back: set http.public_url";
+        reader.refuse(Key::HttpOidcClientId, what);
+    }
+    let client_id = reader.text(Key::HttpOidcClientId)?;
+    (client_secret.is_some() == is_secret).then_some(())?;
+    Some(Some(SignInOptions { client_id, client_secret, public_url: public_url? }))
+}
+
+/// An address of the console: HTTPS or this machine, without a path.
+fn public_url(text: &str) -> Result<String, String> {
+    secure_url(text).map_err(|problem| problem.replace("keys sent", "cookies sent").replace("forged", "read"))?;
+    let url = web_url(text)?;
+    if url.path() != "/" || url.query().is_some() || url.fragment().is_some() || !url.username().is_empty() {
+        return Err("must be scheme, host and port only, such as https://vibrissa.example".to_owned());
+    }
+    Ok(text.trim_end_matches('/').to_owned())
 }
 
 /// A URL whose answers nobody can forge: HTTPS, or this machine.

@@ -171,9 +171,17 @@ policy_numbers! { keys {
         "Claim with the role: viewer, operator, engineer or admin, or a list with one of them";
     HttpOidcFleetsClaim: "http.oidc_fleets_claim", Kind::Text, Some(r#""vibrissa_fleets""#),
         "Claim with the fleets: a list of names, or * for all";
+    HttpOidcClientId: "http.oidc_client_id", Kind::Text, None,
+        "Identifier of this service at the OpenID provider, for people who sign in at the console; default: no sign-in";
+    HttpOidcClientSecretFile: "http.oidc_client_secret_file", Kind::File, None,
+        "File with the secret of that client; leave it out for a public client";
+    HttpPublicUrl: "http.public_url", Kind::Text, None,
+        "Address at which browsers reach the console, such as https://vibrissa.example; needed for the sign-in";
     HttpRunbooksUrl: "http.runbooks_url", Kind::Text, None,
         "Address of the runbooks that alarms link to, such as https://wiki.example/runbooks; default: /runbooks of this \
          service";
+    WebhooksAllowedHosts: "webhooks.allowed_hosts", Kind::Texts, Some("[]"),
+        "Hosts that webhooks may reach at private addresses, as in their URLs: names such as hooks.lan, or addresses";
     MetricsSeries: "metrics.series", Kind::Text, Some(r#""fleets""#),
         "Detail of the Prometheus metrics: fleets (totals) or whiskers (also each robot and whisker: four series per \
          whisker)";

@@ -49,6 +49,7 @@ use vibrissa_supervisor::mqtt::BrokerAddress;
 use vibrissa_supervisor::robots_file::RobotsFile;
 use vibrissa_supervisor::service::{HistoryOptions, LimitOptions, ServiceOptions};
 use vibrissa_supervisor::trace::TraceOptions;
+use vibrissa_supervisor::webhooks::WebhookOptions;
 
 /// A configuration that was checked as a whole. `Debug` shows no secret.
 #[derive(Debug, Clone)]
@@ -77,6 +78,8 @@ pub struct Config {
     pub http: HttpOptions,
     /// Configured credentials, in addition to the tokens in the database.
     pub access: AccessOptions,
+    /// Hosts that webhooks may reach at private addresses.
+    pub webhooks: WebhookOptions,
     /// Whether metrics include each robot and whisker.
     pub metrics_per_whisker: bool,
     /// Export of traces; `None` without a collector.
@@ -133,6 +136,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let mqtt_port = reader.whole(Key::MqttPort).and_then(|port| u16::try_from(port).ok());
     let http = http::listeners(reader);
     let access = http::access(reader);
+    let allowed_hosts = reader.texts(Key::WebhooksAllowedHosts);
     let series = reader.word::<SeriesArg>(Key::MetricsSeries);
     let traces = traces::traces(reader);
     let policy = policy::policy(reader);
@@ -155,6 +159,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         mqtt_port: mqtt_port?,
         http: http?,
         access: access?,
+        webhooks: WebhookOptions { allowed_hosts: allowed_hosts?, ..WebhookOptions::default() },
         metrics_per_whisker: series? == SeriesArg::Whiskers,
         traces: traces?,
         formulation: formulation?,
@@ -258,6 +263,7 @@ impl From<Config> for ServiceOptions {
             http: config.http,
             access: config.access,
             metrics_per_whisker: config.metrics_per_whisker,
+            webhooks: config.webhooks,
             traces: config.traces,
             params,
         }

@@ -64,7 +64,14 @@ fn every_key_is_shown_and_has_a_default_or_none_by_intent() {
         let is_optional = matches!(key, Key::Name | Key::MqttUrl | Key::HttpMonitoringListen | Key::HttpRunbooksUrl)
             || key.path().contains("_file");
         let is_credential = matches!(key, Key::MqttUsername | Key::MqttPassword);
-        let is_provider = matches!(key, Key::HttpOidcIssuer | Key::HttpOidcAudience | Key::HttpOidcJwksUrl);
+        let is_provider = matches!(
+            key,
+            Key::HttpOidcIssuer
+                | Key::HttpOidcAudience
+                | Key::HttpOidcJwksUrl
+                | Key::HttpOidcClientId
+                | Key::HttpPublicUrl
+        );
         let is_collector = matches!(key, Key::TracesOtlpEndpoint);
         let is_unset = is_optional || is_credential || is_provider || is_collector;
         assert_eq!(key.default().is_none(), is_unset, "{key}");

@@ -79,6 +79,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
         broker: None,
         mqtt_port: options.mqtt_port,
         http: options.http.into(),
+        webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,
         params: Params::nguyen_2021(Formulation::Published),
     };

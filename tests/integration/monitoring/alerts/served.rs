@@ -75,6 +75,7 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: vibrissa_supervisor::service::HistoryOptions::default(),
         metrics_per_whisker: false,
+        webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,
         broker: None,
         mqtt_port: 0,

@@ -1,9 +1,12 @@
 //! Authentication and authorisation: tokens of this service or of an identity provider, or no token on loopback.
 
+pub mod cookies;
 mod keys;
 pub mod monitoring;
 pub mod oidc;
 pub mod origin;
+pub mod provider;
+pub mod session;
 mod signature;
 pub mod token;
 
@@ -14,7 +17,7 @@ use std::sync::Arc;
 
 use axum::extract::{MatchedPath, RawPathParams, Request, State};
 use axum::http::request::Parts;
-use axum::http::{HeaderValue, header};
+use axum::http::{HeaderValue, Method, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use governor::{DefaultKeyedRateLimiter, Quota, RateLimiter};
@@ -23,6 +26,7 @@ use utoipa::ToSchema;
 use vibrissa_protocol::Name;
 
 use self::oidc::{Oidc, OidcOptions};
+use self::session::SignIn;
 use super::document::Need;
 use super::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;
@@ -109,6 +113,8 @@ pub enum Authentication {
     Token,
     /// By a token of the identity provider.
     Oidc,
+    /// By a session of the console, after signing in with the identity provider.
+    Session,
 }
 
 /// An authenticated caller.
@@ -116,7 +122,7 @@ pub enum Authentication {
 pub struct Caller {
     /// Name for people: that of the token or of the person; it need not be unique.
     pub name: String,
-    /// Name in the audit log: `token:NAME#ID`, `oidc:SUBJECT`, `token_file`, or `local`. It is unique, because
+    /// Name in the audit log: `token:NAME#ID`, `oidc:NAME#SUBJECT`, `token_file`, or `local`. It is unique, because
     /// idempotency keys, the rate limit and the limit of event streams are per actor.
     pub actor: String,
     /// Rights of the caller.
@@ -134,6 +140,11 @@ impl Caller {
     #[must_use]
     pub fn local() -> Self {
         Self::unlimited("local", Authentication::Loopback)
+    }
+
+    /// Whether the caller is the person with this subject at the identity provider.
+    fn is_subject(&self, subject: &str) -> bool {
+        self.actor.strip_prefix("oidc:").is_some_and(|told| told == subject || told.ends_with(&format!("#{subject}")))
     }
 
     /// A caller with every right, whose name is also its actor.
@@ -159,6 +170,8 @@ pub enum Credential {
     Nothing,
     /// A bearer token.
     Bearer(Secret),
+    /// The cookie of a session.
+    Session(Secret),
 }
 
 /// Decides who is let in.
@@ -171,6 +184,7 @@ pub struct Access {
     /// Hash of the token with every right.
     token: Option<blake3::Hash>,
     oidc: Option<Oidc>,
+    sign_in: Option<SignIn>,
     limiter: Arc<DefaultKeyedRateLimiter<String>>,
 }
 
@@ -184,11 +198,16 @@ impl Access {
     #[must_use]
     pub fn new(options: &AccessOptions, listens: IpAddr) -> Self {
         let quota = Quota::per_second(REQUESTS_PER_S).allow_burst(REQUESTS_BURST);
+        let oidc = options.oidc.clone().map(Oidc::new);
+        let sign_in = options.oidc.as_ref().zip(oidc.clone()).and_then(|(options, oidc)| {
+            options.sign_in.as_ref().map(|sign_in| SignIn::new(&options.issuer, sign_in, oidc))
+        });
         Self {
             is_open: listens.is_loopback() && options.token.is_none() && options.oidc.is_none(),
             is_loopback: listens.is_loopback(),
             token: options.token.as_ref().map(|token| blake3::hash(token.reveal().as_bytes())),
-            oidc: options.oidc.clone().map(Oidc::new),
+            oidc,
+            sign_in,
             limiter: Arc::new(RateLimiter::keyed(quota)),
         }
     }
@@ -197,6 +216,12 @@ impl Access {
     #[must_use]
     pub fn is_open(&self) -> bool {
         self.is_open
+    }
+
+    /// How people sign in at the console; `None` if they cannot.
+    #[must_use]
+    pub fn sign_in(&self) -> Option<&SignIn> {
+        self.sign_in.as_ref()
     }
 
     /// Whether any caller can be let in. A database that does not answer now may hold a valid token.
@@ -212,6 +237,16 @@ impl Access {
     /// Reads a request's credential.
     fn credential(&self, request: &Parts) -> Result<Credential, Problem> {
         let Some(told) = request.headers.get(header::AUTHORIZATION) else {
+            let cookie = self
+                .sign_in
+                .as_ref()
+                .and_then(|sign_in| cookies::value(&request.headers, &cookies::SESSION, sign_in.is_secure()));
+            if let Some(cookie) = cookie {
+                if !matches!(request.method, Method::GET | Method::HEAD) {
+                    cookies::require_own_page(&request.headers)?;
+                }
+                return Ok(Credential::Session(Secret::new(cookie)));
+            }
             return if self.is_open {
                 origin::require_direct(request.version, &request.headers).map(|()| Credential::Nothing)
             } else {
@@ -234,6 +269,11 @@ impl Access {
         let bearer = match credential {
             Credential::Nothing => return Ok(Caller::local()),
             Credential::Bearer(bearer) => bearer.reveal(),
+            Credential::Session(cookie) => {
+                let sign_in = self.sign_in.as_ref();
+                let ended = || Problem::new(Kind::Unauthenticated, "the session has ended: sign in again");
+                return sign_in.ok_or_else(ended)?.caller(store, cookie).await;
+            }
         };
         // Hashes are compared in constant time.
         if self.token.is_some_and(|known| known == blake3::hash(bearer.as_bytes())) {
@@ -247,7 +287,11 @@ impl Access {
             .ok_or_else(|| Problem::new(Kind::Unauthenticated, "the token is unknown, expired or revoked"))
     }
 
-    fn limit(&self, actor: &str) -> Result<(), Problem> {
+    /// Counts a request of an actor.
+    ///
+    /// # Errors
+    /// There are too many.
+    pub(crate) fn limit(&self, actor: &str) -> Result<(), Problem> {
         self.limiter.check_key(&actor.to_owned()).map_err(|_| {
             Problem::new(
                 Kind::TooManyRequests,

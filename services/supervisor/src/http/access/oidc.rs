@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 use vibrissa_protocol::Name;
 
 use super::keys::Keys;
+use super::provider::SignInOptions;
 use super::{Authentication, Caller, Role, Scope, signature};
 use crate::http::problem::{Kind, Problem};
 
@@ -23,6 +24,8 @@ pub struct OidcOptions {
     pub role_claim: String,
     /// Claim that holds the fleets; `*` means all.
     pub fleets_claim: String,
+    /// How people sign in at the console; `None` if they cannot.
+    pub sign_in: Option<SignInOptions>,
 }
 
 /// A provider with its keys as of the last fetch.
@@ -62,6 +65,14 @@ impl Oidc {
     /// # Errors
     /// The token is invalid or carries no role, or the provider does not answer.
     pub async fn caller(&self, token: &str) -> Result<Caller, Problem> {
+        self.allowed(&self.verified(token, &self.options.audience).await?)
+    }
+
+    /// The claims of a token for an audience, once signature, issuer, audience and validity period are checked.
+    ///
+    /// # Errors
+    /// The token is invalid, or the provider does not answer.
+    pub(super) async fn verified(&self, token: &str, audience: &str) -> Result<Map<String, Value>, Problem> {
         let refused = |what: String| Problem::new(Kind::Unauthenticated, what);
         let header = decode_header(token).map_err(|problem| refused(format!("the token is not a JWT: {problem}")))?;
         if !ALGORITHMS.contains(&header.alg) {
@@ -75,13 +86,12 @@ impl Oidc {
         let key = self.keys.key(header.kid.as_deref(), header.alg).await?;
         let mut validation = Validation::new(header.alg);
         validation.set_issuer(&[&self.options.issuer]);
-        validation.set_audience(&[&self.options.audience]);
+        validation.set_audience(&[audience]);
         validation.set_required_spec_claims(&["exp", "iss", "aud", "sub"]);
         validation.validate_nbf = true;
-        let claims = decode::<Map<String, Value>>(token, &key, &validation)
-            .map_err(|problem| refused(format!("the token is not accepted: {problem}")))?
-            .claims;
-        self.allowed(&claims)
+        decode::<Map<String, Value>>(token, &key, &validation)
+            .map(|token| token.claims)
+            .map_err(|problem| refused(format!("the token is not accepted: {problem}")))
     }
 
     /// The caller described by the claims.
@@ -111,7 +121,17 @@ impl Oidc {
         let subject = text("sub").unwrap_or_default();
         let name = NAME_CLAIMS.into_iter().find_map(text).unwrap_or(subject).to_owned();
         let expires_us = claims.get("exp").and_then(Value::as_f64).map(|expires_s| (expires_s * 1e6) as i64);
-        let (actor, authentication) = (format!("oidc:{subject}"), Authentication::Oidc);
+        let (actor, authentication) = (actor(&name, subject), Authentication::Oidc);
         Ok(Caller { name, actor, role, scope, authentication, expires_us })
     }
+}
+
+/// Maximum length of a person's name in the audit log, in characters.
+const NAME_CHARS_MAX: usize = 100;
+
+/// Name of a person in the audit log: `oidc:NAME#SUBJECT`. Names may change and need not be unique; the subject tells people
+/// apart. It follows the last `#`, because a name may contain others.
+fn actor(name: &str, subject: &str) -> String {
+    let name: String = name.chars().filter(|one| !one.is_control()).take(NAME_CHARS_MAX).collect();
+    if name == subject { format!("oidc:{subject}") } else { format!("oidc:{name}#{subject}") }
 }

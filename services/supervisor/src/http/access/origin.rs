@@ -10,8 +10,9 @@ use crate::http::problem::{Kind, Problem};
 /// Headers that proxies add; so are all that begin with `x-forwarded-`.
 const PROXY_HEADERS: [&str; 3] = ["via", "forwarded", "x-real-ip"];
 
-/// HTML pages. Links on other sites may open them: they contain no data, and read their data from this origin.
-const PAGES: [&str; 4] = ["/", "/docs", "/docs/", "/docs/index.html"];
+/// Pages that links on other sites may open: they contain no data, and read their data from this origin. The identity
+/// provider leads back to `/auth/callback`, which requires the cookie of an attempt.
+const PAGES: [&str; 5] = ["/", "/docs", "/docs/", "/docs/index.html", "/auth/callback"];
 
 /// Without a token, only a client on this machine that uses a local host name is admitted. A proxy would admit everyone
 /// who reaches it, and a foreign host name may belong to another site whose name resolves to loopback.

@@ -23,7 +23,7 @@ const YEAR_10000_US: i64 = 253_402_300_800_000_000;
 pub struct Me {
     /// Name for people: that of the token, or of the person by the identity provider.
     pub name: String,
-    /// Name in the audit log: `token:NAME#ID`, `oidc:SUBJECT`, `token_file`, or `local`.
+    /// Name in the audit log: `token:NAME#ID`, `oidc:NAME#SUBJECT`, `token_file`, or `local`.
     pub actor: String,
     /// Role of the caller. `x-required-role` of each operation in `/openapi.json` says which role it requires.
     pub role: Role,

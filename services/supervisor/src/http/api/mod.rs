@@ -12,6 +12,7 @@ pub mod bulk_fleets;
 pub mod calibrations;
 pub mod compensations;
 pub mod contacts;
+pub mod dead_letters;
 pub mod errors;
 pub mod events;
 pub mod filters;
@@ -30,6 +31,7 @@ pub mod robots;
 pub mod rollouts;
 pub mod setpoints;
 pub mod touch_tests;
+pub mod webhooks;
 pub mod what_if;
 pub mod whiskers;
 
@@ -70,4 +72,6 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(touch_tests::routes())
         .merge(errors::routes())
         .merge(plots::routes())
+        .merge(webhooks::routes())
+        .merge(dead_letters::routes())
 }

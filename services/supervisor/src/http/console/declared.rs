@@ -13,6 +13,7 @@ use vibrissa_core::robot::event::{ArrayKind, Link};
 use vibrissa_core::rollout::Stage;
 use vibrissa_edge::actions::AuditKind;
 use vibrissa_edge::guidance::Level;
+use vibrissa_edge::webhooks::EventKind;
 use vibrissa_edge::words::Words;
 
 /// Path of the module below `/console/`.
@@ -36,6 +37,7 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
         ("ALARM_KINDS", labels::<AlarmKind>()),
         ("ALARM_LEVELS", words::<Level>()),
         ("AUDIT_KINDS", words::<AuditKind>()),
+        ("EVENT_KINDS", words::<EventKind>()),
         ("ARRAY_TYPES", words::<ArrayKind>()),
         ("ROLLOUT_STAGES", words::<Stage>()),
         ("MODES", words::<Mode>()),

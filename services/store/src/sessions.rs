@@ -1,0 +1,97 @@
+//! Sessions of the console, with the sealed tokens of the identity provider.
+
+use super::actions::{NewAction, record_done};
+use super::database::on;
+use super::from_row::from_row;
+use super::{Store, StoreError, failed};
+
+/// Largest number of sessions; the oldest ones beyond end.
+const SESSIONS_MAX: i64 = 10_000;
+
+from_row! {
+    /// A session of the console.
+    #[derive(Debug, Clone, PartialEq, Eq)]
+    pub struct SessionRow {
+        /// BLAKE3 hash of the identifier in the browser's cookie.
+        pub session_id: Vec<u8>,
+        /// Actor, as in the audit log.
+        pub actor: String,
+        /// Tokens of the provider, encrypted.
+        pub sealed: Vec<u8>,
+        /// Time of the sign-in, µs since 1970 UTC.
+        pub created_us: i64,
+        /// End of the session, µs since 1970 UTC.
+        pub expires_us: i64,
+    }
+}
+
+impl Store {
+    /// Stores a new session, and records the sign-in in the audit log. Sessions that have ended are deleted.
+    ///
+    /// # Errors
+    /// The database cannot be written.
+    pub async fn add_session(&self, row: &SessionRow, action: &NewAction) -> Result<(), StoreError> {
+        const WHAT: &str = "store a session";
+        const ENDED: &str = "DELETE FROM console_sessions WHERE expires_us <= $1 OR session_id IN (SELECT session_id \
+             FROM console_sessions ORDER BY created_us DESC LIMIT $2 OFFSET $2)";
+        const INSERT: &str = "INSERT INTO console_sessions (session_id, actor, sealed, created_us, expires_us) \
+             VALUES ($1, $2, $3, $4, $5)";
+        let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
+        record_done(&mut tx, action, action.asked_us).await?;
+        on!(&mut tx, |tx| sqlx::query(ENDED)
+            .bind(row.created_us)
+            .bind(SESSIONS_MAX)
+            .execute(&mut **tx)
+            .await
+            .map(drop))
+        .map_err(failed(WHAT))?;
+        on!(&mut tx, |tx| sqlx::query(INSERT)
+            .bind(&row.session_id)
+            .bind(&row.actor)
+            .bind(&row.sealed)
+            .bind(row.created_us)
+            .bind(row.expires_us)
+            .execute(&mut **tx)
+            .await
+            .map(drop))
+        .map_err(failed(WHAT))?;
+        tx.commit().await.map_err(failed(WHAT))
+    }
+
+    /// The session with this hash; `None` if there is none.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn session(&self, session_id: &[u8]) -> Result<Option<SessionRow>, StoreError> {
+        const SQL: &str = "SELECT session_id, actor, sealed, created_us, expires_us FROM console_sessions \
+             WHERE session_id = $1";
+        on!(&self.pool, |pool| sqlx::query_as(SQL).bind(session_id).fetch_optional(pool).await)
+            .map_err(failed("read a session"))
+    }
+
+    /// Replaces the tokens of a session.
+    ///
+    /// # Errors
+    /// The database cannot be written.
+    pub async fn reseal_session(&self, session_id: &[u8], sealed: &[u8]) -> Result<(), StoreError> {
+        const SQL: &str = "UPDATE console_sessions SET sealed = $2 WHERE session_id = $1";
+        on!(&self.pool, |pool| sqlx::query(SQL).bind(session_id).bind(sealed).execute(pool).await.map(drop))
+            .map_err(failed("renew a session"))
+    }
+
+    /// Ends a session. A sign-out is recorded in the audit log.
+    ///
+    /// # Errors
+    /// The database cannot be written.
+    pub async fn end_session(&self, session_id: &[u8], action: Option<&NewAction>) -> Result<(), StoreError> {
+        const WHAT: &str = "end a session";
+        const SQL: &str = "DELETE FROM console_sessions WHERE session_id = $1";
+        let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
+        if let Some(action) = action {
+            record_done(&mut tx, action, action.asked_us).await?;
+        }
+        on!(&mut tx, |tx| sqlx::query(SQL).bind(session_id).execute(&mut **tx).await.map(drop))
+            .map_err(failed(WHAT))?;
+        tx.commit().await.map_err(failed(WHAT))
+    }
+}

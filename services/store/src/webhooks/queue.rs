@@ -1,0 +1,358 @@
+//! The queues of the targets: the next event, the result of an attempt, and the number of waiting events.
+//!
+//! A supervisor that delivers to a target holds it: no other one does until it lets go, or until its time is up. The
+//! result of an attempt counts only if the supervisor still holds the target.
+
+use sqlx::AssertSqlSafe;
+
+use super::event::{EventRow, select};
+use super::{COLUMNS, Place, WebhookRow, now_us, now_us_of, settled};
+use crate::database::{Tx, on};
+use crate::from_row::from_row;
+use crate::{Store, StoreError, failed};
+
+/// Number of events that one query reads.
+const EVENTS_A_QUERY: i64 = 500;
+
+from_row! {
+    /// The keys that sign requests to a target.
+    #[derive(Clone)]
+    struct Keys {
+        secret: Vec<u8>,
+        previous_secret: Option<Vec<u8>>,
+        previous_until_us: Option<i64>,
+        attempts: i64,
+    }
+
+    /// A target with something to do.
+    #[derive(Debug, Clone, PartialEq, Eq)]
+    struct Due {
+        webhook_id: i64,
+    }
+}
+
+const KEYS: &str = "SELECT secret, previous_secret, previous_until_us, attempts FROM webhooks WHERE webhook_id = $1";
+
+impl Keys {
+    /// The newest key, and the one before it while it signs requests, too.
+    fn valid(self, now_us: i64) -> Vec<Vec<u8>> {
+        let previous =
+            self.previous_secret.filter(|_| self.previous_until_us.is_some_and(|until_us| until_us > now_us));
+        [self.secret].into_iter().chain(previous).collect()
+    }
+}
+
+/// An event to deliver now.
+#[derive(Clone)]
+pub struct Job {
+    /// The target.
+    pub webhook: WebhookRow,
+    /// The event.
+    pub event: EventRow,
+    /// Keys that sign the request, the newest first. Neither logged nor shown.
+    pub secrets: Vec<Vec<u8>>,
+    /// Failed attempts of this event.
+    pub attempts: i64,
+    /// Whether it is a dead letter that is delivered again.
+    pub is_again: bool,
+    /// Time since the event, µs.
+    pub age_us: i64,
+}
+
+/// Result of an attempt.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outcome {
+    /// The target has taken the event.
+    Delivered {
+        /// HTTP status of the answer.
+        status: u16,
+    },
+    /// The target has not taken the event. It is tried again after `pause_us`.
+    Failed {
+        /// HTTP status of the answer; `None` without an answer.
+        status: Option<u16>,
+        /// Why it failed.
+        problem: String,
+        /// Whether the event becomes a dead letter.
+        is_dead: bool,
+        /// Time until the next attempt, µs.
+        pause_us: i64,
+    },
+}
+
+/// The queue of a target.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Queue {
+    /// Number of waiting events.
+    pub waiting: i64,
+    /// Time of the oldest one, µs since 1970 UTC.
+    pub oldest_us: Option<i64>,
+    /// Number of dead letters, without those that are delivered again.
+    pub dead: i64,
+}
+
+const WHAT: &str = "deliver to a webhook";
+
+impl Store {
+    /// Numbers of the targets with something to do now that no other supervisor holds.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn due_webhooks(&self, holder: &str) -> Result<Vec<i64>, StoreError> {
+        const WHAT: &str = "read the queues of the webhooks";
+        let now_us = now_us_of(&self.pool).await.map_err(failed(WHAT))?;
+        let sql = format!(
+            "SELECT webhook_id FROM webhooks h WHERE enabled AND next_us <= $1 AND (held_until_us <= $1 OR holder = $2) \
+             AND (EXISTS (SELECT 1 FROM webhook_events e WHERE (e.tx, e.place, e.event_id) > (h.done_tx, h.done_place, \
+             h.done_event) {}) OR EXISTS (SELECT 1 FROM webhook_dead_letters d WHERE d.webhook_id = h.webhook_id AND d.again))",
+            settled(&self.pool)
+        );
+        let due: Vec<Due> =
+            on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql)).bind(now_us).bind(holder).fetch_all(pool).await)
+                .map_err(failed(WHAT))?;
+        Ok(due.into_iter().map(|due| due.webhook_id).collect())
+    }
+
+    /// Takes hold of a target for `hold_us`, and returns its next event; `None`, and no hold, if there is nothing to do or
+    /// another supervisor holds it.
+    ///
+    /// # Errors
+    /// The database cannot be used.
+    pub async fn take_webhook_job(
+        &self,
+        webhook_id: i64,
+        holder: &str,
+        hold_us: i64,
+    ) -> Result<Option<Job>, StoreError> {
+        let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
+        let job = take(&mut tx, webhook_id, holder, hold_us).await.map_err(failed(WHAT))?;
+        tx.commit().await.map_err(failed(WHAT))?;
+        Ok(job)
+    }
+
+    /// Stores the result of an attempt. Returns false, and stores nothing, if another supervisor holds the target now.
+    ///
+    /// # Errors
+    /// The database cannot be written.
+    pub async fn finish_webhook_job(&self, job: &Job, holder: &str, outcome: &Outcome) -> Result<bool, StoreError> {
+        let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
+        let is_held = finish(&mut tx, job, holder, outcome).await.map_err(failed(WHAT))?;
+        tx.commit().await.map_err(failed(WHAT))?;
+        Ok(is_held)
+    }
+
+    /// Keys that sign requests to a target now, the newest first; empty if there is no such target.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn webhook_secrets(&self, webhook_id: i64) -> Result<Vec<Vec<u8>>, StoreError> {
+        const WHAT: &str = "read the keys of a webhook";
+        let now_us = now_us_of(&self.pool).await.map_err(failed(WHAT))?;
+        let keys: Option<Keys> =
+            on!(&self.pool, |pool| sqlx::query_as(KEYS).bind(webhook_id).fetch_optional(pool).await)
+                .map_err(failed(WHAT))?;
+        Ok(keys.map(|keys| keys.valid(now_us)).unwrap_or_default())
+    }
+
+    /// Lets go of all targets of a supervisor that stops.
+    ///
+    /// # Errors
+    /// The database cannot be written.
+    pub async fn release_webhooks(&self, holder: &str) -> Result<(), StoreError> {
+        const SQL: &str = "UPDATE webhooks SET holder = NULL, held_until_us = 0 WHERE holder = $1";
+        on!(&self.pool, |pool| sqlx::query(SQL).bind(holder).execute(pool).await.map(drop)).map_err(failed(WHAT))
+    }
+
+    /// The queue of a target.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn webhook_queue(&self, webhook: &WebhookRow) -> Result<Queue, StoreError> {
+        const WHAT: &str = "read the queue of a webhook";
+        const DEAD: &str = "SELECT count(*) FROM webhook_dead_letters WHERE webhook_id = $1 AND NOT again";
+        let dead = on!(&self.pool, |pool| sqlx::query_scalar(DEAD).bind(webhook.webhook_id).fetch_one(pool).await)
+            .map_err(failed(WHAT))?;
+        let mut queue = Queue { dead, ..Queue::default() };
+        let (mut after, interest) = (webhook.done(), webhook.interest());
+        loop {
+            let events = self.brief_events(after, None).await?;
+            for event in &events {
+                if event.is_in(&interest) {
+                    queue.waiting += 1;
+                    queue.oldest_us = Some(queue.oldest_us.map_or(event.occurred_us, |old| old.min(event.occurred_us)));
+                }
+            }
+            match events.last() {
+                Some(last) if events.len() as i64 == EVENTS_A_QUERY => after = last.at(),
+                _ => return Ok(queue),
+            }
+        }
+    }
+
+    /// The oldest events after a place, up to an event if one is named, without their details.
+    pub(super) async fn brief_events(&self, after: Place, up_to: Option<i64>) -> Result<Vec<Brief>, StoreError> {
+        let sql = format!(
+            "SELECT event_id, tx, place, occurred_us, kind, word, fleet FROM webhook_events e \
+             WHERE (e.tx, e.place, e.event_id) > ($1, $2, $3) AND e.event_id <= $4 ORDER BY e.tx, e.place, e.event_id \
+             LIMIT {EVENTS_A_QUERY}"
+        );
+        on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql))
+            .bind(after.tx)
+            .bind(after.place)
+            .bind(after.event_id)
+            .bind(up_to.unwrap_or(i64::MAX))
+            .fetch_all(pool)
+            .await)
+        .map_err(failed("read the events for webhooks"))
+    }
+}
+
+from_row! {
+    /// What decides whether a target wants an event.
+    #[derive(Debug, Clone)]
+    pub(super) struct Brief {
+        pub(super) event_id: i64,
+        tx: i64,
+        place: i64,
+        pub(super) occurred_us: i64,
+        kind: String,
+        word: Option<String>,
+        fleet: String,
+    }
+}
+
+impl Brief {
+    pub(super) fn at(&self) -> Place {
+        Place { tx: self.tx, place: self.place, event_id: self.event_id }
+    }
+
+    pub(super) fn is_in(&self, interest: &vibrissa_edge::webhooks::Interest) -> bool {
+        vibrissa_edge::words::named(&self.kind)
+            .is_some_and(|kind| interest.includes(&self.fleet, kind, self.word.as_deref()))
+    }
+}
+
+async fn take(tx: &mut Tx<'_>, webhook_id: i64, holder: &str, hold_us: i64) -> sqlx::Result<Option<Job>> {
+    const HOLD: &str = "UPDATE webhooks SET holder = $2, held_until_us = $3 + $4 \
+         WHERE webhook_id = $1 AND enabled AND next_us <= $3 AND (held_until_us <= $3 OR holder = $2)";
+    let now_us = now_us(tx).await?;
+    let held = on!(&mut *tx, |tx| sqlx::query(HOLD)
+        .bind(webhook_id)
+        .bind(holder)
+        .bind(now_us)
+        .bind(hold_us)
+        .execute(&mut **tx)
+        .await
+        .map(|done| done.rows_affected()))?;
+    if held == 0 {
+        return Ok(None);
+    }
+    let sql = format!("SELECT {COLUMNS} FROM webhooks WHERE webhook_id = $1");
+    let webhook: WebhookRow =
+        on!(&mut *tx, |tx| sqlx::query_as(AssertSqlSafe(sql)).bind(webhook_id).fetch_one(&mut **tx).await)?;
+    let keys: Keys = on!(&mut *tx, |tx| sqlx::query_as(KEYS).bind(webhook_id).fetch_one(&mut **tx).await)?;
+    let again = next_dead(tx, webhook_id).await?;
+    let (event, is_again) = match again {
+        Some(event) => (Some(event), true),
+        None => (next_new(tx, &webhook).await?, false),
+    };
+    let Some(event) = event else {
+        const RELEASE: &str = "UPDATE webhooks SET holder = NULL, held_until_us = 0 WHERE webhook_id = $1";
+        on!(&mut *tx, |tx| sqlx::query(RELEASE).bind(webhook_id).execute(&mut **tx).await.map(drop))?;
+        return Ok(None);
+    };
+    let (age_us, attempts) = (now_us - event.occurred_us, keys.attempts);
+    Ok(Some(Job { webhook, event, secrets: keys.valid(now_us), attempts, is_again, age_us }))
+}
+
+/// The oldest dead letter that shall be delivered again.
+async fn next_dead(tx: &mut Tx<'_>, webhook_id: i64) -> sqlx::Result<Option<EventRow>> {
+    let end = "JOIN webhook_dead_letters d ON d.event_id = e.event_id WHERE d.webhook_id = $1 AND d.again \
+         ORDER BY e.tx, e.place, e.event_id LIMIT 1";
+    on!(tx, |tx| sqlx::query_as(select(end)).bind(webhook_id).fetch_optional(&mut **tx).await)
+}
+
+/// The next event that the target wants. Those before it, which it does not want, are done.
+async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow) -> sqlx::Result<Option<EventRow>> {
+    let interest = webhook.interest();
+    let end = format!(
+        "WHERE (e.tx, e.place, e.event_id) > ($1, $2, $3) {} ORDER BY e.tx, e.place, e.event_id LIMIT {EVENTS_A_QUERY}",
+        settled(tx)
+    );
+    let mut done = webhook.done();
+    loop {
+        let events: Vec<EventRow> = on!(&mut *tx, |tx| sqlx::query_as(select(&end))
+            .bind(done.tx)
+            .bind(done.place)
+            .bind(done.event_id)
+            .fetch_all(&mut **tx)
+            .await)?;
+        let is_last = (events.len() as i64) < EVENTS_A_QUERY;
+        for event in events {
+            let is_wanted =
+                event.event_kind().is_some_and(|kind| interest.includes(&event.fleet, kind, event.word.as_deref()));
+            if is_wanted {
+                advance(tx, webhook.webhook_id, done).await?;
+                return Ok(Some(event));
+            }
+            done = event.at();
+        }
+        if is_last {
+            advance(tx, webhook.webhook_id, done).await?;
+            return Ok(None);
+        }
+    }
+}
+
+async fn advance(tx: &mut Tx<'_>, webhook_id: i64, done: Place) -> sqlx::Result<()> {
+    const SQL: &str = "UPDATE webhooks SET done_tx = $2, done_place = $3, done_event = $4 WHERE webhook_id = $1";
+    on!(tx, |tx| sqlx::query(SQL)
+        .bind(webhook_id)
+        .bind(done.tx)
+        .bind(done.place)
+        .bind(done.event_id)
+        .execute(&mut **tx)
+        .await
+        .map(drop))
+}
+
+async fn finish(tx: &mut Tx<'_>, job: &Job, holder: &str, outcome: &Outcome) -> sqlx::Result<bool> {
+    const SQL: &str = "UPDATE webhooks SET last_us = $3, last_status = $4, last_problem = $5, \
+         last_success_us = CASE WHEN $6 THEN $3 ELSE last_success_us END, \
+         delivered = delivered + CASE WHEN $6 THEN 1 ELSE 0 END, failed = failed + CASE WHEN $6 THEN 0 ELSE 1 END, \
+         attempts = CASE WHEN $7 THEN 0 ELSE attempts + 1 END, streak = CASE WHEN $6 THEN 0 ELSE streak + 1 END, \
+         next_us = $8, holder = CASE WHEN $6 THEN holder ELSE NULL END, \
+         held_until_us = CASE WHEN $6 THEN held_until_us ELSE 0 END WHERE webhook_id = $1 AND holder = $2";
+    let now_us = now_us(tx).await?;
+    let (is_delivered, is_over, status, problem, pause_us) = match outcome {
+        Outcome::Delivered { status } => (true, true, Some(*status), None, 0),
+        Outcome::Failed { status, problem, is_dead, pause_us } => {
+            (false, *is_dead, *status, Some(problem.as_str()), *pause_us)
+        }
+    };
+    let status = status.map(i64::from);
+    let held = on!(&mut *tx, |tx| sqlx::query(SQL)
+        .bind(job.webhook.webhook_id)
+        .bind(holder)
+        .bind(now_us)
+        .bind(status)
+        .bind(problem)
+        .bind(is_delivered)
+        .bind(is_over)
+        .bind(if is_delivered { 0 } else { now_us + pause_us })
+        .execute(&mut **tx)
+        .await
+        .map(|done| done.rows_affected()))?;
+    if held == 0 {
+        return Ok(false);
+    }
+    match (is_delivered, is_over, job.is_again) {
+        (true, _, true) => super::dead::forget(tx, job).await?,
+        (false, true, _) => super::dead::bury(tx, job, status, problem.unwrap_or_default(), now_us).await?,
+        (true, _, false) | (false, false, _) => {}
+    }
+    if is_over && !job.is_again {
+        advance(tx, job.webhook.webhook_id, job.event.at()).await?;
+    }
+    Ok(true)
+}

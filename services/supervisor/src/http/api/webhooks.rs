@@ -1,0 +1,525 @@
+//! Webhooks: targets that get events, their secrets, and tests.
+
+use axum::extract::{Extension, State};
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Json, Response};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use utoipa::{IntoParams, ToSchema};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use vibrissa_protocol::Name;
+
+use crate::http::App;
+use crate::http::access::{Caller, Role};
+use crate::http::asking::{Asker, Why, answered, number_of, reason};
+use crate::http::extract::{Body, OptionalBody, Path};
+use crate::http::problem::{Kind, Problem};
+use crate::http::words::{EventKindWord, LevelWord, OneOf, words};
+use crate::webhooks::Message;
+use crate::webhooks::payload::WebhookEvent;
+use crate::webhooks::signature::{new_secret, shown};
+use crate::webhooks::target::checked;
+use vibrissa_edge::actions::RecordedKind;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::guidance::Level;
+use vibrissa_edge::words::Word as _;
+use vibrissa_store::actions::{Asked, NewAction};
+use vibrissa_store::lists::actions::ActionRow;
+use vibrissa_store::time::Time;
+use vibrissa_store::webhooks::manage::{Set, WebhookSettings};
+use vibrissa_store::webhooks::queue::Queue;
+use vibrissa_store::webhooks::{WEBHOOKS_MAX, WebhookRow};
+
+/// Maximum length of a name, in characters.
+const NAME_CHARS_MAX: usize = 100;
+/// Maximum number of fleets of a webhook.
+const FLEETS_MAX: usize = 100;
+/// Default and maximum of the time for which the previous secret stays valid, in s.
+const OVERLAP_S: u32 = 86_400;
+const OVERLAP_S_MAX: u32 = 7 * 86_400;
+
+pub(super) fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(list_webhooks, create_webhook))
+        .routes(routes!(get_webhook, change_webhook, remove_webhook))
+        .routes(routes!(renew_secret))
+        .routes(routes!(test_webhook))
+}
+
+words! {
+    /// State of a webhook.
+    pub enum WebhookState {
+        /// Nothing was sent yet.
+        New = "NEW",
+        /// It took the last event.
+        Working = "WORKING",
+        /// It did not take the last event, which is tried again.
+        Failing = "FAILING",
+        /// Events are not delivered, and wait.
+        Disabled = "DISABLED",
+    }
+}
+
+/// A webhook: a target that gets events.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct Webhook {
+    /// Number of the webhook.
+    #[schema(minimum = 1)]
+    pub webhook_id: i64,
+    /// Its name.
+    pub name: String,
+    /// URL that receives the events. Only admins see what follows the host, which may be confidential.
+    pub url: String,
+    /// Fleets of its events; null for all fleets.
+    pub fleets: Option<Vec<String>>,
+    /// Kinds of its events; null for all kinds.
+    pub kinds: Option<Vec<EventKindWord>>,
+    /// Its least urgent events.
+    pub level: LevelWord,
+    /// Whether events are delivered; otherwise they wait.
+    pub enabled: bool,
+    /// State of the webhook.
+    pub state: WebhookState,
+    /// Time of its creation.
+    pub created_at: Time,
+    /// Time of the last change.
+    pub changed_at: Time,
+    /// Actor of the last change.
+    pub changed_by: String,
+    /// Until when the previous secret is valid, too; null if only the present one is.
+    pub previous_secret_until: Option<Time>,
+    /// Time of the last attempt; null before the first.
+    pub last_at: Option<Time>,
+    /// HTTP status of the last answer; null without an answer.
+    #[schema(minimum = 100, maximum = 599)]
+    pub last_status: Option<i64>,
+    /// Why the last attempt failed; null after a success.
+    pub last_problem: Option<String>,
+    /// Time of the last success; null before the first.
+    pub last_success_at: Option<Time>,
+    /// Failed attempts since the last success.
+    #[schema(minimum = 0)]
+    pub failures: i64,
+    /// Earliest time of the next attempt; null unless it waits for one.
+    pub next_at: Option<Time>,
+    /// Number of waiting events.
+    #[schema(minimum = 0)]
+    pub waiting: i64,
+    /// Time of the oldest waiting event; null if none waits.
+    pub oldest_at: Option<Time>,
+    /// Number of dead letters.
+    #[schema(minimum = 0)]
+    pub dead_letters: i64,
+    /// Number of delivered events, and of events that were delivered again.
+    #[schema(minimum = 0)]
+    pub delivered: i64,
+    /// Number of failed attempts.
+    #[schema(minimum = 0)]
+    pub failed: i64,
+    /// Number of events that were removed undelivered: the queue has at most 20,000 events of a week, and there are at
+    /// most 1,000 dead letters.
+    #[schema(minimum = 0)]
+    pub lost: i64,
+}
+
+impl Webhook {
+    fn of(row: &WebhookRow, queue: Queue, caller: &Caller) -> Self {
+        let now_us = wall_clock().0 as i64;
+        let interest = row.interest();
+        let state = match (row.enabled, row.last_us, row.streak) {
+            (false, ..) => WebhookState::Disabled,
+            (true, None, _) => WebhookState::New,
+            (true, Some(_), 0) => WebhookState::Working,
+            (true, Some(_), _) => WebhookState::Failing,
+        };
+        Self {
+            webhook_id: row.webhook_id,
+            name: row.name.clone(),
+            url: if caller.role == Role::Admin { row.url.clone() } else { origin(&row.url) },
+            fleets: interest.fleets,
+            kinds: interest.kinds.map(|kinds| kinds.into_iter().map(OneOf).collect()),
+            level: OneOf(interest.level),
+            enabled: row.enabled,
+            state,
+            created_at: Time(row.created_us),
+            changed_at: Time(row.changed_us),
+            changed_by: row.changed_by.clone(),
+            previous_secret_until: row.previous_until_us.filter(|&until_us| until_us > now_us).map(Time),
+            last_at: row.last_us.map(Time),
+            last_status: row.last_status,
+            last_problem: row.last_problem.clone(),
+            last_success_at: row.last_success_us.map(Time),
+            failures: row.streak,
+            next_at: (row.enabled && row.streak > 0).then_some(Time(row.next_us)),
+            waiting: queue.waiting,
+            oldest_at: queue.oldest_us.map(Time),
+            dead_letters: queue.dead,
+            delivered: row.delivered,
+            failed: row.failed,
+            lost: row.lost,
+        }
+    }
+}
+
+/// Scheme and host of a URL. Its path and query may hold a credential, as those of chat services do.
+fn origin(url: &str) -> String {
+    url::Url::parse(url)
+        .map_or_else(|_| String::new(), |url| format!("{}/\u{2026}", url.origin().ascii_serialization()))
+}
+
+/// All webhooks that the caller may see.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct WebhookList {
+    /// The webhooks, in the order of their names. There are at most 50.
+    pub items: Vec<Webhook>,
+}
+
+/// A new webhook, or a changed one, with its secret.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct WebhookWithSecret {
+    /// The webhook.
+    pub webhook: Webhook,
+    /// Secret that signs the requests, `whsec_` and Base64. It is shown only now; null if the request was repeated.
+    pub secret: Option<String>,
+}
+
+/// Properties of a webhook.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+#[schema(as = NewWebhook)]
+pub struct WebhookBody {
+    /// Its name, unique.
+    #[schema(min_length = 1, max_length = 100)]
+    pub name: String,
+    /// URL that receives the events, `https://...` or `http://...`. Private addresses need the setting
+    /// `webhooks.allowed_hosts`.
+    #[schema(max_length = 2000, example = "https://hooks.example/vibrissa")]
+    pub url: String,
+    /// Fleets of its events; null for all fleets.
+    #[schema(value_type = Option<Vec<String>>, min_items = 1, max_items = 100)]
+    pub fleets: Option<Vec<Name>>,
+    /// Kinds of its events; null for all kinds.
+    #[schema(min_items = 1)]
+    pub kinds: Option<Vec<EventKindWord>>,
+    /// Its least urgent events; `WARNING` if omitted, which means all.
+    pub level: Option<LevelWord>,
+    /// Whether events are delivered, by default true; otherwise they wait.
+    pub enabled: Option<bool>,
+    /// Reason in free text, at most 1000 characters.
+    #[schema(max_length = 1000)]
+    pub reason: Option<String>,
+}
+
+impl WebhookBody {
+    fn settings(&self, app: &App, caller: &Caller) -> Result<WebhookSettings, Problem> {
+        let name = self.name.trim();
+        if name.is_empty() || name.chars().count() > NAME_CHARS_MAX || name.contains(char::is_control) {
+            let told = format!("must have 1 to {NAME_CHARS_MAX} characters and no control characters");
+            return Err(Problem::invalid("name", told));
+        }
+        let url = checked(&self.url, app.webhooks.sender().hosts()).map_err(|what| Problem::invalid("url", what))?;
+        let fleets = self.fleets.as_ref();
+        if fleets.is_some_and(|fleets| fleets.is_empty() || fleets.len() > FLEETS_MAX) {
+            return Err(Problem::invalid(
+                "fleets",
+                format!("must have 1 to {FLEETS_MAX} names, or be null for all fleets"),
+            ));
+        }
+        if self.kinds.as_ref().is_some_and(Vec::is_empty) {
+            return Err(Problem::invalid("kinds", "must have at least one kind, or be null for all kinds"));
+        }
+        let fleets = fleets.map(|fleets| fleets.iter().map(Name::as_str).collect::<Vec<_>>().join(","));
+        if !is_covered(caller, fleets.as_deref()) {
+            return Err(Problem::new(
+                Kind::Forbidden,
+                "your token does not cover all fleets of this webhook: name its fleets",
+            ));
+        }
+        let kinds =
+            self.kinds.as_ref().map(|kinds| kinds.iter().map(|kind| kind.0.word()).collect::<Vec<_>>().join(","));
+        Ok(WebhookSettings {
+            name: name.to_owned(),
+            url,
+            fleets,
+            kinds,
+            level: self.level.map_or(Level::Warning, |level| level.0).word().to_owned(),
+            enabled: self.enabled.unwrap_or(true),
+        })
+    }
+}
+
+/// Whether the caller may access all fleets of a webhook.
+fn is_covered(caller: &Caller, fleets: Option<&str>) -> bool {
+    match fleets {
+        None => caller.scope == crate::http::access::Scope::All,
+        Some(fleets) => fleets.split(',').all(|fleet| caller.scope.covers(fleet)),
+    }
+}
+
+/// Path parameters of a webhook.
+#[derive(Debug, Clone, Deserialize, IntoParams)]
+#[into_params(parameter_in = Path)]
+pub struct WebhookPath {
+    /// Number of the webhook.
+    #[param(minimum = 0)]
+    pub webhook_id: i64,
+}
+
+/// The webhook of a path, if the caller may see it.
+pub(super) async fn found(app: &App, caller: &Caller, at: &WebhookPath) -> Result<WebhookRow, Problem> {
+    let row = app.store.webhook(at.webhook_id).await?.filter(|row| is_covered(caller, row.fleets.as_deref()));
+    row.ok_or_else(|| {
+        let told = format!("there is no webhook {}, or your token does not cover all its fleets", at.webhook_id);
+        Problem::unknown(told)
+    })
+}
+
+async fn detail(app: &App, caller: &Caller, row: &WebhookRow) -> Result<Webhook, Problem> {
+    Ok(Webhook::of(row, app.store.webhook_queue(row).await?, caller))
+}
+
+/// The entry in the audit log. Neither secrets nor paths of URLs are logged.
+pub(super) fn audited(
+    asker: Asker,
+    kind: RecordedKind,
+    (webhook_id, settings): (Option<i64>, &WebhookSettings),
+    why: Option<String>,
+) -> NewAction {
+    let WebhookSettings { name, url, fleets, kinds, level, enabled } = settings;
+    let parameters = json!({
+        "webhook_id": webhook_id, "name": name, "origin": origin(url), "fleets": fleets, "kinds": kinds, "level": level,
+        "enabled": enabled,
+        // Tells a repeated request from one with another path.
+        "url_hash": blake3::hash(url.as_bytes()).to_hex()[..16],
+    });
+    let mut action = asker.action(kind.word(), &parameters, why);
+    action.fleet = fleets.as_ref().filter(|fleets| !fleets.contains(',')).cloned();
+    action
+}
+
+pub(super) fn settings_of(row: &WebhookRow) -> WebhookSettings {
+    WebhookSettings {
+        name: row.name.clone(),
+        url: row.url.clone(),
+        fleets: row.fleets.clone(),
+        kinds: row.kinds.clone(),
+        level: row.level.clone(),
+        enabled: row.enabled,
+    }
+}
+
+fn unset(set: Set, name: &str, webhook_id: i64) -> Problem {
+    match set {
+        Set::NameTaken => Problem::invalid("name", format!("another webhook is called {name:?}")),
+        Set::Full => Problem::new(Kind::Refused, format!("there are {WEBHOOKS_MAX} webhooks already: remove one")),
+        Set::Absent | Set::Done(_) | Set::Known(_) => Problem::unknown(format!("there is no webhook {webhook_id}")),
+    }
+}
+
+fn secret() -> Result<Vec<u8>, Problem> {
+    new_secret().map_err(|what| Problem::new(Kind::Internal, what))
+}
+
+/// All webhooks, each with its queue and its last answer.
+#[utoipa::path(
+    get, path = "/v1/webhooks", tag = "webhooks",
+    responses((status = 200, description = "The webhooks", body = WebhookList)),
+    extensions(("x-required-role" = json!("OPERATOR")))
+)]
+async fn list_webhooks(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+) -> Result<Json<WebhookList>, Problem> {
+    let mut items = Vec::new();
+    for row in app.store.webhooks().await?.iter().filter(|row| is_covered(&caller, row.fleets.as_deref())) {
+        items.push(detail(&app, &caller, row).await?);
+    }
+    Ok(Json(WebhookList { items }))
+}
+
+/// Create a webhook. It gets the events from now on. Its secret is shown only in this answer.
+#[utoipa::path(
+    post, path = "/v1/webhooks", tag = "webhooks",
+    params(("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
+    request_body = WebhookBody,
+    responses((status = 201, description = "The webhook is created", body = WebhookWithSecret)),
+    extensions(("x-required-role" = json!("ADMIN")))
+)]
+async fn create_webhook(
+    State(app): State<App>,
+    asker: Asker,
+    Body(body): Body<WebhookBody>,
+) -> Result<Response, Problem> {
+    let caller = asker.caller.clone();
+    let (settings, why) = (body.settings(&app, &caller)?, reason(body.reason)?);
+    let secret = secret()?;
+    let action = audited(asker, RecordedKind::WebhookCreate, (None, &settings), why);
+    let (row, secret) = match app.store.add_webhook(&settings, &secret, &action).await? {
+        Set::Done(webhook_id) => (app.store.webhook(webhook_id).await?, Some(shown(&secret))),
+        Set::Known(asked) => {
+            number_of(asked)?;
+            (app.store.webhooks().await?.into_iter().find(|row| row.name == settings.name), None)
+        }
+        other => return Err(unset(other, &settings.name, 0)),
+    };
+    let row = row.ok_or_else(|| Problem::unknown("the webhook was removed meanwhile"))?;
+    let place = [(header::LOCATION, format!("/v1/webhooks/{}", row.webhook_id))];
+    let webhook = detail(&app, &caller, &row).await?;
+    Ok((StatusCode::CREATED, place, Json(WebhookWithSecret { webhook, secret })).into_response())
+}
+
+/// One webhook with its queue and its last answer.
+#[utoipa::path(
+    get, path = "/v1/webhooks/{webhook_id}", tag = "webhooks", params(WebhookPath),
+    responses((status = 200, description = "The webhook", body = Webhook)),
+    extensions(("x-required-role" = json!("OPERATOR")))
+)]
+async fn get_webhook(
+    State(app): State<App>,
+    Extension(caller): Extension<Caller>,
+    Path(at): Path<WebhookPath>,
+) -> Result<Json<Webhook>, Problem> {
+    let row = found(&app, &caller, &at).await?;
+    Ok(Json(detail(&app, &caller, &row).await?))
+}
+
+/// Change a webhook. Fields that are omitted get their defaults. Waiting events are tried at once.
+#[utoipa::path(
+    put, path = "/v1/webhooks/{webhook_id}", tag = "webhooks",
+    params(WebhookPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
+    request_body = WebhookBody,
+    responses((status = 200, description = "The webhook is changed", body = Webhook)),
+    extensions(("x-required-role" = json!("ADMIN")))
+)]
+async fn change_webhook(
+    State(app): State<App>,
+    asker: Asker,
+    Path(at): Path<WebhookPath>,
+    Body(body): Body<WebhookBody>,
+) -> Result<Json<Webhook>, Problem> {
+    let caller = asker.caller.clone();
+    found(&app, &caller, &at).await?;
+    let (settings, why) = (body.settings(&app, &caller)?, reason(body.reason)?);
+    let action = audited(asker, RecordedKind::WebhookChange, (Some(at.webhook_id), &settings), why);
+    match app.store.change_webhook(at.webhook_id, &settings, &action).await? {
+        Set::Done(_) => {}
+        Set::Known(asked) => drop(number_of(asked)?),
+        other => return Err(unset(other, &settings.name, at.webhook_id)),
+    }
+    let row = found(&app, &caller, &at).await?;
+    Ok(Json(detail(&app, &caller, &row).await?))
+}
+
+/// Remove a webhook with its waiting events and dead letters.
+#[utoipa::path(
+    delete, path = "/v1/webhooks/{webhook_id}", tag = "webhooks",
+    params(WebhookPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
+    request_body = Option<Why>,
+    responses((status = 200, description = "The webhook is removed", body = ActionRow)),
+    extensions(("x-required-role" = json!("ADMIN")))
+)]
+async fn remove_webhook(
+    State(app): State<App>,
+    asker: Asker,
+    Path(at): Path<WebhookPath>,
+    OptionalBody(why): OptionalBody<Why>,
+) -> Result<Response, Problem> {
+    let row = found(&app, &asker.caller, &at).await?;
+    let of = (Some(at.webhook_id), &settings_of(&row));
+    let action = audited(asker, RecordedKind::WebhookRemove, of, reason(why.reason)?);
+    let action_id = number_of(app.store.remove_webhook(at.webhook_id, &action).await?)?;
+    answered(&app, action_id, StatusCode::OK).await
+}
+
+/// For how long the previous secret stays valid.
+#[derive(Debug, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+#[schema(as = NewWebhookSecret)]
+pub struct SecretBody {
+    /// Seconds for which the previous secret signs requests, too; a day if omitted. 0 ends it at once.
+    #[schema(maximum = 604_800)]
+    pub overlap_s: Option<u32>,
+    /// Reason in free text, at most 1000 characters.
+    #[schema(max_length = 1000)]
+    pub reason: Option<String>,
+}
+
+/// Give a webhook a new secret, which is shown only in this answer.
+///
+/// Requests carry the signatures of the new and of the previous secret until the overlap ends, so that the receiver can
+/// change its secret meanwhile.
+#[utoipa::path(
+    post, path = "/v1/webhooks/{webhook_id}/secret", tag = "webhooks",
+    params(WebhookPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
+    request_body = Option<SecretBody>,
+    responses((status = 200, description = "The webhook has a new secret", body = WebhookWithSecret)),
+    extensions(("x-required-role" = json!("ADMIN")))
+)]
+async fn renew_secret(
+    State(app): State<App>,
+    asker: Asker,
+    Path(at): Path<WebhookPath>,
+    OptionalBody(body): OptionalBody<SecretBody>,
+) -> Result<Json<WebhookWithSecret>, Problem> {
+    let caller = asker.caller.clone();
+    let row = found(&app, &caller, &at).await?;
+    let overlap_s = body.overlap_s.unwrap_or(OVERLAP_S);
+    if overlap_s > OVERLAP_S_MAX {
+        return Err(Problem::invalid("overlap_s", format!("must be at most {OVERLAP_S_MAX} (a week)")));
+    }
+    let secret = secret()?;
+    let of = (Some(at.webhook_id), &settings_of(&row));
+    let action = audited(asker, RecordedKind::WebhookSecret, of, reason(body.reason)?);
+    let until_us = wall_clock().0 as i64 + i64::from(overlap_s) * 1_000_000;
+    let asked = app.store.renew_webhook_secret(at.webhook_id, &secret, until_us, &action).await?;
+    let secret = matches!(asked, Asked::New(_)).then(|| shown(&secret));
+    number_of(asked)?;
+    let row = found(&app, &caller, &at).await?;
+    Ok(Json(WebhookWithSecret { webhook: detail(&app, &caller, &row).await?, secret }))
+}
+
+/// Result of a test.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct WebhookTest {
+    /// Whether the target took the test.
+    pub delivered: bool,
+    /// HTTP status of its answer; null without an answer.
+    #[schema(minimum = 100, maximum = 999)]
+    pub status: Option<u16>,
+    /// Why it did not take the test; null if it did.
+    pub problem: Option<String>,
+    /// Time until the answer, in ms.
+    #[schema(minimum = 0)]
+    pub duration_ms: u64,
+}
+
+/// Send a test to a webhook and wait for its answer, for at most 10 s.
+///
+/// The test is an event of type `TEST`. It passes the waiting events, and is sent to disabled webhooks, too.
+#[utoipa::path(
+    post, path = "/v1/webhooks/{webhook_id}/test", tag = "webhooks",
+    params(WebhookPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
+    request_body = Option<Why>,
+    responses((status = 200, description = "The answer of the target", body = WebhookTest)),
+    extensions(("x-required-role" = json!("OPERATOR")))
+)]
+async fn test_webhook(
+    State(app): State<App>,
+    asker: Asker,
+    Path(at): Path<WebhookPath>,
+    OptionalBody(why): OptionalBody<Why>,
+) -> Result<Json<WebhookTest>, Problem> {
+    let row = found(&app, &asker.caller, &at).await?;
+    let of = (Some(at.webhook_id), &settings_of(&row));
+    let action = audited(asker, RecordedKind::WebhookTest, of, reason(why.reason)?);
+    let action_id = number_of(app.store.record_webhook_action(&action).await?)?;
+    let body = serde_json::to_vec(&WebhookEvent::test()).unwrap_or_default();
+    let secrets = app.store.webhook_secrets(at.webhook_id).await?;
+    let message = Message { url: row.url, id: format!("vibrissa-{}-test-{action_id}", at.webhook_id), body, secrets };
+    let begun = tokio::time::Instant::now();
+    let answer = app.webhooks.sender().send(message).await;
+    let problem = answer.problem();
+    let duration_ms = u64::try_from(begun.elapsed().as_millis()).unwrap_or(u64::MAX);
+    Ok(Json(WebhookTest { delivered: problem.is_none(), status: answer.status, problem, duration_ms }))
+}

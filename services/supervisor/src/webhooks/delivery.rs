@@ -1,0 +1,121 @@
+//! Delivery to one target: its events one after the other, until none is left or an attempt fails.
+
+use std::time::Duration;
+
+use tokio::sync::watch;
+use tokio::time::Instant;
+use tracing::{info, warn};
+
+use super::payload::WebhookEvent;
+use super::sending::{Answer, Message, PATIENCE};
+use super::{Pace, Webhooks};
+use vibrissa_store::StoreError;
+use vibrissa_store::webhooks::queue::{Job, Outcome};
+
+/// Time for which a target is held. It is longer than an attempt and the storage of its result may take, so that no other
+/// supervisor begins meanwhile.
+const HOLD: Duration = Duration::from_secs(15);
+
+/// Delivers to a target.
+pub(super) struct Delivery {
+    webhooks: Webhooks,
+    webhook_id: i64,
+}
+
+impl Delivery {
+    pub(super) fn new(webhooks: &Webhooks, webhook_id: i64) -> Self {
+        Self { webhooks: webhooks.clone(), webhook_id }
+    }
+
+    /// Delivers until no event is left, an attempt fails, or `stop` becomes true.
+    pub(super) async fn run(self, stop: watch::Receiver<bool>) {
+        while !*stop.borrow() {
+            match self.next().await {
+                Ok(true) => {}
+                Ok(false) => return,
+                Err(problem) => {
+                    warn!(webhook_id = self.webhook_id, %problem, "cannot deliver to a webhook, retrying");
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Delivers the next event; false if there is none, or it failed.
+    async fn next(&self) -> Result<bool, StoreError> {
+        let Webhooks { store, sender, pace, metrics, holder } = &self.webhooks;
+        let hold_us = HOLD.as_micros() as i64;
+        let asked = Instant::now();
+        let Some(job) = store.take_webhook_job(self.webhook_id, holder, hold_us).await? else { return Ok(false) };
+        let body = serde_json::to_vec(&WebhookEvent::of(&job.event)).unwrap_or_default();
+        let message = Message {
+            url: job.webhook.url.clone(),
+            id: format!("vibrissa-{}-{}", job.webhook.webhook_id, job.event.event_id),
+            body,
+            secrets: job.secrets.clone(),
+        };
+        // This process was frozen meanwhile, and another supervisor may hold the target.
+        if asked.elapsed() + PATIENCE > HOLD {
+            return Ok(false);
+        }
+        let answer = sender.send(message).await;
+        let outcome = outcome(&job, &answer, pace);
+        let is_held = store.finish_webhook_job(&job, holder, &outcome).await?;
+        let (event_id, name) = (job.event.event_id, job.webhook.name.as_str());
+        match &outcome {
+            Outcome::Delivered { .. } => {
+                metrics.webhooks.delivered();
+                if job.webhook.streak > 0 {
+                    info!(webhook = name, event_id, failures = job.webhook.streak, "webhook takes events again");
+                }
+            }
+            Outcome::Failed { problem, is_dead: true, .. } => {
+                metrics.webhooks.dead();
+                warn!(webhook = name, event_id, problem, "event becomes a dead letter of a webhook");
+            }
+            Outcome::Failed { problem, .. } => {
+                metrics.webhooks.failed();
+                if job.webhook.streak == 0 {
+                    warn!(webhook = name, event_id, problem, "webhook did not take an event, retrying");
+                }
+            }
+        }
+        Ok(is_held && matches!(outcome, Outcome::Delivered { .. }))
+    }
+}
+
+/// What becomes of an event after an attempt.
+fn outcome(job: &Job, answer: &Answer, pace: &Pace) -> Outcome {
+    let Some(problem) = answer.problem() else {
+        return Outcome::Delivered { status: answer.status.unwrap_or_default() };
+    };
+    let pause = pace.pause(job.webhook.streak + 1);
+    let is_old = job.age_us > pace.age_max.as_micros() as i64 && !job.is_again;
+    Outcome::Failed {
+        status: answer.status,
+        problem,
+        is_dead: job.attempts + 1 >= pace.attempts_max || is_old,
+        pause_us: jittered(pause).as_micros() as i64,
+    }
+}
+
+/// Between half the pause and the pause, so that targets behind one broken server are not all tried at once.
+fn jittered(pause: Duration) -> Duration {
+    let mut byte = [0];
+    // Without randomness the pause stays whole.
+    let share = getrandom::fill(&mut byte).map_or(1.0, |()| 0.5 + f64::from(byte[0]) / 510.0);
+    pause.mul_f64(share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_jitter_takes_at_most_half_of_a_pause() {
+        let pause = Duration::from_secs(8);
+        let all: Vec<Duration> = (0..200).map(|_| jittered(pause)).collect();
+        assert!(all.iter().all(|one| *one >= pause / 2 && *one <= pause));
+        assert!(all.iter().any(|one| *one != all[0]));
+    }
+}

@@ -1,0 +1,176 @@
+//! Delivery of events to programs elsewhere.
+//!
+//! Triggers of the database write each event to the outbox in the transaction of its cause (`vibrissa_store::webhooks`).
+//! Every supervisor looks for targets with waiting events each second. It takes hold of a target in the database, so that
+//! one supervisor at a time delivers to it, and sends its events one after the other. Each target has its own task: a dead
+//! one delays no other, and the engines never wait.
+
+mod delivery;
+pub mod payload;
+mod sending;
+pub mod signature;
+pub mod target;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::sync::watch;
+use tokio::task::JoinHandle;
+use tokio::time::{Instant, timeout};
+use tracing::warn;
+
+use crate::metrics::Metrics;
+use delivery::Delivery;
+pub use sending::{Answer, Message, Sender};
+use target::Hosts;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::{Store, StoreError};
+
+/// Interval between two looks for waiting events.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// Interval between two measurements of the queues for the metrics.
+const MEASURE_EVERY: Duration = Duration::from_secs(10);
+/// Interval between two removals of old events.
+const TRIM_EVERY: Duration = Duration::from_secs(600);
+/// Time limit for attempts that are under way when the service stops.
+const STOP_PATIENCE: Duration = Duration::from_secs(3);
+
+/// Pauses between attempts, and their number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pace {
+    /// Pause after the first failed attempt; it doubles with each further one.
+    pub first: Duration,
+    /// Longest pause.
+    pub longest: Duration,
+    /// Failed attempts after which an event becomes a dead letter.
+    pub attempts_max: i64,
+    /// Age from which on a failed attempt makes an event a dead letter.
+    pub age_max: Duration,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self {
+            first: Duration::from_secs(1),
+            longest: Duration::from_secs(600),
+            attempts_max: 12,
+            age_max: Duration::from_secs(86_400),
+        }
+    }
+}
+
+impl Pace {
+    /// The pause after so many failed attempts, before the jitter.
+    fn pause(&self, failures: i64) -> Duration {
+        let doublings = (failures - 1).clamp(0, 20);
+        self.first.saturating_mul(1 << doublings).min(self.longest)
+    }
+}
+
+/// Options of webhooks.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct WebhookOptions {
+    /// Hosts that may have private addresses.
+    pub allowed_hosts: Vec<String>,
+    /// Pauses between attempts.
+    pub pace: Pace,
+}
+
+/// Sends events. Clones share their connections.
+#[derive(Debug, Clone)]
+pub struct Webhooks {
+    store: Store,
+    sender: Sender,
+    pace: Pace,
+    metrics: Metrics,
+    /// Name of this process as the holder of targets.
+    holder: Arc<str>,
+}
+
+impl Webhooks {
+    /// Sends nothing yet. `holder` is unique among the processes of the database.
+    #[must_use]
+    pub fn new(options: &WebhookOptions, store: Store, metrics: Metrics, holder: Arc<str>) -> Self {
+        let sender = Sender::new(Hosts::new(&options.allowed_hosts));
+        Self { store, sender, pace: options.pace, metrics, holder }
+    }
+
+    /// Sends single requests, for tests of targets.
+    #[must_use]
+    pub fn sender(&self) -> &Sender {
+        &self.sender
+    }
+
+    /// Delivers until `stop` becomes true.
+    pub(crate) async fn run(self, mut stop: watch::Receiver<bool>) {
+        let mut tasks: HashMap<i64, JoinHandle<()>> = HashMap::new();
+        let (mut measured, mut trimmed, mut is_prepared, mut is_failing) = (None, None, false, false);
+        while timeout(LOOK_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
+            let looked = async {
+                if !is_prepared {
+                    self.store.prepare_webhook_queues().await?;
+                    is_prepared = true;
+                }
+                tasks.retain(|_, task| !task.is_finished());
+                for webhook_id in self.store.due_webhooks(&self.holder).await? {
+                    tasks.entry(webhook_id).or_insert_with(|| {
+                        let delivery = Delivery::new(&self, webhook_id);
+                        tokio::spawn(delivery.run(stop.clone()))
+                    });
+                }
+                if is_due(&mut measured, MEASURE_EVERY) {
+                    self.measure().await?;
+                }
+                if is_due(&mut trimmed, TRIM_EVERY) {
+                    self.store.trim_webhook_events(wall_clock().0 as i64).await?;
+                }
+                Ok::<(), StoreError>(())
+            };
+            let problem = looked.await.err();
+            if let Some(problem) = problem.as_ref().filter(|_| !is_failing) {
+                warn!(%problem, "cannot read the queues of the webhooks, retrying");
+            }
+            is_failing = problem.is_some();
+        }
+        let ended = futures_util::future::join_all(tasks.into_values());
+        let _ = timeout(STOP_PATIENCE, ended).await;
+        // Otherwise another supervisor would wait for the end of the hold.
+        let _ = timeout(STOP_PATIENCE, self.store.release_webhooks(&self.holder)).await;
+    }
+
+    async fn measure(&self) -> Result<(), StoreError> {
+        let (mut waiting, mut dead, mut oldest_us) = (0, 0, None::<i64>);
+        for webhook in self.store.webhooks().await?.iter().filter(|webhook| webhook.enabled) {
+            let queue = self.store.webhook_queue(webhook).await?;
+            waiting += queue.waiting;
+            dead += queue.dead;
+            oldest_us = oldest_us.into_iter().chain(queue.oldest_us).min();
+        }
+        let age_us = oldest_us.map_or(0, |oldest_us| (wall_clock().0 as i64 - oldest_us).max(0));
+        self.metrics.webhooks.queue(waiting, dead, age_us as f64 / 1e6);
+        Ok(())
+    }
+}
+
+/// Whether something is due that was done last at a time, which becomes now.
+fn is_due(last: &mut Option<Instant>, every: Duration) -> bool {
+    let is_due = last.is_none_or(|last| last.elapsed() >= every);
+    if is_due {
+        *last = Some(Instant::now());
+    }
+    is_due
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pauses_double_up_to_the_longest() {
+        let pace = Pace::default();
+        let pauses: Vec<u64> = (1..=12).map(|failures| pace.pause(failures).as_secs()).collect();
+        assert_eq!(pauses, [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 600, 600]);
+        assert_eq!(pace.pause(i64::MAX), pace.longest);
+    }
+}

@@ -1,0 +1,97 @@
+//! Webhooks: created, tested, failing, and with dead letters that are delivered again.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU16, AtomicUsize, Ordering};
+
+use serde_json::json;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpListener;
+
+use crate::checks::{complaints, overflow};
+use crate::stage::Stage;
+
+/// A receiver that answers with a status; returns its port and the number of its requests.
+async fn receiver(status: Arc<AtomicU16>) -> (u16, Arc<AtomicUsize>) {
+    let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let (port, requests) = (listener.local_addr().unwrap().port(), Arc::new(AtomicUsize::new(0)));
+    let count = requests.clone();
+    tokio::spawn(async move {
+        while let Ok((mut stream, _)) = listener.accept().await {
+            let mut got = [0; 16 * 1024];
+            let _ = stream.read(&mut got).await;
+            count.fetch_add(1, Ordering::SeqCst);
+            let status = status.load(Ordering::SeqCst);
+            let answer = format!("HTTP/1.1 {status} X\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
+            let _ = stream.write_all(answer.as_bytes()).await;
+        }
+    });
+    (port, requests)
+}
+
+const BUTTON: &str = "[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith";
+
+async fn press(stage: &mut Stage, words: &str) {
+    stage.browser.js(&format!("{BUTTON}('{words}')).click()")).await;
+}
+
+async fn submit(stage: &mut Stage) {
+    stage.browser.js("document.querySelector('dialog button[type=submit]').click()").await;
+}
+
+#[tokio::test]
+async fn a_webhook_is_created_tested_and_its_dead_letters_are_delivered_again() {
+    let mut stage = Stage::start().await;
+    let status = Arc::new(AtomicU16::new(500));
+    let (port, requests) = receiver(status.clone()).await;
+    stage.open("#/webhooks").await;
+    press(&mut stage, "Create a webhook").await;
+    for (field, value) in [("name", "tickets".to_owned()), ("url", format!("http://127.0.0.1:{port}/hooks/vibrissa"))] {
+        stage.browser.js(&format!("document.getElementById('field-{field}').focus()")).await;
+        stage.browser.type_text(&value).await;
+    }
+    assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
+    let picture = stage.picture("webhook-create");
+    stage.browser.picture(&picture).await;
+    submit(&mut stage).await;
+    let secret = "document.querySelector('dialog .secret')?.textContent.startsWith('whsec_')";
+    stage.browser.until("the secret is shown", secret).await;
+    let picture = stage.picture("webhook-secret");
+    stage.browser.picture(&picture).await;
+    stage.browser.js("[...document.querySelectorAll('dialog button')].pop().click()").await;
+    let row = "document.querySelector(\"tr[data-key='webhook-1']\")?.innerText";
+    stage.browser.until("the row", &format!("{row}?.includes('nothing sent yet')")).await;
+    press(&mut stage, "Send a test").await;
+    let notices = "document.getElementById('notices').textContent";
+    stage.browser.until("the test failed", &format!("{notices}.includes('answered 500')")).await;
+    status.store(204, Ordering::SeqCst);
+    press(&mut stage, "Send a test").await;
+    stage.browser.until("the test was taken", &format!("{notices}.includes('status 204')")).await;
+    status.store(500, Ordering::SeqCst);
+
+    stage.cut().await;
+    stage.open("#/webhooks/1").await;
+    stage.browser.until("dead letters", "document.querySelectorAll('tr[data-key^=letter]').length >= 3").await;
+    for (scheme, width) in [("light", 1280), ("dark", 390)] {
+        stage.browser.prefers(scheme).await;
+        stage.browser.size(width, 900).await;
+        stage.open("#/webhooks/1").await;
+        assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{scheme}");
+        assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{width}");
+        let picture = stage.picture(&format!("webhook-{scheme}-{width}"));
+        stage.browser.picture(&picture).await;
+    }
+    stage.browser.size(1280, 900).await;
+    status.store(204, Ordering::SeqCst);
+    let before = requests.load(Ordering::SeqCst);
+    press(&mut stage, "Deliver all again").await;
+    submit(&mut stage).await;
+    stage.browser.until("no dead letters", "document.body.innerText.includes('No dead letters.')").await;
+    assert!(requests.load(Ordering::SeqCst) >= before + 3);
+    stage.open("#/webhooks").await;
+    stage.browser.until("it works", &format!("{row}?.includes('working')")).await;
+    let picture = stage.picture("webhooks-working");
+    stage.browser.picture(&picture).await;
+    assert_eq!(stage.browser.js("document.querySelector('h1').textContent").await, json!("Webhooks"));
+    stage.is_clean();
+    stage.stop().await;
+}

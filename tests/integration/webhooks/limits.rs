@@ -1,0 +1,85 @@
+//! The bounds of the outbox, and its order after a restored backup.
+
+use serde_json::json;
+use vibrissa_store::Store;
+use vibrissa_store::webhooks::EVENTS_MAX;
+
+use crate::receiver::{Manner, Receiver};
+use crate::stage::{FAST, Raw, Stage, hook, shown, taken};
+
+/// Writes many events of two kinds at once.
+async fn many(raw: &mut Raw, events: i64) {
+    let sql = format!(
+        "WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < {events}) \
+         INSERT INTO webhook_events (occurred_us, kind, word, fleet, robot_id) \
+         SELECT {}, CASE WHEN i % 2 = 0 THEN 'TRIM' ELSE 'ALARM_RAISED' END, \
+         CASE WHEN i % 2 = 0 THEN NULL ELSE 'ERODING' END, 'f', (SELECT min(robot_id) FROM robots) FROM n",
+        vibrissa_edge::clock::wall_clock().0
+    );
+    assert_eq!(raw.run(&sql).await, events as u64);
+}
+
+async fn what_is_removed_is_counted(stage: Stage) {
+    let receiver = Receiver::start(Manner::Status(200)).await;
+    let service = stage.supervisor("a", FAST).await;
+    stage.robot().await;
+    let more = json!({ "name": "trims", "enabled": false, "kinds": ["TRIM"] });
+    let (webhook_id, _) = hook(&service, &receiver, more).await;
+    let mut raw = stage.raw().await;
+    many(&mut raw, EVENTS_MAX + 1000).await;
+    assert_eq!(shown(&service, webhook_id).await["waiting"], json!((EVENTS_MAX + 1000) / 2));
+    service.store.trim_webhook_events(vibrissa_edge::clock::wall_clock().0 as i64).await.unwrap();
+    let state = shown(&service, webhook_id).await;
+    assert_eq!((&state["waiting"], &state["lost"]), (&json!(EVENTS_MAX / 2), &json!(500)));
+    assert_eq!(raw.number("SELECT count(*) FROM webhook_events").await, EVENTS_MAX);
+    // A week later the rest is gone, too.
+    let later_us = vibrissa_edge::clock::wall_clock().0 as i64 + 8 * 86_400_000_000;
+    service.store.trim_webhook_events(later_us).await.unwrap();
+    let state = shown(&service, webhook_id).await;
+    assert_eq!((&state["waiting"], &state["lost"]), (&json!(0), &json!(500 + EVENTS_MAX / 2)));
+    service.stop().await;
+}
+
+#[tokio::test]
+async fn the_outbox_is_bounded_and_what_is_removed_is_counted_with_sqlite() {
+    what_is_removed_is_counted(Stage::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn the_outbox_is_bounded_and_what_is_removed_is_counted_with_postgresql() {
+    what_is_removed_is_counted(Stage::postgres().await).await;
+}
+
+#[tokio::test]
+async fn without_webhooks_no_event_is_written() {
+    let stage = Stage::sqlite().await;
+    let service = stage.supervisor("a", FAST).await;
+    stage.robot().await;
+    let mut raw = stage.raw().await;
+    raw.trim(1).await;
+    assert_eq!(raw.number("SELECT count(*) FROM webhook_events").await, 0);
+    service.stop().await;
+}
+
+#[tokio::test]
+async fn regress_events_of_a_restored_server_come_before_new_ones() {
+    let stage = Stage::postgres().await;
+    let receiver = Receiver::start(Manner::Status(503)).await;
+    let service = stage.supervisor("a", FAST).await;
+    stage.robot().await;
+    hook(&service, &receiver, json!({ "enabled": false })).await;
+    let mut raw = stage.raw().await;
+    raw.trim(1).await;
+    service.stop().await;
+    // The server of the dump had counted far more transactions.
+    raw.run("UPDATE webhook_events SET tx = tx + 1000000000").await;
+    raw.run("UPDATE webhooks SET done_tx = done_tx + 1000000000 - 1, enabled = TRUE").await;
+    receiver.is(Manner::Status(200));
+    let store = Store::open(&stage.address, "test").await.unwrap();
+    store.prepare_webhook_queues().await.unwrap();
+    store.close().await;
+    raw.trim(2).await;
+    let service = stage.supervisor("b", FAST).await;
+    assert_eq!(taken(&receiver, 2).await, [1, 2]);
+    service.stop().await;
+}
