@@ -3,9 +3,11 @@
 //! The wall clock, which the core must not read, and identifiers that several crates derive are here, too.
 
 pub mod actions;
+pub mod black_box;
 pub mod clock;
 pub mod guidance;
 pub mod ids;
+pub mod recording;
 pub mod touch_tests;
 pub mod words;
 

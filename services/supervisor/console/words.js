@@ -85,6 +85,12 @@ export const ACTION_STATES = {
   EXPIRED: ["expired", "warn", "clock"],
 };
 
+export const BLACK_BOX_STATES = {
+  RECORDING: ["recording", "info", "dots"],
+  COMPLETE: ["complete", "good", "tick"],
+  PARTIAL: ["messages are missing", "warn", "gap"],
+};
+
 /** The words for one of the API's words. */
 export function say(words, word) {
   const known = words[word];

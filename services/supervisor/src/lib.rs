@@ -2,7 +2,7 @@
 //!
 //! Read in this order: [`service`] starts all tasks. `ownership` and `fleet` take fleets by leases. [`mqtt`], [`inbox`],
 //! [`outbox`] and [`broker`] carry messages, which [`vibrissa_edge`] turns into events of the core. [`engine`] steps the core and
-//! commits its effects to [`vibrissa_store`]. [`http`] serves people, [`metrics`] and [`trace`] serve monitoring.
+//! commits its effects to [`vibrissa_store`]. `black_box` keeps robots' messages around events. [`http`] serves people, [`metrics`] and [`trace`] serve monitoring.
 
 pub mod service;
 
@@ -33,6 +33,7 @@ pub mod trace;
 pub mod trace;
 
 mod backoff;
+mod black_box;
 pub mod calibration_file;
 mod params;
 pub mod plot;

@@ -6,6 +6,7 @@ pub mod alarms;
 pub mod alarms_at_once;
 pub mod allowed;
 pub mod audit;
+pub mod black_boxes;
 pub mod calibrations;
 pub mod compensations;
 pub mod contacts;
@@ -42,6 +43,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(alarms_at_once::routes())
         .merge(allowed::routes())
         .merge(audit::routes())
+        .merge(black_boxes::routes())
         .merge(calibrations::routes())
         .merge(events::routes())
         .merge(fleets::routes())

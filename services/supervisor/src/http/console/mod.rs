@@ -84,6 +84,7 @@ files!(
     "pages/whisker.js"
     "pages/whiskers.js"
     "parts/alarms.js"
+    "parts/boxes.js"
     "parts/decisions.js"
     "parts/fleets.js"
     "parts/incidents.js"
