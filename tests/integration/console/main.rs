@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod alarms;
+mod axe;
 mod browser;
 mod browsing;
 mod charts;
@@ -10,6 +11,7 @@ mod checks;
 mod following;
 mod incidents;
 mod stage;
+mod story;
 mod touch_tests;
 mod widths;
 mod zones;
