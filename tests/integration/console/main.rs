@@ -22,5 +22,6 @@ mod keyboard;
 mod live;
 mod loading;
 mod overview;
+mod picture;
 mod reading;
 mod signing_in;
