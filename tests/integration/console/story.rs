@@ -76,7 +76,7 @@ async fn crowd(demo: &LiveDemo) -> Crowd {
         let known = [answer["robots"].as_u64()?, answer["whiskers"].as_u64()?];
         (known == [ROBOTS as u64 + 2, (ROBOTS * WHISKERS) as u64 + 9]).then_some(())
     };
-    until("all robots are known", known).await;
+    patiently("all robots are known", known).await;
     Crowd { stop, thread }
 }
 
@@ -114,11 +114,13 @@ async fn from_the_cut_on_the_page_to_the_replay_of_its_black_box() {
     let says_hint = format!("document.querySelector('main').innerText.includes({})", json!(hint));
     browser.until("the hint", &says_hint).await;
 
-    // The black boxes are complete some seconds later. They are saved from the alarm's card and the robot's page.
+    // The black boxes end some seconds later. They are saved from the alarm's card and the robot's page.
     for one in [&trim, &alarm] {
         let ended = |found: &Value| found["black_box_id"] == one["black_box_id"] && found["state"] != "RECORDING";
         let ended = demo.item("/v1/black-boxes", ended).await;
-        assert_eq!(ended["state"], "COMPLETE", "{ended}");
+        // It may be PARTIAL: while the whiskers are learned, contacts are so many that a thousandth of the memory holds less
+        // than ten seconds. It still begins with a state.
+        assert_eq!((&ended["has_state"], &ended["left_out"]), (&json!(true), &json!(0)), "{ended}");
     }
     save(&mut browser, &url(ALARMS), &alarm).await;
     save(&mut browser, &url(CRAWLER), &trim).await;
@@ -135,15 +137,11 @@ async fn from_the_cut_on_the_page_to_the_replay_of_its_black_box() {
 
     // The error is known after some hundred contacts of the compensator. The page of the decision shows it.
     browser.open(&url(&decision)).await;
-    let deadline = Instant::now() + Duration::from_secs(60);
-    let error = loop {
-        let items = ask(demo.http, "GET", decided, &[]).await.unwrap().json()["items"].take();
-        if let Some(error) = items[0]["measured_error"].as_f64() {
-            break error;
-        }
-        assert!(Instant::now() < deadline, "no error was measured: {items}");
-        sleep(Duration::from_millis(250)).await;
+    let measured = async || {
+        let answer = ask(demo.http, "GET", decided, &[]).await.ok()?.json();
+        answer["items"][0]["measured_error"].as_f64()
     };
+    let error = patiently("a measured error", measured).await;
     let percent = format!("document.querySelector('main').innerText.includes('{:.1}\u{a0}%')", 100.0 * error);
     browser.until("the measured error", &percent).await;
 
@@ -182,6 +180,18 @@ async fn from_the_cut_on_the_page_to_the_replay_of_its_black_box() {
     load.thread.join().unwrap();
     demo.type_line("quit");
     assert!(demo.ended().await.success());
+}
+
+/// Waits for a value for a minute: a thousand robots and their browser share two cores with other tests.
+async fn patiently<T>(what: &str, look: impl AsyncFn() -> Option<T>) -> T {
+    let deadline = Instant::now() + Duration::from_secs(60);
+    loop {
+        if let Some(found) = look().await {
+            return found;
+        }
+        assert!(Instant::now() < deadline, "timed out waiting for: {what}");
+        sleep(Duration::from_millis(250)).await;
+    }
 }
 
 /// Clicks the link to a black box.
