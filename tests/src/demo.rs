@@ -19,6 +19,8 @@ use crate::web::ask;
 pub struct LiveDemo {
     /// Address of its HTTP server.
     pub http: SocketAddr,
+    /// URL of its broker.
+    pub mqtt: String,
     child: Child,
     input: Option<ChildStdin>,
     printed: Arc<Mutex<Vec<String>>>,
@@ -47,9 +49,12 @@ impl LiveDemo {
         });
         let input = child.stdin.take();
         let http = SocketAddr::from(([127, 0, 0, 1], 0));
-        let mut demo = Self { http, child, input, printed, _folder: folder };
+        let mut demo = Self { http, mqtt: String::new(), child, input, printed, _folder: folder };
         let console = demo.prints("Console: http://").await;
         let address = console.trim_start_matches("Console: http://").trim_end_matches('/');
+        let begun = demo.prints("over MQTT on ").await;
+        let (_, after) = begun.split_once("over MQTT on ").expect("the broker");
+        demo.mqtt = after.split(';').next().unwrap_or_default().to_owned();
         demo.http = address.parse().expect("an address");
         demo
     }

@@ -14,5 +14,6 @@ pub mod prometheus;
 pub mod proxy;
 pub mod python;
 pub mod robot;
+pub mod svg;
 pub mod wait;
 pub mod web;

@@ -3,10 +3,12 @@
 //! The wall clock, which the core must not read, and identifiers that several crates derive are here, too.
 
 pub mod actions;
+pub mod black_box;
 pub mod clock;
 pub mod guidance;
 pub mod ids;
 pub mod labels;
+pub mod recording;
 pub mod touch_tests;
 pub mod webhooks;
 pub mod words;

@@ -14,6 +14,7 @@ pub mod allowed;
 mod apart;
 pub mod backup;
 pub mod batch;
+pub mod black_boxes;
 pub mod bulk;
 pub mod calibrations;
 pub mod changes;

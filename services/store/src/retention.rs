@@ -13,11 +13,13 @@ pub struct Retention {
     pub contacts_days: u32,
     /// Retention of the aggregates of minutes, days.
     pub minutes_days: u32,
+    /// Retention of black boxes, days.
+    pub black_boxes_days: u32,
 }
 
 impl Default for Retention {
     fn default() -> Self {
-        Self { contacts_days: 30, minutes_days: 400 }
+        Self { contacts_days: 30, minutes_days: 400, black_boxes_days: 90 }
     }
 }
 
@@ -52,6 +54,8 @@ pub enum Done {
 
 /// Most rows that SQLite deletes at once.
 const ROWS: i64 = 2000;
+/// Most black boxes that are deleted at once: each has some ten kilobytes.
+const BOXES: i64 = 100;
 
 /// Time before which rows are too old, µs since 1970 UTC; `None` for unlimited retention.
 fn kept_from(now_us: i64, days: u32) -> Option<i64> {
@@ -75,8 +79,8 @@ impl Store {
         }
     }
 
-    /// Deletes rows that are too old: whole partitions in PostgreSQL, some thousand rows in SQLite. Returns whether
-    /// there may be more.
+    /// Deletes rows that are too old: black boxes, whole partitions in PostgreSQL, some thousand rows in SQLite. Returns
+    /// whether there may be more.
     ///
     /// # Errors
     /// The database cannot be written or is too busy; try again later.
@@ -89,17 +93,28 @@ impl Store {
         const WHAT: &str = "delete old rows";
         let contacts_us = kept_from(now_us, retention.contacts_days);
         let minutes_us = kept_from(now_us, retention.minutes_days);
+        let mut is_more = false;
+        if let Some(before_us) = kept_from(now_us, retention.black_boxes_days) {
+            let rows = self.remove_black_boxes(before_us, BOXES).await.map_err(failed(WHAT))?;
+            if rows > 0 {
+                told(Done::Removed { table: "black_boxes", rows });
+            }
+            is_more = rows == BOXES as u64;
+        }
         match &self.pool {
-            Either::Sqlite(_) => self.remove_some([contacts_us, minutes_us], told).await.map_err(failed(WHAT)),
+            Either::Sqlite(_) => {
+                let more_rows = self.remove_some([contacts_us, minutes_us], told).await.map_err(failed(WHAT))?;
+                Ok(more_rows || is_more)
+            }
             Either::Postgres(_) => {
                 // A separate connection: if this future is dropped, the connection and with it the advisory lock are
                 // closed.
                 let link = self.options.connect().await.map_err(failed(WHAT))?;
-                let Either::Postgres(mut link) = link else { return Ok(false) };
+                let Either::Postgres(mut link) = link else { return Ok(is_more) };
                 let before = [(&CONTACTS, contacts_us), (&MINUTES, minutes_us)];
                 let done = partitions::look_after(&mut link, now_us, before, told).await;
                 close(link).await;
-                done.map_err(failed(WHAT)).map(|()| false)
+                done.map_err(failed(WHAT)).map(|()| is_more)
             }
         }
     }

@@ -87,6 +87,12 @@ export const ACTION_STATES = {
   EXPIRED: ["expired", "warn", "clock"],
 };
 
+export const BLACK_BOX_STATES = {
+  RECORDING: ["recording", "info", "dots"],
+  COMPLETE: ["complete", "good", "tick"],
+  PARTIAL: ["messages are missing", "warn", "gap"],
+};
+
 export const ROLLOUT_STATES = {
   RUNNING: ["running", "info", "dots"],
   PAUSED: ["paused", "warn", "hand"],

@@ -10,6 +10,7 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::BootId;
 
 use crate::action_notifier::ActionNotifier;
+use crate::black_box::BlackBoxes;
 use crate::ending::Ending;
 use crate::engine::{ContactRetention, Engine, EngineOptions, Limits};
 use crate::metrics::{FleetMetrics, Metrics};
@@ -46,6 +47,8 @@ pub(crate) struct Shared {
     pub(crate) keep: ContactRetention,
     /// Limits on the number of robots.
     pub(crate) limits: Limits,
+    /// Black boxes of the robots.
+    pub(crate) boxes: BlackBoxes,
     /// Allow list of robots from a file, if one is configured.
     pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
     /// Identifier of this start of this supervisor; the owner in the leases.
@@ -153,6 +156,7 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
             retention: shared.keep,
             limits: shared.limits,
             robots_file: shared.robots_file.clone(),
+            boxes: shared.boxes.clone(),
             traces: shared.traces.clone(),
         };
         match options.start().await {

@@ -2,8 +2,8 @@
 //!
 //! Read in this order: [`service`] starts all tasks. `ownership` and `fleet` take fleets by leases. [`mqtt`], [`inbox`],
 //! [`outbox`] and [`broker`] carry messages, which [`vibrissa_edge`] turns into events of the core. [`engine`] steps the core and
-//! commits its effects to [`vibrissa_store`]. [`http`] serves people, [`webhooks`] sends
-//! events to other programs, [`metrics`] and [`trace`] serve monitoring.
+//! commits its effects to [`vibrissa_store`]. `black_box` keeps robots' messages around events. [`http`] serves people,
+//! [`webhooks`] sends events to other programs, [`metrics`] and [`trace`] serve monitoring.
 
 pub mod service;
 
@@ -35,6 +35,7 @@ pub mod trace;
 pub mod trace;
 
 mod backoff;
+mod black_box;
 pub mod calibration_file;
 mod params;
 pub mod plot;

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use prometheus::Histogram;
 use vibrissa_core::units::Micros;
-use vibrissa_protocol::QualityOfService;
+use vibrissa_protocol::{Name, QualityOfService, RobotTopic};
 
 use vibrissa_edge::clock::wall_clock;
 
@@ -15,6 +15,8 @@ use vibrissa_edge::clock::wall_clock;
 pub struct Publication {
     /// The MQTT topic.
     pub topic: String,
+    /// The robot, and its topic; `None` for a message to nobody in particular.
+    pub robot: Option<(Name, RobotTopic)>,
     /// The message as JSON.
     pub payload: Vec<u8>,
     /// Quality of service.

@@ -14,6 +14,8 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
 use crate::action_notifier::ActionNotifier;
+pub use crate::black_box::BlackBoxOptions;
+use crate::black_box::BlackBoxes;
 use crate::broker::Broker;
 use crate::engine::{ContactRetention, Limits};
 use crate::fleet::Shared;
@@ -69,6 +71,8 @@ pub struct ServiceOptions {
     pub lease_time_to_live: Duration,
     /// Which contacts the database keeps, and for how long.
     pub history: HistoryOptions,
+    /// Black boxes of robots.
+    pub black_boxes: BlackBoxOptions,
     /// Limits on the number of robots, and the file of allowed robots.
     pub limits: LimitOptions,
     /// External broker; `None` starts the embedded one.
@@ -172,6 +176,7 @@ impl Service {
             params: params.clone(),
             keep: options.history.keep,
             limits: options.limits.limits,
+            boxes: BlackBoxes::start(options.black_boxes, store.writer()),
             robots_file: robots_file.clone(),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };

@@ -47,6 +47,7 @@ impl Running {
             lease_time_to_live: LEASE_TIME_TO_LIVE,
             limits: vibrissa_supervisor::service::LimitOptions::default(),
             history: vibrissa_supervisor::service::HistoryOptions::default(),
+            black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
             metrics_per_whisker: false,
             broker: Some(broker),
             mqtt_port: 0,

@@ -214,6 +214,14 @@ impl Browser {
         std::fs::write(path, STANDARD.decode(picture["data"].as_str().unwrap()).unwrap()).unwrap();
     }
 
+    /// Writes a picture of the upper part of the page as PNG.
+    pub(crate) async fn picture_of_top(&mut self, path: &Path, width: f64, height: f64) {
+        let clip = json!({ "x": 0, "y": 0, "width": width, "height": height, "scale": 1 });
+        let asked = json!({ "captureBeyondViewport": true, "clip": clip });
+        let picture = self.call("Page.captureScreenshot", asked).await;
+        std::fs::write(path, STANDARD.decode(picture["data"].as_str().unwrap()).unwrap()).unwrap();
+    }
+
     /// Errors of scripts, of loading, and of the security policy.
     pub(crate) fn problems(&self) -> Vec<String> {
         let problem = |(method, said): &(String, Value)| match method.as_str() {

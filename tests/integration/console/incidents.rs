@@ -10,16 +10,16 @@ use crate::stage::Stage;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
 const ROBOT: &str = "#/fleets/demo/robots/crawler-1";
-const NAMES: [&str; 5] = ["Cut 5 mm", "Wear off", "Leak", "Heat by 10 K", "Replace"];
+const NAMES: [&str; 6] = ["Cut 5 mm", "Cut 22 mm", "Wear off", "Leak", "Heat by 10 K", "Replace"];
 
-async fn press(browser: &mut Browser, name: &str, told: &str) {
+pub(crate) async fn press(browser: &mut Browser, name: &str, told: &str) {
     browser.until(name, &button(name)).await;
     browser.js(&format!("{}.focus()", button(name))).await;
     browser.press("Enter").await;
     browser.until(told, &format!("document.getElementById('notices').innerText.includes('{told}')")).await;
 }
 
-fn picture(name: &str, width: u32, scheme: &str) -> Option<std::path::PathBuf> {
+pub(crate) fn picture(name: &str, width: u32, scheme: &str) -> Option<std::path::PathBuf> {
     let folder = std::env::var_os("VIBRISSA_PICTURES")?;
     Some(std::path::Path::new(&folder).join(format!("{name}-{width}-{scheme}.png")))
 }
@@ -43,7 +43,7 @@ async fn a_whisker_of_the_demo_is_cut_and_replaced_by_buttons() {
         browser.prefers(scheme).await;
         for (name, hash) in [("demo-robot", ROBOT), ("demo-whisker", &format!("{ROBOT}/arrays/left/whiskers/2"))] {
             browser.open(&format!("http://{}/{hash}", demo.http)).await;
-            browser.until("the panel", &button(NAMES[4])).await;
+            browser.until("the panel", &button(NAMES[5])).await;
             assert_eq!(complaints(&mut browser).await, Vec::<String>::new(), "{name} {width} {scheme}");
             assert_eq!(overflow(&mut browser).await, Vec::<String>::new(), "{name} {width} {scheme}");
             if let Some(path) = picture(name, width, scheme) {

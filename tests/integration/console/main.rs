@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod alarms;
+mod axe;
 mod browser;
 mod browsing;
 mod bulk;
@@ -13,6 +14,7 @@ mod incidents;
 mod keycloak;
 mod provider;
 mod stage;
+mod story;
 mod touch_tests;
 mod webhooks;
 mod widths;
@@ -25,6 +27,7 @@ mod labels;
 mod live;
 mod loading;
 mod overview;
+mod picture;
 mod reading;
 mod rollouts;
 mod signing_in;

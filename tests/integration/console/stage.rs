@@ -92,6 +92,7 @@ impl Stage {
             lease_time_to_live: LEASE_TIME_TO_LIVE,
             limits: vibrissa_supervisor::service::LimitOptions::default(),
             history: vibrissa_supervisor::service::HistoryOptions::default(),
+            black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
             metrics_per_whisker: false,
             broker: None,
             mqtt_port: 0,

@@ -28,6 +28,7 @@ async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Servi
         lease_time_to_live: std::time::Duration::from_secs(2),
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: vibrissa_supervisor::service::HistoryOptions::default(),
+        black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
         metrics_per_whisker: false,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,

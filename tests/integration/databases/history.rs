@@ -247,6 +247,7 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto, keep: Contact
         fleets: vec![fleet()],
         database: database.clone(),
         lease_time_to_live: LEASE_TIME_TO_LIVE,
+        black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: HistoryOptions { keep, ..HistoryOptions::default() },
         metrics_per_whisker: false,

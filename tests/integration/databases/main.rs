@@ -4,6 +4,7 @@
 
 mod actions;
 mod backup;
+mod black_boxes;
 mod contract;
 mod formats;
 mod history;

@@ -38,6 +38,7 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: vibrissa_supervisor::service::HistoryOptions::default(),
+        black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
         metrics_per_whisker: false,
         webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,

@@ -67,7 +67,7 @@ async fn make(store: &Store, now_us: i64) -> Vec<String> {
 
 async fn look_after(store: &Store, days: u32, now_us: i64) -> (Vec<Done>, bool) {
     let mut told = Vec::new();
-    let retention = Retention { contacts_days: days, minutes_days: 0 };
+    let retention = Retention { contacts_days: days, minutes_days: 0, black_boxes_days: 0 };
     let is_more = store.look_after(retention, now_us, &mut |done| told.push(done)).await.unwrap();
     (told, is_more)
 }
@@ -162,7 +162,7 @@ async fn a_long_query_puts_dropping_off_and_holds_no_commit_up() {
     let mut link = link(&database).await;
     let mut reader = link.begin().await.unwrap();
     reader.execute("SELECT count(*) FROM contacts").await.unwrap();
-    let retention = Retention { contacts_days: 1, minutes_days: 0 };
+    let retention = Retention { contacts_days: 1, minutes_days: 0, black_boxes_days: 0 };
     let later_us = NOON_US + 10 * DAY_US;
     let mut told = Vec::new();
     let mut tell = |done| told.push(done);

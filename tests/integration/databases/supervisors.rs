@@ -380,6 +380,7 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: vibrissa_supervisor::service::HistoryOptions::default(),
+        black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
         metrics_per_whisker: false,
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,

@@ -1,8 +1,10 @@
 //! Runs the demo like a new user.
 
 mod live;
+mod pictures;
 
 use vibrissa::demo::{DemoOptions, Serving, run};
+use vibrissa_tests::svg::is_up_to_date;
 
 /// The demo itself fails if a trim was missed, late or false, a length off by more than 1 mm, a setpoint not applied, a
 /// contact lost, or the mean error of self-compensation not below the paper's 20.385 %.
@@ -19,5 +21,6 @@ async fn paper_the_demo_ends_as_expected() {
     assert!(run(&options).await.unwrap(), "see the report above");
     let picture = std::fs::read_to_string(folder.path().join("demo.svg")).unwrap();
     assert!(picture.contains("crawler-2/nose/1"), "the chart must name the whiskers");
+    is_up_to_date("demo.svg", &picture, "cargo test -p vibrissa-tests --test demo the_demo_ends");
     assert!(folder.path().join("demo.sqlite3").is_file());
 }

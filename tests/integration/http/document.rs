@@ -71,13 +71,14 @@ impl Document {
 }
 
 /// Lists whose rows have a path of their own, and the column that names a row.
-const NAMED_ROWS: [(&str, &str); 6] = [
+const NAMED_ROWS: [(&str, &str); 7] = [
     ("compensations", "compensation_id"),
     ("setpoints", "command_id"),
     ("trims", "trim_id"),
     ("health-changes", "health_change_id"),
     ("alarms", "alarm_id"),
     ("touch-tests", "test_id"),
+    ("black-boxes", "black_box_id"),
 ];
 
 /// The parameters of paths with values that exist.

@@ -1,5 +1,9 @@
 //! Test data: two fleets with two robots of three whiskers each, and all kinds of events.
 
+use std::io::Write;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vibrissa_core::mechanics::{CONTACT_RATIOS, Formulation};
@@ -13,6 +17,7 @@ use vibrissa_store::batch::{
     Interval, LayoutRow, Record, RefinementRow, RobotAlarmRow, RobotRow, RollupRow, SetpointRow, SetpointStateRow,
     TouchTestProgressRow, TouchTestRow, TrimRow, WhiskerRow,
 };
+use vibrissa_store::black_boxes::NewBlackBox;
 use vibrissa_store::{Batch, Lease, Store, Supervisor, Writer};
 
 /// Time of the first row, microseconds since 1970 UTC.
@@ -98,6 +103,27 @@ fn known(epoch: u64) -> Robot {
     robot
 }
 
+/// A box with one message.
+fn black_box(robot_id: i64, whisker_id: i64) -> NewBlackBox {
+    let mut body = GzEncoder::new(Vec::new(), Compression::default());
+    body.write_all(b"{\"received_us\":1,\"topic\":\"whisker/v1/f/r1/contacts\",\"payload\":{}}\n").unwrap();
+    NewBlackBox {
+        robot_id,
+        whisker_id,
+        cause: "TRIM",
+        event_us: START_US,
+        began_us: START_US - 60_000_000,
+        ends_us: START_US + 60_000_000,
+        last_us: START_US + 59_000_000,
+        state: "COMPLETE",
+        messages: 1,
+        left_out: 0,
+        has_state: false,
+        bytes: 67,
+        body: body.finish().unwrap(),
+    }
+}
+
 async fn robot(writer: &mut Writer, lease: &Lease, name: &str, random: &mut ChaCha8Rng, written: &mut Written) {
     let robot = known(lease.epoch());
     let robot_id = writer.robot_id(lease, name, 1_000_000).await.unwrap();
@@ -138,6 +164,7 @@ async fn robot(writer: &mut Writer, lease: &Lease, name: &str, random: &mut ChaC
     if is_first {
         written.contacts = batch.contacts;
     }
+    writer.write_black_box(lease, &black_box(robot_id, ids[0])).await.unwrap();
     for record in batch.records {
         if let Record::Error(row) = record {
             let Decided { target, case, .. } = Decided::new(robot_id, row.compensation_id as u32, &ids);

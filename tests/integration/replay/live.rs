@@ -138,6 +138,7 @@ async fn service(folder: &TempDir, port: u16) -> Service {
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: vibrissa_supervisor::service::HistoryOptions::default(),
+        black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
         metrics_per_whisker: false,
         broker: Some(BrokerAddress::new("127.0.0.1", port)),
         mqtt_port: 0,

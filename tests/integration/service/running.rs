@@ -87,6 +87,7 @@ impl Running {
             lease_time_to_live: LEASE_TIME_TO_LIVE,
             limits: vibrissa_supervisor::service::LimitOptions::default(),
             history: vibrissa_supervisor::service::HistoryOptions::default(),
+            black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
             metrics_per_whisker: false,
             broker: broker.map(|port| BrokerAddress::new("127.0.0.1", port)),
             mqtt_port: 0,

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use super::black_boxes::box_of;
 use super::counts::alarms;
 use super::sorts;
 use crate::from_row::from_row;
@@ -48,6 +49,9 @@ from_row! {
         pub shelved_reason: Option<String>,
         /// State: `UNACKNOWLEDGED`, `ACKNOWLEDGED`, `SHELVED` or `CLEARED`.
         pub state: String,
+        /// Number of the black box with the robot's messages around it; null without a box.
+        #[schema(minimum = 0)]
+        pub black_box_id: Option<i64>,
         /// Labels of the robot, by key.
         #[schema(value_type = std::collections::BTreeMap<String, String>)]
         pub labels: RobotLabels,
@@ -143,7 +147,9 @@ macro_rules! rows {
              s.raised_us AS raised_at, standing, cleared_us AS cleared_at, acknowledged_us AS acknowledged_at, \
              acknowledged_by, acknowledged_reason, shelved_until_us AS shelved_until, shelved_by, shelved_reason, \
              CASE WHEN NOT standing THEN 'CLEARED' WHEN shelved_until_us IS NOT NULL THEN 'SHELVED' \
-             WHEN acknowledged_us IS NULL THEN 'UNACKNOWLEDGED' ELSE 'ACKNOWLEDGED' END AS state FROM ",
+             WHEN acknowledged_us IS NULL THEN 'UNACKNOWLEDGED' ELSE 'ACKNOWLEDGED' END AS state, ",
+            box_of!("r.robot_id", "s.raised_us"),
+            " AS black_box_id FROM ",
             alarms!($condition),
             " s LEFT JOIN whiskers w ON w.whisker_id = s.whisker_id LEFT JOIN arrays y ON y.array_id = w.array_id \
              JOIN robots r ON r.robot_id = coalesce(s.robot_id, w.robot_id)) t"

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use super::black_boxes::box_of;
 use super::sorts;
 use crate::from_row::from_row;
 use crate::list::List;
@@ -37,6 +38,9 @@ from_row! {
         /// Number of contacts from the most likely moment of the cut to its detection.
         #[schema(minimum = 0)]
         pub contacts_to_detect: i64,
+        /// Number of the black box with the robot's messages around it; null without a box.
+        #[schema(minimum = 0)]
+        pub black_box_id: Option<i64>,
     }
 
     /// A change of a whisker's condition or fault.
@@ -88,11 +92,14 @@ sorts! {
 /// All detected trims.
 pub static TRIMS: List = List {
     what: "list the trims",
-    select: "SELECT trim_id, fleet, robot, \"array\", w.whisker, detected_us AS detected_at, length_before_mm, \
-             length_after_mm, length_after_mm - 1.959963984540054 * length_after_sd_mm AS length_after_low_mm, \
-             length_after_mm + 1.959963984540054 * length_after_sd_mm AS length_after_high_mm, contacts_to_detect \
-             FROM trims t JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
-             JOIN robots r ON r.robot_id = w.robot_id",
+    select: concat!(
+        "SELECT trim_id, fleet, robot, \"array\", w.whisker, detected_us AS detected_at, length_before_mm, \
+         length_after_mm, length_after_mm - 1.959963984540054 * length_after_sd_mm AS length_after_low_mm, \
+         length_after_mm + 1.959963984540054 * length_after_sd_mm AS length_after_high_mm, contacts_to_detect, ",
+        box_of!("r.robot_id", "t.detected_us"),
+        " AS black_box_id FROM trims t JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
+         JOIN robots r ON r.robot_id = w.robot_id"
+    ),
     details: "",
     sorts: TrimSort::SORTS,
     id: "trim_id",

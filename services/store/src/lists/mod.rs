@@ -2,6 +2,7 @@
 
 pub mod actions;
 pub mod alarms;
+pub mod black_boxes;
 pub mod bulk;
 pub mod calibrations;
 pub mod compensations;

@@ -7,6 +7,7 @@ import { drawing } from "../drawing.js";
 import { count, interval, mm, mpa, time } from "../format.js";
 import { attention, markOf, marksOf } from "../marks.js";
 import { api, link } from "../places.js";
+import { boxesOf, boxesTable } from "../parts/boxes.js";
 import { decisionsTable } from "../parts/decisions.js";
 import { incidents } from "../parts/incidents.js";
 import { robotLabels } from "../parts/labels.js";
@@ -18,16 +19,17 @@ import { health } from "./fleets.js";
 
 export default {
   async load({ fleet, robot }) {
-    const [about, whiskers, decisions, tests] = await Promise.all([
+    const [about, whiskers, decisions, tests, boxes] = await Promise.all([
       get(api.robot({ fleet, robot })),
       list("/v1/whiskers", { fleet, robot }),
       list("/v1/compensations", { fleet, robot, active: true }),
       ifServed("/v1/touch-tests", () => list("/v1/touch-tests", { fleet, robot, state: "PROPOSED" }), []),
+      boxesOf({ fleet, robot }),
     ]);
-    return { about, whiskers, decisions, tests };
+    return { about, whiskers, decisions, tests, boxes };
   },
 
-  view({ about, whiskers, decisions, tests }, { fleet, robot }, refresh) {
+  view({ about, whiskers, decisions, tests, boxes }, { fleet, robot }, refresh) {
     const waiting = decisions.filter((one) => one.approval === "PROPOSED");
     const decided = decisions.filter((one) => one.approval !== "PROPOSED");
     const running = decided.filter((one) => one.compensator_whisker !== null);
@@ -60,6 +62,7 @@ export default {
         "Active compensations",
         decisionsTable(running, "Active compensations", "No active compensations."),
       ),
+      section("Black boxes", boxesTable(boxes)),
     ];
   },
 };

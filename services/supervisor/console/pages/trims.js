@@ -3,6 +3,7 @@
 import { browser } from "../browse.js";
 import { h } from "../dom.js";
 import { interval, mm, time } from "../format.js";
+import { boxLink } from "../parts/boxes.js";
 import { fleetFilter, fleetsOf } from "../parts/fleets.js";
 import { fromOf, SINCE } from "../parts/since.js";
 import { link, whiskerName } from "../places.js";
@@ -39,6 +40,7 @@ const COLUMNS = [
     numeric: true,
     cell: (row) => row.contacts_to_detect,
   },
+  { name: "Messages", cell: (row) => boxLink(row.black_box_id) ?? "\u2013" },
 ];
 
 export default {

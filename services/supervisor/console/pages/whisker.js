@@ -8,6 +8,7 @@ import { h } from "../dom.js";
 import { count, interval, mm, mpa, percent, time } from "../format.js";
 import { markOf, marksOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
+import { boxesOf, boxesTable, boxLink } from "../parts/boxes.js";
 import { candidatesTable, decisionsTable, setpointsTable } from "../parts/decisions.js";
 import { incidents } from "../parts/incidents.js";
 import { testsTable } from "../parts/tests.js";
@@ -20,7 +21,7 @@ const HISTORIES = 5;
 export default {
   async load({ fleet, robot, array, whisker }) {
     const where = { fleet, robot, array };
-    const [about, targets, serves, setpoints, tests, trims, changes] = await Promise.all([
+    const [about, targets, serves, setpoints, tests, trims, changes, boxes] = await Promise.all([
       get(api.whisker({ ...where, whisker })),
       list("/v1/compensations", { ...where, target_whisker: whisker, limit: 20 }),
       list("/v1/compensations", { ...where, compensator_whisker: whisker, limit: 20 }),
@@ -28,6 +29,7 @@ export default {
       ifServed("/v1/touch-tests", () => list("/v1/touch-tests", { ...where, whisker, limit: 20 }), []),
       ifServed("/v1/trims", () => list("/v1/trims", { ...where, whisker, limit: 20 }), []),
       ifServed("/v1/health-changes", () => list("/v1/health-changes", { ...where, whisker, limit: 20 }), []),
+      boxesOf({ fleet, robot }),
     ]);
     const [newest, histories] = await Promise.all([
       targets[0] ? get(api.compensation(targets[0].compensation_id)) : null,
@@ -45,12 +47,13 @@ export default {
       tests,
       trims,
       changes,
+      boxes,
       newest,
     };
   },
 
   view(
-    { about, targets, serves, setpoints, tests, trims, changes, newest },
+    { about, targets, serves, setpoints, tests, trims, changes, boxes, newest },
     { fleet, robot, array, whisker },
     refresh,
   ) {
@@ -86,6 +89,7 @@ export default {
       section("Touch tests", testsTable(tests, refresh)),
       section("Trims", trimsTable(trims)),
       section("Changes of health", changesTable(changes)),
+      section("Black boxes of the robot", boxesTable(boxes)),
     ];
   },
 };
@@ -176,6 +180,7 @@ function trimsTable(trims) {
         cell: (row) => interval(row.length_after_mm, row.length_after_low_mm, row.length_after_high_mm),
       },
       { name: "Contacts to detection", numeric: true, cell: (row) => row.contacts_to_detect },
+      { name: "Messages", cell: (row) => boxLink(row.black_box_id) ?? "\u2013" },
     ],
   });
 }

@@ -6,6 +6,7 @@ import { h } from "../dom.js";
 import { count, time } from "../format.js";
 import { mark, markOf } from "../marks.js";
 import { link, whiskerName } from "../places.js";
+import { boxLink } from "./boxes.js";
 import { ALARM_KINDS, ALARM_LEVELS, ALARM_STATES, say } from "../words.js";
 
 /** Most alarms of an unfolded storm that are shown on the page. */
@@ -73,7 +74,7 @@ function card(row, actions) {
       "div",
       { class: "about" },
       h("h3", {}, level(row), subject(row)),
-      h("p", { class: "marks" }, state(row), h("span", {}, "raised ", time(row.raised_at)), cleared(row)),
+      h("p", { class: "marks" }, state(row), h("span", {}, "raised ", time(row.raised_at)), cleared(row), boxLink(row.black_box_id)),
       h("p", {}, row.hint),
       guidance(row),
     ),
@@ -187,7 +188,7 @@ function member(row, actions) {
   return h(
     "li",
     { class: "alarm", "data-key": `member-${row.alarm_id}` },
-    h("div", { class: "about" }, h("p", { class: "marks" }, where, state(row), h("span", {}, time(row.raised_at)))),
+    h("div", { class: "about" }, h("p", { class: "marks" }, where, state(row), h("span", {}, time(row.raised_at)), boxLink(row.black_box_id))),
     buttons.length ? h("div", { class: "buttons" }, buttons) : null,
   );
 }

@@ -12,6 +12,7 @@ const CHOICE = "demo-whisker";
 
 const INCIDENTS = [
   ["Cut 5 mm", { kind: "CUT", by_mm: 5 }],
+  ["Cut 22 mm", { kind: "CUT", by_mm: 22 }],
   ["Wear off", { kind: "ERODE" }],
   ["Leak", { kind: "LEAK" }],
   ["Heat by 10 K", { kind: "HEAT", by_k: 10 }],

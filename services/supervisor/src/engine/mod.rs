@@ -42,6 +42,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 
 use crate::action_notifier::ActionNotifier;
+use crate::black_box::FleetBoxes;
 use crate::ending::Ending;
 use crate::inbox::Inbox;
 use crate::metrics::{FleetMetrics, Metrics};
@@ -92,6 +93,7 @@ pub(crate) struct Engine {
     new_robots: Bucket,
     /// Runtime for work that would block the engine's own thread.
     workers: Handle,
+    boxes: FleetBoxes,
     /// Metrics shared by all fleets.
     program: Metrics,
     metrics: FleetMetrics,
@@ -221,7 +223,10 @@ impl Engine {
         self.pipeline.prepare_last();
         self.shards.make_checkpoints_due();
         self.begin_commit();
-        self.settle().await
+        self.settle().await?;
+        self.shards.end_boxes(wall_clock());
+        self.boxes.flush().await;
+        Ok(())
     }
 
     /// Seals the open batches, or takes the oldest transaction without rows, and starts to write it.
@@ -347,7 +352,7 @@ impl Engine {
         let is_due = self.shards.is_round_due(wall_clock());
         if fault::is(Fault::ReceiptBeforeCommit) {
             // A fault planted by a test: receipts are published before the commit.
-            self.pipeline.publish(self.shards.take_publications());
+            self.pipeline.publish(self.shards.take_publications(), |_| {});
         }
         if is_due {
             self.pipeline.schedule().receipts_are_due(Instant::now());

@@ -23,6 +23,7 @@ use super::shard::shards::Shards;
 use super::shard::stepper::Stepper;
 use super::{ContactRetention, Engine, Limits, fleet_metrics};
 use crate::action_notifier::ActionNotifier;
+use crate::black_box::BlackBoxes;
 use crate::metrics::Metrics;
 use crate::params;
 use crate::readiness::Readiness;
@@ -54,6 +55,8 @@ pub(crate) struct EngineOptions {
     pub(crate) limits: Limits,
     /// Allowed robots, which may change later.
     pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
+    /// Black boxes of the robots.
+    pub(crate) boxes: BlackBoxes,
     /// Traces, if there is a collector; those of setpoints under way are continued.
     pub(crate) traces: Option<Traces>,
 }
@@ -89,6 +92,11 @@ impl EngineOptions {
         let allowed = writer.allowed_robots(&lease, 0).await?;
         let last = recover(&mut writer, &lease, &mut shards).await?;
         shards.set_retention(self.retention);
+        let boxes = self.boxes.of_fleet(&lease, &metrics.black_boxes_lost);
+        writer.end_black_boxes(&lease).await?;
+        for shard in shards.iter_mut() {
+            shard.stepper_mut().set_boxes(boxes.clone());
+        }
         info!(%fleet, epoch, robots = shards.robot_count(), "fleet loaded, supervision starts");
         // As if a contact had just arrived, so that a silent fleet counts as silent from now on.
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
@@ -117,6 +125,7 @@ impl EngineOptions {
             shards,
             pipeline,
             workers,
+            boxes,
             program,
             metrics,
         })

@@ -169,6 +169,10 @@ of_fleet! {
     missed_touches: IntCounter = "vibrissa_missed_touches_total",
         "Touches that robots expected at a known distance and that did not come.";
 
+    /// Black boxes that could not be written.
+    black_boxes_lost: IntCounter = "vibrissa_black_boxes_lost_total",
+        "Black boxes that could not be written, because the database was unreachable or too busy.";
+
     /// Alarms raised, by kind.
     alarms_raised: Counters = "vibrissa_alarms_raised_total", "Alarms raised, by kind.", labels::ALARM;
     /// Standing alarms, by kind.

@@ -40,7 +40,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
     },
     Subject {
         title: "Alarms",
-        begins: &["vibrissa_alarms_"],
+        begins: &["vibrissa_alarms_", "vibrissa_black_boxes_"],
         queries: &[
             ("Standing alarms by kind", "sum by (fleet, kind) (vibrissa_alarms_standing) > 0"),
             ("Silent robots", r#"sum by (fleet) (vibrissa_alarms_standing{kind="ROBOT_SILENT"})"#),

@@ -290,6 +290,7 @@ mod tests {
         let now = Instant::now();
         let publication = |until| Publication {
             topic: "whisker/v1/f/r/setpoint".to_owned(),
+            robot: None,
             payload: Vec::new(),
             qos: QualityOfService::AtLeastOnce,
             is_retained: false,
@@ -315,6 +316,7 @@ mod tests {
         let now = Instant::now();
         let publication = Publication {
             topic: "whisker/v1/f/r/estimate".to_owned(),
+            robot: None,
             payload: Vec::new(),
             qos: QualityOfService::AtLeastOnce,
             is_retained: true,

@@ -123,6 +123,12 @@ policy_numbers! { keys {
         "Days after which single contacts are deleted; 0 keeps all";
     RollupsMinutesDays: "rollups.minutes_days", Kind::Whole { min: 0, max: 36_500 }, Some("400"),
         "Days after which minute aggregates are deleted, 0 keeps all; hour aggregates are always kept";
+    BlackBoxSeconds: "black_box.seconds", Kind::Whole { min: 0, max: 600 }, Some("60"),
+        "Seconds before and after a trim, fault or alarm whose messages a black box of the robot has; 0 for no black boxes";
+    BlackBoxMemoryMib: "black_box.memory_mib", Kind::Whole { min: 1, max: 65_536 }, Some("256"),
+        "Maximum memory for the messages of all robots in MiB; each robot has the same share, at most 1 MiB";
+    BlackBoxDays: "black_box.days", Kind::Whole { min: 0, max: 36_500 }, Some("90"),
+        "Days after which black boxes are deleted, 0 keeps all; each robot keeps its newest 20";
     LimitsRobotsPerFleet: "limits.robots_per_fleet", Kind::Whole { min: 1, max: 10_000 }, Some("10000"),
         "Maximum number of robots supervised per fleet; further ones are refused";
     LimitsNewRobotsPerMinute: "limits.new_robots_per_minute", Kind::Whole { min: 1, max: 10_000 }, Some("3000"),

@@ -47,7 +47,7 @@ use vibrissa_supervisor::http::HttpOptions;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::mqtt::BrokerAddress;
 use vibrissa_supervisor::robots_file::RobotsFile;
-use vibrissa_supervisor::service::{HistoryOptions, LimitOptions, ServiceOptions};
+use vibrissa_supervisor::service::{BlackBoxOptions, HistoryOptions, LimitOptions, ServiceOptions};
 use vibrissa_supervisor::trace::TraceOptions;
 use vibrissa_supervisor::webhooks::WebhookOptions;
 
@@ -68,6 +68,8 @@ pub struct Config {
     pub lease_time_to_live: Duration,
     /// Retention of contacts: the stored ones, and their lifetime.
     pub history: HistoryOptions,
+    /// Black boxes of robots.
+    pub black_boxes: BlackBoxOptions,
     /// Limits on the number of robots, and the file of allowed robots.
     pub limits: LimitOptions,
     /// External broker; `None` starts the embedded one.
@@ -131,6 +133,8 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let lease = reader.number(Key::LeaseTimeToLiveS);
     let keep = reader.word::<KeepArg>(Key::ContactsKeep);
     let (contacts_days, minutes_days) = (reader.whole(Key::ContactsDays), reader.whole(Key::RollupsMinutesDays));
+    let black_box_days = reader.whole(Key::BlackBoxDays);
+    let black_boxes = black_boxes(reader);
     let limits = limits(reader);
     let broker = mqtt::broker(reader);
     let mqtt_port = reader.whole(Key::MqttPort).and_then(|port| u16::try_from(port).ok());
@@ -152,8 +156,13 @@ fn config(reader: &mut Reader) -> Option<Config> {
         lease_time_to_live: Duration::from_secs_f64(lease?),
         history: HistoryOptions {
             keep: keep?.into(),
-            retention: Retention { contacts_days: contacts_days?, minutes_days: minutes_days? },
+            retention: Retention {
+                contacts_days: contacts_days?,
+                minutes_days: minutes_days?,
+                black_boxes_days: black_box_days?,
+            },
         },
+        black_boxes: black_boxes?,
         limits: limits?,
         broker,
         mqtt_port: mqtt_port?,
@@ -169,6 +178,11 @@ fn config(reader: &mut Reader) -> Option<Config> {
         touch_tests: touch_tests?,
         secret_files: std::mem::take(&mut reader.secret_files),
     })
+}
+
+fn black_boxes(reader: &mut Reader) -> Option<BlackBoxOptions> {
+    let (seconds, memory_mib) = (reader.whole(Key::BlackBoxSeconds), reader.whole(Key::BlackBoxMemoryMib));
+    Some(BlackBoxOptions { seconds: seconds?, memory_mib: memory_mib? })
 }
 
 /// Reads the file of allowed robots only to report errors in it. The service reads it again.
@@ -257,6 +271,7 @@ impl From<Config> for ServiceOptions {
             database: config.database,
             lease_time_to_live: config.lease_time_to_live,
             history: config.history,
+            black_boxes: config.black_boxes,
             limits: config.limits,
             broker: config.broker,
             mqtt_port: config.mqtt_port,

@@ -23,10 +23,12 @@ use vibrissa_store::DatabaseAddress;
 use vibrissa_store::Store;
 use vibrissa_supervisor::http::FurtherRoutes;
 use vibrissa_supervisor::http::access::AccessOptions;
-use vibrissa_supervisor::service::{HistoryOptions, LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+use vibrissa_supervisor::service::{BlackBoxOptions, HistoryOptions, LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 
 /// Longest time to wait for the expected events.
 const PATIENCE: Duration = Duration::from_secs(50);
+/// Seconds before and after an event whose messages a black box has: few, as everything else is in time-lapse.
+const BLACK_BOX_SECONDS: u32 = 10;
 /// Contacts of a compensator after which its error is known well: 12 bins of about 100.
 const CONTACTS_TO_MEASURE: i64 = 1200;
 
@@ -76,6 +78,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
         metrics_per_whisker: false,
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: HistoryOptions::default(),
+        black_boxes: BlackBoxOptions { seconds: BLACK_BOX_SECONDS, ..BlackBoxOptions::default() },
         broker: None,
         mqtt_port: options.mqtt_port,
         http: options.http.into(),

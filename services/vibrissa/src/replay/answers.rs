@@ -11,7 +11,8 @@ use std::collections::{BTreeMap, VecDeque};
 use vibrissa_core::robot::Robot;
 use vibrissa_core::robot::effect::{Command, CommandKey};
 use vibrissa_core::units::{Megapascal, Micros};
-use vibrissa_protocol::{Setpoint, SetpointOutcome, SetpointState};
+use vibrissa_edge::ids::command_id;
+use vibrissa_protocol::{Name, Setpoint, SetpointOutcome, SetpointState};
 
 /// Pressures closer than this are equal, MPa.
 const SAME_MPA: f64 = 1e-4;
@@ -72,6 +73,17 @@ impl Answers {
         }
         let (command_id, pressure_mpa) = (setpoint.command_id.clone(), setpoint.pressure_mpa);
         chamber.recorded.push_back(Link { command_id, pressure_mpa, key });
+    }
+
+    /// Notes the setpoints that a restored robot has under way: a black box has their answers, and not the setpoints.
+    pub(super) fn restored(&mut self, (fleet, name): (&Name, &Name), robot: &Robot) {
+        for command in robot.commands_under_way() {
+            let Some(view) = robot.whisker(command.whisker) else { continue };
+            let chamber = self.places.entry((view.array.to_owned(), view.sheet.number)).or_default();
+            let command_id = command_id(fleet, name, command.key);
+            let pressure_mpa = command.pressure.mpa();
+            chamber.recorded.push_back(Link { command_id, pressure_mpa, key: Some(command.key) });
+        }
     }
 
     /// Notes a setpoint of the replay. It is assumed to be applied once the robot has had time for it, unless a

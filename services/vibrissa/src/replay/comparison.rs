@@ -10,9 +10,9 @@ use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 
-use super::line::Recorded;
 use super::refusals::Refusals;
 use super::replayer::{Happened, Replayer, What};
+use vibrissa_edge::recording::Recorded;
 
 /// Two replays that run in step.
 pub struct Comparison {

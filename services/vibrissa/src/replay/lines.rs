@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, Read};
 
-use super::line::{LineError, Recorded};
+use vibrissa_edge::recording::{LineError, Recorded};
 
 /// Size limit of a line, in bytes: the largest packet of a broker with every byte escaped.
 pub const LINE_MAX_BYTES: usize = 16 * 1024 * 1024;

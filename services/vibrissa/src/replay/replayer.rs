@@ -9,13 +9,14 @@ use vibrissa_core::robot::event::SetpointReport;
 use vibrissa_core::robot::{Admission, Event, Numbers, Outcome, Params, Robot};
 use vibrissa_core::units::Micros;
 use vibrissa_edge as edge;
+use vibrissa_edge::black_box::Special;
 use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic};
 
 use super::answers::{Answer, Answers};
-use super::line::Recorded;
 use super::recorded_tests::RecordedTests;
 use super::refusals::Refusals;
 use super::status;
+use vibrissa_edge::recording::Recorded;
 
 /// Interval of the core's ticks, as in the service.
 const TICK: Micros = Micros(250_000);
@@ -111,6 +112,9 @@ impl Replayer {
     /// # Errors
     /// Errors of `sink`.
     pub fn take(&mut self, recorded: &Recorded, sink: &mut Sink<'_>) -> io::Result<()> {
+        if let Some(special) = Special::of(recorded) {
+            return self.special(special, recorded, sink);
+        }
         let topic = match Topic::parse(&recorded.topic) {
             Ok(topic) => topic,
             Err(refusal) => {
@@ -143,6 +147,29 @@ impl Replayer {
                     return self.message(&step, &Message::Contacts(contacts), sink);
                 }
                 Ok(())
+            }
+        }
+    }
+
+    /// A line of a black box that is no message: the robot's state at the beginning of the box.
+    fn special(&mut self, special: Special, recorded: &Recorded, sink: &mut Sink<'_>) -> io::Result<()> {
+        let Special::State { fleet, robot: name, state } = special else { return Ok(()) };
+        let is_wanted = self.fleets.as_ref().is_none_or(|fleets| fleets.contains(&fleet));
+        // In several boxes one after the other, a robot keeps the state of the replay.
+        if !is_wanted || self.robots.contains_key(&(fleet.clone(), name.clone())) {
+            return Ok(());
+        }
+        self.advance(recorded.received, sink)?;
+        match state {
+            Ok(mut robot) => {
+                robot.share_models(&self.params);
+                let known = Known::restored((&fleet, &name), *robot);
+                self.robots.insert((fleet, name), known);
+                Ok(())
+            }
+            Err(problem) => {
+                let step = Step { at: recorded.received, fleet: &fleet, name: &name, topic: &recorded.topic };
+                self.refuse(&step, "robot_state", &problem, sink)
             }
         }
     }
@@ -236,6 +263,13 @@ impl Known {
     fn new() -> Self {
         let robot = Robot::new(EPOCH, Numbers::default());
         Self { robot, answers: Answers::default(), tests: RecordedTests::default(), early: None, bad_times: 0 }
+    }
+
+    /// A robot as it was at the beginning of a black box.
+    fn restored(of: (&Name, &Name), robot: Robot) -> Self {
+        let mut answers = Answers::default();
+        answers.restored(of, &robot);
+        Self { robot, answers, ..Self::new() }
     }
 
     /// Passes a message to the core; returns the refused parts.

@@ -74,6 +74,7 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: vibrissa_supervisor::service::HistoryOptions::default(),
+        black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
         metrics_per_whisker: false,
         webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,

@@ -279,15 +279,17 @@ impl Pipeline {
         shards.spans_committed(&mut spans, committed.took);
         // Taken before publishing, because a robot may answer before `publish` returns.
         let now = SystemTime::now();
-        let all = self.publish(std::mem::take(&mut transaction.publications));
+        let publications = std::mem::take(&mut transaction.publications);
+        let at = wall_clock();
+        let all = self.publish(publications, |publication| shards.published(publication, at));
         shards.spans_published(spans, now, all);
     }
 
     /// Publishes; returns false if messages were dropped. Nothing is lost if the broker is unreachable or the lease may
     /// have expired: setpoints are sent again until they are answered, receipts with the next message, and estimates
     /// after each loss. A retained message must not replace one of the next owner, so it goes out only while the lease
-    /// holds.
-    pub(crate) fn publish(&self, publications: Vec<Publication>) -> bool {
+    /// holds. `note` gets each one that goes out.
+    pub(crate) fn publish(&self, publications: Vec<Publication>, mut note: impl FnMut(&Publication)) -> bool {
         let Some(outbox) = &self.outbox else { return true };
         let mut dropped = publications.len();
         if self.lease.is_fresh() {
@@ -296,7 +298,13 @@ impl Pipeline {
                 true => Publication { until: fresh_until, ..one },
                 false => one,
             });
-            dropped = bounded.filter_map(|one| outbox.try_send(one).err()).count();
+            for one in bounded {
+                // Noted before the robot may answer.
+                let Ok(place) = outbox.try_reserve() else { continue };
+                note(&one);
+                place.send(one);
+                dropped -= 1;
+            }
         }
         if dropped > 0 {
             self.losses.note();

@@ -22,6 +22,7 @@ use vibrissa_core::robot::{Event, OperatorAction, Params, Robot, Scope};
 use vibrissa_core::text::ShortText;
 use vibrissa_protocol::{BootId, Name};
 
+use crate::black_box::Recorder;
 use boots::Boots;
 use commands::Commands;
 use errors::MeasuredErrors;
@@ -73,6 +74,8 @@ pub(crate) struct KnownRobot {
     pub(crate) receipts_due: SmallVec<[ShortText; 1]>,
     /// The database has repeatedly rejected its rows: it gets no events for a while.
     pub(crate) rests: bool,
+    /// Its messages for black boxes; `None` before the first message.
+    pub(crate) recorder: Option<Box<Recorder>>,
 }
 
 /// Where a robot's durable state is, once the open batch is committed.
@@ -111,6 +114,7 @@ impl KnownRobot {
             fingerprints: Fingerprints::default(),
             receipts_due: SmallVec::new(),
             rests: false,
+            recorder: None,
         }
     }
 

@@ -5,6 +5,7 @@
 
 use std::time::{Duration, Instant};
 
+use bytes::Bytes;
 use indexmap::IndexMap;
 use vibrissa_core::robot::effect::Effect;
 use vibrissa_core::robot::event::Link;
@@ -13,6 +14,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::{Name, RequestKind};
 
 use super::stepper::Stepper;
+use crate::engine::message::RawMessage;
 use crate::engine::robot::seqs::Seqs;
 
 /// Limit of announced robots per fleet; beyond it, the one announced first is forgotten.
@@ -26,6 +28,8 @@ pub(super) struct Announcement {
     pub(super) robot: Robot,
     pub(super) seqs: Seqs,
     since: Instant,
+    /// Receipt time and payload of the last connection message, for the first black box.
+    pub(super) birth: (Micros, Bytes),
 }
 
 /// The robots of a shard whose factsheets are missing, in the order of their last births.
@@ -46,9 +50,10 @@ impl Announced {
         &mut self,
         stepper: &mut Stepper,
         (name, epoch): (&Name, u64),
-        now: Micros,
+        raw: &RawMessage,
         event: &Event<'_>,
     ) {
+        let now = raw.received;
         let known = self.robots.shift_remove(name);
         let is_birth = matches!(event, Event::Connection { link: Link::Online, .. });
         if known.is_none() && !is_birth {
@@ -61,7 +66,8 @@ impl Announced {
             || (Robot::new(epoch, Numbers::default()), Seqs::default()),
             |known| (known.robot, known.seqs),
         );
-        let mut announcement = Announcement { robot, seqs, since: Instant::now() };
+        let birth = (now, raw.payload.clone());
+        let mut announcement = Announcement { robot, seqs, since: Instant::now(), birth };
         announcement.step(stepper, name, now, event);
         self.robots.insert(name.clone(), announcement);
     }

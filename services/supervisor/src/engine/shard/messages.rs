@@ -21,6 +21,9 @@ impl Shard {
         if !self.permits(raw) {
             return;
         }
+        if let Some(known) = self.robots.get_mut(&raw.robot) {
+            self.stepper.keep_message(known, raw.kind, raw.received, &raw.payload);
+        }
         if raw.kind == RobotTopic::Contacts {
             return self.handle_contacts(raw);
         }
@@ -102,7 +105,7 @@ impl Shard {
         let is_birth = message.state == protocol::ConnectionState::Online;
         let Some(known) = self.robots.get_mut(&raw.robot) else {
             let epoch = self.epoch;
-            return self.announced.connection(&mut self.stepper, (&raw.robot, epoch), raw.received, &event);
+            return self.announced.connection(&mut self.stepper, (&raw.robot, epoch), raw, &event);
         };
         if is_birth && known.boots.is_old(message.boot_id.as_str()) {
             self.stepper.violation("old_boot", OLD_BIRTH, &known.name);
@@ -133,6 +136,9 @@ impl Shard {
     pub(crate) fn factsheet(&mut self, raw: &RawMessage) -> Option<protocol::Factsheet> {
         if !self.permits(raw) {
             return None;
+        }
+        if let Some(known) = self.robots.get_mut(&raw.robot) {
+            self.stepper.keep_message(known, raw.kind, raw.received, &raw.payload);
         }
         let Message::Factsheet(message) = self.decode(raw)? else { return None };
         let factsheet = self.stepper.factsheet(&message, &raw.robot)?;
@@ -222,6 +228,9 @@ impl Shard {
         if let Some(announcement) = self.announced.take(name) {
             let mut known = KnownRobot::new(name.clone(), robot_id, announcement.robot, self.stepper.retention);
             known.seqs = announcement.seqs;
+            let (at, birth) = &announcement.birth;
+            self.stepper.keep_message(&mut known, RobotTopic::Connection, *at, birth);
+            self.stepper.keep_message(&mut known, raw.kind, raw.received, &raw.payload);
             self.robots.insert(name.clone(), known);
         }
         Ok(())

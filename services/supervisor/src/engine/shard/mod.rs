@@ -22,8 +22,9 @@ use std::time::{Duration, Instant};
 
 use vibrissa_core::robot::{Event, Outcome};
 use vibrissa_core::units::Micros;
-use vibrissa_protocol::{self as protocol, Name};
+use vibrissa_protocol::{self as protocol, Name, RobotTopic};
 
+use crate::black_box::recorder::Whose;
 use crate::engine::allow_list::{AllowList, RefusedRobots};
 use crate::engine::commit::batch::OpenBatch;
 use crate::engine::commit::checkpoint::CheckpointRate;
@@ -165,6 +166,10 @@ impl Shard {
             }
             self.stepper.accept_refused_boot(known, now);
             self.stepper.step(known, now, &Event::Tick, None);
+            let whose = Whose { robot_id: known.robot_id, name: &known.name };
+            if let Some(recorder) = &mut known.recorder {
+                recorder.tick(&known.robot, whose, now);
+            }
             if self.stepper.batch.decided_whiskers() >= whiskers_max {
                 self.tick_resumes_at = Some(index + 1);
                 return false;
@@ -200,6 +205,23 @@ impl Shard {
             if known.history.close(now, &known.whisker_ids, left, rows) {
                 self.stepper.batch.checkpoint(known);
                 *left = left.saturating_sub(known.whisker_ids.len());
+            }
+        }
+    }
+
+    /// Records a message that was published to a robot.
+    pub(crate) fn published(&mut self, robot: &str, topic: RobotTopic, at: Micros, payload: &[u8]) {
+        if let Some(known) = self.robots.get_mut(robot) {
+            self.stepper.keep_message(known, topic, at, payload);
+        }
+    }
+
+    /// Ends the open black boxes before their time, because supervision ends.
+    pub(super) fn end_boxes(&mut self, now: Micros) {
+        for known in self.robots.values_mut() {
+            let whose = Whose { robot_id: known.robot_id, name: &known.name };
+            if let Some(recorder) = &mut known.recorder {
+                recorder.end(whose, now);
             }
         }
     }

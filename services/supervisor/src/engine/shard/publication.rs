@@ -102,6 +102,7 @@ impl Stepper {
     pub(super) fn publication(&self, robot: &Name, kind: RobotTopic, payload: Vec<u8>) -> Publication {
         Publication {
             topic: kind.of(&self.fleet, robot).to_string(),
+            robot: Some((robot.clone(), kind)),
             payload,
             qos: kind.quality_of_service(),
             is_retained: kind.is_retained(),

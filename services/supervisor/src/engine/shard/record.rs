@@ -86,6 +86,9 @@ impl Stepper {
                     becomes: to.map(Word::word),
                 }));
                 known.history.keep_recent(whisker, self.batch.rows_mut());
+                if let Some(fault) = to {
+                    Self::keep_event(known, fault.word(), whisker, now);
+                }
             }
             Effect::Trim(trim) => {
                 self.metrics.trims.inc();
@@ -102,6 +105,7 @@ impl Stepper {
                     contacts_to_detect: i64::from(trim.contacts_to_detect),
                 }));
                 known.history.keep_recent(trim.whisker, self.batch.rows_mut());
+                Self::keep_event(known, "TRIM", trim.whisker, now);
             }
             Effect::Decided(decision) => {
                 let row = decision_row(robot_id, recorded_us, &decision, whisker_id);
@@ -189,6 +193,7 @@ impl Stepper {
                     raised_us: recorded_us,
                     kind: kind.word(),
                 }));
+                Self::keep_event(known, kind.word(), whisker, now);
             }
             Effect::RobotAlarm { kind } => {
                 self.metrics.alarms_raised.count([kind.word()]);

@@ -151,6 +151,20 @@ impl Shards {
         }
     }
 
+    /// Records a message that was published to a robot.
+    pub(crate) fn published(&mut self, publication: &Publication, at: Micros) {
+        if let Some((robot, topic)) = &publication.robot {
+            self.of(robot).published(robot.as_str(), *topic, at, &publication.payload);
+        }
+    }
+
+    /// Ends the open black boxes before their time, because supervision ends.
+    pub(crate) fn end_boxes(&mut self, now: Micros) {
+        for shard in &mut self.shards {
+            shard.end_boxes(now);
+        }
+    }
+
     /// Steps one robot; `None` if it is not known.
     pub(crate) fn step(&mut self, name: &Name, now: Micros, event: &Event<'_>) -> Option<Outcome> {
         self.of(name).step_robot(name, now, event)

@@ -10,8 +10,10 @@ use vibrissa_core::robot::event::Link;
 use vibrissa_core::robot::{Event, Outcome, Params};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
-use vibrissa_protocol::{BootId, Name};
+use vibrissa_protocol::{BootId, Name, RobotTopic};
 
+use crate::black_box::FleetBoxes;
+use crate::black_box::recorder::Whose;
 use crate::engine::commit::batch::{OpenBatch, Source, is_ordinary};
 use crate::engine::commit::journal::{Entry, JournalEvent};
 use crate::engine::robot::KnownRobot;
@@ -61,6 +63,8 @@ pub(crate) struct Stepper {
     pub(super) answered: Option<AnsweredSetpoint>,
     /// Traces of setpoints under way, if there is a collector.
     pub(super) traces: Option<OpenTraces>,
+    /// Black boxes, if they are wanted.
+    boxes: Option<FleetBoxes>,
     /// Effects of the current step; the allocation is reused.
     effects: Vec<Effect>,
     /// Time of the last warning of each reason.
@@ -82,6 +86,7 @@ impl Stepper {
             receipts_due: Vec::new(),
             answered: None,
             traces: None,
+            boxes: None,
             effects: Vec::new(),
             warned: BTreeMap::new(),
         }
@@ -116,6 +121,30 @@ impl Stepper {
     /// Adds traces.
     pub(crate) fn set_traces(&mut self, traces: OpenTraces) {
         self.traces = Some(traces);
+    }
+
+    /// Adds black boxes.
+    pub(crate) fn set_boxes(&mut self, boxes: FleetBoxes) {
+        self.boxes = Some(boxes);
+    }
+
+    /// Records a message from or to a robot for its black boxes.
+    pub(super) fn keep_message(&self, known: &mut KnownRobot, topic: RobotTopic, at: Micros, payload: &[u8]) {
+        if known.recorder.is_none() {
+            known.recorder = self.boxes.as_ref().and_then(|boxes| boxes.recorder(known.robot_id, at));
+        }
+        if let Some(recorder) = &mut known.recorder {
+            recorder.message(topic, at, payload);
+        }
+    }
+
+    /// Opens a black box, or extends the open one.
+    pub(super) fn keep_event(known: &mut KnownRobot, cause: &'static str, whisker: usize, now: Micros) {
+        let whisker_id = known.whisker_id(whisker);
+        let whose = Whose { robot_id: known.robot_id, name: &known.name };
+        if let Some(recorder) = &mut known.recorder {
+            recorder.event(cause, whisker_id, now, whose);
+        }
     }
 
     pub(crate) fn traces_mut(&mut self) -> Option<&mut OpenTraces> {

@@ -6,6 +6,7 @@ pub mod alarms;
 pub mod alarms_at_once;
 pub mod allowed;
 pub mod audit;
+pub mod black_boxes;
 pub mod bulk;
 pub mod bulk_actions;
 pub mod bulk_fleets;
@@ -50,6 +51,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(alarms_at_once::routes())
         .merge(allowed::routes())
         .merge(audit::routes())
+        .merge(black_boxes::routes())
         .merge(bulk::routes())
         .merge(bulk_actions::routes())
         .merge(bulk_fleets::routes())

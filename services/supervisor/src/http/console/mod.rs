@@ -90,6 +90,7 @@ files!(
     "pages/whisker.js"
     "pages/whiskers.js"
     "parts/alarms.js"
+    "parts/boxes.js"
     "parts/bulk.js"
     "parts/decisions.js"
     "parts/fleets.js"

@@ -1,4 +1,4 @@
-//! A recorded message as a line of JSON.
+//! A recorded message as a line of JSON: the format of `vibrissa record`, and of black boxes.
 //!
 //! `{"received_us":1795248000123456,"topic":"whisker/v1/f/r/contacts","payload":{...}}`. A payload that is a JSON
 //! object is `payload` itself, byte for byte except for its line ends. Any other text is `payload` as a JSON string. A

@@ -1,0 +1,104 @@
+//! Writes boxes to the database, one after the other.
+
+use prometheus::IntCounter;
+use tokio::sync::{mpsc, oneshot};
+use tokio::task::spawn_blocking;
+use tokio::time::{Duration, Instant, sleep};
+use tracing::warn;
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::Name;
+use vibrissa_store::black_boxes::NewBlackBox;
+use vibrissa_store::{Lease, StoreError, Writer};
+
+use super::lines;
+use super::tape::TapeCopy;
+
+/// How long a box is tried again while the database is unreachable. Later boxes wait meanwhile.
+const PATIENCE: Duration = Duration::from_secs(30);
+/// Pause between two attempts.
+const PAUSE: Duration = Duration::from_secs(1);
+
+/// Work for the writer.
+#[derive(Debug)]
+pub(super) enum Job {
+    /// Writes a box.
+    Write(Box<BoxToWrite>),
+    /// Answers when all earlier boxes are written.
+    Flush(oneshot::Sender<()>),
+}
+
+/// A box to write: a copy of the robot's tape, and what the row says about it.
+#[derive(Debug)]
+pub(super) struct BoxToWrite {
+    pub(super) lease: Lease,
+    pub(super) lost: IntCounter,
+    pub(super) robot_id: i64,
+    pub(super) robot: Name,
+    pub(super) whisker_id: i64,
+    pub(super) cause: &'static str,
+    pub(super) event: Micros,
+    pub(super) from: Micros,
+    pub(super) ends: Micros,
+    pub(super) left_out: u64,
+    pub(super) state: &'static str,
+    pub(super) base: [Option<Vec<u8>>; 2],
+    pub(super) tape: TapeCopy,
+}
+
+/// Writes boxes until no more can come.
+pub(super) async fn run(mut jobs: mpsc::Receiver<Job>, mut writer: Writer) {
+    while let Some(job) = jobs.recv().await {
+        match job {
+            Job::Write(one) => write(*one, &mut writer).await,
+            // An error means that nobody waits any more.
+            Job::Flush(done) => drop(done.send(())),
+        }
+    }
+}
+
+async fn write(one: BoxToWrite, writer: &mut Writer) {
+    let (lease, lost, robot) = (one.lease.clone(), one.lost.clone(), one.robot.clone());
+    let row = match spawn_blocking(move || row(&one)).await {
+        Ok(Ok(row)) => row,
+        Ok(Err(problem)) => {
+            lost.inc();
+            return warn!(%robot, %problem, "cannot compress a black box, it is lost");
+        }
+        Err(problem) => {
+            lost.inc();
+            return warn!(%robot, %problem, "cannot make the lines of a black box, it is lost");
+        }
+    };
+    let deadline = Instant::now() + PATIENCE;
+    loop {
+        match writer.write_black_box(&lease, &row).await {
+            Ok(()) => return,
+            // The new owner of the fleet has marked it.
+            Err(StoreError::LeaseLost { .. }) => return,
+            Err(problem) if Instant::now() >= deadline || problem.rejection().is_some() => {
+                lost.inc();
+                return warn!(fleet = %lease.fleet(), %robot, %problem, "cannot write a black box, it is lost");
+            }
+            Err(_) => sleep(PAUSE).await,
+        }
+    }
+}
+
+fn row(one: &BoxToWrite) -> std::io::Result<NewBlackBox> {
+    let lines = lines::of(one)?;
+    Ok(NewBlackBox {
+        robot_id: one.robot_id,
+        whisker_id: one.whisker_id,
+        cause: one.cause,
+        event_us: one.event.0 as i64,
+        began_us: one.from.0 as i64,
+        ends_us: one.ends.0 as i64,
+        last_us: lines.last.0 as i64,
+        state: one.state,
+        messages: lines.messages,
+        left_out: one.left_out as i64,
+        has_state: lines.has_state,
+        bytes: lines.bytes as i64,
+        body: lines.body,
+    })
+}
