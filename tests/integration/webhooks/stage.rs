@@ -128,6 +128,7 @@ impl Stage {
             mqtt_port: 0,
             http: ([127, 0, 0, 1], 0).into(),
             webhooks: WebhookOptions { allowed_hosts, pace },
+            black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
             traces: None,
             params,
         });
