@@ -28,7 +28,7 @@ pub struct ChildAction {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum BulkAsked {
     /// Recorded, now or by the same request before.
-    Done(Asked),
+    Done(Box<Asked>),
     /// So many actions wait already that these would be too many. Nothing was recorded.
     TooMany(i64),
 }
@@ -70,7 +70,7 @@ impl Store {
             }
         }
         tx.commit().await.map_err(failed(WHAT))?;
-        Ok(BulkAsked::Done(asked))
+        Ok(BulkAsked::Done(Box::new(asked)))
     }
 
     /// Withdraws the actions of a request for many that are still pending, at most once, and records that. Returns their

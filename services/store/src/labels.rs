@@ -37,7 +37,7 @@ pub enum LabelChange<'a> {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Labelled {
     /// Changed, now or by the same request before.
-    Done(Asked),
+    Done(Box<Asked>),
     /// There is no such robot.
     NoRobot,
     /// The robot has the greatest number of labels.
@@ -62,7 +62,7 @@ impl Store {
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
         let asked = record_done(&mut tx, action, action.asked_us).await?;
         if !matches!(asked, Asked::New(_)) {
-            return Ok(Labelled::Done(asked));
+            return Ok(Labelled::Done(Box::new(asked)));
         }
         // The entry of the audit log is written first, so SQLite has its write lock. PostgreSQL locks the robot's row.
         let sql = if self.is_shared() { format!("{READ} FOR UPDATE") } else { READ.to_owned() };
@@ -85,6 +85,6 @@ impl Store {
         let told = NewChange { kind: "ACTION", recorded_us: now_us, robot_id: Some(robot_id), ..NewChange::default() };
         changes::write(&mut tx, fleet, told, now_us).await.map_err(failed(WHAT))?;
         tx.commit().await.map_err(failed(WHAT))?;
-        Ok(Labelled::Done(asked))
+        Ok(Labelled::Done(Box::new(asked)))
     }
 }

@@ -30,7 +30,7 @@ pub enum Set {
     /// The target with this number is as asked.
     Done(i64),
     /// The same request was executed before, or its key belongs to a different action.
-    Known(Asked),
+    Known(Box<Asked>),
     /// There is no such target.
     Absent,
     /// Another target has this name.
@@ -75,7 +75,7 @@ impl Store {
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
         let asked = record_done(&mut tx, action, action.asked_us).await?;
         if !matches!(asked, Asked::New(_)) {
-            return Ok(Set::Known(asked));
+            return Ok(Set::Known(Box::new(asked)));
         }
         if is_taken(&mut tx, &new.name, 0).await.map_err(failed(WHAT))? {
             return Ok(Set::NameTaken);
@@ -106,7 +106,7 @@ impl Store {
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
         let asked = record_done(&mut tx, action, action.asked_us).await?;
         if !matches!(asked, Asked::New(_)) {
-            return Ok(Set::Known(asked));
+            return Ok(Set::Known(Box::new(asked)));
         }
         if is_taken(&mut tx, &new.name, webhook_id).await.map_err(failed(WHAT))? {
             return Ok(Set::NameTaken);

@@ -215,7 +215,7 @@ pub(super) async fn ask_many(app: &App, asker: Asker, request: Request) -> Resul
     };
     let children: Vec<ChildAction> = subjects.iter().enumerate().map(child).collect();
     let asked = match app.store.ask_many(&all, &children).await? {
-        BulkAsked::Done(asked) => asked,
+        BulkAsked::Done(asked) => *asked,
         BulkAsked::TooMany(waiting) => {
             let told = format!("{waiting} actions wait already, and at most {WAITING_MAX} may: repeat this later");
             return Err(Problem::new(Kind::TooManyRequests, told));

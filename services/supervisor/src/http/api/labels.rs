@@ -69,7 +69,7 @@ async fn change(
     let LabelPath { fleet, robot, key: LabelKeyText(key) } = at;
     match app.store.change_labels((fleet.as_str(), robot.as_str()), change, &action).await? {
         Labelled::Done(asked) => {
-            let action_id = number_of(asked)?;
+            let action_id = number_of(*asked)?;
             app.action_notifier.changed();
             answered(app, action_id, StatusCode::OK).await
         }

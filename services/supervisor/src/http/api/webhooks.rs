@@ -358,7 +358,7 @@ async fn create_webhook(
     let (row, secret) = match app.store.add_webhook(&settings, &secret, &action).await? {
         Set::Done(webhook_id) => (app.store.webhook(webhook_id).await?, Some(shown(&secret))),
         Set::Known(asked) => {
-            number_of(asked)?;
+            number_of(*asked)?;
             (app.store.webhooks().await?.into_iter().find(|row| row.name == settings.name), None)
         }
         other => return Err(unset(other, &settings.name, 0)),
@@ -404,7 +404,7 @@ async fn change_webhook(
     let action = audited(asker, RecordedKind::WebhookChange, (Some(at.webhook_id), &settings), why);
     match app.store.change_webhook(at.webhook_id, &settings, &action).await? {
         Set::Done(_) => {}
-        Set::Known(asked) => drop(number_of(asked)?),
+        Set::Known(asked) => drop(number_of(*asked)?),
         other => return Err(unset(other, &settings.name, at.webhook_id)),
     }
     let row = found(&app, &caller, &at).await?;
