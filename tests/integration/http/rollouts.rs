@@ -93,7 +93,7 @@ async fn a_roll_out_is_written_read_compared_and_listed(served: &Served) {
     let rollout = &told["rollout"];
     assert_eq!((&rollout["stage"], &rollout["change"]["mode"]), (&json!("QUARTER"), &json!("ADVISE")));
     assert_eq!((&rollout["probability"], &rollout["changed_error"]), (&json!(0.25), &json!(0.125)));
-    assert_eq!(served.items("/v1/rollouts?fleet=k&state=RUNNING").await, [rollout.clone()]);
+    assert_eq!(served.items("/v1/rollouts?fleet=k&state=RUNNING").await, std::slice::from_ref(rollout));
     assert_eq!(
         write(RolloutRow { state: "ROLLED_BACK".to_owned(), ..later }, event("ROLLED_BACK", "worse")).await,
         None

@@ -149,7 +149,7 @@ impl WebhookEvent {
                 array: event.array.clone(),
                 whisker: event.whisker,
                 alarm: word.filter(|_| is_alarm).and_then(|word| AlarmPart::of(number, word)),
-                trim: (kind == EventKind::Trim).then(|| TrimPart {
+                trim: (kind == EventKind::Trim).then_some(TrimPart {
                     trim_id: number,
                     length_before_mm: event.length_before_mm,
                     length_after_mm: event.length_after_mm,

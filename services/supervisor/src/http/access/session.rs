@@ -123,9 +123,9 @@ impl SignIn {
             Denial::Refused(what) | Denial::Away(what) => Failure::Provider(what),
         })?;
         let id_token = tokens.id_token.as_deref().ok_or_else(|| Failure::Provider("no ID token".to_owned()))?;
-        let invalid = |problem: Problem| match problem.kind {
-            Kind::Forbidden => Failure::NoRole(problem.detail),
-            _ => Failure::Provider(problem.detail),
+        let invalid = |problem: Problem| {
+            let failure = if problem.kind == Kind::Forbidden { Failure::NoRole } else { Failure::Provider };
+            failure(problem.detail)
         };
         let claims = self.oidc.verified(id_token, &self.provider.options().client_id).await.map_err(invalid)?;
         if claims.get("nonce").and_then(Value::as_str) != Some(&attempt.nonce) {

@@ -361,7 +361,7 @@ async fn create_webhook(
             number_of(*asked)?;
             (app.store.webhooks().await?.into_iter().find(|row| row.name == settings.name), None)
         }
-        other => return Err(unset(other, &settings.name, 0)),
+        other @ (Set::Absent | Set::NameTaken | Set::Full) => return Err(unset(other, &settings.name, 0)),
     };
     let row = row.ok_or_else(|| Problem::unknown("the webhook was removed meanwhile"))?;
     let place = [(header::LOCATION, format!("/v1/webhooks/{}", row.webhook_id))];
@@ -405,7 +405,7 @@ async fn change_webhook(
     match app.store.change_webhook(at.webhook_id, &settings, &action).await? {
         Set::Done(_) => {}
         Set::Known(asked) => drop(number_of(*asked)?),
-        other => return Err(unset(other, &settings.name, at.webhook_id)),
+        other @ (Set::Absent | Set::NameTaken | Set::Full) => return Err(unset(other, &settings.name, at.webhook_id)),
     }
     let row = found(&app, &caller, &at).await?;
     Ok(Json(detail(&app, &caller, &row).await?))
