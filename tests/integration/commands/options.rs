@@ -150,16 +150,19 @@ fn a_shell_completes_commands_and_words() {
     let folder = tempfile::tempdir().unwrap();
     let script = folder.path().join("completions.bash");
     std::fs::write(&script, out(&vibrissa(&["completions", "bash"], folder.path()))).unwrap();
-    let completed = |words: &str, index: u32| {
+    let completed = |words: &[&str]| {
+        let (last, before) = (words.len() - 1, words[words.len() - 2]);
         let ask = format!(
-            "source '{}'; COMP_WORDS=({words}); COMP_CWORD={index}; _vibrissa vibrissa; printf '%s ' \"${{COMPREPLY[@]}}\"",
-            script.display()
+            "source '{}'; COMP_WORDS=({}); COMP_CWORD={last}; _vibrissa vibrissa '{}' '{before}'; echo \"${{COMPREPLY[@]}}\"",
+            script.display(),
+            words.iter().map(|word| format!("'{word}' ")).collect::<String>(),
+            words[last],
         );
         out(&Command::new("bash").args(["-c", &ask]).output().unwrap())
     };
-    assert_eq!(completed("vibrissa ca", 1).trim(), "calibrate");
-    assert!(completed("vibrissa whiskers --condition ''", 3).contains("TRIMMED"));
-    assert!(completed("vibrissa solve --before", 2).contains("--before-mpa"));
+    assert_eq!(completed(&["vibrissa", "ca"]).trim(), "calibrate");
+    assert!(completed(&["vibrissa", "whiskers", "--condition", ""]).contains("TRIMMED"));
+    assert!(completed(&["vibrissa", "solve", "--before"]).contains("--before-mpa"));
 }
 
 /// A list of no whiskers, for each request, until the program ends.
