@@ -62,10 +62,12 @@ async fn nul_everywhere(http: SocketAddr) {
             let method = method.to_ascii_uppercase();
             let body = operation.get("requestBody").map(|_| json!({}));
             let parts: Vec<&str> = path.split('/').filter(|part| part.starts_with('{')).collect();
+            // Numbers and names may be 1; the key of a label begins with a letter.
+            let sound = |part: &str| if part == "{key}" { "a" } else { "1" };
             let filled = |nul: Option<&str>| {
-                parts
-                    .iter()
-                    .fold(path.clone(), |path, part| path.replace(part, if Some(*part) == nul { "a%00b" } else { "1" }))
+                parts.iter().fold(path.clone(), |path, part| {
+                    path.replace(part, if Some(*part) == nul { "a%00b" } else { sound(part) })
+                })
             };
             for part in &parts {
                 let answer = asked(http, &method, &filled(Some(part)), body.as_ref()).await;
