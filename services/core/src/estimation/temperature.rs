@@ -13,9 +13,9 @@ const FOLLOWS_CONTACTS: f64 = 100.0;
 /// Temperatures of a whisker's earlier contacts, degrees Celsius.
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 pub struct Temperatures {
-    /// That of the first contact: the offset is stated for it.
+    /// Temperature of the first contact, for which the offset is stated.
     reference_c: f32,
-    /// That of the last contacts.
+    /// Temperature of the last contacts.
     lately_c: f32,
 }
 
