@@ -68,9 +68,27 @@ impl Drop for Recorder {
 }
 
 impl Recorder {
-    /// Records a message from or to the robot.
-    pub(crate) fn message(&mut self, topic: RobotTopic, at: Micros, payload: &[u8]) {
+    /// Records a message from or to the robot, which the robot's state does not contain yet. A due state is put on the tape
+    /// before it: ticks alone come too late for that when the supervisor has much to do.
+    pub(crate) fn message(&mut self, robot: &Robot, topic: RobotTopic, at: Micros, payload: &[u8]) {
+        self.put_due_state(robot, at);
         self.push(at, Kind::Message(topic), payload);
+    }
+
+    /// Puts the robot's state on the tape, if it is due.
+    fn put_due_state(&mut self, robot: &Robot, now: Micros) {
+        let limits = self.inner.limits();
+        if !self.reel.is_state_due(now, limits) {
+            return;
+        }
+        let state = StateBytes::of(robot);
+        let bytes = state.as_ref().map_or(usize::MAX, StateBytes::bytes);
+        if self.reel.takes_state(now, bytes, limits)
+            && let Some(StateBytes { head, whiskers }) = state
+            && let Ok(bytes) = borsh::to_vec(&(head, whiskers))
+        {
+            self.push(now, Kind::State, &bytes);
+        }
     }
 
     fn push(&mut self, at: Micros, kind: Kind, payload: &[u8]) {
@@ -113,24 +131,14 @@ impl Recorder {
 
     /// Puts the robot's state on the tape, if it is due, and writes the open box if that is due.
     pub(crate) fn tick(&mut self, robot: &Robot, whose: Whose<'_>, now: Micros) {
-        let limits = self.inner.limits();
-        if self.reel.is_state_due(now, limits) {
-            let state = StateBytes::of(robot);
-            let bytes = state.as_ref().map_or(usize::MAX, StateBytes::bytes);
-            if self.reel.takes_state(now, bytes, limits)
-                && let Some(StateBytes { head, whiskers }) = state
-                && let Ok(bytes) = borsh::to_vec(&(head, whiskers))
-            {
-                self.push(now, Kind::State, &bytes);
-            }
-        }
+        self.put_due_state(robot, now);
         let Some(open) = &self.open else { return };
         if now > open.ends {
             if self.write(whose, now, true) || now > open_end(&self.open).after(PATIENCE) {
                 if self.open.take().is_some_and(|open| open.is_due) {
                     self.boxes.lost.inc();
                 }
-                self.reel.forget_old(now, limits);
+                self.reel.forget_old(now, self.inner.limits());
             }
         } else if open.is_due && now >= open.written.after(WRITE_PAUSE) {
             self.write(whose, now, false);

@@ -128,13 +128,13 @@ impl Stepper {
         self.boxes = Some(boxes);
     }
 
-    /// Records a message from or to a robot for its black boxes.
+    /// Records a message from or to a robot for its black boxes, before the robot's state contains it.
     pub(super) fn keep_message(&self, known: &mut KnownRobot, topic: RobotTopic, at: Micros, payload: &[u8]) {
         if known.recorder.is_none() {
             known.recorder = self.boxes.as_ref().and_then(|boxes| boxes.recorder(known.robot_id, at));
         }
         if let Some(recorder) = &mut known.recorder {
-            recorder.message(topic, at, payload);
+            recorder.message(&known.robot, topic, at, payload);
         }
     }
 
