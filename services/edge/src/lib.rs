@@ -9,6 +9,7 @@ pub mod guidance;
 pub mod ids;
 pub mod labels;
 pub mod recording;
+pub mod shard;
 pub mod touch_tests;
 pub mod webhooks;
 pub mod words;

@@ -95,7 +95,7 @@ async fn write(
             waiting.push(range.start..middle);
         }
     }
-    commit::write_done(&mut tx, lease.fleet().as_str(), parts.rest(), refused.is_empty()).await?;
+    commit::write_done(&mut tx, lease, parts.rest(), refused.is_empty()).await?;
     tx.commit().await.map_err(failed("commit"))?;
     lease.committed(Some(asked));
     Ok(())
@@ -117,7 +117,7 @@ async fn write_range(
     if let Some(number) = parts.journal_number() {
         let entries = parts.journal(range);
         if !entries.is_empty() {
-            append_journal(tx, lease.fleet().as_str(), &JournalRow { number, entries }).await?;
+            append_journal(tx, lease, &JournalRow { number, entries }).await?;
         }
     }
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
@@ -125,20 +125,29 @@ async fn write_range(
 }
 
 /// Appends entries to a row of the journal; other robots' entries may have created that row before.
-async fn append_journal(tx: &mut Tx<'_>, fleet: &str, row: &JournalRow) -> Result<(), StoreError> {
+async fn append_journal(tx: &mut Tx<'_>, lease: &Lease, row: &JournalRow) -> Result<(), StoreError> {
     let sql = match tx {
         // SQLite's || makes a text of two blobs, hence the cast; the bytes are unchanged.
         Either::Sqlite(_) => {
-            "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3) ON CONFLICT (fleet, number) \
+            "INSERT INTO journal (fleet, shard, number, entries) VALUES ($1, $2, $3, $4) \
+             ON CONFLICT (fleet, shard, number) \
              DO UPDATE SET entries = CAST(journal.entries || excluded.entries AS BLOB)"
         }
         Either::Postgres(_) => {
-            "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3) ON CONFLICT (fleet, number) \
+            "INSERT INTO journal (fleet, shard, number, entries) VALUES ($1, $2, $3, $4) \
+             ON CONFLICT (fleet, shard, number) \
              DO UPDATE SET entries = journal.entries || excluded.entries"
         }
     };
-    on!(tx, |tx| sqlx::query(sql).bind(fleet).bind(row.number).bind(&row.entries).execute(&mut **tx).await.map(drop))
-        .map_err(failed("write the journal"))
+    on!(tx, |tx| sqlx::query(sql)
+        .bind(lease.fleet().as_str())
+        .bind(lease.shard_number())
+        .bind(row.number)
+        .bind(&row.entries)
+        .execute(&mut **tx)
+        .await
+        .map(drop))
+    .map_err(failed("write the journal"))
 }
 
 /// Rows of a batch whose robots only the database knows.

@@ -5,7 +5,7 @@ use tokio::time::Instant;
 use super::batch::{ContactRow, JournalRow};
 use super::database::{Either, Link, Tx, on};
 use super::postgres::whole::Whole;
-use super::tables::{CONTACTS, InFleet, JOURNAL, JOURNAL_UNFENCED};
+use super::tables::{CONTACTS, InShard, JOURNAL, JOURNAL_UNFENCED};
 use super::{Batch, Lease, StoreError, changes, failed, intent_log, postgres, records};
 use crate::fault::{self, Fault};
 
@@ -42,9 +42,9 @@ async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i
     let fleet = lease.fleet().as_str();
     records::write(&mut tx, fleet, &batch.rows()).await?;
     if let Some(row) = &batch.journal {
-        write_journal(&mut tx, fleet, row).await.map_err(failed("write the journal"))?;
+        write_journal(&mut tx, lease, row).await.map_err(failed("write the journal"))?;
     }
-    write_done(&mut tx, fleet, batch, true).await?;
+    write_done(&mut tx, lease, batch, true).await?;
     changes::write_of(&mut tx, fleet, &batch.records, now_us).await.map_err(failed("write the changes"))?;
     tx.commit().await.map_err(failed("commit"))?;
     Ok(true)
@@ -62,29 +62,30 @@ pub(super) async fn write_contacts(tx: &mut Tx<'_>, contacts: &[ContactRow]) -> 
 /// Removes rows that are obsolete once all rows of this batch are committed; if some are left out, the journal stays.
 pub(super) async fn write_done(
     tx: &mut Tx<'_>,
-    fleet: &str,
+    lease: &Lease,
     batch: &Batch,
     is_complete: bool,
 ) -> Result<(), StoreError> {
     if let Some(number) = batch.journal_done.filter(|_| is_complete) {
-        forget_journal(tx, fleet, number).await.map_err(failed("delete the journal's old rows"))?;
+        forget_journal(tx, lease, number).await.map_err(failed("delete the journal's old rows"))?;
     }
     if let Some(number) = batch.redo_done {
-        intent_log::forget(tx, fleet, number).await.map_err(failed("delete an intent"))?;
+        intent_log::forget(tx, lease, number).await.map_err(failed("delete an intent"))?;
     }
     Ok(())
 }
 
 /// Writes a row of the journal.
-async fn write_journal(tx: &mut Tx<'_>, fleet: &str, row: &JournalRow) -> sqlx::Result<()> {
+async fn write_journal(tx: &mut Tx<'_>, lease: &Lease, row: &JournalRow) -> sqlx::Result<()> {
     let journal = if fault::is(Fault::NoFence) { &JOURNAL_UNFENCED } else { &JOURNAL };
-    journal.write(tx, &[(InFleet { fleet }, row)]).await.map(drop)
+    journal.write(tx, &[(InShard::of(lease), row)]).await.map(drop)
 }
 
 /// Deletes the journal's rows up to a number, which the checkpoints contain.
-async fn forget_journal(tx: &mut Tx<'_>, fleet: &str, number: i64) -> sqlx::Result<()> {
-    on!(tx, |tx| sqlx::query("DELETE FROM journal WHERE fleet = $1 AND number <= $2")
-        .bind(fleet)
+async fn forget_journal(tx: &mut Tx<'_>, lease: &Lease, number: i64) -> sqlx::Result<()> {
+    on!(tx, |tx| sqlx::query("DELETE FROM journal WHERE fleet = $1 AND shard = $2 AND number <= $3")
+        .bind(lease.fleet().as_str())
+        .bind(lease.shard_number())
         .bind(number)
         .execute(&mut **tx)
         .await

@@ -46,6 +46,7 @@ mod row;
 pub mod secret;
 pub mod series;
 pub mod sessions;
+pub mod shards;
 mod sqlite;
 pub mod tables;
 pub mod time;

@@ -10,7 +10,9 @@ use vibrissa_core::units::Micros;
 
 use super::database::{Either, Link, Tx, on};
 use super::from_row::from_row;
+use super::shards::of_shard;
 use super::{Lease, Store, StoreError, Writer, failed};
+use vibrissa_edge::shard::robot_hash;
 use vibrissa_edge::words::Word;
 
 /// A robot's checkpoint, with everything that recovery needs.
@@ -98,38 +100,35 @@ from_row! {
 }
 
 impl Writer {
-    /// All robots of the lease's fleet. While the lease holds, no other supervisor writes them.
+    /// All robots of the lease's shard. While the lease holds, no other supervisor writes them.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn robots(&mut self, lease: &Lease) -> Result<Vec<StoredRobot>, StoreError> {
         const WHAT: &str = "load the robots";
-        let fleet = lease.fleet().as_str();
-        self.attempt(WHAT, LOAD_PATIENCE, async |link| robots(link, fleet, None).await.map_err(failed(WHAT))).await
+        self.attempt(WHAT, LOAD_PATIENCE, async |link| robots(link, lease, None).await.map_err(failed(WHAT))).await
     }
 
-    /// The robot of this number in the lease's fleet; `None` if there is no such robot.
+    /// The robot of this number in the lease's shard; `None` if there is no such robot.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn robot(&mut self, lease: &Lease, robot_id: i64) -> Result<Option<StoredRobot>, StoreError> {
         const WHAT: &str = "load a robot";
-        let fleet = lease.fleet().as_str();
-        let load = async |link: &mut Link| robots(link, fleet, Some(robot_id)).await.map_err(failed(WHAT));
+        let load = async |link: &mut Link| robots(link, lease, Some(robot_id)).await.map_err(failed(WHAT));
         Ok(self.attempt(WHAT, NUMBER_PATIENCE, load).await?.pop())
     }
 
-    /// At most `most` rows of the fleet's journal after number `after`, in order, each with its number.
+    /// At most `most` rows of the shard's journal after number `after`, in order, each with its number.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn journal(&mut self, lease: &Lease, after: i64, most: i64) -> Result<Vec<(i64, Vec<u8>)>, StoreError> {
         const WHAT: &str = "read the journal";
-        const SQL: &str =
-            "SELECT number, entries FROM journal WHERE fleet = $1 AND number > $2 ORDER BY number LIMIT $3";
-        let fleet = lease.fleet().as_str();
+        const SQL: &str = "SELECT number, entries FROM journal WHERE fleet = $1 AND shard = $4 AND number > $2 ORDER BY number LIMIT $3";
+        let (fleet, shard) = (lease.fleet().as_str(), lease.shard_number());
         self.attempt(WHAT, LOAD_PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_as(SQL).bind(fleet).bind(after).bind(most).fetch_all(link).await)
+            on!(link, |link| sqlx::query_as(SQL).bind(fleet).bind(after).bind(most).bind(shard).fetch_all(link).await)
                 .map_err(failed(WHAT))
         })
         .await
@@ -142,7 +141,7 @@ impl Writer {
     pub async fn robot_id(&mut self, lease: &Lease, robot: &str, now_us: i64) -> Result<i64, StoreError> {
         const WHAT: &str = "assign a number to a robot";
         // Sets the time, too, so that the robot is not deleted as merely announced before its first boot is inserted.
-        const SQL: &str = "INSERT INTO robots (fleet, robot, updated_us) VALUES ($1, $2, $3) \
+        const SQL: &str = "INSERT INTO robots (fleet, robot, updated_us, shard_hash) VALUES ($1, $2, $3, $4) \
              ON CONFLICT (fleet, robot) DO UPDATE SET updated_us = excluded.updated_us RETURNING robot_id";
         self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
@@ -150,6 +149,7 @@ impl Writer {
                 .bind(lease.fleet().as_str())
                 .bind(robot)
                 .bind(now_us)
+                .bind(i64::from(robot_hash(lease.fleet().as_str(), robot)))
                 .fetch_one(&mut **tx)
                 .await)
             .map_err(failed(WHAT))?;
@@ -214,14 +214,14 @@ async fn held<'c>(link: &'c mut Link, lease: &Lease, what: &'static str) -> Resu
     Ok(tx)
 }
 
-/// All robots of a fleet, or one of them. The statements differ because one generic plan would not suit both cases.
-async fn robots(link: &mut Link, fleet: &str, only: Option<i64>) -> sqlx::Result<Vec<StoredRobot>> {
+/// All robots of a shard, or one of them. The statements differ because one generic plan would not suit both cases.
+async fn robots(link: &mut Link, lease: &Lease, only: Option<i64>) -> sqlx::Result<Vec<StoredRobot>> {
     macro_rules! of_all_or_one {
         ($select:literal, $order:literal) => {
             if only.is_some() {
-                concat!($select, " WHERE fleet = $1 AND r.robot_id = $2", $order)
+                concat!($select, " WHERE fleet = $1 AND ", of_shard!("r", "$2", "$3"), " AND r.robot_id = $4", $order)
             } else {
-                concat!($select, " WHERE fleet = $1", $order)
+                concat!($select, " WHERE fleet = $1 AND ", of_shard!("r", "$2", "$3"), $order)
             }
         };
     }
@@ -241,9 +241,10 @@ async fn robots(link: &mut Link, fleet: &str, only: Option<i64>) -> sqlx::Result
     );
     let boots_sql: &'static str =
         of_all_or_one!("SELECT b.robot_id, boot, b.boot_id FROM boots b JOIN robots r ON r.robot_id = b.robot_id", "");
+    let count = i64::from(lease.shard().count());
     macro_rules! rows {
         ($link:expr, $sql:expr) => {{
-            let query = sqlx::query($sql).bind(fleet);
+            let query = sqlx::query($sql).bind(lease.fleet().as_str()).bind(lease.shard_number()).bind(count);
             let query = if let Some(robot_id) = only { query.bind(robot_id) } else { query };
             query.fetch_all($link).await?
         }};

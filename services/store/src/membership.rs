@@ -4,8 +4,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use sqlx::postgres::PgRow;
+use sqlx::sqlite::SqliteRow;
 use sqlx::{PgConnection, Row, SqliteConnection};
 use tokio::time::Instant;
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use super::database::{Either, Tx, on};
@@ -25,12 +27,14 @@ pub struct Supervisor {
     pub time_to_live: Duration,
 }
 
-/// State of a fleet's lease.
+/// State of the lease of a shard.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FleetLease {
-    /// Name of the fleet.
-    pub fleet: Name,
-    /// Newest epoch; 0 if the fleet never had an owner.
+    /// The shard of its fleet.
+    pub shard: FleetShard,
+    /// Number of shards that the fleet shall have.
+    pub shards_wanted: u32,
+    /// Newest epoch; 0 if the shard never had an owner.
     pub epoch: u64,
     /// Identifier of the present or last owner; `None` if the lease was released or never acquired.
     pub owner: Option<String>,
@@ -42,7 +46,7 @@ pub struct FleetLease {
     pub free_in: Option<Duration>,
 }
 
-/// State of the cluster, from which a supervisor determines its share of fleets.
+/// State of the cluster, from which a supervisor determines its share of the shards.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Membership {
     /// Leases of the fleets that this supervisor may own.
@@ -94,7 +98,7 @@ impl Writer {
     ) -> Result<Membership, StoreError> {
         const WHAT: &str = "renew the leases";
         let asked = Instant::now();
-        let (membership, renewed) = self
+        let (membership, renewed): (_, Vec<(String, i64)>) = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
                 match link {
                     Either::Sqlite(link) => {
@@ -105,24 +109,41 @@ impl Writer {
                 .map_err(failed(WHAT))
             })
             .await?;
-        for lease in held.iter().filter(|lease| renewed.iter().any(|fleet| fleet == lease.fleet().as_str())) {
+        for lease in held.iter().filter(|lease| {
+            let is_lease =
+                |(fleet, shard): &(String, i64)| fleet == lease.fleet().as_str() && *shard == lease.shard_number();
+            renewed.iter().any(is_lease)
+        }) {
             lease.confirmed(asked);
         }
         Ok(membership)
     }
 
-    /// Acquires the lease of a free fleet, in a new epoch; `None` if another supervisor was faster.
+    /// As [`Self::acquire_shard`], for a fleet that is not divided.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
     pub async fn acquire(&mut self, supervisor: &Supervisor, fleet: &Name) -> Result<Option<Lease>, StoreError> {
+        self.acquire_shard(supervisor, &FleetShard::whole(fleet.clone())).await
+    }
+
+    /// Acquires the lease of a free shard, in a new epoch; `None` if another supervisor was faster, or if the fleet has
+    /// another number of shards by now.
+    ///
+    /// # Errors
+    /// The database does not answer within the time to live.
+    pub async fn acquire_shard(
+        &mut self,
+        supervisor: &Supervisor,
+        shard: &FleetShard,
+    ) -> Result<Option<Lease>, StoreError> {
         const WHAT: &str = "acquire a lease";
         let asked = Instant::now();
         let (epoch, is_shared) = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
                 let mut tx = link.begin().await.map_err(failed(WHAT))?;
                 let sql = if matches!(tx, Either::Postgres(_)) { ACQUIRE_POSTGRES } else { ACQUIRE_SQLITE };
-                let epoch = raise_epoch(&mut tx, sql, supervisor, fleet).await.map_err(failed(WHAT))?;
+                let epoch = raise_epoch(&mut tx, sql, supervisor, shard).await.map_err(failed(WHAT))?;
                 let is_shared = matches!(tx, Either::Postgres(_));
                 if let Either::Postgres(tx) = &mut tx {
                     forget_the_gone(&mut *tx).await.map_err(failed(WHAT))?;
@@ -131,22 +152,22 @@ impl Writer {
                 Ok((epoch, is_shared))
             })
             .await?;
-        Ok(epoch.map(|epoch| Lease::taken(supervisor, fleet, epoch, asked, is_shared)))
+        Ok(epoch.map(|epoch| Lease::taken(supervisor, shard, epoch, asked, is_shared)))
     }
 
-    /// Releases a lease, so that the fleet can be acquired at once.
+    /// Releases a lease, so that the shard can be acquired at once.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
     pub async fn release(&mut self, lease: &Lease) -> Result<(), StoreError> {
         const WHAT: &str = "release a lease";
-        const SQL: &str =
-            "UPDATE leases SET owner = NULL, expires_us = 0 WHERE fleet = $1 AND epoch = $2 AND owner = $3";
+        const SQL: &str = "UPDATE leases SET owner = NULL, expires_us = 0 WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND shard = $4";
         self.attempt(WHAT, lease.time_to_live(), async |link| {
             on!(link, |link| sqlx::query(SQL)
                 .bind(lease.fleet().as_str())
                 .bind(lease.epoch() as i64)
                 .bind(lease.owner())
+                .bind(lease.shard_number())
                 .execute(link)
                 .await
                 .map(drop))
@@ -174,33 +195,38 @@ impl Writer {
 // lower ones and take equal ones for duplicates. The time is higher than any earlier epoch, whatever happened to the
 // database, unless a clock was ahead by more than the age of the back-up.
 
-/// SQLite: the lock of the file stands for the lease, so its holder may acquire every fleet.
-const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, epoch, owner, holder) VALUES ($1, $4, $2, $3) \
-    ON CONFLICT (fleet) DO UPDATE SET epoch = max(epoch + 1, excluded.epoch), owner = excluded.owner, \
-    holder = excluded.holder, commits = 0 RETURNING epoch";
+/// SQLite: the lock of the file stands for the lease, so its holder may acquire every shard.
+const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, shard, shards, epoch, owner, holder) VALUES ($1, $5, $6, $4, $2, $3) \
+    ON CONFLICT (fleet, shard) DO UPDATE SET epoch = max(epoch + 1, excluded.epoch), owner = excluded.owner, \
+    holder = excluded.holder, commits = 0 \
+    WHERE leases.shards = excluded.shards RETURNING epoch";
 
 /// PostgreSQL: skips a row that is locked, because its owner is committing. A lease of our own can be acquired again:
 /// the answer to an earlier attempt may have been lost.
 const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = greatest(epoch + 1, clock_us() / 1000), owner = $2, \
-    holder = $3, commits = 0, expires_us = clock_us() + $4 WHERE fleet = (SELECT fleet FROM leases WHERE fleet = $1 \
-    AND (owner = $2 OR expires_us <= clock_us()) FOR UPDATE SKIP LOCKED) RETURNING epoch";
+    holder = $3, commits = 0, expires_us = clock_us() + $4 WHERE fleet = $1 AND shard = (SELECT shard FROM leases WHERE fleet = $1 \
+    AND shard = $5 AND shards = $6 AND (owner = $2 OR expires_us <= clock_us()) FOR UPDATE SKIP LOCKED) RETURNING epoch";
 
 async fn raise_epoch(
     tx: &mut Tx<'_>,
     sql: &'static str,
     supervisor: &Supervisor,
-    fleet: &Name,
+    shard: &FleetShard,
 ) -> sqlx::Result<Option<i64>> {
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
     // The fourth parameter: time to live in µs (PostgreSQL), or the time in ms since 1970 (SQLite).
     let fourth =
         if matches!(tx, Either::Postgres(_)) { micros(supervisor.time_to_live) } else { (now_us / 1000).max(1) };
-    const HISTORY: &str = "INSERT INTO epochs (fleet, epoch, owner, holder, began_us) VALUES ($1, $2, $3, $4, $5)";
+    const HISTORY: &str =
+        "INSERT INTO epochs (fleet, epoch, owner, holder, began_us, shard) VALUES ($1, $2, $3, $4, $5, $6)";
+    let (fleet, number) = (shard.fleet(), i64::from(shard.number()));
     let epoch: Option<i64> = on!(&mut *tx, |tx| sqlx::query_scalar(sql)
         .bind(fleet.as_str())
         .bind(&*supervisor.id)
         .bind(&supervisor.name)
         .bind(fourth)
+        .bind(number)
+        .bind(i64::from(shard.count()))
         .fetch_optional(&mut **tx)
         .await)?;
     if let Some(epoch) = epoch {
@@ -210,6 +236,7 @@ async fn raise_epoch(
             .bind(&*supervisor.id)
             .bind(&supervisor.name)
             .bind(now_us)
+            .bind(number)
             .execute(&mut **tx)
             .await
             .map(drop))?;
@@ -218,18 +245,30 @@ async fn raise_epoch(
 }
 
 async fn sqlite_membership(link: &mut SqliteConnection, supervisor: &Supervisor) -> sqlx::Result<Membership> {
-    let rows = sqlx::query("SELECT fleet, epoch, owner, holder FROM leases").fetch_all(link).await?;
-    let leases = supervisor.fleets.iter().map(|fleet| {
-        let row = rows.iter().find(|row| row.get::<&str, _>("fleet") == fleet.as_str());
+    const SQL: &str =
+        "SELECT fleet, shard, shards, shards_wanted, epoch, owner, holder FROM leases ORDER BY fleet, shard";
+    let rows = sqlx::query(SQL).fetch_all(link).await?;
+    let lease = |shard: FleetShard, row: Option<&SqliteRow>| {
         let owner: Option<String> = row.and_then(|row| row.get("owner"));
         FleetLease {
-            fleet: fleet.clone(),
+            shard,
+            shards_wanted: row.map_or(1, |row| row.get("shards_wanted")),
             epoch: row.map_or(0, |row| row.get::<i64, _>("epoch")) as u64,
             free: owner.as_deref() != Some(&*supervisor.id),
             free_in: None,
             owner,
             holder: row.and_then(|row| row.get("holder")),
         }
+    };
+    let leases = supervisor.fleets.iter().flat_map(|fleet| {
+        let of_fleet = rows.iter().filter(|row| row.get::<&str, _>("fleet") == fleet.as_str());
+        let leases: Vec<_> = of_fleet
+            .filter_map(|row| {
+                let shard = FleetShard::new(fleet.clone(), row.get("shard"), row.get("shards"))?;
+                Some(lease(shard, Some(row)))
+            })
+            .collect();
+        if leases.is_empty() { vec![lease(FleetShard::whole(fleet.clone()), None)] } else { leases }
     });
     // No other supervisor can own the fleets, so hearing does not matter.
     let (supervisor, fleets) = (supervisor.id.to_string(), supervisor.fleets.clone());
@@ -237,7 +276,7 @@ async fn sqlite_membership(link: &mut SqliteConnection, supervisor: &Supervisor)
     Ok(Membership { leases: leases.collect(), present })
 }
 
-/// Registers the supervisor and renews its leases; returns the state of the cluster and the renewed fleets. A row
+/// Registers the supervisor and renews its leases; returns the state of the cluster and the renewed shards. A row
 /// that is locked by a commit of this supervisor is skipped, because the commit renews it. Each statement is its own
 /// transaction, because all supervisors do this several times a second.
 async fn sign_in(
@@ -245,16 +284,17 @@ async fn sign_in(
     supervisor: &Supervisor,
     held: &[Lease],
     hearing: &FleetsHeard,
-) -> sqlx::Result<(Membership, Vec<String>)> {
+) -> sqlx::Result<(Membership, Vec<(String, i64)>)> {
     let joined = |fleets: &[Name]| fleets.iter().map(Name::as_str).collect::<Vec<_>>().join(",");
     let fleets: Vec<&str> = supervisor.fleets.iter().map(Name::as_str).collect();
-    let renewed = sqlx::query_scalar(
+    let renewed = sqlx::query_as(
         "WITH present AS (INSERT INTO supervisors (supervisor, holder, fleets, alive_us, deaf, heard) \
          VALUES ($2, $5, $6, clock_us() + $1, $7, $8) ON CONFLICT (supervisor) DO UPDATE SET \
          alive_us = excluded.alive_us, deaf = excluded.deaf, heard = excluded.heard) \
-         UPDATE leases SET expires_us = clock_us() + $1 WHERE fleet IN (SELECT l.fleet FROM leases l \
-         JOIN unnest($3::text[], $4::bigint[]) AS h (fleet, epoch) ON l.fleet = h.fleet AND l.epoch = h.epoch \
-         WHERE owner = $2 FOR UPDATE OF l SKIP LOCKED) RETURNING fleet",
+         UPDATE leases SET expires_us = clock_us() + $1 WHERE (fleet, shard) IN (SELECT l.fleet, l.shard FROM leases l \
+         JOIN unnest($3::text[], $4::bigint[], $9::bigint[]) AS h (fleet, epoch, shard) \
+         ON l.fleet = h.fleet AND l.shard = h.shard AND l.epoch = h.epoch \
+         WHERE owner = $2 FOR UPDATE OF l SKIP LOCKED) RETURNING fleet, shard",
     )
     .bind(micros(supervisor.time_to_live))
     .bind(&*supervisor.id)
@@ -264,12 +304,15 @@ async fn sign_in(
     .bind(fleets.join(","))
     .bind(joined(&hearing.deaf))
     .bind(joined(&hearing.heard))
+    .bind(held.iter().map(Lease::shard_number).collect::<Vec<_>>())
     .fetch_all(&mut *link)
     .await?;
     let mut rows = rows_of(&mut *link, &fleets).await?;
-    if rows.iter().filter(|row| is_lease(row)).count() < fleets.len() {
+    let has_lease = |fleet: &&str| rows.iter().any(|row| row.get::<Option<&str>, _>("fleet") == Some(*fleet));
+    if !fleets.iter().all(has_lease) {
         sqlx::query(
-            "INSERT INTO leases (fleet, epoch, expires_us) SELECT unnest($1::text[]), 0, 0 ON CONFLICT DO NOTHING",
+            "INSERT INTO leases (fleet, epoch, expires_us) SELECT f.fleet, 0, 0 FROM unnest($1::text[]) AS f (fleet) \
+             WHERE NOT EXISTS (SELECT 1 FROM leases l WHERE l.fleet = f.fleet) ON CONFLICT DO NOTHING",
         )
         .bind(&fleets)
         .execute(&mut *link)
@@ -278,7 +321,8 @@ async fn sign_in(
     }
     let leases = rows.iter().filter(|row| is_lease(row)).filter_map(|row| {
         Some(FleetLease {
-            fleet: Name::new(row.get("fleet")).ok()?,
+            shard: shard_of(row)?,
+            shards_wanted: u32::try_from(row.get::<i64, _>("shards_wanted")).ok()?,
             epoch: row.get::<i64, _>("epoch") as u64,
             owner: row.get("owner"),
             holder: row.get("holder"),
@@ -306,14 +350,20 @@ async fn forget_the_gone(tx: &mut PgConnection) -> sqlx::Result<()> {
 /// second.
 async fn rows_of(link: &mut PgConnection, fleets: &[&str]) -> sqlx::Result<Vec<PgRow>> {
     sqlx::query(
-        "SELECT fleet, epoch, owner, holder, expires_us - clock_us() AS left_us, NULL::text AS fleets, \
+        "SELECT fleet, shard, shards, shards_wanted, epoch, owner, holder, expires_us - clock_us() AS left_us, \
+         NULL::text AS fleets, \
          NULL::text AS deaf, NULL::text AS heard FROM leases WHERE fleet = ANY($1) \
-         UNION ALL SELECT NULL, NULL, supervisor, NULL, NULL, fleets, deaf, heard FROM supervisors \
+         UNION ALL SELECT NULL, NULL, NULL, NULL, NULL, supervisor, NULL, NULL, fleets, deaf, heard FROM supervisors \
          WHERE alive_us > clock_us()",
     )
     .bind(fleets)
     .fetch_all(link)
     .await
+}
+
+fn shard_of(row: &PgRow) -> Option<FleetShard> {
+    let number = |column| u32::try_from(row.get::<i64, _>(column)).ok();
+    FleetShard::new(Name::new(row.get("fleet")).ok()?, number("shard")?, number("shards")?)
 }
 
 fn is_lease(row: &PgRow) -> bool {

@@ -7,7 +7,7 @@ use super::batch::{
 };
 use super::changes::NewChange;
 use super::row::{Declared, Parent, Statement, columns};
-use crate::Resolution;
+use crate::{Lease, Resolution};
 
 /// The fleet of a row that does not name it.
 #[derive(Debug, Clone, Copy)]
@@ -17,6 +17,34 @@ pub(crate) struct InFleet<'b> {
 
 columns! {
     InFleet<'b> { fleet: &'b str, }
+}
+
+/// The fleet and the shard of a row of the journal.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct InShard<'b> {
+    pub(crate) fleet: &'b str,
+    pub(crate) shard: i64,
+}
+
+impl<'b> InShard<'b> {
+    pub(crate) fn of(lease: &'b Lease) -> Self {
+        Self { fleet: lease.fleet().as_str(), shard: lease.shard_number() }
+    }
+}
+
+columns! {
+    InShard<'b> { fleet: &'b str, shard: i64, }
+}
+
+/// The hash that decides about a robot's shard.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RobotHash {
+    pub(crate) robot_id: i64,
+    pub(crate) shard_hash: i64,
+}
+
+columns! {
+    RobotHash { robot_id: i64, shard_hash: i64, }
 }
 
 /// The decision of a candidate, and the candidate's position in it.
@@ -59,9 +87,10 @@ impl ErrorRow {
 
 pub(crate) static ROBOTS: Statement<RobotRow> = Statement::update("robots", "");
 pub(crate) static WHISKERS: Statement<WhiskerRow> = Statement::update("whiskers", "");
+pub(crate) static ROBOT_HASHES: Statement<RobotHash> = Statement::update("robots", "");
 pub(crate) static CONTACTS: Statement<ContactRow> = Statement::insert("contacts");
 pub(crate) static RESPONSES: Statement<ResponseRow> = Statement::insert("compensation_responses");
-pub(crate) static JOURNAL: Statement<(InFleet<'static>, &JournalRow)> = Statement::insert("journal");
+pub(crate) static JOURNAL: Statement<(InShard<'static>, &JournalRow)> = Statement::insert("journal");
 pub(crate) static CHANGES: Statement<(InFleet<'static>, NewChange<'static>)> = Statement::insert("changes");
 pub(crate) static HEALTH: Statement<HealthRow> = Statement::insert("health_changes");
 pub(crate) static TRIMS: Statement<TrimRow> = Statement::insert("trims");
@@ -101,7 +130,7 @@ pub(crate) static BINS: Statement<(BinKey, &ErrorBinRow)> = Statement::insert_be
 
 /// Journal rows of a test that plants a fault: two owners write the same numbers, and the conflict would protect each
 /// from the damage that the test waits for.
-pub(crate) static JOURNAL_UNFENCED: Statement<(InFleet<'static>, &JournalRow)> =
+pub(crate) static JOURNAL_UNFENCED: Statement<(InShard<'static>, &JournalRow)> =
     Statement::insert("journal").unless_exists();
 
 pub(crate) static ENDED: Statement<EndedRow> = Statement::update(
@@ -160,9 +189,10 @@ pub struct Written {
 /// The columns of all statements, as the rows are declared.
 #[must_use]
 pub fn written() -> Vec<Written> {
-    let all: [&dyn Declared; 28] = [
+    let all: [&dyn Declared; 29] = [
         &ROBOTS,
         &WHISKERS,
+        &ROBOT_HASHES,
         &CONTACTS,
         &RESPONSES,
         &JOURNAL,

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::{Notify, broadcast, watch};
 use tokio::time::{Duration, Instant, sleep_until};
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use vibrissa_store::actions::Action;
@@ -24,7 +25,7 @@ pub struct ActionNotifier(Arc<Inner>);
 
 #[derive(Debug)]
 struct Inner {
-    waiting: Mutex<BTreeMap<Name, Arc<Notify>>>,
+    waiting: Mutex<BTreeMap<FleetShard, Arc<Notify>>>,
     answered: broadcast::Sender<i64>,
     changed: watch::Sender<u64>,
 }
@@ -43,17 +44,17 @@ impl ActionNotifier {
     /// Announces a new action for a fleet. If the fleet is supervised here, its engine reads the action now; otherwise
     /// its owner finds it within a second in the table of actions.
     pub fn notify(&self, fleet: &Name) {
-        if let Some(waiting) = self.waiting().get(fleet) {
+        for (_, waiting) in self.waiting().iter().filter(|(shard, _)| shard.fleet() == fleet) {
             waiting.notify_one();
         }
     }
 
-    /// Notified when a new action for a fleet arrives.
-    pub(crate) fn subscribe(&self, fleet: &Name) -> Arc<Notify> {
-        self.waiting().entry(fleet.clone()).or_default().clone()
+    /// Notified when a new action for the fleet of a shard arrives.
+    pub(crate) fn subscribe(&self, shard: &FleetShard) -> Arc<Notify> {
+        self.waiting().entry(shard.clone()).or_default().clone()
     }
 
-    fn waiting(&self) -> MutexGuard<'_, BTreeMap<Name, Arc<Notify>>> {
+    fn waiting(&self) -> MutexGuard<'_, BTreeMap<FleetShard, Arc<Notify>>> {
         self.0.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -1,4 +1,4 @@
-//! Supervision of one fleet from acquisition to release of its lease: the engine and its two connections.
+//! Supervision of one fleet, or of one shard of it, from acquisition to release of its lease: the engine and its two connections.
 
 use std::sync::{Arc, OnceLock};
 
@@ -14,7 +14,7 @@ use crate::black_box::BlackBoxes;
 use crate::ending::Ending;
 use crate::engine::{ContactRetention, Engine, EngineOptions, Limits};
 use crate::metrics::{FleetMetrics, Metrics};
-use crate::mqtt::{self, BrokerAddress, Connection, LinkState, Prepared, stopped};
+use crate::mqtt::{self, BrokerAddress, Connection, FleetBirths, LinkState, Prepared, stopped};
 use crate::outbox::Losses;
 use crate::readiness::{Readiness, Standing};
 use crate::robots_file::RobotsFile;
@@ -38,6 +38,8 @@ pub(crate) struct Shared {
     pub(crate) store: Store,
     pub(crate) broker: BrokerAddress,
     pub(crate) prepared: Prepared,
+    /// Requests for births, by fleet.
+    pub(crate) births: FleetBirths,
     pub(crate) metrics: Metrics,
     pub(crate) readiness: Readiness,
     pub(crate) action_notifier: ActionNotifier,
@@ -55,7 +57,7 @@ pub(crate) struct Shared {
     pub(crate) supervisor: Arc<str>,
 }
 
-/// A fleet that this supervisor owns.
+/// A fleet, or a shard of it, that this supervisor owns.
 #[derive(Debug)]
 pub(crate) struct Fleet {
     lease: Lease,
@@ -71,8 +73,8 @@ impl Fleet {
     pub(crate) fn start(lease: Lease, shared: &Shared) -> Self {
         let (stop, stopping) = watch::channel(false);
         // The fleet is ready when its robots are heard.
-        shared.readiness.set_of(lease.fleet(), TAKING_UP, Some("loading its robots".to_owned()));
-        shared.readiness.stands(lease.fleet(), Standing::Owned { epoch: lease.epoch() });
+        shared.readiness.set_of(lease.shard(), TAKING_UP, Some("loading its robots".to_owned()));
+        shared.readiness.stands(lease.shard(), Standing::Owned { epoch: lease.epoch() });
         let link = Arc::new(OnceLock::new());
         let task = tokio::spawn(supervise(lease.clone(), shared.clone(), link.clone(), stopping));
         Self { lease, link, stop, task }
@@ -99,44 +101,65 @@ impl Fleet {
         // An error means that the task has already ended and dropped the receiver.
         let _ = self.stop.send(true);
         if let Err(problem) = self.task.await {
-            error!(fleet = %self.lease.fleet(), %problem, "supervision task failed");
+            error!(fleet = %self.lease.shard(), %problem, "supervision task failed");
         }
         self.lease
     }
 }
 
 async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>, mut stop: watch::Receiver<bool>) {
-    let fleet = lease.fleet().clone();
-    let metrics = shared.metrics.of_fleet(&fleet);
+    let shard = lease.shard().clone();
+    let metrics = shared.metrics.of_shard(&shard);
     let engine = tokio::select! {
         engine = take_up(&lease, &shared) => engine,
         () = stopped(&mut stop) => None,
     };
     if let Some((engine, boot_id)) = engine {
         let connection = Connection {
-            broker: shared.broker.clone(),
-            prepared: shared.prepared.clone(),
-            fleet: fleet.clone(),
-            boot_id,
+            robots: engine.robots().cloned().collect(),
+            births: shared.births.of(shard.fleet()),
             epoch: lease.epoch(),
             link: heard.get_or_init(LinkState::default).clone(),
+            ..Connection::new(shared.broker.clone(), shared.prepared.clone(), shard.clone(), boot_id)
         };
-        shared.readiness.listens(&fleet, connection.link.clone());
-        shared.readiness.set_of(&fleet, TAKING_UP, None);
+        shared.readiness.listens(&shard, connection.link.clone());
+        shared.readiness.set_of(&shard, TAKING_UP, None);
         run(engine, &connection, &metrics, stop).await;
     }
-    shared.readiness.forget(&fleet);
+    shared.readiness.forget(&shard);
     metrics.forget();
     if let Some(whiskers) = &shared.metrics.whiskers {
-        whiskers.show(fleet.as_str(), Vec::new());
+        whiskers.show(&shard, Vec::new());
     }
-    info!(%fleet, epoch = lease.epoch(), "fleet supervision ended");
+    info!(fleet = %shard, epoch = lease.epoch(), "fleet supervision ended");
+}
+
+/// Settings of the engine of a shard.
+pub(crate) fn engine_options(lease: &Lease, boot_id: &BootId, shared: &Shared) -> EngineOptions {
+    EngineOptions {
+        lease: lease.clone(),
+        boot_id: boot_id.clone(),
+        params: shared.params.clone(),
+        writer: shared.store.writer(),
+        metrics: shared.metrics.clone(),
+        readiness: shared.readiness.clone(),
+        action_notifier: shared.action_notifier.clone(),
+        retention: shared.keep,
+        limits: shared.limits,
+        robots_file: shared.robots_file.clone(),
+        boxes: shared.boxes.clone(),
+        traces: shared.traces.clone(),
+    }
 }
 
 /// Loads the fleet; retries while the database is unreachable.
 async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
     // New with each epoch, because the message numbers start again.
-    let boot_id = match BootId::new(&format!("{}-{}", shared.supervisor, lease.epoch())) {
+    let shard = match lease.shard().is_whole() {
+        true => String::new(),
+        false => format!("-{}", lease.shard().number()),
+    };
+    let boot_id = match BootId::new(&format!("{}-{}{shard}", shared.supervisor, lease.epoch())) {
         Ok(boot_id) => boot_id,
         Err(problem) => {
             error!(%problem, "cannot make a boot id");
@@ -145,21 +168,7 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
     };
     let mut backoff = crate::backoff::Backoff::default();
     loop {
-        let options = EngineOptions {
-            lease: lease.clone(),
-            boot_id: boot_id.clone(),
-            params: shared.params.clone(),
-            writer: shared.store.writer(),
-            metrics: shared.metrics.clone(),
-            readiness: shared.readiness.clone(),
-            action_notifier: shared.action_notifier.clone(),
-            retention: shared.keep,
-            limits: shared.limits,
-            robots_file: shared.robots_file.clone(),
-            boxes: shared.boxes.clone(),
-            traces: shared.traces.clone(),
-        };
-        match options.start().await {
+        match engine_options(lease, &boot_id, shared).start().await {
             Ok(engine) => return Some((engine, boot_id)),
             Err(problem @ StoreError::LeaseLost { .. }) => {
                 warn!(%problem, "fleet not loaded, lease lost");
@@ -167,8 +176,8 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
             }
             Err(problem) => {
                 shared.metrics.database_failed();
-                error!(%problem, fleet = %lease.fleet(), "cannot load the fleet, retrying");
-                shared.readiness.set_of(lease.fleet(), TAKING_UP, Some(problem.told()));
+                error!(%problem, fleet = %lease.shard(), "cannot load the fleet, retrying");
+                shared.readiness.set_of(lease.shard(), TAKING_UP, Some(problem.told()));
                 backoff.wait().await;
             }
         }
@@ -195,7 +204,7 @@ async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mu
         () = stopped(&mut stop) => {}
         ended = &mut engine => {
             if let Ok(Some(Ending::LeaseLost)) = ended {
-                warn!(fleet = %connection.fleet, epoch = connection.epoch, "fleet lease lost to another supervisor");
+                warn!(fleet = %connection.shard, epoch = connection.epoch, "fleet lease lost to another supervisor");
             }
         }
     }

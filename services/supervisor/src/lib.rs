@@ -8,6 +8,7 @@
 pub mod service;
 
 pub mod action_notifier;
+mod division;
 mod ending;
 mod fleet;
 mod hearing_trials;

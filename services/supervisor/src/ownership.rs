@@ -1,4 +1,5 @@
-//! Ownership of fleets: renews this supervisor's leases, acquires its share of the fleets, releases the surplus.
+//! Ownership of fleets and their shards: renews this supervisor's leases, acquires its share, releases the surplus, and
+//! begins changes of the number of shards.
 
 use std::collections::BTreeMap;
 
@@ -6,15 +7,17 @@ use tokio::sync::watch;
 use tokio::task::{AbortHandle, JoinSet};
 use tokio::time::{Duration, Instant, sleep};
 use tracing::{error, info, warn};
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
+use crate::division::divide;
 use crate::fleet::{Fleet, Shared};
 use crate::hearing_trials::HearingTrials;
 use crate::metrics::{LOST, TAKEN};
 use crate::mqtt::stopped;
 use crate::readiness::Standing;
 use crate::sharing::shares;
-use vibrissa_store::{Membership, StoreError, Supervisor, Writer};
+use vibrissa_store::{Lease, Membership, StoreError, Supervisor, Writer};
 
 /// Number of turns in a lease's time to live. Each turn renews the leases and looks for free ones.
 const TURNS_A_TIME_TO_LIVE: u32 = 8;
@@ -30,10 +33,14 @@ pub(crate) struct Ownership {
     supervisor: Supervisor,
     shared: Shared,
     writer: Writer,
-    fleets: BTreeMap<Name, Fleet>,
-    /// Fleets that are being stopped. A fleet must have ended before it can be acquired again.
+    shards: BTreeMap<FleetShard, Fleet>,
+    /// Shards that are being stopped. A shard must have ended before it can be acquired again.
     ending: JoinSet<()>,
-    ending_names: BTreeMap<Name, AbortHandle>,
+    ending_shards: BTreeMap<FleetShard, AbortHandle>,
+    /// Changes of the number of shards that this supervisor makes, with the leases that they need.
+    divisions: BTreeMap<Name, (Vec<Lease>, AbortHandle)>,
+    /// Least number of shards of each fleet, until the database has it.
+    least_shards: Option<u32>,
     is_prepared: bool,
     hearing: HearingTrials,
     outage: Outage,
@@ -62,17 +69,20 @@ impl Outage {
 }
 
 impl Ownership {
-    /// Owns nothing yet. `is_prepared` says that the tables of the database are up to date.
-    pub(crate) fn new(supervisor: Supervisor, shared: Shared, is_prepared: bool) -> Self {
+    /// Owns nothing yet. Each fleet shall have at least `shards` shards. `is_prepared` says that the tables of the database
+    /// are up to date.
+    pub(crate) fn new(supervisor: Supervisor, shared: Shared, shards: u32, is_prepared: bool) -> Self {
         shared.readiness.set(PART, Some("starting: the owners of the fleets are not known yet".to_owned()));
         let writer = shared.store.writer();
         Self {
             supervisor,
             shared,
             writer,
-            fleets: BTreeMap::new(),
+            shards: BTreeMap::new(),
             ending: JoinSet::new(),
-            ending_names: BTreeMap::new(),
+            ending_shards: BTreeMap::new(),
+            divisions: BTreeMap::new(),
+            least_shards: Some(shards).filter(|&shards| shards > 1),
             is_prepared,
             hearing: HearingTrials::default(),
             outage: Outage::default(),
@@ -114,10 +124,17 @@ impl Ownership {
             self.shared.store.prepare().await?;
             self.is_prepared = true;
         }
+        if let Some(shards) = self.least_shards {
+            for fleet in &self.supervisor.fleets {
+                self.writer.want_shards(fleet, shards).await?;
+            }
+            self.least_shards = None;
+        }
         self.remove_ended();
-        let held: Vec<_> = self.fleets.values().map(|fleet| fleet.lease().clone()).collect();
+        let of_divisions = self.divisions.values().flat_map(|(leases, _)| leases);
+        let held: Vec<_> = self.shards.values().map(Fleet::lease).chain(of_divisions).cloned().collect();
         if self.shared.store.is_shared() {
-            let links = self.fleets.iter().map(|(name, fleet)| (name, fleet.link()));
+            let links = self.shards.iter().map(|(shard, fleet)| (shard, fleet.link()));
             self.hearing.listen(links, &self.shared);
         }
         let membership = self.writer.sign_in_hearing(&self.supervisor, &held, &self.hearing.report()).await?;
@@ -126,79 +143,138 @@ impl Ownership {
             self.hearing.try_doubtful(&membership, &self.supervisor.id, &self.shared);
         }
         let shares = shares(&membership);
-        let mine = |fleet: &Name| shares.get(fleet).is_some_and(|owner| **owner == *self.supervisor.id);
-        let too_many: Vec<Name> = self.fleets.keys().filter(|fleet| !mine(fleet)).cloned().collect();
-        let missing: Vec<Name> = membership
+        let mine = |shard: &FleetShard| shares.get(shard).is_some_and(|owner| **owner == *self.supervisor.id);
+        let dividing: BTreeMap<Name, u32> = membership
             .leases
             .iter()
-            .filter(|lease| mine(&lease.fleet))
-            .filter(|lease| !self.fleets.contains_key(&lease.fleet) && !self.ending_names.contains_key(&lease.fleet))
-            .map(|lease| lease.fleet.clone())
+            .filter(|lease| lease.shards_wanted != lease.shard.count())
+            .map(|lease| (lease.shard.fleet().clone(), lease.shards_wanted))
             .collect();
-        for fleet in too_many {
-            info!(%fleet, "releasing fleet to rebalance");
-            self.end(&fleet);
+        let is_dividing = |shard: &FleetShard| dividing.contains_key(shard.fleet());
+        let too_many: Vec<FleetShard> =
+            self.shards.keys().filter(|shard| !mine(shard) || is_dividing(shard)).cloned().collect();
+        let missing: Vec<FleetShard> = membership
+            .leases
+            .iter()
+            .map(|lease| &lease.shard)
+            .filter(|shard| mine(shard) && !is_dividing(shard))
+            .filter(|shard| !self.shards.contains_key(*shard) && !self.ending_shards.contains_key(*shard))
+            .cloned()
+            .collect();
+        let divided_here: Vec<(&Name, u32)> = dividing
+            .iter()
+            .filter(|(fleet, _)| membership.leases.iter().any(|one| one.shard.fleet() == *fleet && mine(&one.shard)))
+            .map(|(fleet, count)| (fleet, *count))
+            .collect();
+        for shard in too_many {
+            match is_dividing(&shard) {
+                true => info!(fleet = %shard, "releasing fleet to change its number of shards"),
+                false => info!(fleet = %shard, "releasing fleet to rebalance"),
+            }
+            self.end(&shard);
         }
-        for fleet in missing {
-            if let Some(lease) = self.writer.acquire(&self.supervisor, &fleet).await? {
-                info!(%fleet, epoch = lease.epoch(), "fleet lease acquired");
-                let metrics = self.shared.metrics.of_fleet(&fleet);
+        for shard in missing {
+            if let Some(lease) = self.writer.acquire_shard(&self.supervisor, &shard).await? {
+                info!(fleet = %shard, epoch = lease.epoch(), "fleet lease acquired");
+                let metrics = self.shared.metrics.of_shard(&shard);
                 metrics.lease_held.set(1);
                 metrics.lease_epoch.set(lease.epoch() as i64);
                 metrics.lease_changes.count([TAKEN]);
-                self.fleets.insert(fleet, Fleet::start(lease, &self.shared));
+                self.shards.insert(shard, Fleet::start(lease, &self.shared));
             }
         }
-        for lease in membership.leases.iter().filter(|lease| !self.fleets.contains_key(&lease.fleet)) {
-            let holder = lease.holder.clone().filter(|_| !lease.free);
-            self.shared.readiness.stands(&lease.fleet, Standing::Standby { holder });
+        for (fleet, count) in divided_here {
+            self.begin_division(fleet, count, &membership).await?;
         }
+        self.show(&membership);
         let soonest = membership
             .leases
             .iter()
-            .filter(|lease| !self.fleets.contains_key(&lease.fleet))
+            .filter(|lease| !self.shards.contains_key(&lease.shard))
             .filter_map(|lease| lease.free_in)
             .min();
         Ok(soonest.map_or(self.pause(), |soonest| soonest.clamp(SHORTEST_PAUSE, self.pause())))
     }
 
-    /// Removes fleets whose supervision has ended on its own, and collects the stopped ones.
+    /// Acquires all shards of a fleet, and changes their number in the background. Does nothing while a shard has an
+    /// owner.
+    async fn begin_division(&mut self, fleet: &Name, count: u32, membership: &Membership) -> Result<(), StoreError> {
+        let leases: Vec<_> = membership.leases.iter().filter(|lease| lease.shard.fleet() == fleet).collect();
+        let is_ending = self.ending_shards.keys().any(|shard| shard.fleet() == fleet);
+        if is_ending || self.divisions.contains_key(fleet) || !leases.iter().all(|lease| lease.free) {
+            return Ok(());
+        }
+        let mut held = Vec::new();
+        for lease in &leases {
+            match self.writer.acquire_shard(&self.supervisor, &lease.shard).await? {
+                Some(lease) => held.push(lease),
+                None => break,
+            }
+        }
+        if held.len() < leases.len() {
+            // Another supervisor is faster.
+            for lease in &held {
+                self.writer.release(lease).await?;
+            }
+            return Ok(());
+        }
+        info!(%fleet, before = leases.len(), shards = count, "changing the number of shards");
+        let task = self.ending.spawn(divide(held.clone(), count, self.shared.clone()));
+        self.divisions.insert(fleet.clone(), (held, task));
+        Ok(())
+    }
+
+    /// Shows this supervisor's role in each shard.
+    fn show(&self, membership: &Membership) {
+        for lease in &membership.leases {
+            let metrics = self.shared.metrics.of_fleet(lease.shard.fleet());
+            metrics.fleet_shards.set(i64::from(lease.shard.count()));
+            if !self.shards.contains_key(&lease.shard) {
+                let holder = lease.holder.clone().filter(|_| !lease.free);
+                self.shared.readiness.stands(&lease.shard, Standing::Standby { holder });
+            }
+        }
+        self.shared.readiness.retain(|shard| membership.leases.iter().any(|lease| lease.shard == *shard));
+    }
+
+    /// Removes shards whose supervision has ended on its own, and collects the stopped ones.
     fn remove_ended(&mut self) {
-        let over: Vec<Name> =
-            self.fleets.iter().filter(|(_, fleet)| fleet.is_over()).map(|(name, _)| name.clone()).collect();
-        for name in over {
-            self.end(&name);
+        let over: Vec<FleetShard> =
+            self.shards.iter().filter(|(_, fleet)| fleet.is_over()).map(|(shard, _)| shard.clone()).collect();
+        for shard in over {
+            self.end(&shard);
         }
         while let Some(ended) = self.ending.try_join_next() {
             if let Err(problem) = ended {
                 error!(%problem, "fleet task failed");
             }
         }
-        self.ending_names.retain(|_, task| !task.is_finished());
+        self.ending_shards.retain(|_, task| !task.is_finished());
+        self.divisions.retain(|_, (_, task)| !task.is_finished());
     }
 
-    /// Stops fleets that another supervisor owns by now. Fencing already keeps them from writing.
+    /// Stops shards that another supervisor owns by now. Fencing already keeps them from writing.
     fn drop_lost(&mut self, membership: &Membership) {
         let is_ours = |fleet: &Fleet| {
             membership.leases.iter().any(|row| {
-                row.fleet == *fleet.lease().fleet()
+                row.shard == *fleet.lease().shard()
                     && row.epoch == fleet.lease().epoch()
                     && row.owner.as_deref() == Some(&*self.supervisor.id)
             })
         };
-        let lost: Vec<Name> =
-            self.fleets.iter().filter(|(_, fleet)| !is_ours(fleet)).map(|(name, _)| name.clone()).collect();
-        for name in lost {
-            warn!(fleet = %name, "fleet lease lost to another supervisor");
-            self.end(&name);
+        let lost: Vec<FleetShard> =
+            self.shards.iter().filter(|(_, fleet)| !is_ours(fleet)).map(|(shard, _)| shard.clone()).collect();
+        for shard in lost {
+            warn!(fleet = %shard, "fleet lease lost to another supervisor");
+            self.end(&shard);
         }
     }
 
-    /// Stops the supervision of a fleet and releases its lease, if this supervisor still owns it. This runs in the
+    /// Stops the supervision of a shard and releases its lease, if this supervisor still owns it. This runs in the
     /// background, because the other leases must be renewed meanwhile.
-    fn end(&mut self, name: &Name) {
-        let Some(fleet) = self.fleets.remove(name) else { return };
-        let metrics = self.shared.metrics.of_fleet(name);
+    fn end(&mut self, shard: &FleetShard) {
+        let Some(fleet) = self.shards.remove(shard) else { return };
+        let metrics = self.shared.metrics.of_shard(shard);
         metrics.lease_held.set(0);
         metrics.lease_changes.count([LOST]);
         let mut writer = self.shared.store.writer();
@@ -208,14 +284,14 @@ impl Ownership {
                 warn!(%problem, "cannot release the lease, it will expire");
             }
         });
-        self.ending_names.insert(name.clone(), task);
+        self.ending_shards.insert(shard.clone(), task);
     }
 
-    /// Stops all fleets, then signs out, so that other supervisors can acquire them.
+    /// Stops all shards, then signs out, so that other supervisors can acquire them.
     async fn leave(mut self) {
-        let names: Vec<Name> = self.fleets.keys().cloned().collect();
-        for name in names {
-            self.end(&name);
+        let shards: Vec<FleetShard> = self.shards.keys().cloned().collect();
+        for shard in shards {
+            self.end(&shard);
         }
         while let Some(ended) = self.ending.join_next().await {
             if let Err(problem) = ended {

@@ -1,10 +1,11 @@
-//! Problems that keep the service from its work, and its standing in each fleet: the content of `/readyz`.
+//! Problems that keep the service from its work, and its standing in each fleet, or shard of a
+//! fleet: the content of `/readyz`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
-use vibrissa_protocol::Name;
+use vibrissa_edge::shard::FleetShard;
 
 use crate::mqtt::LinkState;
 
@@ -15,20 +16,20 @@ pub struct Readiness(Arc<Mutex<Parts>>);
 #[derive(Debug, Default)]
 struct Parts {
     problems: BTreeMap<String, String>,
-    fleets: BTreeMap<Name, Standing>,
-    links: BTreeMap<Name, LinkState>,
+    shards: BTreeMap<FleetShard, Standing>,
+    links: BTreeMap<FleetShard, LinkState>,
 }
 
-/// This supervisor's role in a fleet.
+/// This supervisor's role in a fleet, or in a shard of it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(tag = "standing", rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Standing {
-    /// This supervisor owns the fleet.
+    /// This supervisor owns it.
     Owned {
         /// Epoch of the lease.
         epoch: u64,
     },
-    /// Another supervisor owns the fleet, or nobody does yet.
+    /// Another supervisor owns it, or nobody does yet.
     Standby {
         /// Name of the supervisor that owns it; null if there is none.
         holder: Option<String>,
@@ -46,26 +47,31 @@ impl Readiness {
         }
     }
 
-    /// Sets this supervisor's role in a fleet.
-    pub fn stands(&self, fleet: &Name, standing: Standing) {
-        self.parts().fleets.insert(fleet.clone(), standing);
+    /// Sets this supervisor's role in a shard.
+    pub fn stands(&self, shard: &FleetShard, standing: Standing) {
+        self.parts().shards.insert(shard.clone(), standing);
     }
 
-    /// Sets the problem of a part of a fleet's supervision; `None` clears it.
-    pub fn set_of(&self, fleet: &Name, part: &str, problem: Option<String>) {
-        self.set(format!("{}{part}", prefix(fleet)), problem.map(|problem| format!("fleet {fleet}: {problem}")));
+    /// Forgets its role in shards that no longer exist.
+    pub(crate) fn retain(&self, exists: impl Fn(&FleetShard) -> bool) {
+        self.parts().shards.retain(|shard, _| exists(shard));
     }
 
-    /// Registers the link of a fleet, whose problems are then included.
-    pub(crate) fn listens(&self, fleet: &Name, link: LinkState) {
-        self.parts().links.insert(fleet.clone(), link);
+    /// Sets the problem of a part of a shard's supervision; `None` clears it.
+    pub fn set_of(&self, shard: &FleetShard, part: &str, problem: Option<String>) {
+        self.set(format!("{}{part}", prefix(shard)), problem.map(|problem| format!("fleet {shard}: {problem}")));
     }
 
-    /// Removes the problems and the link of a fleet that is no longer supervised here.
-    pub(crate) fn forget(&self, fleet: &Name) {
+    /// Registers the link of a shard, whose problems are then included.
+    pub(crate) fn listens(&self, shard: &FleetShard, link: LinkState) {
+        self.parts().links.insert(shard.clone(), link);
+    }
+
+    /// Removes the problems and the link of a shard that is no longer supervised here.
+    pub(crate) fn forget(&self, shard: &FleetShard) {
         let mut parts = self.parts();
-        parts.links.remove(fleet);
-        parts.problems.retain(|part, _| !part.starts_with(&prefix(fleet)));
+        parts.links.remove(shard);
+        parts.problems.retain(|part, _| !part.starts_with(&prefix(shard)));
     }
 
     /// All problems, without duplicates.
@@ -75,10 +81,10 @@ impl Readiness {
         parts.problems.values().cloned().chain(parts.links.values().flat_map(LinkState::problems)).collect()
     }
 
-    /// This supervisor's role in each fleet.
+    /// This supervisor's role in each shard.
     #[must_use]
-    pub fn fleets(&self) -> BTreeMap<Name, Standing> {
-        self.parts().fleets.clone()
+    pub fn shards(&self) -> BTreeMap<FleetShard, Standing> {
+        self.parts().shards.clone()
     }
 
     fn parts(&self) -> MutexGuard<'_, Parts> {
@@ -86,19 +92,20 @@ impl Readiness {
     }
 }
 
-/// Prefix of the names of a fleet's parts; a fleet's name has no slash.
-fn prefix(fleet: &Name) -> String {
-    format!("fleet/{fleet}/")
+/// Prefix of the names of a shard's parts; no name has a colon.
+fn prefix(shard: &FleetShard) -> String {
+    format!("fleet {shard}: ")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use vibrissa_protocol::Name;
 
     #[test]
     fn regress_what_was_wrong_with_a_fleet_goes_with_it() {
         let readiness = Readiness::default();
-        let [a, ab] = ["a", "ab"].map(|fleet| Name::new(fleet).unwrap());
+        let [a, ab] = ["a", "ab"].map(|fleet| FleetShard::whole(Name::new(fleet).unwrap()));
         readiness.set_of(&a, "database", Some("nothing is recorded".to_owned()));
         readiness.set_of(&ab, "database", Some("nothing is recorded".to_owned()));
         readiness.listens(&a, LinkState::default());

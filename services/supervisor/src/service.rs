@@ -22,7 +22,7 @@ use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
 use crate::http::{App, FurtherRoutes, HttpOptions, Serving};
 use crate::metrics::Metrics;
-use crate::mqtt::{self, BrokerAddress};
+use crate::mqtt::{self, BrokerAddress, FleetBirths};
 use crate::ownership::Ownership;
 use crate::readiness::Readiness;
 use crate::robots_file;
@@ -65,6 +65,8 @@ pub struct ServiceOptions {
     pub name: String,
     /// The fleets to supervise; with PostgreSQL they are shared with other supervisors.
     pub fleets: Vec<Name>,
+    /// Least number of shards of each fleet. A fleet that has fewer gets as many.
+    pub shards: u32,
     /// SQLite file or PostgreSQL server.
     pub database: DatabaseAddress,
     /// Time to live of a lease: an owner that is silent for longer loses the fleet.
@@ -169,6 +171,7 @@ impl Service {
             store: store.clone(),
             broker: broker.clone(),
             prepared,
+            births: FleetBirths::default(),
             metrics: metrics.clone(),
             readiness: readiness.clone(),
             action_notifier: action_notifier.clone(),
@@ -187,7 +190,7 @@ impl Service {
             time_to_live: options.lease_time_to_live,
         };
         let webhooks = Webhooks::new(&options.webhooks, store.clone(), metrics.clone(), shared.supervisor.clone());
-        let ownership = Ownership::new(supervisor, shared, is_prepared);
+        let ownership = Ownership::new(supervisor, shared, options.shards, is_prepared);
         let access = Access::new(&options.access, options.http.listen.ip());
         if is_prepared && !access.admits_anybody(&store, wall_clock().0 as i64).await {
             anyhow::bail!(

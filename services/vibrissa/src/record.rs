@@ -14,6 +14,7 @@ use vibrissa_protocol::{BootId, Name};
 
 use crate::replay::Recorded;
 use vibrissa_edge::ids::start_seed;
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_supervisor::inbox::Incoming;
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, LinkState, RecorderState};
 
@@ -81,14 +82,9 @@ pub async fn record(
     let recorders: Vec<_> = sources
         .iter()
         .map(|source| {
-            let connection = Connection {
-                broker: broker.clone(),
-                prepared: prepared.clone(),
-                fleet: source.fleet.clone(),
-                boot_id: boot_id.clone(),
-                epoch: 0,
-                link: source.link.clone(),
-            };
+            let whole = FleetShard::whole(source.fleet.clone());
+            let mut connection = Connection::new(broker.clone(), prepared.clone(), whole, boot_id.clone());
+            connection.link = source.link.clone();
             mqtt::record(connection, sender.clone(), source.state.clone())
         })
         .collect();

@@ -85,6 +85,7 @@ impl Stage {
         params.detection.cold_start_contacts = LEARNED as u32;
         change(&mut params);
         let service = Service::start(ServiceOptions {
+            shards: 1,
             access,
             name: "s".to_owned(),
             fleets: vec![fleet.clone()],

@@ -4,6 +4,7 @@ use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Row};
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::ArrayType;
 use vibrissa_store::actions::{Asked, NewAction};
 use vibrissa_supervisor::mqtt::BrokerAddress;
@@ -21,6 +22,7 @@ use crate::fleet;
 /// Starts a supervisor of fleet `f` in this process.
 async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Service {
     Service::start(ServiceOptions {
+        shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: name.to_owned(),
         fleets: vec![fleet()],
@@ -42,7 +44,7 @@ async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Servi
 }
 
 fn owns(service: &Service) -> bool {
-    matches!(service.readiness.fleets().get(&fleet()), Some(Standing::Owned { .. }))
+    matches!(service.readiness.shards().get(&FleetShard::whole(fleet())), Some(Standing::Owned { .. }))
 }
 
 /// A change of the policy that is accepted only if this version is in force.

@@ -17,6 +17,7 @@ mod retention;
 mod role;
 mod rows;
 mod schema;
+mod shards;
 mod supervisors;
 
 use tempfile::TempDir;

@@ -9,6 +9,7 @@ use sqlx::{ConnectOptions, Row};
 use tempfile::TempDir;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{Message, Name};
 use vibrissa_simulator::{Broker, Fleet, Scenario};
 use vibrissa_store::DatabaseAddress;
@@ -24,7 +25,7 @@ use vibrissa_tests::wait::{PATIENCE, until, until_true};
 use vibrissa_tests::web::try_get;
 
 /// A broker, a database server, and a folder for logs.
-struct Stage {
+pub(crate) struct Stage {
     broker: Mosquitto,
     server: Postgres,
     folder: TempDir,
@@ -37,15 +38,36 @@ pub(crate) struct Replica {
 }
 
 impl Stage {
-    async fn new() -> Self {
+    pub(crate) async fn new() -> Self {
         let server = Postgres::start_with_supervisor().await;
         Self { broker: Mosquitto::start(), server, folder: tempfile::tempdir().unwrap() }
     }
 
     /// Starts a supervisor of these fleets.
-    fn replica(&self, name: &str, fleets: &str, time_to_live_s: f64) -> Replica {
+    pub(crate) fn replica(&self, name: &str, fleets: &str, time_to_live_s: f64) -> Replica {
+        self.replica_with(name, fleets, time_to_live_s, &[])
+    }
+
+    /// The same, with further arguments.
+    pub(crate) fn replica_with(&self, name: &str, fleets: &str, time_to_live_s: f64, further: &[&str]) -> Replica {
         let database = Postgres::supervisor_url(self.server.port());
-        Replica::start(self.folder.path(), name, fleets, &database, self.broker.port(), time_to_live_s)
+        let place = (self.folder.path(), self.broker.port());
+        Replica::start_with(place, name, fleets, &database, time_to_live_s, further)
+    }
+
+    /// Port of the broker.
+    pub(crate) fn broker_port(&self) -> u16 {
+        self.broker.port()
+    }
+
+    /// Address of the database.
+    pub(crate) fn database(&self) -> DatabaseAddress {
+        Postgres::supervisor_url(self.server.port()).parse().unwrap()
+    }
+
+    /// The number that a query selects.
+    pub(crate) async fn number(&self, sql: &'static str) -> i64 {
+        sqlx::query_scalar(sql).fetch_one(&mut self.link().await).await.unwrap()
     }
 
     async fn link(&self) -> PgConnection {
@@ -64,12 +86,12 @@ impl Stage {
         rows.iter().map(|row| (row.get("fleet"), row.get("holder"))).collect()
     }
 
-    async fn count_of(&self, holder: &str) -> usize {
+    pub(crate) async fn count_of(&self, holder: &str) -> usize {
         self.holders().await.iter().filter(|(_, one)| one == holder).count()
     }
 
     /// Number of contacts, and of their different names.
-    async fn counted(&self) -> (i64, i64) {
+    pub(crate) async fn counted(&self) -> (i64, i64) {
         let sql = "SELECT count(*), count(DISTINCT (boot, seq, position)) FROM contacts";
         sqlx::query_as(sql).fetch_one(&mut self.link().await).await.unwrap()
     }
@@ -79,7 +101,7 @@ impl Stage {
     }
 
     /// Waits for this number of further contacts in the database.
-    async fn more_recorded(&self, more: i64) {
+    pub(crate) async fn more_recorded(&self, more: i64) {
         let goal = self.counted().await.0 + more;
         until_true("more contacts recorded", async || self.counted().await.0 >= goal).await;
     }
@@ -125,6 +147,18 @@ impl Replica {
         broker_port: u16,
         time_to_live_s: f64,
     ) -> Self {
+        Self::start_with((folder, broker_port), name, fleets, database, time_to_live_s, &[])
+    }
+
+    /// The same, with further arguments.
+    fn start_with(
+        (folder, broker_port): (&Path, u16),
+        name: &str,
+        fleets: &str,
+        database: &str,
+        time_to_live_s: f64,
+        further: &[&str],
+    ) -> Self {
         let http = free_port();
         let arguments = [
             "run",
@@ -143,7 +177,7 @@ impl Replica {
         ];
         let launch = Launch {
             program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
-            arguments: arguments.iter().map(|&argument| argument.to_owned()).collect(),
+            arguments: arguments.iter().chain(further).map(|&argument| argument.to_owned()).collect(),
             environment: vec![("RUST_LOG".to_owned(), "info".to_owned())],
             log: folder.join(name),
         };
@@ -155,13 +189,18 @@ impl Replica {
         self.process.kill();
     }
 
+    /// Sends a signal to the process.
+    pub(crate) fn signal(&self, signal: Signal) {
+        self.process.signal(signal);
+    }
+
     /// Body of the answer to a GET.
     pub(crate) async fn get(&self, path: &str) -> String {
         try_get(([127, 0, 0, 1], self.http).into(), path).await.unwrap().1
     }
 
     /// Status and text of `/readyz`. None without an answer.
-    async fn ready(&self) -> Option<(u16, String)> {
+    pub(crate) async fn ready(&self) -> Option<(u16, String)> {
         try_get(([127, 0, 0, 1], self.http).into(), "/readyz").await.ok()
     }
 
@@ -373,6 +412,7 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
     let address: DatabaseAddress = format!("sqlite:{}", folder.path().join("v.sqlite3").display()).parse().unwrap();
     let fleets = ["f1", "f2"].map(|fleet| Name::new(fleet).unwrap());
     let service = Service::start(ServiceOptions {
+        shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),
         fleets: fleets.to_vec(),
@@ -398,8 +438,11 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
         fleets.iter().all(touched)
     })
     .await;
-    let standings = service.readiness.fleets();
-    assert!(fleets.iter().all(|fleet| matches!(standings[fleet], Standing::Owned { .. })), "{standings:?}");
+    let standings = service.readiness.shards();
+    assert!(
+        fleets.iter().all(|fleet| matches!(standings[&FleetShard::whole(fleet.clone())], Standing::Owned { .. })),
+        "{standings:?}"
+    );
     for fleet in robots {
         fleet.stop().await;
     }

@@ -15,23 +15,27 @@ use super::sorted::Sorted;
 use crate::batch::{ContactRow, RollupRow};
 use crate::records::tell_of_rollups;
 use crate::tables::{
-    ALARMS, ANSWERED, BINS, CANDIDATES, CHANGES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, HEALTH, InFleet, JOURNAL,
+    ALARMS, ANSWERED, BINS, CANDIDATES, CHANGES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, HEALTH, InShard, JOURNAL,
     REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS, STATES, TOUCH_TEST_PROGRESS, TOUCH_TESTS,
     TRIMS, WHISKERS,
 };
 use crate::{Batch, Lease, Resolution, StoreError, changes, failed, tables};
 
-const JOURNAL_DONE: &str = "DELETE FROM journal WHERE fleet = $1 AND number <= $2 AND OWNED";
+const JOURNAL_DONE: &str = "DELETE FROM journal WHERE fleet = $1 AND shard = $2 AND number <= $3 AND OWNED";
 
-const REDO: &str = "INSERT INTO redo (fleet, number, rows) SELECT $1::text, $2::bigint, $3::bytea WHERE OWNED";
+const REDO: &str = "INSERT INTO redo (fleet, shard, number, rows) SELECT $1::text, $2::bigint, $3::bigint, $4::bytea \
+    WHERE OWNED";
 
-const REDO_DONE: &str = "DELETE FROM redo WHERE fleet = $1 AND number = $2 AND OWNED";
+const REDO_DONE: &str = "DELETE FROM redo WHERE fleet = $1 AND shard = $2 AND number = $3 AND OWNED";
+
+/// The shard while only the text of a statement is made.
+const NOWHERE: InShard<'static> = InShard { fleet: "", shard: 0 };
 
 /// Statement of a transaction that writes only an intent.
 static INTENT: LazyLock<String> =
     LazyLock::new(|| Text::new().sql("intent", REDO, |statement| statement).counting(&["counted"]));
 
-/// The statement that writes an intent; its parameters are those of the lease, then fleet, number and bytes.
+/// The statement that writes an intent; its parameters are those of the lease, then fleet, shard, number and bytes.
 pub(in super::super) fn intent() -> &'static str {
     &INTENT
 }
@@ -39,14 +43,14 @@ pub(in super::super) fn intent() -> &'static str {
 /// Statement of a transaction that contains only contacts and journal entries.
 static ORDINARY: LazyLock<String> = LazyLock::new(|| {
     let batch = Batch::default();
-    Whole::empty(&batch).ordinary(Text::new(), "", &[]).counting(&["counted"])
+    Whole::empty(&batch).ordinary(Text::new(), NOWHERE, &[]).counting(&["counted"])
 });
 
 /// Statement of a transaction with all kinds of rows; most of its parts usually write nothing.
 static WHOLE: LazyLock<String> = LazyLock::new(|| {
     let batch = Batch::default();
     let whole = Whole::empty(&batch);
-    let text = whole.rest(whole.ordinary(Text::new(), "", &[]), "", 0);
+    let text = whole.rest(whole.ordinary(Text::new(), NOWHERE, &[]), NOWHERE, 0);
     text.counting(&["counted", "minutes_new", "hours_new"])
 });
 
@@ -109,11 +113,11 @@ impl<'b> Whole<'b> {
             && batch.responses.is_empty()
             && batch.redo_done.is_none()
             && batch.rollups.is_empty();
-        let fleet = lease.fleet().as_str();
+        let at = InShard::of(lease);
         let sql: &'static str = if is_ordinary { &ORDINARY } else { &WHOLE };
-        let mut statement = self.ordinary(lease.bind(sqlx::query(sql)), fleet, contacts);
+        let mut statement = self.ordinary(lease.bind(sqlx::query(sql)), at, contacts);
         if !is_ordinary {
-            statement = self.rest(statement, fleet, now_us);
+            statement = self.rest(statement, at, now_us);
         }
         let written = statement.fetch_one(link).await?;
         if written.try_get::<i64, _>(0)? == 0 {
@@ -132,21 +136,23 @@ impl<'b> Whole<'b> {
     }
 
     /// The parts of both statements.
-    fn ordinary<P: Parts>(&self, parts: P, fleet: &str, contacts: &[ContactRow]) -> P {
-        let journal: Vec<_> = self.batch.journal.iter().map(|row| (InFleet { fleet }, row)).collect();
+    fn ordinary<P: Parts>(&self, parts: P, at: InShard<'_>, contacts: &[ContactRow]) -> P {
+        let journal: Vec<_> = self.batch.journal.iter().map(|row| (at, row)).collect();
         let journal_done = self.batch.journal_done.unwrap_or(-1);
         parts
             .rows("journal_new", &JOURNAL, &journal)
-            .sql("journal_done", JOURNAL_DONE, |statement: Query| statement.bind(fleet).bind(journal_done))
+            .sql("journal_done", JOURNAL_DONE, |statement: Query| {
+                statement.bind(at.fleet).bind(at.shard).bind(journal_done)
+            })
             .rows("contacts_new", &CONTACTS, contacts)
     }
 
     /// The further parts of the statement with all kinds of rows.
-    fn rest<P: Parts>(&self, parts: P, fleet: &str, now_us: i64) -> P {
+    fn rest<P: Parts>(&self, parts: P, at: InShard<'_>, now_us: i64) -> P {
         let (batch, sorted) = (self.batch, &self.sorted);
         let redo_done = batch.redo_done.unwrap_or(-1);
         parts
-            .sql("redo_done", REDO_DONE, |statement: Query| statement.bind(fleet).bind(redo_done))
+            .sql("redo_done", REDO_DONE, |statement: Query| statement.bind(at.fleet).bind(at.shard).bind(redo_done))
             .rows("robots_now", &ROBOTS, &batch.robots)
             .rows("whiskers_now", &WHISKERS, &batch.whiskers)
             .rows("health_new", &HEALTH, &sorted.health)
@@ -167,7 +173,7 @@ impl<'b> Whole<'b> {
             .rows("touch_tests_new", &TOUCH_TESTS, &sorted.tests)
             .rows("touch_tests_now", &TOUCH_TEST_PROGRESS, &sorted.test_progress)
             .rows("responses_new", &RESPONSES, &batch.responses)
-            .rows("changes_new", &CHANGES, &changes::of(fleet, &batch.records, now_us))
+            .rows("changes_new", &CHANGES, &changes::of(at.fleet, &batch.records, now_us))
             .rows("minutes_new", tables::rollups(Resolution::Minute), &self.rollups(Resolution::Minute))
             .rows("hours_new", tables::rollups(Resolution::Hour), &self.rollups(Resolution::Hour))
     }

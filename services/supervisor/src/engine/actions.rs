@@ -9,6 +9,7 @@ use vibrissa_core::robot::{ActionProblem, Event, OperatorAction, Outcome, Params
 use vibrissa_core::units::Micros;
 use vibrissa_edge::actions::{self, ActionKind, PolicyChange, RecordedKind, Request, Subject};
 use vibrissa_edge::ids::command_id;
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_edge::words::{Word, named};
 use vibrissa_protocol::Name;
 
@@ -39,9 +40,9 @@ pub(super) struct ParamsInForce {
     pub(super) policy_version: i64,
 }
 
-/// Execution of the actions of one fleet.
+/// Execution of the actions of one shard of a fleet.
 pub(super) struct Execution<'a> {
-    pub(super) fleet: &'a Name,
+    pub(super) place: &'a FleetShard,
     pub(super) shards: &'a mut Shards,
     pub(super) in_force: &'a mut ParamsInForce,
     /// Roll-out that is running or paused.
@@ -76,7 +77,7 @@ impl Execution<'_> {
         };
         self.metrics.actions.count([kind, state]);
         info!(
-            fleet = %self.fleet, action = action.action_id, kind, state, problem, actor = action.actor,
+            fleet = %self.place, action = action.action_id, kind, state, problem, actor = action.actor,
             "operator action handled"
         );
         let (action_id, done_us) = (action.action_id, wall_clock().0 as i64);
@@ -160,7 +161,7 @@ impl Execution<'_> {
         let Some(known) = self.shards.robot(name) else { return };
         let Some(whisker) = known.robot.find(place.array, place.whisker) else { return };
         let Some((test, _)) = known.robot.tests_under_way().find(|(_, of)| *of == whisker) else { return };
-        let (robot_id, test_id) = (known.robot_id, command_id(self.fleet, name, test));
+        let (robot_id, test_id) = (known.robot_id, command_id(self.place.fleet(), name, test));
         self.shards.record(Record::TestOfAction { action_id, robot_id, test_id });
     }
 
@@ -171,7 +172,10 @@ impl Execution<'_> {
         let activation: Activation =
             serde_json::from_str(&action.parameters).map_err(|problem| malformed(problem.to_string()))?;
         self.without_rollout()?;
-        self.activate(&activation, &action.actor).map_err(malformed)?;
+        match self.place.is_first() {
+            true => self.activate(&activation, &action.actor).map_err(malformed)?,
+            false => self.set_params(with_model(&self.in_force.params, &activation.calibration).map_err(malformed)?),
+        }
         let names: Vec<Name> = self.shards.robots().map(|known| known.name.clone()).collect();
         self.relearn(&names, &activation.calibration.name);
         Ok(())
@@ -181,7 +185,7 @@ impl Execution<'_> {
     pub(super) fn activate(&mut self, activation: &Activation, actor: &str) -> Result<(), String> {
         self.set_params(with_model(&self.in_force.params, &activation.calibration)?);
         let row = ActivationRow {
-            fleet: self.fleet.to_string(),
+            fleet: self.place.fleet().to_string(),
             model: activation.calibration.name.clone(),
             calibration_id: activation.calibration_id,
             activated_us: wall_clock().0 as i64,
@@ -194,12 +198,17 @@ impl Execution<'_> {
     /// Puts another policy of the whole fleet in force from this transaction on.
     fn change_policy(&mut self, action: &Action, change: &PolicyChange) -> Result<(), Problem> {
         let in_force = self.in_force.policy_version;
-        if change.expected_version != in_force {
-            return Err(format!("VERSION: version {in_force} is in force, not {}", change.expected_version));
-        }
-        self.without_rollout()?;
         let policy = change.over(self.in_force.params.policy);
-        self.set_policy(&policy, (&action.actor, action.reason.clone(), action.action_id));
+        if self.place.is_first() {
+            if change.expected_version != in_force {
+                return Err(format!("VERSION: version {in_force} is in force, not {}", change.expected_version));
+            }
+            self.without_rollout()?;
+            self.set_policy(&policy, (&action.actor, action.reason.clone(), action.action_id));
+        } else if change.expected_version >= in_force {
+            // The first shard has checked and recorded it. At the start of this shard it may have been in force already.
+            self.put_in_force(&policy, change.expected_version + 1);
+        }
         let names: Vec<Name> = self.shards.robots().map(|known| known.name.clone()).collect();
         for name in names {
             self.shards.step(&name, self.now, &Event::PolicyChanged);
@@ -213,10 +222,9 @@ impl Execution<'_> {
         policy: &PolicyParams,
         (actor, reason, action_id): (&str, Option<String>, i64),
     ) {
-        self.set_params(Arc::new(Params { policy: *policy, ..(*self.in_force.params).clone() }));
-        self.in_force.policy_version += 1;
+        self.put_in_force(policy, self.in_force.policy_version + 1);
         let changed = PolicyChanged {
-            fleet: self.fleet.to_string(),
+            fleet: self.place.fleet().to_string(),
             version: self.in_force.policy_version,
             changed_us: wall_clock().0 as i64,
             changed_by: actor.to_owned(),
@@ -224,7 +232,12 @@ impl Execution<'_> {
             action_id,
         };
         self.shards.record(Record::Policy(Box::new(PolicyRow::new(policy, changed))));
-        fleet_metrics::show_params(self.metrics, &self.in_force.params, self.in_force.policy_version);
+    }
+
+    fn put_in_force(&mut self, policy: &PolicyParams, version: i64) {
+        self.set_params(Arc::new(Params { policy: *policy, ..(*self.in_force.params).clone() }));
+        self.in_force.policy_version = version;
+        fleet_metrics::show_params(self.metrics, &self.in_force.params, version);
     }
 }
 

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use tracing::debug;
 use vibrissa_core::robot::{Params, Robot, WhiskerView};
 use vibrissa_core::units::Micros;
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_edge::words::Word;
-use vibrissa_protocol::Name;
 
 use super::message::MessageTimes;
 use super::robot::KnownRobot;
@@ -104,7 +104,7 @@ fn health(view: &WhiskerView<'_>) -> Label {
 }
 
 /// Counts robots, whiskers, alarms and compensations.
-pub(super) fn survey_robots(shards: &mut Shards, fleet: &Name, program: &Metrics, metrics: &FleetMetrics) {
+pub(super) fn survey_robots(shards: &mut Shards, place: &FleetShard, program: &Metrics, metrics: &FleetMetrics) {
     let mut survey = Survey::default();
     for known in shards.robots_mut() {
         survey.add(known);
@@ -122,7 +122,7 @@ pub(super) fn survey_robots(shards: &mut Shards, fleet: &Name, program: &Metrics
     metrics.compensation_error_with_gain_mean_ratio.set_all(mean(|one| one.with_gain.value()));
     metrics.compensation_predicted_error_mean_ratio.set_all(mean(|one| one.predicted.value()));
     if let Some(whiskers) = &program.whiskers {
-        whiskers.show(fleet.as_str(), shards.robots().map(|known| sample(known.name.as_str(), known)).collect());
+        whiskers.show(place, shards.robots().map(|known| sample(known.name.as_str(), known)).collect());
     }
 }
 

@@ -39,6 +39,7 @@ use tokio::sync::{Notify, mpsc};
 use tokio::task::yield_now;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep_until};
 use vibrissa_core::units::Micros;
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use crate::action_notifier::ActionNotifier;
@@ -77,6 +78,8 @@ const SURVEY_SHARE: u32 = 50;
 /// Supervision of one fleet: shards that own its robots, and a sequence of transactions.
 pub(crate) struct Engine {
     fleet: Name,
+    /// The shard of the fleet; most fleets have one.
+    place: FleetShard,
     shards: Shards,
     pipeline: Pipeline,
     suspects: Suspects,
@@ -195,7 +198,7 @@ impl Engine {
             fleet_metrics::show_queues(&self.metrics, inbox, self.pipeline.outbox_filling());
             if self.survey_from <= Instant::now() {
                 let begun = Instant::now();
-                fleet_metrics::survey_robots(&mut self.shards, &self.fleet, &self.program, &self.metrics);
+                fleet_metrics::survey_robots(&mut self.shards, &self.place, &self.program, &self.metrics);
                 self.survey_from = begun + begun.elapsed() * SURVEY_SHARE;
             }
             self.shards.close_history(now(inbox));
@@ -227,6 +230,25 @@ impl Engine {
         self.shards.end_boxes(wall_clock());
         self.boxes.flush().await;
         Ok(())
+    }
+
+    /// Names of the known robots.
+    pub(crate) fn robots(&self) -> impl Iterator<Item = &Name> {
+        self.shards.robots().map(|known| &known.name)
+    }
+
+    /// Writes checkpoints of all robots, so that no journal row is needed any more. Returns false if the database rejects
+    /// some.
+    pub(crate) async fn drain(mut self) -> Result<bool, LeaseLost> {
+        loop {
+            self.finish().await?;
+            if !self.suspects.is_empty() {
+                return Ok(false);
+            }
+            if self.shards.oldest_entry().is_none() {
+                return Ok(true);
+            }
+        }
     }
 
     /// Seals the open batches, or takes the oldest transaction without rows, and starts to write it.
@@ -290,8 +312,8 @@ impl Engine {
         if pending.len() as i64 == ACTIONS_MAX {
             self.action_sent.notify_one();
         }
-        let Self { fleet, shards, in_force, rollout, metrics, suspects, pipeline, .. } = self;
-        let mut execution = Execution { fleet, shards, in_force, rollout, metrics, now };
+        let Self { place, shards, in_force, rollout, metrics, suspects, pipeline, .. } = self;
+        let mut execution = Execution { place, shards, in_force, rollout, metrics, now };
         for action in &pending {
             execution.handle(action, suspects, pipeline);
         }
@@ -313,8 +335,8 @@ impl Engine {
                 return Ok(());
             }
         };
-        let Self { fleet, shards, in_force, rollout, metrics, .. } = self;
-        Execution { fleet, shards, in_force, rollout, metrics, now }.review_rollout(&errors);
+        let Self { place, shards, in_force, rollout, metrics, .. } = self;
+        Execution { place, shards, in_force, rollout, metrics, now }.review_rollout(&errors);
         self.show_rollout();
         self.pipeline.stepped(0, &self.shards);
         Ok(())

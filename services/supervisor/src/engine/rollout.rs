@@ -145,6 +145,13 @@ fn median(values: &mut [f64]) -> Option<f64> {
 impl Execution<'_> {
     /// Begins a roll-out with its first stage.
     pub(super) fn start_rollout(&mut self, action: &Action) -> Result<(), Problem> {
+        if !self.place.is_whole() {
+            let shards = self.place.count();
+            return Err(format!(
+                "SHARDS: the fleet has {shards} shards, and a staged roll-out needs all its robots in one: change the policy or \
+                 the calibration of the whole fleet instead"
+            ));
+        }
         if let Some(open) = self.rollout {
             return Err(format!("ROLLOUT_OPEN: roll-out {} has not ended yet", open.row.rollout_id));
         }
@@ -161,7 +168,7 @@ impl Execution<'_> {
         let now_us = wall_clock().0 as i64;
         let row = RolloutRow {
             rollout_id: action.action_id,
-            fleet: self.fleet.to_string(),
+            fleet: self.place.fleet().to_string(),
             kind: start.kind,
             change: change_json,
             state: "RUNNING".to_owned(),
@@ -251,7 +258,7 @@ impl Execution<'_> {
         open.row.state = state.to_owned();
         open.row.updated_us = wall_clock().0 as i64;
         self.metrics.rollouts.count([event]);
-        info!(fleet = %self.fleet, rollout = open.row.rollout_id, event, actor, detail, "roll-out");
+        info!(fleet = %self.place, rollout = open.row.rollout_id, event, actor, detail, "roll-out");
         let event = RolloutEvent { event: event.to_owned(), actor: actor.to_owned(), detail };
         let change = RolloutChange { row: open.row.clone(), event: Some(event) };
         self.shards.record(Record::Rollout(Box::new(change)));
@@ -282,7 +289,7 @@ impl Execution<'_> {
                 }
                 Change::Calibration(activation) => {
                     if let Err(problem) = self.activate(activation, &row.started_by) {
-                        error!(fleet = %self.fleet, rollout = row.rollout_id, problem, "cannot activate a calibration");
+                        error!(fleet = %self.place, rollout = row.rollout_id, problem, "cannot activate a calibration");
                     }
                 }
             }

@@ -80,7 +80,7 @@ impl EngineOptions {
         let params = params::with_policy(self.params, policy.as_ref());
         let params = params::with_calibrations(params, &writer.calibrations(&lease).await?);
         let policy_version = policy.map_or(0, |policy| policy.version);
-        let metrics = program.of_fleet(&fleet);
+        let metrics = program.of_shard(lease.shard());
         let stepper = || {
             let (fleet, boot_id, params) = (fleet.clone(), boot_id.clone(), params.clone());
             Stepper::new(fleet, boot_id, params, metrics.clone())
@@ -97,7 +97,7 @@ impl EngineOptions {
         for shard in shards.iter_mut() {
             shard.stepper_mut().set_boxes(boxes.clone());
         }
-        info!(%fleet, epoch, robots = shards.robot_count(), "fleet loaded, supervision starts");
+        info!(fleet = %lease.shard(), epoch, robots = shards.robot_count(), "fleet loaded, supervision starts");
         // As if a contact had just arrived, so that a silent fleet counts as silent from now on.
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
         let committer = Committer::new(lease.clone(), writer, program.clone(), readiness.clone());
@@ -105,17 +105,19 @@ impl EngineOptions {
         let pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
         shards.set_number(pipeline.open_number());
         fleet_metrics::show_params(&metrics, &params, policy_version);
-        fleet_metrics::survey_robots(&mut shards, &fleet, &program, &metrics);
+        fleet_metrics::survey_robots(&mut shards, lease.shard(), &program, &metrics);
         if let Some(traces) = &self.traces {
             trace(&mut shards, &fleet, traces);
         }
         let new_robots_per_minute = self.limits.new_robots_per_minute;
+        let action_sent = action_notifier.subscribe(lease.shard());
         Ok(Engine {
             allow_list: AllowListSources::new(fleet.clone(), allowed.as_ref(), self.robots_file, &mut shards),
+            place: lease.shard().clone(),
             suspects: Suspects::new(lease, metrics.clone(), readiness),
             in_force: ParamsInForce { params, policy_version },
             rollout,
-            action_sent: action_notifier.subscribe(&fleet),
+            action_sent,
             action_notifier,
             birth_watch: BirthWatch::new(),
             limits: self.limits,

@@ -1,5 +1,7 @@
 //! Liveness, readiness and metrics, for orchestrators and Prometheus.
 
+use std::collections::BTreeMap;
+
 use axum::Router;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
@@ -22,7 +24,8 @@ pub(super) async fn livez() -> &'static str {
 /// Ready: the messages of every fleet owned here are received, and the database accepts writes. Standby is ready too.
 async fn readyz(State(app): State<App>) -> Response {
     let mut reasons = app.readiness.problems();
-    let fleets = app.readiness.fleets();
+    let shards = app.readiness.shards();
+    let fleets: BTreeMap<String, _> = shards.iter().map(|(shard, standing)| (shard.to_string(), standing)).collect();
     if let Err(problem) = app.store.ping().await {
         tracing::debug!(%problem, "not ready");
         reasons.insert(problem.told());

@@ -7,6 +7,7 @@ use std::time::Duration;
 use axum::http::{Method, StatusCode};
 use prometheus::proto::{MetricFamily, MetricType};
 use prometheus::{Error, Result};
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use super::subjects::{SUBJECTS, subject};
@@ -78,7 +79,8 @@ fn everything() -> Result<Metrics> {
     };
     let robot = RobotSample { robot: "robot".to_owned(), heard_s: Some(0.0), whiskers: vec![whisker] };
     if let Some(whiskers) = &metrics.whiskers {
-        whiskers.show("fleet", vec![robot]);
+        let fleet = Name::new("fleet").map_err(|problem| Error::Msg(problem.to_string()))?;
+        whiskers.show(&FleetShard::whole(fleet), vec![robot]);
     }
     Ok(metrics)
 }
@@ -99,7 +101,8 @@ fn row(text: &mut String, family: &MetricFamily) -> std::fmt::Result {
 
 fn labels(family: &MetricFamily) -> Vec<String> {
     let first = family.get_metric().first();
-    first.into_iter().flat_map(|metric| metric.get_label()).map(|pair| pair.name().to_owned()).collect()
+    let names = first.into_iter().flat_map(|metric| metric.get_label()).map(|pair| pair.name().to_owned());
+    names.filter(|name| name != super::SHARD).collect()
 }
 
 /// A label with its values, if the program defines them.

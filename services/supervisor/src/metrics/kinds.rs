@@ -1,5 +1,5 @@
-//! Kinds of metrics that each fleet has: registered once for all fleets, with `fleet` as their first label, and then
-//! obtained for one fleet. The values of labels are words of the program and never come from robots, so the number of
+//! Kinds of metrics that each fleet has: registered once for all fleets, with `fleet` and `shard` as their first labels, and
+//! then obtained for one fleet, or one of its shards. The values of labels are words of the program and never come from robots, so the number of
 //! series is bounded.
 
 use std::sync::Arc;
@@ -10,8 +10,13 @@ use prometheus::{
     Registry, Result,
 };
 
-/// First label of each metric.
-const FLEET: &str = "fleet";
+/// First labels of each metric. The shard is empty, and not exported, for a fleet that is not divided.
+const PLACE: [&str; 2] = ["fleet", SHARD];
+/// Label with the number of a shard.
+pub(super) const SHARD: &str = "shard";
+
+/// Values of the first labels.
+pub(super) type At<'a> = [&'a str; 2];
 
 /// A word of the program, as the value of a label.
 pub type Word = &'static str;
@@ -24,7 +29,7 @@ pub(super) trait OfFleet: Sized {
     type Shape: Copy;
 
     fn declare(opts: Opts, shape: Self::Shape) -> Result<Self::Family>;
-    fn of(family: &Self::Family, fleet: &str, shape: Self::Shape) -> Self;
+    fn of(family: &Self::Family, at: At<'_>, shape: Self::Shape) -> Self;
 
     /// Creates the family and registers it.
     fn register(registry: &Registry, name: &str, help: &str, shape: Self::Shape) -> Result<Self::Family> {
@@ -34,7 +39,7 @@ pub(super) trait OfFleet: Sized {
     }
 }
 
-/// Labels beside `fleet`, with all combinations of values whose series exist from the start. (The rate of a series
+/// Labels beside those of the place, with all combinations of values whose series exist from the start. (The rate of a series
 /// that appears with its first event would miss that event.)
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Labels<const N: usize> {
@@ -46,7 +51,7 @@ pub(super) struct Labels<const N: usize> {
 
 impl<const N: usize> Labels<N> {
     fn all(self) -> Vec<&'static str> {
-        std::iter::once(FLEET).chain(self.names).collect()
+        PLACE.into_iter().chain(self.names).collect()
     }
 }
 
@@ -58,11 +63,11 @@ impl OfFleet for IntCounter {
     type Shape = ();
 
     fn declare(opts: Opts, (): ()) -> Result<IntCounterVec> {
-        IntCounterVec::new(opts, &[FLEET])
+        IntCounterVec::new(opts, &PLACE)
     }
 
-    fn of(family: &IntCounterVec, fleet: &str, (): ()) -> Self {
-        family.with_label_values(&[fleet])
+    fn of(family: &IntCounterVec, at: At<'_>, (): ()) -> Self {
+        family.with_label_values(&at)
     }
 }
 
@@ -71,11 +76,11 @@ impl OfFleet for IntGauge {
     type Shape = ();
 
     fn declare(opts: Opts, (): ()) -> Result<IntGaugeVec> {
-        IntGaugeVec::new(opts, &[FLEET])
+        IntGaugeVec::new(opts, &PLACE)
     }
 
-    fn of(family: &IntGaugeVec, fleet: &str, (): ()) -> Self {
-        family.with_label_values(&[fleet])
+    fn of(family: &IntGaugeVec, at: At<'_>, (): ()) -> Self {
+        family.with_label_values(&at)
     }
 }
 
@@ -84,11 +89,11 @@ impl OfFleet for Gauge {
     type Shape = ();
 
     fn declare(opts: Opts, (): ()) -> Result<GaugeVec> {
-        GaugeVec::new(opts, &[FLEET])
+        GaugeVec::new(opts, &PLACE)
     }
 
-    fn of(family: &GaugeVec, fleet: &str, (): ()) -> Self {
-        family.with_label_values(&[fleet])
+    fn of(family: &GaugeVec, at: At<'_>, (): ()) -> Self {
+        family.with_label_values(&at)
     }
 }
 
@@ -97,11 +102,11 @@ impl OfFleet for Histogram {
     type Shape = Buckets;
 
     fn declare(opts: Opts, buckets: Buckets) -> Result<HistogramVec> {
-        HistogramVec::new(HistogramOpts::from(opts).buckets(buckets.to_vec()), &[FLEET])
+        HistogramVec::new(HistogramOpts::from(opts).buckets(buckets.to_vec()), &PLACE)
     }
 
-    fn of(family: &HistogramVec, fleet: &str, _: Buckets) -> Self {
-        family.with_label_values(&[fleet])
+    fn of(family: &HistogramVec, at: At<'_>, _: Buckets) -> Self {
+        family.with_label_values(&at)
     }
 }
 
@@ -121,8 +126,19 @@ impl<M: Clone, const N: usize> By<M, N> {
     }
 }
 
-fn values<'a>(fleet: &'a str, words: &[Word]) -> Vec<&'a str> {
-    std::iter::once(fleet).chain(words.iter().copied()).collect()
+fn values<'a>(at: At<'a>, words: &[Word]) -> Vec<&'a str> {
+    at.into_iter().chain(words.iter().copied()).collect()
+}
+
+/// The place of metrics that find further series later.
+type Place = Arc<[String; 2]>;
+
+fn place(at: At<'_>) -> Place {
+    Arc::new(at.map(str::to_owned))
+}
+
+fn at(place: &Place) -> At<'_> {
+    [&place[0], &place[1]]
 }
 
 /// Counters by the values of their labels.
@@ -130,14 +146,14 @@ fn values<'a>(fleet: &'a str, words: &[Word]) -> Vec<&'a str> {
 pub struct Counters<const N: usize = 1> {
     by: By<IntCounter, N>,
     family: IntCounterVec,
-    fleet: Arc<str>,
+    place: Place,
 }
 
 impl<const N: usize> Counters<N> {
     /// The counter with these values.
     #[must_use]
     pub fn of(&self, words: [Word; N]) -> IntCounter {
-        self.by.find(words).cloned().unwrap_or_else(|| self.family.with_label_values(&values(&self.fleet, &words)))
+        self.by.find(words).cloned().unwrap_or_else(|| self.family.with_label_values(&values(at(&self.place), &words)))
     }
 
     /// Increments the counter with these values.
@@ -157,9 +173,9 @@ impl<const N: usize> OfFleet for Counters<N> {
         IntCounterVec::new(opts, &labels.all())
     }
 
-    fn of(family: &IntCounterVec, fleet: &str, labels: Labels<N>) -> Self {
-        let by = By::new(labels, |words| family.with_label_values(&values(fleet, words)));
-        Self { by, family: family.clone(), fleet: Arc::from(fleet) }
+    fn of(family: &IntCounterVec, at: At<'_>, labels: Labels<N>) -> Self {
+        let by = By::new(labels, |words| family.with_label_values(&values(at, words)));
+        Self { by, family: family.clone(), place: place(at) }
     }
 }
 
@@ -186,8 +202,8 @@ impl OfFleet for Gauges {
         IntGaugeVec::new(opts, &labels.all())
     }
 
-    fn of(family: &IntGaugeVec, fleet: &str, labels: Labels<1>) -> Self {
-        Self { by: By::new(labels, |words| family.with_label_values(&values(fleet, words))) }
+    fn of(family: &IntGaugeVec, at: At<'_>, labels: Labels<1>) -> Self {
+        Self { by: By::new(labels, |words| family.with_label_values(&values(at, words))) }
     }
 }
 
@@ -196,14 +212,14 @@ impl OfFleet for Gauges {
 pub struct Quantities {
     family: GaugeVec,
     words: Arc<[[Word; 1]]>,
-    fleet: Arc<str>,
+    place: Place,
 }
 
 impl Quantities {
     /// Sets each gauge to `quantity` of its label value; removes the series if it is `None`.
     pub fn set_all(&self, quantity: impl Fn(Word) -> Option<f64>) {
         for words in self.words.iter() {
-            let values = values(&self.fleet, words);
+            let values = values(at(&self.place), words);
             match quantity(words[0]) {
                 Some(quantity) => self.family.with_label_values(&values).set(quantity),
                 // The series may not exist.
@@ -221,8 +237,8 @@ impl OfFleet for Quantities {
         GaugeVec::new(opts, &labels.all())
     }
 
-    fn of(family: &GaugeVec, fleet: &str, labels: Labels<1>) -> Self {
-        Self { family: family.clone(), words: (labels.values)().into(), fleet: Arc::from(fleet) }
+    fn of(family: &GaugeVec, at: At<'_>, labels: Labels<1>) -> Self {
+        Self { family: family.clone(), words: (labels.values)().into(), place: place(at) }
     }
 }
 
@@ -231,14 +247,17 @@ impl OfFleet for Quantities {
 pub struct Histograms {
     by: By<Histogram, 1>,
     family: HistogramVec,
-    fleet: Arc<str>,
+    place: Place,
 }
 
 impl Histograms {
     /// The histogram with this label value.
     #[must_use]
     pub fn of(&self, word: Word) -> Histogram {
-        self.by.find([word]).cloned().unwrap_or_else(|| self.family.with_label_values(&[&*self.fleet, word]))
+        self.by
+            .find([word])
+            .cloned()
+            .unwrap_or_else(|| self.family.with_label_values(&values(at(&self.place), &[word])))
     }
 }
 
@@ -250,8 +269,8 @@ impl OfFleet for Histograms {
         HistogramVec::new(HistogramOpts::from(opts).buckets(buckets.to_vec()), &labels.all())
     }
 
-    fn of(family: &HistogramVec, fleet: &str, (labels, _): Self::Shape) -> Self {
-        let by = By::new(labels, |words| family.with_label_values(&values(fleet, words)));
-        Self { by, family: family.clone(), fleet: Arc::from(fleet) }
+    fn of(family: &HistogramVec, at: At<'_>, (labels, _): Self::Shape) -> Self {
+        let by = By::new(labels, |words| family.with_label_values(&values(at, words)));
+        Self { by, family: family.clone(), place: place(at) }
     }
 }

@@ -125,6 +125,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
         title: "Leases and the database",
         begins: &[
             "vibrissa_lease_",
+            "vibrissa_fleet_shards",
             "vibrissa_database_",
             "vibrissa_partitions_",
             "vibrissa_old_rows_",

@@ -9,6 +9,8 @@ use prometheus::core::{Collector, Desc};
 use prometheus::proto::MetricFamily;
 use prometheus::{GaugeVec, Opts, Result};
 
+use vibrissa_edge::shard::FleetShard;
+
 use super::kinds::Word;
 
 const ROBOT: [&str; 2] = ["fleet", "robot"];
@@ -46,7 +48,7 @@ pub struct WhiskerSample {
 /// Metrics of single robots and whiskers.
 #[derive(Debug, Clone)]
 pub struct WhiskerMetrics {
-    seen: Arc<Mutex<BTreeMap<String, Vec<RobotSample>>>>,
+    seen: Arc<Mutex<BTreeMap<FleetShard, Vec<RobotSample>>>>,
     descriptions: Vec<Desc>,
 }
 
@@ -111,13 +113,13 @@ impl WhiskerMetrics {
         Ok(Self { seen: Arc::default(), descriptions })
     }
 
-    /// Replaces the exported robots of a fleet; pass none if the fleet is supervised elsewhere.
-    pub fn show(&self, fleet: &str, robots: Vec<RobotSample>) {
+    /// Replaces the exported robots of a shard; pass none if it is supervised elsewhere.
+    pub fn show(&self, shard: &FleetShard, robots: Vec<RobotSample>) {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         if robots.is_empty() {
-            seen.remove(fleet);
+            seen.remove(shard);
         } else {
-            seen.insert(fleet.to_owned(), robots);
+            seen.insert(shard.clone(), robots);
         }
     }
 }
@@ -131,7 +133,8 @@ impl Collector for WhiskerMetrics {
         // The names were valid when the descriptions were created.
         let Ok(series) = Series::declare() else { return Vec::new() };
         let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        for (fleet, robots) in seen.iter() {
+        for (shard, robots) in seen.iter() {
+            let fleet = shard.fleet().as_str();
             for robot in robots {
                 series.show(fleet, robot);
             }

@@ -1,10 +1,11 @@
 //! Requests for births: each robot of the fleet publishes its birth and its factsheet again.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_protocol::{SupervisorRequest, SupervisorRequestKind, Timestamp, Topic, encode};
+use vibrissa_protocol::{Name, SupervisorRequest, SupervisorRequestKind, Timestamp, Topic, encode};
 
 use super::Connection;
 use crate::births::BirthCause;
@@ -15,9 +16,23 @@ const INTERVAL_MIN: Duration = Duration::from_secs(2);
 const PER_MINUTE: usize = 10;
 const MINUTE: Duration = Duration::from_secs(60);
 
+/// The requests for one fleet, shared by its shards at this supervisor: one request serves all of them.
+pub(crate) type SharedBirths = Arc<Mutex<BirthRequests>>;
+
+/// The requests for all fleets of this supervisor.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct FleetBirths(Arc<Mutex<BTreeMap<Name, SharedBirths>>>);
+
+impl FleetBirths {
+    /// The requests for a fleet.
+    pub(crate) fn of(&self, fleet: &Name) -> SharedBirths {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).entry(fleet.clone()).or_default().clone()
+    }
+}
+
 /// The requests of one supervisor for one fleet.
 #[derive(Debug, Default)]
-pub(super) struct BirthRequests {
+pub(crate) struct BirthRequests {
     /// `seq` of the next request.
     seq: u64,
     wanted: Option<BirthCause>,
@@ -55,7 +70,7 @@ impl BirthRequests {
             request: SupervisorRequestKind::Birth,
         };
         self.seq += 1;
-        (Topic::SupervisorRequest { fleet: connection.fleet.clone() }.to_string(), encode(&request))
+        (Topic::SupervisorRequest { fleet: connection.fleet().clone() }.to_string(), encode(&request))
     }
 }
 

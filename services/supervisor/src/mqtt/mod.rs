@@ -13,6 +13,7 @@ mod tls;
 
 mod births;
 mod receive;
+mod subscriptions;
 
 mod hearing;
 
@@ -36,7 +37,10 @@ use std::sync::atomic::AtomicBool;
 
 use rumqttc::{MqttOptions, TlsConfiguration, Transport};
 use tokio::sync::watch;
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{BootId, Name};
+
+pub(crate) use births::{FleetBirths, SharedBirths};
 
 pub use address::{BadBrokerUrl, BrokerAddress, ClientCertificate, Credentials, TlsOptions};
 pub use link::LinkState;
@@ -64,8 +68,12 @@ pub struct Connection {
     pub broker: BrokerAddress,
     /// Secrets and certificates, read by [`prepare`].
     pub prepared: Prepared,
-    /// Fleet whose topics are used.
-    pub fleet: Name,
+    /// Fleet whose topics are used, or shard of it.
+    pub shard: FleetShard,
+    /// Robots of the shard that are known.
+    pub robots: Vec<Name>,
+    /// Requests for births of the fleet, shared by its shards.
+    pub(crate) births: SharedBirths,
     /// Boot id of this supervisor for the fleet.
     pub boot_id: BootId,
     /// Epoch of the fleet's lease.
@@ -75,9 +83,22 @@ pub struct Connection {
 }
 
 impl Connection {
+    /// Settings without known robots, and with the lowest epoch.
+    #[must_use]
+    pub fn new(broker: BrokerAddress, prepared: Prepared, shard: FleetShard, boot_id: BootId) -> Self {
+        let (robots, births, link) = (Vec::new(), SharedBirths::default(), LinkState::default());
+        Self { broker, prepared, shard, robots, births, boot_id, epoch: 0, link }
+    }
+
+    /// Name of the fleet.
+    #[must_use]
+    pub fn fleet(&self) -> &Name {
+        self.shard.fleet()
+    }
+
     /// Options of a client with a new client id, and a flag that is set once TCP is connected.
     fn options(&self, role: &str) -> (MqttOptions, Arc<AtomicBool>) {
-        let id = identity::client_id(&self.fleet, role);
+        let id = identity::client_id(self.fleet(), role);
         let (host, port) = (self.broker.host.clone(), self.broker.port);
         let mut options = MqttOptions::new(id, (host.clone(), port));
         options

@@ -33,7 +33,8 @@ const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
 const ROLE: &str = "out";
 
-/// Publishes messages from `outbox` until it is closed, then announces that the supervisor is offline. Expired messages
+/// Publishes messages from `outbox` until it is closed, then announces that the supervisor is offline. Of the shards of a
+/// fleet, only the first announces the supervisor. Expired messages
 /// are counted and dropped. `losses` notes messages that may not have reached the broker.
 pub fn publish(
     connection: &Connection,
@@ -45,7 +46,10 @@ pub fn publish(
     let (expired, dropped) = (metrics.setpoints_expired_unsent.clone(), metrics.publications_dropped.clone());
     let (topic, offline) = presence(connection, SupervisorPresence::Offline, 1);
     let (mut options, reached) = connection.options(ROLE);
-    options.set_last_will(LastWill::new(topic.clone(), offline.clone(), QoS::AtLeastOnce, true, None));
+    let is_present = connection.shard.is_first();
+    if is_present {
+        options.set_last_will(LastWill::new(topic.clone(), offline.clone(), QoS::AtLeastOnce, true, None));
+    }
     let (_, online) = presence(connection, SupervisorPresence::Online, 0);
     let (client, events) = AsyncClient::builder(options).capacity(WAITING).build();
     let poller = Poller::new(events, connection, reached);
@@ -61,7 +65,7 @@ pub fn publish(
             let publication = tokio::select! {
                 publication = outbox.recv() => publication,
                 _ = repeats.tick() => {
-                    let is_due = *is_connected.borrow() && !flags.outranked.load(Ordering::Relaxed);
+                    let is_due = is_present && *is_connected.borrow() && !flags.outranked.load(Ordering::Relaxed);
                     let options = presence_options(flags.retains());
                     if is_due && client.publish(topic.clone(), online.clone(), options).await.is_err() {
                         break;
@@ -92,7 +96,9 @@ pub fn publish(
         }
         flags.leaving.store(true, Ordering::Relaxed);
         let farewell = async {
-            client.publish(topic, offline, presence_options(flags.retains())).await?;
+            if is_present {
+                client.publish(topic, offline, presence_options(flags.retains())).await?;
+            }
             client.disconnect().await?;
             // Ends when the disconnect is sent.
             let _ = (&mut polling).await;
@@ -172,10 +178,12 @@ async fn keep_up(
                     losses.note();
                 }
                 // Not awaited: the polling task must not wait for the queue that polling empties.
-                if let Err(problem) = client.try_subscribe(topic.as_str(), QoS::AtLeastOnce) {
-                    warn!(%problem, "cannot subscribe to the supervisor's own state");
+                if connection.shard.is_first() {
+                    if let Err(problem) = client.try_subscribe(topic.as_str(), QoS::AtLeastOnce) {
+                        warn!(%problem, "cannot subscribe to the supervisor's own state");
+                    }
+                    say_online(&client, &topic, &online, is_retaining);
                 }
-                say_online(&client, &topic, &online, is_retaining);
                 connected.send_replace(true);
             }
             Ok(Event::Incoming(Packet::Publish(publish))) => match claim(&connection, &publish.payload) {
@@ -209,7 +217,7 @@ async fn keep_up(
                 }
                 tokio::time::sleep(backoff.pause()).await;
                 let is_known = problem.is_takeover() || problem.is_unexplained_end();
-                let client_id = is_known.then(|| client_id(&connection.fleet, ROLE));
+                let client_id = is_known.then(|| client_id(connection.fleet(), ROLE));
                 poller.renew(&connection.with_secrets_read_again(), client_id);
             }
         }
@@ -235,7 +243,7 @@ enum Claim {
 }
 
 fn claim(connection: &Connection, payload: &[u8]) -> Claim {
-    let topic = Topic::SupervisorState { fleet: connection.fleet.clone() };
+    let topic = Topic::SupervisorState { fleet: connection.fleet().clone() };
     let Ok(Message::SupervisorState(state)) = decode(&topic, payload) else { return Claim::Own };
     match state.epoch.cmp(&connection.epoch) {
         std::cmp::Ordering::Less => Claim::Outdated,
@@ -246,7 +254,7 @@ fn claim(connection: &Connection, payload: &[u8]) -> Claim {
 }
 
 fn presence(connection: &Connection, state: SupervisorPresence, seq: u64) -> (String, Vec<u8>) {
-    let topic = Topic::SupervisorState { fleet: connection.fleet.clone() };
+    let topic = Topic::SupervisorState { fleet: connection.fleet().clone() };
     let message = SupervisorState { boot_id: connection.boot_id.clone(), seq, state, epoch: connection.epoch };
     (topic.to_string(), encode(&message))
 }

@@ -1,15 +1,13 @@
 //! The receiving connection: puts all messages of robots into the inbox.
 
 use std::convert::Infallible;
+use std::sync::{MutexGuard, PoisonError};
 use std::time::Instant;
 
-use rumqttc::{
-    AsyncClient, ClientError, Event, Packet, PublishOptions, PublishProperties, QoS, SubAck, SubscribeFilterInput,
-    SubscribeReasonCode,
-};
+use rumqttc::{AsyncClient, ClientError, Event, Packet, PublishOptions, PublishProperties};
 use tokio::sync::watch;
 use tokio::task::yield_now;
-use vibrissa_protocol::{Name, RobotTopic};
+use vibrissa_protocol::RobotTopic;
 
 use super::births::BirthRequests;
 use super::coalescing::{PAUSE, PollCoalescing};
@@ -18,6 +16,7 @@ use super::link::{Backoff, Side};
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::publish::is_failure;
+use super::subscriptions::{self, Receipt, Subscriptions, heard, inputs};
 use super::{Connection, stopped};
 use crate::births::BirthCause;
 use crate::inbox::{Inbox, Intake, inbox};
@@ -38,8 +37,9 @@ pub fn receive(
 ) -> (Inbox, impl Future<Output = ()> + Send + 'static) {
     let (intake, inbox) = inbox(metrics.clone());
     let connection = connection.with_secrets_read_again();
-    let (backoff, births) = (Backoff::new(), BirthRequests::default());
-    let mut receiver = Receiver { connection, metrics: metrics.clone(), intake, backoff, births };
+    let subscriptions = Subscriptions::new(connection.shard.clone(), connection.robots.iter().cloned());
+    let backoff = Backoff::new();
+    let mut receiver = Receiver { connection, metrics: metrics.clone(), intake, backoff, subscriptions };
     let receiving = async move {
         tokio::select! {
             () = receiver.run() => {}
@@ -55,7 +55,7 @@ struct Receiver {
     metrics: FleetMetrics,
     intake: Intake,
     backoff: Backoff,
-    births: BirthRequests,
+    subscriptions: Subscriptions,
 }
 
 impl Receiver {
@@ -85,10 +85,10 @@ impl Receiver {
     async fn hear(&mut self) -> Result<Infallible, Problem> {
         let (mut options, reached) = self.connection.options("in");
         options.set_outgoing_inflight_upper_limit(IN_FLIGHT);
-        let (client, events) = AsyncClient::builder(options).capacity(64).build();
+        let (client, events) = AsyncClient::builder(options).capacity(64 + self.subscriptions.packets_max()).build();
         let mut poller = Poller::new(events, &self.connection, reached);
         let mut coalescing = PollCoalescing::new(Instant::now());
-        let mut hearing = Hearing::new(&self.connection.fleet, heard(), Instant::now());
+        let mut hearing = Hearing::new(self.connection.fleet(), heard(), Instant::now());
         let mut is_subscribed = false;
         loop {
             let event = match poller.ready() {
@@ -103,11 +103,11 @@ impl Receiver {
                         self.request_births(&client)?;
                     }
                     if let Some(cause) = self.intake.take_wanted() {
-                        self.births.want(cause);
+                        self.births().want(cause);
                         // A new subscription makes the broker send its retained messages again: for robots that do not
                         // know the request.
-                        let retained = filters(&self.connection.fleet, RobotTopic::is_retained);
-                        client.try_subscribe_many(retained).map_err(|error| self.lost(&error))?;
+                        let retained = self.subscriptions.retained();
+                        self.subscribe(&client, retained)?;
                     }
                     let now = Instant::now();
                     if coalescing.pauses(now, messages) {
@@ -135,22 +135,24 @@ impl Receiver {
             };
             match event {
                 Event::Incoming(Packet::ConnAck(_)) => {
-                    let all = filters(&self.connection.fleet, |_| true);
-                    client.try_subscribe_many(all).map_err(|error| self.lost(&error))?;
+                    let all = self.subscriptions.begin();
+                    self.subscribe(&client, all)?;
                 }
                 Event::Incoming(Packet::SubAck(ack)) => {
-                    if let Some(refused) = refused(&ack, &self.connection.fleet) {
+                    if let Err(refused) = self.subscriptions.acknowledged(&ack.return_codes) {
                         return Err(self.problem(Cause::Subscription(refused)));
                     }
-                    if !std::mem::replace(&mut is_subscribed, true) {
-                        self.births.want(BirthCause::Connected);
+                    if self.subscriptions.are_complete() {
+                        if !std::mem::replace(&mut is_subscribed, true) {
+                            self.births().want(BirthCause::Connected);
+                        }
+                        hearing.subscribed(Instant::now());
                     }
-                    hearing.subscribed(Instant::now());
                 }
                 Event::Incoming(Packet::PubAck(ack)) if is_failure(&ack) => {
                     hearing.refused();
                     self.metrics.broker_connected.set(0);
-                    let (fleet, why) = (self.connection.fleet.clone(), format!("{:?}", ack.reason));
+                    let (fleet, why) = (self.connection.fleet().clone(), format!("{:?}", ack.reason));
                     let problem = self.problem(Cause::ProbeRefused { fleet, why });
                     self.connection.link.broken(Side::Receiving, &problem);
                 }
@@ -158,7 +160,14 @@ impl Receiver {
                 Event::Incoming(Packet::Publish(publish)) => {
                     let was_proven = hearing.is_proven();
                     if !hearing.take(&publish.topic, &publish.payload) {
-                        self.intake.take(publish.topic, publish.payload);
+                        match self.subscriptions.receive(&publish.topic) {
+                            Receipt::Foreign => {}
+                            Receipt::Own => self.intake.take(publish.topic, publish.payload),
+                            Receipt::New(filters) => {
+                                self.subscribe(&client, vec![filters])?;
+                                self.intake.take(publish.topic, publish.payload);
+                            }
+                        }
                     }
                     if !was_proven && hearing.is_proven() {
                         self.proven(&hearing);
@@ -169,10 +178,19 @@ impl Receiver {
         }
     }
 
+    fn births(&self) -> MutexGuard<'_, BirthRequests> {
+        self.connection.births.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn subscribe(&self, client: &AsyncClient, packets: Vec<subscriptions::Packet>) -> Result<(), Problem> {
+        let mut packets = packets.into_iter();
+        packets.try_for_each(|packet| client.try_subscribe_many(inputs(packet)).map_err(|error| self.lost(&error)))
+    }
+
     /// Publishes a request for births, if one is due.
     fn request_births(&mut self, client: &AsyncClient) -> Result<(), Problem> {
-        let Some(cause) = self.births.take_due(Instant::now()) else { return Ok(()) };
-        let (topic, payload) = self.births.message(&self.connection);
+        let Some(cause) = self.births().take_due(Instant::now()) else { return Ok(()) };
+        let (topic, payload) = self.births().message(&self.connection);
         client.try_publish(topic, payload, expiring()).map_err(|error| self.lost(&error))?;
         self.metrics.birth_requests.count([cause.word()]);
         Ok(())
@@ -221,7 +239,7 @@ pub(super) fn judge(
         }),
         Tick::Deaf { topics, is_silent } => {
             deaf(&topics);
-            Err(problem(Cause::Unheard { fleet: connection.fleet.clone(), topics, is_silent }))
+            Err(problem(Cause::Unheard { fleet: connection.fleet().clone(), topics, is_silent }))
         }
     }
 }
@@ -230,24 +248,4 @@ pub(super) fn judge(
 fn expiring() -> PublishOptions {
     let expiry = PublishProperties { message_expiry_interval: Some(EXPIRY_S), ..PublishProperties::default() };
     PublishOptions::at_least_once().properties(expiry)
-}
-
-pub(super) fn filters(fleet: &Name, which: impl Fn(RobotTopic) -> bool) -> Vec<SubscribeFilterInput> {
-    let subscribed = |kind: RobotTopic| SubscribeFilterInput::new(kind.fleet_filter(fleet), QoS::AtLeastOnce);
-    heard().filter(|&kind| which(kind)).map(subscribed).collect()
-}
-
-/// The first topic that the broker does not let this client read, and its reason code; `None` if all are accepted.
-pub(super) fn refused(ack: &SubAck, fleet: &Name) -> Option<String> {
-    let is_refused = |code: &SubscribeReasonCode| !matches!(code, SubscribeReasonCode::Success(_));
-    let (at, code) = ack.return_codes.iter().enumerate().find(|(_, code)| is_refused(code))?;
-    // Codes are in the order of the filters. The retained topics may be subscribed to alone; they come first in both
-    // lists.
-    let topic = heard().nth(at).map(|kind| kind.fleet_filter(fleet));
-    Some(format!("{} ({code:?})", topic.as_deref().unwrap_or("the robots' topics")))
-}
-
-/// The topics that robots publish.
-pub(super) fn heard() -> impl Iterator<Item = RobotTopic> {
-    RobotTopic::ALL.into_iter().filter(|kind| kind.is_from_robot())
 }

@@ -10,7 +10,8 @@ use super::hearing::Hearing;
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::publish::is_failure;
-use super::receive::{filters, heard, judge, refused};
+use super::receive::judge;
+use super::subscriptions::{Subscriptions, heard, inputs};
 
 /// Time limit of the whole trial.
 const LIMIT: Duration = Duration::from_secs(15);
@@ -29,7 +30,9 @@ pub async fn try_hearing(connection: &Connection) -> Result<(), String> {
 
 async fn prove(connection: &Connection) -> Result<(), Problem> {
     let connection = &connection.with_secrets_read_again();
-    let fleet = &connection.fleet;
+    let fleet = connection.fleet();
+    // Without robots: the probes suffice.
+    let mut subscriptions = Subscriptions::new(connection.shard.clone(), []);
     let problem = |cause| Problem::new(&connection.broker, cause);
     let (options, reached) = connection.options("trial");
     let (client, events) = AsyncClient::builder(options).capacity(64).build();
@@ -39,12 +42,12 @@ async fn prove(connection: &Connection) -> Result<(), Problem> {
         let event = poller.next_while(&mut hearing, |hearing| judge(&client, hearing, connection, |_| {})).await?;
         match event {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
-                let subscribed = filters(fleet, |_| true).into_iter();
+                let subscribed = subscriptions.begin().into_iter().flat_map(inputs);
                 let subscribed = subscribed.map(|filter| filter.retain_forward_rule(RetainForwardRule::Never));
                 client.try_subscribe_many(subscribed).map_err(|error| problem(Cause::Lost(error.to_string())))?;
             }
             Ok(Event::Incoming(Packet::SubAck(ack))) => {
-                if let Some(refused) = refused(&ack, fleet) {
+                if let Err(refused) = subscriptions.acknowledged(&ack.return_codes) {
                     return Err(problem(Cause::Subscription(refused)));
                 }
                 hearing.subscribed(Instant::now());

@@ -16,7 +16,7 @@ const FACTSHEET_WITHIN: Duration = Duration::from_secs(2);
 /// # Errors
 /// The connection to the broker fails, or the robot does not connect within the limit.
 pub async fn wait_for_robot(connection: &Connection, robot: &Name, limit: Duration) -> anyhow::Result<()> {
-    let fleet = &connection.fleet;
+    let fleet = connection.fleet();
     let topics = [RobotTopic::Connection, RobotTopic::Factsheet].map(|kind| kind.of(fleet, robot).to_string());
     let mut client = TestClient::open(connection, &topics).await?;
     if let Ok(born) = tokio::time::timeout(limit, heard(&mut client, is_birth)).await {

@@ -17,8 +17,9 @@ use super::serve::{log, runtime};
 use super::stop::Stopped;
 use crate::check::{CheckOptions, Outcome, Report, Timings, check, present_epoch, wait_for_robot};
 use vibrissa_edge::ids::start_seed;
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_supervisor::broker::Broker;
-use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, LinkState};
+use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection};
 
 /// Arguments of `vibrissa check-robot`.
 #[derive(Debug, Args)]
@@ -128,14 +129,9 @@ async fn on_own_broker(port: u16, options: CheckOptions, wait: Option<Duration>)
 
 async fn checked(broker: &BrokerAddress, options: CheckOptions, wait: Option<Duration>) -> anyhow::Result<Report> {
     let mark = format!("c{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple());
-    let connection = Connection {
-        broker: broker.clone(),
-        prepared: mqtt::prepare(broker)?,
-        fleet: options.fleet.clone(),
-        boot_id: BootId::new(&mark).context("creating the boot ID of the connection")?,
-        epoch: 0,
-        link: LinkState::default(),
-    };
+    let boot_id = BootId::new(&mark).context("creating the boot ID of the connection")?;
+    let whole = FleetShard::whole(options.fleet.clone());
+    let connection = Connection::new(broker.clone(), mqtt::prepare(broker)?, whole, boot_id);
     let mut terminate = signal(SignalKind::terminate()).context("waiting for SIGTERM")?;
     let mut stopped = pin!(async {
         tokio::select! {

@@ -58,6 +58,8 @@ pub struct Config {
     pub name: String,
     /// Fleets to supervise: at least one, without duplicates.
     pub fleets: Vec<Name>,
+    /// Least number of shards of each fleet.
+    pub shards: u32,
     /// Whisker models in addition to the paper's, by their names in factsheets.
     pub models: Vec<(String, Model)>,
     /// Log filter of `tracing`.
@@ -125,7 +127,7 @@ pub fn read(sources: &Sources) -> Reading {
 /// Reads every key before it gives up, so that all problems are reported.
 fn config(reader: &mut Reader) -> Option<Config> {
     let name = reader.parsed(Key::Name, supervisor_name);
-    let fleets = fleets(reader);
+    let (fleets, shards) = (fleets(reader), reader.whole(Key::FleetShards));
     let formulation = reader.word::<FormulationArg>(Key::ModelFormulation).map(Formulation::from);
     let models = models(reader, formulation.unwrap_or_default());
     let log = reader.parsed(Key::Log, log_filter::log_filter);
@@ -150,6 +152,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     Some(Config {
         name: name?,
         fleets: fleets?,
+        shards: shards?,
         models: models?,
         log: log?,
         database: database?,
@@ -268,6 +271,7 @@ impl From<Config> for ServiceOptions {
         Self {
             name: config.name,
             fleets: config.fleets,
+            shards: config.shards,
             database: config.database,
             lease_time_to_live: config.lease_time_to_live,
             history: config.history,

@@ -81,7 +81,7 @@ pub(crate) struct LeaseLost;
 impl Committer {
     pub(crate) fn new(lease: Lease, writer: Writer, program: Metrics, readiness: Readiness) -> Self {
         let fleet = lease.fleet().clone();
-        let metrics = program.of_fleet(&fleet);
+        let metrics = program.of_shard(lease.shard());
         Self { fleet, lease, writer, program, metrics, readiness }
     }
 
@@ -225,7 +225,7 @@ impl Committer {
         }
         self.program.database_failed();
         error!(%problem, fleet = %self.fleet, "{so}, retrying");
-        self.readiness.set_of(&self.fleet, PART, Some(format!("{so}: {}", problem.told())));
+        self.readiness.set_of(self.lease.shard(), PART, Some(format!("{so}: {}", problem.told())));
         outage.since.get_or_insert_with(Instant::now);
         outage.backoff.wait().await;
         Ok(())
@@ -235,7 +235,7 @@ impl Committer {
     pub(crate) fn end_of(&self, outage: &Outage) -> bool {
         let Some(since) = outage.since else { return false };
         info!(fleet = %self.fleet, seconds = since.elapsed().as_secs(), "database available again");
-        self.readiness.set_of(&self.fleet, PART, None);
+        self.readiness.set_of(self.lease.shard(), PART, None);
         true
     }
 }
