@@ -11,6 +11,7 @@ mod history;
 mod intent_log;
 mod leases;
 mod opened;
+mod plans;
 mod refused;
 mod restore;
 mod retention;
