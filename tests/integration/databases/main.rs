@@ -16,6 +16,7 @@ mod refused;
 mod restore;
 mod retention;
 mod role;
+mod rollouts;
 mod rows;
 mod schema;
 mod supervisors;
