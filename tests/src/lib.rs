@@ -14,6 +14,7 @@ pub mod prometheus;
 pub mod proxy;
 pub mod python;
 pub mod robot;
+pub mod rollouts;
 pub mod svg;
 pub mod wait;
 pub mod web;

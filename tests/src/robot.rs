@@ -31,6 +31,8 @@ const CONTACT_US: u64 = 1_000;
 pub struct HandRobot {
     /// Its connection, which can also publish anything else.
     pub mqtt: Observer,
+    /// Name of its fleet.
+    fleet: &'static str,
     /// Its current boot id.
     pub boot_id: BootId,
     /// Its clock, in microseconds since 1970 UTC.
@@ -80,7 +82,12 @@ pub fn array(array_type: ArrayType, lengths_mm: &[f64]) -> ArrayFacts {
 impl HandRobot {
     /// Connects to a broker and publishes its birth; returns when the supervisor has accepted its first message.
     pub async fn born(port: u16, name: &str, array: ArrayFacts) -> Self {
-        let mut robot = Self::connect(port, name, array).await;
+        Self::born_in("f", port, name, array).await
+    }
+
+    /// The same in another fleet.
+    pub async fn born_in(fleet: &'static str, port: u16, name: &str, array: ArrayFacts) -> Self {
+        let mut robot = Self::connect_in(fleet, port, name, array).await;
         robot.birth().await;
         robot.settle().await;
         robot
@@ -91,8 +98,12 @@ impl HandRobot {
     /// # Panics
     /// No broker answers in time.
     pub async fn connect(port: u16, name: &str, array: ArrayFacts) -> Self {
+        Self::connect_in("f", port, name, array).await
+    }
+
+    async fn connect_in(fleet: &'static str, port: u16, name: &str, array: ArrayFacts) -> Self {
         let filters = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request, RobotTopic::Estimate]
-            .map(|kind| format!("whisker/v1/f/{name}/{kind}"));
+            .map(|kind| format!("whisker/v1/{fleet}/{name}/{kind}"));
         let filters: Vec<&str> = filters.iter().map(String::as_str).collect();
         let state = |facts: &WhiskerFacts| State { length_mm: facts.length_mm, pressure_mpa: facts.pressure_mpa };
         Self {
@@ -102,6 +113,7 @@ impl HandRobot {
             state: array.whiskers.iter().map(state).collect(),
             array,
             touch_tests: Vec::new(),
+            fleet,
             name: Name::robot(name).expect("a robot's name"),
             model: Model::nguyen_2021(Formulation::Published),
             seqs: BTreeMap::new(),
@@ -114,7 +126,7 @@ impl HandRobot {
     /// Its topic of this kind.
     #[must_use]
     pub fn topic(&self, kind: RobotTopic) -> String {
-        format!("whisker/v1/f/{}/{kind}", self.name)
+        format!("whisker/v1/{}/{}/{kind}", self.fleet, self.name)
     }
 
     /// Takes the sequence number of its next message on a topic.

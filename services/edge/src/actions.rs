@@ -64,6 +64,10 @@ pub enum RecordedKind {
     LabelSet,
     /// Removes a label of a robot.
     LabelRemove,
+    /// Adds a note to a robot.
+    NoteAdd,
+    /// Removes a note from a robot.
+    NoteRemove,
     /// Acknowledges an alarm.
     AlarmAcknowledge,
     /// Silences an alarm until a time.

@@ -275,6 +275,8 @@ words! {
         AllowedRobots => "ALLOWED_ROBOTS" "change the allowed robots",
         LabelSet => "LABEL_SET" "set a label",
         LabelRemove => "LABEL_REMOVE" "remove a label",
+        NoteAdd => "NOTE_ADD" "add a note",
+        NoteRemove => "NOTE_REMOVE" "remove a note",
         AlarmAcknowledge => "ALARM_ACKNOWLEDGE" "acknowledge an alarm",
         AlarmShelve => "ALARM_SHELVE" "shelve an alarm",
         AlarmUnshelve => "ALARM_UNSHELVE" "unshelve an alarm",

@@ -7,7 +7,8 @@
 //! A [`state`] file stores the true state of a fleet across restarts of the process.
 //!
 //! Read in this order: [`scenario`] (input), [`plant`] and [`regulator`] (physics of a whisker), [`robot`] (the
-//! contract), [`fleet`] (the network). [`load`] is separate: a cheap generator of many messages.
+//! contract), [`fleet`] (the network). [`load`] is separate: a cheap generator of many messages. [`options`] is for
+//! command lines.
 
 mod commands;
 mod driver;
@@ -15,6 +16,7 @@ pub mod fleet;
 mod journal;
 mod link;
 pub mod load;
+pub mod options;
 pub mod outbox;
 pub mod places;
 pub mod plant;

@@ -1,13 +1,15 @@
 //! Runs a fleet of simulated robots against a broker until it is stopped.
 
+use std::ffi::OsString;
 use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
 use anyhow::Context;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
 use vibrissa_simulator::load::{self, LoadPlan};
+use vibrissa_simulator::options::{decimal, lenient};
 use vibrissa_simulator::scenario::Misbehaviour;
 use vibrissa_simulator::{Authorities, Broker, Fleet, Scenario};
 
@@ -40,7 +42,7 @@ struct Arguments {
     #[arg(long, value_name = "FAULT")]
     misbehave: Option<Misbehaviour>,
     /// Log filter, such as info or vibrissa_simulator=debug
-    #[arg(long, env = "VIBRISSA_LOG", default_value = "info")]
+    #[arg(long, env = "VIBRISSA_LOG", default_value = "info", value_parser = log_filter)]
     log: EnvFilter,
 }
 
@@ -50,6 +52,18 @@ enum Command {
     /// Generate load: send contacts messages of many robots, as fast as possible or on a schedule, until all are
     /// receipted; then print the result as one line of JSON
     Load(LoadPlan),
+}
+
+/// Takes a log filter.
+fn log_filter(text: &str) -> Result<EnvFilter, String> {
+    EnvFilter::try_new(text)
+        .map_err(|problem| format!("{problem}; the levels are off, error, warn, info, debug, trace"))
+}
+
+/// Parses a command line.
+fn parsed(given: impl IntoIterator<Item = OsString>) -> Result<Arguments, clap::Error> {
+    let matches = lenient(Arguments::command()).try_get_matches_from(given.into_iter().map(decimal))?;
+    Arguments::from_arg_matches(&matches).map_err(|problem| problem.format(&mut Arguments::command()))
 }
 
 impl Arguments {
@@ -70,7 +84,7 @@ impl Arguments {
 }
 
 fn main() -> anyhow::Result<()> {
-    let arguments = Arguments::parse();
+    let arguments = parsed(std::env::args_os()).unwrap_or_else(|problem| problem.exit());
     if let Some(Command::Load(plan)) = arguments.command {
         // One thread, so that the generator takes as little CPU time as possible from the system under test.
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
@@ -108,4 +122,43 @@ async fn simulate(arguments: Arguments) -> anyhow::Result<()> {
     tracing::info!("stopping");
     fleet.stop().await;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(given: &[&str]) -> Result<Arguments, String> {
+        let given = ["vibrissa-simulator"].iter().chain(given).map(OsString::from);
+        parsed(given).map_err(|problem| problem.to_string())
+    }
+
+    #[test]
+    fn words_are_taken_in_any_case_and_numbers_with_exponents() {
+        let arguments = told(&["--scenario", "x.toml", "--misbehave", "No-Receipt-Retry"]);
+        let listed = arguments.expect_err("no such fault");
+        let fault = listed.split_once("the faults are ").expect("the list").1.split(',').next().expect("a fault");
+        let arguments = told(&["--scenario", "x.toml", "--misbehave", &fault.to_uppercase()]).expect("a fault");
+        assert_eq!(arguments.misbehave.map(|one| one.to_string()).as_deref(), Some(fault));
+        let arguments = told(&["load", "--rate", "1e-3", "--messages", "1e5", "--status-every-s", "5e-1"]);
+        let Some(Command::Load(plan)) = arguments.expect("a load").command else { panic!("another command") };
+        assert_eq!((plan.rate, plan.messages, plan.status_every_s), (Some(1e-3), 100_000, 0.5));
+    }
+
+    #[test]
+    fn a_wrong_value_is_answered_with_the_permitted_ones() {
+        for (given, range) in [
+            (&["load", "--rate", "-0.01"][..], "must be a number above 0"),
+            (&["load", "--rate", "-1e-3"], "must be a number above 0"),
+            (&["load", "--status-every-s", "-1"], "must be a number from 0.1 to 10"),
+            (&["load", "--patience-s", "soon"], "must be a number above 0"),
+            (&["load", "--robots", "-5"], "must be a whole number from 1 to 10000"),
+            (&["load", "--robots", "1e-3"], "must be a whole number from 1 to 10000"),
+            (&["load", "--qos", "-1"], "[possible values: 0, 1]"),
+            (&["--scenario", "x.toml", "--log", "blah=loud"], "the levels are off, error, warn, info, debug, trace"),
+        ] {
+            let problem = told(given).expect_err(range);
+            assert!(problem.contains(range) && !problem.contains("unexpected argument"), "{given:?}: {problem}");
+        }
+    }
 }

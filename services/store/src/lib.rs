@@ -32,6 +32,7 @@ pub mod lists;
 mod load;
 mod lock;
 mod membership;
+pub mod notes;
 pub mod overview;
 mod partitions;
 pub mod policies;

@@ -113,6 +113,8 @@ pub enum Filter {
     Is(&'static str, Value),
     /// The column equals one of the values; no row matches an empty list.
     IsOneOf(&'static str, Vec<String>),
+    /// The column equals one of the numbers; no row matches an empty list.
+    IsOneOfNumbers(&'static str, Vec<i64>),
     /// The column is at least the value.
     AtLeast(&'static str, Value),
     /// The column is less than the value.
@@ -270,6 +272,13 @@ where
             }
             sql.push(")");
         }
+        Filter::IsOneOfNumbers(column, values) => {
+            sql.push(*column).push(" IN (NULL");
+            for value in values {
+                sql.push(", ").push_bind(*value);
+            }
+            sql.push(")");
+        }
         Filter::AtLeast(column, value) => {
             sql.push(*column).push(" >= ");
             push_value(sql, value);
@@ -361,15 +370,15 @@ static URGENCY: LazyLock<String> = LazyLock::new(|| {
     format!("CAST(CASE kind{} ELSE 0 END AS BIGINT)", BY_URGENCY.map(case).concat())
 });
 
-/// The statement of a selection; it asks for one row more than the limit, to learn whether there is a next page.
-fn statement<DB: Database>(list: &List, selection: &Selection) -> QueryBuilder<DB>
+/// The statement of a selection after a text, which is empty or asks for the plan; it asks for one row more than the limit, to learn whether there is a next page.
+fn statement<DB: Database>(list: &List, selection: &Selection, before: &str) -> QueryBuilder<DB>
 where
     i64: for<'q> Encode<'q, DB> + Type<DB>,
     f64: for<'q> Encode<'q, DB> + Type<DB>,
     bool: for<'q> Encode<'q, DB> + Type<DB>,
     String: for<'q> Encode<'q, DB> + Type<DB>,
 {
-    let mut sql = QueryBuilder::<DB>::new("SELECT q.*");
+    let mut sql = QueryBuilder::<DB>::new(format!("{before}SELECT q.*"));
     sql.push(list.details).push(" FROM (SELECT * FROM (");
     push_select(&mut sql, list.select, &selection.filters);
     sql.push(") q WHERE true");
@@ -431,15 +440,35 @@ impl Store {
     pub async fn list<T: Listed>(&self, list: &List, selection: &Selection) -> Result<Rows<T>, StoreError> {
         let rows = match &self.pool {
             Either::Sqlite(pool) => {
-                let mut sql = statement::<Sqlite>(list, selection);
+                let mut sql = statement::<Sqlite>(list, selection, "");
                 sql.build().persistent(false).fetch_all(pool).await.and_then(|rows| rows_of(&rows, list, selection))
             }
             Either::Postgres(pool) => {
-                let mut sql = statement::<Postgres>(list, selection);
+                let mut sql = statement::<Postgres>(list, selection, "");
                 sql.build().persistent(false).fetch_all(pool).await.and_then(|rows| rows_of(&rows, list, selection))
             }
         };
         rows.map_err(failed(list.what))
+    }
+
+    /// How the database would read a page of a list: one line for each step, with the names of the indices.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn plan(&self, list: &List, selection: &Selection) -> Result<Vec<String>, StoreError> {
+        match &self.pool {
+            Either::Sqlite(pool) => {
+                let mut sql = statement::<Sqlite>(list, selection, "EXPLAIN QUERY PLAN ");
+                let rows = sql.build().persistent(false).fetch_all(pool).await;
+                rows.and_then(|rows| rows.iter().map(|row| row.try_get("detail")).collect())
+            }
+            Either::Postgres(pool) => {
+                let mut sql = statement::<Postgres>(list, selection, "EXPLAIN ");
+                let rows = sql.build().persistent(false).fetch_all(pool).await;
+                rows.and_then(|rows| rows.iter().map(|row| row.try_get(0)).collect())
+            }
+        }
+        .map_err(failed(list.what))
     }
 
     /// Reads the first row that passes the filters, if there is one.

@@ -71,6 +71,9 @@ from_row! {
     /// A whisker of an overview, a row of the list of whiskers.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct OverviewWhisker {
+        /// Number of its robot.
+        #[serde(skip)]
+        pub robot_id: i64,
         /// Name of the array.
         pub array: String,
         /// Number of the whisker in its array.
@@ -93,21 +96,21 @@ from_row! {
     }
 }
 
-/// Rows of each kind of change, up to the time. CROSS JOIN keeps SQLite's order of tables: the few new rows first, and then
-/// the robot of each.
-const CHANGES: [(&str, &str); 4] = [
-    ("trims", "trims c CROSS JOIN robots r WHERE r.robot_id = c.robot_id AND c.detected_us >= "),
-    (
-        "setpoints_applied",
-        "setpoints c CROSS JOIN robots r WHERE r.robot_id = c.robot_id AND c.state = 'APPLIED' AND c.issued_us >= ",
-    ),
+/// Each kind of change: its rows up to the time, and how to join them to the fleets' robots. Without filters nothing is joined:
+/// the changes are counted from an index alone.
+const CHANGES: [(&str, &str, &str); 4] = [
+    ("trims", "trims c WHERE c.detected_us >= ", OF_ROBOT),
+    ("setpoints_applied", "setpoints c WHERE c.state = 'APPLIED' AND c.issued_us >= ", OF_ROBOT),
     (
         "alarms",
-        "alarms c LEFT JOIN whiskers w ON w.whisker_id = c.whisker_id CROSS JOIN robots r \
-         WHERE r.robot_id = coalesce(c.robot_id, w.robot_id) AND c.raised_us >= ",
+        "alarms c WHERE c.raised_us >= ",
+        " AND coalesce(c.robot_id, (SELECT w.robot_id FROM whiskers w WHERE w.whisker_id = c.whisker_id)) \
+         IN (SELECT r.robot_id FROM robots r WHERE true",
     ),
-    ("whiskers_replaced", "actions r WHERE r.kind = 'REPLACED' AND r.state = 'DONE' AND r.asked_us >= "),
+    ("whiskers_replaced", "actions r WHERE r.kind = 'REPLACED' AND r.state = 'DONE' AND r.asked_us >= ", " AND (true"),
 ];
+/// The condition that the robot of a change is one of those that the filters select, which follow.
+const OF_ROBOT: &str = " AND c.robot_id IN (SELECT r.robot_id FROM robots r WHERE true";
 
 /// Appends the statement of the changes since a time; the filters concern the column `r.fleet`.
 fn changes<DB: Database>(filters: &[Filter], from_us: i64) -> QueryBuilder<DB>
@@ -118,10 +121,14 @@ where
     String: for<'q> Encode<'q, DB> + Type<DB>,
 {
     let mut sql = QueryBuilder::<DB>::new("SELECT ");
-    for (at, (name, rows)) in CHANGES.into_iter().enumerate() {
+    for (at, (name, rows, of_fleet)) in CHANGES.into_iter().enumerate() {
         sql.push(if at == 0 { "" } else { ", " }).push("(SELECT count(*) FROM (SELECT 1 AS one FROM ").push(rows);
         sql.push_bind(from_us);
-        push_filters(&mut sql, filters);
+        if !filters.is_empty() {
+            sql.push(of_fleet);
+            push_filters(&mut sql, filters);
+            sql.push(")");
+        }
         sql.push(" LIMIT ").push_bind(CHANGES_MAX).push(") q) AS ").push(name);
     }
     sql

@@ -177,4 +177,16 @@ impl Store {
         .map_err(failed("read a fleet"))?;
         Ok(found.is_some())
     }
+
+    /// Whether the database has a robot of these names.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn has_robot(&self, fleet: &str, robot: &str) -> Result<bool, StoreError> {
+        const SQL: &str = "SELECT robot_id FROM robots WHERE fleet = $1 AND robot = $2";
+        let found: Option<i64> =
+            on!(&self.pool, |pool| sqlx::query_scalar(SQL).bind(fleet).bind(robot).fetch_optional(pool).await)
+                .map_err(failed("read a robot"))?;
+        Ok(found.is_some())
+    }
 }

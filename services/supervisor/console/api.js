@@ -20,7 +20,8 @@ export function path(strings, ...values) {
   return String.raw({ raw: strings }, ...values.map((value) => encodeURIComponent(value)));
 }
 
-function withQuery(path, query) {
+/** A path with the known values of a query. */
+export function withQuery(path, query) {
   const told = Object.entries(query ?? {}).filter(([, value]) => value !== undefined && value !== null);
   return told.length ? `${path}?${new URLSearchParams(told)}` : path;
 }
@@ -88,6 +89,11 @@ function shape(path) {
 /** Whether a route exists, for example `has("POST", "/v1/compensations/{}/approve")`. */
 export function has(method, route) {
   return served?.has(`${method} ${shape(route)}`) ?? false;
+}
+
+/** Whether a list has a parameter of its query, for example `takes("/v1/audit", "format")`. */
+export function takes(route, name) {
+  return served?.get(`GET ${shape(route)}`)?.parameters?.some((one) => one.name === name) ?? false;
 }
 
 /** The role that a request requires, by the service's document; undefined for an unknown route. */

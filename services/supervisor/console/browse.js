@@ -4,6 +4,7 @@
 import { change, changed, pathOf, stateOf } from "./address.js";
 import { get } from "./api.js";
 import { h } from "./dom.js";
+import { csvLink } from "./save.js";
 import { table } from "./table.js";
 import { savedViews } from "./views.js";
 
@@ -11,6 +12,9 @@ import { savedViews } from "./views.js";
 const ROWS = 50;
 /** Time without typing after which a search starts. */
 const TYPING_MS = 300;
+
+/** The route and the parameters of each page that is shown, for its rows as a file. */
+const ASKED = new WeakMap();
 
 /**
  * A list of the API as a table: `{ route, what, filters, search, rows }`. `what` names the rows in the plural,
@@ -24,18 +28,21 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
 
   return {
     /** Reads the page that the address asks for; `fixed` are parameters that the page itself sets. */
-    load(state, fixed = {}) {
+    async load(state, fixed = {}) {
       const asked = Object.fromEntries(Object.entries(state).filter(([name]) => known.includes(name)));
-      return get(route, { limit: rows, ...asked, ...fixed });
+      const query = { limit: rows, ...asked, ...fixed };
+      const page = await get(route, query);
+      ASKED.set(page, [route, query]);
+      return page;
     },
 
-    /** The tools, the table (or `body` for rows that are no table), and the links to other pages of the list. */
+    /** The tools, the table (or `body` for rows that are no table), and the links to other pages of the list. The page is one of `load`. */
     view(page, { caption, columns, key, empty, body = null }) {
       const state = stateOf(location.hash);
       const isNarrowed = [...filters.map(({ name }) => name), "q"].some((name) => state[name]);
       const nothing = isNarrowed ? `No ${what} match.` : empty;
       return [
-        tools(state, isNarrowed),
+        tools(page, state, isNarrowed),
         body && page.items.length
           ? body
           : table({
@@ -50,7 +57,7 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
     },
   };
 
-  function tools(state, isNarrowed) {
+  function tools(page, state, isNarrowed) {
     return h(
       "form",
       { class: "tools", role: "search", "aria-label": `Find ${what}`, onsubmit: (event) => event.preventDefault() },
@@ -59,6 +66,7 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
       isNarrowed
         ? h("a", { href: changed(Object.fromEntries(known.map((name) => [name, null]))) }, "Show all")
         : null,
+      page.items.length ? csvLink(...ASKED.get(page)) : null,
       savedViews(),
     );
   }

@@ -6,6 +6,7 @@ use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::web::{send, try_get};
 
 use crate::checks::{complaints, overflow};
+use crate::overview::{READINGS, upload};
 use crate::stage::Stage;
 
 const DIALOG: &str = "document.querySelector('dialog[open]')";
@@ -94,6 +95,64 @@ async fn all_24_robots_shown_are_held_after_a_dry_run_and_their_progress_is_show
         assert!(told.contains(part), "{part}: {told}");
     }
     looks_right(&mut stage, "one").await;
+    stage.is_clean();
+    stage.stop().await;
+}
+
+/// Presses a button of the page that opens a dialog, checks the dry run, fills the dialog in with a script, and confirms.
+async fn confirm(stage: &mut Stage, button: &str, parts: &[&str], script: &str, picture: &str) {
+    press(stage, button).await;
+    let told = words(stage, DIALOG).await;
+    for part in parts {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    looks_right(stage, picture).await;
+    stage.browser.js(script).await;
+    stage.browser.js(&format!("{DIALOG}.querySelector('form').requestSubmit()")).await;
+    let notice = "document.getElementById('notices').textContent";
+    stage.browser.until("all are done", &format!("{notice}.includes(': 2 done')")).await;
+    stage.browser.js("document.querySelectorAll('#notices button').forEach((one) => one.click())").await;
+}
+
+async fn read(stage: &Stage, path: &str) -> Value {
+    let (status, text) = try_get(stage.service.http, path).await.unwrap();
+    assert_eq!(status, 200, "{text}");
+    serde_json::from_str(&text).unwrap()
+}
+
+#[tokio::test]
+async fn a_policy_and_a_calibration_are_set_in_all_fleets_after_a_dry_run() {
+    let (mut stage, _robot) = Stage::of_two_fleets().await;
+    stage.open("#/policy").await;
+    let heads = "[...document.querySelectorAll('h2')].map((one) => one.textContent).join()";
+    stage.browser.until("both fleets", &format!("{heads} === 'Fleet f,Fleet g'")).await;
+    press(&mut stage, "Change the policy of all fleets").await;
+    assert!(read(&stage, "/v1/audit?kind=POLICIES").await["items"].as_array().unwrap().is_empty(), "only a dry run");
+    stage.browser.press("Escape").await;
+    stage.browser.until("no dialog", &format!("!{DIALOG}")).await;
+    let parts = ["Change the policy of 2 fleets", "f\n", "g\n", "still wait for approval"];
+    let advise = format!("{DIALOG}.querySelector('[name=mode]').value = 'ADVISE'");
+    confirm(&mut stage, "Change the policy of all fleets", &parts, &advise, "policies").await;
+    for fleet in ["f", "g"] {
+        assert_eq!(read(&stage, &format!("/v1/fleets/{fleet}/policy")).await["mode"], "ADVISE", "{fleet}");
+    }
+
+    let model = read(&stage, "/v1/whiskers?fleet=g").await["items"][0]["model"].as_str().unwrap().to_owned();
+    stage.open("#/calibrations").await;
+    upload(&mut stage, &model, READINGS).await;
+    let heading = format!("document.querySelector('h1').textContent === 'Calibration {model}, version 1'");
+    stage.browser.until("the calibration", &heading).await;
+    let uses = "[...document.querySelectorAll('tr[data-key^=use-]')].map((one) => one.innerText)";
+    stage
+        .browser
+        .until("both fleets", &format!("{uses}.filter((one) => one.includes('not active')).length === 2"))
+        .await;
+    let parts = ["Activate in 2 fleets", "f\n", "g\n", "baselines are relearned"];
+    confirm(&mut stage, "Activate in all fleets", &parts, "null", "calibrations").await;
+    stage.browser.until("active in both", &format!("!{uses}.some((one) => one.includes('not active'))")).await;
+    let requests = read(&stage, "/v1/bulk-actions").await;
+    let kinds: Vec<&Value> = requests["items"].as_array().unwrap().iter().map(|one| &one["kind"]).collect();
+    assert_eq!(kinds, ["CALIBRATIONS", "POLICIES"]);
     stage.is_clean();
     stage.stop().await;
 }

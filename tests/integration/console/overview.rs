@@ -24,10 +24,10 @@ async fn with_a_compensation() -> Stage {
 }
 
 /// Readings that determine a curve.
-const READINGS: &str = include_str!("../../../docs/calibration-example.csv");
+pub(crate) const READINGS: &str = include_str!("../../../docs/calibration-example.csv");
 
 /// Puts a file into the form and submits it.
-async fn upload(stage: &mut Stage, model: &str, content: &str) {
+pub(crate) async fn upload(stage: &mut Stage, model: &str, content: &str) {
     let script = format!(
         "(() => {{ const form = document.getElementById('upload'); \
          const data = new DataTransfer(); data.items.add(new File([{}], 'readings.csv')); \

@@ -8,14 +8,14 @@ use crate::checks::complaints;
 use crate::stage::Stage;
 
 /// Creates a token of all fleets.
-async fn token(stage: &Stage, role: Role, expires_us: i64) -> String {
+pub(crate) async fn token(stage: &Stage, role: Role, expires_us: i64) -> String {
     let (name, created_by) = ("anna".to_owned(), "test".to_owned());
     let new = NewToken { name, role, scope: Scope::All, expires_us, created_by };
     token::create(&stage.service.store, &new, 0).await.unwrap().0
 }
 
 /// Types a token into the form, and sends it.
-async fn sign_in(stage: &mut Stage, token: &str) {
+pub(crate) async fn sign_in(stage: &mut Stage, token: &str) {
     stage.browser.js("document.getElementById('token').focus(); document.getElementById('token').select()").await;
     stage.browser.type_text(token).await;
     stage.browser.press("Enter").await;

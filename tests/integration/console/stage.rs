@@ -50,6 +50,15 @@ impl Stage {
         Self::to(AccessOptions::default(), |_| ()).await
     }
 
+    /// Starts a service of the fleets `f` and `g`. Fleet `g` has the robot that is returned.
+    pub(crate) async fn of_two_fleets() -> (Self, HandRobot) {
+        let http = ([127, 0, 0, 1], 0).into();
+        let stage = Self::of(&["f", "g"], http, AccessOptions::default(), |_| ()).await;
+        let other = array(ArrayType::Type1, &[70.0, 68.0]);
+        let robot = HandRobot::born_in("g", stage.service.broker.port, "other", other).await;
+        (stage, robot)
+    }
+
     /// Starts a service that requires a token.
     pub(crate) async fn closed() -> Self {
         let token = Some(Secret::new("nobody-in-this-test-has-this-token"));
@@ -77,10 +86,14 @@ impl Stage {
         sqlx::query_scalar("SELECT hex(sealed) FROM console_sessions").fetch_one(&mut link).await.unwrap()
     }
 
-    /// Starts robot `r` of fleet `f`, whose array `left` has three whiskers with learned baselines.
     async fn on(http: HttpOptions, access: AccessOptions, change: impl FnOnce(&mut Params)) -> Self {
+        Self::of(&["f"], http, access, change).await
+    }
+
+    /// Starts robot `r` of fleet `f`, whose array `left` has three whiskers with learned baselines.
+    async fn of(fleets: &[&str], http: HttpOptions, access: AccessOptions, change: impl FnOnce(&mut Params)) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let fleet = Name::new("f").unwrap();
+        let fleets: Vec<Name> = fleets.iter().map(|fleet| Name::new(fleet).unwrap()).collect();
         let mut params = Params::nguyen_2021(Formulation::Published);
         params.detection.cold_start_contacts = LEARNED as u32;
         change(&mut params);
@@ -88,7 +101,7 @@ impl Stage {
             shards: 1,
             access,
             name: "s".to_owned(),
-            fleets: vec![fleet.clone()],
+            fleets: fleets.clone(),
             database: DatabaseAddress::Sqlite(folder.path().join("vibrissa.sqlite3")),
             lease_time_to_live: LEASE_TIME_TO_LIVE,
             limits: vibrissa_supervisor::service::LimitOptions::default(),
@@ -104,8 +117,10 @@ impl Stage {
         })
         .await
         .unwrap();
-        let connected = service.metrics.of_fleet(&fleet).broker_connected;
-        until_true("the connection to the broker", async || connected.get() == 1).await;
+        for fleet in fleets {
+            let connected = service.metrics.of_fleet(&fleet).broker_connected;
+            until_true("the connection to the broker", async || connected.get() == 1).await;
+        }
         let mut robot = HandRobot::born(service.broker.port, "r", array(ArrayType::Type1, &[70.0, 68.0, 65.0])).await;
         for whisker in 0..3 {
             robot.touch(whisker, LEARNED + 20).await;

@@ -20,7 +20,7 @@ use vibrissa_tests::wait::until_true;
 use crate::fleet;
 
 /// Starts a supervisor of fleet `f` in this process.
-async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Service {
+pub(crate) async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Service {
     Service::start(ServiceOptions {
         shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
@@ -43,7 +43,7 @@ async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Servi
     .unwrap()
 }
 
-fn owns(service: &Service) -> bool {
+pub(crate) fn owns(service: &Service) -> bool {
     matches!(service.readiness.shards().get(&FleetShard::whole(fleet())), Some(Standing::Owned { .. }))
 }
 

@@ -44,7 +44,7 @@ const OF_ROBOTS: [(&str, &str); 19] = [
 ];
 
 /// All other tables, and the reason why this test does not cover them.
-const OTHERS: [(&str, &str); 24] = [
+const OTHERS: [(&str, &str); 25] = [
     ("journal", "has a separate test"),
     ("quarantine", "has a separate test"),
     ("redo", "belongs to a whole transaction, and has a separate test"),
@@ -61,6 +61,7 @@ const OTHERS: [(&str, &str); 24] = [
     ("rollout_events", "belongs to a fleet"),
     ("api_tokens", "belongs to users"),
     ("alarm_shelves", "belongs to users"),
+    ("notes", "belongs to users"),
     ("allowed_robots", "belongs to users"),
     ("webhooks", "belongs to users"),
     ("console_sessions", "belongs to users"),

@@ -82,7 +82,7 @@ fn expected(method: &str, path: &str) -> Role {
         ("GET", path) if path.contains("webhooks") => Role::Operator,
         (_, path) if path.contains("webhooks") && is_admins(path) => Role::Admin,
         ("GET", _) => Role::Viewer,
-        (_, path) if path.contains("/labels/") => Role::Operator,
+        (_, path) if path.contains("/labels/") || path.contains("/notes/") => Role::Operator,
         ("PUT" | "DELETE", _) => Role::Engineer,
         (_, path) if ["calibrations", "rollouts", "policies"].iter().any(|part| path.contains(part)) => Role::Engineer,
         _ => Role::Operator,

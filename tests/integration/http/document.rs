@@ -1,6 +1,7 @@
 //! Checks the OpenAPI document against actual answers.
 
 use serde_json::{Value, json};
+use vibrissa_tests::web::send;
 
 use crate::served::Served;
 
@@ -90,6 +91,9 @@ async fn existing(served: &Served) -> Vec<(String, String)> {
         let row = served.items(&format!("/v1/{list}?fleet=f&robot=r1")).await[0][column].clone();
         values.push((column.to_owned(), row.as_str().map_or_else(|| row.to_string(), ToOwned::to_owned)));
     }
+    let body = json!({ "text": "A note" });
+    let note = send(served.http, "POST", "/v1/fleets/f/robots/r1/notes", &[], Some(&body)).await.unwrap().json();
+    values.push(("note_id".to_owned(), note["note_id"].to_string()));
     values
 }
 

@@ -14,6 +14,7 @@ mod groups;
 mod history;
 mod items;
 mod labels;
+mod notes;
 mod oidc;
 mod overview;
 mod pages;

@@ -1,106 +1,24 @@
 //! Staged roll-outs: which robots get the change, and what follows from the errors of changed and unchanged robots.
 
 use std::net::SocketAddr;
-use std::path::Path;
 
 use serde_json::{Value, json};
+use sqlx::ConnectOptions;
 use sqlx::sqlite::SqliteConnectOptions;
-use sqlx::{ConnectOptions, SqliteConnection};
 use vibrissa_core::policy::{Mode, PolicyParams};
-use vibrissa_core::rollout::place;
 use vibrissa_protocol::{ArrayType, SetpointReason};
-use vibrissa_simulator::fleet::now_us;
 use vibrissa_tests::actions::policy_body;
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::robot::{HandRobot, array};
-use vibrissa_tests::wait::{until, until_true};
+use vibrissa_tests::rollouts::{Errors, Link, ask, done, events, in_order, reaches, read};
+use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::{send, try_get};
 
 use crate::program::{Ending, Program};
 use crate::running::{LEARNED, Running, database_in};
 
-async fn ask(http: SocketAddr, method: &str, path: &str, body: Value) -> (u16, Value) {
-    let answer = send(http, method, path, &[], Some(&body)).await.unwrap();
-    (answer.status, answer.json())
-}
-
-async fn done(http: SocketAddr, path: &str, body: Value) -> Value {
-    let (status, told) = ask(http, "POST", path, body).await;
-    assert_eq!(status, 200, "{path}: {told}");
-    told
-}
-
-async fn read(http: SocketAddr, id: &Value) -> Value {
-    let (status, body) = try_get(http, &format!("/v1/rollouts/{id}")).await.unwrap();
-    assert_eq!(status, 200, "{body}");
-    serde_json::from_str(&body).unwrap()
-}
-
-/// The roll-out once its state or stage is as expected.
-async fn reaches(http: SocketAddr, id: &Value, field: &str, word: &str) -> Value {
-    until(&format!("{field} {word}"), async || {
-        let told = read(http, id).await;
-        Some(told).filter(|told| told["rollout"][field] == word)
-    })
-    .await
-}
-
-fn events(told: &Value) -> Vec<&str> {
-    let events = told["events"].as_array().unwrap();
-    events.iter().rev().map(|event| event["event"].as_str().unwrap()).collect()
-}
-
 fn policy(mode: Mode) -> Value {
     policy_body(&PolicyParams { mode, ..PolicyParams::default() })
-}
-
-/// The names that a roll-out changes first, of these.
-fn in_order(id: &Value, names: &[String]) -> Vec<String> {
-    let seed = id.as_u64().unwrap();
-    let mut names = names.to_vec();
-    names.sort_by_key(|name| place(seed, name));
-    names
-}
-
-/// Writes a decision of each robot with this measured error, as if it came from contacts.
-struct Errors {
-    link: SqliteConnection,
-    next: i64,
-}
-
-impl Errors {
-    async fn of(path: &Path) -> Self {
-        let options = SqliteConnectOptions::new().filename(path).busy_timeout(std::time::Duration::from_secs(10));
-        Self { link: options.connect().await.unwrap(), next: 9_000_000_000_000_000 }
-    }
-
-    async fn write(&mut self, robots: &[String], error: impl Fn(usize) -> f64) {
-        let now_us = now_us() as i64;
-        for (at, robot) in robots.iter().enumerate() {
-            self.next += 1;
-            sqlx::query(
-                "INSERT INTO compensations (compensation_id, robot_id, target_whisker_id, target_length_mm, target_pressure_mpa, \
-                 compensator_whisker_id, decided_us) SELECT $1, w.robot_id, whisker_id, 65, 0.1, whisker_id, $2 \
-                 FROM whiskers w JOIN robots r ON r.robot_id = w.robot_id WHERE robot = $3 LIMIT 1",
-            )
-            .bind(self.next)
-            .bind(now_us)
-            .bind(robot)
-            .execute(&mut self.link)
-            .await
-            .unwrap();
-            sqlx::query(
-                "INSERT INTO compensation_errors (compensation_id, recorded_us, contacts, bins, error, error_low, error_high) \
-                 VALUES ($1, $2, 100, 5, $3, 0, 1)",
-            )
-            .bind(self.next)
-            .bind(now_us)
-            .bind(error(at))
-            .execute(&mut self.link)
-            .await
-            .unwrap();
-        }
-    }
 }
 
 /// A service with many robots of one whisker each.
@@ -171,7 +89,7 @@ async fn without_a_difference_the_stages_follow_and_the_change_comes_into_force(
     let http = running.service.http;
     let body = json!({ "policy": policy(Mode::Advise), "robots": 4 });
     let id = &done(http, "/v1/fleets/f/rollouts", body).await["action_id"];
-    let mut errors = Errors::of(&database_in_of(&running)).await;
+    let mut errors = Errors::of(link(&running).await);
     // Errors that do not depend on the order in which robots are changed.
     let same = |at: usize| 0.05 + 0.001 * (at * 37 % 84) as f64;
     errors.write(&names, same).await;
@@ -196,7 +114,7 @@ async fn a_worse_change_is_rolled_back_by_the_errors_and_a_paused_one_waits() {
     let body = json!({ "policy": policy(Mode::Advise), "robots": 4 });
     let id = &done(http, "/v1/fleets/f/rollouts", body).await["action_id"];
     done(http, &format!("/v1/rollouts/{id}/pause"), json!({})).await;
-    let mut errors = Errors::of(&database_in_of(&running)).await;
+    let mut errors = Errors::of(link(&running).await);
     let order = in_order(id, &names);
     errors.write(&order, |at| if at < 5 { 0.5 + 0.01 * at as f64 } else { 0.05 + 0.001 * at as f64 }).await;
     // Two comparisons would have come by now.
@@ -251,8 +169,10 @@ async fn a_roll_out_survives_the_death_of_its_supervisor() {
     program.end(Ending::Terminated).await;
 }
 
-fn database_in_of(running: &Running) -> std::path::PathBuf {
-    database_in(running.folder())
+/// A connection to the database beside the service.
+async fn link(running: &Running) -> Link {
+    let options = SqliteConnectOptions::new().filename(database_in(running.folder()));
+    Link::Sqlite(Box::new(options.busy_timeout(std::time::Duration::from_secs(10)).connect().await.unwrap()))
 }
 
 /// A calibration with the numbers of the paper's whiskers, as another version.

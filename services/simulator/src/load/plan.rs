@@ -3,8 +3,12 @@
 use clap::ValueEnum;
 use vibrissa_protocol::{CONTACTS_MAX, Name, WHISKERS_MAX};
 
+use crate::options::{above_zero, number, whole};
+
 /// Largest number of robots: their names have six digits, and a supervisor accepts no more in a fleet.
 pub const ROBOTS_MAX: usize = 10_000;
+/// Largest number of unreceipted messages.
+const UNRECEIPTED_MAX: usize = 100_000_000;
 
 /// Quality of service of contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -27,35 +31,35 @@ pub struct LoadPlan {
     #[arg(long, default_value = "load")]
     pub fleet: Name,
     /// Number of robots, 1 to 10000
-    #[arg(long, default_value_t = 100)]
+    #[arg(long, default_value_t = 100, value_parser = whole(1..=ROBOTS_MAX))]
     pub robots: usize,
     /// Whiskers per robot
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, default_value_t = 10, value_parser = whole(1..=vibrissa_protocol::ARRAYS_MAX * WHISKERS_MAX))]
     pub whiskers: usize,
     /// Whiskers per array
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, default_value_t = 10, value_parser = whole(1..=WHISKERS_MAX))]
     pub array_whiskers: usize,
     /// Contacts messages of all robots together, without those of the preparation
-    #[arg(long, default_value_t = 100_000)]
+    #[arg(long, default_value_t = 100_000, value_parser = whole(0..=u64::MAX))]
     pub messages: u64,
     /// Contacts per message, 1 to 1000
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = whole(1..=CONTACTS_MAX))]
     pub contacts: usize,
     /// Quality of service of contacts
     #[arg(long, value_enum, default_value = "1")]
     pub qos: Quality,
     /// Messages per second of all robots together, regardless of receipts; default: as fast as possible
-    #[arg(long)]
+    #[arg(long, value_parser = above_zero)]
     pub rate: Option<f64>,
     /// Connections to the broker, which the robots share
-    #[arg(long, default_value_t = 2)]
+    #[arg(long, default_value_t = 2, value_parser = whole(1..=ROBOTS_MAX))]
     pub connections: usize,
     /// Unacknowledged QoS 1 messages per connection
-    #[arg(long, default_value_t = 1000)]
+    #[arg(long, default_value_t = 1000, value_parser = whole(1..=usize::from(u16::MAX) / 2))]
     pub window: usize,
     /// Unreceipted messages of all robots together, beyond which robots send no new ones; default: 16 per robot,
     /// but at least 16000
-    #[arg(long)]
+    #[arg(long, value_parser = whole(1..=UNRECEIPTED_MAX))]
     pub unreceipted: Option<usize>,
     /// Expect no receipts: end when the broker has received all messages
     #[arg(long)]
@@ -64,17 +68,17 @@ pub struct LoadPlan {
     #[arg(long)]
     pub no_retained: bool,
     /// Contacts per whisker in the preparation, in messages of 20, to train the supervisor's estimates
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = whole(0..=usize::MAX))]
     pub learn: usize,
     /// Cut whiskers one after the other on each robot; every N-th contact goes to the whisker cut last until a
     /// setpoint arrives, and the time from the contact to its setpoint is measured
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(1..=u64::MAX))]
     pub trim_every: Option<u64>,
     /// Seconds between two statuses of a robot, at most 10 by the contract
-    #[arg(long, default_value_t = 10.0)]
+    #[arg(long, default_value_t = 10.0, value_parser = number(0.1..=10.0))]
     pub status_every_s: f64,
     /// Give up after this many seconds without an answer
-    #[arg(long, default_value_t = 60.0)]
+    #[arg(long, default_value_t = 60.0, value_parser = above_zero)]
     pub patience_s: f64,
 }
 
@@ -99,7 +103,7 @@ impl LoadPlan {
         within("--contacts", self.contacts, CONTACTS_MAX)?;
         within("--connections", self.connections, self.robots)?;
         within("--window", self.window, usize::from(u16::MAX) / 2)?;
-        within("--unreceipted", self.unreceipted(), 100_000_000)?;
+        within("--unreceipted", self.unreceipted(), UNRECEIPTED_MAX)?;
         if self.rate.is_some_and(|rate| rate.is_nan() || rate <= 0.0) {
             return Err(BadPlan("--rate must be above 0".to_owned()));
         }

@@ -11,6 +11,7 @@ pub mod errors;
 pub mod fleets;
 pub mod happenings;
 pub mod history;
+pub mod notes;
 pub mod policies;
 pub mod quarantine;
 pub mod robots;

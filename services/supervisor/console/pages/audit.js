@@ -74,9 +74,15 @@ function details(parameters) {
     ? h(
         "span",
         { class: "hint" },
-        ` (${known.map(([name, value]) => `${name.replaceAll("_", " ")}: ${value}`).join(", ")})`,
+        ` (${known.map(([name, value]) => `${name.replaceAll("_", " ")}: ${short(value)}`).join(", ")})`,
       )
     : null;
+}
+
+/** A long text, such as a note, with its beginning only. */
+function short(value) {
+  const text = String(value);
+  return text.length > 100 ? `${text.slice(0, 100)} ...` : text;
 }
 
 function subject(action) {

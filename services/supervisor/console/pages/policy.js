@@ -126,7 +126,7 @@ function change({ fleet, tag, now }) {
   return {
     title: `Change the policy of fleet ${fleet}`,
     what: [
-      "The new policy applies to all later decisions, and refused proposals may come again. Switching to automatic starts all waiting proposals: robots will change pressures. Present setpoints stay.",
+      "The new policy applies to all later decisions. Refused compensations may be proposed again, or start by themselves in mode automatic: robots then change pressures. Switching to automatic starts the proposed touch tests. Proposed compensations still wait for approval. Present setpoints stay.",
     ],
     fields: [
       choice("mode", "Mode", MODES),

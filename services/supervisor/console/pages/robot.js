@@ -11,6 +11,7 @@ import { boxesOf, boxesTable } from "../parts/boxes.js";
 import { decisionsTable } from "../parts/decisions.js";
 import { incidents } from "../parts/incidents.js";
 import { robotLabels } from "../parts/labels.js";
+import { notesOf, robotNotes } from "../parts/notes.js";
 import { proposals } from "../parts/proposals.js";
 import { proposedTests } from "../parts/tests.js";
 import { facts, section, table, trail } from "../table.js";
@@ -19,17 +20,18 @@ import { health } from "./fleets.js";
 
 export default {
   async load({ fleet, robot }) {
-    const [about, whiskers, decisions, tests, boxes] = await Promise.all([
+    const [about, whiskers, decisions, tests, boxes, notes] = await Promise.all([
       get(api.robot({ fleet, robot })),
       list("/v1/whiskers", { fleet, robot }),
       list("/v1/compensations", { fleet, robot, active: true }),
       ifServed("/v1/touch-tests", () => list("/v1/touch-tests", { fleet, robot, state: "PROPOSED" }), []),
       boxesOf({ fleet, robot }),
+      notesOf({ fleet, robot }),
     ]);
-    return { about, whiskers, decisions, tests, boxes };
+    return { about, whiskers, decisions, tests, boxes, notes };
   },
 
-  view({ about, whiskers, decisions, tests, boxes }, { fleet, robot }, refresh) {
+  view({ about, whiskers, decisions, tests, boxes, notes }, { fleet, robot }, refresh) {
     const waiting = decisions.filter((one) => one.approval === "PROPOSED");
     const decided = decisions.filter((one) => one.approval !== "PROPOSED");
     const running = decided.filter((one) => one.compensator_whisker !== null);
@@ -62,6 +64,7 @@ export default {
         "Active compensations",
         decisionsTable(running, "Active compensations", "No active compensations."),
       ),
+      robotNotes(notes, about, refresh),
       section("Black boxes", boxesTable(boxes)),
     ];
   },

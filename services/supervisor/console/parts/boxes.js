@@ -1,12 +1,11 @@
 // Black boxes: the messages of a robot around an event, as files for `vibrissa replay`.
 
-import { ask, ifServed, list } from "../api.js";
+import { ifServed, list } from "../api.js";
 import { h } from "../dom.js";
 import { time } from "../format.js";
 import { markOf } from "../marks.js";
-import { report } from "../notices.js";
 import { link, whiskerName } from "../places.js";
-import { token } from "../session.js";
+import { saveLink } from "../save.js";
 import { table } from "../table.js";
 import { ALARM_KINDS, BLACK_BOX_STATES, FAULTS, say } from "../words.js";
 
@@ -18,22 +17,8 @@ export function boxesOf({ fleet, robot }) {
 /** A link that saves the recording of a box; nothing without a box. */
 export function boxLink(id, words = "Black box") {
   if (id === null || id === undefined) return null;
-  const path = `v1/black-boxes/${id}/recording`;
-  const name = `black-box-${id}.jsonl`;
-  // The browser sends no token with a plain link.
-  const onclick = token() ? (event) => save(event, path, name) : null;
-  return h("a", { href: path, download: name, onclick, title: "Messages of the robot around the event" }, words);
-}
-
-async function save(event, path, name) {
-  event.preventDefault();
-  try {
-    const href = URL.createObjectURL(await (await ask(path)).blob());
-    h("a", { href, download: name }).click();
-    URL.revokeObjectURL(href);
-  } catch (problem) {
-    report()(problem.message, "bad", true);
-  }
+  const title = "Messages of the robot around the event";
+  return saveLink(`/v1/black-boxes/${id}/recording`, `black-box-${id}.jsonl`, words, { title });
 }
 
 /** The boxes of a robot as a table. */

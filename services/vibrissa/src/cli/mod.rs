@@ -30,6 +30,7 @@ use std::io::stdout;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use vibrissa_simulator::options::{decimal, lenient};
 
 /// Exit code of a command that has worked, and whose answer is no.
 pub const ANSWER_IS_NO: u8 = 3;
@@ -89,7 +90,7 @@ enum Command {
 /// Parses the command line. Ends the program after a message about a wrong one, or after `--help`.
 #[must_use]
 pub fn parse() -> Cli {
-    let matches = words::lenient(Cli::command()).get_matches_from(std::env::args_os().map(words::decimal));
+    let matches = lenient(Cli::command()).get_matches_from(std::env::args_os().map(decimal));
     Cli::from_arg_matches(&matches).unwrap_or_else(|problem| problem.format(&mut Cli::command()).exit())
 }
 

@@ -23,6 +23,7 @@ pub mod history;
 pub mod labels;
 pub mod me;
 pub mod model;
+pub mod notes;
 pub mod overview;
 pub mod paths;
 pub mod plots;
@@ -62,6 +63,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(robots::routes())
         .merge(rollouts::routes())
         .merge(labels::routes())
+        .merge(notes::routes())
         .merge(quarantine::routes())
         .merge(contacts::routes())
         .merge(history::routes())
