@@ -121,6 +121,9 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
             epoch: lease.epoch(),
             link: heard.get_or_init(LinkState::default).clone(),
         };
+        for node in shared.broker.nodes() {
+            metrics.mqtt_node_failures.know(&node.to_string());
+        }
         shared.readiness.listens(&fleet, connection.link.clone());
         shared.readiness.set_of(&fleet, TAKING_UP, None);
         run(engine, &connection, &metrics, stop).await;

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use serde::Serialize;
 use vibrissa_protocol::Name;
 
-use crate::mqtt::LinkState;
+use crate::mqtt::{LinkState, NodesInUse};
 
 /// Shared by all parts that can have a problem.
 #[derive(Debug, Clone, Default)]
@@ -73,6 +73,12 @@ impl Readiness {
     pub fn problems(&self) -> BTreeSet<String> {
         let parts = self.parts();
         parts.problems.values().cloned().chain(parts.links.values().flat_map(LinkState::problems)).collect()
+    }
+
+    /// Nodes of the broker that the connections of each fleet use.
+    #[must_use]
+    pub fn nodes(&self) -> BTreeMap<Name, NodesInUse> {
+        self.parts().links.iter().map(|(fleet, link)| (fleet.clone(), link.nodes())).collect()
     }
 
     /// This supervisor's role in each fleet.
