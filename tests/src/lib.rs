@@ -6,6 +6,7 @@ pub mod demo;
 pub mod extremes;
 pub mod jwt;
 pub mod mosquitto;
+pub mod mqtt_311;
 pub mod mqtt_proxy;
 pub mod observer;
 pub mod postgres;

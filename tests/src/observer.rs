@@ -8,6 +8,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use vibrissa_protocol::{Message, RobotTopic, Topic, decode, encode};
 
+use crate::mqtt_311::OldClient;
 use crate::wait::PATIENCE;
 
 /// Largest packet size in bytes; no test sends more.
@@ -30,9 +31,15 @@ pub struct Heard {
 
 /// A client with subscriptions to messages of the contract.
 pub struct Observer {
-    client: AsyncClient,
+    client: Client,
     heard: mpsc::UnboundedReceiver<Heard>,
     poller: JoinHandle<()>,
+}
+
+/// The client by the version of MQTT.
+enum Client {
+    Five(AsyncClient),
+    Old(OldClient),
 }
 
 impl Observer {
@@ -46,9 +53,20 @@ impl Observer {
     /// # Panics
     /// No broker answers in time.
     pub async fn subscribed(port: u16, name: &str, filters: &[&str]) -> Self {
+        Self::subscribed_as(port, name, None, filters).await
+    }
+
+    /// The same with a user and a password.
+    ///
+    /// # Panics
+    /// No broker answers in time.
+    pub async fn subscribed_as(port: u16, name: &str, user: Option<(&str, &str)>, filters: &[&str]) -> Self {
         let mut options = MqttOptions::new(name, ("127.0.0.1", port));
         // The client allocates a table of this size; the default is the protocol's limit of 65,535.
         options.set_max_packet_size(Some(PACKET_MAX)).set_outgoing_inflight_upper_limit(256);
+        if let Some((user, password)) = user {
+            options.set_credentials(user, password.to_owned());
+        }
         let (client, mut event_loop) = AsyncClient::builder(options).capacity(100).build();
         for filter in filters {
             client.subscribe(*filter, QoS::AtLeastOnce).await.expect("a client that has just begun");
@@ -67,7 +85,30 @@ impl Observer {
         tokio::time::timeout(PATIENCE, subscribed).await.expect("no subscription");
         let (sender, heard) = mpsc::unbounded_channel();
         let poller = tokio::spawn(poll(event_loop, sender));
-        Self { client, heard, poller }
+        Self { client: Client::Five(client), heard, poller }
+    }
+
+    /// Connects by MQTT 3.1.1 and subscribes to the given topic filters.
+    ///
+    /// # Panics
+    /// No broker accepts it in time.
+    pub async fn subscribed_311(port: u16, name: &str, user: Option<(&str, &str)>, filters: &[&str]) -> Self {
+        let (client, mut messages) = OldClient::connect(port, name, user).await.expect("a connection by MQTT 3.1.1");
+        for filter in filters {
+            assert!(client.subscribe(filter).await.expect("an answer"), "{filter} is refused");
+        }
+        let (sender, heard) = mpsc::unbounded_channel();
+        let poller = tokio::spawn(async move {
+            while let Some(message) = messages.recv().await {
+                let qos = if message.qos == 0 { QoS::AtMostOnce } else { QoS::AtLeastOnce };
+                if let Some(heard) = decoded(&message.topic, message.payload, message.retained, qos, None)
+                    && sender.send(heard).is_err()
+                {
+                    return;
+                }
+            }
+        });
+        Self { client: Client::Old(client), heard, poller }
     }
 
     /// The next message. None if no message arrives within `patience`.
@@ -105,9 +146,13 @@ impl Observer {
     /// # Panics
     /// The broker does not acknowledge it in time.
     pub async fn publish(&self, topic: &str, payload: Vec<u8>, retain: bool) {
+        let client = match &self.client {
+            Client::Five(client) => client,
+            Client::Old(client) => return client.publish(topic, &payload, retain).await.expect("an acknowledgement"),
+        };
         let options = PublishOptions::new(QoS::AtLeastOnce).retain(retain);
         let taken = async {
-            let notice = self.client.publish_tracked(topic, payload, options).await.expect("a connected client");
+            let notice = client.publish_tracked(topic, payload, options).await.expect("a connected client");
             // The client reports a topic without subscribers as a failure; tests accept it.
             let _ = notice.wait_async().await;
         };
@@ -127,19 +172,22 @@ async fn poll(mut event_loop: EventLoop, sender: mpsc::UnboundedSender<Heard>) {
             continue;
         };
         let topic = std::str::from_utf8(&publish.topic).expect("text");
-        if RobotTopic::probed_on(topic).is_some() {
+        let expiry_s = publish.properties.and_then(|properties| properties.message_expiry_interval);
+        let Some(heard) = decoded(topic, publish.payload.to_vec(), publish.retain, publish.qos, expiry_s) else {
             continue;
-        }
-        let topic = Topic::parse(topic).expect("a topic of the contract");
-        let heard = Heard {
-            message: decode(&topic, &publish.payload).expect("a message that keeps the contract"),
-            payload: publish.payload.to_vec(),
-            retained: publish.retain,
-            qos: publish.qos,
-            expiry_s: publish.properties.and_then(|properties| properties.message_expiry_interval),
         };
         if sender.send(heard).is_err() {
             return;
         }
     }
+}
+
+/// A message of the contract; `None` for a probe of a supervisor.
+fn decoded(topic: &str, payload: Vec<u8>, retained: bool, qos: QoS, expiry_s: Option<u32>) -> Option<Heard> {
+    if RobotTopic::probed_on(topic).is_some() {
+        return None;
+    }
+    let topic = Topic::parse(topic).expect("a topic of the contract");
+    let message = decode(&topic, &payload).expect("a message that keeps the contract");
+    Some(Heard { message, payload, retained, qos, expiry_s })
 }

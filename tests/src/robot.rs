@@ -102,12 +102,35 @@ impl HandRobot {
     }
 
     async fn connect_in(fleet: &'static str, port: u16, name: &str, array: ArrayFacts) -> Self {
-        let filters = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request, RobotTopic::Estimate]
-            .map(|kind| format!("whisker/v1/{fleet}/{name}/{kind}"));
+        let filters = filters(fleet, name);
         let filters: Vec<&str> = filters.iter().map(String::as_str).collect();
+        Self::on(Observer::subscribed_as(port, name, None, &filters).await, fleet, name, array)
+    }
+
+    /// The same with a user and a password.
+    ///
+    /// # Panics
+    /// No broker answers in time.
+    pub async fn connect_as(port: u16, name: &str, user: Option<(&str, &str)>, array: ArrayFacts) -> Self {
+        let filters = filters("f", name);
+        let filters: Vec<&str> = filters.iter().map(String::as_str).collect();
+        Self::on(Observer::subscribed_as(port, name, user, &filters).await, "f", name, array)
+    }
+
+    /// Connects by MQTT 3.1.1.
+    ///
+    /// # Panics
+    /// No broker answers in time.
+    pub async fn connect_311(port: u16, name: &str, user: Option<(&str, &str)>, array: ArrayFacts) -> Self {
+        let filters = filters("f", name);
+        let filters: Vec<&str> = filters.iter().map(String::as_str).collect();
+        Self::on(Observer::subscribed_311(port, name, user, &filters).await, "f", name, array)
+    }
+
+    fn on(mqtt: Observer, fleet: &'static str, name: &str, array: ArrayFacts) -> Self {
         let state = |facts: &WhiskerFacts| State { length_mm: facts.length_mm, pressure_mpa: facts.pressure_mpa };
         Self {
-            mqtt: Observer::subscribed(port, name, &filters).await,
+            mqtt,
             boot_id: boot_id(name, 1),
             clock_us: now_us(),
             state: array.whiskers.iter().map(state).collect(),
@@ -402,4 +425,10 @@ impl HandRobot {
 
 fn boot_id(robot: &str, mark: u64) -> BootId {
     BootId::new(&format!("{robot}-{mark}")).expect("a boot id")
+}
+
+/// Topics to which a robot subscribes.
+fn filters(fleet: &str, name: &str) -> [String; 4] {
+    [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request, RobotTopic::Estimate]
+        .map(|kind| format!("whisker/v1/{fleet}/{name}/{kind}"))
 }

@@ -14,7 +14,7 @@ use tokio::task::JoinHandle;
 use tokio::time::{Instant, sleep_until, timeout};
 use vibrissa_protocol::{Name, PAYLOAD_MAX_BYTES, QualityOfService, RobotTopic, Topic};
 
-use crate::fleet::{Broker, RobotHandle, now_us};
+use crate::fleet::{Broker, RobotHandle, address, now_us};
 use crate::robot::Outgoing;
 use crate::scenario::Misbehaviour;
 
@@ -22,6 +22,8 @@ use crate::scenario::Misbehaviour;
 const WAKE_PAUSE: Duration = Duration::from_millis(20);
 const RECONNECT_START: Duration = Duration::from_millis(250);
 const RECONNECT_MAX: Duration = Duration::from_secs(10);
+/// Time limit for the connection to one of several nodes.
+const NODE_TIMEOUT: Duration = Duration::from_secs(3);
 const KEEP_ALIVE_S: u16 = 10;
 /// Capacity of the queue of requests to the polling task.
 const REQUESTS: usize = 256;
@@ -86,6 +88,8 @@ async fn next_report(connection: &mut Option<Connection>) -> Report {
 struct Driver {
     robot: RobotHandle,
     broker: Broker,
+    /// Number of failed connections. Each makes the next attempt go to the next node of the broker.
+    failures: usize,
     transport: Transport,
     fleet: Name,
     connection: Option<Connection>,
@@ -104,6 +108,7 @@ impl Driver {
         Self {
             robot,
             broker,
+            failures: 0,
             transport,
             fleet,
             connection: None,
@@ -139,7 +144,12 @@ impl Driver {
         // The client id is the robot's topic prefix in the contract: a second robot of that name takes over the
         // session.
         let id = format!("{}.{}", self.fleet, self.robot.name());
-        let mut options = MqttOptions::new(id, (self.broker.host.clone(), self.broker.port));
+        let nodes = self.broker.nodes();
+        let (host, port) = nodes[self.failures % nodes.len()].clone();
+        let mut options = MqttOptions::new(id, (host.clone(), port));
+        if nodes.len() > 1 {
+            options.set_connect_timeout(NODE_TIMEOUT);
+        }
         options
             .set_keep_alive(KEEP_ALIVE_S)
             .set_clean_start(true)
@@ -153,7 +163,7 @@ impl Driver {
         }
         options.set_transport(self.transport.clone());
         // The library's own address lacks the brackets around IPv6.
-        let address = self.broker.address();
+        let address = address(&host, port);
         options.set_socket_connector(move |_, network| rumqttc::default_socket_connect(address.clone(), network));
         let mut network = NetworkOptions::new();
         network.set_tcp_nodelay(true);
@@ -237,12 +247,20 @@ impl Driver {
         }
     }
 
-    /// Ends the connection; the next attempt follows after a growing pause.
+    /// Ends the connection; the next attempt follows at the next node at once, and after the last node after a growing
+    /// pause.
     fn lose(&mut self, reason: &str) {
         if self.connection.take().is_none() {
             return;
         }
         self.robot.with(crate::Robot::disconnected);
+        self.failures += 1;
+        let nodes = self.broker.others.len() + 1;
+        if !self.failures.is_multiple_of(nodes) {
+            tracing::warn!(robot = %self.robot.name(), reason, "connection lost, trying the next node");
+            self.connect_at = Instant::now();
+            return;
+        }
         tracing::warn!(robot = %self.robot.name(), reason, pause = ?self.reconnect_pause, "connection lost");
         self.connect_at = Instant::now() + self.reconnect_pause;
         self.reconnect_pause = (self.reconnect_pause * 2).min(RECONNECT_MAX);

@@ -27,6 +27,8 @@ pub struct Broker {
     pub host: String,
     /// Port of the broker.
     pub port: u16,
+    /// Host and port of further nodes of the same broker, which are tried in turn.
+    pub others: Vec<(String, u16)>,
     /// User name and password, if the broker requires them. `{fleet}` and `{robot}` in the user name are replaced
     /// for each robot.
     pub credentials: Option<(String, String)>,
@@ -67,21 +69,39 @@ impl std::fmt::Debug for Broker {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         // Passwords stay out of logs.
         let scheme = if self.tls.is_some() { "mqtts" } else { "mqtt" };
-        write!(f, "{scheme}://{}", self.address())
+        for (at, (host, port)) in self.nodes().iter().enumerate() {
+            let comma = if at == 0 { "" } else { "," };
+            write!(f, "{comma}{scheme}://{}", address(host, *port))?;
+        }
+        Ok(())
     }
 }
 
 impl Broker {
     /// A broker without credentials and TLS.
     pub fn new(host: impl Into<String>, port: u16) -> Self {
-        Self { host: host.into(), port, credentials: None, tls: None }
+        Self { host: host.into(), port, others: Vec::new(), credentials: None, tls: None }
     }
 
-    /// Parses `mqtt://host[:port]` or `mqtts://host[:port]`; the default port is 1883 or 8883.
+    /// Parses `mqtt://host[:port]` or `mqtts://host[:port]`, or several of them separated by commas; the default port is
+    /// 1883 or 8883.
     ///
     /// # Errors
     /// [`CannotStart::Address`] for anything else.
     pub fn from_url(text: &str) -> Result<Self, CannotStart> {
+        let mut nodes = text.split(',').map(|text| Self::from_one_url(text.trim()));
+        let mut broker = nodes.next().unwrap_or_else(|| Err(CannotStart::Address("no address".to_owned())))?;
+        for node in nodes {
+            let node = node?;
+            if node.tls.is_some() != broker.tls.is_some() {
+                return Err(CannotStart::Address("mqtt:// and mqtts:// are mixed".to_owned()));
+            }
+            broker.others.push((node.host, node.port));
+        }
+        Ok(broker)
+    }
+
+    fn from_one_url(text: &str) -> Result<Self, CannotStart> {
         let bad = |why: &str| CannotStart::Address(why.to_owned());
         let url = Url::parse(text).map_err(|problem| bad(&problem.to_string()))?;
         let (tls, usual_port) = match url.scheme() {
@@ -99,16 +119,12 @@ impl Broker {
         if host.is_empty() {
             return Err(bad("no host"));
         }
-        Ok(Self { host, port: url.port().unwrap_or(usual_port), credentials: None, tls })
+        Ok(Self { tls, ..Self::new(host, url.port().unwrap_or(usual_port)) })
     }
 
-    /// Host and port for the network library: `h:1883`, `[::1]:1883`.
-    pub(crate) fn address(&self) -> String {
-        if self.host.contains(':') {
-            format!("[{}]:{}", self.host, self.port)
-        } else {
-            format!("{}:{}", self.host, self.port)
-        }
+    /// Host and port of each node.
+    pub(crate) fn nodes(&self) -> Vec<(String, u16)> {
+        std::iter::once((self.host.clone(), self.port)).chain(self.others.iter().cloned()).collect()
     }
 
     /// User name and password of a robot.
@@ -135,6 +151,11 @@ impl Broker {
             }
         }
     }
+}
+
+/// Host and port for the network library: `h:1883`, `[::1]:1883`.
+pub(crate) fn address(host: &str, port: u16) -> String {
+    if host.contains(':') { format!("[{host}]:{port}") } else { format!("{host}:{port}") }
 }
 
 /// Robots that run until [`Fleet::stop`]; if dropped before, their connections break.
@@ -325,6 +346,9 @@ mod tests {
         assert_eq!(Broker::from_url("mqtt://127.0.0.1:1884/").unwrap(), Broker::new("127.0.0.1", 1884));
         let tls = Broker { tls: Some(Authorities::System), ..Broker::new("::1", 8883) };
         assert_eq!(Broker::from_url("mqtts://[::1]").unwrap(), tls);
+        let two = Broker::from_url("mqtt://a, mqtt://[::1]:1884").unwrap();
+        assert_eq!(two.nodes(), [("a".to_owned(), 1883), ("::1".to_owned(), 1884)]);
+        assert_eq!(format!("{two:?}"), "mqtt://a:1883,mqtt://[::1]:1884");
         assert_eq!(format!("{tls:?}"), "mqtts://[::1]:8883");
         for bad in ["", "127.0.0.1", "http://h", "mqtt://", "mqtt://h:x", "mqtt://u@h", "mqtt://u:p@h", "mqtt://h/t"] {
             assert!(Broker::from_url(bad).is_err(), "{bad}");

@@ -19,7 +19,7 @@ use vibrissa_simulator::{Authorities, Broker, Fleet, Scenario};
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
-    /// Broker URL: mqtt://host[:1883], or mqtts://host[:8883] for TLS
+    /// Broker URL: mqtt://host[:1883], or mqtts://host[:8883] for TLS; the nodes of a cluster separated by commas
     #[arg(long, env = "VIBRISSA_MQTT_URL", default_value = "mqtt://127.0.0.1:1883", hide_env_values = true)]
     mqtt_url: String,
     /// User name of the robots; {fleet} and {robot} are replaced for each robot

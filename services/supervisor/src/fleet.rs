@@ -122,6 +122,9 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
             link: heard.get_or_init(LinkState::default).clone(),
             ..Connection::new(shared.broker.clone(), shared.prepared.clone(), shard.clone(), boot_id)
         };
+        for node in shared.broker.nodes() {
+            metrics.mqtt_node_failures.know(&node.to_string());
+        }
         shared.readiness.listens(&shard, connection.link.clone());
         shared.readiness.set_of(&shard, TAKING_UP, None);
         run(engine, &connection, &metrics, stop).await;

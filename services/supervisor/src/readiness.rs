@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use serde::Serialize;
 use vibrissa_edge::shard::FleetShard;
 
-use crate::mqtt::LinkState;
+use crate::mqtt::{LinkState, NodesInUse};
 
 /// Shared by all parts that can have a problem.
 #[derive(Debug, Clone, Default)]
@@ -79,6 +79,12 @@ impl Readiness {
     pub fn problems(&self) -> BTreeSet<String> {
         let parts = self.parts();
         parts.problems.values().cloned().chain(parts.links.values().flat_map(LinkState::problems)).collect()
+    }
+
+    /// Nodes of the broker that the connections of each shard use.
+    #[must_use]
+    pub fn nodes(&self) -> BTreeMap<FleetShard, NodesInUse> {
+        self.parts().links.iter().map(|(shard, link)| (shard.clone(), link.nodes())).collect()
     }
 
     /// This supervisor's role in each shard.

@@ -53,9 +53,12 @@ impl Source {
         }
         let (fleet, attempts) = (&self.fleet, self.state.attempts());
         let times = if attempts == 1 { "once".to_owned() } else { format!("{attempts} times") };
-        let reason = match self.link.deafness() {
-            Some((_, reason)) if reason.contains(&broker.to_string()) => reason,
-            _ => format!("MQTT broker {broker}: no answer yet: check the network, and mqtt.url"),
+        let problems = self.link.problems();
+        let is_answered = |problem: &String| broker.nodes().iter().any(|node| problem.contains(&node.to_string()));
+        let problems: Vec<String> = problems.into_iter().filter(is_answered).collect();
+        let reason = match problems.as_slice() {
+            [_, ..] => problems.join("; "),
+            [] => format!("MQTT broker {broker}: no answer yet: check the network, and mqtt.url"),
         };
         Some(format!("fleet {fleet}: tried {times} in {:.1} s. {reason}", tried.as_secs_f64()))
     }

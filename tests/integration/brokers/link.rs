@@ -6,7 +6,7 @@ use vibrissa_protocol::{BootId, Name};
 use vibrissa_store::secret::Secret;
 use vibrissa_supervisor::metrics::{FleetMetrics, Metrics};
 use vibrissa_supervisor::mqtt::{
-    self, BrokerAddress, ClientCertificate, Connection, Credentials, LinkState, TlsOptions,
+    self, BrokerAddress, ClientCertificate, Connection, Credentials, LinkState, NodesInUse, TlsOptions,
 };
 use vibrissa_tests::wait::{until, until_true};
 
@@ -73,6 +73,16 @@ impl Link {
     /// The current problem of the connections, if any.
     pub(crate) fn problem(&self) -> Option<String> {
         self.state.problem()
+    }
+
+    /// The current problems of the connections.
+    pub(crate) fn problems(&self) -> Vec<String> {
+        self.state.problems()
+    }
+
+    /// Nodes that the connections use.
+    pub(crate) fn nodes(&self) -> NodesInUse {
+        self.state.nodes()
     }
 
     /// Waits until both connections are established.

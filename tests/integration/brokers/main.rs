@@ -15,6 +15,7 @@ mod running;
 mod access;
 mod files;
 mod limits;
+mod nodes;
 mod recovery;
 mod refusals;
 mod secrecy;

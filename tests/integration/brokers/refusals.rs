@@ -184,6 +184,12 @@ async fn a_refused_subscription_does_not_count_as_connected() {
     server.abort();
 }
 
+#[tokio::test]
+async fn a_broker_that_lacks_qos_1_is_told_with_its_setting() {
+    let broker = Mosquitto::builder().line("max_qos 0").start();
+    said(plain(broker.port()), &["it accepts QoS 0 only, and robots need QoS 1", "Mosquitto: max_qos"]).await;
+}
+
 /// Accepts the connection and all six subscriptions except the third.
 async fn refuse_the_third(mut stream: tokio::net::TcpStream) {
     let mut buffer = vec![0; 4096];

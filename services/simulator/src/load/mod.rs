@@ -25,7 +25,7 @@ use vibrissa_protocol::BootId;
 pub use plan::{BadPlan, LoadPlan, Quality};
 pub use report::LoadReport;
 
-use crate::fleet::{Broker, CannotStart, now_us};
+use crate::fleet::{Broker, CannotStart, address, now_us};
 use line::{Common, Line, Task};
 use texts::Texts;
 
@@ -60,9 +60,13 @@ pub async fn run(plan: LoadPlan, prepared: impl FnOnce()) -> Result<LoadReport, 
     if broker.tls.is_some() {
         return Err(LoadError::Address("the load generator does not support TLS".to_owned()));
     }
+    if !broker.others.is_empty() {
+        return Err(LoadError::Address("the load generator uses one node: name one address".to_owned()));
+    }
     let boot_id = BootId::new(&format!("load-{:016x}-{}", now_us(), std::process::id())).expect("a short text");
     let texts = Texts::new(&plan, boot_id.as_str()).map_err(io::Error::other)?;
-    let common = Common { plan: Arc::new(plan), texts: Arc::new(texts), boot_id, address: broker.address() };
+    let common =
+        Common { plan: Arc::new(plan), texts: Arc::new(texts), boot_id, address: address(&broker.host, broker.port) };
 
     let begun_us = now_us();
     let mut lines = Vec::new();

@@ -24,15 +24,17 @@ pub(super) async fn livez() -> &'static str {
 /// Ready: the messages of every fleet owned here are received, and the database accepts writes. Standby is ready too.
 async fn readyz(State(app): State<App>) -> Response {
     let mut reasons = app.readiness.problems();
-    let shards = app.readiness.shards();
+    let (shards, nodes) = (app.readiness.shards(), app.readiness.nodes());
     let fleets: BTreeMap<String, _> = shards.iter().map(|(shard, standing)| (shard.to_string(), standing)).collect();
+    let nodes: BTreeMap<String, _> = nodes.into_iter().map(|(shard, nodes)| (shard.to_string(), nodes)).collect();
     if let Err(problem) = app.store.ping().await {
         tracing::debug!(%problem, "not ready");
         reasons.insert(problem.told());
     }
     let is_ready = reasons.is_empty();
     let status = if is_ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
-    (status, Json(json!({ "ready": is_ready, "reasons": reasons, "fleets": fleets }))).into_response()
+    let body = json!({ "ready": is_ready, "reasons": reasons, "fleets": fleets, "mqtt_nodes": nodes });
+    (status, Json(body)).into_response()
 }
 
 async fn metrics(State(app): State<App>) -> Result<Response, Problem> {

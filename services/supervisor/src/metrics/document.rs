@@ -11,13 +11,25 @@ use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use super::subjects::{SUBJECTS, subject};
-use super::{Metrics, RobotSample, WhiskerSample};
+use super::{Metrics, PUBLISHING, RECEIVING, RobotSample, WhiskerSample};
 
 /// Most values of a label that are listed; of a label with more, only their number is shown.
 const VALUES_SHOWN_MAX: usize = 32;
 /// Labels whose values come from the configuration, from robots or from requests: their values are not listed.
-const FREE: [&str; 11] =
-    ["fleet", "robot", "array", "whisker", "version", "database", "broker", "supervisor", "method", "route", "status"];
+const FREE: [&str; 12] = [
+    "fleet",
+    "robot",
+    "array",
+    "whisker",
+    "version",
+    "database",
+    "broker",
+    "node",
+    "supervisor",
+    "method",
+    "route",
+    "status",
+];
 
 const HEAD: &str = "\
 # Metrics
@@ -65,6 +77,10 @@ fn everything() -> Result<Metrics> {
     for quantities in fleet.quantities() {
         quantities.set_all(|_| Some(0.0));
     }
+    for connection in [RECEIVING, PUBLISHING] {
+        fleet.mqtt_node.set(connection, "broker:1883");
+    }
+    fleet.mqtt_node_failures.know("broker:1883");
     metrics.http.answered(&Method::GET, None, StatusCode::OK, Duration::ZERO);
     for listener in ["main", "monitoring"] {
         let _ = metrics.http.connections(listener);

@@ -4,6 +4,7 @@ use prometheus::{Gauge, Histogram, IntCounter, IntGauge, Registry, Result};
 
 use super::kinds::{At, Buckets, Counters, Gauges, Histograms, OfFleet, Quantities};
 use super::labels;
+use super::nodes::{NodeFailures, NodeInUse};
 
 /// Buckets of compensation errors. 0.20385 and 0.3618 are the errors that the paper measured in its cases 1 and 2.
 const ERROR_RATIOS: Buckets = &[0.02, 0.05, 0.1, 0.15, 0.20385, 0.25, 0.3, 0.3618, 0.5, 0.75, 1.0];
@@ -189,6 +190,12 @@ of_fleet! {
     /// Connections to the broker over which the fleet's messages were received.
     broker_connections: IntCounter = "vibrissa_broker_connections_total",
         "Connections to the broker over which the fleet's messages were received.";
+    /// Nodes of the broker that the fleet's connections use.
+    mqtt_node: NodeInUse = "vibrissa_mqtt_node_in_use",
+        "1 for the broker's node that a connection of the fleet uses; no series while the connection is down.";
+    /// Failed connections, and failed attempts to connect, by node.
+    mqtt_node_failures: NodeFailures = "vibrissa_mqtt_node_failures_total",
+        "Connections to a node of the broker that broke, and attempts to connect that failed.";
     /// Connections that the broker closed because another client connected with the same client id.
     mqtt_session_takeovers: IntCounter = "vibrissa_mqtt_session_takeovers_total",
         "Connections that the broker closed because another client connected with the same client id.";

@@ -11,7 +11,7 @@ use prometheus::{
 };
 
 /// First labels of each metric. The shard is empty, and not exported, for a fleet that is not divided.
-const PLACE: [&str; 2] = ["fleet", SHARD];
+pub(super) const PLACE: [&str; 2] = ["fleet", SHARD];
 /// Label with the number of a shard.
 pub(super) const SHARD: &str = "shard";
 

@@ -28,6 +28,10 @@ pub const UNSERVED: Word = "UNSERVED";
 pub const TAKEN: Word = "TAKEN";
 /// A lease was lost or released.
 pub const LOST: Word = "LOST";
+/// Connection that receives from robots.
+pub const RECEIVING: Word = "RECEIVING";
+/// Connection that publishes to robots.
+pub const PUBLISHING: Word = "PUBLISHING";
 /// Queue of received messages.
 pub const INBOX: Word = "inbox";
 /// Queue of messages to publish.

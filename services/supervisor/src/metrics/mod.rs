@@ -9,6 +9,7 @@ mod fleet;
 mod http;
 mod kinds;
 mod labels;
+mod nodes;
 #[cfg(target_os = "linux")]
 mod process;
 mod subjects;
@@ -27,7 +28,8 @@ pub use fleet::FleetMetrics;
 pub use http::{ConnectionMetrics, HttpMetrics};
 use kinds::SHARD;
 pub use kinds::{Counters, Gauges, Histograms, Quantities, Word};
-pub use labels::{APPROVED, INBOX, LOST, NO_CASE, OUTBOX, PROPOSED, STARTED, TAKEN, UNSERVED};
+pub use labels::{APPROVED, INBOX, LOST, NO_CASE, OUTBOX, PROPOSED, PUBLISHING, RECEIVING, STARTED, TAKEN, UNSERVED};
+pub use nodes::{NodeFailures, NodeInUse};
 pub use webhooks::WebhookMetrics;
 pub use whiskers::{RobotSample, WhiskerMetrics, WhiskerSample};
 

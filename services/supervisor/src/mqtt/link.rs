@@ -1,11 +1,14 @@
 //! State of the two connections to the broker, the reason of an outage, and the pauses between attempts.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use serde::Serialize;
 use tracing::{info, warn};
 
+use super::address::Node;
 use super::problem::Problem;
 
 /// One of the fleet's two connections.
@@ -21,23 +24,63 @@ enum State {
     /// No attempt has ended yet.
     #[default]
     New,
-    Connected,
-    /// Not connected, for this reason.
-    Broken(String),
+    /// Connected to this node.
+    Connected(Node),
+    /// Not connected: the newest problem of each node, the newest of all last.
+    Broken(Vec<(Node, String)>),
 }
 
 impl State {
-    fn problem(&self) -> Option<String> {
+    /// The problems, the newest first.
+    fn problems(&self) -> Vec<String> {
         match self {
-            Self::Connected => None,
-            Self::New => Some("not connected to the MQTT broker yet".to_owned()),
-            Self::Broken(why) => Some(why.clone()),
+            Self::Connected(_) => Vec::new(),
+            Self::New => vec!["not connected to the MQTT broker yet".to_owned()],
+            Self::Broken(problems) => problems.iter().rev().map(|(_, why)| why.clone()).collect(),
         }
     }
+
+    fn node(&self) -> Option<&Node> {
+        match self {
+            Self::Connected(node) => Some(node),
+            Self::New | Self::Broken(_) => None,
+        }
+    }
+
+    /// The state after this problem.
+    fn broken(self, node: Node, why: String) -> Self {
+        let mut problems = match self {
+            Self::Broken(problems) => problems,
+            Self::New | Self::Connected(_) => Vec::new(),
+        };
+        problems.retain(|(other, _)| *other != node);
+        problems.push((node, why));
+        Self::Broken(problems)
+    }
+}
+
+/// The last failure of a node. The order is that of the next attempts: an old and quick failure first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Failure {
+    /// The attempt, or the broken connection, took its time limit.
+    is_slow: bool,
+    at: Instant,
+}
+
+/// Nodes of the broker that a fleet's connections use: host and port; null while a connection is down.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NodesInUse {
+    /// Node of the connection that receives from robots.
+    pub receiving: Option<String>,
+    /// Node of the connection that publishes to robots.
+    pub publishing: Option<String>,
 }
 
 /// Shortest interval between two log messages about takeovers, or possible takeovers, of this supervisor's client ids.
 const TAKEOVERS_LOGGED_EVERY: Duration = Duration::from_secs(60);
+
+/// Limit of the remembered problems of one outage. Texts of a broker may differ each time.
+const LOGGED_MAX: usize = 64;
 
 /// State of a fleet's broker connections: why its robots cannot be heard or answered. Shared by both connections.
 #[derive(Debug, Clone, Default)]
@@ -56,6 +99,12 @@ struct Link {
     takeover_logged: Option<Instant>,
     /// The last outage was not logged, so its end is not logged either.
     is_quiet: bool,
+    /// Problems logged since a connection was up. Attempts at several nodes alternate between theirs.
+    logged: BTreeSet<String>,
+    /// Last failures of nodes that have not worked since.
+    failed: BTreeMap<Node, Failure>,
+    /// Limits that were logged, by node.
+    limits: BTreeMap<Node, String>,
     /// Problem with a file of secrets, if there is one.
     secrets: Option<String>,
 }
@@ -70,6 +119,9 @@ impl Default for Link {
             takeovers: 0,
             takeover_logged: None,
             is_quiet: false,
+            logged: BTreeSet::new(),
+            failed: BTreeMap::new(),
+            limits: BTreeMap::new(),
             secrets: None,
         }
     }
@@ -103,11 +155,29 @@ impl LinkState {
         self.problems().into_iter().next()
     }
 
-    /// The problems of both connections.
+    /// The problems of both connections, the newest of each first.
     #[must_use]
     pub fn problems(&self) -> Vec<String> {
         let link = self.link();
-        [&link.receiving, &link.publishing].into_iter().filter_map(State::problem).collect()
+        [&link.receiving, &link.publishing].into_iter().flat_map(State::problems).collect()
+    }
+
+    /// Nodes that the connections use.
+    #[must_use]
+    pub fn nodes(&self) -> NodesInUse {
+        let link = self.link();
+        let shown = |state: &State| state.node().map(ToString::to_string);
+        NodesInUse { receiving: shown(&link.receiving), publishing: shown(&link.publishing) }
+    }
+
+    /// Notes that a connection to this node has failed; `is_slow` if that took its time limit.
+    pub(super) fn node_failed(&self, node: Node, is_slow: bool) {
+        self.link().failed.insert(node, Failure { is_slow, at: Instant::now() });
+    }
+
+    /// The last failure of the node; `None` if it has worked since, or was not tried yet.
+    pub(super) fn failure_of(&self, node: &Node) -> Option<Failure> {
+        self.link().failed.get(node).copied()
     }
 
     /// For how long robots have not been heard, and the reason; `None` while they are heard.
@@ -115,23 +185,28 @@ impl LinkState {
     pub fn deafness(&self) -> Option<(Duration, String)> {
         let link = self.link();
         let deaf_for = link.deaf_since?.elapsed();
-        Some((deaf_for, link.receiving.problem().unwrap_or_default()))
+        Some((deaf_for, link.receiving.problems().into_iter().next().unwrap_or_default()))
     }
 
-    /// Records that a connection is up and works. Returns true if the broker had closed it without a reason while the
-    /// other one stayed up.
-    pub(super) fn connected(&self, side: Side) -> bool {
+    /// Records that a connection to this node is up and works. Returns true if the broker had closed it without a reason
+    /// while the other one stayed up.
+    pub(super) fn connected(&self, side: Side, node: &Node) -> bool {
         let mut link = self.link();
+        link.failed.remove(node);
         let was_closed_alone = link.closed_alone.take_if(|closed| *closed == side).is_some();
         if side == Side::Receiving {
             link.deaf_since = None;
         }
         let is_quiet = std::mem::take(&mut link.is_quiet);
         let (own, _) = link.sides(side);
-        if std::mem::replace(own, State::Connected) != State::Connected && !is_quiet {
+        let connected = State::Connected(node.clone());
+        if *own != connected {
+            *own = connected;
+            link.logged.clear();
             match side {
-                Side::Receiving => info!("connected to the MQTT broker: robots are heard"),
-                Side::Publishing => info!("connected to the MQTT broker: robots are answered"),
+                _ if is_quiet => {}
+                Side::Receiving => info!(%node, "connected to the MQTT broker: robots are heard"),
+                Side::Publishing => info!(%node, "connected to the MQTT broker: robots are answered"),
             }
         }
         was_closed_alone
@@ -146,10 +221,12 @@ impl LinkState {
             link.deaf_since = Some(Instant::now());
         }
         let (own, other) = link.sides(side);
-        let broken = State::Broken(why.clone());
-        let is_news = *own != broken && *other != broken;
-        let is_alone = *own == State::Connected && *other == State::Connected;
-        *own = broken;
+        let is_alone = own.node().is_some() && other.node().is_some();
+        *own = std::mem::take(own).broken(problem.node(), why.clone());
+        if link.logged.len() >= LOGGED_MAX {
+            link.logged.clear();
+        }
+        let is_news = link.logged.insert(why.clone());
         // If the other connection breaks too, the broker has stopped.
         if problem.is_unexplained_end() && is_alone {
             link.closed_alone = Some(side);
@@ -164,6 +241,14 @@ impl LinkState {
             }
         } else if is_news {
             warn!("{why}");
+        }
+    }
+
+    /// Logs a limit of this node, once.
+    pub(super) fn limited(&self, node: &Node, limit: String) {
+        let mut link = self.link();
+        if link.limits.insert(node.clone(), limit.clone()).as_ref() != Some(&limit) {
+            warn!("MQTT broker {node}: {limit}");
         }
     }
 
@@ -217,6 +302,10 @@ mod tests {
     use crate::mqtt::address::BrokerAddress;
     use crate::mqtt::problem::Cause;
 
+    fn node() -> Node {
+        BrokerAddress::new("h", 1).node()
+    }
+
     #[test]
     fn pauses_double_from_a_quarter_of_a_second_to_five() {
         let mut backoff = Backoff::new();
@@ -239,24 +328,39 @@ mod tests {
     fn a_link_stands_when_both_connections_do() {
         let link = LinkState::default();
         assert_eq!(link.problem().as_deref(), Some("not connected to the MQTT broker yet"));
-        link.connected(Side::Receiving);
+        link.connected(Side::Receiving, &node());
         assert!(link.problem().is_some());
-        link.connected(Side::Publishing);
+        link.connected(Side::Publishing, &node());
         assert_eq!(link.problem(), None);
         let problem = Problem::new(&BrokerAddress::new("h", 1), Cause::Refused);
         link.broken(Side::Publishing, &problem);
         assert_eq!(link.problem(), Some(problem.to_string()));
-        link.connected(Side::Publishing);
+        link.connected(Side::Publishing, &node());
         assert_eq!(link.problem(), None);
+    }
+
+    #[test]
+    fn an_outage_names_the_problem_of_each_node_and_then_the_node_in_use() {
+        let link = LinkState::default();
+        let problem = |host, cause| Problem::new(&BrokerAddress::new(host, 1), cause);
+        let (first, second) = (problem("h", Cause::Refused), problem("i", Cause::NoAnswer));
+        for _ in 0..3 {
+            link.broken(Side::Receiving, &first);
+            link.broken(Side::Receiving, &second);
+        }
+        link.connected(Side::Publishing, &node());
+        assert_eq!(link.problems(), [second.to_string(), first.to_string()]);
+        let publishing = Some("h:1".to_owned());
+        assert_eq!(link.nodes(), NodesInUse { receiving: None, publishing });
     }
 
     #[test]
     fn deafness_lasts_from_the_first_loss_to_the_next_proof_and_is_the_receivers_alone() {
         let link = LinkState::default();
         assert!(link.deafness().is_some(), "deaf before the first proof");
-        link.connected(Side::Publishing);
+        link.connected(Side::Publishing, &node());
         assert!(link.deafness().is_some());
-        link.connected(Side::Receiving);
+        link.connected(Side::Receiving, &node());
         assert_eq!(link.deafness(), None);
         let problem = |cause| Problem::new(&BrokerAddress::new("h", 1), cause);
         link.broken(Side::Publishing, &problem(Cause::Refused));
@@ -276,21 +380,21 @@ mod tests {
         let sides = [Side::Receiving, Side::Publishing];
         for (side, other) in [(sides[0], sides[1]), (sides[1], sides[0])] {
             let link = LinkState::default();
-            assert!(!link.connected(side) && !link.connected(other));
+            assert!(!link.connected(side, &node()) && !link.connected(other, &node()));
             link.broken(side, &closed);
-            assert!(link.connected(side), "the other connection stayed up");
-            assert!(!link.connected(side), "reported only once");
+            assert!(link.connected(side, &node()), "the other connection stayed up");
+            assert!(!link.connected(side, &node()), "reported only once");
             // A failed attempt in between changes nothing.
             link.broken(side, &closed);
             link.broken(side, &refused);
-            assert!(link.connected(side));
+            assert!(link.connected(side, &node()));
             // The broker stops.
             link.broken(side, &closed);
             link.broken(other, &closed);
-            assert!(!link.connected(side) && !link.connected(other));
+            assert!(!link.connected(side, &node()) && !link.connected(other, &node()));
             // An end with a stated reason does not count.
             link.broken(side, &refused);
-            assert!(!link.connected(side));
+            assert!(!link.connected(side, &node()));
         }
     }
 

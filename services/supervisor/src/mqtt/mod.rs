@@ -6,7 +6,7 @@
 //!
 //! Further connections: [`record`] records, [`TestClient`] tests a robot, and [`try_hearing`] tests for a short time whether a
 //! fleet can be heard. [`prepare`] reads certificates before the first attempt; [`LinkState`] gives the reason of an
-//! outage.
+//! outage. A broker may have several nodes; [`nodes`] has their order.
 
 mod address;
 mod tls;
@@ -28,7 +28,9 @@ mod trial;
 mod coalescing;
 mod connector;
 mod identity;
+mod limits;
 mod link;
+mod nodes;
 mod poll;
 mod problem;
 
@@ -42,8 +44,8 @@ use vibrissa_protocol::{BootId, Name};
 
 pub(crate) use births::{FleetBirths, SharedBirths};
 
-pub use address::{BadBrokerUrl, BrokerAddress, ClientCertificate, Credentials, TlsOptions};
-pub use link::LinkState;
+pub use address::{BadBrokerUrl, BrokerAddress, ClientCertificate, Credentials, Node, TlsOptions};
+pub use link::{LinkState, NodesInUse};
 pub use publish::publish;
 pub use receive::receive;
 pub use recorder::{RecorderState, record};
@@ -64,7 +66,7 @@ const WRITE_BATCH: usize = 64;
 /// Settings of a fleet's connections.
 #[derive(Debug, Clone)]
 pub struct Connection {
-    /// Address of the broker.
+    /// Address of the broker; the node in use comes first.
     pub broker: BrokerAddress,
     /// Secrets and certificates, read by [`prepare`].
     pub prepared: Prepared,
@@ -98,7 +100,12 @@ impl Connection {
 
     /// Options of a client with a new client id, and a flag that is set once TCP is connected.
     fn options(&self, role: &str) -> (MqttOptions, Arc<AtomicBool>) {
-        let id = identity::client_id(self.fleet(), role);
+        self.options_as(identity::client_id(self.fleet(), role))
+    }
+
+    /// The same with this client id.
+    fn options_as(&self, id: String) -> (MqttOptions, Arc<AtomicBool>) {
+        let limits = connector::Limits::of(&self.broker);
         let (host, port) = (self.broker.host.clone(), self.broker.port);
         let mut options = MqttOptions::new(id, (host.clone(), port));
         options
@@ -108,11 +115,11 @@ impl Connection {
             .set_outgoing_inflight_upper_limit(IN_FLIGHT)
             .set_read_batch_size(coalescing::READ_MAX)
             .set_max_request_batch(WRITE_BATCH)
-            .set_connect_timeout(connector::CONNECT_TIMEOUT);
+            .set_connect_timeout(limits.whole);
         self.show_secrets(&mut options);
         let reached = Arc::new(AtomicBool::new(false));
         let is_reached = reached.clone();
-        options.set_socket_connector(move |_, _| connector::connect(host.clone(), port, is_reached.clone()));
+        options.set_socket_connector(move |_, _| connector::connect(host.clone(), port, limits, is_reached.clone()));
         (options, reached)
     }
 
@@ -124,6 +131,11 @@ impl Connection {
         if let Some(tls) = &self.prepared.tls {
             options.set_transport(Transport::tls_with_config(TlsConfiguration::Rustls(tls.clone())));
         }
+    }
+
+    /// The same connection to this node.
+    fn at(&self, node: &Node) -> Self {
+        Self { broker: self.broker.at(node), ..self.clone() }
     }
 
     /// The same connection with the current contents of the password and certificate files. If a file is unusable, its

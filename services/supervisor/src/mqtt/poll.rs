@@ -91,13 +91,15 @@ impl Poller {
         }
     }
 
-    /// Sets new credentials, and a new client id if there is one, for the next connection.
+    /// Uses this connection's node and credentials from the next attempt on, and a new client id if there is one.
     pub(super) fn renew(&mut self, connection: &Connection, client_id: Option<String>) {
-        let options = &mut self.events.options;
-        connection.show_secrets(options);
-        if let Some(client_id) = client_id {
-            options.set_client_id(client_id);
+        let before = &self.events.options;
+        let (mut options, reached) = connection.options_as(client_id.unwrap_or_else(|| before.client_id()));
+        if let Some(will) = before.last_will() {
+            options.set_last_will(will);
         }
+        self.events.options = options;
+        (self.broker, self.reached) = (connection.broker.clone(), reached);
     }
 
     /// Sets whether the broker shall retain the last will of the next connection.

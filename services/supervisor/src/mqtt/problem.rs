@@ -7,8 +7,8 @@ use rumqttc::{ConnectReturnCode, ConnectionError, DisconnectReasonCode, StateErr
 use rustls::{AlertDescription, CertificateError};
 use vibrissa_protocol::{Name, RobotTopic};
 
-use super::address::BrokerAddress;
-use super::connector::{CONNECT_TIMEOUT, LookupError};
+use super::address::{BrokerAddress, Node};
+use super::connector::{Limits, LookupError};
 use super::hearing::PATIENCE;
 
 /// A cause of failure, with the broker concerned.
@@ -58,6 +58,8 @@ pub(super) enum Cause {
     NotAuthorized,
     /// The broker rejects the connection for another reason.
     NotAccepted(ConnectReturnCode),
+    /// The broker lacks a feature that the fleet needs.
+    Lacks(&'static str),
     /// The broker rejects a subscription.
     Subscription(String),
     /// The broker rejects a publication.
@@ -110,6 +112,16 @@ impl Problem {
             },
         };
         Self::new(broker, cause)
+    }
+
+    /// The node concerned.
+    pub(super) fn node(&self) -> Node {
+        self.broker.node()
+    }
+
+    /// Whether the node did not answer within a time limit.
+    pub(super) fn is_slow(&self) -> bool {
+        matches!(self.cause, Cause::NoAnswer | Cause::Mute | Cause::Silent | Cause::Unheard { .. })
     }
 
     /// Whether another client has connected with this client id.
@@ -265,6 +277,7 @@ impl fmt::Display for Problem {
             Cause::WrongVersion => f.write_str("it does not support MQTT 5: use a broker that does"),
             Cause::NotAuthorized => self.not_authorized(f),
             Cause::NotAccepted(code) => write!(f, "it does not accept the connection: {code:?}"),
+            Cause::Lacks(what) => f.write_str(what),
             Cause::Subscription(what) => write!(
                 f,
                 "it does not let {} subscribe to {what}: allow it in the broker's access list. Until then robots are \
@@ -301,7 +314,7 @@ impl fmt::Display for Problem {
 impl Problem {
     fn unreached(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let host = &self.broker.host;
-        let seconds = CONNECT_TIMEOUT.as_secs();
+        let seconds = Limits::of(&self.broker).whole.as_secs();
         if let Cause::UnknownHost(why) = &self.cause {
             write!(f, "no address is known for host {host:?} ({why}): correct mqtt.url or DNS")
         } else if let Cause::Unreachable(why) = &self.cause {

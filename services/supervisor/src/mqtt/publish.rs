@@ -15,10 +15,11 @@ use vibrissa_protocol::{Message, QualityOfService, SupervisorPresence, Superviso
 
 use super::Connection;
 use super::identity::client_id;
-use super::link::{Backoff, Side};
+use super::link::Side;
+use super::nodes::Attempts;
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
-use crate::metrics::FleetMetrics;
+use crate::metrics::{FleetMetrics, PUBLISHING};
 use crate::outbox::{Losses, Publication};
 
 /// Capacity of the client's queue of publications: as many as one write takes. The client sends a queued publication
@@ -42,7 +43,7 @@ pub fn publish(
     mut outbox: mpsc::Receiver<Publication>,
     losses: Losses,
 ) -> JoinHandle<()> {
-    let connection = &connection.with_secrets_read_again();
+    let connection = &Attempts::first(connection);
     let (expired, dropped) = (metrics.setpoints_expired_unsent.clone(), metrics.publications_dropped.clone());
     let (topic, offline) = presence(connection, SupervisorPresence::Offline, 1);
     let (mut options, reached) = connection.options(ROLE);
@@ -56,7 +57,7 @@ pub fn publish(
     let (connected, mut is_connected) = watch::channel(false);
     let signals = Signals { connected, losses: losses.clone(), flags: Arc::default() };
     let flags = signals.flags.clone();
-    let keeping_up = keep_up(connection.clone(), metrics, client.clone(), poller, signals);
+    let keeping_up = keep_up(connection.clone(), metrics.clone(), client.clone(), poller, signals);
     let mut polling = tokio::spawn(keeping_up);
     tokio::spawn(async move {
         let mut repeats = interval_at(tokio::time::Instant::now() + PRESENCE_INTERVAL, PRESENCE_INTERVAL);
@@ -107,6 +108,7 @@ pub fn publish(
         // If this fails, the broker publishes the last will, with the same content.
         let _ = tokio::time::timeout(FAREWELL_TIMEOUT, farewell).await;
         polling.abort();
+        metrics.mqtt_node.forget(PUBLISHING);
     })
 }
 
@@ -158,14 +160,14 @@ impl Flags {
 /// one. Otherwise the last will of the old connection could come later, and say that the supervisor has gone. The id
 /// changes only if another client knows it, or may know it; then the broker has already ended the old connection.
 async fn keep_up(
-    connection: Connection,
+    mut connection: Connection,
     metrics: FleetMetrics,
     client: AsyncClient,
     mut poller: Poller,
     Signals { connected, losses, flags }: Signals,
 ) {
     let (topic, online) = presence(&connection, SupervisorPresence::Online, 0);
-    let mut backoff = Backoff::new();
+    let mut attempts = Attempts::new();
     let mut was_broken = false;
     loop {
         match poller.next().await {
@@ -198,8 +200,10 @@ async fn keep_up(
                 connection.link.broken(Side::Publishing, &problem);
             }
             Ok(Event::Incoming(Packet::PubAck(_))) => {
-                backoff.reset();
-                if connection.link.connected(Side::Publishing) {
+                attempts.reset();
+                let node = connection.broker.node();
+                metrics.mqtt_node.set(PUBLISHING, &node.to_string());
+                if connection.link.connected(Side::Publishing, &node) {
                     metrics.mqtt_connections_closed.inc();
                 }
             }
@@ -208,6 +212,8 @@ async fn keep_up(
             Err(Failure::Broken(problem)) => {
                 connected.send_replace(false);
                 was_broken = true;
+                metrics.mqtt_node.forget(PUBLISHING);
+                metrics.mqtt_node_failures.count(&problem.node().to_string());
                 connection.link.broken(Side::Publishing, &problem);
                 if problem.is_takeover() {
                     metrics.mqtt_session_takeovers.inc();
@@ -215,10 +221,10 @@ async fn keep_up(
                 if problem.is_retain_refused() {
                     poller.set_will_retained(false);
                 }
-                tokio::time::sleep(backoff.pause()).await;
+                connection = attempts.next(&connection, &problem).await;
                 let is_known = problem.is_takeover() || problem.is_unexplained_end();
                 let client_id = is_known.then(|| client_id(connection.fleet(), ROLE));
-                poller.renew(&connection.with_secrets_read_again(), client_id);
+                poller.renew(&connection, client_id);
             }
         }
     }

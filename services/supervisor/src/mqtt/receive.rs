@@ -12,15 +12,16 @@ use vibrissa_protocol::RobotTopic;
 use super::births::BirthRequests;
 use super::coalescing::{PAUSE, PollCoalescing};
 use super::hearing::{Hearing, Tick};
-use super::link::{Backoff, Side};
+use super::link::Side;
+use super::nodes::Attempts;
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::publish::is_failure;
 use super::subscriptions::{self, Receipt, Subscriptions, heard, inputs};
-use super::{Connection, stopped};
+use super::{Connection, limits, stopped};
 use crate::births::BirthCause;
 use crate::inbox::{Inbox, Intake, inbox};
-use crate::metrics::FleetMetrics;
+use crate::metrics::{FleetMetrics, RECEIVING};
 
 /// Limit of this connection's publications without an acknowledgement: one probe per topic, and a request for births. The client scans a table of
 /// this size at each write.
@@ -36,16 +37,17 @@ pub fn receive(
     mut stop: watch::Receiver<bool>,
 ) -> (Inbox, impl Future<Output = ()> + Send + 'static) {
     let (intake, inbox) = inbox(metrics.clone());
-    let connection = connection.with_secrets_read_again();
+    let connection = Attempts::first(connection);
     let subscriptions = Subscriptions::new(connection.shard.clone(), connection.robots.iter().cloned());
-    let backoff = Backoff::new();
-    let mut receiver = Receiver { connection, metrics: metrics.clone(), intake, backoff, subscriptions };
+    let attempts = Attempts::new();
+    let mut receiver = Receiver { connection, metrics: metrics.clone(), intake, attempts, subscriptions };
     let receiving = async move {
         tokio::select! {
             () = receiver.run() => {}
             () = stopped(&mut stop) => {}
         }
         metrics.broker_connected.set(0);
+        metrics.mqtt_node.forget(RECEIVING);
     };
     (inbox, receiving)
 }
@@ -54,7 +56,7 @@ struct Receiver {
     connection: Connection,
     metrics: FleetMetrics,
     intake: Intake,
-    backoff: Backoff,
+    attempts: Attempts,
     subscriptions: Subscriptions,
 }
 
@@ -64,12 +66,13 @@ impl Receiver {
         loop {
             let problem = self.listen().await;
             self.metrics.broker_connected.set(0);
+            self.metrics.mqtt_node.forget(RECEIVING);
+            self.metrics.mqtt_node_failures.count(&problem.node().to_string());
             if problem.is_takeover() {
                 self.metrics.mqtt_session_takeovers.inc();
             }
             self.connection.link.broken(Side::Receiving, &problem);
-            tokio::time::sleep(self.backoff.pause()).await;
-            self.connection = self.connection.with_secrets_read_again();
+            self.connection = self.attempts.next(&self.connection, &problem).await;
         }
     }
 
@@ -134,7 +137,13 @@ impl Receiver {
                 }
             };
             match event {
-                Event::Incoming(Packet::ConnAck(_)) => {
+                Event::Incoming(Packet::ConnAck(ack)) => {
+                    if let Some(what) = limits::unusable(&ack) {
+                        return Err(self.problem(Cause::Lacks(what)));
+                    }
+                    if let Some(limit) = limits::low(&ack) {
+                        self.connection.link.limited(&self.connection.broker.node(), limit);
+                    }
                     let all = self.subscriptions.begin();
                     self.subscribe(&client, all)?;
                 }
@@ -201,12 +210,14 @@ impl Receiver {
         if let Some(round_trip) = hearing.round_trip() {
             self.metrics.mqtt_probe_round_trip_seconds.set(round_trip.as_secs_f64());
         }
-        self.backoff.reset();
+        self.attempts.reset();
         if self.metrics.broker_connected.get() == 0 {
             self.metrics.broker_connections.inc();
         }
         self.metrics.broker_connected.set(1);
-        if self.connection.link.connected(Side::Receiving) {
+        let node = self.connection.broker.node();
+        self.metrics.mqtt_node.set(RECEIVING, &node.to_string());
+        if self.connection.link.connected(Side::Receiving, &node) {
             self.metrics.mqtt_connections_closed.inc();
         }
     }

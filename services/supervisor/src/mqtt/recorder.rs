@@ -9,7 +9,8 @@ use tokio::task::JoinHandle;
 
 use super::Connection;
 use super::hearing::is_probe_on;
-use super::link::{Backoff, Side};
+use super::link::Side;
+use super::nodes::Attempts;
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use crate::inbox::Incoming;
@@ -47,7 +48,7 @@ impl RecorderState {
 /// follows the connection. A slow receiver makes the broker wait.
 pub fn record(connection: Connection, sender: mpsc::Sender<Incoming>, state: Arc<RecorderState>) -> JoinHandle<()> {
     tokio::spawn(async move {
-        let mut backoff = Backoff::new();
+        let (mut connection, mut attempts) = (Attempts::first(&connection), Attempts::new());
         loop {
             state.attempts.fetch_add(1, Ordering::Relaxed);
             let (problem, was_subscribed) = listen(&connection, &sender, &state).await;
@@ -56,17 +57,16 @@ pub fn record(connection: Connection, sender: mpsc::Sender<Incoming>, state: Arc
             }
             if was_subscribed {
                 state.breaks.fetch_add(1, Ordering::Relaxed);
-                backoff.reset();
+                attempts.reset();
             }
             connection.link.broken(Side::Receiving, &problem);
-            tokio::time::sleep(backoff.pause()).await;
+            connection = attempts.next(&connection, &problem).await;
         }
     })
 }
 
 /// One connection, from the attempt to its end: the reason of the end, and whether the subscription was accepted.
 async fn listen(connection: &Connection, sender: &mpsc::Sender<Incoming>, state: &RecorderState) -> (Problem, bool) {
-    let connection = &connection.with_secrets_read_again();
     let filter = format!("whisker/v1/{}/#", connection.fleet());
     let problem = |cause| Problem::new(&connection.broker, cause);
     let (options, reached) = connection.options("record");
@@ -88,7 +88,7 @@ async fn listen(connection: &Connection, sender: &mpsc::Sender<Incoming>, state:
                 }
                 was_subscribed = true;
                 state.subscriptions.fetch_add(1, Ordering::Relaxed);
-                connection.link.connected(Side::Receiving);
+                connection.link.connected(Side::Receiving, &connection.broker.node());
             }
             // Probes of supervisors.
             Ok(Event::Incoming(Packet::Publish(publish))) if is_probe_on(&publish.topic, &publish.payload) => {}

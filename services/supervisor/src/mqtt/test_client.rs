@@ -12,11 +12,11 @@ use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use vibrissa_protocol::QualityOfService;
 
-use super::Connection;
 use super::address::BrokerAddress;
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::publish::is_failure;
+use super::{Connection, limits};
 
 /// Time limit for the disconnect.
 const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
@@ -51,11 +51,22 @@ pub struct TestClient {
 }
 
 impl TestClient {
-    /// Connects and subscribes; the retained messages of the topics come first.
+    /// Connects to the first node that can be used, and subscribes; the retained messages of the topics come first.
     ///
     /// # Errors
-    /// The connection fails, or the broker rejects the subscription.
+    /// The connection fails at each node, or the broker rejects the subscription.
     pub async fn open(connection: &Connection, topics: &[String]) -> Result<Self, ConnectionEnded> {
+        let mut problems = Vec::new();
+        for node in connection.broker.nodes() {
+            match Self::open_at(&connection.at(&node), topics).await {
+                Ok(client) => return Ok(client),
+                Err(ConnectionEnded(problem)) => problems.push(problem),
+            }
+        }
+        Err(ConnectionEnded(problems.join("; ")))
+    }
+
+    async fn open_at(connection: &Connection, topics: &[String]) -> Result<Self, ConnectionEnded> {
         let (options, reached) = connection.options("check");
         let (client, events) = AsyncClient::builder(options).capacity(256).build();
         let mut poller = Poller::new(events, connection, reached);
@@ -68,6 +79,9 @@ impl TestClient {
         loop {
             match poller.next().await.map_err(ended)? {
                 Event::Incoming(Packet::ConnAck(ack)) => {
+                    if let Some(what) = limits::unusable(&ack) {
+                        return Err(problem(Cause::Lacks(what)));
+                    }
                     retains = ack.properties.and_then(|properties| properties.retain_available) != Some(0);
                     let subscribed = client.try_subscribe_many(filters.take().unwrap_or_default());
                     subscribed.map_err(|error| problem(Cause::Lost(error.to_string())))?;

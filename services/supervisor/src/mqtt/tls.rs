@@ -141,11 +141,18 @@ pub fn prepare(broker: &BrokerAddress) -> Result<Prepared, PrepareError> {
             Some(_) => "the MQTT password, contacts and setpoints go",
             None => "contacts and setpoints go",
         };
-        warn!(%broker, "{what} over the network in plain text, where others can read and change them: use mqtts:// in mqtt.url");
+        let nodes: Vec<String> = broker.nodes().iter().map(ToString::to_string).collect();
+        let broker = nodes.join(", ");
+        warn!(
+            broker,
+            "{what} over the network in plain text, where others can read and change them: use mqtts:// in mqtt.url"
+        );
     }
     let Some(options) = &broker.tls else { return Ok(Prepared::default()) };
-    if ServerName::try_from(broker.host.as_str()).is_err() {
-        return Err(PrepareError::BadHost(broker.host.clone()));
+    for node in broker.nodes() {
+        if ServerName::try_from(node.host.as_str()).is_err() {
+            return Err(PrepareError::BadHost(node.host));
+        }
     }
     prepared(options)
 }

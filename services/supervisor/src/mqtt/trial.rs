@@ -28,8 +28,20 @@ pub async fn try_hearing(connection: &Connection) -> Result<(), String> {
     tried.unwrap_or_else(|_| Err(silent())).map_err(|problem| problem.to_string())
 }
 
+/// Tries the nodes one after the other, and returns the last problem if none of them is good.
 async fn prove(connection: &Connection) -> Result<(), Problem> {
-    let connection = &connection.with_secrets_read_again();
+    let connection = connection.with_secrets_read_again();
+    let mut proven = Ok(());
+    for node in connection.broker.nodes() {
+        proven = prove_at(&connection.at(&node)).await;
+        if proven.is_ok() {
+            break;
+        }
+    }
+    proven
+}
+
+async fn prove_at(connection: &Connection) -> Result<(), Problem> {
     let fleet = connection.fleet();
     // Without robots: the probes suffice.
     let mut subscriptions = Subscriptions::new(connection.shard.clone(), []);

@@ -26,8 +26,9 @@ pub fn run(args: &ConfigArgs) -> anyhow::Result<()> {
     }
     runtime()?.block_on(async {
         let service = Service::start(config.into()).await?;
-        let (broker, http) = (&service.broker, service.http);
-        println!("vibrissa: MQTT on {}:{}, HTTP on http://{http}", broker.host, broker.port);
+        let http = service.http;
+        let nodes: Vec<String> = service.broker.nodes().iter().map(ToString::to_string).collect();
+        println!("vibrissa: MQTT on {}, HTTP on http://{http}", nodes.join(", "));
         if let Some(monitoring) = service.monitoring {
             println!("vibrissa: monitoring on http://{monitoring}");
         }

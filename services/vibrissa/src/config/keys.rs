@@ -138,7 +138,8 @@ policy_numbers! { keys {
     LimitsRobotsFile: "limits.robots_file", Kind::File, None,
         "File of allowed robots, one FLEET/ROBOT per line, read again when it changes; a list set over HTTP adds to it";
     MqttUrl: "mqtt.url", Kind::Text, None,
-        "External broker, mqtt://HOST:1883 or mqtts://HOST:8883, instead of the embedded one";
+        "External broker, mqtt://HOST:1883 or mqtts://HOST:8883, instead of the embedded one; the nodes of a cluster \
+         separated by commas";
     MqttPort: "mqtt.port", Kind::Whole { min: 0, max: 65_535 }, Some("1883"),
         "Port of the embedded broker on 127.0.0.1; 0 takes any free port";
     MqttUsername: "mqtt.username", Kind::Text, None,

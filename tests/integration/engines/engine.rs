@@ -1,0 +1,93 @@
+//! The brokers under test, each with the users [`ALL`], who may do everything, and [`FEW`], who may use its own topics.
+
+use vibrissa_supervisor::broker::Broker as Embedded;
+use vibrissa_tests::mosquitto::Mosquitto;
+
+use crate::artemis::Artemis;
+use crate::rmqtt::Rmqtt;
+
+/// User without limits.
+pub(crate) const ALL: &str = "all";
+/// User that may publish and subscribe on `whisker/v1/f/few/#` only.
+pub(crate) const FEW: &str = "few";
+/// Password of both.
+pub(crate) const PASSWORD: &str = "correct-horse";
+
+/// A kind of broker.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Engine {
+    Embedded,
+    Mosquitto,
+    Rmqtt,
+    RmqttCluster,
+    Artemis,
+}
+
+impl Engine {
+    /// All kinds, in the order of the columns of docs/brokers.md.
+    pub(crate) const EVERY: [Self; 5] =
+        [Self::Embedded, Self::Mosquitto, Self::Rmqtt, Self::RmqttCluster, Self::Artemis];
+
+    /// Head of its column in docs/brokers.md.
+    pub(crate) fn title(self) -> &'static str {
+        match self {
+            Self::Embedded => "embedded",
+            Self::Mosquitto => "Mosquitto",
+            Self::Rmqtt => "RMQTT",
+            Self::RmqttCluster => "RMQTT, 3 nodes",
+            Self::Artemis => "Artemis",
+        }
+    }
+
+    /// Starts it; `None` if it is not installed.
+    pub(crate) async fn start(self) -> Option<Started> {
+        Some(match self {
+            Self::Embedded => Started::Embedded(Embedded::start(0).await.unwrap()),
+            Self::Mosquitto => {
+                let access =
+                    format!("user {ALL}\ntopic readwrite #\nuser {FEW}\ntopic readwrite whisker/v1/f/{FEW}/#\n");
+                Started::Mosquitto(Mosquitto::builder().user(ALL, PASSWORD).user(FEW, PASSWORD).acl(&access).start())
+            }
+            Self::Rmqtt => Started::Rmqtt(Rmqtt::start(1)?),
+            Self::RmqttCluster => Started::Rmqtt(Rmqtt::start(3)?),
+            Self::Artemis => Started::Artemis(Artemis::start()?),
+        })
+    }
+}
+
+/// A running broker; it ends on drop.
+pub(crate) enum Started {
+    Embedded(Embedded),
+    Mosquitto(Mosquitto),
+    Rmqtt(Rmqtt),
+    Artemis(Artemis),
+}
+
+impl Started {
+    /// MQTT ports of the nodes on 127.0.0.1.
+    pub(crate) fn ports(&self) -> Vec<u16> {
+        match self {
+            Self::Embedded(broker) => vec![broker.address().port()],
+            Self::Mosquitto(broker) => vec![broker.port()],
+            Self::Rmqtt(cluster) => cluster.ports.clone(),
+            Self::Artemis(brokers) => brokers.ports.clone(),
+        }
+    }
+
+    /// Kills a node.
+    pub(crate) fn kill(&mut self, node: usize) {
+        match self {
+            Self::Embedded(_) => panic!("it runs in this process"),
+            Self::Mosquitto(broker) => broker.kill(),
+            Self::Rmqtt(cluster) => cluster.nodes[node].kill(),
+            Self::Artemis(brokers) => brokers.brokers[node].kill(),
+        }
+    }
+
+    /// Ends the broker. Dropping the embedded one would not end it.
+    pub(crate) async fn stop(self) {
+        if let Self::Embedded(broker) = self {
+            broker.stop().await;
+        }
+    }
+}

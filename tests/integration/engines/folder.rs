@@ -1,0 +1,31 @@
+//! Where the scripts `tests/artemis` and `tests/rmqtt` install a broker, and whether they have.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+/// Time limit for a broker to listen. Java takes some seconds on a busy machine.
+const START: Duration = Duration::from_secs(60);
+
+/// The last line that a script of `tests` prints; `None`, with its message on standard error, if it fails.
+pub(crate) fn installed(script: &str, argument: Option<&str>) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(script);
+    let output = Command::new(path).args(argument).output().unwrap();
+    if !output.status.success() {
+        eprintln!("skipped: {}", String::from_utf8_lossy(&output.stderr).trim());
+        return None;
+    }
+    Some(PathBuf::from(String::from_utf8(output.stdout).unwrap().trim()))
+}
+
+/// Waits until a process listens on the port, or `has_ended`.
+pub(crate) fn listens(port: u16, mut has_ended: impl FnMut() -> bool) -> bool {
+    let begun = Instant::now();
+    while begun.elapsed() < START && !has_ended() {
+        if std::net::TcpStream::connect(("127.0.0.1", port)).is_ok() {
+            return true;
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    false
+}
