@@ -18,7 +18,7 @@ use crate::mosquitto::free_port;
 use crate::wait;
 
 /// Name of the superuser, who needs no password on this machine.
-const USER: &str = "vibrissa";
+pub(crate) const USER: &str = "vibrissa";
 /// Database role of supervisors in a deployment.
 const SUPERVISOR: &str = "supervisor";
 /// The shipped file that creates this role.
@@ -109,7 +109,12 @@ impl Postgres {
     /// Options for a connection to the database.
     #[must_use]
     pub fn connect(&self) -> PgConnectOptions {
-        self.options(DATABASE)
+        Self::options_of(self.port)
+    }
+
+    /// Options for a connection to the database through a port of 127.0.0.1.
+    pub(crate) fn options_of(port: u16) -> PgConnectOptions {
+        PgConnectOptions::new().host("127.0.0.1").port(port).username(USER).database(DATABASE)
     }
 
     fn options(&self, database: &str) -> PgConnectOptions {
@@ -172,19 +177,25 @@ impl Postgres {
 
 impl Drop for Postgres {
     fn drop(&mut self) {
-        let Some(process) = &mut self.process else { return };
-        // SIGQUIT is PostgreSQL's immediate shutdown: it writes no checkpoint but frees the shared memory.
-        let _ = kill(pid_of(process), Signal::SIGQUIT);
-        let deadline = std::time::Instant::now() + END_PATIENCE;
-        while std::time::Instant::now() < deadline {
-            if !matches!(process.try_wait(), Ok(None)) {
-                return;
-            }
-            std::thread::sleep(Duration::from_millis(5));
+        if let Some(process) = &mut self.process {
+            stop(process);
         }
-        let _ = process.kill();
-        let _ = process.wait();
     }
+}
+
+/// Stops a server.
+pub(crate) fn stop(process: &mut Child) {
+    // SIGQUIT is PostgreSQL's immediate shutdown: it writes no checkpoint but frees the shared memory.
+    let _ = kill(pid_of(process), Signal::SIGQUIT);
+    let deadline = std::time::Instant::now() + END_PATIENCE;
+    while std::time::Instant::now() < deadline {
+        if !matches!(process.try_wait(), Ok(None)) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let _ = process.kill();
+    let _ = process.wait();
 }
 
 fn pid_of(process: &Child) -> Pid {
@@ -192,7 +203,7 @@ fn pid_of(process: &Child) -> Pid {
 }
 
 /// Child processes of a process (Linux only).
-fn children(parent: Pid) -> Vec<Pid> {
+pub(crate) fn children(parent: Pid) -> Vec<Pid> {
     let entries = std::fs::read_dir("/proc").expect("Linux");
     let of_parent = |entry: std::fs::DirEntry| {
         let pid: i32 = entry.file_name().to_str()?.parse().ok()?;
@@ -205,7 +216,7 @@ fn children(parent: Pid) -> Vec<Pid> {
 }
 
 /// One of the server's programs, run in the folder, never as root: the server refuses to run as root.
-fn command(program: &str, folder: &Path) -> Command {
+pub(crate) fn command(program: &str, folder: &Path) -> Command {
     let mut command = Command::new(path_of(program));
     command.current_dir(folder).env_remove("PGDATA");
     if let Some((uid, gid)) = account() {
@@ -215,7 +226,7 @@ fn command(program: &str, folder: &Path) -> Command {
 }
 
 /// Path of a server program. Debian keeps these off the search path; the newest version is used.
-fn path_of(program: &str) -> PathBuf {
+pub(crate) fn path_of(program: &str) -> PathBuf {
     let versions = std::fs::read_dir("/usr/lib/postgresql").into_iter().flatten().filter_map(Result::ok);
     let newest = versions
         .filter_map(|entry| Some((entry.file_name().to_str()?.parse::<u32>().ok()?, entry.path())))
@@ -225,7 +236,7 @@ fn path_of(program: &str) -> PathBuf {
 }
 
 /// User and group to use instead of root: `postgres`, created by PostgreSQL's package.
-fn account() -> Option<(u32, u32)> {
+pub(crate) fn account() -> Option<(u32, u32)> {
     let id = |arguments: &[&str]| -> Option<u32> {
         String::from_utf8(Command::new("id").args(arguments).output().ok()?.stdout).ok()?.trim().parse().ok()
     };

@@ -6,6 +6,7 @@ use std::time::Duration;
 use sqlx::postgres::PgRow;
 use sqlx::{PgConnection, Row, SqliteConnection};
 use tokio::time::Instant;
+use tracing::warn;
 use vibrissa_protocol::Name;
 
 use super::database::{Either, Tx, on};
@@ -108,6 +109,9 @@ impl Writer {
         for lease in held.iter().filter(|lease| renewed.iter().any(|fleet| fleet == lease.fleet().as_str())) {
             lease.confirmed(asked);
         }
+        for lease in &membership.leases {
+            self.know_epoch(&lease.fleet, lease.epoch);
+        }
         Ok(membership)
     }
 
@@ -118,11 +122,12 @@ impl Writer {
     pub async fn acquire(&mut self, supervisor: &Supervisor, fleet: &Name) -> Result<Option<Lease>, StoreError> {
         const WHAT: &str = "acquire a lease";
         let asked = Instant::now();
+        let known = self.epochs.get(fleet).copied().unwrap_or_default().highest;
         let (epoch, is_shared) = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
                 let mut tx = link.begin().await.map_err(failed(WHAT))?;
                 let sql = if matches!(tx, Either::Postgres(_)) { ACQUIRE_POSTGRES } else { ACQUIRE_SQLITE };
-                let epoch = raise_epoch(&mut tx, sql, supervisor, fleet).await.map_err(failed(WHAT))?;
+                let epoch = raise_epoch(&mut tx, sql, supervisor, fleet, known).await.map_err(failed(WHAT))?;
                 let is_shared = matches!(tx, Either::Postgres(_));
                 if let Either::Postgres(tx) = &mut tx {
                     forget_the_gone(&mut *tx).await.map_err(failed(WHAT))?;
@@ -131,7 +136,20 @@ impl Writer {
                 Ok((epoch, is_shared))
             })
             .await?;
+        if let Some(epoch) = epoch {
+            self.know_epoch(fleet, epoch as u64);
+        }
         Ok(epoch.map(|epoch| Lease::taken(supervisor, fleet, epoch, asked, is_shared)))
+    }
+
+    fn know_epoch(&mut self, fleet: &Name, epoch: u64) {
+        let known = self.epochs.entry(fleet.clone()).or_default();
+        if known.last > epoch {
+            let before = known.last;
+            warn!(%fleet, epoch, before, "the database has lost commits: it knows only an earlier epoch of the fleet");
+        }
+        known.last = epoch;
+        known.highest = known.highest.max(epoch);
     }
 
     /// Releases a lease, so that the fleet can be acquired at once.
@@ -172,16 +190,17 @@ impl Writer {
 // An epoch is the time at which it began, in ms since 1970, or one more than the previous epoch if that is not lower.
 // A plain counter would restart when a back-up is restored: epochs and versions would repeat, and robots would refuse
 // lower ones and take equal ones for duplicates. The time is higher than any earlier epoch, whatever happened to the
-// database, unless a clock was ahead by more than the age of the back-up.
+// database, unless a clock was ahead by more than the age of the back-up. After a failover that lost the last commits, this
+// age is short and the clock another server's: so an epoch is also higher than all that this process knows.
 
 /// SQLite: the lock of the file stands for the lease, so its holder may acquire every fleet.
-const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, epoch, owner, holder) VALUES ($1, $4, $2, $3) \
+const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, epoch, owner, holder) VALUES ($1, max($4, $5 + 1), $2, $3) \
     ON CONFLICT (fleet) DO UPDATE SET epoch = max(epoch + 1, excluded.epoch), owner = excluded.owner, \
     holder = excluded.holder, commits = 0 RETURNING epoch";
 
 /// PostgreSQL: skips a row that is locked, because its owner is committing. A lease of our own can be acquired again:
 /// the answer to an earlier attempt may have been lost.
-const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = greatest(epoch + 1, clock_us() / 1000), owner = $2, \
+const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = greatest(epoch + 1, clock_us() / 1000, $5 + 1), owner = $2, \
     holder = $3, commits = 0, expires_us = clock_us() + $4 WHERE fleet = (SELECT fleet FROM leases WHERE fleet = $1 \
     AND (owner = $2 OR expires_us <= clock_us()) FOR UPDATE SKIP LOCKED) RETURNING epoch";
 
@@ -190,6 +209,7 @@ async fn raise_epoch(
     sql: &'static str,
     supervisor: &Supervisor,
     fleet: &Name,
+    known: u64,
 ) -> sqlx::Result<Option<i64>> {
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
     // The fourth parameter: time to live in µs (PostgreSQL), or the time in ms since 1970 (SQLite).
@@ -201,6 +221,7 @@ async fn raise_epoch(
         .bind(&*supervisor.id)
         .bind(&supervisor.name)
         .bind(fourth)
+        .bind(known as i64)
         .fetch_optional(&mut **tx)
         .await)?;
     if let Some(epoch) = epoch {

@@ -25,6 +25,7 @@ use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress};
 use crate::ownership::Ownership;
 use crate::readiness::Readiness;
+use crate::replication;
 use crate::robots_file;
 use crate::trace::{TraceOptions, Traces};
 use crate::upkeep;
@@ -213,6 +214,7 @@ impl Service {
             crate::http::serve(&options.http, app, stopped.clone()).await?;
         tokio::spawn(forget_changes(store.clone(), stopped.clone()));
         tokio::spawn(upkeep::run(store.clone(), options.history.retention, metrics.clone(), stopped.clone()));
+        tokio::spawn(replication::watch(store.clone(), metrics.clone(), stopped.clone()));
         let webhooks = tokio::spawn(webhooks.run(stopped.clone()));
         let ownership = tokio::spawn(ownership.run(stopped));
         Ok(Self {
