@@ -138,6 +138,18 @@ impl Store {
         Writer::new(self.options.clone())
     }
 
+    /// Ends an operation with an error if the database gets a new leader meanwhile: the former one may never answer.
+    ///
+    /// # Errors
+    /// Those of the operation, or a new leader.
+    pub async fn with_leader<T>(&self, work: impl Future<Output = Result<T, StoreError>>) -> Result<T, StoreError> {
+        let mut watching = self.writer();
+        tokio::select! {
+            done = work => done,
+            () = watching.new_leader() => Err(failed("finish at the former leader")(writer::former_leader())),
+        }
+    }
+
     /// Whether several supervisors can share this database: true for PostgreSQL.
     #[must_use]
     pub fn is_shared(&self) -> bool {

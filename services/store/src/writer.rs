@@ -14,7 +14,7 @@ use super::{Batch, Lease, StoreError, commit, failed};
 /// Time limit for one attempt: a server that hangs counts as unreachable.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// What this process knows of a fleet's epochs: after a failover the database may know only lower ones.
+/// The epochs of a fleet that this process has seen: after a failover the database may know only lower ones.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Epochs {
     pub(super) highest: u64,
@@ -100,6 +100,6 @@ async fn changed(changes: &mut Option<watch::Receiver<u64>>) {
     }
 }
 
-fn former_leader() -> sqlx::Error {
+pub(super) fn former_leader() -> sqlx::Error {
     sqlx::Error::Io(std::io::Error::new(std::io::ErrorKind::ConnectionAborted, "the database has a new leader"))
 }

@@ -283,7 +283,7 @@ const CHANGES_FORGOTTEN_EVERY: Duration = Duration::from_secs(600);
 async fn forget_changes(store: Store, mut stop: watch::Receiver<bool>) {
     while timeout(CHANGES_FORGOTTEN_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
         let before_us = wall_clock().0 as i64 - CHANGES_KEPT.as_micros() as i64;
-        if let Err(problem) = store.forget_changes(before_us).await {
+        if let Err(problem) = store.with_leader(store.forget_changes(before_us)).await {
             warn!(%problem, "cannot remove old changes, retrying later");
         }
     }

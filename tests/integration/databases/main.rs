@@ -18,6 +18,7 @@ mod role;
 mod rows;
 mod schema;
 mod supervisors;
+mod versions;
 
 use tempfile::TempDir;
 use vibrissa_protocol::Name;
@@ -43,7 +44,10 @@ impl Fresh {
 
     /// A PostgreSQL with the shipped role, which must be sufficient.
     async fn postgres() -> Self {
-        let server = Postgres::start_with_supervisor().await;
+        Self::of(Postgres::start_with_supervisor().await).await
+    }
+
+    async fn of(server: Postgres) -> Self {
         let address: DatabaseAddress = Postgres::supervisor_url(server.port()).parse().unwrap();
         let store = Store::open(&address, "test").await.unwrap();
         store.prepare().await.unwrap();

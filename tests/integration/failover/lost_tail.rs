@@ -48,7 +48,7 @@ async fn acknowledged_commits_that_are_lost_make_nothing_stale_or_twice() {
 
     let verdict = stage.end(&new).await;
     let (contacts, setpoints) = (verdict.contacts, verdict.setpoints);
-    // Robots do not keep what was receipted: the tail is lost, and nothing else.
+    // Robots do not keep receipted contacts: the tail is lost, and nothing else.
     assert!(contacts.missing >= TAIL as u64 && contacts.missing < 10 * TAIL as u64, "{contacts:?}");
     assert_eq!((contacts.duplicate, contacts.wrong), (0, 0), "{contacts:?}");
     // The tail's setpoints are at the robots, and not in the database.

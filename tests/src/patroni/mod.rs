@@ -171,7 +171,7 @@ impl Patroni {
         self.network.as_ref().expect("a network of its own").cut(is_off);
     }
 
-    /// Kills etcd.
+    /// Kills etcd, without which Patroni's leader gives up.
     pub fn kill_etcd(&mut self) {
         self.etcd.kill();
     }

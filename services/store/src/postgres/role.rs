@@ -21,7 +21,7 @@ pub enum Refusal {
     ReadOnly,
     /// It was the leader before another one that was seen.
     Outdated {
-        /// Its timeline.
+        /// Timeline of the server.
         timeline: i64,
         /// Timeline of the other leader.
         newest: i64,

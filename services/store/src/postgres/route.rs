@@ -30,7 +30,7 @@ const TEST_PATIENCE: Duration = Duration::from_secs(1);
 /// Result of one server: its index, and the connection or the reason against it.
 type Tried = (usize, Result<(PgConnection, Leader), Refusal>);
 
-/// What is known of the leader.
+/// Server that accepted writes last.
 #[derive(Debug)]
 struct Known {
     /// Index of the server that accepted writes last.
@@ -148,7 +148,7 @@ impl Route {
     }
 }
 
-/// Begins to connect to the next server; false if there is none.
+/// Begins to connect to the next server; false after the last one.
 fn start_next(
     waiting: &mut impl Iterator<Item = usize>,
     servers: &[PgConnectOptions],

@@ -111,8 +111,8 @@ policy_numbers! { keys {
     Log: "log", Kind::Text, Some(r#""info""#),
         "Log filter, such as warn or info,vibrissa=debug; RUST_LOG overrides it";
     DatabaseUrl: "database.url", Kind::DatabaseUrl, Some(r#""sqlite:vibrissa.sqlite3""#),
-        "Database: sqlite:FILE, or postgres://USER@HOST:5432/DATABASE to share fleets with other supervisors. \
-        HOST1:5432,HOST2:5432 names servers of which the one that accepts writes is used (docs/postgresql.md)";
+        "Database: sqlite:FILE, or postgres://USER@HOST:5432/DATABASE to share fleets with other supervisors; \
+        postgres://USER@HOST1:5432,HOST2:5432/DATABASE for servers that fail over";
     DatabasePasswordFile: "database.password_file", Kind::File, None,
         "File with the password for PostgreSQL";
     LeaseTimeToLiveS: "lease.time_to_live_s", Kind::Number { min: 0.5, max: 60.0 }, Some("2.0"),
