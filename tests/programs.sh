@@ -19,6 +19,13 @@ need() {
     if [ "$(id -u)" = 0 ] && has apt-get; then
         echo "== installing ${missing[*]}"
         apt-get update -qq
+        # Debian starts the servers of new packages, unless this program, which an administrator may have made, forbids it.
+        local policy=/usr/sbin/policy-rc.d
+        if [ ! -e "$policy" ]; then
+            printf '#!/bin/sh\nexit 101\n' >"$policy"
+            chmod +x "$policy"
+            trap 'rm -f /usr/sbin/policy-rc.d' RETURN
+        fi
         DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
     else
         echo "$0: missing programs; install the packages: ${missing[*]}" >&2

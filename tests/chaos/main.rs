@@ -5,16 +5,13 @@
 //! Some of the robots are hostile. The harness judges only the others.
 //!
 //! Read in this order: [`plan`] (the faults), [`stage`] and [`scenario`] (the setup), [`strike`], [`forget`],
-//! [`replay`] and [`hostile`] (injection of faults), [`owner`] (which supervisor owns the fleet), [`ledger`], [`obedience`] and
-//! [`recorded`] (the comparison), [`refusals`], [`report`].
+//! [`replay`] and [`hostile`] (injection of faults), [`owner`] (which supervisor owns the fleet), [`vibrissa_tests::oracle`]
+//! (the comparison), [`refusals`], [`report`].
 
 mod forget;
 mod hostile;
-mod ledger;
-mod obedience;
 mod owner;
 mod plan;
-mod recorded;
 mod refusals;
 mod replay;
 mod report;
@@ -33,6 +30,8 @@ use sqlx::ConnectOptions;
 use sqlx::postgres::PgConnection;
 use tokio::time::sleep;
 use vibrissa_protocol::Name;
+use vibrissa_tests::oracle::recorded;
+use vibrissa_tests::oracle::robots::Robots;
 
 use hostile::{Behaviour, Hostile};
 use owner::Watch;
@@ -40,7 +39,7 @@ use plan::Control;
 use refusals::Refusals;
 use replay::Replay;
 use report::{FaultReport, Report};
-use stage::{Program, ROBOT_LINKS, Robots, Stage};
+use stage::{Program, ROBOT_LINKS, Stage};
 use strike::Striker;
 
 /// The drain ends when the number of messages without a receipt has not changed for this time.
@@ -142,7 +141,7 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
     let replay = Replay::start(stage.broker.port(), seed);
     let refusals = Refusals::start(stage.supervisors.iter().map(|supervisor| supervisor.http).collect());
     let scenarios = scenario::scenarios(seed, seconds, honest.len(), arguments.rate, control, ROBOT_LINKS);
-    let robots = Robots::start(&scenarios, &stage.robot_links)?;
+    let robots = Robots::start(&scenarios, &stage::brokers(&stage.robot_links))?;
     let behaviours = Behaviour::chosen(&arguments.hostile_only, &arguments.hostile_without);
     let hostile = Hostile::start(hostile_names, &stage.robot_links, &behaviours, seed);
     let started = Instant::now();

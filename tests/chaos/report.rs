@@ -5,11 +5,11 @@ use std::fmt;
 use std::time::Instant;
 
 use serde::Serialize;
+use vibrissa_tests::oracle::{ledger, obedience};
 
 use crate::owner::Reign;
 use crate::plan::Fault;
 use crate::strike::{Struck, Surprises};
-use crate::{ledger, obedience};
 
 /// All counts of a run. Most of them must be 0; see `forbidden`.
 #[derive(Debug, Clone, Serialize)]

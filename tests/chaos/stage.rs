@@ -4,18 +4,14 @@ use std::io::BufRead;
 use std::net::SocketAddr;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
 
 use vibrissa_protocol::Name;
-use vibrissa_simulator::{Broker, Fleet, JournalEntry, RobotHandle, Scenario};
+use vibrissa_simulator::Broker;
 use vibrissa_tests::mosquitto::{Mosquitto, free_port};
 use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::proxy::Proxy;
 
-use crate::ledger::Ledger;
-use crate::obedience::Obedience;
 use crate::plan::{Control, LEASE_S};
 use crate::scenario::FLEET;
 
@@ -39,8 +35,6 @@ const PANIC: &[u8] = b"panicked at";
 pub const ROBOT_LINKS: usize = 4;
 /// Contacts until a whisker counts as learned; few, so that trims are detected from the start.
 const LEARNED: u32 = 20;
-/// Interval at which the robots' journals are read.
-const JOURNALS: Duration = Duration::from_millis(500);
 
 /// A supervisor and its links.
 pub struct Supervisor {
@@ -181,98 +175,9 @@ async fn supervisor(
     Supervisor { name, process, broker_link, database_link, http }
 }
 
-/// The running robots and a record of their actions.
-pub struct Robots {
-    fleets: Vec<Fleet>,
-    truth: Arc<Mutex<Truth>>,
-}
-
-/// Contacts made and setpoints applied by the robots.
-#[derive(Debug, Default)]
-pub struct Truth {
-    /// Contacts that were made.
-    pub ledger: Ledger,
-    /// Setpoints that arrived and were applied.
-    pub obedience: Obedience,
-}
-
-impl Truth {
-    fn read(&mut self, robot: &RobotHandle) {
-        let name = robot.name().as_str();
-        for entry in robot.with(vibrissa_simulator::Robot::take_journal) {
-            match entry {
-                JournalEntry::Felt(message) => self.ledger.felt(name, &message),
-                JournalEntry::Heard(setpoint) => self.obedience.heard(name, &setpoint),
-                JournalEntry::Applied(setpoint) => self.obedience.applied(name, &setpoint),
-            }
-        }
-    }
-}
-
-impl Robots {
-    /// Starts the robots, each group behind its link.
-    ///
-    /// # Errors
-    /// The scenarios cannot be simulated.
-    pub fn start(scenarios: &[Scenario], links: &[Proxy]) -> anyhow::Result<Self> {
-        let mut fleets = Vec::new();
-        for (scenario, link) in scenarios.iter().zip(links) {
-            let credentials = Some(("{fleet}/{robot}".to_owned(), ROBOT_PASSWORD.to_owned()));
-            let broker = Broker { credentials, ..Broker::new("127.0.0.1", link.port()) };
-            fleets.push(Fleet::start(scenario, &broker)?);
-        }
-        let truth = Arc::new(Mutex::new(Truth::default()));
-        let robots: Vec<RobotHandle> = fleets.iter().flat_map(|fleet| fleet.robots().to_vec()).collect();
-        let weak = Arc::downgrade(&truth);
-        tokio::spawn(async move {
-            while let Some(truth) = weak.upgrade() {
-                for robot in &robots {
-                    truth.lock().unwrap_or_else(PoisonError::into_inner).read(robot);
-                }
-                drop(truth);
-                tokio::time::sleep(JOURNALS).await;
-            }
-        });
-        Ok(Self { fleets, truth })
-    }
-
-    fn all(&self) -> impl Iterator<Item = &RobotHandle> {
-        self.fleets.iter().flat_map(Fleet::robots)
-    }
-
-    /// Stops all contacts.
-    pub fn rest(&self) {
-        self.fleets.iter().for_each(Fleet::rest);
-    }
-
-    /// Number of messages without a receipt, including messages that are not yet full.
-    pub fn undelivered(&self) -> u64 {
-        let of = |robot: &mut vibrissa_simulator::Robot| {
-            // A message that is not yet full is due at once when a robot rests.
-            let waiting = robot.next_deadline() <= robot.start_us();
-            robot.messages_kept() as u64 + u64::from(waiting)
-        };
-        self.all().map(|robot| robot.with(of)).sum()
-    }
-
-    /// Number of contacts made so far.
-    pub fn made(&self) -> u64 {
-        self.all().map(|robot| robot.with(|robot| robot.contacts_made())).sum()
-    }
-
-    /// Number of messages that robots dropped because they kept too many.
-    pub fn dropped(&self) -> u64 {
-        self.all().map(|robot| robot.with(|robot| robot.messages_dropped())).sum()
-    }
-
-    /// Stops the robots and returns the record of their actions.
-    pub async fn stop(self) -> Truth {
-        let robots: Vec<RobotHandle> = self.all().cloned().collect();
-        for fleet in self.fleets {
-            fleet.stop().await;
-        }
-        let mut truth = std::mem::take(&mut *self.truth.lock().unwrap_or_else(PoisonError::into_inner));
-        robots.iter().for_each(|robot| truth.read(robot));
-        truth
-    }
+/// The broker as robots reach it, through each link.
+pub fn brokers(links: &[Proxy]) -> Vec<Broker> {
+    let credentials = Some(("{fleet}/{robot}".to_owned(), ROBOT_PASSWORD.to_owned()));
+    let through = |link: &Proxy| Broker { credentials: credentials.clone(), ..Broker::new("127.0.0.1", link.port()) };
+    links.iter().map(through).collect()
 }

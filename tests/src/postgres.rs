@@ -18,7 +18,9 @@ use crate::mosquitto::free_port;
 use crate::wait;
 
 /// Name of the superuser, who needs no password on this machine.
-const USER: &str = "vibrissa";
+pub(crate) const USER: &str = "vibrissa";
+/// Environment variable with the folder of the server's programs, instead of the system's.
+const PROGRAMS: &str = "VIBRISSA_TEST_POSTGRES";
 /// Database role of supervisors in a deployment.
 const SUPERVISOR: &str = "supervisor";
 /// The shipped file that creates this role.
@@ -31,6 +33,8 @@ const END_PATIENCE: Duration = Duration::from_secs(5);
 /// A running server, stopped on drop.
 #[derive(Debug)]
 pub struct Postgres {
+    /// Folder of the server's programs, if it is not the system's.
+    programs: Option<PathBuf>,
     folder: TempDir,
     port: u16,
     process: Option<Child>,
@@ -42,17 +46,29 @@ impl Postgres {
     /// # Panics
     /// PostgreSQL is not installed, or does not start.
     pub async fn start() -> Self {
+        Self::start_programs(std::env::var_os(PROGRAMS).map(PathBuf::from)).await
+    }
+
+    /// As [`Self::start`], with the server's programs in a folder.
+    ///
+    /// # Panics
+    /// As [`Self::start`].
+    pub async fn start_of(programs: &Path) -> Self {
+        Self::start_programs(Some(programs.to_owned())).await
+    }
+
+    async fn start_programs(programs: Option<PathBuf>) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         if let Some((uid, gid)) = account() {
             chown(folder.path(), Some(uid), Some(gid)).expect("a folder of ours");
         }
-        let initdb = command("initdb", folder.path())
+        let initdb = server_command(programs.as_deref(), "initdb", folder.path())
             .args(["--pgdata", "data", "--username", USER, "--auth", "trust", "--encoding", "UTF8"])
             .args(["--locale", "C", "--no-sync", "--no-instructions"])
             .output()
             .expect("PostgreSQL's server must be installed for this test");
         assert!(initdb.status.success(), "initdb: {}", String::from_utf8_lossy(&initdb.stderr));
-        let mut server = Self { folder, port: free_port(), process: None };
+        let mut server = Self { programs, folder, port: free_port(), process: None };
         server.restart().await;
         let mut connection = server.options("postgres").connect().await.expect("a server that answered just now");
         connection.execute("CREATE DATABASE vibrissa").await.expect("a new server");
@@ -109,7 +125,12 @@ impl Postgres {
     /// Options for a connection to the database.
     #[must_use]
     pub fn connect(&self) -> PgConnectOptions {
-        self.options(DATABASE)
+        Self::options_of(self.port)
+    }
+
+    /// Options for a connection to the database through a port of 127.0.0.1.
+    pub(crate) fn options_of(port: u16) -> PgConnectOptions {
+        PgConnectOptions::new().host("127.0.0.1").port(port).username(USER).database(DATABASE)
     }
 
     fn options(&self, database: &str) -> PgConnectOptions {
@@ -147,7 +168,7 @@ impl Postgres {
     /// The server does not start.
     pub async fn restart(&mut self) {
         let log = File::options().create(true).append(true).open(self.folder.path().join("log")).expect("a log");
-        let process = command("postgres", self.folder.path())
+        let process = server_command(self.programs.as_deref(), "postgres", self.folder.path())
             .args(["-D", "data", "-p", &self.port.to_string()])
             .args(["-c", "listen_addresses=127.0.0.1", "-c", "unix_socket_directories="])
             .args(["-c", "fsync=on", "-c", "max_connections=100", "-c", "max_wal_size=4GB"])
@@ -172,19 +193,25 @@ impl Postgres {
 
 impl Drop for Postgres {
     fn drop(&mut self) {
-        let Some(process) = &mut self.process else { return };
-        // SIGQUIT is PostgreSQL's immediate shutdown: it writes no checkpoint but frees the shared memory.
-        let _ = kill(pid_of(process), Signal::SIGQUIT);
-        let deadline = std::time::Instant::now() + END_PATIENCE;
-        while std::time::Instant::now() < deadline {
-            if !matches!(process.try_wait(), Ok(None)) {
-                return;
-            }
-            std::thread::sleep(Duration::from_millis(5));
+        if let Some(process) = &mut self.process {
+            stop(process);
         }
-        let _ = process.kill();
-        let _ = process.wait();
     }
+}
+
+/// Stops a server.
+pub(crate) fn stop(process: &mut Child) {
+    // SIGQUIT is PostgreSQL's immediate shutdown: it writes no checkpoint but frees the shared memory.
+    let _ = kill(pid_of(process), Signal::SIGQUIT);
+    let deadline = std::time::Instant::now() + END_PATIENCE;
+    while std::time::Instant::now() < deadline {
+        if !matches!(process.try_wait(), Ok(None)) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let _ = process.kill();
+    let _ = process.wait();
 }
 
 fn pid_of(process: &Child) -> Pid {
@@ -192,7 +219,7 @@ fn pid_of(process: &Child) -> Pid {
 }
 
 /// Child processes of a process (Linux only).
-fn children(parent: Pid) -> Vec<Pid> {
+pub(crate) fn children(parent: Pid) -> Vec<Pid> {
     let entries = std::fs::read_dir("/proc").expect("Linux");
     let of_parent = |entry: std::fs::DirEntry| {
         let pid: i32 = entry.file_name().to_str()?.parse().ok()?;
@@ -205,8 +232,12 @@ fn children(parent: Pid) -> Vec<Pid> {
 }
 
 /// One of the server's programs, run in the folder, never as root: the server refuses to run as root.
-fn command(program: &str, folder: &Path) -> Command {
-    let mut command = Command::new(path_of(program));
+pub(crate) fn command(program: &str, folder: &Path) -> Command {
+    server_command(None, program, folder)
+}
+
+fn server_command(programs: Option<&Path>, program: &str, folder: &Path) -> Command {
+    let mut command = Command::new(programs.map_or_else(|| path_of(program), |programs| programs.join(program)));
     command.current_dir(folder).env_remove("PGDATA");
     if let Some((uid, gid)) = account() {
         command.uid(uid).gid(gid);
@@ -215,7 +246,7 @@ fn command(program: &str, folder: &Path) -> Command {
 }
 
 /// Path of a server program. Debian keeps these off the search path; the newest version is used.
-fn path_of(program: &str) -> PathBuf {
+pub(crate) fn path_of(program: &str) -> PathBuf {
     let versions = std::fs::read_dir("/usr/lib/postgresql").into_iter().flatten().filter_map(Result::ok);
     let newest = versions
         .filter_map(|entry| Some((entry.file_name().to_str()?.parse::<u32>().ok()?, entry.path())))
@@ -225,7 +256,7 @@ fn path_of(program: &str) -> PathBuf {
 }
 
 /// User and group to use instead of root: `postgres`, created by PostgreSQL's package.
-fn account() -> Option<(u32, u32)> {
+pub(crate) fn account() -> Option<(u32, u32)> {
     let id = |arguments: &[&str]| -> Option<u32> {
         String::from_utf8(Command::new("id").args(arguments).output().ok()?.stdout).ok()?.trim().parse().ok()
     };

@@ -10,8 +10,16 @@ const PAUSE: Duration = Duration::from_millis(20);
 ///
 /// # Panics
 /// `look` returns no value within [`PATIENCE`]; the message contains `what`.
-pub async fn until<T>(what: &str, mut look: impl AsyncFnMut() -> Option<T>) -> T {
-    let deadline = Instant::now() + PATIENCE;
+pub async fn until<T>(what: &str, look: impl AsyncFnMut() -> Option<T>) -> T {
+    until_within(PATIENCE, what, look).await
+}
+
+/// As [`until`], with another time limit.
+///
+/// # Panics
+/// `look` returns no value within `patience`; the message contains `what`.
+pub async fn until_within<T>(patience: Duration, what: &str, mut look: impl AsyncFnMut() -> Option<T>) -> T {
+    let deadline = Instant::now() + patience;
     loop {
         if let Some(found) = look().await {
             return found;

@@ -13,8 +13,9 @@ use tokio::time::{Instant, interval_at};
 use tracing::info;
 
 use super::StoreError;
-use super::address::PostgresAddress;
+use super::error::failed;
 use super::lock::FileLock;
+use super::postgres::Route;
 
 /// Evaluates the same expression for whichever database is in use.
 macro_rules! on {
@@ -40,20 +41,17 @@ pub(super) type Pool = Either<SqlitePool, PgPool>;
 pub(super) type Link = Either<SqliteConnection, PgConnection>;
 /// An open transaction.
 pub(super) type Tx<'c> = Either<sqlx::Transaction<'c, sqlx::Sqlite>, sqlx::Transaction<'c, sqlx::Postgres>>;
-/// Options of new connections. For SQLite with the lock of the file; for PostgreSQL with the pool, which must get a
-/// changed password.
-pub(super) type Options = Either<(SqliteConnectOptions, Option<FileLock>), (PostgresAddress, PgPool)>;
+/// Options of new connections. For SQLite with the lock of the file; for PostgreSQL with the servers.
+pub(super) type Options = Either<(SqliteConnectOptions, Option<FileLock>), Route>;
 
 impl Options {
-    /// Opens a connection for writing.
-    pub(super) async fn connect(&self) -> sqlx::Result<Link> {
+    /// Opens a connection for writing. `what` is its purpose, as a verb phrase after "cannot".
+    pub(super) async fn connect(&self, what: &'static str) -> Result<Link, StoreError> {
         match self {
-            Either::Sqlite((options, _)) => options.connect().await.map(Either::Sqlite),
-            Either::Postgres((address, pool)) => {
-                let address = address.with_password_read_again();
-                pool.set_connect_options((*address).clone());
-                let mut link = address.connect().await?;
-                super::postgres::prepare_writer(&mut link).await?;
+            Either::Sqlite((options, _)) => options.connect().await.map(Either::Sqlite).map_err(failed(what)),
+            Either::Postgres(route) => {
+                let mut link = route.connect().await.map_err(|none| none.preventing(what))?;
+                super::postgres::prepare_writer(&mut link).await.map_err(failed(what))?;
                 Ok(Either::Postgres(link))
             }
         }

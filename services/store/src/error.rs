@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use super::postgres::NoServer;
+
 /// Reason why the database cannot be used. No variant shows a password.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
@@ -69,6 +71,24 @@ pub enum StoreError {
         /// Version of the server.
         version: String,
     },
+    /// Several clients share a session of the server.
+    #[error(
+        "{database} is behind a connection pooler that shares sessions between clients, such as PgBouncer in transaction \
+         mode: settings, prepared statements and advisory locks need a session of their own. Set pool_mode = session for \
+         this database in PgBouncer, or connect to PostgreSQL directly"
+    )]
+    SharedSessions {
+        /// Address of the database, without its password.
+        database: String,
+    },
+    /// No server accepts writes.
+    #[error("database error: cannot {what}: {source}")]
+    NoServer {
+        /// Purpose of the connection, as a verb phrase after "cannot".
+        what: &'static str,
+        /// Each server with the reason against it.
+        source: NoServer,
+    },
     /// A query failed.
     #[error("database error: cannot {what}: {source}")]
     Query {
@@ -85,14 +105,41 @@ pub enum StoreError {
         /// Time limit that was exceeded.
         patience: Duration,
     },
-    /// Another supervisor has acquired the fleet's lease. Nothing was written.
-    #[error("fleet {fleet}: the lease of epoch {epoch} was taken over by another supervisor")]
+    /// The lease does not hold any more. Nothing was written.
+    #[error("fleet {fleet}: the lease of epoch {epoch} {cause}")]
     LeaseLost {
         /// Name of the fleet.
         fleet: String,
         /// Epoch of the lost lease.
         epoch: u64,
+        /// Cause of the loss.
+        cause: LossCause,
     },
+}
+
+/// Cause of the loss of a lease.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LossCause {
+    /// Another supervisor has acquired it.
+    TakenOver,
+    /// The database went back to an earlier state, as after a failover without synchronous replication.
+    CommitsLost {
+        /// Number of transactions that were acknowledged and do not exist any more.
+        commits: u64,
+    },
+}
+
+impl std::fmt::Display for LossCause {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::TakenOver => f.write_str("was taken over by another supervisor"),
+            Self::CommitsLost { commits } => write!(
+                f,
+                "does not hold any more: the database has lost its last {commits} acknowledged transactions, as after a \
+                 failover without synchronous replication"
+            ),
+        }
+    }
 }
 
 impl StoreError {
@@ -107,9 +154,12 @@ impl StoreError {
                 "cannot use the database's file; see the log".to_owned()
             }
             Self::Migrate { .. } => "cannot migrate the database's tables; see the log".to_owned(),
-            Self::TooNew { .. } | Self::TooOld { .. } | Self::NoAnswer { .. } | Self::LeaseLost { .. } => {
-                self.to_string()
-            }
+            Self::NoServer { what, source } => format!("database error: cannot {what}: {}", source.told()),
+            Self::TooNew { .. }
+            | Self::TooOld { .. }
+            | Self::SharedSessions { .. }
+            | Self::NoAnswer { .. }
+            | Self::LeaseLost { .. } => self.to_string(),
         }
     }
 
@@ -122,7 +172,9 @@ impl StoreError {
             | Self::InUse { .. }
             | Self::Lock { .. }
             | Self::TooNew { .. }
-            | Self::TooOld { .. } => false,
+            | Self::TooOld { .. }
+            | Self::SharedSessions { .. } => false,
+            Self::NoServer { source, .. } => source.is_passing(passes),
             Self::Open { source, .. } | Self::Query { source, .. } => passes(source),
             Self::Migrate { source, .. } => {
                 matches!(source, sqlx::migrate::MigrateError::Execute(source) if passes(source))
@@ -207,7 +259,7 @@ impl StoreError {
 }
 
 /// Short description of an error, without the database's own text.
-fn outline(problem: &sqlx::Error) -> String {
+pub(crate) fn outline(problem: &sqlx::Error) -> String {
     if let sqlx::Error::Database(told) = problem {
         let code = told.code().unwrap_or_default();
         return match &*code {
@@ -216,6 +268,8 @@ fn outline(problem: &sqlx::Error) -> String {
             "3D000" => format!("the database does not exist (code {code})"),
             "53300" => format!("too many connections (code {code})"),
             "57P03" => format!("the server is starting or stopping (code {code})"),
+            "25006" => format!("the server accepts no writes (code {code})"),
+            "26000" | "42P05" => format!("prepared statements fail, is PgBouncer in transaction mode? (code {code})"),
             _ => format!("refused with code {code}"),
         };
     }
@@ -233,9 +287,9 @@ fn outline(problem: &sqlx::Error) -> String {
 fn passes(problem: &sqlx::Error) -> bool {
     if let sqlx::Error::Database(told) = problem {
         // Connection failures (08), lack of resources (53), shutdown or start (57), serialisation failures (40),
-        // locks (55).
+        // locks (55), a server that became read-only (25006).
         let code = told.code().unwrap_or_default();
-        return ["08", "53", "57", "40", "55"].iter().any(|class| code.starts_with(class));
+        return ["08", "53", "57", "40", "55", "25006"].iter().any(|class| code.starts_with(class));
     }
     matches!(problem, sqlx::Error::Io(_) | sqlx::Error::PoolTimedOut | sqlx::Error::Protocol(_))
 }

@@ -10,7 +10,7 @@ use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use super::database::{Either, Tx, on};
-use super::{StoreError, Supervisor, failed, postgres};
+use super::{LossCause, StoreError, Supervisor, failed, postgres};
 use crate::fault::{self, Fault};
 
 /// The right to write for a shard of a fleet, until another supervisor acquires it. Clones share their state.
@@ -99,8 +99,8 @@ impl Lease {
         }
     }
 
-    fn lost(&self) -> StoreError {
-        StoreError::LeaseLost { fleet: self.shard.to_string(), epoch: self.epoch }
+    fn lost(&self, cause: LossCause) -> StoreError {
+        StoreError::LeaseLost { fleet: self.shard.to_string(), epoch: self.epoch, cause }
     }
 
     /// Checks the lease and locks its row, for a transaction that may be repeated without harm, because it only
@@ -117,7 +117,7 @@ impl Lease {
             .await
             .map(|done| done.rows_affected()))
         .map_err(failed("check the lease"))?;
-        if held == 1 || fault::is(Fault::NoFence) { Ok(()) } else { Err(self.lost()) }
+        if held == 1 || fault::is(Fault::NoFence) { Ok(()) } else { Err(self.lost(LossCause::TakenOver)) }
     }
 
     /// Begins the owner's next transaction: advances the commit counter, which makes the transaction happen exactly
@@ -140,7 +140,7 @@ impl Lease {
     }
 
     /// Distinguishes why the counter did not advance: false if this transaction was committed before, an error if the
-    /// lease is lost.
+    /// lease is lost. A counter below the known one shows that the database went back to an earlier state.
     async fn look_why(&self, tx: &mut Tx<'_>, before: i64) -> Result<bool, StoreError> {
         const SQL: &str = "SELECT commits FROM leases WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND shard = $4";
         let commits: Option<i64> = on!(tx, |tx| sqlx::query_scalar(SQL)
@@ -151,7 +151,13 @@ impl Lease {
             .fetch_optional(&mut **tx)
             .await)
         .map_err(failed("check the lease"))?;
-        if commits == Some(before + 1) { Ok(false) } else { Err(self.lost()) }
+        match commits {
+            Some(commits) if commits == before + 1 => Ok(false),
+            Some(commits) if commits < before => {
+                Err(self.lost(LossCause::CommitsLost { commits: (before - commits) as u64 }))
+            }
+            Some(_) | None => Err(self.lost(LossCause::TakenOver)),
+        }
     }
 
     /// Binds the first parameters of a statement that advances the counter: fleet, epoch, owner, present count,

@@ -62,10 +62,11 @@ use tracing::warn;
 pub use address::{DatabaseAddress, PostgresAddress};
 pub use apart::Refused;
 pub use batch::Batch;
-pub use error::{Rejection, RejectionCause, StoreError};
+pub use error::{LossCause, Rejection, RejectionCause, StoreError};
 pub use lease::Lease;
 pub use load::{NumberedWhisker, RobotState, StoredRobot};
 pub use membership::{FleetLease, FleetsHeard, Membership, Present, Supervisor};
+pub use postgres::{NoServer, Refusal, Replication};
 pub use resolution::Resolution;
 pub use writer::Writer;
 
@@ -118,11 +119,11 @@ impl Store {
     /// Migrates the tables to the newest version.
     ///
     /// # Errors
-    /// The database is unreachable, too old, or not one of vibrissa; [`StoreError::is_passing`] is true only for the
-    /// first.
+    /// The database is unreachable, too old, behind a pooler that shares sessions, or not one of vibrissa;
+    /// [`StoreError::is_passing`] is true only for the first.
     pub async fn prepare(&self) -> Result<(), StoreError> {
-        if let Either::Postgres(pool) = &self.pool {
-            postgres::check_version(pool, &self.name).await?;
+        if let Either::Postgres(route) = &*self.options {
+            postgres::check(route, &self.name).await?;
         }
         self.pool.migrate(&self.name).await?;
         let made = self.make_partitions(vibrissa_edge::clock::wall_clock().0 as i64, &mut |_| {}).await;
@@ -137,6 +138,18 @@ impl Store {
     #[must_use]
     pub fn writer(&self) -> Writer {
         Writer::new(self.options.clone())
+    }
+
+    /// Ends an operation with an error if the database gets a new leader meanwhile: the former one may never answer.
+    ///
+    /// # Errors
+    /// Those of the operation, or a new leader.
+    pub async fn with_leader<T>(&self, work: impl Future<Output = Result<T, StoreError>>) -> Result<T, StoreError> {
+        let mut watching = self.writer();
+        tokio::select! {
+            done = work => done,
+            () = watching.new_leader() => Err(failed("finish at the former leader")(writer::former_leader())),
+        }
     }
 
     /// Whether several supervisors can share this database: true for PostgreSQL.

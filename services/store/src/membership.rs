@@ -7,6 +7,7 @@ use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
 use sqlx::{PgConnection, Row, SqliteConnection};
 use tokio::time::Instant;
+use tracing::warn;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
@@ -116,6 +117,9 @@ impl Writer {
         }) {
             lease.confirmed(asked);
         }
+        for lease in &membership.leases {
+            self.know_epoch(&lease.shard, lease.epoch);
+        }
         Ok(membership)
     }
 
@@ -139,11 +143,13 @@ impl Writer {
     ) -> Result<Option<Lease>, StoreError> {
         const WHAT: &str = "acquire a lease";
         let asked = Instant::now();
+        // A robot may have been in another shard before.
+        let known = self.highest_epochs.get(shard.fleet()).copied().unwrap_or_default();
         let (epoch, is_shared) = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
                 let mut tx = link.begin().await.map_err(failed(WHAT))?;
                 let sql = if matches!(tx, Either::Postgres(_)) { ACQUIRE_POSTGRES } else { ACQUIRE_SQLITE };
-                let epoch = raise_epoch(&mut tx, sql, supervisor, shard).await.map_err(failed(WHAT))?;
+                let epoch = raise_epoch(&mut tx, sql, supervisor, shard, known).await.map_err(failed(WHAT))?;
                 let is_shared = matches!(tx, Either::Postgres(_));
                 if let Either::Postgres(tx) = &mut tx {
                     forget_the_gone(&mut *tx).await.map_err(failed(WHAT))?;
@@ -152,7 +158,22 @@ impl Writer {
                 Ok((epoch, is_shared))
             })
             .await?;
+        if let Some(epoch) = epoch {
+            self.know_epoch(shard, epoch as u64);
+        }
         Ok(epoch.map(|epoch| Lease::taken(supervisor, shard, epoch, asked, is_shared)))
+    }
+
+    fn know_epoch(&mut self, shard: &FleetShard, epoch: u64) {
+        let last = self.last_epochs.insert(shard.clone(), epoch).unwrap_or_default();
+        if last > epoch {
+            warn!(
+                fleet = %shard, epoch, before = last,
+                "the database has lost commits: it knows only an earlier epoch of the fleet"
+            );
+        }
+        let highest = self.highest_epochs.entry(shard.fleet().clone()).or_default();
+        *highest = (*highest).max(epoch);
     }
 
     /// Releases a lease, so that the shard can be acquired at once.
@@ -193,25 +214,28 @@ impl Writer {
 // An epoch is the time at which it began, in ms since 1970, or one more than the previous epoch if that is not lower.
 // A plain counter would restart when a back-up is restored: epochs and versions would repeat, and robots would refuse
 // lower ones and take equal ones for duplicates. The time is higher than any earlier epoch, whatever happened to the
-// database, unless a clock was ahead by more than the age of the back-up.
+// database, unless a clock was ahead by more than the age of the back-up. After a failover that lost the last commits, this
+// age is short and the clock another server's: so an epoch is also higher than all that this process knows.
 
 /// SQLite: the lock of the file stands for the lease, so its holder may acquire every shard.
-const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, shard, shards, epoch, owner, holder) VALUES ($1, $5, $6, $4, $2, $3) \
+const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, shard, shards, epoch, owner, holder) \
+    VALUES ($1, $6, $7, max($4, $5 + 1), $2, $3) \
     ON CONFLICT (fleet, shard) DO UPDATE SET epoch = max(epoch + 1, excluded.epoch), owner = excluded.owner, \
-    holder = excluded.holder, commits = 0 \
-    WHERE leases.shards = excluded.shards RETURNING epoch";
+    holder = excluded.holder, commits = 0 WHERE leases.shards = excluded.shards RETURNING epoch";
 
 /// PostgreSQL: skips a row that is locked, because its owner is committing. A lease of our own can be acquired again:
 /// the answer to an earlier attempt may have been lost.
-const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = greatest(epoch + 1, clock_us() / 1000), owner = $2, \
-    holder = $3, commits = 0, expires_us = clock_us() + $4 WHERE fleet = $1 AND shard = (SELECT shard FROM leases WHERE fleet = $1 \
-    AND shard = $5 AND shards = $6 AND (owner = $2 OR expires_us <= clock_us()) FOR UPDATE SKIP LOCKED) RETURNING epoch";
+const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = greatest(epoch + 1, clock_us() / 1000, $5 + 1), owner = $2, \
+    holder = $3, commits = 0, expires_us = clock_us() + $4 WHERE fleet = $1 AND shard = (SELECT shard FROM leases \
+    WHERE fleet = $1 AND shard = $6 AND shards = $7 AND (owner = $2 OR expires_us <= clock_us()) \
+    FOR UPDATE SKIP LOCKED) RETURNING epoch";
 
 async fn raise_epoch(
     tx: &mut Tx<'_>,
     sql: &'static str,
     supervisor: &Supervisor,
     shard: &FleetShard,
+    known: u64,
 ) -> sqlx::Result<Option<i64>> {
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
     // The fourth parameter: time to live in µs (PostgreSQL), or the time in ms since 1970 (SQLite).
@@ -225,6 +249,7 @@ async fn raise_epoch(
         .bind(&*supervisor.id)
         .bind(&supervisor.name)
         .bind(fourth)
+        .bind(known as i64)
         .bind(number)
         .bind(i64::from(shard.count()))
         .fetch_optional(&mut **tx)

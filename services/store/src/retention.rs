@@ -109,7 +109,7 @@ impl Store {
             Either::Postgres(_) => {
                 // A separate connection: if this future is dropped, the connection and with it the advisory lock are
                 // closed.
-                let link = self.options.connect().await.map_err(failed(WHAT))?;
+                let link = self.options.connect(WHAT).await?;
                 let Either::Postgres(mut link) = link else { return Ok(is_more) };
                 let before = [(&CONTACTS, contacts_us), (&MINUTES, minutes_us)];
                 let done = partitions::look_after(&mut link, now_us, before, told).await;

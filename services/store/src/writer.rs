@@ -1,11 +1,15 @@
 //! A separate connection for writing. After any error it is closed, and the next attempt opens a new one.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
+use tokio::sync::watch;
 use tokio::time::{Instant, timeout_at};
+use vibrissa_edge::shard::FleetShard;
+use vibrissa_protocol::Name;
 
-use super::database::{Link, Options};
+use super::database::{Either, Link, Options};
 use super::{Batch, Lease, StoreError, commit, failed};
 
 /// Time limit for one attempt: a server that hangs counts as unreachable.
@@ -16,11 +20,22 @@ const PATIENCE: Duration = Duration::from_secs(10);
 pub struct Writer {
     options: Arc<Options>,
     link: Option<Link>,
+    /// Changes of the leader among several servers, seen since the connection was opened.
+    changes: Option<watch::Receiver<u64>>,
+    /// Newest epoch of each shard in the database.
+    pub(super) last_epochs: BTreeMap<FleetShard, u64>,
+    /// Highest epoch of each fleet that this process has seen: after a failover the database may know only lower ones.
+    pub(super) highest_epochs: BTreeMap<Name, u64>,
 }
 
 impl Writer {
     pub(super) fn new(options: Arc<Options>) -> Self {
-        Self { options, link: None }
+        let changes = match &*options {
+            Either::Sqlite(_) => None,
+            Either::Postgres(route) => Some(route.changes()),
+        };
+        let (last_epochs, highest_epochs) = (BTreeMap::new(), BTreeMap::new());
+        Self { options, link: None, changes, last_epochs, highest_epochs }
     }
 
     /// Writes a batch in one transaction. Idempotent: retrying the same batch after an error never writes it twice.
@@ -32,7 +47,7 @@ impl Writer {
     }
 
     /// Runs an operation on the connection within a time limit. The connection is used again only after a success: if
-    /// an answer is missing, it may never answer again.
+    /// an answer is missing, it may never answer again. If the database gets a new leader meanwhile, the operation fails.
     pub(super) async fn attempt<T>(
         &mut self,
         what: &'static str,
@@ -41,11 +56,15 @@ impl Writer {
     ) -> Result<T, StoreError> {
         let deadline = Instant::now() + patience;
         let attempt = async {
-            let mut link = match self.link.take() {
+            let is_of_leader = !self.changes.as_ref().is_some_and(|changes| changes.has_changed().unwrap_or(false));
+            let mut link = match self.link.take().filter(|_| is_of_leader) {
                 Some(link) => link,
-                None => self.options.connect().await.map_err(failed(what))?,
+                None => self.connect(what).await?,
             };
-            let done = work(&mut link).await?;
+            let done = tokio::select! {
+                done = work(&mut link) => done?,
+                () = changed(&mut self.changes) => return Err(failed(what)(former_leader())),
+            };
             Ok((link, done))
         };
         let (link, done) =
@@ -53,4 +72,31 @@ impl Writer {
         self.link = Some(link);
         Ok(done)
     }
+
+    async fn connect(&mut self, what: &'static str) -> Result<Link, StoreError> {
+        let link = self.options.connect(what).await?;
+        if let Some(changes) = &mut self.changes {
+            changes.mark_unchanged();
+        }
+        Ok(link)
+    }
+
+    /// Waits until the database has a new leader among several servers; forever with one server.
+    pub async fn new_leader(&mut self) {
+        changed(&mut self.changes).await;
+    }
+}
+
+async fn changed(changes: &mut Option<watch::Receiver<u64>>) {
+    let is_there = match changes {
+        Some(changes) => changes.changed().await.is_ok(),
+        None => false,
+    };
+    if !is_there {
+        std::future::pending::<()>().await;
+    }
+}
+
+pub(super) fn former_leader() -> sqlx::Error {
+    sqlx::Error::Io(std::io::Error::new(std::io::ErrorKind::ConnectionAborted, "the database has a new leader"))
 }

@@ -7,7 +7,7 @@
 use tracing::{error, info};
 use vibrissa_protocol::BootId;
 use vibrissa_store::shards::NotDivided;
-use vibrissa_store::{Lease, StoreError};
+use vibrissa_store::{Lease, LossCause, StoreError};
 
 use crate::fleet::{Shared, engine_options};
 
@@ -43,7 +43,11 @@ pub(crate) async fn divide(held: Vec<Lease>, count: u32, shared: Shared) {
 /// Writes checkpoints of all robots. Returns false if the database rejects some.
 async fn drained(held: &[Lease], shared: &Shared) -> Result<bool, StoreError> {
     for lease in held {
-        let lost = || StoreError::LeaseLost { fleet: lease.shard().to_string(), epoch: lease.epoch() };
+        let lost = || StoreError::LeaseLost {
+            fleet: lease.shard().to_string(),
+            epoch: lease.epoch(),
+            cause: LossCause::TakenOver,
+        };
         let boot_id = BootId::new(&format!("{}-division", shared.supervisor)).map_err(|_| lost())?;
         let engine = engine_options(lease, &boot_id, shared).start().await?;
         if !engine.drain().await.map_err(|_| lost())? {

@@ -40,5 +40,6 @@ mod black_box;
 pub mod calibration_file;
 mod params;
 pub mod plot;
+mod replication;
 pub mod robots_file;
 pub mod webhooks;

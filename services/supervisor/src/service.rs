@@ -25,6 +25,7 @@ use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress, FleetBirths};
 use crate::ownership::Ownership;
 use crate::readiness::Readiness;
+use crate::replication;
 use crate::robots_file;
 use crate::trace::{TraceOptions, Traces};
 use crate::upkeep;
@@ -216,6 +217,7 @@ impl Service {
             crate::http::serve(&options.http, app, stopped.clone()).await?;
         tokio::spawn(forget_changes(store.clone(), stopped.clone()));
         tokio::spawn(upkeep::run(store.clone(), options.history.retention, metrics.clone(), stopped.clone()));
+        tokio::spawn(replication::watch(store.clone(), metrics.clone(), stopped.clone()));
         let webhooks = tokio::spawn(webhooks.run(stopped.clone()));
         let ownership = tokio::spawn(ownership.run(stopped));
         Ok(Self {
@@ -284,7 +286,7 @@ const CHANGES_FORGOTTEN_EVERY: Duration = Duration::from_secs(600);
 async fn forget_changes(store: Store, mut stop: watch::Receiver<bool>) {
     while timeout(CHANGES_FORGOTTEN_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
         let before_us = wall_clock().0 as i64 - CHANGES_KEPT.as_micros() as i64;
-        if let Err(problem) = store.forget_changes(before_us).await {
+        if let Err(problem) = store.with_leader(store.forget_changes(before_us)).await {
             warn!(%problem, "cannot remove old changes, retrying later");
         }
     }

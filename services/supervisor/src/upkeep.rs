@@ -18,7 +18,7 @@ const PAUSE: Duration = Duration::from_millis(400);
 /// Runs upkeep until the service stops.
 pub(crate) async fn run(store: Store, retention: Retention, metrics: Metrics, mut stop: watch::Receiver<bool>) {
     loop {
-        let pause = match look_after(&store, retention, &metrics).await {
+        let pause = match store.with_leader(look_after(&store, retention, &metrics)).await {
             Ok(true) => PAUSE,
             Ok(false) => {
                 metrics.upkeep_timestamp_seconds.set(wall_clock().as_s());

@@ -265,7 +265,7 @@ async fn mail(store: &Store, writer: &mut Writer, lease: &Lease) -> (Value, Valu
 }
 
 /// Everything that can be read, as JSON; `together` is the number of records per transaction.
-async fn written_and_read(database: &Fresh, together: usize) -> Value {
+pub(crate) async fn written_and_read(database: &Fresh, together: usize) -> Value {
     let (a, mut writer) = (supervisor("a"), database.store.writer());
     writer.sign_in(&a, &[]).await.unwrap();
     let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();

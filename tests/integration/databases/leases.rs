@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use vibrissa_store::StoreError;
+use sqlx::{ConnectOptions, Executor};
+use vibrissa_store::{LossCause, StoreError};
 use vibrissa_tests::wait::{until, until_true};
 
 use crate::rows::{self, contacts};
@@ -150,4 +151,34 @@ async fn a_transaction_that_is_left_open_does_not_keep_a_fleet() {
     proxy.stall(false);
     stalled.await.unwrap();
     assert_eq!(database.store.contact_count().await.unwrap(), taken_over, "no late write may arrive");
+}
+
+/// A failover lost the last commits, and the former leader's clock was a day ahead: its epochs are known to supervisors
+/// and not to the database.
+#[tokio::test]
+async fn an_epoch_that_the_database_has_lost_is_not_given_again() {
+    let database = Fresh::postgres().await;
+    let mut server = database.server.as_ref().unwrap().connect().connect().await.unwrap();
+    let a = supervisor("a");
+    let mut writer = database.store.writer();
+    writer.sign_in(&a, &[]).await.unwrap();
+    server.execute("UPDATE leases SET epoch = (clock_us() + 86400000000) / 1000").await.unwrap();
+    let lost = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
+    let robot = rows::robot(&mut writer, &lost).await;
+    writer.commit(&lost, &contacts(&robot, 0..3)).await.unwrap();
+    writer.commit(&lost, &contacts(&robot, 3..5)).await.unwrap();
+
+    // The lease is the same, and its last transactions are gone.
+    server.execute("UPDATE leases SET commits = commits - 2").await.unwrap();
+    let refused = writer.commit(&lost, &contacts(&robot, 5..7)).await.unwrap_err();
+    let StoreError::LeaseLost { cause, .. } = refused else { panic!("{refused}") };
+    assert_eq!(cause, LossCause::CommitsLost { commits: 2 });
+    assert_eq!(database.store.contact_count().await.unwrap(), 5, "nothing was written");
+
+    // The lease itself is gone.
+    server.execute("UPDATE leases SET epoch = 5, owner = NULL, expires_us = 0, commits = 0").await.unwrap();
+    let roll = writer.sign_in(&a, &[]).await.unwrap();
+    assert_eq!(roll.leases[0].epoch, 5);
+    let next = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
+    assert!(next.epoch() > lost.epoch(), "{} after {}", next.epoch(), lost.epoch());
 }

@@ -21,6 +21,7 @@ mod rows;
 mod schema;
 mod shards;
 mod supervisors;
+mod versions;
 
 use tempfile::TempDir;
 use vibrissa_protocol::Name;
@@ -46,7 +47,10 @@ impl Fresh {
 
     /// A PostgreSQL with the shipped role, which must be sufficient.
     async fn postgres() -> Self {
-        let server = Postgres::start_with_supervisor().await;
+        Self::of(Postgres::start_with_supervisor().await).await
+    }
+
+    async fn of(server: Postgres) -> Self {
         let address: DatabaseAddress = Postgres::supervisor_url(server.port()).parse().unwrap();
         let store = Store::open(&address, "test").await.unwrap();
         store.prepare().await.unwrap();

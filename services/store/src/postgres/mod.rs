@@ -2,18 +2,25 @@
 
 mod copy;
 mod parts;
+mod pooler;
+mod replication;
+mod role;
+mod route;
 mod sorted;
 pub(super) mod whole;
 
-use sqlx::postgres::{PgArguments, PgConnection, PgPool, PgPoolOptions, Postgres};
+use sqlx::postgres::{PgArguments, PgConnection, Postgres};
 
 use super::StoreError;
 use super::address::PostgresAddress;
-use super::database::{ACQUIRE_PATIENCE, Either, Options, Pool};
+use super::database::{Either, Options, Pool};
 use super::error::failed;
 
 pub(super) use copy::{are_copied, copy_contacts};
 pub(super) use parts::COUNTED;
+pub use replication::Replication;
+pub use role::{NoServer, Refusal};
+pub(super) use route::Route;
 pub(super) use whole::intent;
 
 /// A statement whose parameters are being bound.
@@ -24,23 +31,29 @@ const OLDEST: i32 = 150_000;
 
 /// Connection pool for queries; connections are opened when they are needed.
 pub(super) fn open(address: &PostgresAddress, supervisor: &str) -> (Pool, Options) {
-    let address = address.clone().named(&format!("vibrissa {supervisor}"));
-    let pool =
-        PgPoolOptions::new().max_connections(5).acquire_timeout(ACQUIRE_PATIENCE).connect_lazy_with((*address).clone());
-    (Pool::Postgres(pool.clone()), Either::Postgres((address, pool)))
+    let route = Route::new(address.clone().named(&format!("vibrissa {supervisor}")));
+    (Pool::Postgres(route.pool().clone()), Either::Postgres(route))
+}
+
+/// Finds the server that accepts writes, and checks that it is not too old and that sessions are whole.
+pub(super) async fn check(route: &Route, database: &str) -> Result<(), StoreError> {
+    let opened = |source| StoreError::Open { database: database.to_owned(), source };
+    let mut link = route.connect().await.map_err(|none| none.keeping_closed(database))?;
+    check_version(&mut link, database).await?;
+    let mut other = route.connect().await.map_err(|none| none.keeping_closed(database))?;
+    if pooler::shares_sessions(&mut link, &mut other).await.map_err(opened)? {
+        return Err(StoreError::SharedSessions { database: database.to_owned() });
+    }
+    Ok(())
 }
 
 /// Checks that the server is not too old.
-pub(super) async fn check_version(pool: &PgPool, database: &str) -> Result<(), StoreError> {
-    let version: String = sqlx::query_scalar("SHOW server_version_num")
-        .fetch_one(pool)
+async fn check_version(link: &mut PgConnection, database: &str) -> Result<(), StoreError> {
+    let version: String = pooler::text(link, "SHOW server_version_num")
         .await
         .map_err(|source| StoreError::Open { database: database.to_owned(), source })?;
     if version.parse().is_ok_and(|version: i32| version < OLDEST) {
-        let version: String = sqlx::query_scalar("SHOW server_version")
-            .fetch_one(pool)
-            .await
-            .map_err(failed("read the server's version"))?;
+        let version = pooler::text(link, "SHOW server_version").await.map_err(failed("read the server's version"))?;
         return Err(StoreError::TooOld { database: database.to_owned(), version });
     }
     Ok(())

@@ -30,6 +30,7 @@ pages! {
     "VibrissaCommitLag.md",
     "VibrissaCompensationErrorHigh.md",
     "VibrissaContactLag.md",
+    "VibrissaDatabaseAsynchronous.md",
     "VibrissaDatabaseDown.md",
     "VibrissaDatabaseErrors.md",
     "VibrissaFleetHeldTwice.md",

@@ -43,6 +43,10 @@ pub struct Metrics {
     pub database_errors: IntCounter,
     /// 1 while the last attempt to use the database succeeded, else 0.
     pub database_up: IntGauge,
+    /// Whether a failover of the database may lose commits.
+    pub database_asynchronous: IntGauge,
+    /// Acknowledged transactions that the database has lost.
+    pub database_commits_lost: IntCounter,
     /// Trace spans that no collector accepted.
     pub trace_spans_dropped: IntCounter,
     /// Time of the last successful upkeep of the tables, s since 1970 UTC; 0 before.
@@ -83,6 +87,14 @@ impl Metrics {
             IntCounter::new("vibrissa_trace_spans_dropped_total", "Trace spans that no collector accepted.")?;
         let database_up =
             IntGauge::new("vibrissa_database_up", "1 while the last attempt to use the database succeeded.")?;
+        let database_asynchronous = IntGauge::new(
+            "vibrissa_database_asynchronous",
+            "1 if database.url names several servers and commits wait for no standby: a failover may lose them.",
+        )?;
+        let database_commits_lost = IntCounter::new(
+            "vibrissa_database_commits_lost_total",
+            "Acknowledged transactions that did not exist any more after a failover or a restore.",
+        )?;
         let upkeep_timestamp_seconds = Gauge::new(
             "vibrissa_upkeep_timestamp_seconds",
             "Time at which all partitions existed and no row was too old, since 1970 UTC; 0 before the first.",
@@ -106,6 +118,8 @@ impl Metrics {
         registry.register(Box::new(build.clone()))?;
         registry.register(Box::new(database_errors.clone()))?;
         registry.register(Box::new(database_up.clone()))?;
+        registry.register(Box::new(database_asynchronous.clone()))?;
+        registry.register(Box::new(database_commits_lost.clone()))?;
         registry.register(Box::new(trace_spans_dropped.clone()))?;
         let whiskers = per_whisker.then(WhiskerMetrics::declare).transpose()?;
         if let Some(whiskers) = &whiskers {
@@ -118,6 +132,8 @@ impl Metrics {
             build,
             database_errors,
             database_up,
+            database_asynchronous,
+            database_commits_lost,
             trace_spans_dropped,
             upkeep_timestamp_seconds,
             upkeep_errors,

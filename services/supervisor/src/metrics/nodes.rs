@@ -23,7 +23,8 @@ impl NodeInUse {
 
     /// Removes the node of a connection that is down.
     pub fn forget(&self, connection: Word) {
-        let labels = HashMap::from([(PLACE[0], self.place[0].as_str()), (PLACE[1], &self.place[1]), ("connection", connection)]);
+        let labels =
+            HashMap::from([(PLACE[0], self.place[0].as_str()), (PLACE[1], &self.place[1]), ("connection", connection)]);
         // There may be none.
         let _ = self.family.remove(&labels);
     }

@@ -46,7 +46,9 @@ impl Delivery {
         let Webhooks { store, sender, pace, metrics, holder } = &self.webhooks;
         let hold_us = HOLD.as_micros() as i64;
         let asked = Instant::now();
-        let Some(job) = store.take_webhook_job(self.webhook_id, holder, hold_us).await? else { return Ok(false) };
+        let Some(job) = store.with_leader(store.take_webhook_job(self.webhook_id, holder, hold_us)).await? else {
+            return Ok(false);
+        };
         let body = serde_json::to_vec(&WebhookEvent::of(&job.event)).unwrap_or_default();
         let message = Message {
             url: job.webhook.url.clone(),
@@ -60,7 +62,7 @@ impl Delivery {
         }
         let answer = sender.send(message).await;
         let outcome = outcome(&job, &answer, pace);
-        let is_held = store.finish_webhook_job(&job, holder, &outcome).await?;
+        let is_held = store.with_leader(store.finish_webhook_job(&job, holder, &outcome)).await?;
         let (event_id, name) = (job.event.event_id, job.webhook.name.as_str());
         match &outcome {
             Outcome::Delivered { .. } => {

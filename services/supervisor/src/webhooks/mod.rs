@@ -127,7 +127,7 @@ impl Webhooks {
                 }
                 Ok::<(), StoreError>(())
             };
-            let problem = looked.await.err();
+            let problem = self.store.with_leader(looked).await.err();
             if let Some(problem) = problem.as_ref().filter(|_| !is_failing) {
                 warn!(%problem, "cannot read the queues of the webhooks, retrying");
             }

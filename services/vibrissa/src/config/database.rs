@@ -7,7 +7,7 @@ use url::Url;
 use super::keys::Key;
 use super::problem::Origin;
 use super::reader::{MASK, Reader};
-use vibrissa_store::DatabaseAddress;
+use vibrissa_store::{DatabaseAddress, address};
 
 /// Reads the database's address.
 pub(super) fn database(reader: &mut Reader) -> Option<DatabaseAddress> {
@@ -57,23 +57,28 @@ pub(super) fn database(reader: &mut Reader) -> Option<DatabaseAddress> {
     }
 }
 
+/// The URL of PostgreSQL servers, with the first one alone.
+fn server_url(text: &str) -> Option<Url> {
+    address::url_of_first(text).filter(|url| url.scheme() != "sqlite")
+}
+
 /// The password in a database URL, in either place that libpq allows.
 fn password(text: &str) -> Option<String> {
-    let url = Url::parse(text).ok().filter(|url| url.scheme() != "sqlite")?;
+    let url = server_url(text)?;
     let asked = url.query_pairs().find(|(name, _)| name == "password").map(|(_, value)| value.into_owned());
     url.password().map(str::to_owned).or(asked)
 }
 
 /// The file with the client's private key that a database URL names.
 fn private_key(text: &str) -> Option<PathBuf> {
-    let url = Url::parse(text).ok().filter(|url| url.scheme() != "sqlite")?;
+    let url = server_url(text)?;
     let key = url.query_pairs().find(|(name, _)| matches!(&**name, "sslkey" | "ssl-key"));
     key.map(|(_, file)| PathBuf::from(file.into_owned()))
 }
 
 /// A valid database URL with its password masked.
 pub(super) fn masked(text: &str) -> String {
-    let Ok(mut url) = Url::parse(text) else { return text.to_owned() };
+    let Some(mut url) = address::url_of_first(text) else { return text.to_owned() };
     if password(text).is_none() {
         return text.to_owned();
     }
@@ -88,7 +93,7 @@ pub(super) fn masked(text: &str) -> String {
         let pairs: Vec<(String, String)> = url.query_pairs().map(mask).collect();
         url.query_pairs_mut().clear().extend_pairs(pairs);
     }
-    url.to_string()
+    address::with_hosts_of(&url, text)
 }
 
 #[cfg(test)]
@@ -102,6 +107,8 @@ mod tests {
             ("postgres://u@h/d", "postgres://u@h/d"),
             ("postgres://u:hunter2@h/d", "postgres://u:***@h/d"),
             ("postgres://u@h/d?password=hunter2&sslmode=require", "postgres://u@h/d?password=***&sslmode=require"),
+            ("postgres://u:hunter2@h:1,i:2/d", "postgres://u:***@h:1,i:2/d"),
+            ("postgres://u@h,i/d?password=hunter2", "postgres://u@h,i/d?password=***"),
             ("postgres://u:hunter2@h/d?password=hunter2", "postgres://u:***@h/d?password=***"),
         ] {
             assert_eq!(masked(text), shown);

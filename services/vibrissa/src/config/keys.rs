@@ -113,7 +113,8 @@ policy_numbers! { keys {
     FleetShards: "fleet.shards", Kind::Whole { min: 1, max: 1024 }, Some("1"),
         "Least number of shards of each fleet: parts that supervisors with one PostgreSQL share; it can be raised at any time";
     DatabaseUrl: "database.url", Kind::DatabaseUrl, Some(r#""sqlite:vibrissa.sqlite3""#),
-        "Database: sqlite:FILE, or postgres://USER@HOST:5432/DATABASE to share fleets with other supervisors";
+        "Database: sqlite:FILE, or postgres://USER@HOST:5432/DATABASE to share fleets with other supervisors; \
+        postgres://USER@HOST1:5432,HOST2:5432/DATABASE for servers that fail over";
     DatabasePasswordFile: "database.password_file", Kind::File, None,
         "File with the password for PostgreSQL";
     LeaseTimeToLiveS: "lease.time_to_live_s", Kind::Number { min: 0.5, max: 60.0 }, Some("2.0"),

@@ -9,7 +9,7 @@ use crate::backoff::Backoff;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::readiness::Readiness;
 use vibrissa_store::batch::Owner;
-use vibrissa_store::{Batch, Lease, Refused, Rejection, StoreError, StoredRobot, Writer};
+use vibrissa_store::{Batch, Lease, LossCause, Refused, Rejection, StoreError, StoredRobot, Writer};
 
 use crate::engine::commit::journal;
 use crate::engine::commit::transaction::{SealedTransaction, Stage};
@@ -219,7 +219,10 @@ impl Committer {
         problem: StoreError,
         so: &str,
     ) -> Result<(), LeaseLost> {
-        if let StoreError::LeaseLost { .. } = problem {
+        if let StoreError::LeaseLost { cause, .. } = problem {
+            if let LossCause::CommitsLost { commits } = cause {
+                self.program.database_commits_lost.inc_by(commits);
+            }
             warn!(%problem, "lease lost, writing stops");
             return Err(LeaseLost);
         }
@@ -227,7 +230,10 @@ impl Committer {
         error!(%problem, fleet = %self.fleet, "{so}, retrying");
         self.readiness.set_of(self.lease.shard(), PART, Some(format!("{so}: {}", problem.told())));
         outage.since.get_or_insert_with(Instant::now);
-        outage.backoff.wait().await;
+        tokio::select! {
+            () = outage.backoff.wait() => {}
+            () = self.writer.new_leader() => {}
+        }
         Ok(())
     }
 

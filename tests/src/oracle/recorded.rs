@@ -3,8 +3,8 @@
 use sqlx::postgres::{PgConnection, PgRow};
 use sqlx::{Connection, Row};
 
-use crate::ledger::{Content, Ledger, Recorded};
-use crate::obedience::Decided;
+use super::ledger::{Content, Ledger, Recorded};
+use super::obedience::Decided;
 
 /// Adds every contact of the honest robots to the ledger, in any order: sorting the rows of a long run takes longer
 /// than reading them.

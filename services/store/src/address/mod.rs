@@ -1,11 +1,16 @@
-//! Address of the database: an SQLite file or a PostgreSQL server.
+//! Address of the database: an SQLite file, or one PostgreSQL server or several of which one accepts writes.
+
+mod servers;
 
 use std::ops::Deref;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use sqlx::postgres::{PgConnectOptions, PgSslMode};
 
 use crate::secret::Secret;
+
+pub use servers::{url_of_first, with_hosts_of};
 
 /// Address of the database.
 #[derive(Clone)]
@@ -16,46 +21,76 @@ pub enum DatabaseAddress {
     Postgres(PostgresAddress),
 }
 
-/// Address of a PostgreSQL server, with user and password.
+/// Addresses of PostgreSQL servers with the same database, with user and password. Dereferences to the options of the
+/// first server.
 #[derive(Clone)]
 pub struct PostgresAddress {
-    options: Box<PgConnectOptions>,
+    /// At least one.
+    servers: Vec<PgConnectOptions>,
+    connect_timeout: Duration,
     /// Password that replaces the one of the URL.
     password: Option<Secret>,
 }
 
 impl PostgresAddress {
-    /// The same server with a password that may come from a file.
+    /// The same servers with a password that may come from a file.
     #[must_use]
     pub fn with_password(self, password: Secret) -> Self {
-        let options = Box::new(self.options.password(password.reveal()));
-        Self { options, password: Some(password) }
+        let with = |server: PgConnectOptions| server.password(password.reveal());
+        Self { servers: self.servers.into_iter().map(with).collect(), password: Some(password.clone()), ..self }
     }
 
-    /// The same server with an application name, which PostgreSQL shows in its list of sessions.
+    /// The same servers with an application name, which PostgreSQL shows in its list of sessions.
     pub(super) fn named(self, application: &str) -> Self {
-        Self { options: Box::new(self.options.application_name(application)), ..self }
+        // PgBouncer refuses the startup parameter `extra_float_digits`. PostgreSQL's default is exact, too.
+        let with = |server: PgConnectOptions| server.application_name(application).extra_float_digits(None);
+        Self { servers: self.servers.into_iter().map(with).collect(), ..self }
     }
 
-    /// The same server with the current password of the file. If the file is unusable, the password read before stays
+    /// The same servers with the current password of the file. If the file is unusable, the password read before stays
     /// in use; if that one is wrong, the server reports it.
     pub(super) fn with_password_read_again(&self) -> Self {
         let renewed = self.password.as_ref().and_then(|password| password.read_again().ok());
         renewed.map_or_else(|| self.clone(), |password| self.clone().with_password(password))
     }
+
+    /// Options of a connection to each server, in the order of the URL.
+    pub(super) fn servers(&self) -> &[PgConnectOptions] {
+        &self.servers
+    }
+
+    /// Time limit for one server to accept a connection.
+    pub(super) fn connect_timeout(&self) -> Duration {
+        self.connect_timeout
+    }
+}
+
+/// Host and port of a server, or the folder of its socket, for people.
+pub(super) fn place(server: &PgConnectOptions) -> String {
+    let (host, port) = (server.get_host(), server.get_port());
+    match server.get_socket() {
+        Some(folder) => format!("{}:{port}", folder.display()),
+        None if host.contains(':') => format!("[{host}]:{port}"),
+        None => format!("{host}:{port}"),
+    }
+}
+
+fn places(servers: &[PgConnectOptions]) -> String {
+    servers.iter().map(place).collect::<Vec<_>>().join(",")
 }
 
 impl std::fmt::Debug for PostgresAddress {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "PostgresAddress({}:{})", self.get_host(), self.get_port())
+        write!(f, "PostgresAddress({})", places(&self.servers))
     }
 }
 
 impl Deref for PostgresAddress {
     type Target = PgConnectOptions;
 
+    #[expect(clippy::indexing_slicing, reason = "there is at least one server")]
     fn deref(&self) -> &PgConnectOptions {
-        &self.options
+        &self.servers[0]
     }
 }
 
@@ -78,27 +113,13 @@ impl std::str::FromStr for DatabaseAddress {
                 Ok(Self::Sqlite(PathBuf::from(path)))
             };
         }
-        let url = url::Url::parse(text).map_err(|problem| bad(&problem.to_string()))?;
-        if !matches!(url.scheme(), "postgres" | "postgresql") {
+        let scheme = text.split_once(':').map_or("", |(scheme, _)| scheme);
+        if !matches!(scheme, "postgres" | "postgresql") {
             return Err(bad("it begins with neither sqlite: nor postgres:"));
         }
-        if url.path().trim_matches('/').is_empty() {
-            return Err(bad("the name of the database is missing"));
-        }
-        let options: PgConnectOptions =
-            text.parse().map_err(|_| bad("it has an option that PostgreSQL does not know"))?;
-        if is_beyond_ascii(url.host_str().unwrap_or_default()) {
-            return Err(bad("a host name is in ASCII, an international one in Punycode: xn--..."));
-        }
-        Ok(Self::Postgres(PostgresAddress { options: Box::new(options), password: None }))
+        let servers::Servers { options, connect_timeout } = servers::servers(text).map_err(BadDatabaseUrl)?;
+        Ok(Self::Postgres(PostgresAddress { servers: options, connect_timeout, password: None }))
     }
-}
-
-/// Whether a host of a URL, whose other characters are in percent encoding, has a character beyond ASCII.
-fn is_beyond_ascii(host: &str) -> bool {
-    host.split('%')
-        .skip(1)
-        .any(|code| code.starts_with(['8', '9', 'A', 'B', 'C', 'D', 'E', 'F', 'a', 'b', 'c', 'd', 'e', 'f']))
 }
 
 impl std::fmt::Display for DatabaseAddress {
@@ -108,10 +129,9 @@ impl std::fmt::Display for DatabaseAddress {
             Self::Sqlite(path) => write!(f, "sqlite:{}", path.display()),
             Self::Postgres(options) => write!(
                 f,
-                "postgres://{}@{}:{}/{}",
+                "postgres://{}@{}/{}",
                 options.get_username(),
-                options.get_host(),
-                options.get_port(),
+                places(options.servers()),
                 options.get_database().unwrap_or_default()
             ),
         }
@@ -125,18 +145,27 @@ impl std::fmt::Debug for DatabaseAddress {
 }
 
 impl DatabaseAddress {
-    /// Whether an attacker on the network could read the traffic to the server or impersonate it: the server is on
+    /// Whether an attacker on the network could read the traffic to a server or impersonate it: the server is on
     /// another host and its certificate is not verified.
     #[must_use]
     pub fn is_exposed(&self) -> bool {
         match self {
             Self::Sqlite(_) => false,
-            Self::Postgres(options) => {
-                let is_here = options.get_socket().is_some()
-                    || matches!(options.get_host(), "localhost" | "127.0.0.1" | "::1")
-                    || options.get_host().starts_with('/');
-                !is_here && !matches!(options.get_ssl_mode(), PgSslMode::VerifyFull | PgSslMode::VerifyCa)
-            }
+            Self::Postgres(address) => address.servers().iter().any(|server| {
+                let is_here = server.get_socket().is_some()
+                    || matches!(server.get_host(), "localhost" | "127.0.0.1" | "::1")
+                    || server.get_host().starts_with('/');
+                !is_here && !matches!(server.get_ssl_mode(), PgSslMode::VerifyFull | PgSslMode::VerifyCa)
+            }),
+        }
+    }
+
+    /// Whether the URL names several servers, of which one accepts writes.
+    #[must_use]
+    pub fn has_several_servers(&self) -> bool {
+        match self {
+            Self::Sqlite(_) => false,
+            Self::Postgres(address) => address.servers().len() > 1,
         }
     }
 }
@@ -151,6 +180,7 @@ mod tests {
         assert!(is_exposed("postgres://u@db/d") && is_exposed("postgres://u@db/d?sslmode=require"));
         assert!(!is_exposed("postgres://u@db/d?sslmode=verify-full"));
         assert!(!is_exposed("postgres://u@127.0.0.1/d") && !is_exposed("sqlite:v"));
+        assert!(!is_exposed("postgres://u@[::1]/d") && is_exposed("postgres://u@127.0.0.1,db/d"));
     }
 
     #[test]
@@ -168,9 +198,16 @@ mod tests {
         assert_eq!(shown("sqlite:a/b.sqlite3").unwrap(), "sqlite:a/b.sqlite3");
         assert_eq!(shown("sqlite:///var/b.sqlite3").unwrap(), "sqlite:/var/b.sqlite3");
         assert_eq!(shown("postgres://u:secret@h:5433/d").unwrap(), "postgres://u@h:5433/d");
-        for bad in
-            ["", "sqlite:", "h:5432", "mysql://u:secret@h/d", "postgres://u:secret@h", "postgres://u:secret@h:x/d"]
-        {
+        assert_eq!(shown("postgres://u:secret@h,[::1]:2/d").unwrap(), "postgres://u@h:5432,[::1]:2/d");
+        for bad in [
+            "",
+            "sqlite:",
+            "h:5432",
+            "mysql://u:secret@h/d",
+            "postgres://u:secret@h",
+            "postgres://u:secret@h:x/d",
+            "postgres://u:secret@h,:x/d",
+        ] {
             let problem = shown(bad).unwrap_err().to_string();
             assert!(!problem.contains("secret"), "{problem}");
         }
