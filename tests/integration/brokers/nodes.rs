@@ -3,8 +3,9 @@
 use std::time::{Duration, Instant};
 
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
-use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, LinkState, TestClient};
+use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, TestClient};
 use vibrissa_tests::mosquitto::{Mosquitto, free_port};
 use vibrissa_tests::wait::until_true;
 
@@ -107,17 +108,12 @@ async fn an_outage_of_all_nodes_names_each_and_is_not_tried_without_a_pause() {
 async fn a_test_of_a_robot_uses_the_first_node_that_answers() {
     let (hole, node) = (BlackHole::open().await, Mosquitto::start());
     let address = broker(&[free_port(), hole.port(), node.port()]);
-    let connection = Connection {
-        prepared: mqtt::prepare(&address).unwrap(),
-        broker: address,
-        fleet: Name::new("f").unwrap(),
-        boot_id: vibrissa_protocol::BootId::new("c1").unwrap(),
-        epoch: 0,
-        link: LinkState::default(),
-    };
+    let (prepared, fleet) = (mqtt::prepare(&address).unwrap(), FleetShard::whole(Name::new("f").unwrap()));
+    let connection = Connection::new(address, prepared, fleet, vibrissa_protocol::BootId::new("c1").unwrap());
     let client = TestClient::open(&connection, &["whisker/v1/f/r/contacts".to_owned()]).await.unwrap();
     client.close().await;
-    let nowhere = Connection { broker: broker(&[free_port(), free_port()]), ..connection };
+    let mut nowhere = connection;
+    nowhere.broker = broker(&[free_port(), free_port()]);
     let refusal = TestClient::open(&nowhere, &[]).await.unwrap_err().to_string();
     assert_eq!(refusal.matches("nothing listens there").count(), 2, "{refusal}");
 }

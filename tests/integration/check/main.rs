@@ -14,13 +14,14 @@ mod program;
 use std::time::Duration;
 
 use vibrissa::check::{CheckOptions, Progress, Report, Timings, check};
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{
     BootId, Name, RobotTopic, Setpoint, SetpointReason, SupervisorPresence, SupervisorState, Timestamp, Topic, encode,
 };
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_simulator::scenario::Misbehaviour;
 use vibrissa_simulator::{Broker, Fleet, RobotHandle, Scenario};
-use vibrissa_supervisor::mqtt::{BrokerAddress, Connection, LinkState, prepare};
+use vibrissa_supervisor::mqtt::{BrokerAddress, Connection, prepare};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::observer::Observer;
 use vibrissa_tests::wait;
@@ -69,14 +70,9 @@ fn connection(broker: &Mosquitto, name: &str) -> Connection {
 
 fn connection_in(fleet: &str, broker: &Mosquitto, name: &str) -> Connection {
     let address = BrokerAddress::new("127.0.0.1", broker.port());
-    Connection {
-        prepared: prepare(&address).unwrap(),
-        broker: address,
-        fleet: Name::new(fleet).unwrap(),
-        boot_id: BootId::new(&format!("check-{name}")).unwrap(),
-        epoch: 0,
-        link: LinkState::default(),
-    }
+    let prepared = prepare(&address).unwrap();
+    let fleet = FleetShard::whole(Name::new(fleet).unwrap());
+    Connection::new(address, prepared, fleet, BootId::new(&format!("check-{name}")).unwrap())
 }
 
 /// Starts a robot of that name with continuous contacts, and waits until it is connected.
