@@ -11,7 +11,7 @@ use nix::unistd::Pid;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::wait::until;
+use crate::wait::{PATIENCE, until, until_within};
 use crate::web::ask;
 
 /// A running demo without its scripted part; killed on drop.
@@ -78,13 +78,14 @@ impl LiveDemo {
         self.input = None;
     }
 
-    /// Waits until a list of the API has an item for which `is_it` is true, and returns that item.
+    /// Waits until a list of the API has an item for which `is_it` is true, and returns that item. It waits long: a demo may
+    /// share its processors with a thousand robots and a browser.
     pub async fn item(&self, path: &str, is_it: impl Fn(&Value) -> bool) -> Value {
         let look = async || {
             let answer = ask(self.http, "GET", path, &[]).await.ok()?;
             answer.json()["items"].as_array()?.iter().find(|item| is_it(item)).cloned()
         };
-        until(path, look).await
+        until_within(6 * PATIENCE, path, look).await
     }
 
     /// Sends SIGINT, as Ctrl-C does.

@@ -87,14 +87,15 @@ async fn regress_a_message_of_256_mb_ends_the_connection_before_it_is_in_memory(
 #[tokio::test(flavor = "multi_thread")]
 async fn a_message_above_the_contracts_size_is_refused_and_the_largest_is_not() {
     let broker = shipped(CONFIGURATION).start();
-    let supervisor = tokio::task::block_in_place(|| {
+    // The robot stays connected: closing a connection with unread acknowledgements would discard what the broker has not read.
+    let (supervisor, _robot) = tokio::task::block_in_place(|| {
         let mut supervisor = raw::connect(broker.supervisor_port(), "s", "vibrissa", PASSWORD);
         raw::subscribe(&mut supervisor, "whisker/v1/+/+/contacts");
         let mut robot = raw::connect(broker.port(), "r", "lab/one", PASSWORD);
         for (id, size) in [(1, 262_145), (2, 262_144)] {
             robot.write_all(&raw::publish("whisker/v1/lab/one/contacts", id, &vec![b'x'; size])).unwrap();
         }
-        supervisor
+        (supervisor, robot)
     });
     let mut start = [0; 4];
     tokio::task::block_in_place(|| (&supervisor).read_exact(&mut start)).unwrap();

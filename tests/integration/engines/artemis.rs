@@ -44,7 +44,7 @@ impl Artemis {
     }
 
     fn start_all(count: usize) -> Option<Self> {
-        let home = installed("artemis", None)?;
+        let home = installed("artemis", Some("--if-installed"))?;
         for _ in 0..3 {
             if let Some(started) = Self::try_start(&home, count) {
                 return Some(started);

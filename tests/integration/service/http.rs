@@ -19,7 +19,10 @@ async fn a_service_that_runs_is_alive_and_ready() {
     let running = Running::start().await;
     assert_eq!(web::get(running.service.http, "/livez").await, (200, "alive\n".to_owned()));
     until_true("ready", async || web::get(running.service.http, "/readyz").await.0 == 200).await;
-    let ready = web::json(running.service.http, "/readyz").await;
+    let mut ready = web::json(running.service.http, "/readyz").await;
+    let nodes = ready.as_object_mut().and_then(|ready| ready.remove("mqtt_nodes")).unwrap();
+    let node = format!("{}:{}", running.service.broker.host, running.service.broker.port);
+    assert_eq!(nodes["f"]["receiving"], node, "{nodes}");
     let epoch = running.database.number("SELECT epoch FROM leases").await;
     let fleets = serde_json::json!({ "f": { "standing": "OWNED", "epoch": epoch } });
     assert_eq!(ready, serde_json::json!({ "ready": true, "reasons": [], "fleets": fleets }));

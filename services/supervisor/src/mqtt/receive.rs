@@ -17,7 +17,7 @@ use super::nodes::Attempts;
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::publish::is_failure;
-use super::subscriptions::{self, Receipt, Subscriptions, heard, inputs};
+use super::subscriptions::{self, Receipt, Subscriptions, inputs};
 use super::{Connection, limits, stopped};
 use crate::births::BirthCause;
 use crate::inbox::{Inbox, Intake, inbox};
@@ -91,7 +91,7 @@ impl Receiver {
         let (client, events) = AsyncClient::builder(options).capacity(64 + self.subscriptions.packets_max()).build();
         let mut poller = Poller::new(events, &self.connection, reached);
         let mut coalescing = PollCoalescing::new(Instant::now());
-        let mut hearing = Hearing::new(self.connection.fleet(), heard(), Instant::now());
+        let mut hearing = Hearing::new(self.connection.fleet(), self.subscriptions.probed(), Instant::now());
         let mut is_subscribed = false;
         loop {
             let event = match poller.ready() {

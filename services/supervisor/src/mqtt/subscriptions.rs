@@ -1,8 +1,8 @@
 //! The topic filters of a connection.
 //!
 //! A whole fleet needs one filter for each topic. A shard subscribes to the connection messages of all robots, because these
-//! tell which robots there are, and to the other topics only of its own robots. In the place of the filters that it does
-//! not have, it subscribes to the topics of its own probes.
+//! tell which robots there are, and to the other topics only of its own robots. Its probes test the connection and this one
+//! filter: all shards receive the probes of each.
 
 use std::collections::{BTreeSet, VecDeque};
 
@@ -53,6 +53,12 @@ impl Subscriptions {
         Self { shard, robots, unacknowledged: VecDeque::new() }
     }
 
+    /// The topics whose filters are probed.
+    pub(super) fn probed(&self) -> impl Iterator<Item = RobotTopic> + use<> {
+        let is_whole = self.shard.is_whole();
+        heard().filter(move |&kind| is_whole || kind == RobotTopic::Connection)
+    }
+
     /// Largest number of packets that a connection sends at once.
     pub(super) fn packets_max(&self) -> usize {
         let kinds = heard().count();
@@ -75,18 +81,9 @@ impl Subscriptions {
 
     fn packets(&mut self, which: impl Fn(RobotTopic) -> bool) -> Vec<Packet> {
         let fleet = self.shard.fleet();
-        let kinds: Vec<RobotTopic> = heard().filter(|&kind| which(kind)).collect();
-        let filters: Vec<String> = match self.shard.is_whole() {
-            true => kinds.iter().map(|kind| kind.fleet_filter(fleet)).collect(),
-            false => {
-                let of_fleet = kinds.iter().map(|&kind| match kind == RobotTopic::Connection {
-                    true => kind.fleet_filter(fleet),
-                    false => kind.probe_topic(fleet),
-                });
-                let of_robots = self.robots.iter().flat_map(|robot| of_robot(&self.shard, robot, &which));
-                of_fleet.chain(of_robots).collect()
-            }
-        };
+        let of_fleet = self.probed().filter(|&kind| which(kind)).map(|kind| kind.fleet_filter(fleet));
+        let of_robots = self.robots.iter().flat_map(|robot| of_robot(&self.shard, robot, &which));
+        let filters: Vec<String> = of_fleet.chain(of_robots).collect();
         let packets: Vec<Packet> = filters.chunks(FILTERS_PER_PACKET).map(<[String]>::to_vec).collect();
         self.unacknowledged.extend(packets.iter().cloned());
         packets
@@ -181,7 +178,7 @@ mod tests {
         let filters: Vec<String> = subscriptions.begin().concat();
         let wild: Vec<&String> = filters.iter().filter(|filter| filter.contains('+')).collect();
         assert_eq!(wild, ["whisker/v1/f/+/connection"]);
-        assert_eq!(filters.len(), heard().count() + (own.len() - 1) * (heard().count() - 1));
+        assert_eq!(filters.len(), 1 + (own.len() - 1) * (heard().count() - 1));
         for name in &names {
             let expected = match (shard.has(name), name == own[0]) {
                 (true, true) => "new",

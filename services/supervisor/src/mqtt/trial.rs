@@ -11,7 +11,7 @@ use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::publish::is_failure;
 use super::receive::judge;
-use super::subscriptions::{Subscriptions, heard, inputs};
+use super::subscriptions::{Subscriptions, inputs};
 
 /// Time limit of the whole trial.
 const LIMIT: Duration = Duration::from_secs(15);
@@ -49,7 +49,7 @@ async fn prove_at(connection: &Connection) -> Result<(), Problem> {
     let (options, reached) = connection.options("trial");
     let (client, events) = AsyncClient::builder(options).capacity(64).build();
     let mut poller = Poller::new(events, connection, reached);
-    let mut hearing = Hearing::new(fleet, heard(), Instant::now());
+    let mut hearing = Hearing::new(fleet, subscriptions.probed(), Instant::now());
     while !hearing.is_proven() {
         let event = poller.next_while(&mut hearing, |hearing| judge(&client, hearing, connection, |_| {})).await?;
         match event {
