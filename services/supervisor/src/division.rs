@@ -2,7 +2,7 @@
 //!
 //! All owners release the fleet. One supervisor then acquires all its shards, recovers each, and writes checkpoints of all
 //! robots, so that no journal row of the old shards is needed any more. Then it replaces the leases. Meanwhile robots keep
-//! what they have no receipt for, as at each change of owner.
+//! the contacts that have no receipt, as at each change of owner.
 
 use tracing::{error, info};
 use vibrissa_protocol::BootId;

@@ -25,7 +25,7 @@ pub(super) fn heard() -> impl Iterator<Item = RobotTopic> {
 /// The filters of one packet, as texts.
 pub(super) type Packet = Vec<String>;
 
-/// What a connection subscribes to.
+/// The subscriptions of a connection.
 #[derive(Debug)]
 pub(super) struct Subscriptions {
     shard: FleetShard,
@@ -35,7 +35,7 @@ pub(super) struct Subscriptions {
     unacknowledged: VecDeque<Packet>,
 }
 
-/// What to do with a received message.
+/// The shard that a received message belongs to.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Receipt {
     /// The robot belongs to this shard.
