@@ -115,6 +115,7 @@ impl Recorder {
                 open.ends = open.ends.max(ends);
             }
             open => {
+                self.reel.begin_box();
                 *open = Some(Open {
                     cause,
                     whisker_id,

@@ -7,8 +7,11 @@ use super::tape::{Kind, Tape, TapeCopy};
 
 /// Part of a robot's memory after which its state is put on the tape again: a busy robot's tape is shorter than a span.
 const STATE_EVERY: usize = 8;
-/// Shortest interval between two states of a busy robot.
+/// Shortest interval between two states of a busy robot, unless its messages take a `STATE_AT_LEAST`-th of its memory.
 const STATE_PAUSE: Micros = Micros(5_000_000);
+/// Part of a robot's memory after which its state is put on the tape at any interval. Two thirds of the memory hold such a
+/// part and the largest state, so a tape whose beginning was removed still has a state.
+const STATE_AT_LEAST: usize = 3;
 /// A state larger than this part of the robot's memory is left out.
 const STATE_PART: usize = 4;
 
@@ -39,6 +42,12 @@ pub(super) struct Reel {
     /// Time of the last state, and bytes of the messages since then.
     state_at: Micros,
     since_state: usize,
+    /// The last state was small enough for the tape.
+    states_fit: bool,
+    /// Entries were removed, and no state has been put on the tape since: nobody can replay what is on it.
+    lacks_state: bool,
+    /// The first message ever heard is no longer on the tape.
+    has_lost: bool,
 }
 
 /// Index in `base`.
@@ -53,7 +62,16 @@ fn base_of(kind: Kind) -> Option<usize> {
 impl Reel {
     /// An empty tape of a robot that is heard from `from` on. Its first state is due a span after `state_at`.
     pub(super) fn new(from: Micros, state_at: Micros) -> Self {
-        Self { tape: Tape::default(), from, base: [None, None], state_at, since_state: 0 }
+        Self {
+            tape: Tape::default(),
+            from,
+            base: [None, None],
+            state_at,
+            since_state: 0,
+            states_fit: true,
+            lacks_state: false,
+            has_lost: false,
+        }
     }
 
     /// Time from which on the tape has all messages.
@@ -98,6 +116,7 @@ impl Reel {
             self.from = self.from.max(at);
         }
         self.tape.push(at, kind, payload);
+        self.lacks_state &= kind != Kind::State;
         self.since_state += Tape::bytes_of(payload.len());
     }
 
@@ -108,19 +127,21 @@ impl Reel {
         }
         self.keep_within(0);
         self.from = Micros(at.0 + 1);
+        (self.has_lost, self.lacks_state) = (true, true);
         if let Some(index) = base_of(kind).filter(|_| payload.len() <= limits.share) {
             self.base[index] = Some(payload.to_vec());
         }
     }
 
-    /// Removes what came before the newest state that is at least a span old.
+    /// Removes what came before the newest state that is at least a span old. Before the first such state, everything stays
+    /// that the limits of memory allow: a replay begins with a state, or with the first message ever heard.
     pub(super) fn forget_old(&mut self, now: Micros, limits: Limits) {
         let horizon = Micros(now.0.saturating_sub(limits.span.0));
         let start = self.tape.states().iter().copied().rfind(|at| *at <= horizon);
         while let Some((at, kind)) = self.tape.first() {
             let stays = match (kind, start) {
                 (Kind::State, start) => start.is_none_or(|start| at >= start),
-                (Kind::Message(_), None) => at >= horizon,
+                (Kind::Message(_), None) => self.states_fit || at >= horizon,
                 // Everything before the state is part of it.
                 (Kind::Message(_), Some(_)) => false,
             };
@@ -139,14 +160,28 @@ impl Reel {
         while self.tape.bytes() > bytes {
             self.pop();
         }
+        self.lacks_state = self.tape.states().is_empty();
+        self.begin_with_state();
+        self.tape.shrink(2 * bytes);
+    }
+
+    /// Removes the messages before the first state, if there is one.
+    fn begin_with_state(&mut self) {
         while !self.tape.states().is_empty() && self.tape.first().is_some_and(|(_, kind)| kind != Kind::State) {
             self.pop();
         }
-        self.tape.shrink(2 * bytes);
+    }
+
+    /// Prepares the tape for a box: messages that lack a state before them go, once a later one is there.
+    pub(super) fn begin_box(&mut self) {
+        if self.has_lost {
+            self.begin_with_state();
+        }
     }
 
     fn pop(&mut self) {
         let gone_at = self.tape.first().map(|(at, _)| at);
+        self.has_lost = true;
         let popped = self.tape.pop(|kind| base_of(kind).is_some());
         if let Some((kind, payload)) = popped
             && let Some(index) = base_of(kind)
@@ -160,19 +195,27 @@ impl Reel {
     /// Whether the robot's state is due. Without messages the state has hardly changed.
     pub(super) fn is_state_due(&self, now: Micros, limits: Limits) -> bool {
         let passed = now.since(self.state_at);
+        let has_many = |part: usize| self.since_state >= limits.share / part;
         self.since_state > 0
-            && (passed >= limits.span || passed >= STATE_PAUSE && self.since_state >= limits.share / STATE_EVERY)
+            && (passed >= limits.span
+                || passed >= STATE_PAUSE && has_many(STATE_EVERY)
+                || has_many(STATE_AT_LEAST)
+                || self.lacks_state && self.states_fit)
     }
 
     /// Notes that the state was due, and returns whether one of so many bytes has its place on the tape.
     pub(super) fn takes_state(&mut self, now: Micros, bytes: usize, limits: Limits) -> bool {
         (self.state_at, self.since_state) = (now, 0);
-        bytes <= limits.share / STATE_PART
+        self.states_fit = bytes <= limits.share / STATE_PART;
+        self.states_fit
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::collection::vec;
+    use proptest::prelude::*;
+
     use super::*;
 
     const LIMITS: Limits = Limits { share: 64 * 1024, span: Micros(60_000_000) };
@@ -222,6 +265,39 @@ mod tests {
             left_out += u64::from(!reel.push_after_event(Micros(1_000 * at), CONTACTS, &[b' '; 900], LIMITS));
         }
         assert!(reel.tape.bytes() <= LIMITS.share && left_out > 50, "{left_out}");
+    }
+
+    /// Puts a message on the tape as the recorder does, after the robot's state if that is due.
+    fn record(reel: &mut Reel, now: Micros, bytes: usize, limits: Limits) {
+        if reel.is_state_due(now, limits) && reel.takes_state(now, 12_000, limits) {
+            reel.push(now, Kind::State, &[0; 12_000], limits);
+        }
+        reel.push(now, CONTACTS, &vec![b' '; bytes], limits);
+    }
+
+    proptest! {
+        #[test]
+        fn property_a_box_begins_with_a_state_or_with_the_first_message_at_any_pace_and_share(
+            // Messages that waited come at one moment. Robots come and go, which changes the share.
+            messages in vec((prop_oneof![Just(0), Just(1_000), Just(300_000)], 0..4_000_usize), 1..1_000),
+            shares in vec((0..1_000_usize, 64 * 1024..1024 * 1024_usize), 0..5),
+        ) {
+            let mut reel = Reel::new(seconds(1), seconds(0));
+            let (mut now, mut limits) = (seconds(1), Limits { share: 256 * 1024, span: seconds(10) });
+            for (number, (pause, bytes)) in messages.into_iter().enumerate() {
+                now = now.after(Micros(pause));
+                for (_, share) in shares.iter().filter(|(at, _)| *at == number) {
+                    limits.share = *share;
+                }
+                record(&mut reel, now, bytes, limits);
+                prop_assert!(reel.tape.bytes() <= limits.before());
+            }
+            // A smaller share may just have removed all states. The next one comes with the next message.
+            record(&mut reel, now, 100, limits);
+            reel.begin_box();
+            let first = entries(&reel)[0].0;
+            prop_assert!(first == Kind::State || !reel.has_lost, "{:?}", first);
+        }
     }
 
     #[test]
