@@ -72,6 +72,7 @@ pub static ACTIONS: List = List {
     select: "SELECT action_id, fleet, robot, \"array\", whisker, compensation_id, alarm_id, kind, parameters, reason, actor, \
              role, request_id, asked_us AS asked_at, state, problem, done_us AS done_at, test_id, parent_id FROM actions",
     details: "",
+    keys: &[],
     sorts: ActionSort::SORTS,
     id: "action_id",
 };

@@ -158,8 +158,14 @@ macro_rules! rows {
 }
 
 /// All alarms, standing and cleared.
-pub static ALARMS: List =
-    List { what: "list the alarms", select: rows!("true"), details: "", sorts: AlarmSort::SORTS, id: "alarm_id" };
+pub static ALARMS: List = List {
+    what: "list the alarms",
+    select: rows!("true"),
+    details: "",
+    keys: &[],
+    sorts: AlarmSort::SORTS,
+    id: "alarm_id",
+};
 
 /// The standing alarms: without a look at the cleared ones.
 pub static STANDING: List = List { what: "list the standing alarms", select: rows!("a.cleared_us IS NULL"), ..ALARMS };
@@ -192,6 +198,7 @@ pub static FOLDED: List = List {
          SELECT placed.*, most * 35184372088832 + last * 32 + urgency AS place FROM placed"
     ),
     details: "",
+    keys: &[],
     sorts: FoldedSort::SORTS,
     id: "alarm_id",
 };
@@ -206,6 +213,7 @@ pub static COUNTS: List = List {
         ") u WHERE true {filters} GROUP BY fleet, kind, urgency"
     ),
     details: "",
+    keys: &[],
     sorts: CountSort::SORTS,
     id: "alarm_id",
 };

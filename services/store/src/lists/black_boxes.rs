@@ -68,6 +68,7 @@ pub static BLACK_BOXES: List = List {
              JOIN whiskers w ON w.whisker_id = x.whisker_id JOIN arrays USING (array_id) \
              JOIN robots r ON r.robot_id = x.robot_id",
     details: "",
+    keys: &[],
     sorts: BlackBoxSort::SORTS,
     id: "black_box_id",
 };

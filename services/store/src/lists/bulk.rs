@@ -64,6 +64,7 @@ pub static BULK: List = List {
               (SELECT count(*) FROM actions c WHERE c.parent_id = q.action_id AND c.state = 'DONE') AS done, \
               (SELECT count(*) FROM actions c WHERE c.parent_id = q.action_id AND c.state = 'REFUSED') AS refused, \
               (SELECT count(*) FROM actions c WHERE c.parent_id = q.action_id AND c.state = 'EXPIRED') AS expired",
+    keys: &[],
     sorts: BulkSort::SORTS,
     id: "action_id",
 };

@@ -59,6 +59,7 @@ pub static CALIBRATIONS: List = List {
              (SELECT string_agg(fleet, ',' ORDER BY fleet) FROM active_calibrations a \
               WHERE a.calibration_id = c.calibration_id) AS active_in FROM calibrations c",
     details: "",
+    keys: &[],
     sorts: CalibrationSort::SORTS,
     id: "calibration_id",
 };
@@ -68,6 +69,7 @@ pub static CALIBRATION_TEXTS: List = List {
     what: "read a calibration",
     select: "SELECT calibration_id, model, measurements, fit, calibration FROM calibrations",
     details: "",
+    keys: &[],
     sorts: CalibrationSort::SORTS,
     id: "calibration_id",
 };

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 
 use super::sorts;
 use crate::from_row::from_row;
-use crate::list::List;
+use crate::list::{Keys, List};
 use crate::time::Time;
 
 from_row! {
@@ -241,6 +241,11 @@ pub static COMPENSATIONS: List = List {
              LEFT JOIN compensation_errors e ON e.compensation_error_id = (SELECT max(compensation_error_id) \
               FROM compensation_errors n WHERE n.compensation_id = c.compensation_id)",
     details: "",
+    keys: &[Keys {
+        select: "SELECT compensation_id, fleet, robot, decided_us AS decided_at, ended_us AS ended_at, approval \
+                 FROM compensations JOIN robots USING (robot_id)",
+        columns: &["compensation_id", "fleet", "robot", "decided_at", "ended_at", "approval"],
+    }],
     sorts: CompensationSort::SORTS,
     id: "compensation_id",
 };
@@ -253,6 +258,7 @@ pub static CANDIDATES: List = List {
              predicted_error_by_ratio, gives_up_own_role, chosen, refused \
              FROM compensation_candidates k JOIN whiskers w USING (whisker_id)",
     details: "",
+    keys: &[],
     sorts: &[by_order("ordinal")],
     id: "ordinal",
 };
@@ -264,6 +270,7 @@ pub static LOOKS: List = List {
              pressure_from_mpa, pressure_best_mpa, error, error_low, error_high, error_best, error_best_low, \
              error_best_high, error_with_gain, error_with_own_gain, gain_published FROM compensation_refinements",
     details: "",
+    keys: &[],
     sorts: &[by_order("compensation_refinement_id")],
     id: "compensation_refinement_id",
 };
@@ -278,6 +285,7 @@ pub static RATIO_ERRORS: List = List {
              WHERE e.compensation_error_id IN (SELECT max(compensation_error_id) FROM compensation_errors \
               GROUP BY compensation_id)",
     details: "",
+    keys: &[],
     sorts: &[by_order("ordinal")],
     id: "ordinal",
 };

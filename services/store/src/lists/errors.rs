@@ -165,6 +165,7 @@ pub static ERRORS: List = List {
              JOIN robots r ON r.robot_id = c.robot_id JOIN whiskers t ON t.whisker_id = c.target_whisker_id \
              JOIN arrays y ON y.array_id = t.array_id LEFT JOIN whiskers k ON k.whisker_id = c.compensator_whisker_id",
     details: "",
+    keys: &[],
     sorts: ErrorSort::SORTS,
     id: "compensation_error_id",
 };

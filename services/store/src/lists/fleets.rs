@@ -127,6 +127,7 @@ macro_rules! fleets {
                 " o USING (fleet)) q"
             ),
             details: "",
+            keys: &[],
             sorts: FleetSort::SORTS,
             id: "fleet_id",
         }

@@ -101,6 +101,7 @@ pub static TRIMS: List = List {
          JOIN robots r ON r.robot_id = w.robot_id"
     ),
     details: "",
+    keys: &[],
     sorts: TrimSort::SORTS,
     id: "trim_id",
 };
@@ -112,6 +113,7 @@ pub static HEALTH_CHANGES: List = List {
              recorded_us AS recorded_at FROM health_changes h JOIN whiskers w USING (whisker_id) \
              JOIN arrays USING (array_id) JOIN robots r ON r.robot_id = w.robot_id",
     details: "",
+    keys: &[],
     sorts: HealthChangeSort::SORTS,
     id: "health_change_id",
 };

@@ -89,6 +89,7 @@ pub static MINUTES: List = List {
     what: "list a whisker's minutes",
     select: select!("contact_minutes"),
     details: "",
+    keys: &[],
     sorts: RollupSort::SORTS,
     id: "whisker_id",
 };
@@ -98,6 +99,7 @@ pub static HOURS: List = List {
     what: "list a whisker's hours",
     select: select!("contact_hours"),
     details: "",
+    keys: &[],
     sorts: RollupSort::SORTS,
     id: "whisker_id",
 };

@@ -42,6 +42,7 @@ pub static NOTES: List = List {
     select: "SELECT note_id, action_id, fleet, robot, written_us AS written_at, author, text \
              FROM notes n JOIN robots r ON r.robot_id = n.robot_id",
     details: "",
+    keys: &[],
     sorts: NoteSort::SORTS,
     id: "note_id",
 };

@@ -78,4 +78,4 @@ sorts! {
 
 /// The policies that operators have set, in all versions.
 pub static POLICIES: List =
-    List { what: "list the policies", select: SELECT, details: "", sorts: PolicySort::SORTS, id: "version" };
+    List { what: "list the policies", select: SELECT, details: "", keys: &[], sorts: PolicySort::SORTS, id: "version" };

@@ -84,6 +84,7 @@ pub static QUARANTINE: List = List {
     select: "SELECT quarantine_id, fleet, robot, topic, boot_id, seq, received_us AS received_at, \
              quarantined_us AS quarantined_at, cause, code, payload FROM quarantine",
     details: "",
+    keys: &[],
     sorts: QuarantineSort::SORTS,
     id: "quarantine_id",
 };

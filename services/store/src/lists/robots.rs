@@ -172,6 +172,7 @@ pub static ROBOTS: List = List {
               (SELECT count(*) FROM whiskers w WHERE w.robot_id = q.robot_id AND position IS NOT NULL) AS whiskers, \
               (SELECT count(*) FROM whiskers w WHERE w.robot_id = q.robot_id AND position IS NOT NULL) \
               - whiskers_unsound AS whiskers_healthy",
+    keys: &[],
     sorts: RobotSort::SORTS,
     id: "robot_id",
 };
@@ -198,6 +199,7 @@ pub static ARRAYS: List = List {
     details: ", (SELECT count(*) FROM whiskers w WHERE w.array_id = q.array_id AND position IS NOT NULL) AS whiskers, \
               (SELECT count(*) FROM whiskers w WHERE w.array_id = q.array_id AND position IS NOT NULL) \
               - whiskers_unsound AS whiskers_healthy",
+    keys: &[],
     sorts: ArraySort::SORTS,
     id: "array_id",
 };

@@ -74,6 +74,7 @@ pub static ROLLOUTS: List = List {
              unchanged_robots, changed_error, unchanged_error, started_us AS started_at, stage_us AS stage_at, \
              updated_us AS updated_at, started_by, reason FROM rollouts",
     details: "",
+    keys: &[],
     sorts: RolloutSort::SORTS,
     id: "rollout_id",
 };

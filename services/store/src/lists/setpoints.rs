@@ -87,6 +87,7 @@ pub static SETPOINTS: List = List {
              expires_us AS expires_at FROM setpoints s JOIN whiskers w ON w.whisker_id = s.whisker_id \
              JOIN arrays USING (array_id) JOIN robots r ON r.robot_id = w.robot_id",
     details: "",
+    keys: &[],
     sorts: SetpointSort::SORTS,
     id: "setpoint_id",
 };
@@ -96,6 +97,7 @@ pub static SETPOINT_STATES: List = List {
     what: "list the states of a setpoint",
     select: "SELECT setpoint_state_id, command_id, recorded_us AS at, state, error, pressure_mpa FROM setpoint_states",
     details: "",
+    keys: &[],
     sorts: &[Sort { column: "setpoint_state_id", kind: Kind::Whole, descending: false }],
     id: "setpoint_state_id",
 };

@@ -76,6 +76,7 @@ pub static TOUCH_TESTS: List = List {
              JOIN whiskers w ON w.whisker_id = t.whisker_id JOIN arrays USING (array_id) \
              JOIN robots r ON r.robot_id = w.robot_id",
     details: "",
+    keys: &[],
     sorts: TouchTestSort::SORTS,
     id: "touch_test_id",
 };

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 use super::sorts;
 use crate::from_row::from_row;
 use crate::labels::RobotLabels;
-use crate::list::{Filter, List};
+use crate::list::{Filter, Keys, List};
 use crate::time::Time;
 
 from_row! {
@@ -128,6 +128,41 @@ pub static WHISKERS: List = List {
               (SELECT t.whisker FROM compensations c JOIN whiskers t ON t.whisker_id = c.target_whisker_id \
               WHERE c.compensator_whisker_id = q.whisker_id AND c.ended_us IS NULL AND approval <> 'PROPOSED' \
               ORDER BY compensation_id DESC LIMIT 1) AS target_whisker",
+    keys: &[
+        Keys {
+            select: "SELECT whisker_id, robot_id, array_id, whisker, model, length_mm, condition, fault, contacts FROM whiskers \
+                     WHERE position IS NOT NULL",
+            columns: &[
+                "whisker_id",
+                "robot_id",
+                "array_id",
+                "whisker",
+                "model",
+                "length_mm",
+                "condition",
+                "fault",
+                "contacts",
+            ],
+        },
+        Keys {
+            select: "SELECT w.whisker_id, w.robot_id, w.array_id, fleet, robot, w.whisker, w.model, length_mm, condition, fault, \
+                     contacts, connection FROM whiskers w JOIN robots USING (robot_id) WHERE position IS NOT NULL",
+            columns: &[
+                "whisker_id",
+                "robot_id",
+                "array_id",
+                "fleet",
+                "robot",
+                "whisker",
+                "model",
+                "length_mm",
+                "condition",
+                "fault",
+                "contacts",
+                "connection",
+            ],
+        },
+    ],
     sorts: WhiskerSort::SORTS,
     id: "whisker_id",
 };
