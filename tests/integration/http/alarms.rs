@@ -6,6 +6,7 @@ use vibrissa_edge::words::{Word, Words};
 use vibrissa_protocol::Name;
 use vibrissa_store::batch::{Record, RobotAlarmRow};
 use vibrissa_store::{Batch, Store, Supervisor};
+use vibrissa_tests::web::ask;
 
 use crate::rows::START_US;
 use crate::served::Served;
@@ -56,7 +57,11 @@ async fn each_alarm_has_a_level_a_hint_causes_and_a_runbook_that_is_served() {
         let robot = alarms.iter().find(|alarm| alarm["kind"] == "ROBOT_SILENT").unwrap();
         assert_eq!([&robot["array"], &robot["whisker"]], [&Value::Null, &Value::Null]);
         assert_eq!(served.get("/runbooks/no.md").await.status, 404);
-        assert!(served.get("/runbooks").await.body.contains("VibrissaWhiskerUncompensated.md"));
+        assert_eq!(served.get("/runbooks").await.headers["location"], "/runbooks/README.md");
+        let browser = ("accept", "text/html,*/*;q=0.8");
+        let page = ask(served.http, "GET", "/runbooks/README.md", &[browser]).await.unwrap();
+        assert_eq!(page.headers["content-type"], "text/html; charset=utf-8");
+        assert!(page.body.contains("<a href=\"VibrissaWhiskerUncompensated.md\">"), "{}", page.body);
         // The most urgent kind first: trimmed and uncompensated, then a silent robot, then a leak.
         let mut order = kinds;
         order.dedup();

@@ -1,12 +1,15 @@
 //! The runbooks under `/runbooks/`: what an alarm means and what to do. They are part of the program, so they can be read
 //! without other hosts, and without a token, because they contain no data.
 
+mod hypertext;
+
 use axum::Router;
 use axum::extract;
-use axum::http::header;
-use axum::response::{IntoResponse, Response};
+use axum::http::{HeaderMap, header};
+use axum::response::{IntoResponse, Redirect, Response};
 use axum::routing::get;
 
+use super::accept::preferred;
 use super::problem::Problem;
 
 /// Path of the runbooks on this service.
@@ -63,18 +66,26 @@ pages! {
     "WhiskerUnheard.md",
 }
 
-/// The pages as Markdown, which browsers show as text.
+/// The pages: as hypertext for browsers, and as Markdown for all others.
 pub(super) fn routes() -> Router<super::App> {
-    Router::new()
-        .route("/runbooks", get(async || page(FIRST)))
-        .route("/runbooks/{name}", get(async |extract::Path(name): extract::Path<String>| page(&name)))
+    Router::new().route("/runbooks", get(async || Redirect::permanent(&format!("{PATH}/{FIRST}")))).route(
+        "/runbooks/{name}",
+        get(async |extract::Path(name): extract::Path<String>, headers: HeaderMap| page(&name, &headers)),
+    )
 }
 
-fn page(name: &str) -> Response {
-    match PAGES.iter().find(|(known, _)| *known == name) {
-        Some((_, text)) => ([(header::CONTENT_TYPE, "text/plain; charset=utf-8")], *text).into_response(),
-        None => Problem::not_found(format_args!("runbook called {name}: {PATH}/{FIRST} lists them")).into_response(),
+fn page(name: &str, headers: &HeaderMap) -> Response {
+    let Some((_, text)) = PAGES.iter().find(|(known, _)| *known == name) else {
+        return Problem::not_found(format_args!("runbook called {name}: {PATH}/{FIRST} lists them")).into_response();
+    };
+    let vary = (header::VARY, "accept");
+    if preferred(headers, &["text/plain", "text/html"]) == Some(1) {
+        let content = (header::CONTENT_TYPE, "text/html; charset=utf-8");
+        let policy = (header::CONTENT_SECURITY_POLICY, hypertext::POLICY);
+        return ([content, policy, vary], hypertext::of(text)).into_response();
     }
+    // Browsers show this type, and would only save text/markdown.
+    ([(header::CONTENT_TYPE, "text/plain; charset=utf-8"), vary], *text).into_response()
 }
 
 #[cfg(test)]

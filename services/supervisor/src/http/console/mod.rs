@@ -118,6 +118,7 @@ files!(
     "styles/lists.css"
     "styles/overview.css"
     "styles/pictures.css"
+    "styles/runbooks.css"
     "table.js"
     "vendor/uPlot.LICENSE.txt"
     "vendor/uPlot.esm.js"
