@@ -53,20 +53,12 @@ fn fetch(folder: &Path) -> Result<PathBuf, String> {
 
 /// Violations of all rules on the visible page: the rule, and the elements.
 pub(crate) async fn violations(browser: &mut Browser, script: &str) -> Vec<String> {
-    run(browser, script, "{ resultTypes: ['violations'] }").await
-}
-
-/// The same of the only rule that depends on the colours.
-pub(crate) async fn contrasts(browser: &mut Browser, script: &str) -> Vec<String> {
-    run(browser, script, "{ resultTypes: ['violations'], runOnly: ['color-contrast'] }").await
-}
-
-async fn run(browser: &mut Browser, script: &str, options: &str) -> Vec<String> {
     if browser.js("typeof axe").await == "undefined" {
         browser.js(&format!("{script};0")).await;
     }
     let told = "`${one.id} (${one.impact}): ${one.nodes.slice(0, 3).map((node) => \
                 `${node.target.join(' ')} ${node.html.slice(0, 160)} ${node.failureSummary}`).join(' | ')}`";
+    let options = "{ resultTypes: ['violations'] }";
     let asked = format!("axe.run(document, {options}).then(({{ violations }}) => violations.map((one) => {told}))");
     let found = browser.js(&asked).await;
     found.as_array().unwrap().iter().map(|one| one.as_str().unwrap().to_owned()).collect()
