@@ -5,7 +5,7 @@
 //! each figure.
 //!
 //! Read in this order: [`stage`] (the programs under test), [`child`] (the load and other processes), `burst`, `batch`,
-//! `flat`, `latency`, `idle` and [`crowd`] (the parts), [`report`].
+//! `flat`, `latency`, `idle`, [`crowd`] and `pages` (the parts), [`report`].
 
 mod batch;
 mod burst;
@@ -15,6 +15,7 @@ mod flat;
 mod idle;
 mod latency;
 mod null;
+mod pages;
 mod pingpong;
 mod report;
 mod stage;
@@ -36,7 +37,7 @@ use stage::Stage;
 /// Name of the program under test, which is built beside this one.
 const PROGRAM: &str = "vibrissa-under-test";
 
-/// Measures the supervisor and compares it with floors and ceilings; takes at most ten minutes.
+/// Measures the supervisor and compares it with floors and ceilings; takes at most eleven minutes.
 #[derive(Debug, Parser)]
 #[command(name = "bench", version, args_conflicts_with_subcommands = true)]
 struct Arguments {
@@ -97,6 +98,8 @@ enum Part {
     Idle,
     /// A million whiskers in the core alone
     Core,
+    /// Pages of tables with ten thousand robots
+    Pages,
 }
 
 /// Durations and sizes of the measurements.
@@ -116,7 +119,7 @@ struct Pace {
 }
 
 impl Part {
-    /// Time after which the part begins no further round, in seconds. The budgets of all parts add up to nine and a
+    /// Time after which the part begins no further round, in seconds. The budgets of all parts add up to ten and a
     /// half minutes.
     fn budget_s(self) -> f64 {
         match self {
@@ -125,6 +128,8 @@ impl Part {
             Self::Latency => 90.0,
             Self::Idle => 75.0,
             Self::Core => 15.0,
+            // Seven requests for each page.
+            Self::Pages => 60.0,
         }
     }
 }
@@ -246,6 +251,7 @@ async fn parts(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
             Part::Latency => latency::run(bench).await,
             Part::Idle => idle::run(bench).await,
             Part::Core => crowd::run(bench).await,
+            Part::Pages => pages::run(bench).await,
         }
         .with_context(|| format!("{part:?}"))?;
         bench.say(&format!("{part:?} took {:.0} s", begun.elapsed().as_secs_f64()));

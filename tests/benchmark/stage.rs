@@ -124,6 +124,8 @@ async fn is_ready(http: SocketAddr, fleet: &str) -> bool {
 /// A supervisor that has become ready.
 pub struct Supervisor {
     process: Process,
+    /// Address of its REST API.
+    pub http: SocketAddr,
     /// Time from the start of the process until it was ready, seconds.
     pub ready_s: f64,
 }
@@ -144,7 +146,7 @@ impl Supervisor {
             environment: vec![level],
             log: log.clone(),
         });
-        let mut supervisor = Self { process, ready_s: 0.0 };
+        let mut supervisor = Self { process, http, ready_s: 0.0 };
         while !is_ready(http, fleet).await {
             let said = || std::fs::read_to_string(&log).unwrap_or_default();
             ensure!(supervisor.process.ended_already().is_none(), "the supervisor has ended: {}", said());
