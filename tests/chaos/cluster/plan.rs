@@ -99,7 +99,7 @@ impl Serialize for Fault {
 pub enum Hold {
     /// After this time.
     For(Duration),
-    /// When other supervisors record for all shards of the victim.
+    /// When other supervisors have committed for all shards of the victim, and every robot has a new receipt.
     UntilTaken,
     /// When the other database node accepts writes.
     UntilLed,

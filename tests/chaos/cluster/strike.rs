@@ -101,7 +101,8 @@ impl Striker<'_> {
             }
             let is_due = match hold {
                 Hold::For(time) => elapsed >= time,
-                Hold::UntilTaken => struck.takeover.is_some(),
+                // Its return moves shards again, which would hide how long the robots waited.
+                Hold::UntilTaken => struck.takeover.is_some() && struck.recovered_s.is_some(),
                 Hold::UntilLed => engine.as_ref().is_some_and(JoinHandle::is_finished),
                 Hold::UntilRecovered => struck.recovered_s.is_some(),
             };
