@@ -229,10 +229,13 @@ impl Striker<'_> {
     /// nodes of the broker. Returns false after [`PATIENCE`].
     pub async fn until_whole(&mut self) -> bool {
         let begun = Instant::now();
+        let begun_s = vibrissa_simulator::fleet::now_us() as f64 / 1e6;
         let mut nodes_again = false;
         loop {
             let is_shared = self.watch.is_shared_evenly();
-            let is_replicated = is_shared && self.stage.database.is_replicated().await;
+            let database = &self.stage.database;
+            let is_replicated =
+                is_shared && database.is_replicated().await && database.has_reached_etcd_since(begun_s).await;
             if is_replicated && probe::pass(&self.stage.broker.addresses()).await {
                 return true;
             }

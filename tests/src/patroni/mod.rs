@@ -161,6 +161,18 @@ impl Patroni {
         None
     }
 
+    /// Whether the leader's Patroni has reached etcd since this time, in seconds since 1970: a leader that has missed etcd
+    /// gives up only some seconds later.
+    pub async fn has_reached_etcd_since(&self, time_s: f64) -> bool {
+        let Some(leader) = self.leader().await else { return false };
+        let Node { host, rest_port, .. } = &self.nodes[leader];
+        let Ok(address) = format!("{host}:{rest_port}").parse() else { return false };
+        let told = timeout(ANSWER, crate::web::try_get(address, "/patroni")).await;
+        let Ok(Ok((_, body))) = told else { return false };
+        let told: serde_json::Value = serde_json::from_str(&body).unwrap_or_default();
+        told["role"] != "replica" && told["dcs_last_seen"].as_f64().is_some_and(|seen| seen > time_s)
+    }
+
     /// Kills Patroni and PostgreSQL of a node, as a loss of power does.
     pub fn kill(&mut self, node: usize) {
         self.nodes[node].kill();
