@@ -33,14 +33,7 @@ const SHORTEST_MM: f64 = 58.0;
 const CUT_MM: std::ops::Range<f64> = 1.5..4.0;
 
 /// Splits the robots into one scenario per link between robots and broker.
-pub fn scenarios(
-    seed: u64,
-    seconds: f64,
-    names: &[Name],
-    rate: f64,
-    control: Control,
-    links: usize,
-) -> Vec<Scenario> {
+pub fn scenarios(seed: u64, seconds: f64, names: &[Name], rate: f64, control: Control, links: usize) -> Vec<Scenario> {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x7269_6d73);
     let mut groups: Vec<Vec<RobotScenario>> = vec![Vec::new(); links];
     for (number, name) in names.iter().enumerate() {

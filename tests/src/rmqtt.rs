@@ -54,12 +54,8 @@ impl Rmqtt {
 
     fn try_start(program: &Path, places: &[Place], rules: &str) -> Option<Self> {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let node = |place: &Place| Node {
-            host: place.host.clone(),
-            mqtt: free_port(),
-            grpc: free_port(),
-            raft: free_port(),
-        };
+        let node =
+            |place: &Place| Node { host: place.host.clone(), mqtt: free_port(), grpc: free_port(), raft: free_port() };
         let nodes: Vec<Node> = places.iter().map(node).collect();
         let mut processes = Vec::new();
         for (at, place) in places.iter().enumerate() {

@@ -49,11 +49,7 @@ pub struct Settings {
 }
 
 /// Runs the cluster under faults. `Ok(Err)` says what is not installed or not allowed here.
-pub async fn run(
-    settings: &Settings,
-    program: &Program,
-    logs: &Path,
-) -> anyhow::Result<Result<Report, &'static str>> {
+pub async fn run(settings: &Settings, program: &Program, logs: &Path) -> anyhow::Result<Result<Report, &'static str>> {
     let Settings { seed, seconds, rate, control, .. } = *settings;
     let names = stage::robot_names(settings.robots);
     // The folder may contain logs of an earlier run.

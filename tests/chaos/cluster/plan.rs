@@ -59,8 +59,7 @@ impl Fault {
         let supervisors = (0..SUPERVISORS_COUNT).map(Victim::Supervisor);
         let nodes = (0..broker_nodes).map(Victim::Broker).chain(supervisors);
         let victims = nodes.chain([Victim::Leader, Victim::Standby, Victim::Etcd]);
-        let mut all: Vec<Self> =
-            victims.flat_map(|victim| each.map(|deed| Self { victim, deed })).collect();
+        let mut all: Vec<Self> = victims.flat_map(|victim| each.map(|deed| Self { victim, deed })).collect();
         all.push(Self { victim: Victim::Leader, deed: Deed::SeparatedThenKilled });
         let forgotten = |node| Self { victim: Victim::Supervisor(node), deed: Deed::KilledAndForgotten };
         all.extend((0..SUPERVISORS_COUNT).map(forgotten));
@@ -145,7 +144,8 @@ impl Plan {
 
     fn draw_round(&mut self) -> Vec<Fault> {
         let is_first = std::mem::take(&mut self.is_first);
-        let of_supervisors = |deed| (0..SUPERVISORS_COUNT).map(move |node| Fault { victim: Victim::Supervisor(node), deed });
+        let of_supervisors =
+            |deed| (0..SUPERVISORS_COUNT).map(move |node| Fault { victim: Victim::Supervisor(node), deed });
         match self.control {
             Control::NoFence => of_supervisors(Deed::Frozen).collect(),
             Control::Asynchronous => vec![Fault { victim: Victim::Leader, deed: Deed::SeparatedThenKilled }],
@@ -227,7 +227,11 @@ mod tests {
     #[test]
     fn a_control_has_the_faults_that_bring_it_to_light() {
         assert!(faults(1, Control::Asynchronous, 4).iter().all(|one| one.deed == Deed::SeparatedThenKilled));
-        assert!(faults(1, Control::NoFence, 4).iter().all(|one| one.deed == Deed::Frozen && matches!(one.victim, Victim::Supervisor(_))));
+        assert!(
+            faults(1, Control::NoFence, 4)
+                .iter()
+                .all(|one| one.deed == Deed::Frozen && matches!(one.victim, Victim::Supervisor(_)))
+        );
         let mut plan = Plan::new(1, Control::NoFence, 3);
         assert!((0..20).all(|_| plan.next().hold == Hold::UntilTaken), "longer than a lease");
     }

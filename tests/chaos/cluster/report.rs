@@ -62,6 +62,9 @@ pub struct FaultReport {
     pub fault: String,
     /// Seconds after the robots' start.
     pub at_s: f64,
+    /// Until all the victim's shards had another owner.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub owned_s: Option<f64>,
     /// Number of the victim's shards that others took over, and the time until the last one's first commit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub takeover: Option<(usize, f64)>,
@@ -79,6 +82,7 @@ impl FaultReport {
         Self {
             fault: struck.fault.to_string(),
             at_s: (struck.at - started).as_secs_f64(),
+            owned_s: struck.owned_s,
             takeover: struck.takeover,
             engine_s: struck.engine_s,
             repaired_s: struck.repaired_s,
@@ -208,6 +212,7 @@ impl fmt::Display for Report {
             let mark = if count > 0 { "  VIOLATION" } else { "" };
             writeln!(f, "{name:<58}{count:>9}{mark}")?;
         }
+        self.fmt_times(f, "hit to another owner of all shards, s", |one| one.owned_s)?;
         self.fmt_times(f, "hit to the first commit for all shards by others, s", |one| {
             one.takeover.map(|(_, seconds)| seconds)
         })?;
@@ -225,6 +230,7 @@ mod tests {
         let fault = FaultReport {
             fault: "etcd killed".to_owned(),
             at_s: 1.0,
+            owned_s: None,
             takeover: None,
             engine_s: Some(2.0),
             repaired_s: 1.0,

@@ -66,7 +66,8 @@ impl Stage {
             arguments.extend(["--fleet-shards".to_owned(), SHARDS.to_string()]);
             arguments.extend(["--lease-time-to-live-s".to_owned(), LEASE_S.to_string()]);
             arguments.extend(["--detection-cold-start-contacts".to_owned(), LEARNED.to_string()]);
-            let fault = (control == Control::NoFence).then(|| ("VIBRISSA_TEST_FAULT".to_owned(), "no_fence".to_owned()));
+            let fault =
+                (control == Control::NoFence).then(|| ("VIBRISSA_TEST_FAULT".to_owned(), "no_fence".to_owned()));
             let level = ("RUST_LOG".to_owned(), "info,rumqttc=warn".to_owned());
             supervisors.push(Process::start(network.place(SUPERVISOR + at).launch(Launch {
                 program: program.path.clone(),
@@ -80,7 +81,8 @@ impl Stage {
 
     /// The broker as a group of robots reaches it: each group begins with another node.
     pub fn broker_of(&self, group: usize) -> vibrissa_simulator::Broker {
-        let broker = vibrissa_simulator::Broker::from_url(&broker_url(&self.broker, group)).expect("an address of ours");
+        let broker =
+            vibrissa_simulator::Broker::from_url(&broker_url(&self.broker, group)).expect("an address of ours");
         vibrissa_simulator::Broker { credentials: Some((CLIENT.0.to_owned(), CLIENT.1.to_owned())), ..broker }
     }
 
@@ -125,8 +127,7 @@ impl Stage {
 
 /// The nodes' addresses, beginning with another one for each number.
 fn broker_url(broker: &Broker, first: usize) -> String {
-    let mut urls: Vec<String> =
-        broker.addresses().iter().map(|(host, port)| format!("mqtt://{host}:{port}")).collect();
+    let mut urls: Vec<String> = broker.addresses().iter().map(|(host, port)| format!("mqtt://{host}:{port}")).collect();
     let count = urls.len();
     urls.rotate_left(first % count);
     urls.join(",")

@@ -28,6 +28,8 @@ pub struct Struck {
     pub fault: Fault,
     /// Time of the hit.
     pub at: Instant,
+    /// Time at which all the victim's shards had another owner.
+    pub owned_s: Option<f64>,
     /// Number of the victim's shards that others took over, and the time of the last one's first commit.
     pub takeover: Option<(usize, f64)>,
     /// Time at which the engine itself worked again: a new leader of the database, or messages between the other nodes
@@ -79,6 +81,7 @@ impl Striker<'_> {
         let mut struck = Struck {
             fault,
             at: hit,
+            owned_s: None,
             takeover: None,
             engine_s: None,
             repaired_s: 0.0,
@@ -93,6 +96,9 @@ impl Striker<'_> {
             let seconds = elapsed.as_secs_f64();
             if struck.recovered_s.is_none() && self.robots.receipted_beyond(&marks) == self.names.len() {
                 struck.recovered_s = Some(seconds);
+            }
+            if is_taken_for_good && struck.owned_s.is_none() && self.watch.owned_again(&shards) == shards.len() {
+                struck.owned_s = Some(seconds);
             }
             let has_fence = self.control != Control::NoFence;
             let taken = self.watch.taken(&shards, has_fence);
@@ -267,8 +273,9 @@ fn tell(struck: &Struck, hold: Hold) {
         Victim::Leader | Victim::Standby | Victim::Etcd => String::new(),
     };
     eprintln!(
-        "chaos: {}{node} ({hold:?}): takeover {}, engine {}, repaired {:.2}, recovered {}, whole {} s",
+        "chaos: {}{node} ({hold:?}): owned {}, takeover {}, engine {}, repaired {:.2}, recovered {}, whole {} s",
         struck.fault,
+        seconds(struck.owned_s),
         seconds(struck.takeover.map(|(_, seconds)| seconds)),
         seconds(struck.engine_s),
         struck.repaired_s,

@@ -64,6 +64,11 @@ impl Watch {
         of.map(|(&number, shard)| (number, shard.epoch)).collect()
     }
 
+    /// Number of these shards that have a next owner.
+    pub fn owned_again(&self, before: &BTreeMap<i64, i64>) -> usize {
+        self.taken(before, false)
+    }
+
     /// Number of these shards whose next owner has committed; without a fence, commits are not counted.
     pub fn taken(&self, before: &BTreeMap<i64, i64>, has_fence: bool) -> usize {
         let leases = self.leases();
@@ -112,8 +117,7 @@ async fn ask(connection: &mut Option<PgConnection>, server: &PgConnectOptions) -
     if rows.iter().any(|row| row.get(0)) {
         return None;
     }
-    let shard = |row: &sqlx::postgres::PgRow| {
-        (row.get(1), Shard { epoch: row.get(2), owner: row.get(3), commits: row.get(4) })
-    };
+    let shard =
+        |row: &sqlx::postgres::PgRow| (row.get(1), Shard { epoch: row.get(2), owner: row.get(3), commits: row.get(4) });
     Some(rows.iter().map(shard).collect())
 }

@@ -230,10 +230,9 @@ async fn the_number_is_raised_and_lowered_by_request(place: &Place<'_>) {
     }
     let audit = a.get("/v1/audit?kind=SHARDS").await;
     assert_eq!(serde_json::from_str::<Value>(&audit).unwrap()["items"].as_array().unwrap().len(), 3, "{audit}");
-    for (body, status, part) in [
-        (json!({ "shards": 0 }), 422, "from 1 to 1024"),
-        (json!({ "shards": 1025 }), 422, "from 1 to 1024"),
-    ] {
+    for (body, status, part) in
+        [(json!({ "shards": 0 }), 422, "from 1 to 1024"), (json!({ "shards": 1025 }), 422, "from 1 to 1024")]
+    {
         let (told, answer) = set_shards(&a, body).await;
         assert_eq!(told, status, "{answer}");
         assert!(answer.to_string().contains(part), "{answer}");
