@@ -240,8 +240,10 @@ impl Striker<'_> {
         loop {
             let is_shared = self.watch.is_shared_evenly();
             let database = &self.stage.database;
-            let is_replicated =
-                is_shared && database.is_replicated().await && database.has_reached_etcd_since(begun_s).await;
+            let is_replicated = is_shared
+                && database.is_replicated().await
+                && database.has_reached_etcd_since(begun_s).await
+                && database.may_promote().await;
             if is_replicated && probe::pass(&self.stage.broker.addresses()).await {
                 return true;
             }

@@ -164,13 +164,27 @@ impl Patroni {
     /// Whether the leader's Patroni has reached etcd since this time, in seconds since 1970: a leader that has missed etcd
     /// gives up only some seconds later.
     pub async fn has_reached_etcd_since(&self, time_s: f64) -> bool {
-        let Some(leader) = self.leader().await else { return false };
-        let Node { host, rest_port, .. } = &self.nodes[leader];
-        let Ok(address) = format!("{host}:{rest_port}").parse() else { return false };
-        let told = timeout(ANSWER, crate::web::try_get(address, "/patroni")).await;
-        let Ok(Ok((_, body))) = told else { return false };
-        let told: serde_json::Value = serde_json::from_str(&body).unwrap_or_default();
+        let told = self.ask_patroni("/patroni").await;
         told["role"] != "replica" && told["dcs_last_seen"].as_f64().is_some_and(|seen| seen > time_s)
+    }
+
+    /// Whether Patroni may promote the other node: with `synchronous_mode` only one that it has noted as synchronous, which
+    /// happens after PostgreSQL waits for it.
+    pub async fn may_promote(&self) -> bool {
+        let told = self.ask_patroni("/cluster").await;
+        let role = if self.is_synchronous { "sync_standby" } else { "replica" };
+        told["members"].as_array().is_some_and(|members| members.iter().any(|one| one["role"] == role))
+    }
+
+    /// The answer of the leader's Patroni; null without one.
+    async fn ask_patroni(&self, path: &str) -> serde_json::Value {
+        let Some(leader) = self.leader().await else { return serde_json::Value::Null };
+        let Node { host, rest_port, .. } = &self.nodes[leader];
+        let Ok(address) = format!("{host}:{rest_port}").parse() else { return serde_json::Value::Null };
+        match timeout(ANSWER, crate::web::try_get(address, path)).await {
+            Ok(Ok((_, body))) => serde_json::from_str(&body).unwrap_or_default(),
+            Ok(Err(_)) | Err(_) => serde_json::Value::Null,
+        }
     }
 
     /// Kills Patroni and PostgreSQL of a node, as a loss of power does.
