@@ -5,23 +5,22 @@ use std::time::Duration;
 use rumqttc::{AsyncClient, Event, MqttOptions, Packet, PublishOptions, QoS};
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 
-use crate::scenario::FLEET;
-use crate::stage::{FORGET_USER, SUPERVISOR_PASSWORD};
+use crate::scenario::fleet;
 
 /// Time limit for the acknowledgements.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Deletes the retained messages of these robots and of the supervisor; returns whether the broker has acknowledged it.
-pub async fn forget(broker_port: u16, robots: &[Name]) -> bool {
-    let fleet = Name::new(FLEET).expect("a name");
+pub async fn forget(broker: (&str, u16), (user, password): (&str, &str), robots: &[Name]) -> bool {
+    let fleet = fleet();
     let of_robot = |robot: &Name| {
         let retained = RobotTopic::ALL.into_iter().filter(|kind| kind.is_retained());
         retained.map(|kind| kind.of(&fleet, robot).to_string()).collect::<Vec<_>>()
     };
     let state = Topic::SupervisorState { fleet: fleet.clone() }.to_string();
     let topics: Vec<String> = robots.iter().flat_map(of_robot).chain([state]).collect();
-    let mut options = MqttOptions::new("forget", ("127.0.0.1", broker_port));
-    options.set_clean_start(true).set_credentials(FORGET_USER, SUPERVISOR_PASSWORD);
+    let mut options = MqttOptions::new("forget", broker);
+    options.set_clean_start(true).set_credentials(user, password.to_owned());
     options.set_outgoing_inflight_upper_limit(64);
     let (client, mut events) = AsyncClient::builder(options).capacity(topics.len()).build();
     for topic in &topics {

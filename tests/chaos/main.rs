@@ -6,8 +6,9 @@
 //!
 //! Read in this order: [`plan`] (the faults), [`stage`] and [`scenario`] (the setup), [`strike`], [`forget`],
 //! [`replay`] and [`hostile`] (injection of faults), [`owner`] (which supervisor owns the fleet), [`vibrissa_tests::oracle`]
-//! (the comparison), [`refusals`], [`report`].
+//! (the comparison), [`refusals`], [`report`]. [`cluster`] does the same to a cluster.
 
+mod cluster;
 mod forget;
 mod hostile;
 mod owner;
@@ -39,7 +40,7 @@ use plan::Control;
 use refusals::Refusals;
 use replay::Replay;
 use report::{FaultReport, Report};
-use stage::{Program, ROBOT_LINKS, Stage};
+use stage::{Program, REPLAY_USER, ROBOT_LINKS, SUPERVISOR_PASSWORD, Stage};
 use strike::Striker;
 
 /// The drain ends when the number of messages without a receipt has not changed for this time.
@@ -52,6 +53,11 @@ const PROGRESS: Duration = Duration::from_secs(30);
 const LONGEST_DAYS: f64 = 25.0;
 /// The recording is complete when two counts of rows this far apart are equal.
 const SETTLED: Duration = Duration::from_secs(1);
+/// Contacts per second without and with `--cluster`.
+const RATE: f64 = 2000.0;
+const CLUSTER_RATE: f64 = 200.0;
+/// Exit code of a run that is not possible here.
+const SKIPPED: u8 = 77;
 /// With this argument the program runs as a supervisor, so the test always runs the current sources.
 const SUPERVISOR: &str = "supervisor";
 
@@ -63,15 +69,25 @@ struct Arguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Time in seconds during which robots make contacts and faults occur: up to 25 days.
-    #[arg(long, default_value_t = 60.0)]
+    #[arg(long, default_value_t = 60.0, conflicts_with = "minutes")]
     seconds: f64,
+    /// The same in minutes.
+    #[arg(long)]
+    minutes: Option<f64>,
+    /// Run three broker nodes, three supervisors and a pair of databases, and a fleet of 64 shards. Needs root, RMQTT
+    /// (tests/rmqtt), Patroni and etcd; ends with code 77 without them.
+    #[arg(long)]
+    cluster: bool,
+    /// With --cluster: the broker. One Mosquitto needs no RMQTT, and has no other node to go to.
+    #[arg(long, value_enum, default_value_t = cluster::Kind::Rmqtt)]
+    broker: cluster::Kind,
     /// Number of simulated robots, hostile ones included.
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=999))]
     robots: u32,
-    /// Contacts per second of all honest robots together.
-    #[arg(long, default_value_t = 2000.0)]
-    rate: f64,
-    /// Number of hostile robots; 0 for none.
+    /// Contacts per second of all honest robots together; 2000 by default, 200 with --cluster.
+    #[arg(long)]
+    rate: Option<f64>,
+    /// Number of hostile robots; 0 for none. There are none with --cluster.
     #[arg(long, default_value_t = 10)]
     hostile: u32,
     /// Only these behaviours of hostile robots, separated by commas; all by default.
@@ -100,7 +116,13 @@ fn main() -> anyhow::Result<ExitCode> {
         return vibrissa::cli::run(vibrissa::cli::Cli::parse_from(arguments));
     }
     let arguments = Arguments::parse();
+    let seconds = arguments.minutes.map_or(arguments.seconds, |minutes| 60.0 * minutes);
+    let arguments = Arguments { seconds, ..arguments };
     let shortest_s = arguments.control.shortest_s();
+    ensure!(
+        arguments.control != Control::Asynchronous || arguments.cluster,
+        "--control asynchronous needs --cluster: one PostgreSQL has no standby"
+    );
     ensure!(arguments.seconds >= shortest_s, "--seconds must be at least {shortest_s} for each fault to strike");
     let longest_s = LONGEST_DAYS * 86_400.0;
     ensure!(arguments.seconds <= longest_s, "--seconds must be at most {longest_s}: older contacts are removed");
@@ -109,12 +131,17 @@ fn main() -> anyhow::Result<ExitCode> {
     let folder = tempfile::tempdir().context("a temporary folder")?;
     let logs = arguments.logs.clone().unwrap_or_else(|| folder.path().to_owned());
     std::fs::create_dir_all(&logs).context("the folder for logs")?;
-    let report = runtime.block_on(run(&arguments, &logs))?;
-    print!("{report}");
-    if arguments.json {
-        println!("{}", serde_json::to_string(&report).context("writing JSON")?);
-    }
-    let violations = report.violations();
+    let violations = if arguments.cluster {
+        match runtime.block_on(run_cluster(&arguments, &logs))? {
+            Ok(report) => shown(&report, arguments.json)?.violations(),
+            Err(missing) => {
+                eprintln!("skipped: chaos in a cluster: {missing}");
+                return Ok(ExitCode::from(SKIPPED));
+            }
+        }
+    } else {
+        shown(&runtime.block_on(run(&arguments, &logs))?, arguments.json)?.violations()
+    };
     if violations.is_empty() {
         return Ok(ExitCode::SUCCESS);
     }
@@ -125,12 +152,40 @@ fn main() -> anyhow::Result<ExitCode> {
     Ok(ExitCode::FAILURE)
 }
 
-async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Report> {
-    let Arguments { seed, seconds, control, .. } = *arguments;
-    let program = match &arguments.program {
+/// Prints a report.
+fn shown<R: std::fmt::Display + serde::Serialize>(report: &R, as_json: bool) -> anyhow::Result<&R> {
+    print!("{report}");
+    if as_json {
+        println!("{}", serde_json::to_string(&report).context("writing JSON")?);
+    }
+    Ok(report)
+}
+
+fn program(arguments: &Arguments) -> anyhow::Result<Program> {
+    Ok(match &arguments.program {
         Some(path) => Program { path: path.clone(), first_argument: None },
         None => Program { path: std::env::current_exe()?, first_argument: Some(SUPERVISOR.to_owned()) },
+    })
+}
+
+async fn run_cluster(
+    arguments: &Arguments,
+    logs: &std::path::Path,
+) -> anyhow::Result<Result<cluster::Report, &'static str>> {
+    let settings = cluster::Settings {
+        seed: arguments.seed,
+        seconds: arguments.seconds,
+        robots: arguments.robots as usize,
+        rate: arguments.rate.unwrap_or(CLUSTER_RATE),
+        control: arguments.control,
+        broker: arguments.broker,
     };
+    cluster::run(&settings, &program(arguments)?, logs).await
+}
+
+async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Report> {
+    let Arguments { seed, seconds, control, .. } = *arguments;
+    let program = program(arguments)?;
     let names: Vec<Name> = (0..arguments.robots as usize).map(scenario::robot_name).collect();
     let (honest, hostile_names) = names.split_at((arguments.robots - arguments.hostile) as usize);
     let strangers: Vec<String> = hostile_names.iter().map(|name| name.as_str().to_owned()).collect();
@@ -138,9 +193,9 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
     let panics_before = stage::panics(logs);
     let mut stage = Stage::set(&program, control, logs, &names).await;
     let watch = Watch::start(stage.database.connect());
-    let replay = Replay::start(stage.broker.port(), seed);
+    let replay = Replay::start(("127.0.0.1", stage.broker.port()), (REPLAY_USER, SUPERVISOR_PASSWORD), seed);
     let refusals = Refusals::start(stage.supervisors.iter().map(|supervisor| supervisor.http).collect());
-    let scenarios = scenario::scenarios(seed, seconds, honest.len(), arguments.rate, control, ROBOT_LINKS);
+    let scenarios = scenario::scenarios(seed, seconds, honest, arguments.rate.unwrap_or(RATE), control, ROBOT_LINKS);
     let robots = Robots::start(&scenarios, &stage::brokers(&stage.robot_links))?;
     let behaviours = Behaviour::chosen(&arguments.hostile_only, &arguments.hostile_without);
     let hostile = Hostile::start(hostile_names, &stage.robot_links, &behaviours, seed);

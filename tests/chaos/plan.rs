@@ -145,13 +145,15 @@ pub enum Control {
     RobotIgnoresEpochs,
     /// Robots send each message once and do not keep it.
     NoRobotBuffer,
+    /// PostgreSQL's commits do not wait for the standby. Only with `--cluster`.
+    Asynchronous,
 }
 
 impl Control {
     /// The faults that reveal the defect; each round contains all of them.
     fn faults(self) -> &'static [Fault] {
         match self {
-            Self::None => &Fault::ALL,
+            Self::None | Self::Asynchronous => &Fault::ALL,
             Self::ReceiptBeforeCommit => &[Fault::DatabaseAwayOwnerKilled],
             Self::NoFence => &[Fault::OwnerFrozen],
             Self::RobotIgnoresEpochs => &[Fault::OwnerTerminated],

@@ -10,10 +10,9 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rumqttc::{AsyncClient, Event, EventLoop, MqttOptions, Packet, PublishOptions, QoS};
 use tokio::task::JoinHandle;
-use vibrissa_protocol::{Name, RobotTopic, Setpoint};
+use vibrissa_protocol::{RobotTopic, Setpoint};
 
-use crate::scenario::FLEET;
-use crate::stage::{REPLAY_USER, SUPERVISOR_PASSWORD};
+use crate::scenario::fleet;
 
 /// Delays in seconds: while the setpoint is being applied or shortly after, and after it has expired.
 const DELAYS_S: [std::ops::Range<f64>; 2] = [0.5..5.0, 13.0..18.0];
@@ -31,11 +30,11 @@ impl Drop for Replay {
 }
 
 impl Replay {
-    /// Starts repeating at the broker on this port of 127.0.0.1.
-    pub fn start(broker_port: u16, seed: u64) -> Self {
-        let mut options = MqttOptions::new("replay", ("127.0.0.1", broker_port));
+    /// Starts repeating at this host and port of the broker, as this user.
+    pub fn start(broker: (&str, u16), (user, password): (&str, &str), seed: u64) -> Self {
+        let mut options = MqttOptions::new("replay", broker);
         options.set_clean_start(true).set_max_packet_size(Some(1 << 20)).set_outgoing_inflight_upper_limit(256);
-        options.set_credentials(REPLAY_USER, SUPERVISOR_PASSWORD);
+        options.set_credentials(user, password.to_owned());
         let (client, events) = AsyncClient::builder(options).capacity(1000).build();
         let count = Arc::new(AtomicU64::new(0));
         let task = tokio::spawn(repeat(client, events, ChaCha8Rng::seed_from_u64(seed), count.clone()));
@@ -49,7 +48,7 @@ impl Replay {
 }
 
 async fn repeat(client: AsyncClient, mut events: EventLoop, mut random: ChaCha8Rng, count: Arc<AtomicU64>) {
-    let filter = RobotTopic::Setpoint.fleet_filter(&Name::new(FLEET).expect("a name"));
+    let filter = RobotTopic::Setpoint.fleet_filter(&fleet());
     let mut known = HashSet::new();
     loop {
         match events.poll().await {

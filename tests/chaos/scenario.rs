@@ -33,11 +33,11 @@ const SHORTEST_MM: f64 = 58.0;
 const CUT_MM: std::ops::Range<f64> = 1.5..4.0;
 
 /// Splits the robots into one scenario per link between robots and broker.
-pub fn scenarios(seed: u64, seconds: f64, robots: usize, rate: f64, control: Control, links: usize) -> Vec<Scenario> {
+pub fn scenarios(seed: u64, seconds: f64, names: &[Name], rate: f64, control: Control, links: usize) -> Vec<Scenario> {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x7269_6d73);
     let mut groups: Vec<Vec<RobotScenario>> = vec![Vec::new(); links];
-    for number in 0..robots {
-        let mut robot = robot(number, seconds, &mut random);
+    for (number, name) in names.iter().enumerate() {
+        let mut robot = robot(number, name, seconds, &mut random);
         // The database accepts the number of a trim only once, which would hide duplicate contacts.
         if control == Control::NoFence {
             robot.events.clear();
@@ -45,7 +45,7 @@ pub fn scenarios(seed: u64, seconds: f64, robots: usize, rate: f64, control: Con
         groups[number % links].push(robot);
     }
     let behaviour = Behaviour {
-        contacts_per_second: rate / robots as f64 / f64::from(WHISKERS),
+        contacts_per_second: rate / names.len() as f64 / f64::from(WHISKERS),
         contacts_per_message: CONTACTS_PER_MESSAGE,
         message_after_s: 0.5,
         kept_messages: KEPT_MESSAGES,
@@ -53,13 +53,13 @@ pub fn scenarios(seed: u64, seconds: f64, robots: usize, rate: f64, control: Con
         misbehaviour: match control {
             Control::NoRobotBuffer => Some(Misbehaviour::SendsOnce),
             Control::RobotIgnoresEpochs => Some(Misbehaviour::TakesAnySetpoint),
-            Control::None | Control::ReceiptBeforeCommit | Control::NoFence => None,
+            Control::None | Control::ReceiptBeforeCommit | Control::NoFence | Control::Asynchronous => None,
         },
         ..Behaviour::default()
     };
     let scenario = |robots| Scenario {
         seed,
-        fleet: name(FLEET),
+        fleet: fleet(),
         behaviour: behaviour.clone(),
         noise: Noise::default(),
         calibration_error: 0.03,
@@ -73,7 +73,7 @@ pub fn robot_name(number: usize) -> Name {
     Name::robot(&format!("r{number:03}")).expect("a name")
 }
 
-fn robot(number: usize, seconds: f64, random: &mut ChaCha8Rng) -> RobotScenario {
+fn robot(number: usize, name: &Name, seconds: f64, random: &mut ChaCha8Rng) -> RobotScenario {
     let whisker = |whisker| WhiskerScenario {
         whisker,
         x_mm: 25.0 * f64::from(whisker),
@@ -83,10 +83,10 @@ fn robot(number: usize, seconds: f64, random: &mut ChaCha8Rng) -> RobotScenario 
     // In every second robot a neighbour may compensate a whisker; in the others only the whisker itself.
     let array_type = if number.is_multiple_of(2) { ArrayType::Type1 } else { ArrayType::Type2 };
     RobotScenario {
-        robot: robot_name(number),
+        robot: name.clone(),
         model: "chaos".to_owned(),
         on_supervisor_loss: OnSupervisorLoss::Hold,
-        arrays: vec![ArrayScenario { array: name(ARRAY), array_type, whiskers: (0..WHISKERS).map(whisker).collect() }],
+        arrays: vec![ArrayScenario { array: array(), array_type, whiskers: (0..WHISKERS).map(whisker).collect() }],
         events: trims(seconds, random),
     }
 }
@@ -104,23 +104,32 @@ fn trims(seconds: f64, random: &mut ChaCha8Rng) -> Vec<Event> {
         let Some(whisker) = (0..WHISKERS).map(|next| (first + next) % WHISKERS).find(is_long_enough) else { break };
         let length_mm = &mut lengths_mm[usize::from(whisker)];
         *length_mm -= cut_mm;
-        events.push(Event::whisker_at_s(at_s, name(ARRAY), whisker, Change::Trim { length_mm: *length_mm }));
+        events.push(Event::whisker_at_s(at_s, array(), whisker, Change::Trim { length_mm: *length_mm }));
         at_s += TRIMS_APART_S + random.random_range(0.0..2.0 * (mean_s - TRIMS_APART_S));
     }
     events
 }
 
-fn name(text: &str) -> Name {
-    Name::new(text).expect("a name")
+/// Name of the fleet.
+pub fn fleet() -> Name {
+    Name::new(FLEET).expect("a name")
+}
+
+fn array() -> Name {
+    Name::new(ARRAY).expect("a name")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn names() -> Vec<Name> {
+        (0..100).map(robot_name).collect()
+    }
+
     #[test]
     fn robots_are_spread_over_links_and_make_the_rate_together() {
-        let scenarios = scenarios(1, 60.0, 100, 2000.0, Control::None, 4);
+        let scenarios = scenarios(1, 60.0, &names(), 2000.0, Control::None, 4);
         assert_eq!(scenarios.len(), 4);
         let robots: usize = scenarios.iter().map(|scenario| scenario.robots.len()).sum();
         assert_eq!(robots, 100);
@@ -131,7 +140,7 @@ mod tests {
 
     #[test]
     fn trims_come_all_the_time_and_some_robots_have_two() {
-        let scenarios = scenarios(1, 60.0, 100, 2000.0, Control::None, 1);
+        let scenarios = scenarios(1, 60.0, &names(), 2000.0, Control::None, 1);
         let events: Vec<usize> = scenarios[0].robots.iter().map(|robot| robot.events.len()).collect();
         assert!(events.iter().filter(|&&count| count >= 2).count() > 10, "{events:?}");
         let mut at_s: Vec<f64> =
@@ -143,7 +152,7 @@ mod tests {
     #[test]
     fn trims_go_on_to_the_end_of_a_long_run() {
         for seconds in [600.0, 36_000.0] {
-            let scenarios = scenarios(1, seconds, 100, 2000.0, Control::None, 1);
+            let scenarios = scenarios(1, seconds, &names(), 2000.0, Control::None, 1);
             let events = scenarios[0].robots.iter().flat_map(|robot| &robot.events);
             let last_s = events.filter_map(|event| event.at_s).fold(0.0, f64::max);
             assert!(last_s > 0.95 * seconds, "the last trim of {seconds} s is at {last_s} s");

@@ -115,9 +115,14 @@ fn broker(robots: &[Name]) -> Mosquitto {
     let of_robot = |robot: &Name| format!("{FLEET}/{robot}");
     let broker = robots.iter().fold(builder, |builder, robot| builder.user(&of_robot(robot), ROBOT_PASSWORD)).start();
     let file = password_file(&broker);
-    std::fs::write(&file, SUPERVISOR_PASSWORD).expect("a folder of ours");
-    std::fs::set_permissions(&file, PermissionsExt::from_mode(0o600)).expect("a file of ours");
+    write_password(&file, SUPERVISOR_PASSWORD);
     broker
+}
+
+/// Writes a password to a file that only this user can read.
+pub fn write_password(file: &Path, password: &str) {
+    std::fs::write(file, password).expect("a folder of ours");
+    std::fs::set_permissions(file, PermissionsExt::from_mode(0o600)).expect("a file of ours");
 }
 
 /// Path of the file with the supervisors' password.
@@ -127,15 +132,21 @@ fn password_file(broker: &Mosquitto) -> PathBuf {
 
 /// Number of panics in the supervisors' logs. A thread may panic and be restarted while the process continues.
 pub fn panics(logs: &Path) -> u64 {
-    let of = |name: &str| {
+    panics_of(logs, &SUPERVISORS)
+}
+
+/// As [`panics`], of supervisors with these names.
+pub fn panics_of(logs: &Path, names: &[&str]) -> u64 {
+    let of = |name: &&str| {
         let Ok(file) = std::fs::File::open(log_of(logs, name)) else { return 0 };
         let lines = std::io::BufReader::new(file).split(b'\n').map_while(Result::ok);
         lines.filter(|line| line.windows(PANIC.len()).any(|part| part == PANIC)).count() as u64
     };
-    SUPERVISORS.into_iter().map(of).sum()
+    names.iter().map(of).sum()
 }
 
-fn log_of(logs: &Path, name: &str) -> PathBuf {
+/// Log of a supervisor.
+pub fn log_of(logs: &Path, name: &str) -> PathBuf {
     logs.join(format!("supervisor-{name}.log"))
 }
 
@@ -162,7 +173,7 @@ async fn supervisor(
     let fault = match control {
         Control::ReceiptBeforeCommit => Some("receipt_before_commit"),
         Control::NoFence => Some("no_fence"),
-        Control::None | Control::RobotIgnoresEpochs | Control::NoRobotBuffer => None,
+        Control::None | Control::RobotIgnoresEpochs | Control::NoRobotBuffer | Control::Asynchronous => None,
     };
     let fault = fault.map(|fault| ("VIBRISSA_TEST_FAULT".to_owned(), fault.to_owned()));
     let level = ("RUST_LOG".to_owned(), "info,rumqttc=warn".to_owned());

@@ -9,7 +9,7 @@ use vibrissa_tests::proxy::Proxy;
 use crate::forget::forget;
 use crate::owner::{Reign, Watch};
 use crate::plan::{Fault, Manner, Strike};
-use crate::stage::{Stage, Supervisor};
+use crate::stage::{FORGET_USER, SUPERVISOR_PASSWORD, Stage, Supervisor};
 
 /// Time in which a supervisor must end after SIGTERM.
 const END_PATIENCE: Duration = Duration::from_secs(12);
@@ -87,7 +87,13 @@ impl<'a> Striker<'a> {
             Fault::OwnerKilled => {
                 let hit = self.kill(owner);
                 // Before the other supervisor may take the fleet over, so that only robots can tell it who they are.
-                if !forget(self.stage.broker.port(), &self.stage.robots).await {
+                if !forget(
+                    ("127.0.0.1", self.stage.broker.port()),
+                    (FORGET_USER, SUPERVISOR_PASSWORD),
+                    &self.stage.robots,
+                )
+                .await
+                {
                     eprintln!("chaos: the broker did not forget its retained messages");
                     self.surprises.stuck += 1;
                 }

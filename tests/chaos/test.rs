@@ -1,4 +1,5 @@
-//! A minute of chaos with ten hostile robots among a hundred; then the controls: defects that the harness must detect.
+//! A minute of chaos with ten hostile robots among a hundred; then the controls: defects that the harness must detect. Then
+//! the same with a cluster.
 
 use std::process::Command;
 
@@ -22,6 +23,44 @@ fn count(result: &Value, name: &str) -> u64 {
     result[name].as_u64().unwrap_or_else(|| panic!("no {name}: {result}"))
 }
 
+/// Runs the program `chaos` with a cluster. Without RMQTT, one Mosquitto takes its place. `None`, with a line that says so, if
+/// the cluster cannot run here.
+fn cluster(arguments: &[&str]) -> Option<(i32, Value)> {
+    let program = ["--cluster", "--json", "--program", env!("CARGO_BIN_EXE_vibrissa-under-test")];
+    let run = |broker: &str| {
+        Command::new(env!("CARGO_BIN_EXE_chaos")).args(program).args(["--broker", broker]).args(arguments).output()
+    };
+    let mut output = run("rmqtt").expect("a program of ours");
+    if output.status.code() == Some(77) {
+        println!("{}", String::from_utf8_lossy(&output.stderr));
+        output = run("mosquitto").expect("a program of ours");
+    }
+    let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    // Visible if the test fails.
+    println!("{said}{told}");
+    let code = output.status.code().expect("an exit code");
+    if code == 77 {
+        return None;
+    }
+    let result = told.lines().last().and_then(|line| serde_json::from_str(line).ok());
+    Some((code, result.expect("a line of JSON")))
+}
+
+/// Takeover times are in the result; no assertion depends on them.
+fn a_cluster_loses_nothing_and_its_controls_are_caught() {
+    let Some((code, result)) = cluster(&["--seed", "1", "--seconds", "60"]) else { return };
+    assert_eq!(code, 0);
+    assert_eq!((count(&result, "shards"), count(&result, "robots")), (64, 100));
+    assert!(!result["faults"].as_array().expect("faults").is_empty());
+    let control = |name: &str, seconds: &str| {
+        let (code, result) = cluster(&["--seed", "1", "--seconds", seconds, "--control", name]).expect("it ran before");
+        assert_eq!(code, 1, "{name} is not detected");
+        result
+    };
+    assert!(count(&control("asynchronous", "40"), "missing") > 0);
+    assert!(count(&control("no-fence", "30"), "duplicate") > 0);
+}
+
 /// The runs follow one another, because each needs the whole machine.
 #[test]
 fn nothing_is_lost_nothing_is_stale_and_every_control_is_caught() {
@@ -43,4 +82,6 @@ fn nothing_is_lost_nothing_is_stale_and_every_control_is_caught() {
     let result = control("robot-ignores-epochs", "20");
     assert!(count(&result, "applied_twice") > 0 && count(&result, "applied_stale") > 0);
     assert!(count(&control("no-robot-buffer", "20"), "missing") > 0);
+
+    a_cluster_loses_nothing_and_its_controls_are_caught();
 }

@@ -60,6 +60,8 @@ pub enum RecordedKind {
     CalibrationUpload,
     /// Changes the list of allowed robots.
     AllowedRobots,
+    /// Changes the number of shards of a fleet.
+    Shards,
     /// Sets a label of a robot.
     LabelSet,
     /// Removes a label of a robot.

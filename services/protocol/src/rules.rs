@@ -178,7 +178,8 @@ rules! {
     FailedWithReason = "failed-with-reason", "setpoint_state", Every, Not("a test cannot break the supply or a chamber"),
         "An accepted setpoint that cannot be reached is answered FAILED, with the reason.";
     OnSupervisorLoss = "on-supervisor-loss", "factsheet", Every, Not("the robot decides when it regards the supervisor as lost"),
-        "Without a supervisor the robot behaves as its factsheet's on_supervisor_loss states.";
+        "Without a supervisor the robot behaves as its factsheet's on_supervisor_loss states. Only messages on its own topics \
+         show that it has one.";
 
     TestDone = "test-done", "test_state", Every, Talking,
         "A touch test that the factsheet names is ACCEPTED, and DONE after all its touches, which carry its test_id.";

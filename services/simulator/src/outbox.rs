@@ -27,6 +27,8 @@ pub(crate) struct Outbox {
     /// Time of the last window, if no receipt has covered anything since.
     unanswered_since_us: Option<u64>,
     dropped: u64,
+    /// Highest sequence number that a receipt has covered.
+    newest_covered: Option<u64>,
 }
 
 #[derive(Debug)]
@@ -46,6 +48,7 @@ impl Outbox {
             backoff_us: BACKOFF_START_US,
             unanswered_since_us: None,
             dropped: 0,
+            newest_covered: None,
         }
     }
 
@@ -74,6 +77,7 @@ impl Outbox {
         }
         for (seq, kept) in covered {
             self.by_sent.remove(&(kept.sent_us, seq));
+            self.newest_covered = self.newest_covered.max(Some(seq));
         }
         if self.messages.len() < before {
             self.backoff_us = BACKOFF_START_US;
@@ -125,6 +129,11 @@ impl Outbox {
         self.messages.len()
     }
 
+    /// Highest sequence number of this boot that a receipt has covered.
+    pub(crate) fn newest_covered(&self) -> Option<u64> {
+        self.newest_covered
+    }
+
     /// Number of messages dropped because the outbox was full.
     pub(crate) fn dropped(&self) -> u64 {
         self.dropped
@@ -167,6 +176,7 @@ mod tests {
         outbox.receipt(&receipt(3, &[(5, 6), (9, 20)]));
         assert_eq!(outbox.messages.keys().copied().collect::<Vec<_>>(), [3, 4, 7, 8]);
         assert_eq!(outbox.by_sent.len(), 4);
+        assert_eq!(outbox.newest_covered(), Some(9));
         outbox.receipt(&receipt(10, &[]));
         assert_eq!((outbox.len(), outbox.resend_at_us()), (0, None));
     }

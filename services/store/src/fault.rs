@@ -8,6 +8,10 @@ pub enum Fault {
     ReceiptBeforeCommit,
     /// Transactions do not check the lease (no fencing).
     NoFence,
+    /// The process ends in the transaction that changes the number of shards, before its commit.
+    DivisionCut,
+    /// The process ends right after the commit that changes the number of shards.
+    DivisionDone,
 }
 
 /// Whether the environment variable `VIBRISSA_TEST_FAULT` requests this fault.
@@ -18,6 +22,8 @@ pub fn is(fault: Fault) -> bool {
     let word = match fault {
         Fault::ReceiptBeforeCommit => "receipt_before_commit",
         Fault::NoFence => "no_fence",
+        Fault::DivisionCut => "division_cut",
+        Fault::DivisionDone => "division_done",
     };
     ASKED_FOR.get_or_init(|| std::env::var("VIBRISSA_TEST_FAULT").ok()).as_deref() == Some(word)
 }
@@ -27,4 +33,11 @@ pub fn is(fault: Fault) -> bool {
 #[must_use]
 pub const fn is(_: Fault) -> bool {
     false
+}
+
+/// Ends the process as a power failure does, if this fault is requested.
+pub(crate) fn strike(fault: Fault) {
+    if is(fault) {
+        std::process::abort();
+    }
 }

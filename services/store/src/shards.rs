@@ -5,11 +5,16 @@
 
 use std::time::Duration;
 
-use super::actions::NewAction;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::actions::{Asked, NewAction, record_done};
 use super::database::{Either, Tx, on};
+use super::fault::{self, Fault};
 use super::from_row::from_row;
 use super::tables::{ROBOT_HASHES, RobotHash};
-use super::{Lease, StoreError, Writer, failed};
+use super::time::Time;
+use super::{Lease, Store, StoreError, Writer, failed};
 use vibrissa_edge::shard::robot_hash;
 use vibrissa_protocol::Name;
 
@@ -46,6 +51,95 @@ from_row! {
     struct Unhashed {
         robot_id: i64,
         robot: String,
+    }
+}
+
+from_row! {
+    /// A shard of a fleet, with the supervisor that owns it.
+    #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+    pub struct ShardSummary {
+        /// Number of the shard, from 0.
+        #[schema(minimum = 0)]
+        pub shard: i64,
+        /// Name of the supervisor that holds the shard's lease now; null if none does.
+        pub holder: Option<String>,
+        /// Epoch of the shard's newest owner; 0 before the first.
+        #[schema(minimum = 0)]
+        pub epoch: i64,
+        /// Whether a supervisor holds the shard's lease now.
+        pub supervised: bool,
+        /// Time at which this epoch began, by the database's clock; null before the first.
+        pub began_at: Option<Time>,
+        /// Number of robots that the shard has ever had.
+        #[schema(minimum = 0)]
+        pub robots: i64,
+        /// Number of shards that the fleet shall have; it differs from the present number during a change.
+        #[schema(minimum = 1)]
+        pub shards_wanted: i64,
+    }
+}
+
+/// Result of a request for another number of shards.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ShardsSet {
+    /// Stated, now or by the same request before: the supervisors change it within seconds.
+    Done(Box<Asked>),
+    /// No supervisor has ever supervised such a fleet.
+    NoFleet,
+    /// It must not change now.
+    Refused(NotDivided),
+}
+
+impl Store {
+    /// The shards of a fleet in order of their numbers; none if the fleet was never supervised.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn shards(&self, fleet: &Name) -> Result<Vec<ShardSummary>, StoreError> {
+        let holds = match self.is_shared() {
+            true => "l.owner IS NOT NULL AND l.expires_us > clock_us()",
+            false => "l.owner IS NOT NULL",
+        };
+        let sql = format!(
+            "SELECT l.shard, CASE WHEN {holds} THEN l.holder END AS holder, l.epoch, ({holds}) AS supervised, \
+             e.began_us AS began_at, coalesce(r.robots, 0) AS robots, l.shards_wanted FROM leases l \
+             LEFT JOIN epochs e ON e.fleet = l.fleet AND e.shard = l.shard AND e.epoch = l.epoch \
+             LEFT JOIN (SELECT coalesce(shard_hash, 0) % nullif((SELECT count(*) FROM leases WHERE fleet = $1), 0) AS shard, \
+              count(*) AS robots FROM robots WHERE fleet = $1 GROUP BY 1) r ON r.shard = l.shard \
+             WHERE l.fleet = $1 ORDER BY l.shard"
+        );
+        on!(&self.pool, |pool| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet.as_str()).fetch_all(pool).await)
+            .map_err(failed("list the shards of a fleet"))
+    }
+
+    /// States the number of shards that a fleet shall have, more or fewer than now, at most once, and records the action in
+    /// the audit log. The supervisors then change it.
+    ///
+    /// # Errors
+    /// The database cannot be written.
+    pub async fn set_shards(&self, fleet: &Name, count: u32, action: &NewAction) -> Result<ShardsSet, StoreError> {
+        const WHAT: &str = "state the number of shards";
+        const UPDATE: &str = "UPDATE leases SET shards_wanted = $2 WHERE fleet = $1";
+        let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
+        let asked = record_done(&mut tx, action, action.asked_us).await?;
+        if !matches!(asked, Asked::New(_)) {
+            return Ok(ShardsSet::Done(Box::new(asked)));
+        }
+        if let Some(reason) = undividable(&mut tx, fleet.as_str()).await.map_err(failed(WHAT))? {
+            return Ok(ShardsSet::Refused(reason));
+        }
+        let changed = on!(&mut tx, |tx| sqlx::query(UPDATE)
+            .bind(fleet.as_str())
+            .bind(i64::from(count))
+            .execute(&mut **tx)
+            .await
+            .map(|done| done.rows_affected()))
+        .map_err(failed(WHAT))?;
+        if changed == 0 {
+            return Ok(ShardsSet::NoFleet);
+        }
+        tx.commit().await.map_err(failed(WHAT))?;
+        Ok(ShardsSet::Done(Box::new(asked)))
     }
 }
 
@@ -109,7 +203,9 @@ impl Writer {
             }
             hash_robots(&mut tx, fleet).await.map_err(failed(WHAT))?;
             write_leases(&mut tx, fleet, count).await.map_err(failed(WHAT))?;
+            fault::strike(Fault::DivisionCut);
             tx.commit().await.map_err(failed(WHAT))?;
+            fault::strike(Fault::DivisionDone);
             Ok(Ok(()))
         })
         .await

@@ -1,15 +1,17 @@
 //! Shards: one fleet at several supervisors, and changes of the number of shards while robots send.
 
 use nix::sys::signal::Signal;
+use serde_json::{Value, json};
 use vibrissa_edge::shard::{FleetShard, robot_hash};
 use vibrissa_simulator::{Broker, Fleet, Scenario};
 use vibrissa_store::shards::NotDivided;
 use vibrissa_store::{Lease, Store, StoreError};
 use vibrissa_tests::actions::{asks, asks_of};
 use vibrissa_tests::wait::{until, until_true};
+use vibrissa_tests::web::send;
 
 use crate::rows::{self, contacts};
-use crate::supervisors::Stage;
+use crate::supervisors::{Replica, Stage};
 use crate::{Fresh, fleet, supervisor};
 
 /// The shards' robots, epochs and actions after a division, on both databases.
@@ -141,4 +143,156 @@ async fn a_fleet_is_divided_while_its_robots_send_and_each_contact_is_recorded_o
     drop(c);
     robots.stop().await;
     late.stop().await;
+}
+
+/// A database that supervisors without further arguments use, one after the other.
+struct Place<'a> {
+    stage: &'a Stage,
+    url: String,
+}
+
+impl<'a> Place<'a> {
+    fn sqlite(stage: &'a Stage) -> Self {
+        Self { stage, url: format!("sqlite:{}", stage.folder().join("v.sqlite3").display()) }
+    }
+
+    fn postgres(stage: &'a Stage) -> Self {
+        Self { stage, url: stage.database_url() }
+    }
+
+    fn supervisor(&self, fault: Option<&str>) -> Replica {
+        let place = (self.stage.folder(), self.stage.broker_port());
+        Replica::start_with(place, "a", "f", &self.url, 1.0, &[], fault)
+    }
+
+    /// Number of contacts, and of their different names.
+    async fn counted(&self) -> (i64, i64) {
+        const SQL: &str = "SELECT count(*), count(DISTINCT CAST(boot AS TEXT) || ' ' || CAST(seq AS TEXT) || ' ' || \
+             CAST(position AS TEXT)) FROM contacts";
+        match self.url.strip_prefix("sqlite:") {
+            Some(path) => {
+                let options = sqlx::sqlite::SqliteConnectOptions::new().filename(path).read_only(true);
+                let mut link = sqlx::ConnectOptions::connect(&options).await.unwrap();
+                sqlx::query_as(SQL).fetch_one(&mut link).await.unwrap()
+            }
+            None => self.stage.counted().await,
+        }
+    }
+
+    async fn more_recorded(&self, more: i64) {
+        let goal = self.counted().await.0 + more;
+        until_true("more contacts recorded", async || self.counted().await.0 >= goal).await;
+    }
+}
+
+async fn set_shards(replica: &Replica, body: Value) -> (u16, Value) {
+    let answer = send(replica.http(), "PUT", "/v1/fleets/f/shards", &[], Some(&body)).await.unwrap();
+    (answer.status, answer.json())
+}
+
+/// Waits until this number of shards is owned, and returns them.
+async fn owns(replica: &Replica, count: usize) -> Vec<Value> {
+    until(&format!("{count} shards"), async || {
+        let answer = send(replica.http(), "GET", "/v1/fleets/f/shards", &[], None).await.ok()?;
+        let items = answer.json()["items"].as_array().cloned().unwrap_or_default();
+        let is_owned = |one: &Value| one["supervised"] == true && one["holder"] == "a" && one["began_at"].is_string();
+        (items.len() == count && items.iter().all(is_owned)).then_some(items)
+    })
+    .await
+}
+
+/// Every contact is receipted and recorded once.
+async fn each_contact_is_recorded_once(place: &Place<'_>, robots: Fleet) {
+    robots.rest();
+    until_true("every message receipted", async || robots.is_receipted()).await;
+    let made = robots.contacts_made() as i64;
+    until_true("every contact recorded", async || place.counted().await.0 >= made).await;
+    assert_eq!(place.counted().await, (made, made));
+    robots.stop().await;
+}
+
+async fn the_number_is_raised_and_lowered_by_request(place: &Place<'_>) {
+    let a = place.supervisor(None);
+    a.says(200, "OWNED").await;
+    let robots = crowd(place.stage.broker_port(), 0..8);
+    place.more_recorded(200).await;
+    let mut last_epoch = 0;
+    for count in [5, 2, 1] {
+        let (status, told) = set_shards(&a, json!({ "shards": count, "reason": "growth" })).await;
+        assert_eq!((status, &told["kind"], &told["state"]), (202, &json!("SHARDS"), &json!("DONE")), "{told}");
+        let shards = owns(&a, count).await;
+        let of_robots: i64 = shards.iter().map(|one| one["robots"].as_i64().unwrap()).sum();
+        assert_eq!(of_robots, 8, "{shards:?}");
+        let epoch = shards.iter().map(|one| one["epoch"].as_i64().unwrap()).min().unwrap();
+        assert!(epoch > last_epoch, "an epoch is given twice: {shards:?}");
+        last_epoch = shards.iter().map(|one| one["epoch"].as_i64().unwrap()).max().unwrap();
+        place.more_recorded(200).await;
+    }
+    let audit = a.get("/v1/audit?kind=SHARDS").await;
+    assert_eq!(serde_json::from_str::<Value>(&audit).unwrap()["items"].as_array().unwrap().len(), 3, "{audit}");
+    for (body, status, part) in
+        [(json!({ "shards": 0 }), 422, "from 1 to 1024"), (json!({ "shards": 1025 }), 422, "from 1 to 1024")]
+    {
+        let (told, answer) = set_shards(&a, body).await;
+        assert_eq!(told, status, "{answer}");
+        assert!(answer.to_string().contains(part), "{answer}");
+    }
+    let strange = send(a.http(), "PUT", "/v1/fleets/nobody/shards", &[], Some(&json!({ "shards": 2 }))).await.unwrap();
+    assert_eq!(strange.status, 404, "{}", strange.body);
+    each_contact_is_recorded_once(place, robots).await;
+}
+
+#[tokio::test]
+async fn in_sqlite_the_number_is_raised_and_lowered_by_request() {
+    let stage = Stage::new().await;
+    the_number_is_raised_and_lowered_by_request(&Place::sqlite(&stage)).await;
+}
+
+#[tokio::test]
+async fn in_postgresql_the_number_is_raised_and_lowered_by_request() {
+    let stage = Stage::new().await;
+    the_number_is_raised_and_lowered_by_request(&Place::postgres(&stage)).await;
+}
+
+/// A supervisor dies in the transaction of a division or right after it, and the next one goes on.
+async fn nothing_is_lost_by_a_kill_in_a_division(place: &Place<'_>) {
+    let mut next = None;
+    let robots = crowd(place.stage.broker_port(), 0..8);
+    for (fault, count) in [("division_cut", 4), ("division_done", 2)] {
+        drop(next.take());
+        let mut a = place.supervisor(Some(fault));
+        a.says(200, "OWNED").await;
+        place.more_recorded(200).await;
+        assert_eq!(set_shards(&a, json!({ "shards": count })).await.0, 202);
+        assert!(!a.ended().await, "{fault}: killed");
+        let after = place.supervisor(None);
+        owns(&after, count).await;
+        place.more_recorded(200).await;
+        next = Some(after);
+    }
+    each_contact_is_recorded_once(place, robots).await;
+}
+
+#[tokio::test]
+async fn in_sqlite_nothing_is_lost_by_a_kill_in_a_division() {
+    let stage = Stage::new().await;
+    nothing_is_lost_by_a_kill_in_a_division(&Place::sqlite(&stage)).await;
+}
+
+#[tokio::test]
+async fn in_postgresql_nothing_is_lost_by_a_kill_in_a_division() {
+    let stage = Stage::new().await;
+    nothing_is_lost_by_a_kill_in_a_division(&Place::postgres(&stage)).await;
+}
+
+/// A shard without robots publishes nothing, so the broker acknowledges nothing.
+#[tokio::test]
+async fn regress_a_shard_without_robots_is_ready() {
+    let stage = Stage::new().await;
+    let place = Place::sqlite(&stage);
+    let a = place.supervisor(None);
+    a.says(200, "OWNED").await;
+    assert_eq!(set_shards(&a, json!({ "shards": 3 })).await.0, 202);
+    owns(&a, 3).await;
+    a.says(200, "f/2").await;
 }

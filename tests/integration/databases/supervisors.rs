@@ -52,7 +52,17 @@ impl Stage {
     pub(crate) fn replica_with(&self, name: &str, fleets: &str, time_to_live_s: f64, further: &[&str]) -> Replica {
         let database = Postgres::supervisor_url(self.server.port());
         let place = (self.folder.path(), self.broker.port());
-        Replica::start_with(place, name, fleets, &database, time_to_live_s, further)
+        Replica::start_with(place, name, fleets, &database, time_to_live_s, further, None)
+    }
+
+    /// Folder of the logs.
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Address of the database as an argument.
+    pub(crate) fn database_url(&self) -> String {
+        Postgres::supervisor_url(self.server.port())
     }
 
     /// Port of the broker.
@@ -147,17 +157,18 @@ impl Replica {
         broker_port: u16,
         time_to_live_s: f64,
     ) -> Self {
-        Self::start_with((folder, broker_port), name, fleets, database, time_to_live_s, &[])
+        Self::start_with((folder, broker_port), name, fleets, database, time_to_live_s, &[], None)
     }
 
-    /// The same, with further arguments.
-    fn start_with(
+    /// The same, with further arguments, and a fault of the feature `test-faults`.
+    pub(crate) fn start_with(
         (folder, broker_port): (&Path, u16),
         name: &str,
         fleets: &str,
         database: &str,
         time_to_live_s: f64,
         further: &[&str],
+        fault: Option<&str>,
     ) -> Self {
         let http = free_port();
         let arguments = [
@@ -178,7 +189,11 @@ impl Replica {
         let launch = Launch {
             program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
             arguments: arguments.iter().chain(further).map(|&argument| argument.to_owned()).collect(),
-            environment: vec![("RUST_LOG".to_owned(), "info".to_owned())],
+            environment: [("RUST_LOG", "info")]
+                .into_iter()
+                .chain(fault.map(|fault| ("VIBRISSA_TEST_FAULT", fault)))
+                .map(|(name, value)| (name.to_owned(), value.to_owned()))
+                .collect(),
             log: folder.join(name),
         };
         Self { process: Process::start(launch), http }
@@ -187,6 +202,16 @@ impl Replica {
     /// Kills the process, as a power failure would.
     pub(crate) fn kill(&mut self) {
         self.process.kill();
+    }
+
+    /// Waits for the end of the process, and returns whether it was an orderly one.
+    pub(crate) async fn ended(&mut self) -> bool {
+        self.process.ended(PATIENCE).await.expect("the supervisor must end").success()
+    }
+
+    /// Address of its HTTP.
+    pub(crate) fn http(&self) -> std::net::SocketAddr {
+        ([127, 0, 0, 1], self.http).into()
     }
 
     /// Sends a signal to the process.

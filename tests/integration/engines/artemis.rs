@@ -4,11 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
+use vibrissa_tests::installed::{installed, listens};
 use vibrissa_tests::mosquitto::free_port;
 use vibrissa_tests::process::{Launch, Process};
 
 use crate::engine::{ALL, FEW, PASSWORD};
-use crate::folder::{installed, listens};
 
 /// Running brokers; killed on drop. In a pair the first is the primary, and the second listens only after its failure.
 pub(crate) struct Artemis {
@@ -61,7 +61,7 @@ impl Artemis {
             let instance = folder.path().join(at.to_string());
             configure(&instance, at, &ports, folder.path());
             brokers.push(Process::start(launch(home, &instance)));
-            if at == 0 && !listens(ports[0].mqtt, || brokers[0].ended_already().is_some()) {
+            if at == 0 && !listens("127.0.0.1", ports[0].mqtt, || brokers[0].ended_already().is_some()) {
                 let log = fs::read_to_string(instance.join("log")).unwrap_or_default();
                 eprintln!("{}", log.lines().take(40).collect::<Vec<_>>().join("\n"));
                 return None;

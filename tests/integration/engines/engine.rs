@@ -2,9 +2,9 @@
 
 use vibrissa_supervisor::broker::Broker as Embedded;
 use vibrissa_tests::mosquitto::Mosquitto;
+use vibrissa_tests::rmqtt::Rmqtt;
 
 use crate::artemis::Artemis;
-use crate::rmqtt::Rmqtt;
 
 /// User without limits.
 pub(crate) const ALL: &str = "all";
@@ -48,11 +48,25 @@ impl Engine {
                     format!("user {ALL}\ntopic readwrite #\nuser {FEW}\ntopic readwrite whisker/v1/f/{FEW}/#\n");
                 Started::Mosquitto(Mosquitto::builder().user(ALL, PASSWORD).user(FEW, PASSWORD).acl(&access).start())
             }
-            Self::Rmqtt => Started::Rmqtt(Rmqtt::start(1)?),
-            Self::RmqttCluster => Started::Rmqtt(Rmqtt::start(3)?),
+            Self::Rmqtt => Started::Rmqtt(Rmqtt::start(1, &rmqtt_rules())?),
+            Self::RmqttCluster => Started::Rmqtt(Rmqtt::start(3, &rmqtt_rules())?),
             Self::Artemis => Started::Artemis(Artemis::start()?),
         })
     }
+}
+
+/// The users' permissions, in RMQTT's words.
+fn rmqtt_rules() -> String {
+    format!(
+        r#"
+    ["allow", {{ user = "{ALL}", password = "{PASSWORD}" }}, "connect"],
+    ["allow", {{ user = "{FEW}", password = "{PASSWORD}" }}, "connect"],
+    ["deny", "all", "connect"],
+    ["allow", {{ user = "{ALL}" }}, "pubsub"],
+    ["allow", {{ user = "{FEW}" }}, "pubsub", ["whisker/v1/f/{FEW}/#"]],
+    ["deny", "all", "pubsub"],
+"#
+    )
 }
 
 /// A running broker; it ends on drop.
@@ -69,7 +83,7 @@ impl Started {
         match self {
             Self::Embedded(broker) => vec![broker.address().port()],
             Self::Mosquitto(broker) => vec![broker.port()],
-            Self::Rmqtt(cluster) => cluster.ports.clone(),
+            Self::Rmqtt(cluster) => cluster.ports(),
             Self::Artemis(brokers) => brokers.ports.clone(),
         }
     }
@@ -79,7 +93,7 @@ impl Started {
         match self {
             Self::Embedded(_) => panic!("it runs in this process"),
             Self::Mosquitto(broker) => broker.kill(),
-            Self::Rmqtt(cluster) => cluster.nodes[node].kill(),
+            Self::Rmqtt(cluster) => cluster.kill(node),
             Self::Artemis(brokers) => brokers.brokers[node].kill(),
         }
     }

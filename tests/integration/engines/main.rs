@@ -12,9 +12,7 @@
 mod artemis;
 mod engine;
 mod feature;
-mod folder;
 mod peer;
-mod rmqtt;
 mod running;
 
 mod conformance;

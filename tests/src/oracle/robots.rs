@@ -84,6 +84,19 @@ impl Robots {
         self.all().map(|robot| robot.with(of)).sum()
     }
 
+    /// Number of messages that each robot has made.
+    #[must_use]
+    pub fn marks(&self) -> Vec<u64> {
+        self.all().map(|robot| robot.with(|robot| robot.messages_made())).collect()
+    }
+
+    /// Number of robots with a receipt for a message made after these [`Self::marks`].
+    #[must_use]
+    pub fn receipted_beyond(&self, marks: &[u64]) -> usize {
+        let newest = self.all().map(|robot| robot.with(|robot| robot.newest_receipted()));
+        newest.zip(marks).filter(|(newest, mark)| newest.is_some_and(|newest| newest >= **mark)).count()
+    }
+
     /// Number of contacts made so far.
     #[must_use]
     pub fn made(&self) -> u64 {

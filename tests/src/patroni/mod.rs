@@ -1,23 +1,23 @@
 //! Runs a cluster of two PostgreSQL servers with Patroni and one etcd, on free ports and in a temporary folder.
 
-mod network;
 mod node;
 
 use std::os::unix::fs::chown;
 use std::path::Path;
 use std::time::Duration;
 
+use nix::sys::signal::Signal;
 use sqlx::postgres::{PgConnectOptions, PgConnection};
 use sqlx::{ConnectOptions, Executor, Row};
 use tempfile::TempDir;
 use tokio::time::timeout;
 
 use crate::mosquitto::free_port;
+use crate::network::{Network, Place};
 use crate::postgres::{DATABASE, USER, account};
 use crate::process::{Launch, Process};
 use crate::wait::until_within;
 
-use network::Network;
 use node::Node;
 
 /// Seconds after which Patroni replaces a silent leader, at least.
@@ -33,6 +33,7 @@ pub struct Patroni {
     nodes: [Node; 2],
     etcd: Process,
     network: Option<Network>,
+    is_synchronous: bool,
     _folder: TempDir,
 }
 
@@ -42,7 +43,7 @@ impl Patroni {
     /// # Panics
     /// A program is not installed, or the cluster does not start.
     pub async fn start() -> Self {
-        Self::start_with(None).await
+        Self::start_at(&[Place::here(), Place::here()], &Place::here(), true).await
     }
 
     /// Starts the cluster with node 0 in a network namespace of its own, which [`Self::cut_off`] disconnects; `None` if
@@ -51,29 +52,29 @@ impl Patroni {
     /// # Panics
     /// As [`Self::start`].
     pub async fn start_with_network() -> Option<Self> {
-        Some(Self::start_with(Some(Network::make()?)).await)
+        let network = Network::make(1)?;
+        let here = network.here();
+        let mut cluster = Self::start_at(&[network.place(0), here.clone()], &here, true).await;
+        cluster.network = Some(network);
+        Some(cluster)
     }
 
-    async fn start_with(network: Option<Network>) -> Self {
+    /// Starts the cluster with its nodes and etcd at these places, and with `synchronous_mode` or without.
+    ///
+    /// # Panics
+    /// As [`Self::start`].
+    pub async fn start_at(nodes: &[Place; 2], etcd_place: &Place, is_synchronous: bool) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         if let Some((uid, gid)) = account() {
             chown(folder.path(), Some(uid), Some(gid)).expect("a folder of ours");
         }
-        let (outside, inside) = match &network {
-            Some(network) => (network.outside(), network.inside()),
-            None => ("127.0.0.1".to_owned(), "127.0.0.1".to_owned()),
-        };
         let etcd_port = free_port();
-        let etcd = etcd(folder.path(), &outside, etcd_port);
-        let namespace = network.as_ref().map(Network::name);
-        let etcd_address = format!("{outside}:{etcd_port}");
-        let first = Node::start("a", folder.path(), &inside, &etcd_address, namespace);
-        let mut cluster = Self {
-            nodes: [first, Node::new("b", folder.path(), &outside, &etcd_address, None)],
-            etcd,
-            network,
-            _folder: folder,
-        };
+        let etcd = etcd(folder.path(), etcd_place, etcd_port);
+        let etcd_address = format!("{}:{etcd_port}", etcd_place.host);
+        let [a, b] = nodes;
+        let first = Node::start("a", folder.path(), a, &etcd_address, is_synchronous);
+        let second = Node::new("b", folder.path(), b, &etcd_address, is_synchronous);
+        let mut cluster = Self { nodes: [first, second], etcd, network: None, is_synchronous, _folder: folder };
         cluster.until_leader(0).await;
         let mut connection = cluster.options(0, "postgres").connect().await.expect("a leader");
         connection.execute("CREATE DATABASE vibrissa").await.expect("a new server");
@@ -126,7 +127,7 @@ impl Patroni {
 
     /// Whether a node accepts writes.
     pub async fn leads(&self, node: usize) -> bool {
-        self.ask(node, "SELECT NOT pg_is_in_recovery()").await.unwrap_or(false)
+        accepts_writes(&self.options(node, "postgres")).await
     }
 
     /// Waits until a node accepts writes.
@@ -134,18 +135,56 @@ impl Patroni {
         until_within(PATIENCE, "a leader of the cluster", async || self.leads(node).await.then_some(())).await;
     }
 
-    /// Waits until each commit of the leader waits for the other node.
+    /// Waits until each commit of the leader waits for the other node; without `synchronous_mode` until it goes there.
     pub async fn until_replicated(&self) {
-        const SQL: &str = "SELECT count(*) FROM pg_stat_replication WHERE sync_state = 'sync'";
-        until_within(PATIENCE, "a synchronous standby", async || {
-            for node in 0..2 {
-                if self.leads(node).await && self.ask(node, SQL).await == Some(1_i64) {
-                    return Some(());
-                }
+        until_within(PATIENCE, "a standby", async || self.is_replicated().await.then_some(())).await;
+    }
+
+    /// Whether each commit of the leader waits for the other node; without `synchronous_mode` whether it goes there.
+    pub async fn is_replicated(&self) -> bool {
+        const SYNCHRONOUS: &str = "SELECT count(*) FROM pg_stat_replication WHERE sync_state = 'sync'";
+        const ANY: &str = "SELECT count(*) FROM pg_stat_replication WHERE state = 'streaming'";
+        let sql = if self.is_synchronous { SYNCHRONOUS } else { ANY };
+        match self.leader().await {
+            Some(leader) => self.ask(leader, sql).await == Some(1_i64),
+            None => false,
+        }
+    }
+
+    /// The node that accepts writes.
+    pub async fn leader(&self) -> Option<usize> {
+        for node in 0..2 {
+            if self.leads(node).await {
+                return Some(node);
             }
-            None
-        })
-        .await;
+        }
+        None
+    }
+
+    /// Whether the leader's Patroni has reached etcd since this time, in seconds since 1970: a leader that has missed etcd
+    /// gives up only some seconds later.
+    pub async fn has_reached_etcd_since(&self, time_s: f64) -> bool {
+        let told = self.ask_patroni("/patroni").await;
+        told["role"] != "replica" && told["dcs_last_seen"].as_f64().is_some_and(|seen| seen > time_s)
+    }
+
+    /// Whether Patroni may promote the other node: with `synchronous_mode` only one that it has noted as synchronous, which
+    /// happens after PostgreSQL waits for it.
+    pub async fn may_promote(&self) -> bool {
+        let told = self.ask_patroni("/cluster").await;
+        let role = if self.is_synchronous { "sync_standby" } else { "replica" };
+        told["members"].as_array().is_some_and(|members| members.iter().any(|one| one["role"] == role))
+    }
+
+    /// The answer of the leader's Patroni; null without one.
+    async fn ask_patroni(&self, path: &str) -> serde_json::Value {
+        let Some(leader) = self.leader().await else { return serde_json::Value::Null };
+        let Node { host, rest_port, .. } = &self.nodes[leader];
+        let Ok(address) = format!("{host}:{rest_port}").parse() else { return serde_json::Value::Null };
+        match timeout(ANSWER, crate::web::try_get(address, path)).await {
+            Ok(Ok((_, body))) => serde_json::from_str(&body).unwrap_or_default(),
+            Ok(Err(_)) | Err(_) => serde_json::Value::Null,
+        }
     }
 
     /// Kills Patroni and PostgreSQL of a node, as a loss of power does.
@@ -168,12 +207,17 @@ impl Patroni {
     /// # Panics
     /// The cluster has no network of its own.
     pub fn cut_off(&self, is_off: bool) {
-        self.network.as_ref().expect("a network of its own").cut(is_off);
+        self.network.as_ref().expect("a network of its own").cut(0, is_off);
     }
 
     /// Kills etcd, without which Patroni's leader gives up.
     pub fn kill_etcd(&mut self) {
         self.etcd.kill();
+    }
+
+    /// Stops etcd with SIGSTOP, or continues it.
+    pub fn freeze_etcd(&self, is_frozen: bool) {
+        self.etcd.signal(if is_frozen { Signal::SIGSTOP } else { Signal::SIGCONT });
     }
 
     /// Starts etcd again.
@@ -182,7 +226,17 @@ impl Patroni {
     }
 }
 
-fn etcd(folder: &Path, host: &str, port: u16) -> Process {
+/// Whether a server accepts writes.
+pub async fn accepts_writes(server: &PgConnectOptions) -> bool {
+    let asked = async {
+        let mut connection: PgConnection = server.connect().await.ok()?;
+        connection.fetch_one("SELECT NOT pg_is_in_recovery()").await.ok()?.try_get(0).ok()
+    };
+    timeout(ANSWER, asked).await.ok().flatten().unwrap_or(false)
+}
+
+fn etcd(folder: &Path, place: &Place, port: u16) -> Process {
+    let host = &place.host;
     let (client, peer) = (format!("http://{host}:{port}"), format!("http://127.0.0.1:{}", free_port()));
     let arguments = ["--name", "e", "--listen-client-urls", &client, "--advertise-client-urls", &client]
         .into_iter()
@@ -190,10 +244,10 @@ fn etcd(folder: &Path, host: &str, port: u16) -> Process {
         .map(str::to_owned)
         .chain(["--initial-cluster".to_owned(), format!("e={peer}")])
         .chain(["--data-dir".to_owned(), folder.join("etcd").display().to_string()]);
-    Process::start(Launch {
+    Process::start(place.launch(Launch {
         program: "etcd".into(),
         arguments: arguments.collect(),
         environment: Vec::new(),
         log: folder.join("etcd.log"),
-    })
+    }))
 }

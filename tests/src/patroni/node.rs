@@ -9,6 +9,7 @@ use nix::unistd::Pid;
 
 use super::TTL_S;
 use crate::mosquitto::free_port;
+use crate::network::Place;
 use crate::postgres::{USER, account, children, path_of};
 use crate::process::{Launch, Process};
 
@@ -27,17 +28,14 @@ pub(super) struct Node {
 
 impl Node {
     /// A node that does not run yet.
-    pub(super) fn new(name: &str, folder: &Path, host: &str, etcd: &str, namespace: Option<String>) -> Self {
+    pub(super) fn new(name: &str, folder: &Path, place: &Place, etcd: &str, is_synchronous: bool) -> Self {
         let folder = folder.join(name);
         std::fs::create_dir(&folder).expect("a folder of ours");
         let (port, rest_port) = (free_port(), free_port());
         let configuration = folder.join("patroni.yml");
-        std::fs::write(&configuration, configured(name, &folder, host, port, rest_port, etcd))
+        std::fs::write(&configuration, configured(name, &folder, &place.host, (port, rest_port), etcd, is_synchronous))
             .expect("a folder of ours");
         let mut command: Vec<String> = Vec::new();
-        if let Some(namespace) = namespace {
-            command.extend(["ip", "netns", "exec", &namespace].map(str::to_owned));
-        }
         // Neither Patroni nor PostgreSQL runs as root.
         if let Some((uid, gid)) = account() {
             chown(&folder, Some(uid), Some(gid)).expect("a folder of ours");
@@ -46,17 +44,17 @@ impl Node {
             command.extend(user);
         }
         command.extend(["patroni".to_owned(), configuration.display().to_string()]);
-        let launch = Launch {
+        let launch = place.launch(Launch {
             program: command.remove(0).into(),
             arguments: command,
             environment: vec![("HOME".to_owned(), folder.display().to_string())],
             log: folder.join("log"),
-        };
-        Self { host: host.to_owned(), port, rest_port, folder, launch, patroni: None }
+        });
+        Self { host: place.host.clone(), port, rest_port, folder, launch, patroni: None }
     }
 
-    pub(super) fn start(name: &str, folder: &Path, host: &str, etcd: &str, namespace: Option<String>) -> Self {
-        let mut node = Self::new(name, folder, host, etcd, namespace);
+    pub(super) fn start(name: &str, folder: &Path, place: &Place, etcd: &str, is_synchronous: bool) -> Self {
+        let mut node = Self::new(name, folder, place, etcd, is_synchronous);
         node.restart();
         node
     }
@@ -140,10 +138,17 @@ fn is_running(pid: Pid) -> bool {
 }
 
 /// Patroni's configuration. Its times are short, so that a failover takes seconds.
-fn configured(name: &str, folder: &Path, host: &str, port: u16, rest_port: u16, etcd: &str) -> String {
+fn configured(
+    name: &str,
+    folder: &Path,
+    host: &str,
+    (port, rest_port): (u16, u16),
+    etcd: &str,
+    is_synchronous: bool,
+) -> String {
     let programs = path_of("postgres").parent().expect("a path").display().to_string();
     let network = match host.rsplit_once('.') {
-        Some((subnet, _)) if !host.starts_with("127.") => format!("{subnet}.0/30"),
+        Some((subnet, _)) if !host.starts_with("127.") => format!("{subnet}.0/24"),
         _ => "127.0.0.1/32".to_owned(),
     };
     let folder = folder.display();
@@ -159,10 +164,10 @@ bootstrap:
     loop_wait: 1
     retry_timeout: 2
     primary_start_timeout: 0
-    synchronous_mode: true
+    synchronous_mode: {is_synchronous}
     postgresql:
       use_pg_rewind: true
-      parameters: {{wal_log_hints: "on", max_connections: 100}}
+      parameters: {{wal_log_hints: "on", max_connections: 300}}
   initdb: [{{encoding: UTF8}}, {{locale: C}}, {{auth: trust}}, no-sync]
 postgresql:
   listen: "{host}:{port}"

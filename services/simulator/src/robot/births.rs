@@ -40,14 +40,14 @@ impl Births {
 }
 
 impl Robot {
-    /// Handles a message on the fleet's `supervisor/request`; an invalid one is counted and has no effect.
+    /// Handles a message on the fleet's `supervisor/request`; an invalid one is counted and has no effect. It is no sign of
+    /// this robot's own supervisor: in a divided fleet the owner of any shard may have sent it.
     pub fn receive_request_to_all(&mut self, payload: &[u8], now_us: u64) {
         let topic = Topic::SupervisorRequest { fleet: self.config.fleet.clone() };
         let Ok(Message::SupervisorRequest(request)) = decode(&topic, payload) else {
             self.refused += 1;
             return;
         };
-        self.supervisor_heard_us = Some(now_us);
         match request.request {
             SupervisorRequestKind::Birth if self.breaks(Misbehaviour::IgnoresBirthRequest) => {}
             SupervisorRequestKind::Birth => self.births.requested(now_us),

@@ -319,6 +319,12 @@ impl Robot {
         self.outbox.len()
     }
 
+    /// Highest sequence number of a contacts message of this boot that a receipt has covered.
+    #[must_use]
+    pub fn newest_receipted(&self) -> Option<u64> {
+        self.outbox.newest_covered()
+    }
+
     /// Number of contacts messages of this boot dropped because the outbox was full, plus those lost in the restart
     /// before.
     #[must_use]

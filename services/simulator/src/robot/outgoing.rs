@@ -71,6 +71,12 @@ impl Robot {
         self.publish(RobotTopic::Connection, encode(&birth), out);
     }
 
+    /// Number of contacts messages made in this boot; the sequence number of the next one.
+    #[must_use]
+    pub fn messages_made(&self) -> u64 {
+        self.sequences.contacts
+    }
+
     /// Last message before a clean disconnect.
     #[must_use]
     pub fn farewell(&mut self, now_us: u64) -> Vec<Outgoing> {

@@ -10,6 +10,7 @@ import { robotsActions } from "../parts/bulk.js";
 import { LABEL_COLUMN, LABEL_FILTER } from "../parts/labels.js";
 import { hasOverview, overview, OVERVIEW } from "../parts/overview.js";
 import { proposals, proposalsOf } from "../parts/proposals.js";
+import { shards, shardsOf } from "../parts/shards.js";
 import { trail } from "../table.js";
 import { CONNECTIONS } from "../words.js";
 import { health, supervision } from "./fleets.js";
@@ -64,10 +65,10 @@ export default {
       proposalsOf({ fleet }),
       hasOverview() ? get(OVERVIEW, { fleet }) : null,
     ]);
-    return { about, page, waiting, told, state };
+    return { about, page, waiting, told, parts: await shardsOf(about), state };
   },
 
-  view({ about, page, waiting, told, state }, { fleet }, refresh) {
+  view({ about, page, waiting, told, parts, state }, { fleet }, refresh) {
     return [
       trail(["Fleets", link.fleets()]),
       h("h1", { tabindex: "-1" }, `Fleet ${fleet}`),
@@ -86,6 +87,7 @@ export default {
       ),
       proposals(waiting, refresh),
       overview(told, fleet),
+      shards(parts),
       page.items.length ? robotsActions(filterOf(fleet, state), refresh) : null,
       robots.view(page, {
         caption: "Robots",

@@ -185,6 +185,9 @@ async fn keep_up(
                         warn!(%problem, "cannot subscribe to the supervisor's own state");
                     }
                     say_online(&client, &topic, &online, is_retaining);
+                } else {
+                    // Without robots it publishes nothing that the broker would acknowledge.
+                    note_connected(&connection, &metrics);
                 }
                 connected.send_replace(true);
             }
@@ -201,11 +204,7 @@ async fn keep_up(
             }
             Ok(Event::Incoming(Packet::PubAck(_))) => {
                 attempts.reset();
-                let node = connection.broker.node();
-                metrics.mqtt_node.set(PUBLISHING, &node.to_string());
-                if connection.link.connected(Side::Publishing, &node) {
-                    metrics.mqtt_connections_closed.inc();
-                }
+                note_connected(&connection, &metrics);
             }
             Ok(Event::Outgoing(Outgoing::Disconnect)) | Err(Failure::Finished) => return,
             Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
@@ -227,6 +226,15 @@ async fn keep_up(
                 poller.renew(&connection, client_id);
             }
         }
+    }
+}
+
+/// Notes that the connection works.
+fn note_connected(connection: &Connection, metrics: &FleetMetrics) {
+    let node = connection.broker.node();
+    metrics.mqtt_node.set(PUBLISHING, &node.to_string());
+    if connection.link.connected(Side::Publishing, &node) {
+        metrics.mqtt_connections_closed.inc();
     }
 }
 

@@ -104,6 +104,26 @@ fn a_setpoint_that_a_leaking_chamber_cannot_hold_fails() {
 }
 
 #[test]
+fn regress_a_request_to_all_robots_is_no_sign_of_the_robots_own_supervisor() {
+    let mut bench = Bench::connected(|scenario| scenario.robots[0].on_supervisor_loss = OnSupervisorLoss::Vent);
+    bench.setpoint(1, 0.05);
+    bench.run(50.0);
+    // The owner of another shard connects and asks for births.
+    let request = vibrissa_protocol::SupervisorRequest {
+        boot_id: BootId::new("another").unwrap(),
+        seq: 0,
+        epoch: 9,
+        timestamp: vibrissa_protocol::Timestamp(bench.now_us),
+        request: vibrissa_protocol::SupervisorRequestKind::Birth,
+    };
+    bench.robot.receive_request_to_all(&vibrissa_protocol::encode(&request), bench.now_us);
+    bench.run(9.0);
+    assert_eq!(bench.first().regulator().target_mpa(), 0.05);
+    bench.run(2.0);
+    assert_eq!(bench.first().regulator().target_mpa(), 0.0, "its own supervisor has been silent for 60 s");
+}
+
+#[test]
 fn without_the_supervisor_a_robot_does_what_its_factsheet_says() {
     for (on_loss, expected_mpa) in
         [(OnSupervisorLoss::Hold, 0.05), (OnSupervisorLoss::Nominal, 0.1), (OnSupervisorLoss::Vent, 0.0)]

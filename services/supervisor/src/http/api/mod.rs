@@ -32,6 +32,7 @@ pub mod quarantine;
 pub mod robots;
 pub mod rollouts;
 pub mod setpoints;
+pub mod shards;
 pub mod touch_tests;
 pub mod webhooks;
 pub mod what_if;
@@ -73,6 +74,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(happenings::routes())
         .merge(compensations::routes())
         .merge(setpoints::routes())
+        .merge(shards::routes())
         .merge(touch_tests::routes())
         .merge(errors::routes())
         .merge(plots::routes())

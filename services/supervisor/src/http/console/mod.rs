@@ -100,6 +100,7 @@ files!(
     "parts/overview.js"
     "parts/proposals.js"
     "parts/rollouts.js"
+    "parts/shards.js"
     "parts/since.js"
     "parts/tests.js"
     "parts/webhooks.js"

@@ -8,21 +8,25 @@ use std::time::{Duration, Instant};
 const START: Duration = Duration::from_secs(60);
 
 /// The last line that a script of `tests` prints; `None`, with its message on standard error, if it fails.
-pub(crate) fn installed(script: &str, argument: Option<&str>) -> Option<PathBuf> {
+///
+/// # Panics
+/// There is no such script.
+#[must_use]
+pub fn installed(script: &str, argument: Option<&str>) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(script);
-    let output = Command::new(path).args(argument).output().unwrap();
+    let output = Command::new(path).args(argument).output().expect("a script of ours");
     if !output.status.success() {
         eprintln!("skipped: {}", String::from_utf8_lossy(&output.stderr).trim());
         return None;
     }
-    Some(PathBuf::from(String::from_utf8(output.stdout).unwrap().trim()))
+    Some(PathBuf::from(String::from_utf8_lossy(&output.stdout).trim()))
 }
 
 /// Waits until a process listens on the port, or `has_ended`.
-pub(crate) fn listens(port: u16, mut has_ended: impl FnMut() -> bool) -> bool {
+pub fn listens(host: &str, port: u16, mut has_ended: impl FnMut() -> bool) -> bool {
     let begun = Instant::now();
     while begun.elapsed() < START && !has_ended() {
-        if std::net::TcpStream::connect(("127.0.0.1", port)).is_ok() {
+        if std::net::TcpStream::connect((host, port)).is_ok() {
             return true;
         }
         std::thread::sleep(Duration::from_millis(50));

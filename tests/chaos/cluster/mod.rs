@@ -1,0 +1,120 @@
+//! Chaos in a cluster: three nodes of RMQTT (or one Mosquitto), three supervisors, a pair of PostgreSQL servers with Patroni and etcd, and a
+//! fleet of 64 shards. Each node runs in a network namespace, and is killed, frozen and cut off in turn.
+//!
+//! Unlike the run with one broker, a fault strikes when everything works again after the last one, not at a given time.
+//!
+//! Read in this order: [`plan`] (the faults), [`stage`] (the setup), [`strike`] (injection, repair, waits), [`watch`] (the
+//! leases), [`probe`] (the broker without the product), [`report`].
+
+mod broker;
+mod plan;
+mod probe;
+mod report;
+mod stage;
+mod strike;
+mod watch;
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, ensure};
+use sqlx::ConnectOptions;
+use tokio::time::sleep;
+use vibrissa_tests::oracle::recorded;
+use vibrissa_tests::oracle::robots::Robots;
+
+pub use broker::Kind;
+pub use report::Report;
+
+use crate::plan::Control;
+use crate::replay::Replay;
+use crate::scenario;
+use crate::stage::{Program, panics_of};
+use plan::Plan;
+use stage::{CLIENT, SHARDS, SUPERVISORS, Stage};
+use strike::{Striker, Surprises};
+use watch::Watch;
+
+/// Time without faults at the start, in which robots learn their whiskers, and at the end.
+const CALM: Duration = Duration::from_secs(5);
+
+/// Seed, length, number of robots and their contacts per second, and the defect to plant.
+pub struct Settings {
+    pub seed: u64,
+    pub seconds: f64,
+    pub robots: usize,
+    pub rate: f64,
+    pub control: Control,
+    pub broker: Kind,
+}
+
+/// Runs the cluster under faults. `Ok(Err)` says what is not installed or not allowed here.
+pub async fn run(settings: &Settings, program: &Program, logs: &Path) -> anyhow::Result<Result<Report, &'static str>> {
+    let Settings { seed, seconds, rate, control, .. } = *settings;
+    let names = stage::robot_names(settings.robots);
+    // The folder may contain logs of an earlier run.
+    let panics_before = panics_of(logs, &SUPERVISORS);
+    let mut stage = match Stage::set(program, control, settings.broker, logs).await {
+        Ok(stage) => stage,
+        Err(missing) => return Ok(Err(missing)),
+    };
+    let watch = Watch::start([0, 1].map(|node| stage.database.connect(node)));
+    let groups = settings.broker.nodes();
+    let scenarios = scenario::scenarios(seed, seconds, &names, rate, control, groups);
+    let brokers: Vec<_> = (0..groups).map(|group| stage.broker_of(group)).collect();
+    let robots = Robots::start(&scenarios, &brokers)?;
+    let addresses = stage.broker.addresses();
+    let replays: Vec<Replay> =
+        addresses.iter().map(|(host, port)| Replay::start((host, *port), CLIENT, seed)).collect();
+    let (started, marks) = (Instant::now(), robots.marks());
+    let mut striker = Striker {
+        stage: &mut stage,
+        watch: &watch,
+        robots: &robots,
+        names: &names,
+        control,
+        struck: Vec::new(),
+        surprises: Surprises::default(),
+    };
+    ensure!(striker.until_whole().await, "the cluster does not start: see the logs in {logs:?}");
+    while robots.receipted_beyond(&marks) < names.len() {
+        ensure!(started.elapsed() < Duration::from_secs(60), "not every robot is heard: see the logs in {logs:?}");
+        sleep(Duration::from_millis(50)).await;
+    }
+    eprintln!("chaos: everything works after {:.1} s", started.elapsed().as_secs_f64());
+    let begun = Instant::now();
+    let end = begun + Duration::from_secs_f64(seconds);
+    sleep(CALM).await;
+    let mut plan = Plan::new(seed, control, groups);
+    while Instant::now() + CALM < end {
+        striker.strike(plan.next()).await;
+    }
+    sleep(CALM).await;
+    let Striker { struck, mut surprises, .. } = striker;
+    surprises.ended += stage.revive();
+    let run_s = begun.elapsed().as_secs_f64();
+
+    robots.rest();
+    let leader = stage.database.leader().await.context("a leader of the database at the end")?;
+    let mut connection = stage.database.connect(leader).connect().await?;
+    let drain = crate::drain(&robots, &mut connection, &[]).await?;
+    surprises.ended += stage.revive();
+    let (undelivered, dropped) = (robots.undelivered(), robots.dropped());
+    let mut truth = robots.stop().await;
+    eprintln!("chaos: reading {} contacts back", truth.ledger.count());
+    recorded::contacts(&mut connection, &[], &mut truth.ledger).await?;
+    let setpoints = truth.obedience.verdict(&recorded::setpoints(&mut connection, &[]).await?);
+    Ok(Ok(Report {
+        seed,
+        broker: settings.broker.as_str(),
+        shards: SHARDS,
+        robots: names.len(),
+        repeated: replays.iter().map(Replay::count).sum(),
+        dropped,
+        undelivered,
+        run_s,
+        drain_s: drain.as_secs_f64(),
+        panics: panics_of(logs, &SUPERVISORS) - panics_before,
+        ..Report::new(truth.ledger.verdict(), setpoints, surprises, &struck, started)
+    }))
+}

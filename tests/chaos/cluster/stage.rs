@@ -1,0 +1,161 @@
+//! The programs of a cluster's run, each node in a network namespace of its own.
+
+use std::path::Path;
+
+use vibrissa_edge::shard::FleetShard;
+use vibrissa_protocol::Name;
+use vibrissa_tests::mosquitto::free_port;
+use vibrissa_tests::network::Network;
+use vibrissa_tests::patroni::Patroni;
+use vibrissa_tests::process::{Launch, Process};
+
+use super::broker::{Broker, Kind};
+use super::plan::SUPERVISORS_COUNT;
+use crate::plan::{Control, LEASE_S};
+use crate::scenario::{FLEET, fleet, robot_name};
+use crate::stage::{Program, write_password};
+
+/// Number of shards of the fleet.
+pub const SHARDS: u32 = 64;
+/// User and password of all clients of the broker.
+pub const CLIENT: (&str, &str) = ("chaos", "correct-horse");
+/// Names of the supervisors.
+pub const SUPERVISORS: [&str; SUPERVISORS_COUNT] = ["a", "b", "c"];
+/// Contacts until a whisker counts as learned; few, so that trims are detected from the start.
+const LEARNED: u32 = 20;
+/// Numbers of the namespaces of the first broker node, supervisor and database node, and of etcd.
+const BROKERS: usize = 0;
+const SUPERVISOR: usize = BROKERS + 3;
+const DATABASES: usize = SUPERVISOR + SUPERVISORS_COUNT;
+const ETCD: usize = DATABASES + 2;
+
+/// All programs except the robots. The network comes last: it is deleted after the programs have ended.
+pub struct Stage {
+    /// The broker's nodes.
+    pub broker: Broker,
+    /// The supervisors.
+    pub supervisors: Vec<Process>,
+    /// A pair of PostgreSQL servers with etcd.
+    pub database: Patroni,
+    network: Network,
+    _folder: tempfile::TempDir,
+}
+
+impl Stage {
+    /// Starts everything; `Err` says what is not installed or not allowed here.
+    pub async fn set(program: &Program, control: Control, kind: Kind, logs: &Path) -> Result<Self, &'static str> {
+        let network = Network::make(ETCD + 1).ok_or("network namespaces on a bridge need root")?;
+        let (user, password) = CLIENT;
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let places: Vec<_> = (BROKERS..BROKERS + kind.nodes()).map(|at| network.place(at)).collect();
+        let broker = tokio::task::block_in_place(|| Broker::start(kind, &places, folder.path()))
+            .ok_or("RMQTT is not installed: tests/rmqtt installs it, or use --broker mosquitto")?;
+        let nodes = [network.place(DATABASES), network.place(DATABASES + 1)];
+        let database = Patroni::start_at(&nodes, &network.place(ETCD), control != Control::Asynchronous).await;
+        let password_file = folder.path().join("password");
+        write_password(&password_file, password);
+        let mut supervisors = Vec::new();
+        for (at, name) in SUPERVISORS.iter().enumerate() {
+            let url = broker_url(&broker, at);
+            let mut arguments: Vec<String> = program.first_argument.iter().cloned().collect();
+            arguments.extend(["run", "--name", name, "--fleets", FLEET].map(str::to_owned));
+            arguments.extend(["--http-listen".to_owned(), format!("127.0.0.1:{}", free_port())]);
+            arguments.extend(["--mqtt-username", user, "--mqtt-url", &url].map(str::to_owned));
+            arguments.extend(["--mqtt-password-file".to_owned(), password_file.display().to_string()]);
+            arguments.extend(["--database-url".to_owned(), database.url()]);
+            arguments.extend(["--fleet-shards".to_owned(), SHARDS.to_string()]);
+            arguments.extend(["--lease-time-to-live-s".to_owned(), LEASE_S.to_string()]);
+            arguments.extend(["--detection-cold-start-contacts".to_owned(), LEARNED.to_string()]);
+            let fault =
+                (control == Control::NoFence).then(|| ("VIBRISSA_TEST_FAULT".to_owned(), "no_fence".to_owned()));
+            let level = ("RUST_LOG".to_owned(), "info,rumqttc=warn".to_owned());
+            supervisors.push(Process::start(network.place(SUPERVISOR + at).launch(Launch {
+                program: program.path.clone(),
+                arguments,
+                environment: [level].into_iter().chain(fault).collect(),
+                log: crate::stage::log_of(logs, name),
+            })));
+        }
+        Ok(Self { broker, supervisors, database, network, _folder: folder })
+    }
+
+    /// The broker as a group of robots reaches it: each group begins with another node.
+    pub fn broker_of(&self, group: usize) -> vibrissa_simulator::Broker {
+        let broker =
+            vibrissa_simulator::Broker::from_url(&broker_url(&self.broker, group)).expect("an address of ours");
+        vibrissa_simulator::Broker { credentials: Some((CLIENT.0.to_owned(), CLIENT.1.to_owned())), ..broker }
+    }
+
+    /// Cuts a broker node off, or connects it again.
+    pub fn cut_broker(&self, node: usize, is_cut: bool) {
+        self.network.cut(BROKERS + node, is_cut);
+    }
+
+    /// Cuts a supervisor off, or connects it again.
+    pub fn cut_supervisor(&self, at: usize, is_cut: bool) {
+        self.network.cut(SUPERVISOR + at, is_cut);
+    }
+
+    /// Cuts a database node off, or connects it again.
+    pub fn cut_database(&self, node: usize, is_cut: bool) {
+        self.network.cut(DATABASES + node, is_cut);
+    }
+
+    /// Cuts etcd off, or connects it again.
+    pub fn cut_etcd(&self, is_cut: bool) {
+        self.network.cut(ETCD, is_cut);
+    }
+
+    /// Separates a database node from the other one and from etcd, or connects it again.
+    pub fn separate_database(&self, node: usize, is_separate: bool) {
+        self.network.separate(DATABASES + node, &[DATABASES + 1 - node, ETCD], is_separate);
+    }
+
+    /// Restarts supervisors that have ended unexpectedly, and returns their number.
+    pub fn revive(&mut self) -> u64 {
+        let mut ended = 0;
+        for (process, name) in self.supervisors.iter_mut().zip(SUPERVISORS) {
+            if let Some(status) = process.ended_already() {
+                eprintln!("chaos: supervisor {name} has ended unexpectedly: {status}");
+                ended += 1;
+                process.restart();
+            }
+        }
+        ended
+    }
+}
+
+/// The nodes' addresses, beginning with another one for each number.
+fn broker_url(broker: &Broker, first: usize) -> String {
+    let mut urls: Vec<String> = broker.addresses().iter().map(|(host, port)| format!("mqtt://{host}:{port}")).collect();
+    let count = urls.len();
+    urls.rotate_left(first % count);
+    urls.join(",")
+}
+
+/// Names of this number of robots, such that every shard has one if there are at least as many.
+pub fn robot_names(count: usize) -> Vec<Name> {
+    let mut names: Vec<Name> = Vec::new();
+    for shard in FleetShard::all(&fleet(), SHARDS).take(count) {
+        names.extend((0..).map(robot_name).find(|name| shard.has(name.as_str())));
+    }
+    let more: Vec<Name> =
+        (0..).map(robot_name).filter(|name| !names.contains(name)).take(count - names.len()).collect();
+    names.extend(more);
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shard_has_a_robot() {
+        let names = robot_names(100);
+        assert_eq!(names.len(), 100);
+        assert_eq!(std::collections::BTreeSet::from_iter(&names).len(), 100);
+        for shard in FleetShard::all(&fleet(), SHARDS) {
+            assert!(names.iter().any(|name| shard.has(name.as_str())), "{shard}");
+        }
+    }
+}

@@ -1,0 +1,289 @@
+//! Injects faults into the cluster, repairs them, and waits until everything works again.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use nix::sys::signal::Signal;
+use tokio::task::JoinHandle;
+use tokio::time::sleep;
+use vibrissa_protocol::Name;
+use vibrissa_tests::oracle::robots::Robots;
+
+use super::plan::{Deed, Fault, Hold, LONGEST, SEPARATED, Strike, Victim};
+use super::probe;
+use super::stage::{CLIENT, SUPERVISORS, Stage};
+use super::watch::Watch;
+use crate::forget::forget;
+use crate::plan::Control;
+
+/// Interval of looks at the robots and the leases.
+const PAUSE: Duration = Duration::from_millis(20);
+/// Time limit for the robots' recovery, and for the recovery of each engine's redundancy.
+const PATIENCE: Duration = Duration::from_secs(90);
+
+/// A fault that has struck, with times in seconds from the hit.
+#[derive(Debug, Clone)]
+pub struct Struck {
+    /// Kind of the fault.
+    pub fault: Fault,
+    /// Time of the hit.
+    pub at: Instant,
+    /// Time at which all the victim's shards had another owner.
+    pub owned_s: Option<f64>,
+    /// Number of the victim's shards that others took over, and the time of the last one's first commit.
+    pub takeover: Option<(usize, f64)>,
+    /// Time at which the engine itself worked again: a new leader of the database, or messages between the other nodes
+    /// of the broker.
+    pub engine_s: Option<f64>,
+    /// Time of the repair.
+    pub repaired_s: f64,
+    /// Time at which every robot had a receipt for a message made after the hit.
+    pub recovered_s: Option<f64>,
+    /// Time at which all redundancy was back.
+    pub whole_s: Option<f64>,
+}
+
+/// Counts of unintended events.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Surprises {
+    /// Supervisors that ended unexpectedly.
+    pub ended: u64,
+    /// Brokers that forgot nothing.
+    pub stuck: u64,
+    /// Nodes of engines that ended unexpectedly, or had to be started again to work.
+    pub engines: u64,
+}
+
+/// Injects faults one after the other.
+pub struct Striker<'a> {
+    pub stage: &'a mut Stage,
+    pub watch: &'a Watch,
+    pub robots: &'a Robots,
+    pub names: &'a [Name],
+    pub control: Control,
+    pub struck: Vec<Struck>,
+    pub surprises: Surprises,
+}
+
+impl Striker<'_> {
+    /// Injects one fault, and returns when everything works again.
+    pub async fn strike(&mut self, strike: Strike) {
+        self.surprises.ended += self.stage.revive();
+        let Strike { fault, hold } = strike;
+        let Some(leader) = self.stage.database.leader().await else { return };
+        let shards = match fault.victim {
+            Victim::Supervisor(at) => self.watch.owned_by(SUPERVISORS[at]),
+            Victim::Broker(_) | Victim::Leader | Victim::Standby | Victim::Etcd => BTreeMap::new(),
+        };
+        let marks = self.robots.marks();
+        let hit = Instant::now();
+        self.hit(fault, leader).await;
+        let mut struck = Struck {
+            fault,
+            at: hit,
+            owned_s: None,
+            takeover: None,
+            engine_s: None,
+            repaired_s: 0.0,
+            recovered_s: None,
+            whole_s: None,
+        };
+        let is_taken_for_good = hold == Hold::UntilTaken;
+        let engine = self.engine_watch(fault, hold, leader, hit);
+        let mut is_repaired = false;
+        loop {
+            let elapsed = hit.elapsed();
+            let seconds = elapsed.as_secs_f64();
+            if struck.recovered_s.is_none() && self.robots.receipted_beyond(&marks) == self.names.len() {
+                struck.recovered_s = Some(seconds);
+            }
+            if is_taken_for_good && struck.owned_s.is_none() && self.watch.owned_again(&shards) == shards.len() {
+                struck.owned_s = Some(seconds);
+            }
+            let has_fence = self.control != Control::NoFence;
+            let taken = self.watch.taken(&shards, has_fence);
+            if is_taken_for_good && struck.takeover.is_none() && taken == shards.len() {
+                struck.takeover = Some((taken, seconds));
+            }
+            let is_due = match hold {
+                Hold::For(time) => elapsed >= time,
+                // Its return moves shards again, which would hide how long the robots waited.
+                Hold::UntilTaken => struck.takeover.is_some() && struck.recovered_s.is_some(),
+                Hold::UntilLed => engine.as_ref().is_some_and(JoinHandle::is_finished),
+                Hold::UntilRecovered => struck.recovered_s.is_some(),
+            };
+            if !is_repaired && (is_due || elapsed > LONGEST) {
+                self.repair(fault, leader);
+                struck.repaired_s = hit.elapsed().as_secs_f64();
+                is_repaired = true;
+            }
+            if is_repaired && struck.recovered_s.is_some() || elapsed > PATIENCE {
+                break;
+            }
+            sleep(PAUSE).await;
+        }
+        struck.engine_s = match engine {
+            Some(engine) if engine.is_finished() => engine.await.ok(),
+            Some(engine) => {
+                engine.abort();
+                None
+            }
+            None => None,
+        };
+        if self.until_whole().await {
+            struck.whole_s = Some(hit.elapsed().as_secs_f64());
+        }
+        tell(&struck, hold);
+        self.struck.push(struck);
+    }
+
+    async fn hit(&mut self, Fault { victim, deed }: Fault, leader: usize) {
+        let stage = &mut *self.stage;
+        match (victim, deed) {
+            (Victim::Broker(at), Deed::Killed) => stage.broker.kill(at),
+            (Victim::Broker(at), Deed::Frozen) => stage.broker.freeze(at, true),
+            (Victim::Broker(at), _) => stage.cut_broker(at, true),
+            (Victim::Supervisor(at), Deed::Killed) => stage.supervisors[at].kill(),
+            (Victim::Supervisor(at), Deed::Frozen) => stage.supervisors[at].signal(Signal::SIGSTOP),
+            (Victim::Supervisor(at), Deed::KilledAndForgotten) => {
+                stage.supervisors[at].kill();
+                // Before another supervisor takes over, so that only robots can tell it who they are.
+                for (host, port) in stage.broker.addresses() {
+                    // Once more on a busy machine.
+                    let node = (host.as_str(), port);
+                    if !forget(node, CLIENT, self.names).await && !forget(node, CLIENT, self.names).await {
+                        eprintln!("chaos: the broker did not forget its retained messages");
+                        self.surprises.stuck += 1;
+                    }
+                }
+            }
+            (Victim::Supervisor(at), _) => stage.cut_supervisor(at, true),
+            (Victim::Leader, Deed::SeparatedThenKilled) => {
+                stage.separate_database(leader, true);
+                sleep(SEPARATED).await;
+                stage.database.kill(leader);
+            }
+            (Victim::Leader | Victim::Standby, deed) => {
+                let node = if victim == Victim::Leader { leader } else { 1 - leader };
+                match deed {
+                    Deed::Killed => stage.database.kill(node),
+                    Deed::Frozen => stage.database.freeze(node, true),
+                    _ => stage.cut_database(node, true),
+                }
+            }
+            (Victim::Etcd, Deed::Killed) => stage.database.kill_etcd(),
+            (Victim::Etcd, Deed::Frozen) => stage.database.freeze_etcd(true),
+            (Victim::Etcd, _) => stage.cut_etcd(true),
+        }
+    }
+
+    fn repair(&mut self, Fault { victim, deed }: Fault, leader: usize) {
+        let stage = &mut *self.stage;
+        match (victim, deed) {
+            (Victim::Broker(at), Deed::Killed) => stage.broker.restart(at),
+            (Victim::Broker(at), Deed::Frozen) => stage.broker.freeze(at, false),
+            (Victim::Broker(at), _) => stage.cut_broker(at, false),
+            (Victim::Supervisor(at), Deed::Killed | Deed::KilledAndForgotten) => stage.supervisors[at].restart(),
+            (Victim::Supervisor(at), Deed::Frozen) => stage.supervisors[at].signal(Signal::SIGCONT),
+            (Victim::Supervisor(at), _) => stage.cut_supervisor(at, false),
+            (Victim::Leader, Deed::SeparatedThenKilled) => {
+                stage.separate_database(leader, false);
+                stage.database.restart(leader);
+            }
+            (Victim::Leader | Victim::Standby, deed) => {
+                let node = if victim == Victim::Leader { leader } else { 1 - leader };
+                match deed {
+                    Deed::Killed => stage.database.restart(node),
+                    Deed::Frozen => stage.database.freeze(node, false),
+                    _ => stage.cut_database(node, false),
+                }
+            }
+            (Victim::Etcd, Deed::Killed) => stage.database.restart_etcd(),
+            (Victim::Etcd, Deed::Frozen) => stage.database.freeze_etcd(false),
+            (Victim::Etcd, _) => stage.cut_etcd(false),
+        }
+    }
+
+    /// Measures when the engine itself works again; `None` if the fault does not ask that of an engine.
+    fn engine_watch(&self, fault: Fault, hold: Hold, leader: usize, hit: Instant) -> Option<JoinHandle<f64>> {
+        match fault.victim {
+            Victim::Leader if hold == Hold::UntilLed => {
+                let other = self.stage.database.connect(1 - leader);
+                Some(tokio::spawn(async move {
+                    while !vibrissa_tests::patroni::accepts_writes(&other).await {
+                        sleep(PAUSE).await;
+                    }
+                    hit.elapsed().as_secs_f64()
+                }))
+            }
+            Victim::Broker(node) => {
+                let mut nodes = self.stage.broker.addresses();
+                // The only node has to come back itself.
+                if nodes.len() > 1 {
+                    nodes.remove(node);
+                }
+                Some(tokio::spawn(async move {
+                    while !probe::pass(&nodes).await {
+                        sleep(PAUSE).await;
+                    }
+                    hit.elapsed().as_secs_f64()
+                }))
+            }
+            Victim::Leader | Victim::Supervisor(_) | Victim::Standby | Victim::Etcd => None,
+        }
+    }
+
+    /// Waits until all supervisors have their share, each commit waits for a standby, and messages pass between all
+    /// nodes of the broker. Returns false after [`PATIENCE`].
+    pub async fn until_whole(&mut self) -> bool {
+        let begun = Instant::now();
+        let begun_s = vibrissa_simulator::fleet::now_us() as f64 / 1e6;
+        let mut nodes_again = false;
+        loop {
+            let is_shared = self.watch.is_shared_evenly();
+            let database = &self.stage.database;
+            let is_replicated = is_shared
+                && database.is_replicated().await
+                && database.has_reached_etcd_since(begun_s).await
+                && database.may_promote().await;
+            if is_replicated && probe::pass(&self.stage.broker.addresses()).await {
+                return true;
+            }
+            let ended = self.stage.broker.revive();
+            self.surprises.engines += ended;
+            if is_replicated && begun.elapsed() > PATIENCE / 3 && !nodes_again {
+                // The nodes run, but messages do not pass: an engine's own fault, which is counted.
+                nodes_again = true;
+                self.surprises.engines += 1;
+                eprintln!("chaos: the broker's nodes do not find each other: all are started again");
+                for node in 0..self.stage.broker.addresses().len() {
+                    self.stage.broker.kill(node);
+                    self.stage.broker.restart(node);
+                }
+            }
+            if begun.elapsed() > PATIENCE {
+                eprintln!("chaos: not whole in time: shared evenly {is_shared}, replicated {is_replicated}");
+                return false;
+            }
+            sleep(PAUSE).await;
+        }
+    }
+}
+
+fn tell(struck: &Struck, hold: Hold) {
+    let seconds = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"));
+    let node = match struck.fault.victim {
+        Victim::Broker(at) | Victim::Supervisor(at) => format!(" {at}"),
+        Victim::Leader | Victim::Standby | Victim::Etcd => String::new(),
+    };
+    eprintln!(
+        "chaos: {}{node} ({hold:?}): owned {}, takeover {}, engine {}, repaired {:.2}, recovered {}, whole {} s",
+        struck.fault,
+        seconds(struck.owned_s),
+        seconds(struck.takeover.map(|(_, seconds)| seconds)),
+        seconds(struck.engine_s),
+        struck.repaired_s,
+        seconds(struck.recovered_s),
+        seconds(struck.whole_s),
+    );
+}

@@ -1,0 +1,176 @@
+//! RMQTT: one node, or a cluster by Raft.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use nix::sys::signal::Signal;
+use tempfile::TempDir;
+
+use crate::installed::{installed, listens};
+use crate::mosquitto::free_port;
+use crate::network::Place;
+use crate::process::{Launch, Process};
+
+/// Attempts to start: another test may take a port between the check and the start of the nodes.
+const ATTEMPTS: usize = 3;
+
+/// A node: its place, and its ports for MQTT, gRPC and Raft.
+#[derive(Debug, Clone)]
+struct Node {
+    host: String,
+    mqtt: u16,
+    grpc: u16,
+    raft: u16,
+}
+
+/// Running nodes; killed on drop.
+#[derive(Debug)]
+pub struct Rmqtt {
+    processes: Vec<Process>,
+    nodes: Vec<Node>,
+    folder: TempDir,
+}
+
+impl Rmqtt {
+    /// Starts this number of nodes on 127.0.0.1; `None` if RMQTT is not installed. `rules` are the lines of its access list.
+    ///
+    /// # Panics
+    /// It does not start.
+    #[must_use]
+    pub fn start(count: usize, rules: &str) -> Option<Self> {
+        Self::start_at(&vec![Place::here(); count], rules)
+    }
+
+    /// Starts a node at each of these places.
+    ///
+    /// # Panics
+    /// It does not start.
+    #[must_use]
+    pub fn start_at(places: &[Place], rules: &str) -> Option<Self> {
+        let program = installed("rmqtt", Some("--if-installed"))?;
+        let started = (0..ATTEMPTS).find_map(|_| Self::try_start(&program, places, rules));
+        Some(started.expect("RMQTT starts"))
+    }
+
+    fn try_start(program: &Path, places: &[Place], rules: &str) -> Option<Self> {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let node =
+            |place: &Place| Node { host: place.host.clone(), mqtt: free_port(), grpc: free_port(), raft: free_port() };
+        let nodes: Vec<Node> = places.iter().map(node).collect();
+        let mut processes = Vec::new();
+        for (at, place) in places.iter().enumerate() {
+            let home = home(&folder, at);
+            configure(&home, at, &nodes, rules);
+            let arguments = ["-f".to_owned(), home.join("rmqtt.toml").display().to_string()];
+            processes.push(Process::start(place.launch(Launch {
+                program: program.to_owned(),
+                arguments: arguments.to_vec(),
+                environment: Vec::new(),
+                log: home.join("log"),
+            })));
+        }
+        let all_listen = nodes
+            .iter()
+            .zip(&mut processes)
+            .all(|(node, process)| listens(&node.host, node.mqtt, || process.ended_already().is_some()));
+        all_listen.then(|| Self { processes, nodes, folder })
+    }
+
+    /// MQTT ports of the nodes.
+    #[must_use]
+    pub fn ports(&self) -> Vec<u16> {
+        self.nodes.iter().map(|node| node.mqtt).collect()
+    }
+
+    /// Hosts and MQTT ports of the nodes.
+    #[must_use]
+    pub fn addresses(&self) -> Vec<(String, u16)> {
+        self.nodes.iter().map(|node| (node.host.clone(), node.mqtt)).collect()
+    }
+
+    /// Log of a node.
+    #[must_use]
+    pub fn log(&self, node: usize) -> String {
+        fs::read_to_string(home(&self.folder, node).join("log")).unwrap_or_default()
+    }
+
+    /// Kills a node.
+    pub fn kill(&mut self, node: usize) {
+        self.processes[node].kill();
+    }
+
+    /// Stops a node with SIGSTOP, or continues it.
+    pub fn freeze(&self, node: usize, is_frozen: bool) {
+        self.processes[node].signal(if is_frozen { Signal::SIGSTOP } else { Signal::SIGCONT });
+    }
+
+    /// Starts a killed node again.
+    pub fn restart(&mut self, node: usize) {
+        self.processes[node].restart();
+    }
+
+    /// Starts nodes again that have ended on their own; their number.
+    pub fn revive(&mut self) -> u64 {
+        let mut ended = 0;
+        for process in &mut self.processes {
+            if process.ended_already().is_some() {
+                process.restart();
+                ended += 1;
+            }
+        }
+        ended
+    }
+}
+
+fn home(folder: &TempDir, at: usize) -> PathBuf {
+    folder.path().join((at + 1).to_string())
+}
+
+fn configure(home: &Path, at: usize, nodes: &[Node], rules: &str) {
+    let write = |path: PathBuf, text: &str| fs::write(path, text).expect("a folder of ours");
+    let plugins = home.join("plugins");
+    fs::create_dir_all(&plugins).expect("a folder of ours");
+    let is_cluster = nodes.len() > 1;
+    let raft = if is_cluster { "\"rmqtt-cluster-raft\", " } else { "" };
+    let (id, Node { host, mqtt, grpc, .. }) = (at + 1, &nodes[at]);
+    let settings = format!(
+        r#"
+[node]
+id = {id}
+[rpc]
+server_addr = "{host}:{grpc}"
+[log]
+to = "console"
+level = "warn"
+[plugins]
+dir = "{}/"
+default_startups = [{raft}"rmqtt-retainer", "rmqtt-acl"]
+disabled_default_startups = ["rmqtt-http-api", "rmqtt-counter"]
+[listener.tcp.external]
+addr = "{host}:{mqtt}"
+allow_anonymous = false
+max_packet_size = "2MB"
+max_inflight = 1024
+max_mqueue_len = 100000
+nodelay = true
+"#,
+        plugins.display()
+    );
+    write(home.join("rmqtt.toml"), &settings);
+    let access = format!("disconnect_if_pub_rejected = false\nrules = [{rules}]\n");
+    write(plugins.join("rmqtt-acl.toml"), &access);
+    write(plugins.join("rmqtt-retainer.toml"), "max_retained_messages = 0\n");
+    if is_cluster {
+        let list = |port: fn(&Node) -> u16| {
+            let one = |(at, node): (usize, &Node)| format!("\"{}@{}:{}\"", at + 1, node.host, port(node));
+            nodes.iter().enumerate().map(one).collect::<Vec<_>>().join(", ")
+        };
+        let cluster = format!(
+            // Without a leader, nodes that start at once found a cluster each.
+            "leader_id = 1\nnode_grpc_addrs = [{}]\nraft_peer_addrs = [{}]\n",
+            list(|node| node.grpc),
+            list(|node| node.raft)
+        );
+        write(plugins.join("rmqtt-cluster-raft.toml"), &cluster);
+    }
+}
