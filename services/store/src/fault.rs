@@ -8,6 +8,10 @@ pub enum Fault {
     ReceiptBeforeCommit,
     /// Transactions do not check the lease (no fencing).
     NoFence,
+    /// The process ends at once, as if killed, when a file of the archive is uploaded and its position is not advanced.
+    DeathAfterUpload,
+    /// The archive's horizon is the present, although earlier contacts may not be committed yet.
+    EarlyHorizon,
 }
 
 /// Whether the environment variable `VIBRISSA_TEST_FAULT` requests this fault.
@@ -18,6 +22,8 @@ pub fn is(fault: Fault) -> bool {
     let word = match fault {
         Fault::ReceiptBeforeCommit => "receipt_before_commit",
         Fault::NoFence => "no_fence",
+        Fault::DeathAfterUpload => "death_after_upload",
+        Fault::EarlyHorizon => "early_horizon",
     };
     ASKED_FOR.get_or_init(|| std::env::var("VIBRISSA_TEST_FAULT").ok()).as_deref() == Some(word)
 }

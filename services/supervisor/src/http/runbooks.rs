@@ -26,6 +26,7 @@ macro_rules! pages {
 pages! {
     "README.md",
     "VibrissaApprovalWaiting.md",
+    "VibrissaArchiveBehind.md",
     "VibrissaBrokerDisconnected.md",
     "VibrissaCommitLag.md",
     "VibrissaCompensationErrorHigh.md",
