@@ -5,7 +5,7 @@
 //! each figure.
 //!
 //! Read in this order: [`stage`] (the programs under test), [`child`] (the load and other processes), `burst`, `batch`,
-//! `flat`, `latency`, `idle` and [`crowd`] (the parts), [`report`].
+//! `flat`, `latency`, `idle`, [`crowd`] and [`scale`] (the parts), [`report`].
 
 mod batch;
 mod burst;
@@ -17,6 +17,7 @@ mod latency;
 mod null;
 mod pingpong;
 mod report;
+mod scale;
 mod stage;
 mod unnest;
 mod usage;
@@ -97,6 +98,8 @@ enum Part {
     Idle,
     /// A million whiskers in the core alone
     Core,
+    /// Many shards and several supervisors; only if it is named
+    Scale,
 }
 
 /// Durations and sizes of the measurements.
@@ -125,6 +128,8 @@ impl Part {
             Self::Latency => 90.0,
             Self::Idle => 75.0,
             Self::Core => 15.0,
+            // Not part of a run of everything.
+            Self::Scale => 900.0,
         }
     }
 }
@@ -234,8 +239,13 @@ async fn until_interrupted(bench: &mut Bench, only: &[Part]) -> anyhow::Result<(
     }
 }
 
+/// Whether a part is run. `scale` takes so long that it must be named.
+fn is_run(part: Part, only: &[Part]) -> bool {
+    if only.is_empty() { part != Part::Scale } else { only.contains(&part) }
+}
+
 async fn parts(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
-    for part in Part::value_variants().iter().filter(|part| only.is_empty() || only.contains(part)) {
+    for part in Part::value_variants().iter().filter(|part| is_run(**part, only)) {
         let begun = Instant::now();
         bench.part = (begun, Duration::from_secs_f64(part.budget_s() * bench.pace.budget));
         match part {
@@ -246,6 +256,7 @@ async fn parts(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
             Part::Latency => latency::run(bench).await,
             Part::Idle => idle::run(bench).await,
             Part::Core => crowd::run(bench).await,
+            Part::Scale => scale::run(bench).await,
         }
         .with_context(|| format!("{part:?}"))?;
         bench.say(&format!("{part:?} took {:.0} s", begun.elapsed().as_secs_f64()));
