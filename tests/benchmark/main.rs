@@ -5,7 +5,7 @@
 //! each figure.
 //!
 //! Read in this order: [`stage`] (the programs under test), [`child`] (the load and other processes), `burst`, `batch`,
-//! `flat`, `latency`, `idle`, [`crowd`] and `pages` (the parts), [`report`].
+//! `flat`, `latency`, `idle`, [`crowd`] `pages` and [`scale`] (the parts), [`report`].
 
 mod batch;
 mod burst;
@@ -18,6 +18,7 @@ mod null;
 mod pages;
 mod pingpong;
 mod report;
+mod scale;
 mod stage;
 mod unnest;
 mod usage;
@@ -100,6 +101,8 @@ enum Part {
     Core,
     /// Pages of tables with ten thousand robots
     Pages,
+    /// Many shards and several supervisors; only if it is named
+    Scale,
 }
 
 /// Durations and sizes of the measurements.
@@ -130,6 +133,8 @@ impl Part {
             Self::Core => 15.0,
             // Seven requests for each page.
             Self::Pages => 60.0,
+            // Not part of a run of everything.
+            Self::Scale => 900.0,
         }
     }
 }
@@ -239,8 +244,13 @@ async fn until_interrupted(bench: &mut Bench, only: &[Part]) -> anyhow::Result<(
     }
 }
 
+/// Whether a part is run. `scale` takes so long that it must be named.
+fn is_run(part: Part, only: &[Part]) -> bool {
+    if only.is_empty() { part != Part::Scale } else { only.contains(&part) }
+}
+
 async fn parts(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
-    for part in Part::value_variants().iter().filter(|part| only.is_empty() || only.contains(part)) {
+    for part in Part::value_variants().iter().filter(|part| is_run(**part, only)) {
         let begun = Instant::now();
         bench.part = (begun, Duration::from_secs_f64(part.budget_s() * bench.pace.budget));
         match part {
@@ -252,6 +262,7 @@ async fn parts(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
             Part::Idle => idle::run(bench).await,
             Part::Core => crowd::run(bench).await,
             Part::Pages => pages::run(bench).await,
+            Part::Scale => scale::run(bench).await,
         }
         .with_context(|| format!("{part:?}"))?;
         bench.say(&format!("{part:?} took {:.0} s", begun.elapsed().as_secs_f64()));

@@ -124,7 +124,8 @@ async fn is_ready(http: SocketAddr, fleet: &str) -> bool {
 /// A supervisor that has become ready.
 pub struct Supervisor {
     process: Process,
-    /// Address of its REST API.
+    log: PathBuf,
+    /// Address of its HTTP server.
     pub http: SocketAddr,
     /// Time from the start of the process until it was ready, seconds.
     pub ready_s: f64,
@@ -133,12 +134,32 @@ pub struct Supervisor {
 impl Supervisor {
     /// Starts a supervisor for a fleet and waits until it is ready.
     pub async fn start(stage: &Stage, broker: &Mosquitto, store: &Store, fleet: &str) -> anyhow::Result<Self> {
+        let begun = Instant::now();
+        let mut supervisor = Self::launch(stage, broker, store, fleet, "bench", &[]);
+        while !is_ready(supervisor.http, fleet).await {
+            ensure!(supervisor.is_running(), "the supervisor has ended: {}", supervisor.log());
+            ensure!(begun.elapsed() < READY_PATIENCE, "the supervisor does not become ready: {}", supervisor.log());
+            tokio::time::sleep(READY_PAUSE).await;
+        }
+        supervisor.ready_s = begun.elapsed().as_secs_f64();
+        Ok(supervisor)
+    }
+
+    /// Starts a supervisor with further arguments, without waiting.
+    pub fn launch(
+        stage: &Stage,
+        broker: &Mosquitto,
+        store: &Store,
+        fleet: &str,
+        name: &str,
+        further: &[String],
+    ) -> Self {
         let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
-        let mut arguments: Vec<String> = ["run", "--name", "bench", "--fleets", fleet].map(str::to_owned).into();
+        let mut arguments: Vec<String> = ["run", "--name", name, "--fleets", fleet].map(str::to_owned).into();
         arguments.extend(["--http-listen".to_owned(), http.to_string(), "--database-url".to_owned(), store.url()]);
         arguments.extend(["--mqtt-url".to_owned(), format!("mqtt://127.0.0.1:{}", broker.port())]);
-        let log = stage.folder.path().join(format!("{fleet}-{}.log", store.name()));
-        let begun = Instant::now();
+        arguments.extend(further.iter().cloned());
+        let log = stage.folder.path().join(format!("{fleet}-{}-{name}.log", store.name()));
         let level = ("RUST_LOG".to_owned(), "info,rumqttc=warn".to_owned());
         let process = Process::start(Launch {
             program: stage.program.clone(),
@@ -146,15 +167,17 @@ impl Supervisor {
             environment: vec![level],
             log: log.clone(),
         });
-        let mut supervisor = Self { process, http, ready_s: 0.0 };
-        while !is_ready(http, fleet).await {
-            let said = || std::fs::read_to_string(&log).unwrap_or_default();
-            ensure!(supervisor.process.ended_already().is_none(), "the supervisor has ended: {}", said());
-            ensure!(begun.elapsed() < READY_PATIENCE, "the supervisor does not become ready: {}", said());
-            tokio::time::sleep(READY_PAUSE).await;
-        }
-        supervisor.ready_s = begun.elapsed().as_secs_f64();
-        Ok(supervisor)
+        Self { process, log, http, ready_s: 0.0 }
+    }
+
+    /// Whether the process has not ended.
+    pub fn is_running(&mut self) -> bool {
+        self.process.ended_already().is_none()
+    }
+
+    /// Text of its log.
+    pub fn log(&self) -> String {
+        std::fs::read_to_string(&self.log).unwrap_or_default()
     }
 
     /// Process id of the supervisor.

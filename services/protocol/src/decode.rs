@@ -1,7 +1,9 @@
 //! Decodes bytes to a checked message or a labelled refusal, and encodes messages.
 
+mod cbor;
 mod plain;
 
+use std::borrow::Cow;
 use std::fmt;
 
 use serde::de::{DeserializeOwned, DeserializeSeed, Error as _, IgnoredAny, MapAccess, Visitor};
@@ -50,6 +52,10 @@ pub enum Message {
 /// The reason of the refusal. [`envelope`] may still identify the message.
 pub fn decode(topic: &Topic, payload: &[u8]) -> Result<Message, Refusal> {
     limited(payload)?;
+    let is_of_contacts = matches!(topic, Topic::Robot { kind: RobotTopic::Contacts, .. });
+    if cbor::is_cbor(payload) && !is_of_contacts {
+        return Err(Refusal::NotJson { problem: "it begins like CBOR, which is for `contacts` only".to_owned() });
+    }
     match topic {
         Topic::SupervisorState { .. } => read(payload).map(Message::SupervisorState),
         Topic::SupervisorRequest { .. } => read(payload).map(Message::SupervisorRequest),
@@ -68,17 +74,37 @@ pub fn decode(topic: &Topic, payload: &[u8]) -> Result<Message, Refusal> {
     }
 }
 
-/// Decodes and checks the payload of a `contacts` message like [`decode`], but reuses the allocation of `list`,
-/// whose contents are discarded.
+/// Decodes and checks the payload of a `contacts` message, in JSON or CBOR, like [`decode`], but reuses the allocation of
+/// `list`, whose contents are discarded.
 ///
 /// # Errors
 /// Those of [`decode`].
 pub fn decode_contacts(payload: &[u8], mut list: Vec<Contact>) -> Result<Contacts, Refusal> {
     limited(payload)?;
+    if cbor::is_cbor(payload) {
+        return decode_cbor(payload, &mut list);
+    }
     let plain = std::str::from_utf8(payload).ok().and_then(|text| plain::contacts(text, &mut list));
     let Some(message) = plain else { return read(payload) };
     message.check()?;
     Ok(message)
+}
+
+fn decode_cbor(payload: &[u8], list: &mut Vec<Contact>) -> Result<Contacts, Refusal> {
+    let Some(message) = cbor::contacts(payload, list) else {
+        let text = cbor::json::of(payload).map_err(|problem| Refusal::NotCbor { problem: shortened(&problem) })?;
+        // Positions in the written text mean nothing to the sender.
+        return read(&text).map_err(Refusal::without_position);
+    };
+    message.check()?;
+    Ok(message)
+}
+
+/// A message in CBOR as JSON, for tools that know only JSON; every other payload as it is. `None` for CBOR that is not
+/// well-formed.
+#[must_use]
+pub fn as_json(payload: &[u8]) -> Option<Cow<'_, [u8]>> {
+    if cbor::is_cbor(payload) { cbor::json::of(payload).ok().map(Cow::Owned) } else { Some(Cow::Borrowed(payload)) }
 }
 
 fn limited(payload: &[u8]) -> Result<(), Refusal> {
@@ -86,6 +112,12 @@ fn limited(payload: &[u8]) -> Result<(), Refusal> {
         return Ok(());
     }
     Err(Refusal::TooLarge { bytes: payload.len(), most: PAYLOAD_MAX_BYTES })
+}
+
+/// Encodes a `contacts` message as CBOR.
+#[must_use]
+pub fn encode_cbor(message: &Contacts) -> Vec<u8> {
+    cbor::write(message)
 }
 
 /// Encodes a message as JSON.
@@ -144,12 +176,16 @@ pub struct Envelope {
 /// Reads only the envelope of a refused message.
 ///
 /// A refused `contacts` message can then still be receipted; otherwise its robot would send it again forever.
-/// Reading stops at the second of the two fields, so the rest need not be JSON.
+/// Reading stops at the second of the two fields, so the rest need not be JSON or CBOR.
 #[must_use]
 pub fn envelope(payload: &[u8]) -> Option<Envelope> {
     let mut found = Found::default();
+    let text = match cbor::is_cbor(payload) {
+        true => Cow::Owned(cbor::json::begin_of(payload).0),
+        false => Cow::Borrowed(payload),
+    };
     // The result is irrelevant: the search ends with a deliberate error once both fields are found.
-    let _ = found.deserialize(&mut serde_json::Deserializer::from_slice(payload));
+    let _ = found.deserialize(&mut serde_json::Deserializer::from_slice(&text));
     Some(Envelope { boot_id: found.boot_id?, seq: found.seq.filter(|&seq| seq < INTEGER_LIMIT)? })
 }
 

@@ -20,7 +20,7 @@ pub mod timestamp;
 pub mod topic;
 pub mod words;
 
-pub use decode::{Envelope, Message, decode, decode_contacts, encode, envelope};
+pub use decode::{Envelope, Message, as_json, decode, decode_contacts, encode, encode_cbor, envelope};
 pub use messages::{
     ArrayFacts, Connection, Contact, ContactPlace, Contacts, Distance, Estimate, Factsheet, MissedTouch, Receipt,
     Request, Setpoint, SetpointState, Status, SupervisorRequest, SupervisorState, TestState, TouchTest,

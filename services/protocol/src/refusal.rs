@@ -37,6 +37,12 @@ pub enum Refusal {
         /// Error of the JSON reader, with line and column.
         problem: String,
     },
+    /// The payload begins as a map in CBOR, but is not well-formed or has values that JSON has not.
+    #[error("the payload is not CBOR of the contract: {problem}")]
+    NotCbor {
+        /// The violated rule and the position in bytes.
+        problem: String,
+    },
     /// A field is missing, has the wrong type, or has a word that is not in its list.
     #[error("{path}: {problem}")]
     Malformed {
@@ -87,11 +93,12 @@ pub enum Refusal {
 
 impl Refusal {
     /// All labels, in the order of the variants, for counters that start at zero.
-    pub const LABELS: [&'static str; 9] = [
+    pub const LABELS: [&'static str; 10] = [
         "unknown_topic",
         "bad_name",
         "too_large",
         "not_json",
+        "not_cbor",
         "malformed",
         "out_of_range",
         "too_many",
@@ -107,12 +114,23 @@ impl Refusal {
             Self::BadName { .. } => "bad_name",
             Self::TooLarge { .. } => "too_large",
             Self::NotJson { .. } => "not_json",
+            Self::NotCbor { .. } => "not_cbor",
             Self::Malformed { .. } => "malformed",
             Self::OutOfRange { .. } => "out_of_range",
             Self::TooMany { .. } => "too_many",
             Self::Duplicate { .. } => "duplicate",
             Self::WrongNeighbour { .. } => "wrong_neighbour",
         }
+    }
+
+    /// Removes the position that the JSON reader adds to a problem.
+    pub(crate) fn without_position(mut self) -> Self {
+        if let Self::Malformed { problem, .. } | Self::NotJson { problem } = &mut self
+            && let Some((before, _)) = problem.rsplit_once(" at line ")
+        {
+            *problem = before.to_owned();
+        }
+        self
     }
 
     /// Puts the name of a field before the path, since checks only know the path below the field.
@@ -123,7 +141,11 @@ impl Refusal {
             | Self::TooMany { path, .. }
             | Self::Duplicate { path, .. }
             | Self::WrongNeighbour { path, .. } => *path = format!("{field}.{path}"),
-            Self::UnknownTopic { .. } | Self::BadName { .. } | Self::TooLarge { .. } | Self::NotJson { .. } => {}
+            Self::UnknownTopic { .. }
+            | Self::BadName { .. }
+            | Self::TooLarge { .. }
+            | Self::NotJson { .. }
+            | Self::NotCbor { .. } => {}
         }
         self
     }
@@ -138,7 +160,11 @@ impl Refusal {
             | Self::WrongNeighbour { path, .. } => {
                 *path = if path.is_empty() { format!("{list}[{index}]") } else { format!("{list}[{index}].{path}") };
             }
-            Self::UnknownTopic { .. } | Self::BadName { .. } | Self::TooLarge { .. } | Self::NotJson { .. } => {}
+            Self::UnknownTopic { .. }
+            | Self::BadName { .. }
+            | Self::TooLarge { .. }
+            | Self::NotJson { .. }
+            | Self::NotCbor { .. } => {}
         }
         self
     }

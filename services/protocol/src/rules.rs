@@ -109,7 +109,7 @@ rules! {
         "Contacts messages dropped because of a full store are counted in contacts_dropped.";
 
     MessageForm = "message-form", "all", Every, Talking,
-        "Every message is JSON in UTF-8 with all required fields, and with words and names of the contract.";
+        "Every message is JSON in UTF-8, or CBOR for contacts, with all required fields, and with words and names of the contract.";
     SeqWithoutGaps = "seq-without-gaps", "all", Every, Talking,
         "Within a boot, seq rises by one with each message of a topic, and identifies one message only.";
     SeqFromZero = "seq-from-zero", "all", Every, Restarting,

@@ -21,7 +21,7 @@ pub struct ExportTable {
     /// Purpose of the query, for errors.
     what: &'static str,
     /// Query whose rows have all columns.
-    select: &'static str,
+    pub(super) select: &'static str,
     /// Whether the query names whiskers by `whisker_id` only, so that their names are added.
     lacks_names: bool,
     /// Column with the time of a row.
@@ -97,7 +97,7 @@ const fn is_nullable(told: &[&str]) -> bool {
 
 /// Contacts. `at` is the robot's clock, `received_at` the supervisor's; `used` says what the contact was used for, and
 /// `residual` is ln(measured / predicted sensitivity).
-static CONTACTS: ExportTable = ExportTable {
+pub static CONTACTS: ExportTable = ExportTable {
     name: "contacts",
     what: "read the contacts",
     select: "SELECT fleet, robot, \"array\", w.whisker, c.t_us AS at, c.received_us AS received_at, b.boot_id, c.seq, \
@@ -206,7 +206,7 @@ impl ExportTable {
     }
 }
 
-fn cell<R: Row>(row: &R, column: &ExportColumn) -> sqlx::Result<Cell>
+pub(super) fn cell<R: Row>(row: &R, column: &ExportColumn) -> sqlx::Result<Cell>
 where
     &'static str: ColumnIndex<R>,
     i64: for<'r> Decode<'r, R::Database> + Type<R::Database>,

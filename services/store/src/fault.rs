@@ -12,6 +12,10 @@ pub enum Fault {
     DivisionCut,
     /// The process ends right after the commit that changes the number of shards.
     DivisionDone,
+    /// The process ends at once, as if killed, when a file of the archive is uploaded and its position is not advanced.
+    DeathAfterUpload,
+    /// The archive's horizon is the present, although earlier contacts may not be committed yet.
+    EarlyHorizon,
 }
 
 /// Whether the environment variable `VIBRISSA_TEST_FAULT` requests this fault.
@@ -24,6 +28,8 @@ pub fn is(fault: Fault) -> bool {
         Fault::NoFence => "no_fence",
         Fault::DivisionCut => "division_cut",
         Fault::DivisionDone => "division_done",
+        Fault::DeathAfterUpload => "death_after_upload",
+        Fault::EarlyHorizon => "early_horizon",
     };
     ASKED_FOR.get_or_init(|| std::env::var("VIBRISSA_TEST_FAULT").ok()).as_deref() == Some(word)
 }

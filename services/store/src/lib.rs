@@ -12,6 +12,7 @@ pub mod alarms;
 pub mod alarms_at_once;
 pub mod allowed;
 mod apart;
+pub mod archive;
 pub mod backup;
 pub mod batch;
 pub mod black_boxes;

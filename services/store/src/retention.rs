@@ -79,8 +79,8 @@ impl Store {
         }
     }
 
-    /// Deletes rows that are too old: black boxes, whole partitions in PostgreSQL, some thousand rows in SQLite. Returns
-    /// whether there may be more.
+    /// Deletes rows that are too old: black boxes, whole partitions in PostgreSQL, some thousand rows in SQLite. No contact is
+    /// deleted before it is archived, if there is an archive. Returns whether there may be more.
     ///
     /// # Errors
     /// The database cannot be written or is too busy; try again later.
@@ -91,7 +91,10 @@ impl Store {
         told: &mut impl FnMut(Done),
     ) -> Result<bool, StoreError> {
         const WHAT: &str = "delete old rows";
-        let contacts_us = kept_from(now_us, retention.contacts_days);
+        let mut contacts_us = kept_from(now_us, retention.contacts_days);
+        if let (Some(before_us), Some(archived_us)) = (&mut contacts_us, self.archived_before().await?) {
+            *before_us = archived_us.min(*before_us);
+        }
         let minutes_us = kept_from(now_us, retention.minutes_days);
         let mut is_more = false;
         if let Some(before_us) = kept_from(now_us, retention.black_boxes_days) {

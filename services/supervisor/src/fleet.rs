@@ -10,6 +10,7 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::BootId;
 
 use crate::action_notifier::ActionNotifier;
+use crate::archive::Archive;
 use crate::black_box::BlackBoxes;
 use crate::ending::Ending;
 use crate::engine::{ContactRetention, Engine, EngineOptions, Limits};
@@ -49,6 +50,8 @@ pub(crate) struct Shared {
     pub(crate) keep: ContactRetention,
     /// Limits on the number of robots.
     pub(crate) limits: Limits,
+    /// Archive of the contacts, if there is one.
+    pub(crate) archive: Option<Archive>,
     /// Black boxes of the robots.
     pub(crate) boxes: BlackBoxes,
     /// Allow list of robots from a file, if one is configured.
@@ -127,7 +130,15 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         }
         shared.readiness.listens(&shard, connection.link.clone());
         shared.readiness.set_of(&shard, TAKING_UP, None);
+        // The owner of the first shard archives the whole fleet.
+        let archive = shared.archive.as_ref().filter(|_| shard.number() == 0);
+        let archiving = archive
+            .map(|archive| tokio::spawn(archive.clone().run(lease.clone(), shared.store.clone(), metrics.clone())));
         run(engine, &connection, &metrics, stop).await;
+        if let Some(task) = archiving {
+            // The next owner writes an unfinished file again.
+            task.abort();
+        }
     }
     shared.readiness.forget(&shard);
     metrics.forget();
@@ -151,6 +162,7 @@ pub(crate) fn engine_options(lease: &Lease, boot_id: &BootId, shared: &Shared) -
         limits: shared.limits,
         robots_file: shared.robots_file.clone(),
         boxes: shared.boxes.clone(),
+        is_archived: shared.archive.is_some(),
         traces: shared.traces.clone(),
     }
 }

@@ -18,6 +18,7 @@ mod sharing;
 mod thread;
 mod upkeep;
 
+pub mod archive_options;
 pub mod births;
 pub mod broker;
 pub mod inbox;
@@ -29,12 +30,19 @@ pub mod engine;
 pub mod http;
 pub mod metrics;
 pub mod one_of;
+#[cfg(feature = "parquet")]
+pub mod parquet_rows;
 #[cfg(feature = "traces")]
 pub mod trace;
 #[cfg(not(feature = "traces"))]
 #[path = "untraced.rs"]
 pub mod trace;
 
+#[cfg(feature = "archive")]
+mod archive;
+#[cfg(not(feature = "archive"))]
+#[path = "unarchived.rs"]
+mod archive;
 mod backoff;
 mod black_box;
 pub mod calibration_file;

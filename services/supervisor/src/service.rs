@@ -14,6 +14,8 @@ use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
 use crate::action_notifier::ActionNotifier;
+use crate::archive::Archive;
+pub use crate::archive_options::ArchiveOptions;
 pub use crate::black_box::BlackBoxOptions;
 use crate::black_box::BlackBoxes;
 use crate::broker::Broker;
@@ -42,12 +44,14 @@ const STOP_PATIENCE: Duration = Duration::from_secs(5);
 pub const LEASE_TIME_TO_LIVE: Duration = Duration::from_secs(2);
 
 /// Which contacts the database keeps, and for how long.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct HistoryOptions {
     /// Which contacts get a row of their own.
     pub keep: ContactRetention,
     /// Retention periods of these rows and of the aggregates.
     pub retention: Retention,
+    /// Archive of the contacts on an object store.
+    pub archive: Option<ArchiveOptions>,
 }
 
 /// Limits on the number of robots, and the file of allowed robots.
@@ -158,6 +162,8 @@ impl Service {
             }
         };
         let prepared = mqtt::prepare(&broker)?;
+        let archive = options.history.archive.as_ref().map(Archive::open).transpose().context("archive.url")?;
+        let archived = if archive.is_some() { options.fleets.clone() } else { Vec::new() };
         let database = if store.is_shared() { "postgresql" } else { "sqlite" };
         let dropped = metrics.trace_spans_dropped.clone();
         let start = |to: &TraceOptions| Traces::start(to, &options.name, database, dropped);
@@ -179,6 +185,7 @@ impl Service {
             traces: traces.clone(),
             params: params.clone(),
             keep: options.history.keep,
+            archive,
             limits: options.limits.limits,
             boxes: BlackBoxes::start(options.black_boxes, store.writer()),
             robots_file: robots_file.clone(),
@@ -216,7 +223,7 @@ impl Service {
         let Serving { address: http, monitoring, task: http_task } =
             crate::http::serve(&options.http, app, stopped.clone()).await?;
         tokio::spawn(forget_changes(store.clone(), stopped.clone()));
-        tokio::spawn(upkeep::run(store.clone(), options.history.retention, metrics.clone(), stopped.clone()));
+        tokio::spawn(upkeep::run(store.clone(), options.history.retention, archived, metrics.clone(), stopped.clone()));
         tokio::spawn(replication::watch(store.clone(), metrics.clone(), stopped.clone()));
         let webhooks = tokio::spawn(webhooks.run(stopped.clone()));
         let ownership = tokio::spawn(ownership.run(stopped));

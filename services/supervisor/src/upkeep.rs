@@ -5,6 +5,7 @@ use tokio::sync::watch;
 use tokio::time::{Duration, timeout};
 use tracing::{debug, info, warn};
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_protocol::Name;
 use vibrissa_store::retention::{Done, Retention};
 use vibrissa_store::{Store, StoreError};
 
@@ -16,9 +17,17 @@ const AGAIN: Duration = Duration::from_secs(300);
 const PAUSE: Duration = Duration::from_millis(400);
 
 /// Runs upkeep until the service stops.
-pub(crate) async fn run(store: Store, retention: Retention, metrics: Metrics, mut stop: watch::Receiver<bool>) {
+///
+/// Contacts of the fleets `archived` are not deleted before they are archived.
+pub(crate) async fn run(
+    store: Store,
+    retention: Retention,
+    archived: Vec<Name>,
+    metrics: Metrics,
+    mut stop: watch::Receiver<bool>,
+) {
     loop {
-        let pause = match store.with_leader(look_after(&store, retention, &metrics)).await {
+        let pause = match store.with_leader(look_after(&store, retention, &archived, &metrics)).await {
             Ok(true) => PAUSE,
             Ok(false) => {
                 metrics.upkeep_timestamp_seconds.set(wall_clock().as_s());
@@ -36,8 +45,14 @@ pub(crate) async fn run(store: Store, retention: Retention, metrics: Metrics, mu
     }
 }
 
-async fn look_after(store: &Store, retention: Retention, metrics: &Metrics) -> Result<bool, StoreError> {
+async fn look_after(
+    store: &Store,
+    retention: Retention,
+    archived: &[Name],
+    metrics: &Metrics,
+) -> Result<bool, StoreError> {
     let now_us = wall_clock().0 as i64;
+    store.begin_archives(archived, now_us).await?;
     let mut note = |done| note_done(&done, metrics);
     store.make_partitions(now_us, &mut note).await?;
     let is_more = store.look_after(retention, now_us, &mut note).await?;

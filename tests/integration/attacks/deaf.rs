@@ -152,6 +152,7 @@ async fn a_burst_does_not_pass_for_deafness() {
         // The more messages wait, the later a probe arrives.
         unreceipted: Some(100_000),
         no_receipts: false,
+        cbor: false,
         no_retained: false,
         learn: 0,
         trim_every: None,

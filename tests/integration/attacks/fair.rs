@@ -93,6 +93,7 @@ fn flood(port: u16) -> LoadPlan {
         window: 1000,
         unreceipted: Some(10_000_000),
         no_receipts: false,
+        cbor: false,
         no_retained: false,
         learn: 0,
         trim_every: None,

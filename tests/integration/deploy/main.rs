@@ -7,6 +7,7 @@ mod guidance;
 mod packages;
 mod profiles;
 mod sbom;
+mod scale;
 mod secrets;
 mod structure;
 mod systemd;

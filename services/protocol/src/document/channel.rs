@@ -98,7 +98,10 @@ impl Channel {
             Self::Robot(RobotTopic::Contacts) => {
                 "Contacts in batches. The robot stores each message, up to a limit, until a receipt covers its seq, \
                  and sends uncovered ones again with the same seq, oldest first, with exponential backoff while no \
-                 receipt arrives. QoS 0 for robots that do so, 1 for others."
+                 receipt arrives. QoS 0 for robots that do so, 1 for others. The payload may be a map of CBOR (RFC 8949) instead \
+                 of JSON, with the same fields, names as texts, and numbers as floats or integers. The first byte tells the \
+                 encodings apart (0xA0 to 0xBF begin a CBOR map); over MQTT 5 such a message should also have the content \
+                 type application/cbor."
             }
             Self::Robot(RobotTopic::Status) => "Sent every 1 to 10 s, on change, and on request.",
             Self::Robot(RobotTopic::Receipt) => {

@@ -192,9 +192,11 @@ fn is_beyond_schemas(refusal: &Refusal) -> bool {
             beyond.contains(allowed) || *allowed == crate::messages::WITHIN_INTERVAL
         }
         Refusal::Malformed { problem, .. } => problem == "contact ratios must rise",
-        Refusal::UnknownTopic { .. } | Refusal::BadName { .. } | Refusal::NotJson { .. } | Refusal::TooMany { .. } => {
-            false
-        }
+        Refusal::UnknownTopic { .. }
+        | Refusal::BadName { .. }
+        | Refusal::NotJson { .. }
+        | Refusal::NotCbor { .. }
+        | Refusal::TooMany { .. } => false,
     }
 }
 

@@ -9,7 +9,7 @@ use std::time::Duration;
 use tokio::net::TcpStream;
 use tokio::time::{Instant, sleep_until};
 use vibrissa_core::mechanics::ModelError;
-use vibrissa_protocol::{BootId, ConnectionState, QualityOfService, RobotTopic, Topic};
+use vibrissa_protocol::{BootId, ConnectionState, QualityOfService, RobotTopic, Topic, decode_contacts, encode_cbor};
 
 use super::packet::{self, Inbound, Manner};
 use super::plan::{LoadPlan, Quality};
@@ -319,7 +319,12 @@ impl Line {
     /// Publishes `payload` as contacts of a robot.
     fn publish_payload(&mut self, at: usize) {
         let payload = std::mem::take(&mut self.payload);
-        self.publish(at, RobotTopic::Contacts, &payload);
+        // The texts are made of prepared pieces of JSON.
+        let cbor = self.common.plan.cbor.then(|| decode_contacts(&payload, Vec::new()).ok()).flatten();
+        match cbor {
+            Some(message) => self.publish(at, RobotTopic::Contacts, &encode_cbor(&message)),
+            None => self.publish(at, RobotTopic::Contacts, &payload),
+        }
         self.payload = payload;
     }
 

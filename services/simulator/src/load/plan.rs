@@ -64,6 +64,9 @@ pub struct LoadPlan {
     /// Expect no receipts: end when the broker has received all messages
     #[arg(long)]
     pub no_receipts: bool,
+    /// Send contacts in CBOR instead of JSON
+    #[arg(long)]
+    pub cbor: bool,
     /// Publish nothing with the retain flag, which brokers that retain no messages refuse; robots answer requests for births
     #[arg(long)]
     pub no_retained: bool,

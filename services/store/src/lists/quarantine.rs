@@ -1,7 +1,10 @@
 //! Messages in quarantine: the database refused their rows.
 
+use std::borrow::Cow;
+
 use serde::Serialize;
 use utoipa::ToSchema;
+use vibrissa_protocol::as_json;
 
 use super::sorts;
 use crate::from_row::from_row;
@@ -11,7 +14,7 @@ use crate::time::Time;
 /// Most characters of a message that a list shows.
 const PAYLOAD_CHARACTERS_MAX: usize = 2000;
 
-/// Bytes of a message as text, with a replacement character for invalid UTF-8.
+/// Bytes of a message as text; CBOR as JSON, and a replacement character for invalid UTF-8.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(transparent)]
 pub struct PayloadText(String);
@@ -35,7 +38,8 @@ where
 {
     fn decode(value: DB::ValueRef<'r>) -> Result<Self, sqlx::error::BoxDynError> {
         let bytes = <Vec<u8> as sqlx::Decode<'r, DB>>::decode(value)?;
-        Ok(Self(String::from_utf8_lossy(&bytes).chars().take(PAYLOAD_CHARACTERS_MAX).collect()))
+        let text = as_json(&bytes).unwrap_or(Cow::Borrowed(&bytes));
+        Ok(Self(String::from_utf8_lossy(&text).chars().take(PAYLOAD_CHARACTERS_MAX).collect()))
     }
 }
 

@@ -69,6 +69,10 @@ const MESSAGES_AT_A_TIME: usize = 1024;
 const TICKS_PER_ALLOW_LIST: u32 = 16;
 /// Ticks between two comparisons of the errors of a roll-out (5 s).
 const TICKS_PER_REVIEW: u32 = 20;
+/// Ticks between two statements of the archive's horizon (5 s).
+const TICKS_PER_HORIZON: u32 = 20;
+/// Age of the archive's horizon, µs. Contacts that take longer from their receipt to the batch get its time instead.
+const HORIZON_AGE_US: i64 = 5_000_000;
 /// Ticks between two reads of the actions sent to other supervisors, and between two surveys of all robots for the
 /// metrics (1 s).
 const TICKS_PER_SURVEY: u32 = 4;
@@ -102,6 +106,8 @@ pub(crate) struct Engine {
     metrics: FleetMetrics,
     /// Time of the next survey of the robots, at the earliest.
     survey_from: Instant,
+    /// Whether the contacts are archived.
+    is_archived: bool,
 }
 
 impl Engine {
@@ -190,6 +196,9 @@ impl Engine {
         }
         if number.is_multiple_of(TICKS_PER_REVIEW) {
             self.review_rollout(now(inbox)).await?;
+        }
+        if self.is_archived && number.is_multiple_of(TICKS_PER_HORIZON) {
+            self.state_horizon().await?;
         }
         if number.is_multiple_of(TICKS_PER_SURVEY) {
             // Actions may have been sent to another supervisor.
@@ -319,6 +328,26 @@ impl Engine {
         }
         self.show_rollout();
         self.pipeline.stepped(0, &self.shards);
+        Ok(())
+    }
+
+    /// States up to which time of receipt all contacts are committed. If the database is unreachable, this does not wait.
+    ///
+    /// All sealed transactions are written by then, and later ones get contacts from the horizon on only.
+    async fn state_horizon(&mut self) -> Result<(), LeaseLost> {
+        self.settle().await?;
+        let now_us = wall_clock().0 as i64;
+        // A fault planted by a test: the horizon is stated, but not kept.
+        let is_early = fault::is(Fault::EarlyHorizon);
+        let horizon_us = if is_early { now_us + HORIZON_AGE_US } else { now_us - HORIZON_AGE_US };
+        if !is_early {
+            self.pipeline.set_contacts_from(horizon_us);
+        }
+        let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
+        let (writer, lease) = committer.database();
+        if let Err(problem) = writer.state_horizon(lease, horizon_us).await {
+            committer.failed(&problem, "cannot state the archive's horizon");
+        }
         Ok(())
     }
 

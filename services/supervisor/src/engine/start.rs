@@ -57,6 +57,8 @@ pub(crate) struct EngineOptions {
     pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
     /// Black boxes of the robots.
     pub(crate) boxes: BlackBoxes,
+    /// Whether the contacts are archived.
+    pub(crate) is_archived: bool,
     /// Traces, if there is a collector; those of setpoints under way are continued.
     pub(crate) traces: Option<Traces>,
 }
@@ -91,6 +93,8 @@ impl EngineOptions {
         shards.set_trial(rollout.as_ref().map(Rollout::trial).as_ref());
         let allowed = writer.allowed_robots(&lease, 0).await?;
         let last = recover(&mut writer, &lease, &mut shards).await?;
+        // Also without an archive here: the last owner may have had one.
+        let contacts_from_us = writer.archive_floor(&fleet).await?;
         shards.set_retention(self.retention);
         let boxes = self.boxes.of_fleet(&lease, &metrics.black_boxes_lost);
         writer.end_black_boxes(&lease).await?;
@@ -102,7 +106,8 @@ impl EngineOptions {
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
         let committer = Committer::new(lease.clone(), writer, program.clone(), readiness.clone());
         let workers = Handle::current();
-        let pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
+        let mut pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
+        pipeline.set_contacts_from(contacts_from_us);
         shards.set_number(pipeline.open_number());
         fleet_metrics::show_params(&metrics, &params, policy_version);
         fleet_metrics::survey_robots(&mut shards, lease.shard(), &program, &metrics);
@@ -123,6 +128,7 @@ impl EngineOptions {
             limits: self.limits,
             new_robots: Bucket::new(new_robots_per_minute, new_robots_per_minute),
             survey_from: Instant::now(),
+            is_archived: self.is_archived,
             fleet,
             shards,
             pipeline,

@@ -29,6 +29,7 @@ macro_rules! pages {
 pages! {
     "README.md",
     "VibrissaApprovalWaiting.md",
+    "VibrissaArchiveBehind.md",
     "VibrissaBrokerDisconnected.md",
     "VibrissaCommitLag.md",
     "VibrissaCompensationErrorHigh.md",

@@ -72,6 +72,15 @@ of_fleet! {
         "Robots of which the database refused rows within the last minute; their messages are committed few at a time.";
     /// Contacts of accepted messages, by use.
     contacts: Counters = "vibrissa_contacts_total", "Contacts of accepted messages, by use.", labels::USED;
+    /// Time of receipt up to which all contacts are archived, s since 1970 UTC; 0 without an archive.
+    archive_position_timestamp_seconds: Gauge = "vibrissa_archive_position_timestamp_seconds",
+        "Time of receipt up to which all contacts are archived, since 1970 UTC; 0 without an archive or elsewhere.";
+    /// Contacts that were archived.
+    archive_contacts: IntCounter = "vibrissa_archive_contacts_total", "Contacts written to the archive.";
+    /// Bytes of the archived files.
+    archive_bytes: IntCounter = "vibrissa_archive_bytes_total", "Bytes of the files written to the archive.";
+    /// Failed attempts to write a file of the archive.
+    archive_errors: IntCounter = "vibrissa_archive_errors_total", "Failed attempts to write a file of the archive.";
     /// Receipts sent to robots.
     receipts_sent: IntCounter = "vibrissa_receipts_sent_total", "Receipts sent to robots.";
     /// Publications dropped because the broker was unreachable or the lease had expired. They are generated again.

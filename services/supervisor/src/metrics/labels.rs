@@ -59,6 +59,7 @@ pub(super) const REASON: Labels<1> = by_one("reason", || {
         "inbox_full",
         "malformed",
         "not_allowed",
+        "not_cbor",
         "not_json",
         "old_boot",
         "out_of_range",

@@ -141,6 +141,20 @@ pub(super) const SUBJECTS: &[Subject] = &[
         ],
     },
     Subject {
+        title: "Archive",
+        begins: &["vibrissa_archive_"],
+        queries: &[
+            (
+                "Seconds by which the archive is behind",
+                "time() - max by (fleet) (vibrissa_archive_position_timestamp_seconds > 0)",
+            ),
+            (
+                "Bytes per archived contact",
+                "sum by (fleet) (increase(vibrissa_archive_bytes_total[1d])) / sum by (fleet) (increase(vibrissa_archive_contacts_total[1d]))",
+            ),
+        ],
+    },
+    Subject {
         title: "Webhooks",
         begins: &["vibrissa_webhook_"],
         queries: &[

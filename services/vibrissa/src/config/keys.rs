@@ -124,6 +124,20 @@ policy_numbers! { keys {
          none; minute and hour aggregates are always stored";
     ContactsDays: "contacts.days", Kind::Whole { min: 0, max: 36_500 }, Some("30"),
         "Days after which single contacts are deleted; 0 keeps all";
+    ArchiveUrl: "archive.url", Kind::Text, None,
+        "Archive of all contacts as Parquet files: file:///FOLDER or s3://BUCKET/PREFIX; contacts are deleted from the \
+         database only when they are archived; default: no archive";
+    ArchiveEveryS: "archive.every_s", Kind::Whole { min: 1, max: 86_400 }, Some("600"),
+        "Seconds of contacts in a file of the archive; no file has contacts of two days";
+    ArchiveS3Endpoint: "archive.s3_endpoint", Kind::Text, None,
+        "URL of the S3 server, https://HOST; default: that of AWS";
+    ArchiveS3Region: "archive.s3_region", Kind::Text, None,
+        "Region of the bucket; default: AWS_REGION of the environment, or us-east-1";
+    ArchiveS3AccessKey: "archive.s3_access_key", Kind::Text, None,
+        "Identifier of the access key; default: AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY of the environment, or the \
+         role of the machine";
+    ArchiveS3SecretKeyFile: "archive.s3_secret_key_file", Kind::File, None,
+        "File with the secret of that access key";
     RollupsMinutesDays: "rollups.minutes_days", Kind::Whole { min: 0, max: 36_500 }, Some("400"),
         "Days after which minute aggregates are deleted, 0 keeps all; hour aggregates are always kept";
     BlackBoxSeconds: "black_box.seconds", Kind::Whole { min: 0, max: 600 }, Some("60"),

@@ -11,6 +11,7 @@ pub mod layers;
 pub mod problem;
 pub mod show;
 
+mod archive;
 mod database;
 mod http;
 mod log_filter;
@@ -42,7 +43,7 @@ use choices::{FormulationArg, KeepArg, SeriesArg};
 use vibrissa_store::DatabaseAddress;
 use vibrissa_store::retention::Retention;
 use vibrissa_supervisor::calibration_file::{self, CalibrationFileError};
-use vibrissa_supervisor::engine::Limits;
+use vibrissa_supervisor::engine::{ContactRetention, Limits};
 use vibrissa_supervisor::http::HttpOptions;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::mqtt::BrokerAddress;
@@ -134,6 +135,8 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let database = database::database(reader);
     let lease = reader.number(Key::LeaseTimeToLiveS);
     let keep = reader.word::<KeepArg>(Key::ContactsKeep);
+    let keep = keep.map(ContactRetention::from);
+    let archive = archive::archive(reader, keep);
     let (contacts_days, minutes_days) = (reader.whole(Key::ContactsDays), reader.whole(Key::RollupsMinutesDays));
     let black_box_days = reader.whole(Key::BlackBoxDays);
     let black_boxes = black_boxes(reader);
@@ -158,7 +161,8 @@ fn config(reader: &mut Reader) -> Option<Config> {
         database: database?,
         lease_time_to_live: Duration::from_secs_f64(lease?),
         history: HistoryOptions {
-            keep: keep?.into(),
+            keep: keep?,
+            archive: archive?,
             retention: Retention {
                 contacts_days: contacts_days?,
                 minutes_days: minutes_days?,

@@ -7,6 +7,7 @@ use std::path::Path;
 use anyhow::Context;
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
+use vibrissa_protocol::as_json;
 
 use super::McapReport;
 use super::new_file::NewFile;
@@ -36,7 +37,10 @@ pub fn write(
     let mut report = McapReport::default();
     while let Some(line) = lines.next_line().context("cannot read the recording")? {
         read(lines.bytes())?;
-        let Some(message) = line.ok().filter(|message| message.payload.first() == Some(&b'{')) else {
+        let message = line.ok();
+        let payload = message.as_ref().and_then(|message| as_json(&message.payload));
+        let (Some(message), Some(payload)) = (&message, payload.filter(|payload| payload.first() == Some(&b'{')))
+        else {
             report.left_out += 1;
             continue;
         };
@@ -59,7 +63,7 @@ pub fn write(
             log_time: time_ns,
             publish_time: time_ns,
         };
-        writer.write_to_known_channel(&header, &message.payload).context("cannot write the file")?;
+        writer.write_to_known_channel(&header, &payload).context("cannot write the file")?;
         channel.sequence = channel.sequence.wrapping_add(1);
         report.messages += 1;
     }

@@ -1,29 +1,15 @@
-//! Rows as a Parquet file: times are timestamps in UTC with microseconds, and missing values are null.
+//! Rows as a Parquet file.
 
 use std::path::Path;
-use std::sync::Arc;
 
-use anyhow::Context;
-use parquet::basic::{Compression, LogicalType, Repetition, TimeUnit, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
-use parquet::schema::types::{Type, TypePtr};
-use vibrissa_store::export::{Cell, ExportColumn, ExportKind, ExportTable};
+use vibrissa_store::export::{Cell, ExportTable};
+use vibrissa_supervisor::parquet_rows::ParquetRows;
 
 use super::RowFile;
 use super::new_file::NewFile;
 
-/// Number of rows in a row group. They are held in memory until the group is full: some 20 MB.
-const GROUP_ROWS: usize = 65_536;
-
 /// A Parquet file that is being written.
-pub struct ParquetFile {
-    writer: SerializedFileWriter<NewFile>,
-    columns: &'static [ExportColumn],
-    /// The rows of the next row group, column by column.
-    group: Vec<Vec<Cell>>,
-}
+pub struct ParquetFile(ParquetRows<NewFile>);
 
 impl ParquetFile {
     /// Creates the file.
@@ -31,88 +17,16 @@ impl ParquetFile {
     /// # Errors
     /// The file cannot be created.
     pub fn create(path: &Path, table: &ExportTable) -> anyhow::Result<Self> {
-        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
-        let writer = SerializedFileWriter::new(NewFile::create(path)?, schema(table)?, Arc::new(properties))?;
-        Ok(Self { writer, columns: table.columns, group: vec![Vec::new(); table.columns.len()] })
-    }
-
-    fn write_group(&mut self) -> anyhow::Result<()> {
-        let mut writer = self.writer.next_row_group()?;
-        for (column, cells) in self.columns.iter().zip(&mut self.group) {
-            let mut chunk = writer.next_column()?.context("the schema has fewer columns than the table")?;
-            write_chunk(&mut chunk, *column, std::mem::take(cells))?;
-            chunk.close()?;
-        }
-        writer.close()?;
-        Ok(())
+        ParquetRows::begin(NewFile::create(path)?, table).map(Self)
     }
 }
 
 impl RowFile for ParquetFile {
     fn row(&mut self, cells: Vec<Cell>) -> anyhow::Result<()> {
-        for (column, cell) in self.group.iter_mut().zip(cells) {
-            column.push(cell);
-        }
-        if self.group.first().is_some_and(|column| column.len() == GROUP_ROWS) {
-            self.write_group().context("cannot write the rows")?;
-        }
-        Ok(())
+        self.0.push(cells)
     }
 
-    fn finish(mut self: Box<Self>) -> anyhow::Result<()> {
-        if self.group.first().is_some_and(|column| !column.is_empty()) {
-            self.write_group().context("cannot write the rows")?;
-        }
-        self.writer.into_inner().context("cannot write the end of the file")?.complete()
+    fn finish(self: Box<Self>) -> anyhow::Result<()> {
+        self.0.finish()?.complete()
     }
-}
-
-fn schema(table: &ExportTable) -> anyhow::Result<TypePtr> {
-    let fields = table.columns.iter().map(|column| {
-        let (physical, logical) = match column.kind {
-            ExportKind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-            ExportKind::Whole => (Physical::INT64, None),
-            ExportKind::Real => (Physical::DOUBLE, None),
-            ExportKind::Time => (Physical::INT64, Some(LogicalType::timestamp(true, TimeUnit::MICROS))),
-        };
-        let repetition = if column.nullable { Repetition::OPTIONAL } else { Repetition::REQUIRED };
-        let field = Type::primitive_type_builder(column.name, physical);
-        Ok(Arc::new(field.with_logical_type(logical).with_repetition(repetition).build()?))
-    });
-    let fields: anyhow::Result<Vec<TypePtr>> = fields.collect();
-    Ok(Arc::new(Type::group_type_builder(table.name).with_fields(fields?).build()?))
-}
-
-/// Writes the values of a column, and which rows have one.
-fn write_chunk(chunk: &mut SerializedColumnWriter<'_>, column: ExportColumn, cells: Vec<Cell>) -> anyhow::Result<()> {
-    let levels: Vec<i16> = cells.iter().map(|cell| i16::from(*cell != Cell::Null)).collect();
-    anyhow::ensure!(column.nullable || !levels.contains(&0), "a row lacks its {}", column.name);
-    let levels = column.nullable.then_some(levels.as_slice());
-    let whole = |cell| match cell {
-        Cell::Whole(number) | Cell::Time(number) => Some(number),
-        Cell::Null | Cell::Text(_) | Cell::Real(_) => None,
-    };
-    let real = |cell| match cell {
-        Cell::Real(number) => Some(number),
-        Cell::Null | Cell::Text(_) | Cell::Whole(_) | Cell::Time(_) => None,
-    };
-    let text = |cell| match cell {
-        Cell::Text(text) => Some(ByteArray::from(text.into_bytes())),
-        Cell::Null | Cell::Whole(_) | Cell::Real(_) | Cell::Time(_) => None,
-    };
-    match column.kind {
-        ExportKind::Text => {
-            let values: Vec<ByteArray> = cells.into_iter().filter_map(text).collect();
-            chunk.typed::<ByteArrayType>().write_batch(&values, levels, None)?
-        }
-        ExportKind::Whole | ExportKind::Time => {
-            let values: Vec<i64> = cells.into_iter().filter_map(whole).collect();
-            chunk.typed::<Int64Type>().write_batch(&values, levels, None)?
-        }
-        ExportKind::Real => {
-            let values: Vec<f64> = cells.into_iter().filter_map(real).collect();
-            chunk.typed::<DoubleType>().write_batch(&values, levels, None)?
-        }
-    };
-    Ok(())
 }

@@ -1,7 +1,7 @@
 //! Contacts messages that violate the contract.
 
 use serde_json::{Value, json};
-use vibrissa_protocol::{ArrayType, Contact, Message, RobotTopic, encode};
+use vibrissa_protocol::{ArrayType, Contact, Message, RobotTopic, encode, encode_cbor};
 use vibrissa_tests::robot::{HandRobot, array};
 
 use super::{Names, assert_recorded, counts, good, names, start, template};
@@ -49,6 +49,14 @@ fn readable_junk(robot: &mut HandRobot) -> Vec<(Vec<u8>, &'static str)> {
     let mut half = encode(&robot.message(contacts));
     half.truncate(half.len() / 2);
     junk.push((half, "not_json"));
+    let contacts = vec![Contact { ratio: Some(1.2), ..robot.contact(0) }];
+    junk.push((encode_cbor(&robot.message(contacts)), "out_of_range"));
+    let contacts = vec![Contact { strain: f64::NAN, ..robot.contact(0) }];
+    junk.push((encode_cbor(&robot.message(contacts)), "not_cbor"));
+    let contacts = vec![robot.contact(0)];
+    let mut half = encode_cbor(&robot.message(contacts));
+    half.truncate(half.len() / 2);
+    junk.push((half, "not_cbor"));
     let mut scalar = template(robot);
     scalar["contacts"] = json!("many");
     junk.push((scalar.to_string().into_bytes(), "malformed"));
@@ -58,6 +66,26 @@ fn readable_junk(robot: &mut HandRobot) -> Vec<(Vec<u8>, &'static str)> {
     large["padding"] = json!("x".repeat(1 << 20));
     junk.push((large.to_string().into_bytes(), "too_large"));
     junk
+}
+
+#[tokio::test]
+async fn contacts_in_cbor_are_recorded_and_receipted_as_those_in_json() {
+    let (running, mut robot) = start("r").await;
+    let mut expected = good(&mut robot).await;
+    for _ in 0..3 {
+        let contacts = vec![robot.contact(0), robot.contact(1)];
+        let message = robot.message(contacts);
+        expected.extend(names(&message));
+        // The same message in the other encoding is the same message.
+        robot.say(RobotTopic::Contacts, encode_cbor(&message)).await;
+        robot.say(RobotTopic::Contacts, encode(&message)).await;
+        expected.extend(good(&mut robot).await);
+    }
+    let receipt = robot.receipted().await;
+    assert!(receipt.held.is_empty(), "{receipt:?}");
+    assert_recorded(&running, &expected).await;
+    assert_eq!(running.metrics().await.refused(), counts(&[]));
+    running.service.stop().await;
 }
 
 #[tokio::test]

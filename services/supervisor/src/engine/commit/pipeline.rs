@@ -70,6 +70,8 @@ pub(crate) struct Pipeline {
     answered: Vec<i64>,
     /// Limit of the robots that get receipts with one transaction.
     receipts_max: usize,
+    /// No contact is recorded as received before this time, µs since 1970 UTC: earlier ones may be archived.
+    contacts_from_us: i64,
     outbox: Option<mpsc::Sender<Publication>>,
     /// Publications that may not have reached the broker.
     losses: Losses,
@@ -91,6 +93,7 @@ impl Pipeline {
             rate: CheckpointRate::new(wall_clock()),
             answered: Vec::new(),
             receipts_max: RECEIPTS_AT_ONCE,
+            contacts_from_us: 0,
             outbox: None,
             losses: Losses::default(),
             workers,
@@ -100,6 +103,11 @@ impl Pipeline {
     /// Sets the channel of the publications, and the notes of its losses.
     pub(crate) fn connect(&mut self, outbox: mpsc::Sender<Publication>, losses: Losses) {
         (self.outbox, self.losses) = (Some(outbox), losses);
+    }
+
+    /// Sets the time before which no further contact is recorded as received; it never goes back.
+    pub(crate) fn set_contacts_from(&mut self, at_us: i64) {
+        self.contacts_from_us = self.contacts_from_us.max(at_us);
     }
 
     /// Whether publications may have been lost since the last call.
@@ -236,6 +244,11 @@ impl Pipeline {
         let mut transaction = SealedTransaction::new(self.journal.next(), std::mem::take(&mut self.answered));
         let receipts = has_receipts.then(|| Receipts { now, robots_max: self.receipts_max / shards.count() });
         shards.seal_into(&mut transaction, &mut self.rate, receipts);
+        if self.contacts_from_us > 0 {
+            for contact in &mut transaction.rows.contacts {
+                contact.received_us = contact.received_us.max(self.contacts_from_us);
+            }
+        }
         self.journal.append(&transaction);
         self.journal.truncate(shards.oldest_entry(), (has_receipts, holds_journal), &mut transaction);
         shards.set_number(self.journal.next());

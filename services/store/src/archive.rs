@@ -1,0 +1,324 @@
+//! The archive's position: up to which time of receipt a fleet's contacts are in files on an object store.
+//!
+//! The owner of each shard states a horizon: it will write no contact that was received before. The end of a file is the
+//! lowest horizon of the fleet's shards at most, so the contacts of its span are complete and never change. The span is
+//! written down before the file, so that every attempt writes the same contacts under the same name.
+
+use futures_util::TryStreamExt as _;
+use sqlx::{Postgres, Sqlite};
+
+use super::database::{Either, Tx, on};
+use super::export::{CONTACTS, Cell, cell};
+use super::from_row::from_row;
+use super::partitions::DAY_US;
+use super::{Lease, Store, StoreError, Writer, failed};
+use std::time::Duration;
+use tokio::sync::mpsc;
+use vibrissa_protocol::Name;
+
+/// Time limit for a statement about the position.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// Number of rows in a group that is sent to their reader.
+const GROUP_ROWS: usize = 1024;
+/// Longest span of a file, µs, if the archive is behind: an hour, or the usual length if that is more.
+const BEHIND_US: i64 = 3_600_000_000;
+
+/// The contacts of a file, by the time of receipt; the end is excluded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Span {
+    /// Begin, µs since 1970 UTC.
+    pub from_us: i64,
+    /// End, µs since 1970 UTC, on the same day (UTC) or at its end.
+    pub to_us: i64,
+}
+
+/// Content of an archived file.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Archived {
+    /// Number of contacts.
+    pub contacts: u64,
+    /// Length of the file, bytes; 0 for a span without contacts, which has no file.
+    pub bytes: u64,
+}
+
+from_row! {
+    /// A row of `archives`.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    struct Position {
+        archived_to_us: i64,
+        planned_to_us: Option<i64>,
+        next_contact_id: i64,
+    }
+}
+
+from_row! {
+    /// The horizons of a fleet's shards together.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    struct Horizons {
+        shards: i64,
+        stated: i64,
+        lowest_us: i64,
+    }
+}
+
+/// The next span after a position, if the contacts up to its end are complete. It has the usual length, ends with the day, and
+/// is longer if the archive is behind.
+fn next_span(from_us: i64, horizon_us: i64, every_us: i64) -> Option<Span> {
+    let day_end_us = (from_us.div_euclid(DAY_US) + 1) * DAY_US;
+    let least_us = day_end_us.min(from_us.saturating_add(every_us));
+    let most_us = day_end_us.min(from_us.saturating_add(every_us.max(BEHIND_US)));
+    (horizon_us >= least_us).then(|| Span { from_us, to_us: horizon_us.min(most_us) })
+}
+
+async fn position(tx: &mut Tx<'_>, fleet: &str) -> sqlx::Result<Option<Position>> {
+    const SQL: &str = "SELECT archived_to_us, planned_to_us, next_contact_id FROM archives WHERE fleet = $1";
+    on!(tx, |tx| sqlx::query_as(SQL).bind(fleet).fetch_optional(&mut **tx).await)
+}
+
+async fn horizons(tx: &mut Tx<'_>, fleet: &str) -> sqlx::Result<Option<Horizons>> {
+    const SQL: &str = "SELECT l.shards, count(h.shard) AS stated, coalesce(min(h.written_to_us), 0) AS lowest_us \
+         FROM leases l LEFT JOIN archive_horizons h ON h.fleet = l.fleet AND h.shard < l.shards \
+         WHERE l.fleet = $1 AND l.shard = 0 GROUP BY l.shards";
+    on!(tx, |tx| sqlx::query_as(SQL).bind(fleet).fetch_optional(&mut **tx).await)
+}
+
+impl Writer {
+    /// Time of receipt before which no contact of the fleet may be written any more, µs since 1970 UTC; 0 without an archive.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn archive_floor(&mut self, fleet: &Name) -> Result<i64, StoreError> {
+        const WHAT: &str = "read the archive's horizons";
+        const SQL: &str = "SELECT coalesce(max(written_to_us), 0) FROM archive_horizons WHERE fleet = $1";
+        self.attempt(WHAT, PATIENCE, async |link| {
+            on!(link, |link| sqlx::query_scalar(SQL).bind(fleet.as_str()).fetch_one(link).await).map_err(failed(WHAT))
+        })
+        .await
+    }
+
+    /// States that the lease's owner will write no contact that was received before `written_to_us`, and that all earlier ones
+    /// are committed.
+    ///
+    /// # Errors
+    /// The database cannot be written, or the lease is lost.
+    pub async fn state_horizon(&mut self, lease: &Lease, written_to_us: i64) -> Result<(), StoreError> {
+        const WHAT: &str = "state the archive's horizon";
+        const SQL: &str = "INSERT INTO archive_horizons (fleet, shard, written_to_us) VALUES ($1, $2, $3) \
+             ON CONFLICT (fleet, shard) DO UPDATE SET written_to_us = excluded.written_to_us \
+             WHERE archive_horizons.written_to_us < excluded.written_to_us";
+        self.attempt(WHAT, PATIENCE, async |link| {
+            let mut tx = link.begin().await.map_err(failed(WHAT))?;
+            lease.hold(&mut tx).await?;
+            on!(&mut tx, |tx| sqlx::query(SQL)
+                .bind(lease.fleet().as_str())
+                .bind(lease.shard_number())
+                .bind(written_to_us)
+                .execute(&mut **tx)
+                .await
+                .map(drop))
+            .map_err(failed(WHAT))?;
+            tx.commit().await.map_err(failed(WHAT))
+        })
+        .await
+    }
+
+    /// The span of the next file: the one that an earlier attempt has begun, or a new one if it is due.
+    ///
+    /// # Errors
+    /// The database cannot be written, or the lease is lost.
+    pub async fn plan_archive(&mut self, lease: &Lease, every_us: i64) -> Result<Option<Span>, StoreError> {
+        const WHAT: &str = "plan a file of the archive";
+        const SQL: &str = "UPDATE archives SET planned_to_us = $2 WHERE fleet = $1";
+        self.attempt(WHAT, PATIENCE, async |link| {
+            let mut tx = link.begin().await.map_err(failed(WHAT))?;
+            lease.hold(&mut tx).await?;
+            let fleet = lease.fleet().as_str();
+            let at = position(&mut tx, fleet).await.map_err(failed(WHAT))?;
+            let horizons = horizons(&mut tx, fleet).await.map_err(failed(WHAT))?;
+            let horizon_us = horizons.filter(|all| all.stated == all.shards).map_or(0, |all| all.lowest_us);
+            let begun = at.and_then(|at| Some(Span { from_us: at.archived_to_us, to_us: at.planned_to_us? }));
+            let new = at.and_then(|at| next_span(at.archived_to_us, horizon_us, every_us));
+            if let Some(span) = new.filter(|_| begun.is_none()) {
+                on!(&mut tx, |tx| sqlx::query(SQL).bind(fleet).bind(span.to_us).execute(&mut **tx).await.map(drop))
+                    .map_err(failed(WHAT))?;
+            }
+            // Also without a change: an open transaction would hold the lease's row, and block the fleet's commits.
+            tx.commit().await.map_err(failed(WHAT))?;
+            Ok(begun.or(new))
+        })
+        .await
+    }
+
+    /// Whether a span is still the one to archive. If so, none of its contacts has been deleted yet.
+    ///
+    /// # Errors
+    /// The database cannot be read, or the lease is lost.
+    pub async fn is_archive_planned(&mut self, lease: &Lease, span: Span) -> Result<bool, StoreError> {
+        const WHAT: &str = "check the plan of the archive";
+        self.attempt(WHAT, PATIENCE, async |link| {
+            let mut tx = link.begin().await.map_err(failed(WHAT))?;
+            lease.hold(&mut tx).await?;
+            let at = position(&mut tx, lease.fleet().as_str()).await.map_err(failed(WHAT))?;
+            tx.rollback().await.map_err(failed(WHAT))?;
+            Ok(at.is_some_and(|at| at.archived_to_us == span.from_us && at.planned_to_us == Some(span.to_us)))
+        })
+        .await
+    }
+
+    /// Advances the position over a span whose file is on the object store. Does nothing if that has happened already.
+    ///
+    /// # Errors
+    /// The database cannot be written, or the lease is lost.
+    pub async fn advance_archive(&mut self, lease: &Lease, span: Span, archived: Archived) -> Result<(), StoreError> {
+        const WHAT: &str = "advance the archive's position";
+        const SQL: &str = "UPDATE archives SET archived_to_us = $3, planned_to_us = NULL, contacts = contacts + $4, \
+             bytes = bytes + $5, files = files + $6 WHERE fleet = $1 AND archived_to_us = $2 AND planned_to_us = $3";
+        // Ids rise in the order of recording, so the next files need not look at rows before the first later one.
+        const NEXT: &str = "UPDATE archives SET next_contact_id = coalesce((SELECT min(contact_id) FROM contacts \
+             WHERE contact_id >= next_contact_id AND received_us >= $2), next_contact_id) WHERE fleet = $1";
+        self.attempt(WHAT, PATIENCE, async |link| {
+            let mut tx = link.begin().await.map_err(failed(WHAT))?;
+            lease.hold(&mut tx).await?;
+            let fleet = lease.fleet().as_str();
+            on!(&mut tx, |tx| sqlx::query(SQL)
+                .bind(fleet)
+                .bind(span.from_us)
+                .bind(span.to_us)
+                .bind(archived.contacts as i64)
+                .bind(archived.bytes as i64)
+                .bind(i64::from(archived.bytes > 0))
+                .execute(&mut **tx)
+                .await
+                .map(drop))
+            .map_err(failed(WHAT))?;
+            if let Either::Sqlite(tx) = &mut tx {
+                let next = sqlx::query(NEXT).bind(fleet).bind(span.to_us).execute(&mut **tx).await;
+                next.map_err(failed(WHAT))?;
+            }
+            tx.commit().await.map_err(failed(WHAT))
+        })
+        .await
+    }
+}
+
+impl Store {
+    /// Begins the archives of fleets that have none, with their oldest contacts. From then on no contact of these fleets is
+    /// deleted before it is archived.
+    ///
+    /// # Errors
+    /// The database cannot be written.
+    pub async fn begin_archives(&self, fleets: &[Name], now_us: i64) -> Result<(), StoreError> {
+        const WHAT: &str = "begin the archive";
+        // No contact was received before the first boot of its robot; a day more for clocks that were set back.
+        const SQL: &str = "INSERT INTO archives (fleet, archived_to_us) \
+             SELECT CAST($1 AS TEXT), coalesce(min(first_seen_us), $2) / $3 * $3 - $3 FROM boots JOIN robots USING (robot_id) \
+             WHERE fleet = $1 ON CONFLICT DO NOTHING";
+        for fleet in fleets {
+            on!(&self.pool, |pool| sqlx::query(SQL)
+                .bind(fleet.as_str())
+                .bind(now_us)
+                .bind(DAY_US)
+                .execute(pool)
+                .await
+                .map(drop))
+            .map_err(failed(WHAT))?;
+        }
+        Ok(())
+    }
+
+    /// Time of receipt before which the contacts of all fleets with an archive are archived, µs since 1970 UTC; `None` if no
+    /// fleet has one.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn archived_before(&self) -> Result<Option<i64>, StoreError> {
+        const SQL: &str = "SELECT min(archived_to_us) FROM archives";
+        on!(&self.pool, |pool| sqlx::query_scalar(SQL).fetch_one(pool).await)
+            .map_err(failed("read the archive's position"))
+    }
+
+    /// Time of receipt up to which a fleet's contacts are archived, µs since 1970 UTC; `None` without an archive.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn archived_to(&self, fleet: &Name) -> Result<Option<i64>, StoreError> {
+        const SQL: &str = "SELECT archived_to_us FROM archives WHERE fleet = $1";
+        on!(&self.pool, |pool| sqlx::query_scalar(SQL).bind(fleet.as_str()).fetch_optional(pool).await)
+            .map_err(failed("read the archive's position"))
+    }
+
+    /// Reads a fleet's contacts of a span, in the columns of [`CONTACTS`], and sends them in groups.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn read_span(
+        &self,
+        fleet: &Name,
+        span: Span,
+        rows: mpsc::Sender<Vec<Vec<Cell>>>,
+    ) -> Result<(), StoreError> {
+        const WHAT: &str = "read the contacts to archive";
+        // The two arms differ in their types only.
+        macro_rules! stream {
+            ($link:expr, $database:ty, $more:literal) => {{
+                let mut sql = sqlx::QueryBuilder::<$database>::new(CONTACTS.select);
+                sql.push(" WHERE r.fleet = ").push_bind(fleet.as_str()).push(" AND c.received_us >= ");
+                sql.push_bind(span.from_us).push(" AND c.received_us < ").push_bind(span.to_us).push($more);
+                let mut found = sql.build().persistent(false).fetch($link);
+                let mut group = Vec::new();
+                while let Some(row) = found.try_next().await.map_err(failed(WHAT))? {
+                    let cells: sqlx::Result<Vec<Cell>> =
+                        CONTACTS.columns.iter().map(|column| cell(&row, column)).collect();
+                    group.push(cells.map_err(failed(WHAT))?);
+                    // If nobody receives the rows any more, their reader has failed and says so.
+                    if group.len() == GROUP_ROWS && rows.send(std::mem::take(&mut group)).await.is_err() {
+                        return Ok(());
+                    }
+                }
+                let _ = rows.send(group).await;
+            }};
+        }
+        match &self.pool {
+            Either::Sqlite(pool) => stream!(
+                pool,
+                Sqlite,
+                " AND c.contact_id >= (SELECT next_contact_id FROM archives a WHERE a.fleet = r.fleet)"
+            ),
+            Either::Postgres(_) => {
+                // A connection of its own: a large file takes longer than the limit for statements of the pool.
+                let Either::Postgres(mut link) = self.options.connect(WHAT).await? else { return Ok(()) };
+                sqlx::raw_sql("SET statement_timeout = 0").execute(&mut link).await.map_err(failed(WHAT))?;
+                stream!(&mut link, Postgres, "");
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MINUTE_US: i64 = 60_000_000;
+    /// `date -u -d @1795262400`: 2026-11-21 12:00:00
+    const NOON_US: i64 = 1_795_262_400_000_000;
+
+    #[test]
+    fn a_file_is_due_when_its_span_is_complete() {
+        let next =
+            |horizon_us| next_span(NOON_US, horizon_us, 10 * MINUTE_US).map(|span| (span.to_us - NOON_US) / MINUTE_US);
+        assert_eq!(next(0), None);
+        assert_eq!(next(NOON_US + 10 * MINUTE_US - 1), None);
+        assert_eq!(next(NOON_US + 10 * MINUTE_US), Some(10));
+        assert_eq!(next(NOON_US + 17 * MINUTE_US), Some(17));
+        assert_eq!(next(NOON_US + 90 * MINUTE_US), Some(60), "an archive that is behind catches up in hours");
+    }
+
+    #[test]
+    fn no_file_has_contacts_of_two_days() {
+        let midnight_us = NOON_US + DAY_US / 2;
+        let span = next_span(midnight_us - 3 * MINUTE_US, midnight_us + MINUTE_US, 10 * MINUTE_US).unwrap();
+        assert_eq!(span.to_us, midnight_us);
+        assert_eq!(next_span(midnight_us, midnight_us + MINUTE_US, 10 * MINUTE_US), None);
+    }
+}
