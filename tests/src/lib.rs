@@ -5,6 +5,7 @@ pub mod certificates;
 pub mod demo;
 pub mod extremes;
 pub mod jwt;
+pub mod kafka;
 pub mod mosquitto;
 pub mod mqtt_311;
 pub mod mqtt_proxy;

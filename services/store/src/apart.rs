@@ -15,7 +15,7 @@ use tokio::time::Instant;
 
 use super::batch::{Batch, JournalRow, Owner, Owners, Parts, Record, Rows};
 use super::database::{Either, Link, Tx, on};
-use super::{Lease, Rejection, StoreError, Writer, changes, commit, failed, records};
+use super::{Lease, Rejection, StoreError, Writer, changes, commit, failed, outbox, records};
 
 /// Time limit for one attempt.
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(30);
@@ -120,6 +120,7 @@ async fn write_range(
             append_journal(tx, lease, &JournalRow { number, entries }).await?;
         }
     }
+    outbox::write(tx, lease, rows.events).await?;
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
     changes::write_of(tx, lease.fleet().as_str(), rows.records, now_us).await.map_err(failed("write the changes"))
 }

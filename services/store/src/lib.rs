@@ -33,6 +33,7 @@ mod load;
 mod lock;
 mod membership;
 pub mod notes;
+pub mod outbox;
 pub mod overview;
 mod partitions;
 pub mod policies;

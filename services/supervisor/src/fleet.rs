@@ -13,6 +13,8 @@ use crate::action_notifier::ActionNotifier;
 use crate::black_box::BlackBoxes;
 use crate::ending::Ending;
 use crate::engine::{ContactRetention, Engine, EngineOptions, Limits};
+use crate::events::EventSink;
+use crate::kafka::Kafka;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, FleetBirths, LinkState, Prepared, stopped};
 use crate::outbox::Losses;
@@ -49,6 +51,8 @@ pub(crate) struct Shared {
     pub(crate) keep: ContactRetention,
     /// Limits on the number of robots.
     pub(crate) limits: Limits,
+    /// The partitioned log, if one is used.
+    pub(crate) kafka: Option<Kafka>,
     /// Black boxes of the robots.
     pub(crate) boxes: BlackBoxes,
     /// Allow list of robots from a file, if one is configured.
@@ -110,8 +114,9 @@ impl Fleet {
 async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>, mut stop: watch::Receiver<bool>) {
     let shard = lease.shard().clone();
     let metrics = shared.metrics.of_shard(&shard);
+    let events = shared.kafka.as_ref().and_then(Kafka::sink);
     let engine = tokio::select! {
-        engine = take_up(&lease, &shared) => engine,
+        engine = take_up(&lease, &shared, events.as_ref()) => engine,
         () = stopped(&mut stop) => None,
     };
     if let Some((engine, boot_id)) = engine {
@@ -127,6 +132,11 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         }
         shared.readiness.listens(&shard, connection.link.clone());
         shared.readiness.set_of(&shard, TAKING_UP, None);
+        // Dropped at the end of supervision: what is not published yet waits in the outbox.
+        let _publishing = match (&shared.kafka, events) {
+            (Some(kafka), Some(sink)) => Some(kafka.publish(&shared.store, &shard, &metrics, sink)),
+            _ => None,
+        };
         run(engine, &connection, &metrics, stop).await;
     }
     shared.readiness.forget(&shard);
@@ -138,7 +148,12 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
 }
 
 /// Settings of the engine of a shard.
-pub(crate) fn engine_options(lease: &Lease, boot_id: &BootId, shared: &Shared) -> EngineOptions {
+pub(crate) fn engine_options(
+    lease: &Lease,
+    boot_id: &BootId,
+    shared: &Shared,
+    events: Option<&EventSink>,
+) -> EngineOptions {
     EngineOptions {
         lease: lease.clone(),
         boot_id: boot_id.clone(),
@@ -150,13 +165,14 @@ pub(crate) fn engine_options(lease: &Lease, boot_id: &BootId, shared: &Shared) -
         retention: shared.keep,
         limits: shared.limits,
         robots_file: shared.robots_file.clone(),
+        events: events.cloned(),
         boxes: shared.boxes.clone(),
         traces: shared.traces.clone(),
     }
 }
 
 /// Loads the fleet; retries while the database is unreachable.
-async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
+async fn take_up(lease: &Lease, shared: &Shared, events: Option<&EventSink>) -> Option<(Engine, BootId)> {
     // New with each epoch, because the message numbers start again.
     let shard = match lease.shard().is_whole() {
         true => String::new(),
@@ -171,7 +187,7 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
     };
     let mut backoff = crate::backoff::Backoff::default();
     loop {
-        match engine_options(lease, &boot_id, shared).start().await {
+        match engine_options(lease, &boot_id, shared, events).start().await {
             Ok(engine) => return Some((engine, boot_id)),
             Err(problem @ StoreError::LeaseLost { .. }) => {
                 warn!(%problem, "fleet not loaded, lease lost");

@@ -37,6 +37,9 @@ pub struct Batch {
     pub responses: Vec<ResponseRow>,
     /// All other rows, in their order.
     pub records: Vec<Record>,
+    /// Events for the outbox, in their order.
+    #[borsh(skip)]
+    pub events: Vec<EventRow>,
     /// Journal entries of robots whose checkpoints are not among `robots`.
     pub journal: Option<JournalRow>,
     /// Journal rows up to this number are contained in the checkpoints and can be deleted.
@@ -57,6 +60,7 @@ impl Batch {
             && self.rollups.is_empty()
             && self.responses.is_empty()
             && self.records.is_empty()
+            && self.events.is_empty()
             && self.journal.is_none()
             && self.journal_done.is_none()
             && self.redo_done.is_none()
@@ -72,6 +76,7 @@ impl Batch {
             rollups: &self.rollups,
             responses: &self.responses,
             records: &self.records,
+            events: &self.events,
         }
     }
 
@@ -122,5 +127,6 @@ impl Batch {
         self.rollups.append(&mut other.rollups);
         self.responses.append(&mut other.responses);
         self.records.append(&mut other.records);
+        self.events.append(&mut other.events);
     }
 }

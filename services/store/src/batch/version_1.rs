@@ -49,6 +49,7 @@ impl From<Batch> for super::Batch {
             rollups: one.rollups,
             responses: one.responses,
             records: one.records,
+            events: Vec::new(),
             journal: one.journal,
             journal_done: one.journal_done,
             redo_done: None,

@@ -97,6 +97,8 @@ pub(crate) struct Engine {
     /// Runtime for work that would block the engine's own thread.
     workers: Handle,
     boxes: FleetBoxes,
+    /// Notified when a transaction with events is committed.
+    events: Option<Arc<Notify>>,
     /// Metrics shared by all fleets.
     program: Metrics,
     metrics: FleetMetrics,
@@ -283,6 +285,9 @@ impl Engine {
         }
         if done.has_rows() {
             self.suspects.committed(done.transaction.number());
+            if let Some(events) = self.events.as_ref().filter(|_| done.transaction.has_events()) {
+                events.notify_one();
+            }
             self.action_notifier.answered(done.transaction.take_answered());
             if done.transaction.has_records() {
                 self.action_notifier.changed();

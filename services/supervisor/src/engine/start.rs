@@ -19,11 +19,13 @@ use super::quarantine::suspects::Suspects;
 use super::robot::limits::Bucket;
 use super::rollout::Rollout;
 use super::shard::Shard;
+use super::shard::events::EventMaker;
 use super::shard::shards::Shards;
 use super::shard::stepper::Stepper;
 use super::{ContactRetention, Engine, Limits, fleet_metrics};
 use crate::action_notifier::ActionNotifier;
 use crate::black_box::BlackBoxes;
+use crate::events::EventSink;
 use crate::metrics::Metrics;
 use crate::params;
 use crate::readiness::Readiness;
@@ -55,6 +57,8 @@ pub(crate) struct EngineOptions {
     pub(crate) limits: Limits,
     /// Allowed robots, which may change later.
     pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
+    /// Events for other programs, if they are published.
+    pub(crate) events: Option<EventSink>,
     /// Black boxes of the robots.
     pub(crate) boxes: BlackBoxes,
     /// Traces, if there is a collector; those of setpoints under way are continued.
@@ -87,6 +91,11 @@ impl EngineOptions {
         };
         let count = shard_count();
         let mut shards = Shards::new((0..count).map(|_| Shard::new(stepper(), epoch, count)).collect());
+        for shard in shards.iter_mut() {
+            if let Some(sink) = &self.events {
+                shard.stepper_mut().set_events(EventMaker::new(sink.clone()));
+            }
+        }
         let rollout = open_rollout(&mut writer, &lease, &params).await?;
         shards.set_trial(rollout.as_ref().map(Rollout::trial).as_ref());
         let allowed = writer.allowed_robots(&lease, 0).await?;
@@ -128,6 +137,7 @@ impl EngineOptions {
             pipeline,
             workers,
             boxes,
+            events: self.events.map(|sink| sink.committed),
             program,
             metrics,
         })

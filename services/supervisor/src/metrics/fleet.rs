@@ -174,6 +174,19 @@ of_fleet! {
     black_boxes_lost: IntCounter = "vibrissa_black_boxes_lost_total",
         "Black boxes that could not be written, because the database was unreachable or too busy.";
 
+    /// Events that the log has acknowledged.
+    events_published: IntCounter = "vibrissa_kafka_events_published_total",
+        "Events that the log has acknowledged, including repeated ones.";
+    /// Rounds of publication that failed. They are repeated.
+    event_writes_failed: IntCounter = "vibrissa_kafka_writes_failed_total",
+        "Failed attempts to publish the waiting events; they are repeated.";
+    /// Events that cannot be published.
+    events_lost: IntCounter = "vibrissa_kafka_events_lost_total",
+        "Events that the log refuses for good, or that cannot be read from the outbox.";
+    /// Transactions whose events wait for the log.
+    outbox_transactions: IntGauge = "vibrissa_kafka_outbox_transactions",
+        "Transactions whose events wait in the database because the log does not take them.";
+
     /// Alarms raised, by kind.
     alarms_raised: Counters = "vibrissa_alarms_raised_total", "Alarms raised, by kind.", labels::ALARM;
     /// Standing alarms, by kind.
@@ -264,7 +277,7 @@ impl FleetMetrics {
         for quantities in self.quantities() {
             quantities.set_all(|_| None);
         }
-        for gauge in [&self.setpoints_under_way, &self.inbox_bytes, &self.broker_connected, &self.robots_suspect] {
+        for gauge in [&self.setpoints_under_way, &self.inbox_bytes, &self.broker_connected, &self.robots_suspect, &self.outbox_transactions] {
             gauge.set(0);
         }
         for gauge in [

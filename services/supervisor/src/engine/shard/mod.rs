@@ -3,11 +3,12 @@
 //! - [`messages`]: a message is decoded, and checked against the allow list and the limits.
 //! - [`reports`]: contacts, status and setpoint states of a known robot become events.
 //! - [`stepper`]: an event is stepped through the core.
-//! - [`record`], [`rows`]: its effects become rows.
+//! - [`record`], [`rows`]: its effects become rows; [`events`]: and events for other programs.
 //! - [`publication`]: setpoints, receipts and requests; [`estimate`]: estimates.
 
 mod announced;
 mod estimate;
+pub(crate) mod events;
 mod messages;
 mod publication;
 mod record;

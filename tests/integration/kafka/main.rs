@@ -1,0 +1,4 @@
+//! The partitioned log with brokers of Apache Kafka.
+
+mod published;
+mod stage;
