@@ -192,7 +192,9 @@ mod tests {
         };
         let bytes = |event: &WaitingEvent| borsh::to_vec(&(VERSION, event)).unwrap();
         let whole = [bytes(&event(0)), bytes(&event(1))].concat();
-        let read = |events: &[u8]| WaitingEvents::from(StoredEvents { shard: 0, epoch: 1, number: 2, events: events.to_vec() });
+        let read = |events: &[u8]| {
+            WaitingEvents::from(StoredEvents { shard: 0, epoch: 1, number: 2, events: events.to_vec() })
+        };
         assert_eq!((read(&whole).events, read(&whole).is_damaged), (vec![event(0), event(1)], false));
         for (damaged, left) in [(&whole[..whole.len() - 1], 1), (&[&whole[..], &[7]].concat(), 2)] {
             let read = read(damaged);

@@ -52,6 +52,7 @@ const OTHERS: [(&str, &str); 25] = [
     ("arrays", "is written with a factsheet, before its effects"),
     ("leases", "belongs to supervisors"),
     ("epochs", "belongs to supervisors"),
+    ("event_outbox", "has a row for all robots of a transaction, like the journal"),
     ("supervisors", "belongs to supervisors"),
     ("supervised_fleets", "belongs to supervisors"),
     ("policies", "belongs to a fleet"),

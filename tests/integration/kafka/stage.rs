@@ -39,7 +39,17 @@ impl Program {
         let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
         let (listen, mqtt) = (http.to_string(), format!("mqtt://127.0.0.1:{}", broker.port()));
         let learned = LEARNED.to_string();
-        let own = ["run", "--fleet", "f", "--http", &listen, "--mqtt-url", &mqtt, "--detection-cold-start-contacts", &learned];
+        let own = [
+            "run",
+            "--fleet",
+            "f",
+            "--http",
+            &listen,
+            "--mqtt-url",
+            &mqtt,
+            "--detection-cold-start-contacts",
+            &learned,
+        ];
         let process = Process::start(Launch {
             program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
             arguments: own.iter().chain(arguments).map(|&argument| argument.to_owned()).collect(),

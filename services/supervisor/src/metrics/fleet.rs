@@ -277,7 +277,13 @@ impl FleetMetrics {
         for quantities in self.quantities() {
             quantities.set_all(|_| None);
         }
-        for gauge in [&self.setpoints_under_way, &self.inbox_bytes, &self.broker_connected, &self.robots_suspect, &self.outbox_transactions] {
+        for gauge in [
+            &self.setpoints_under_way,
+            &self.inbox_bytes,
+            &self.broker_connected,
+            &self.robots_suspect,
+            &self.outbox_transactions,
+        ] {
             gauge.set(0);
         }
         for gauge in [

@@ -44,10 +44,8 @@ pub(super) fn kafka(reader: &mut Reader) -> Option<KafkaOptions> {
         reader.refuse(Key::KafkaCaFile, "has no effect on a plain-text connection: write kafka.url with kafkas://");
     }
     let contacts = contacts?;
-    let topics = EventTopics {
-        events: events?,
-        contacts: (publish_contacts? == PublishContactsArg::All).then_some(contacts),
-    };
+    let topics =
+        EventTopics { events: events?, contacts: (publish_contacts? == PublishContactsArg::All).then_some(contacts) };
     Some(KafkaOptions { brokers, is_encrypted, ca_file, credentials, publish: Some(topics) })
 }
 

@@ -37,7 +37,9 @@ impl Stepper {
     pub(super) fn tell(&mut self, known: &KnownRobot, now: Micros, effect: &Effect, source: Option<Source<'_>>) {
         let Some(maker) = &mut self.events else { return };
         if let Effect::Contact(contact) = effect {
-            if maker.sink.has_contacts && let Some(source) = source {
+            if maker.sink.has_contacts
+                && let Some(source) = source
+            {
                 maker.contacts.extend(contact_part(known, contact, source));
             }
             return;
@@ -149,11 +151,9 @@ fn told(event: Event, known: &KnownRobot, effect: &Effect, id: impl Fn(CommandKe
             decision: Some(decision_part(known, decision)),
             ..event.about(known, decision.target)
         },
-        Effect::Approved { compensation: number } => Event {
-            kind: EventType::CompensationApproved,
-            compensation: Some(compensation(*number)),
-            ..event
-        },
+        Effect::Approved { compensation: number } => {
+            Event { kind: EventType::CompensationApproved, compensation: Some(compensation(*number)), ..event }
+        }
         Effect::Ended { compensation: number, case, reason } => Event {
             kind: EventType::CompensationEnded,
             compensation: Some(CompensationPart {
@@ -203,12 +203,9 @@ fn told(event: Event, known: &KnownRobot, effect: &Effect, id: impl Fn(CommandKe
         Effect::RobotAlarmCleared { kind } => {
             Event { kind: EventType::AlarmCleared, alarm: Some(AlarmPart { kind: OneOf(*kind) }), ..event }
         }
-        Effect::Gone { array, number, .. } => Event {
-            kind: EventType::WhiskerGone,
-            array: Some(array.clone()),
-            whisker: Some(*number),
-            ..event
-        },
+        Effect::Gone { array, number, .. } => {
+            Event { kind: EventType::WhiskerGone, array: Some(array.clone()), whisker: Some(*number), ..event }
+        }
         Effect::Contact(_)
         | Effect::UnknownWhisker { .. }
         | Effect::BadTime { .. }
