@@ -31,6 +31,7 @@ pub mod list;
 pub mod lists;
 mod load;
 mod lock;
+mod log_position;
 mod membership;
 pub mod notes;
 pub mod outbox;

@@ -14,7 +14,7 @@ use crate::black_box::BlackBoxes;
 use crate::ending::Ending;
 use crate::engine::{ContactRetention, Engine, EngineOptions, Limits};
 use crate::events::EventSink;
-use crate::kafka::Kafka;
+use crate::kafka::{Kafka, LogReader};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, FleetBirths, LinkState, Prepared, stopped};
 use crate::outbox::Losses;
@@ -26,6 +26,9 @@ use vibrissa_store::{Lease, Store, StoreError};
 
 /// Publications that may wait for the broker. Beyond this number they are dropped and made again later.
 const OUTBOX_MESSAGES: usize = 10_000;
+
+/// Batches of the log's records that may wait for the engine.
+const LOG_BATCHES: usize = 4;
 
 /// Time limit for an orderly end of a fleet. Aborting after it loses nothing: uncommitted messages have no receipt, so
 /// robots send them again.
@@ -124,6 +127,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
             robots: engine.robots().cloned().collect(),
             births: shared.births.of(shard.fleet()),
             epoch: lease.epoch(),
+            hears_contacts: engine.log_from().is_none(),
             link: heard.get_or_init(LinkState::default).clone(),
             ..Connection::new(shared.broker.clone(), shared.prepared.clone(), shard.clone(), boot_id)
         };
@@ -137,7 +141,8 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
             (Some(kafka), Some(sink)) => Some(kafka.publish(&shared.store, &shard, &metrics, sink)),
             _ => None,
         };
-        run(engine, &connection, &metrics, stop).await;
+        let log = shared.kafka.as_ref().and_then(|kafka| kafka.reader(&shard, &metrics));
+        run(engine, &connection, &metrics, log, stop).await;
     }
     shared.readiness.forget(&shard);
     metrics.forget();
@@ -166,6 +171,10 @@ pub(crate) fn engine_options(
         limits: shared.limits,
         robots_file: shared.robots_file.clone(),
         events: events.cloned(),
+        log: shared
+            .kafka
+            .as_ref()
+            .and_then(|kafka| kafka.reader(lease.shard(), &shared.metrics.of_shard(lease.shard()))),
         boxes: shared.boxes.clone(),
         traces: shared.traces.clone(),
     }
@@ -204,7 +213,13 @@ async fn take_up(lease: &Lease, shared: &Shared, events: Option<&EventSink>) -> 
 }
 
 /// Runs the engine until `stop`, or until another supervisor acquires the lease.
-async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mut stop: watch::Receiver<bool>) {
+async fn run(
+    engine: Engine,
+    connection: &Connection,
+    metrics: &FleetMetrics,
+    log: Option<LogReader>,
+    mut stop: watch::Receiver<bool>,
+) {
     let (hang_up, hanging_up) = watch::channel(false);
     let (inbox, receiving) = mqtt::receive(connection, metrics.clone(), hanging_up);
     let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
@@ -214,7 +229,12 @@ async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mu
     // Receiver and engine share a thread, so that a message of a quiet fleet wakes only one.
     let working = async move {
         let receiver = tokio::spawn(receiving);
-        let ending = engine.run(inbox, outbox, losses).await;
+        let batches = log.zip(engine.log_from()).map(|(log, start)| {
+            let (sender, batches) = mpsc::channel(LOG_BATCHES);
+            tokio::spawn(log.run(start, sender));
+            batches
+        });
+        let ending = engine.run((inbox, batches), outbox, losses).await;
         receiver.abort();
         ending
     };

@@ -39,6 +39,8 @@ pub struct KafkaOptions {
     pub credentials: Option<KafkaCredentials>,
     /// Topics of events; `None` if none are published.
     pub publish: Option<EventTopics>,
+    /// Topic of contacts and statuses; `None` if they come over MQTT.
+    pub ingest: Option<String>,
 }
 
 /// Topics of published events.

@@ -34,6 +34,7 @@ pub mod kafka;
 #[path = "no_kafka.rs"]
 pub mod kafka;
 pub mod kafka_options;
+mod log_inbox;
 pub mod metrics;
 pub mod one_of;
 #[cfg(feature = "traces")]

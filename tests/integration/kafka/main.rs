@@ -1,4 +1,6 @@
 //! The partitioned log with brokers of Apache Kafka.
 
+mod bridge;
+mod ingested;
 mod published;
 mod stage;

@@ -96,6 +96,33 @@ impl Program {
         serde_json::from_str::<Value>(&body).unwrap()["items"].as_array().unwrap().clone()
     }
 
+    /// Number of rows of contacts in the database.
+    pub(crate) async fn stored_count(&self) -> usize {
+        let count: i64 =
+            sqlx::query_scalar("SELECT count(*) FROM contacts").fetch_one(&mut self.database().await).await.unwrap();
+        count as usize
+    }
+
+    /// Number of contacts by whisker, as their states count them.
+    pub(crate) async fn whisker_contacts(&self) -> Vec<i64> {
+        self.list("whiskers").await.iter().map(|whisker| whisker["contacts"].as_i64().unwrap()).collect()
+    }
+
+    /// Kills it, and starts it again with a fault.
+    pub(crate) async fn plant_fault(&mut self, fault: &str) {
+        self.process.kill();
+        self.process.set_environment(vec![("VIBRISSA_TEST_FAULT".to_owned(), fault.to_owned())]);
+        self.process.restart();
+        self.answers().await;
+    }
+
+    /// Starts it again without a fault.
+    pub(crate) async fn remove_fault(&mut self) {
+        self.process.set_environment(Vec::new());
+        self.process.restart();
+        self.answers().await;
+    }
+
     /// The contacts in the database: number of the boot, sequence number and position.
     pub(crate) async fn stored_contacts(&self) -> BTreeSet<(String, i64, i64)> {
         let sql = "SELECT b.boot_id, c.seq, c.position FROM contacts c JOIN boots b ON b.boot = c.boot";

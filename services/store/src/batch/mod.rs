@@ -44,6 +44,9 @@ pub struct Batch {
     pub journal: Option<JournalRow>,
     /// Journal rows up to this number are contained in the checkpoints and can be deleted.
     pub journal_done: Option<i64>,
+    /// The first record of the partitioned log whose effects are not in this batch or before it; `None` without a log.
+    #[borsh(skip)]
+    pub log_next: Option<i64>,
     /// Number of this batch in the intent log (table `redo`); its row there is deleted in the same transaction.
     #[borsh(skip)]
     pub redo_done: Option<i64>,

@@ -52,6 +52,7 @@ impl From<Batch> for super::Batch {
             events: Vec::new(),
             journal: one.journal,
             journal_done: one.journal_done,
+            log_next: None,
             redo_done: None,
         }
     }

@@ -116,7 +116,7 @@ impl<'b> Whole<'b> {
             && batch.rollups.is_empty();
         let at = InShard::of(lease);
         let sql: &'static str = if is_ordinary { &ORDINARY } else { &WHOLE };
-        let mut statement = self.ordinary(lease.bind(sqlx::query(sql)), at, contacts);
+        let mut statement = self.ordinary(lease.bind(sqlx::query(sql), batch.log_next), at, contacts);
         if !is_ordinary {
             let outbox: Vec<OutboxRow<'_>> = outbox::row(lease, &batch.events).into_iter().collect();
             statement = self.rest(statement, at, (&outbox, now_us));

@@ -32,6 +32,7 @@ pub use robot::retention::ContactRetention;
 pub use robot::rollup;
 pub(crate) use start::EngineOptions;
 
+use std::future::pending;
 use std::sync::Arc;
 
 use tokio::runtime::Handle;
@@ -46,6 +47,7 @@ use crate::action_notifier::ActionNotifier;
 use crate::black_box::FleetBoxes;
 use crate::ending::Ending;
 use crate::inbox::Inbox;
+use crate::log_inbox::{LogBatch, LogStart};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::outbox::{Losses, Publication};
 use vibrissa_edge::clock::wall_clock;
@@ -97,6 +99,8 @@ pub(crate) struct Engine {
     /// Runtime for work that would block the engine's own thread.
     workers: Handle,
     boxes: FleetBoxes,
+    /// Where the partitioned log is to be read from, if contacts come from one.
+    log_from: Option<LogStart>,
     /// Notified when a transaction with events is committed.
     events: Option<Arc<Notify>>,
     /// Metrics shared by all fleets.
@@ -109,9 +113,14 @@ pub(crate) struct Engine {
 impl Engine {
     /// Runs until no more messages can arrive and all are committed, or until the lease is lost. In the latter case
     /// robots send their uncommitted messages again to the new owner.
-    pub(crate) async fn run(mut self, inbox: Inbox, outbox: mpsc::Sender<Publication>, losses: Losses) -> Ending {
+    pub(crate) async fn run(
+        mut self,
+        (inbox, log): (Inbox, Option<mpsc::Receiver<LogBatch>>),
+        outbox: mpsc::Sender<Publication>,
+        losses: Losses,
+    ) -> Ending {
         self.pipeline.connect(outbox, losses);
-        let ending = match self.work(inbox).await {
+        let ending = match self.work(inbox, log).await {
             Ok(()) => Ending::Stopped,
             Err(LeaseLost) => Ending::LeaseLost,
         };
@@ -119,7 +128,7 @@ impl Engine {
         ending
     }
 
-    async fn work(&mut self, mut inbox: Inbox) -> Result<(), LeaseLost> {
+    async fn work(&mut self, mut inbox: Inbox, mut log: Option<mpsc::Receiver<LogBatch>>) -> Result<(), LeaseLost> {
         let every = |period| {
             let mut ticks = interval(period);
             ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
@@ -147,6 +156,12 @@ impl Engine {
                     }
                     if self.pipeline.is_writing() {
                         // The commit may run in this thread.
+                        yield_now().await;
+                    }
+                }
+                Some(batch) = next_batch(&mut log), if has_room => {
+                    self.take_in_log(batch).await?;
+                    if self.pipeline.is_writing() {
                         yield_now().await;
                     }
                 }
@@ -232,6 +247,11 @@ impl Engine {
         self.shards.end_boxes(wall_clock());
         self.boxes.flush().await;
         Ok(())
+    }
+
+    /// Where the partitioned log is to be read from, if contacts come from one.
+    pub(crate) fn log_from(&self) -> Option<LogStart> {
+        self.log_from
     }
 
     /// Names of the known robots.
@@ -390,7 +410,8 @@ impl Engine {
     /// sent.
     fn restart_silence_timers_if_deaf(&mut self, inbox: &Inbox) {
         let (robots, others) = inbox.take_shed();
-        if self.metrics.broker_connected.get() == 0 || others > 0 {
+        let is_log_away = self.log_from.is_some() && self.metrics.log_connected.get() == 0;
+        if self.metrics.broker_connected.get() == 0 || others > 0 || is_log_away {
             return self.restart_silence_timers();
         }
         let now = wall_clock();
@@ -404,6 +425,17 @@ impl Engine {
     fn restart_silence_timers(&mut self) {
         self.shards.restart_silence_timers(wall_clock());
     }
+}
+
+/// The next records of the log; waits for ever without a log. Cancel safe.
+async fn next_batch(log: &mut Option<mpsc::Receiver<LogBatch>>) -> Option<LogBatch> {
+    let Some(batches) = log else { return pending().await };
+    let batch = batches.recv().await;
+    if batch.is_none() {
+        // The reader has ended, because supervision ends.
+        *log = None;
+    }
+    batch
 }
 
 /// Time for the core: not later than the receipt of the oldest message that waits.

@@ -26,6 +26,8 @@ use super::{ContactRetention, Engine, Limits, fleet_metrics};
 use crate::action_notifier::ActionNotifier;
 use crate::black_box::BlackBoxes;
 use crate::events::EventSink;
+use crate::kafka::LogReader;
+use crate::log_inbox::LogStart;
 use crate::metrics::Metrics;
 use crate::params;
 use crate::readiness::Readiness;
@@ -59,6 +61,8 @@ pub(crate) struct EngineOptions {
     pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
     /// Events for other programs, if they are published.
     pub(crate) events: Option<EventSink>,
+    /// The partitioned log that contacts come from, if there is one.
+    pub(crate) log: Option<LogReader>,
     /// Black boxes of the robots.
     pub(crate) boxes: BlackBoxes,
     /// Traces, if there is a collector; those of setpoints under way are continued.
@@ -99,7 +103,15 @@ impl EngineOptions {
         let rollout = open_rollout(&mut writer, &lease, &params).await?;
         shards.set_trial(rollout.as_ref().map(Rollout::trial).as_ref());
         let allowed = writer.allowed_robots(&lease, 0).await?;
-        let last = recover(&mut writer, &lease, &mut shards).await?;
+        let last = recover(&mut writer, &lease, &mut shards, self.log.as_ref()).await?;
+        let log_from = match &self.log {
+            None => None,
+            Some(log) => {
+                shards.use_log();
+                let position = writer.log_position(&lease, log.topic()).await?;
+                Some(position.map_or(LogStart::Earliest, LogStart::At))
+            }
+        };
         shards.set_retention(self.retention);
         let boxes = self.boxes.of_fleet(&lease, &metrics.black_boxes_lost);
         writer.end_black_boxes(&lease).await?;
@@ -109,7 +121,7 @@ impl EngineOptions {
         info!(fleet = %lease.shard(), epoch, robots = shards.robot_count(), "fleet loaded, supervision starts");
         // As if a contact had just arrived, so that a silent fleet counts as silent from now on.
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
-        let committer = Committer::new(lease.clone(), writer, program.clone(), readiness.clone());
+        let committer = Committer::new(lease.clone(), writer, (program.clone(), readiness.clone()), self.log.clone());
         let workers = Handle::current();
         let pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
         shards.set_number(pipeline.open_number());
@@ -137,6 +149,7 @@ impl EngineOptions {
             pipeline,
             workers,
             boxes,
+            log_from,
             events: self.events.map(|sink| sink.committed),
             program,
             metrics,

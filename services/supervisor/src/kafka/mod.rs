@@ -1,9 +1,10 @@
-//! A partitioned log, Apache Kafka: events go out to it.
+//! A partitioned log, Apache Kafka: events go out to it, and contacts may come from it.
 //!
-//! Nothing here decides about a robot. [`publisher`] carries the outbox of a shard to the log, [`client`] has the connections.
+//! Nothing here decides about a robot. [`publisher`] carries the outbox of a shard to the log, [`reader`] reads a partition, [`client`] has the connections.
 
 mod client;
 mod publisher;
+mod reader;
 
 use std::sync::Arc;
 
@@ -18,12 +19,15 @@ use crate::metrics::FleetMetrics;
 use client::Connector;
 pub use client::KafkaError;
 use publisher::Publisher;
+pub(crate) use reader::LogReader;
 
 /// The log, as far as the configuration uses it.
 #[derive(Debug, Clone)]
 pub(crate) struct Kafka {
     connector: Connector,
     publish: Option<EventTopics>,
+    /// Topic of contacts and statuses, if they come from the log.
+    ingest: Option<String>,
 }
 
 impl Kafka {
@@ -32,8 +36,17 @@ impl Kafka {
     /// # Errors
     /// TLS cannot be configured.
     pub(crate) fn new(options: &KafkaOptions) -> Result<Option<Self>, KafkaError> {
-        let Some(publish) = options.publish.clone() else { return Ok(None) };
-        Ok(Some(Self { connector: Connector::new(options)?, publish: Some(publish) }))
+        let (publish, ingest) = (options.publish.clone(), options.ingest.clone());
+        if publish.is_none() && ingest.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Self { connector: Connector::new(options)?, publish, ingest }))
+    }
+
+    /// The reader of a shard's contacts; `None` if they come over MQTT.
+    pub(crate) fn reader(&self, shard: &FleetShard, metrics: &FleetMetrics) -> Option<LogReader> {
+        let topic = self.ingest.as_ref()?;
+        Some(LogReader::new(self.connector.clone(), topic, shard.clone(), metrics.clone()))
     }
 
     /// Where the engine of a shard reports events; `None` if they are not published.

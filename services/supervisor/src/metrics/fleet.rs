@@ -187,6 +187,15 @@ of_fleet! {
     outbox_transactions: IntGauge = "vibrissa_kafka_outbox_transactions",
         "Transactions whose events wait in the database because the log does not take them.";
 
+    /// 1 while the log answers that contacts come from, else 0.
+    log_connected: IntGauge = "vibrissa_kafka_connected",
+        "1 while the log that contacts come from answers; 0 without one.";
+    /// Records of the log that are not stepped yet.
+    log_lag: IntGauge = "vibrissa_kafka_lag_records", "Records of the shard's partition that are not read yet.";
+    /// Records of the log that were skipped, by reason.
+    log_skipped: Counters = "vibrissa_kafka_records_skipped_total",
+        "Records of the log that are no contacts or status of a robot of the shard, by reason.", labels::LOG_SKIPPED;
+
     /// Alarms raised, by kind.
     alarms_raised: Counters = "vibrissa_alarms_raised_total", "Alarms raised, by kind.", labels::ALARM;
     /// Standing alarms, by kind.
@@ -283,6 +292,8 @@ impl FleetMetrics {
             &self.broker_connected,
             &self.robots_suspect,
             &self.outbox_transactions,
+            &self.log_connected,
+            &self.log_lag,
         ] {
             gauge.set(0);
         }

@@ -82,6 +82,15 @@ pub enum LogArg {
     Kafka,
 }
 
+/// Where contacts and statuses come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum IngestArg {
+    /// The MQTT broker.
+    Mqtt,
+    /// Apache Kafka.
+    Kafka,
+}
+
 /// Contacts that are published.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PublishContactsArg {

@@ -1,43 +1,46 @@
 //! The partitioned log: addresses, credentials and topics.
 
-use super::choices::{LogArg, PublishContactsArg, SaslArg};
+use super::choices::{IngestArg, LogArg, PublishContactsArg, SaslArg};
 use super::keys::Key;
 use super::reader::Reader;
 use vibrissa_supervisor::kafka_options::{EventTopics, KafkaCredentials, KafkaOptions, is_topic};
 
 /// Keys that have an effect only if the log is used.
-const KEYS: [Key; 8] = [
-    Key::KafkaUrl,
-    Key::KafkaUsername,
-    Key::KafkaPasswordFile,
-    Key::KafkaSasl,
-    Key::KafkaCaFile,
-    Key::KafkaEventsTopic,
-    Key::KafkaContactsTopic,
-    Key::KafkaPublishContacts,
-];
+const KEYS: [Key; 5] = [Key::KafkaUrl, Key::KafkaUsername, Key::KafkaPasswordFile, Key::KafkaSasl, Key::KafkaCaFile];
+/// Keys that have an effect only if events are published.
+const PUBLISH_KEYS: [Key; 3] = [Key::KafkaEventsTopic, Key::KafkaContactsTopic, Key::KafkaPublishContacts];
 
 /// Settings of the log; without addresses if it is not used.
 pub(super) fn kafka(reader: &mut Reader) -> Option<KafkaOptions> {
-    let publish = reader.word::<LogArg>(Key::Publish);
+    let (publish, ingest) = (reader.word::<LogArg>(Key::Publish), reader.word::<IngestArg>(Key::Ingest));
+    let ingest_topic = topic(reader, Key::KafkaIngestTopic);
     let url = reader.parsed(Key::KafkaUrl, addresses);
     let (events, contacts) = (topic(reader, Key::KafkaEventsTopic), topic(reader, Key::KafkaContactsTopic));
     let publish_contacts = reader.word::<PublishContactsArg>(Key::KafkaPublishContacts);
     let credentials = credentials(reader);
     let ca_file = reader.file(Key::KafkaCaFile);
-    if publish? == LogArg::None {
-        for key in KEYS.into_iter().filter(|&key| reader.is_explicit(key)).collect::<Vec<_>>() {
-            reader.refuse(key, "has no effect without publish = \"kafka\"");
+    let (publishes, ingests) = (publish? == LogArg::Kafka, ingest? == IngestArg::Kafka);
+    let mut needs = |keys: &[Key], is_used: bool, what: &str| {
+        for &key in keys.iter().filter(|_| !is_used) {
+            if reader.is_explicit(key) {
+                reader.refuse(key, format!("has no effect without {what}"));
+            }
         }
+    };
+    needs(&KEYS, publishes || ingests, "publish = \"kafka\" or ingest = \"kafka\"");
+    needs(&PUBLISH_KEYS, publishes, "publish = \"kafka\"");
+    needs(&[Key::KafkaIngestTopic], ingests, "ingest = \"kafka\"");
+    if !publishes && !ingests {
         return Some(KafkaOptions::default());
     }
+    let user = if publishes { Key::Publish } else { Key::Ingest };
     if !cfg!(feature = "kafka") {
         let what = "this program was built without Kafka: build it with --features kafka, or leave the key out";
-        reader.refuse(Key::Publish, what);
+        reader.refuse(user, what);
         return None;
     }
     if !reader.is_explicit(Key::KafkaUrl) {
-        reader.refuse(Key::Publish, "needs kafka.url, such as kafka://HOST:9092");
+        reader.refuse(user, "needs kafka.url, such as kafka://HOST:9092");
     }
     let Addresses { brokers, is_encrypted } = url?;
     if !is_encrypted && reader.is_explicit(Key::KafkaCaFile) {
@@ -46,7 +49,8 @@ pub(super) fn kafka(reader: &mut Reader) -> Option<KafkaOptions> {
     let contacts = contacts?;
     let topics =
         EventTopics { events: events?, contacts: (publish_contacts? == PublishContactsArg::All).then_some(contacts) };
-    Some(KafkaOptions { brokers, is_encrypted, ca_file, credentials, publish: Some(topics) })
+    let (publish, ingest) = (publishes.then_some(topics), ingest_topic.filter(|_| ingests));
+    Some(KafkaOptions { brokers, is_encrypted, ca_file, credentials, publish, ingest })
 }
 
 fn topic(reader: &mut Reader, key: Key) -> Option<String> {

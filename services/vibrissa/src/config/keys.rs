@@ -110,6 +110,8 @@ policy_numbers! { keys {
         "Calibration files written by `vibrissa calibrate`";
     Log: "log", Kind::Text, Some(r#""info""#),
         "Log filter, such as warn or info,vibrissa=debug; RUST_LOG overrides it";
+    Ingest: "ingest", Kind::Text, Some(r#""mqtt""#),
+        "Where contacts and statuses come from: mqtt, or kafka (see the section [kafka]); all else comes over MQTT";
     Publish: "publish", Kind::Text, Some(r#""none""#),
         "Events for other programs: none, or kafka (see the section [kafka])";
     FleetShards: "fleet.shards", Kind::Whole { min: 1, max: 1024 }, Some("1"),
@@ -202,6 +204,8 @@ policy_numbers! { keys {
         "How the password is proved: scram-sha-512, scram-sha-256 or plain";
     KafkaCaFile: "kafka.ca_file", Kind::File, None,
         "CA certificates (PEM) that may sign the brokers' certificates; default: the system's";
+    KafkaIngestTopic: "kafka.ingest_topic", Kind::Text, Some(r#""vibrissa.messages""#),
+        "Topic of contacts and statuses; it has as many partitions as each fleet has shards";
     KafkaEventsTopic: "kafka.events_topic", Kind::Text, Some(r#""vibrissa.events""#),
         "Topic of trims, decisions, setpoints, errors and alarms";
     KafkaContactsTopic: "kafka.contacts_topic", Kind::Text, Some(r#""vibrissa.contacts""#),

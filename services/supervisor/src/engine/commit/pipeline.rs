@@ -13,7 +13,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
-use crate::engine::commit::checkpoint::CheckpointRate;
+use crate::engine::commit::checkpoint::{CheckpointRate, due_after};
 use crate::engine::commit::committer::{Committed, Committer, LeaseLost, Part, Written};
 use crate::engine::commit::journal::index::JournalIndex;
 use crate::engine::commit::schedule::Schedule;
@@ -70,6 +70,8 @@ pub(crate) struct Pipeline {
     answered: Vec<i64>,
     /// Limit of the robots that get receipts with one transaction.
     receipts_max: usize,
+    /// First record of the log that is not in the open batches or before; `None` without a log.
+    log_next: Option<i64>,
     outbox: Option<mpsc::Sender<Publication>>,
     /// Publications that may not have reached the broker.
     losses: Losses,
@@ -91,6 +93,7 @@ impl Pipeline {
             rate: CheckpointRate::new(wall_clock()),
             answered: Vec::new(),
             receipts_max: RECEIPTS_AT_ONCE,
+            log_next: None,
             outbox: None,
             losses: Losses::default(),
             workers,
@@ -100,6 +103,11 @@ impl Pipeline {
     /// Sets the channel of the publications, and the notes of its losses.
     pub(crate) fn connect(&mut self, outbox: mpsc::Sender<Publication>, losses: Losses) {
         (self.outbox, self.losses) = (Some(outbox), losses);
+    }
+
+    /// Sets the first record of the log that is not stepped.
+    pub(crate) fn set_log_next(&mut self, next: i64) {
+        self.log_next = Some(next);
     }
 
     /// Whether publications may have been lost since the last call.
@@ -234,8 +242,10 @@ impl Pipeline {
         let has_receipts = self.schedule.begin(is_intent, Instant::now());
         self.rate.refill(now, self.journal.contacts());
         let mut transaction = SealedTransaction::new(self.journal.next(), std::mem::take(&mut self.answered));
+        shards.set_checkpoints_after(due_after(self.log_next.is_some(), self.journal.contacts()));
         let receipts = has_receipts.then(|| Receipts { now, robots_max: self.receipts_max / shards.count() });
         shards.seal_into(&mut transaction, &mut self.rate, receipts);
+        transaction.rows.log_next = self.log_next;
         self.journal.append(&transaction);
         self.journal.truncate(shards.oldest_entry(), (has_receipts, holds_journal), &mut transaction);
         shards.set_number(self.journal.next());
