@@ -138,7 +138,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         shared.readiness.set_of(&shard, TAKING_UP, None);
         // Dropped at the end of supervision: what is not published yet waits in the outbox.
         let _publishing = match (&shared.kafka, events) {
-            (Some(kafka), Some(sink)) => Some(kafka.publish(&shared.store, &shard, &metrics, sink)),
+            (Some(kafka), Some(sink)) => kafka.publish(&shared.store, &shard, &metrics, sink),
             _ => None,
         };
         let log = shared.kafka.as_ref().and_then(|kafka| kafka.reader(&shard, &metrics));

@@ -40,10 +40,14 @@ impl Kafka {
         match self.0 {}
     }
 
-    pub(crate) fn publish(&self, _: &Store, _: &FleetShard, _: &FleetMetrics, _: EventSink) {
+    pub(crate) fn publish(&self, _: &Store, _: &FleetShard, _: &FleetMetrics, _: EventSink) -> Option<Task> {
         match self.0 {}
     }
 }
+
+/// A task of the log, which does not exist.
+#[derive(Debug)]
+pub(crate) struct Task(Never);
 
 /// The reader of a log, which does not exist.
 #[derive(Debug, Clone)]

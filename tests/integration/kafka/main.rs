@@ -3,4 +3,5 @@
 mod bridge;
 mod ingested;
 mod published;
+mod shared;
 mod stage;

@@ -35,6 +35,11 @@ impl Program {
         Self::on(folder, broker, &[&["--database-url", &database], arguments].concat()).await
     }
 
+    /// Starts it with the database that the arguments name.
+    pub(crate) async fn of_database(broker: &Mosquitto, arguments: &[&str]) -> Self {
+        Self::on(tempfile::tempdir().unwrap(), broker, arguments).await
+    }
+
     async fn on(folder: TempDir, broker: &Mosquitto, arguments: &[&str]) -> Self {
         let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
         let (listen, mqtt) = (http.to_string(), format!("mqtt://127.0.0.1:{}", broker.port()));
@@ -103,9 +108,24 @@ impl Program {
         count as usize
     }
 
-    /// Number of contacts by whisker, as their states count them.
-    pub(crate) async fn whisker_contacts(&self) -> Vec<i64> {
-        self.list("whiskers").await.iter().map(|whisker| whisker["contacts"].as_i64().unwrap()).collect()
+    /// The estimates in the checkpoints by whisker: number of contacts, length and its standard deviation.
+    pub(crate) async fn estimates(&self) -> Vec<(i64, f64, f64)> {
+        let sql = "SELECT contacts, length_mm, length_sd_mm FROM whiskers ORDER BY whisker_id";
+        sqlx::query_as(sql).fetch_all(&mut self.database().await).await.unwrap()
+    }
+
+    /// Number of used contacts in the database by whisker.
+    pub(crate) async fn used_contacts(&self) -> Vec<i64> {
+        let sql =
+            "SELECT count(*) FROM contacts WHERE used IN ('USED', 'LEARNING') GROUP BY whisker_id ORDER BY whisker_id";
+        sqlx::query_scalar(sql).fetch_all(&mut self.database().await).await.unwrap()
+    }
+
+    /// The estimates after the last contact of each whisker: length and its standard deviation.
+    pub(crate) async fn last_estimates(&self) -> Vec<(f64, f64)> {
+        let sql = "SELECT length_mm, length_sd_mm FROM contacts c WHERE contact_id = (SELECT max(contact_id) FROM contacts o \
+             WHERE o.whisker_id = c.whisker_id) ORDER BY whisker_id";
+        sqlx::query_as(sql).fetch_all(&mut self.database().await).await.unwrap()
     }
 
     /// Kills it, and starts it again with a fault.
