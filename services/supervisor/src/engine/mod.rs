@@ -134,7 +134,8 @@ impl Engine {
             ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
             ticks
         };
-        let (mut ticks, mut receipts) = (every(TICK), every(RECEIPTS));
+        let between_receipts = if self.log_from.is_some() { TICK } else { RECEIPTS };
+        let (mut ticks, mut receipts) = (every(TICK), every(between_receipts));
         let action_sent = self.action_sent.clone();
         let mut messages = Vec::with_capacity(MESSAGES_AT_A_TIME);
         let mut is_ticking = false;

@@ -123,7 +123,10 @@ impl EngineOptions {
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
         let committer = Committer::new(lease.clone(), writer, (program.clone(), readiness.clone()), self.log.clone());
         let workers = Handle::current();
-        let pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
+        let mut pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
+        if log_from.is_some() {
+            pipeline.schedule().gather_for_a_tick();
+        }
         shards.set_number(pipeline.open_number());
         fleet_metrics::show_params(&metrics, &params, policy_version);
         fleet_metrics::survey_robots(&mut shards, lease.shard(), &program, &metrics);

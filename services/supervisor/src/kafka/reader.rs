@@ -2,12 +2,14 @@
 //!
 //! Consumer groups are not used: the owner of a shard's lease reads, and the position is in the database.
 
+use std::collections::VecDeque;
+use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
 use rskafka::client::partition::{OffsetAt, PartitionClient};
 use rskafka::record::RecordAndOffset;
-use tokio::sync::mpsc;
+use tokio::sync::{Mutex, mpsc};
 use tracing::{error, info, warn};
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{RobotTopic, Topic};
@@ -35,11 +37,31 @@ pub(crate) struct LogReader {
     topic: Arc<str>,
     shard: FleetShard,
     metrics: FleetMetrics,
+    again: Arc<Mutex<Option<Again>>>,
+}
+
+/// Records that a recovery reads again.
+struct Again {
+    partition: Arc<PartitionClient>,
+    /// First and next offset of the partition when it was opened.
+    earliest: i64,
+    latest: i64,
+    /// Records before this offset are gone from `read`.
+    begin: i64,
+    /// Next offset to read.
+    next: i64,
+    read: VecDeque<RecordAndOffset>,
+}
+
+impl fmt::Debug for Again {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Again").field("begin", &self.begin).field("next", &self.next).finish_non_exhaustive()
+    }
 }
 
 impl LogReader {
     pub(super) fn new(connector: Connector, topic: &str, shard: FleetShard, metrics: FleetMetrics) -> Self {
-        Self { connector, topic: topic.into(), shard, metrics }
+        Self { connector, topic: topic.into(), shard, metrics, again: Arc::default() }
     }
 
     /// Name of the topic.
@@ -62,13 +84,15 @@ impl LogReader {
     }
 
     /// The messages of the records `from`..`to`, which were read before. Waits for the log, however long that takes: they are
-    /// part of the fleet's state.
+    /// part of the fleet's state. Ranges in rising order are read together.
     pub(crate) async fn records(&self, from: i64, to: i64) -> Vec<LogRecord> {
+        let mut again = self.again.lock().await;
         let (mut backoff, mut is_failing) = (Backoff::default(), false);
         loop {
-            match self.try_records(from, to).await {
+            match self.try_records(&mut again, from, to).await {
                 Ok(records) => return records,
                 Err(problem) => {
+                    *again = None;
                     if !std::mem::replace(&mut is_failing, true) {
                         error!(%problem, fleet = %self.shard, "cannot read the log again for the recovery, retrying");
                     }
@@ -78,11 +102,18 @@ impl LogReader {
         }
     }
 
-    async fn try_records(&self, from: i64, to: i64) -> Result<Vec<LogRecord>, KafkaError> {
-        let partition = self.open().await?;
-        let earliest = within(partition.get_offset(OffsetAt::Earliest)).await?;
-        let latest = within(partition.get_offset(OffsetAt::Latest)).await?;
-        let lost = earliest.max(from).min(to) - from + (to - latest.max(from)).max(0);
+    async fn try_records(&self, again: &mut Option<Again>, from: i64, to: i64) -> Result<Vec<LogRecord>, KafkaError> {
+        let again = match again {
+            Some(again) if again.begin <= from && to <= again.latest => again,
+            other => {
+                let partition = self.open().await?;
+                let earliest = within(partition.get_offset(OffsetAt::Earliest)).await?;
+                let latest = within(partition.get_offset(OffsetAt::Latest)).await?;
+                other.insert(Again { partition, earliest, latest, begin: from, next: from, read: VecDeque::new() })
+            }
+        };
+        let (first, end) = (from.max(again.earliest), to.min(again.latest));
+        let lost = (to - from) - (end - first).max(0);
         if lost > 0 {
             self.skipped(Skipped::Deleted, lost as u64);
             error!(
@@ -90,14 +121,23 @@ impl LogReader {
                 "the log has deleted records that the recovery needs: the state lacks their contacts. Keep records longer"
             );
         }
-        let (mut next, end) = (from.max(earliest), to.min(latest));
-        let mut records = Vec::new();
-        while next < end {
-            let (read, _) = within(partition.fetch_records(next, 1..READ_BYTES, WAIT_MS)).await?;
+        again.begin = to;
+        again.next = again.next.max(first);
+        while again.next < end {
+            let (read, _) = within(again.partition.fetch_records(again.next, 1..READ_BYTES, WAIT_MS)).await?;
             let Some(last) = read.last() else { break };
-            next = last.offset + 1;
-            let wanted = read.into_iter().filter(|record| record.offset < end);
-            records.extend(wanted.filter_map(|record| self.message(record).ok()));
+            again.next = last.offset + 1;
+            again.read.extend(read);
+        }
+        let mut records = Vec::new();
+        while again.read.front().is_some_and(|record| record.offset < end) {
+            records.extend(
+                again
+                    .read
+                    .pop_front()
+                    .filter(|record| record.offset >= from)
+                    .and_then(|record| self.message(record).ok()),
+            );
         }
         Ok(records)
     }

@@ -6,9 +6,7 @@ use super::reader::Reader;
 use vibrissa_supervisor::kafka_options::{EventTopics, KafkaCredentials, KafkaOptions, is_topic};
 
 /// Keys that have an effect only if the log is used.
-const KEYS: [Key; 5] = [Key::KafkaUrl, Key::KafkaUsername, Key::KafkaPasswordFile, Key::KafkaSasl, Key::KafkaCaFile];
-/// Keys that have an effect only if events are published.
-const PUBLISH_KEYS: [Key; 3] = [Key::KafkaEventsTopic, Key::KafkaContactsTopic, Key::KafkaPublishContacts];
+const KEYS: [Key; 4] = [Key::KafkaUrl, Key::KafkaUsername, Key::KafkaPasswordFile, Key::KafkaCaFile];
 
 /// Settings of the log; without addresses if it is not used.
 pub(super) fn kafka(reader: &mut Reader) -> Option<KafkaOptions> {
@@ -20,16 +18,11 @@ pub(super) fn kafka(reader: &mut Reader) -> Option<KafkaOptions> {
     let credentials = credentials(reader);
     let ca_file = reader.file(Key::KafkaCaFile);
     let (publishes, ingests) = (publish? == LogArg::Kafka, ingest? == IngestArg::Kafka);
-    let mut needs = |keys: &[Key], is_used: bool, what: &str| {
-        for &key in keys.iter().filter(|_| !is_used) {
-            if reader.is_explicit(key) {
-                reader.refuse(key, format!("has no effect without {what}"));
-            }
+    for key in KEYS.into_iter().filter(|_| !publishes && !ingests) {
+        if reader.is_explicit(key) {
+            reader.refuse(key, "has no effect without publish = \"kafka\" or ingest = \"kafka\"");
         }
-    };
-    needs(&KEYS, publishes || ingests, "publish = \"kafka\" or ingest = \"kafka\"");
-    needs(&PUBLISH_KEYS, publishes, "publish = \"kafka\"");
-    needs(&[Key::KafkaIngestTopic], ingests, "ingest = \"kafka\"");
+    }
     if !publishes && !ingests {
         return Some(KafkaOptions::default());
     }
