@@ -59,12 +59,18 @@ impl From<StoredEvents> for WaitingEvents {
     fn from(row: StoredEvents) -> Self {
         let StoredEvents { shard, epoch, number, events: bytes } = row;
         let (mut rest, mut events) = (bytes.as_slice(), Vec::new());
-        while let Some((&VERSION, event)) = rest.split_first() {
+        let mut is_damaged = false;
+        while let Some((version, event)) = rest.split_first() {
             rest = event;
-            let Ok(event) = WaitingEvent::deserialize(&mut rest) else { break };
-            events.push(event);
+            match WaitingEvent::deserialize(&mut rest) {
+                Ok(event) if *version == VERSION => events.push(event),
+                Ok(_) | Err(_) => {
+                    is_damaged = true;
+                    break;
+                }
+            }
         }
-        Self { shard, epoch, number, events, is_damaged: !rest.is_empty() }
+        Self { shard, epoch, number, events, is_damaged }
     }
 }
 
