@@ -6,6 +6,7 @@ pub mod demo;
 pub mod extremes;
 pub mod installed;
 pub mod jwt;
+pub mod kafka;
 pub mod mosquitto;
 pub mod mqtt_311;
 pub mod mqtt_proxy;

@@ -58,6 +58,11 @@ impl Process {
         self.running = Some(child);
     }
 
+    /// Sets the additional environment variables of the next start.
+    pub fn set_environment(&mut self, environment: Vec<(String, String)>) {
+        self.launch.environment = environment;
+    }
+
     /// Id of the running process.
     ///
     /// # Panics

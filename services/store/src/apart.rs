@@ -15,7 +15,7 @@ use tokio::time::Instant;
 
 use super::batch::{Batch, JournalRow, Owner, Owners, Parts, Record, Rows};
 use super::database::{Either, Link, Tx, on};
-use super::{Lease, Rejection, StoreError, Writer, changes, commit, failed, records};
+use super::{Lease, Rejection, StoreError, Writer, changes, commit, failed, log_position, outbox, records};
 
 /// Time limit for one attempt.
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(30);
@@ -95,6 +95,7 @@ async fn write(
             waiting.push(range.start..middle);
         }
     }
+    log_position::write(&mut tx, lease, parts.rest().log_next).await?;
     commit::write_done(&mut tx, lease, parts.rest(), refused.is_empty()).await?;
     tx.commit().await.map_err(failed("commit"))?;
     lease.committed(Some(asked));
@@ -120,6 +121,7 @@ async fn write_range(
             append_journal(tx, lease, &JournalRow { number, entries }).await?;
         }
     }
+    outbox::write(tx, lease, rows.events).await?;
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
     changes::write_of(tx, lease.fleet().as_str(), rows.records, now_us).await.map_err(failed("write the changes"))
 }

@@ -6,7 +6,7 @@ use super::batch::{ContactRow, JournalRow};
 use super::database::{Either, Link, Tx, on};
 use super::postgres::whole::Whole;
 use super::tables::{CONTACTS, InShard, JOURNAL, JOURNAL_UNFENCED};
-use super::{Batch, Lease, StoreError, changes, failed, intent_log, postgres, records};
+use super::{Batch, Lease, StoreError, changes, failed, intent_log, log_position, outbox, postgres, records};
 use crate::fault::{self, Fault};
 
 /// Writes a batch in one transaction. If an earlier attempt was committed and only its answer was lost, nothing is
@@ -44,7 +44,9 @@ async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i
     if let Some(row) = &batch.journal {
         write_journal(&mut tx, lease, row).await.map_err(failed("write the journal"))?;
     }
+    log_position::write(&mut tx, lease, batch.log_next).await?;
     write_done(&mut tx, lease, batch, true).await?;
+    outbox::write(&mut tx, lease, &batch.events).await?;
     changes::write_of(&mut tx, fleet, &batch.records, now_us).await.map_err(failed("write the changes"))?;
     tx.commit().await.map_err(failed("commit"))?;
     Ok(true)

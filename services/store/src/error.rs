@@ -105,6 +105,14 @@ pub enum StoreError {
         /// Time limit that was exceeded.
         patience: Duration,
     },
+    /// The journal refers to a partitioned log, and none is configured.
+    #[error(
+        "the journal of fleet {fleet} refers to records of Kafka: set ingest = \"kafka\" again, or stop the fleet in an orderly way first"
+    )]
+    NoLog {
+        /// Name of the fleet, or of its shard.
+        fleet: String,
+    },
     /// The lease does not hold any more. Nothing was written.
     #[error("fleet {fleet}: the lease of epoch {epoch} {cause}")]
     LeaseLost {
@@ -159,6 +167,7 @@ impl StoreError {
             | Self::TooOld { .. }
             | Self::SharedSessions { .. }
             | Self::NoAnswer { .. }
+            | Self::NoLog { .. }
             | Self::LeaseLost { .. } => self.to_string(),
         }
     }
@@ -180,7 +189,7 @@ impl StoreError {
                 matches!(source, sqlx::migrate::MigrateError::Execute(source) if passes(source))
             }
             Self::NoAnswer { .. } => true,
-            Self::LeaseLost { .. } => false,
+            Self::NoLog { .. } | Self::LeaseLost { .. } => false,
         }
     }
 }

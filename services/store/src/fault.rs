@@ -6,6 +6,8 @@
 pub enum Fault {
     /// Receipts are sent before the messages that they confirm are committed.
     ReceiptBeforeCommit,
+    /// The position in the log is committed before the effects of its records.
+    OffsetBeforeState,
     /// Transactions do not check the lease (no fencing).
     NoFence,
     /// The process ends in the transaction that changes the number of shards, before its commit.
@@ -25,6 +27,7 @@ pub fn is(fault: Fault) -> bool {
     static ASKED_FOR: std::sync::OnceLock<Option<String>> = std::sync::OnceLock::new();
     let word = match fault {
         Fault::ReceiptBeforeCommit => "receipt_before_commit",
+        Fault::OffsetBeforeState => "offset_before_state",
         Fault::NoFence => "no_fence",
         Fault::DivisionCut => "division_cut",
         Fault::DivisionDone => "division_done",

@@ -45,7 +45,7 @@ async fn write(link: &mut Link, lease: &Lease, number: i64, rows: &[u8]) -> Resu
     if let Either::Postgres(link) = link
         && !fault::is(Fault::NoFence)
     {
-        let statement = lease.bind(sqlx::query(postgres::intent()));
+        let statement = lease.bind(sqlx::query(postgres::intent()), None);
         let statement = statement.bind(lease.fleet().as_str()).bind(lease.shard_number()).bind(number).bind(rows);
         let row = statement.fetch_one(link).await.map_err(failed("commit"))?;
         if row.try_get::<i64, _>(0).map_err(failed("commit"))? == 1 {

@@ -81,6 +81,11 @@ impl Lease {
         self.fresh_until.as_ref().map(|until| *until.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
+    /// Number of the next transaction under this lease.
+    pub(super) fn next_commit(&self) -> i64 {
+        self.commits.load(Ordering::Relaxed) + 1
+    }
+
     /// Identifier of the owner's process.
     pub(super) fn owner(&self) -> &str {
         &self.owner
@@ -161,8 +166,8 @@ impl Lease {
     }
 
     /// Binds the first parameters of a statement that advances the counter: fleet, epoch, owner, present count,
-    /// time to live and shard.
-    pub(super) fn bind(&self, statement: postgres::Query) -> postgres::Query {
+    /// time to live, shard, and the position in the log, if it changes.
+    pub(super) fn bind(&self, statement: postgres::Query, log_next: Option<i64>) -> postgres::Query {
         statement
             .bind(self.fleet().as_str())
             .bind(self.epoch as i64)
@@ -170,6 +175,7 @@ impl Lease {
             .bind(self.commits.load(Ordering::Relaxed))
             .bind(micros(self.time_to_live))
             .bind(self.shard_number())
+            .bind(log_next)
     }
 
     /// Counts a committed transaction. `asked`, the moment before its query, also extends the lease; it is `None` if an
@@ -197,7 +203,7 @@ async fn count_sqlite(tx: &mut SqliteConnection, lease: &Lease, before: i64) -> 
 }
 
 async fn count_postgres(tx: &mut PgConnection, lease: &Lease) -> sqlx::Result<bool> {
-    lease.bind(sqlx::query(postgres::COUNTED)).execute(tx).await.map(|done| done.rows_affected() == 1)
+    lease.bind(sqlx::query(postgres::COUNTED), None).execute(tx).await.map(|done| done.rows_affected() == 1)
 }
 
 pub(super) fn micros(time: Duration) -> i64 {

@@ -36,6 +36,20 @@ columns! {
     InShard<'b> { fleet: &'b str, shard: i64, }
 }
 
+/// The events of a transaction.
+#[derive(Debug, Clone)]
+pub(crate) struct OutboxRow<'b> {
+    pub(crate) fleet: &'b str,
+    pub(crate) shard: i64,
+    pub(crate) epoch: i64,
+    pub(crate) number: i64,
+    pub(crate) events: Vec<u8>,
+}
+
+columns! {
+    OutboxRow<'b> { fleet: &'b str, shard: i64, epoch: i64, number: i64, events: Vec<u8>, }
+}
+
 /// The hash that decides about a robot's shard.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RobotHash {
@@ -92,6 +106,7 @@ pub(crate) static CONTACTS: Statement<ContactRow> = Statement::insert("contacts"
 pub(crate) static RESPONSES: Statement<ResponseRow> = Statement::insert("compensation_responses");
 pub(crate) static JOURNAL: Statement<(InShard<'static>, &JournalRow)> = Statement::insert("journal");
 pub(crate) static CHANGES: Statement<(InFleet<'static>, NewChange<'static>)> = Statement::insert("changes");
+pub(crate) static OUTBOX: Statement<OutboxRow<'static>> = Statement::insert("event_outbox");
 pub(crate) static HEALTH: Statement<HealthRow> = Statement::insert("health_changes");
 pub(crate) static TRIMS: Statement<TrimRow> = Statement::insert("trims");
 pub(crate) static DECISIONS: Statement<DecisionRow> = Statement::insert("compensations");
@@ -189,7 +204,7 @@ pub struct Written {
 /// The columns of all statements, as the rows are declared.
 #[must_use]
 pub fn written() -> Vec<Written> {
-    let all: [&dyn Declared; 29] = [
+    let all: [&dyn Declared; 30] = [
         &ROBOTS,
         &WHISKERS,
         &ROBOT_HASHES,
@@ -197,6 +212,7 @@ pub fn written() -> Vec<Written> {
         &RESPONSES,
         &JOURNAL,
         &CHANGES,
+        &OUTBOX,
         &HEALTH,
         &TRIMS,
         &DECISIONS,

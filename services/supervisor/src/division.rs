@@ -10,6 +10,7 @@ use vibrissa_store::shards::NotDivided;
 use vibrissa_store::{Lease, LossCause, StoreError};
 
 use crate::fleet::{Shared, engine_options};
+use crate::kafka::Kafka;
 
 /// Changes the number of a fleet's shards to `count`, under the leases of all its shards. Leases that still hold afterwards
 /// are released.
@@ -42,6 +43,8 @@ pub(crate) async fn divide(held: Vec<Lease>, count: u32, shared: Shared) {
 
 /// Writes checkpoints of all robots. Returns false if the database rejects some.
 async fn drained(held: &[Lease], shared: &Shared) -> Result<bool, StoreError> {
+    // The rows of intents may have events.
+    let sink = shared.kafka.as_ref().and_then(Kafka::sink);
     for lease in held {
         let lost = || StoreError::LeaseLost {
             fleet: lease.shard().to_string(),
@@ -49,7 +52,7 @@ async fn drained(held: &[Lease], shared: &Shared) -> Result<bool, StoreError> {
             cause: LossCause::TakenOver,
         };
         let boot_id = BootId::new(&format!("{}-division", shared.supervisor)).map_err(|_| lost())?;
-        let engine = engine_options(lease, &boot_id, shared).start().await?;
+        let engine = engine_options(lease, &boot_id, shared, sink.as_ref()).start().await?;
         if !engine.drain().await.map_err(|_| lost())? {
             return Ok(false);
         }

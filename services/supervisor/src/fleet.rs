@@ -14,6 +14,8 @@ use crate::archive::Archive;
 use crate::black_box::BlackBoxes;
 use crate::ending::Ending;
 use crate::engine::{ContactRetention, Engine, EngineOptions, Limits};
+use crate::events::EventSink;
+use crate::kafka::{Kafka, LogReader};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, FleetBirths, LinkState, Prepared, stopped};
 use crate::outbox::Losses;
@@ -25,6 +27,9 @@ use vibrissa_store::{Lease, Store, StoreError};
 
 /// Publications that may wait for the broker. Beyond this number they are dropped and made again later.
 const OUTBOX_MESSAGES: usize = 10_000;
+
+/// Batches of the log's records that may wait for the engine.
+const LOG_BATCHES: usize = 4;
 
 /// Time limit for an orderly end of a fleet. Aborting after it loses nothing: uncommitted messages have no receipt, so
 /// robots send them again.
@@ -52,6 +57,8 @@ pub(crate) struct Shared {
     pub(crate) limits: Limits,
     /// Archive of the contacts, if there is one.
     pub(crate) archive: Option<Archive>,
+    /// The partitioned log, if one is used.
+    pub(crate) kafka: Option<Kafka>,
     /// Black boxes of the robots.
     pub(crate) boxes: BlackBoxes,
     /// Allow list of robots from a file, if one is configured.
@@ -113,8 +120,9 @@ impl Fleet {
 async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>, mut stop: watch::Receiver<bool>) {
     let shard = lease.shard().clone();
     let metrics = shared.metrics.of_shard(&shard);
+    let events = shared.kafka.as_ref().and_then(Kafka::sink);
     let engine = tokio::select! {
-        engine = take_up(&lease, &shared) => engine,
+        engine = take_up(&lease, &shared, events.as_ref()) => engine,
         () = stopped(&mut stop) => None,
     };
     if let Some((engine, boot_id)) = engine {
@@ -122,6 +130,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
             robots: engine.robots().cloned().collect(),
             births: shared.births.of(shard.fleet()),
             epoch: lease.epoch(),
+            hears_contacts: engine.log_from().is_none(),
             link: heard.get_or_init(LinkState::default).clone(),
             ..Connection::new(shared.broker.clone(), shared.prepared.clone(), shard.clone(), boot_id)
         };
@@ -134,7 +143,13 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         let archive = shared.archive.as_ref().filter(|_| shard.number() == 0);
         let archiving = archive
             .map(|archive| tokio::spawn(archive.clone().run(lease.clone(), shared.store.clone(), metrics.clone())));
-        run(engine, &connection, &metrics, stop).await;
+        // Dropped at the end of supervision: what is not published yet waits in the outbox.
+        let _publishing = match (&shared.kafka, events) {
+            (Some(kafka), Some(sink)) => kafka.publish(&shared.store, &shard, &metrics, sink),
+            _ => None,
+        };
+        let log = shared.kafka.as_ref().and_then(|kafka| kafka.reader(&shard, &metrics));
+        run(engine, &connection, &metrics, log, stop).await;
         if let Some(task) = archiving {
             // The next owner writes an unfinished file again.
             task.abort();
@@ -149,7 +164,12 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
 }
 
 /// Settings of the engine of a shard.
-pub(crate) fn engine_options(lease: &Lease, boot_id: &BootId, shared: &Shared) -> EngineOptions {
+pub(crate) fn engine_options(
+    lease: &Lease,
+    boot_id: &BootId,
+    shared: &Shared,
+    events: Option<&EventSink>,
+) -> EngineOptions {
     EngineOptions {
         lease: lease.clone(),
         boot_id: boot_id.clone(),
@@ -161,6 +181,11 @@ pub(crate) fn engine_options(lease: &Lease, boot_id: &BootId, shared: &Shared) -
         retention: shared.keep,
         limits: shared.limits,
         robots_file: shared.robots_file.clone(),
+        events: events.cloned(),
+        log: shared
+            .kafka
+            .as_ref()
+            .and_then(|kafka| kafka.reader(lease.shard(), &shared.metrics.of_shard(lease.shard()))),
         boxes: shared.boxes.clone(),
         is_archived: shared.archive.is_some(),
         traces: shared.traces.clone(),
@@ -168,7 +193,7 @@ pub(crate) fn engine_options(lease: &Lease, boot_id: &BootId, shared: &Shared) -
 }
 
 /// Loads the fleet; retries while the database is unreachable.
-async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
+async fn take_up(lease: &Lease, shared: &Shared, events: Option<&EventSink>) -> Option<(Engine, BootId)> {
     // New with each epoch, because the message numbers start again.
     let shard = match lease.shard().is_whole() {
         true => String::new(),
@@ -183,7 +208,7 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
     };
     let mut backoff = crate::backoff::Backoff::default();
     loop {
-        match engine_options(lease, &boot_id, shared).start().await {
+        match engine_options(lease, &boot_id, shared, events).start().await {
             Ok(engine) => return Some((engine, boot_id)),
             Err(problem @ StoreError::LeaseLost { .. }) => {
                 warn!(%problem, "fleet not loaded, lease lost");
@@ -200,7 +225,13 @@ async fn take_up(lease: &Lease, shared: &Shared) -> Option<(Engine, BootId)> {
 }
 
 /// Runs the engine until `stop`, or until another supervisor acquires the lease.
-async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mut stop: watch::Receiver<bool>) {
+async fn run(
+    engine: Engine,
+    connection: &Connection,
+    metrics: &FleetMetrics,
+    log: Option<LogReader>,
+    mut stop: watch::Receiver<bool>,
+) {
     let (hang_up, hanging_up) = watch::channel(false);
     let (inbox, receiving) = mqtt::receive(connection, metrics.clone(), hanging_up);
     let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
@@ -210,7 +241,12 @@ async fn run(engine: Engine, connection: &Connection, metrics: &FleetMetrics, mu
     // Receiver and engine share a thread, so that a message of a quiet fleet wakes only one.
     let working = async move {
         let receiver = tokio::spawn(receiving);
-        let ending = engine.run(inbox, outbox, losses).await;
+        let batches = log.zip(engine.log_from()).map(|(log, start)| {
+            let (sender, batches) = mpsc::channel(LOG_BATCHES);
+            tokio::spawn(log.run(start, sender));
+            batches
+        });
+        let ending = engine.run((inbox, batches), outbox, losses).await;
         receiver.abort();
         ending
     };

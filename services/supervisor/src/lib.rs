@@ -3,13 +3,14 @@
 //! Read in this order: [`service`] starts all tasks. `ownership` and `fleet` take fleets by leases. [`mqtt`], [`inbox`],
 //! [`outbox`] and [`broker`] carry messages, which [`vibrissa_edge`] turns into events of the core. [`engine`] steps the core and
 //! commits its effects to [`vibrissa_store`]. `black_box` keeps robots' messages around events. [`http`] serves people,
-//! [`webhooks`] sends events to other programs, [`metrics`] and [`trace`] serve monitoring.
+//! [`kafka`] sends [`events`] to a partitioned log, [`webhooks`] sends events to other programs, [`metrics`] and [`trace`] serve monitoring.
 
 pub mod service;
 
 pub mod action_notifier;
 mod division;
 mod ending;
+pub mod events;
 mod fleet;
 mod hearing_trials;
 mod ownership;
@@ -28,6 +29,13 @@ pub mod outbox;
 pub mod engine;
 
 pub mod http;
+#[cfg(feature = "kafka")]
+pub mod kafka;
+#[cfg(not(feature = "kafka"))]
+#[path = "no_kafka.rs"]
+pub mod kafka;
+pub mod kafka_options;
+mod log_inbox;
 pub mod metrics;
 pub mod one_of;
 #[cfg(feature = "parquet")]

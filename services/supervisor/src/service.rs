@@ -23,6 +23,8 @@ use crate::engine::{ContactRetention, Limits};
 use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
 use crate::http::{App, FurtherRoutes, HttpOptions, Serving};
+use crate::kafka::Kafka;
+pub use crate::kafka_options::KafkaOptions;
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress, FleetBirths};
 use crate::ownership::Ownership;
@@ -92,6 +94,8 @@ pub struct ServiceOptions {
     pub access: AccessOptions,
     /// Whether Prometheus gets series for each robot and whisker: four per whisker.
     pub metrics_per_whisker: bool,
+    /// The partitioned log.
+    pub kafka: KafkaOptions,
     /// Hosts and pauses of webhooks.
     pub webhooks: WebhookOptions,
     /// Collector of traces; `None` disables tracing.
@@ -187,6 +191,7 @@ impl Service {
             keep: options.history.keep,
             archive,
             limits: options.limits.limits,
+            kafka: Kafka::new(&options.kafka)?,
             boxes: BlackBoxes::start(options.black_boxes, store.writer()),
             robots_file: robots_file.clone(),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),

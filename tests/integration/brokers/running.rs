@@ -40,6 +40,7 @@ impl Running {
     pub(crate) async fn start(broker: BrokerAddress) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let service = Service::start(ServiceOptions {
+            kafka: vibrissa_supervisor::service::KafkaOptions::default(),
             shards: 1,
             access: vibrissa_supervisor::http::access::AccessOptions::default(),
             name: "s".to_owned(),

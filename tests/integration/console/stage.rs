@@ -98,6 +98,7 @@ impl Stage {
         params.detection.cold_start_contacts = LEARNED as u32;
         change(&mut params);
         let service = Service::start(ServiceOptions {
+            kafka: vibrissa_supervisor::service::KafkaOptions::default(),
             shards: 1,
             access,
             name: "s".to_owned(),

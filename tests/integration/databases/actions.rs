@@ -22,6 +22,7 @@ use crate::fleet;
 /// Starts a supervisor of fleet `f` in this process.
 pub(crate) async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Service {
     Service::start(ServiceOptions {
+        kafka: vibrissa_supervisor::service::KafkaOptions::default(),
         shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: name.to_owned(),

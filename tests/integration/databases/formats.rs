@@ -6,17 +6,18 @@
 use vibrissa_core::units::Micros;
 use vibrissa_store::Batch;
 use vibrissa_store::batch::{
-    ContactRow, Record, RobotAlarmClearedRow, RobotAlarmRow, TouchTestProgressRow, TouchTestRow,
+    ContactRow, EventRow, Record, RobotAlarmClearedRow, RobotAlarmRow, TouchTestProgressRow, TouchTestRow,
 };
 use vibrissa_store::rollouts::{Compared, RolloutChange, RolloutEvent, RolloutRow};
 use vibrissa_supervisor::engine::rollup::Open;
 
 #[test]
-fn golden_batches_of_older_versions_are_read_and_become_version_5() {
+fn golden_batches_of_older_versions_are_read_and_become_version_6() {
     let of_version_1 = include_bytes!("../../data/formats/batch-1.bin");
     let of_version_2 = include_bytes!("../../data/formats/batch-2.bin");
     let of_version_3 = include_bytes!("../../data/formats/batch-3.bin");
     let of_version_4 = include_bytes!("../../data/formats/batch-4.bin");
+    let of_version_5 = include_bytes!("../../data/formats/batch-5.bin");
     let mut batch = Batch::from_bytes(of_version_1).unwrap();
     assert!(!batch.records.is_empty() && !batch.whiskers.is_empty(), "{batch:?}");
     // The batch of version 1 has no contacts; one of version 1 with contacts is read in the store's own tests.
@@ -30,12 +31,16 @@ fn golden_batches_of_older_versions_are_read_and_become_version_5() {
     batch.records.push(Record::RobotAlarmCleared(RobotAlarmClearedRow { robot_id, cleared_us: 6, kind }));
     assert_eq!(format!("{:?}", Batch::from_bytes(of_version_4).unwrap()), format!("{batch:?}"));
     batch.records.push(Record::Rollout(Box::new(rollout())));
+    assert_eq!(format!("{:?}", Batch::from_bytes(of_version_5).unwrap()), format!("{batch:?}"));
+    let (robot, body) = ("r".to_owned(), r#"{"type":"TRIM"}"#.to_owned());
+    batch.events.push(EventRow { robot_id, robot, is_contacts: false, body });
+    batch.log_next = Some(9);
     if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        std::fs::write("data/formats/batch-5.bin", batch.to_bytes().unwrap()).unwrap();
+        std::fs::write("data/formats/batch-6.bin", batch.to_bytes().unwrap()).unwrap();
     }
-    let of_version_5 = std::fs::read("data/formats/batch-5.bin").unwrap();
-    assert!(batch.to_bytes().unwrap() == of_version_5, "the bytes have changed");
-    assert_eq!(format!("{:?}", Batch::from_bytes(&of_version_5).unwrap()), format!("{batch:?}"));
+    let of_version_6 = std::fs::read("data/formats/batch-6.bin").unwrap();
+    assert!(batch.to_bytes().unwrap() == of_version_6, "the bytes have changed");
+    assert_eq!(format!("{:?}", Batch::from_bytes(&of_version_6).unwrap()), format!("{batch:?}"));
 }
 
 /// A roll-out after a comparison.

@@ -242,6 +242,7 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto, keep: Contact
     let mut params = Params::nguyen_2021(Formulation::Published);
     params.detection.cold_start_contacts = LEARNED as u32;
     Service::start(ServiceOptions {
+        kafka: vibrissa_supervisor::service::KafkaOptions::default(),
         shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),

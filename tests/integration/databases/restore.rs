@@ -31,6 +31,7 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
     params.detection.cold_start_contacts = LEARNED as u32;
     params.command.resend_after = Micros::from_s(0.3);
     Service::start(ServiceOptions {
+        kafka: vibrissa_supervisor::service::KafkaOptions::default(),
         shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),

@@ -437,6 +437,7 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
     let address: DatabaseAddress = format!("sqlite:{}", folder.path().join("v.sqlite3").display()).parse().unwrap();
     let fleets = ["f1", "f2"].map(|fleet| Name::new(fleet).unwrap());
     let service = Service::start(ServiceOptions {
+        kafka: vibrissa_supervisor::service::KafkaOptions::default(),
         shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),

@@ -131,6 +131,7 @@ async fn service(folder: &TempDir, port: u16) -> Service {
     params.detection.cold_start_contacts = COLD_START;
     let fleet = Name::new("f").unwrap();
     let service = Service::start(ServiceOptions {
+        kafka: vibrissa_supervisor::service::KafkaOptions::default(),
         shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),

@@ -103,6 +103,13 @@ fn values(key: Key) -> [&'static str; 3] {
         | Key::MqttCaFile
         | Key::MqttClientCertificateFile
         | Key::MqttClientKeyFile => ["file0", "file1", "file2"],
+        Key::Publish | Key::Ingest => ["kafka", "kafka", "kafka"],
+        Key::KafkaUrl => ["kafka://h0:9092", "kafkas://h1:9093,h2:9093", "kafka://[::1]:1"],
+        Key::KafkaUsername => ["user-0", "user-1", "user-2"],
+        Key::KafkaPasswordFile | Key::KafkaCaFile => ["file0", "file1", "file2"],
+        Key::KafkaSasl => ["plain", "scram-sha-256", "plain"],
+        Key::KafkaIngestTopic | Key::KafkaEventsTopic | Key::KafkaContactsTopic => ["t0", "t1", "t2"],
+        Key::KafkaPublishContacts => ["none", "all", "none"],
         Key::HttpListen => ["127.0.0.1:81", "127.0.0.1:82", "[::1]:83"],
         Key::HttpTokenFile => ["token0", "token1", "token2"],
         Key::HttpOidcIssuer | Key::HttpOidcJwksUrl => ["https://i0.example", "https://i1.example", "http://[::1]:9"],
@@ -141,6 +148,15 @@ fn companions(key: Key) -> &'static [&'static str] {
         Key::MqttCaFile => &["--mqtt-url=mqtts://h"],
         Key::MqttClientCertificateFile => &["--mqtt-url=mqtts://h", "--mqtt-client-key-file=file0"],
         Key::MqttClientKeyFile => &["--mqtt-url=mqtts://h", "--mqtt-client-certificate-file=file0"],
+        Key::Publish | Key::Ingest => &["--kafka-url=kafka://h:9092"],
+        Key::KafkaUrl => &["--publish=kafka"],
+        Key::KafkaIngestTopic => &["--ingest=kafka", "--kafka-url=kafka://h:9092"],
+        Key::KafkaUsername => &["--publish=kafka", "--kafka-url=kafka://h:9092", "--kafka-password-file=file0"],
+        Key::KafkaPasswordFile => &["--publish=kafka", "--kafka-url=kafka://h:9092", "--kafka-username=u"],
+        Key::KafkaCaFile => &["--publish=kafka", "--kafka-url=kafkas://h:9093"],
+        Key::KafkaSasl | Key::KafkaEventsTopic | Key::KafkaContactsTopic | Key::KafkaPublishContacts => {
+            &["--publish=kafka", "--kafka-url=kafka://h:9092"]
+        }
         Key::HttpOidcIssuer => &["--http-oidc-audience=a"],
         Key::HttpOidcAudience => &["--http-oidc-issuer=https://i.example"],
         Key::HttpOidcClientId => {

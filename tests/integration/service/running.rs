@@ -78,6 +78,7 @@ impl Running {
         let path = database_in(&folder);
         let fleet = Name::new("f").unwrap();
         let service = Service::start(ServiceOptions {
+            kafka: vibrissa_supervisor::service::KafkaOptions::default(),
             shards: 1,
             access,
             webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),

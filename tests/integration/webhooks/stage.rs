@@ -116,6 +116,7 @@ impl Stage {
         params.detection.cold_start_contacts = LEARNED;
         let allowed_hosts = hosts.iter().map(|&host| host.to_owned()).collect();
         let service = Service::start(ServiceOptions {
+            kafka: vibrissa_supervisor::service::KafkaOptions::default(),
             shards: 1,
             access: AccessOptions::default(),
             name: name.to_owned(),

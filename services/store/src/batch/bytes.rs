@@ -3,17 +3,17 @@
 use borsh::io::{Error, ErrorKind, Result};
 use vibrissa_core::policy::PolicyParams;
 
-use super::{Batch, version_1};
+use super::{Batch, EventRow, version_1};
 
 /// First byte of the serialized batch: the format version.
-const VERSION: u8 = 5;
+const VERSION: u8 = 6;
 const _: () = assert!(PolicyParams::NUMBERS.len() == 3, "raise VERSION: the rows of policies have other numbers");
 
 impl Batch {
     /// Serializes the batch; `None` if a value in it cannot be serialized.
     #[must_use]
     pub fn to_bytes(&self) -> Option<Vec<u8>> {
-        borsh::to_vec(&(VERSION, self)).ok()
+        borsh::to_vec(&(VERSION, self, &self.events, self.log_next)).ok()
     }
 
     /// Deserializes a batch.
@@ -22,8 +22,12 @@ impl Batch {
     /// The bytes are not a batch of a version that this program reads.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         match bytes.split_first() {
-            // Version 2 has no touch tests, version 3 no alarms about robots, version 4 no roll-outs; they are the same otherwise.
-            Some((&(2..=VERSION), rest)) => borsh::from_slice(rest),
+            // Version 2 has no touch tests, version 3 no alarms about robots, version 4 no roll-outs, version 5 neither events nor a position in a log; they are the same otherwise.
+            Some((&(2..VERSION), rest)) => borsh::from_slice(rest),
+            Some((&VERSION, rest)) => {
+                let (batch, events, log_next) = borsh::from_slice::<(Self, Vec<EventRow>, Option<i64>)>(rest)?;
+                Ok(Self { events, log_next, ..batch })
+            }
             Some((1, rest)) => borsh::from_slice::<version_1::Batch>(rest).map(Into::into),
             Some((other, _)) => {
                 let problem =
@@ -66,13 +70,21 @@ mod tests {
             Record::Health(HealthRow { whisker_id: 1, recorded_us: 5, kind, was, becomes }),
             Record::Alarm(AlarmRow { whisker_id: 1, raised_us: 5, kind: "LEAK" }),
         ];
-        let batch = Batch { contacts: vec![contact], records, journal_done: Some(7), ..Batch::default() };
+        let event = EventRow { robot_id: 1, robot: "r".to_owned(), is_contacts: true, body: "{}".to_owned() };
+        let batch = Batch {
+            contacts: vec![contact],
+            records,
+            events: vec![event],
+            journal_done: Some(7),
+            log_next: Some(9),
+            ..Batch::default()
+        };
         let bytes = batch.to_bytes().unwrap();
         assert_eq!(format!("{:?}", Batch::from_bytes(&bytes).unwrap()), format!("{batch:?}"));
         for end in 0..bytes.len() {
             assert!(Batch::from_bytes(&bytes[..end]).is_err(), "{end}");
         }
         let newer = [&[VERSION + 1], &bytes[1..]].concat();
-        assert!(Batch::from_bytes(&newer).unwrap_err().to_string().contains("version 6"));
+        assert!(Batch::from_bytes(&newer).unwrap_err().to_string().contains("version 7"));
     }
 }

@@ -37,10 +37,16 @@ pub struct Batch {
     pub responses: Vec<ResponseRow>,
     /// All other rows, in their order.
     pub records: Vec<Record>,
+    /// Events for the outbox, in their order.
+    #[borsh(skip)]
+    pub events: Vec<EventRow>,
     /// Journal entries of robots whose checkpoints are not among `robots`.
     pub journal: Option<JournalRow>,
     /// Journal rows up to this number are contained in the checkpoints and can be deleted.
     pub journal_done: Option<i64>,
+    /// The first record of the partitioned log whose effects are not in this batch or before it; `None` without a log.
+    #[borsh(skip)]
+    pub log_next: Option<i64>,
     /// Number of this batch in the intent log (table `redo`); its row there is deleted in the same transaction.
     #[borsh(skip)]
     pub redo_done: Option<i64>,
@@ -57,6 +63,7 @@ impl Batch {
             && self.rollups.is_empty()
             && self.responses.is_empty()
             && self.records.is_empty()
+            && self.events.is_empty()
             && self.journal.is_none()
             && self.journal_done.is_none()
             && self.redo_done.is_none()
@@ -72,6 +79,7 @@ impl Batch {
             rollups: &self.rollups,
             responses: &self.responses,
             records: &self.records,
+            events: &self.events,
         }
     }
 
@@ -122,5 +130,6 @@ impl Batch {
         self.rollups.append(&mut other.rollups);
         self.responses.append(&mut other.responses);
         self.records.append(&mut other.records);
+        self.events.append(&mut other.events);
     }
 }

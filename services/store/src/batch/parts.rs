@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
-use super::{Batch, ContactRow, JournalRow, LayoutRow, Record, ResponseRow, RobotRow, RollupRow, WhiskerRow};
+use super::{Batch, ContactRow, EventRow, JournalRow, LayoutRow, Record, ResponseRow, RobotRow, RollupRow, WhiskerRow};
 
 /// The owner of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -79,10 +79,11 @@ pub(crate) struct Rows<'b> {
     pub(crate) rollups: &'b [RollupRow],
     pub(crate) responses: &'b [ResponseRow],
     pub(crate) records: &'b [Record],
+    pub(crate) events: &'b [EventRow],
 }
 
 /// Number of kinds of rows; a kind is an index into `ends`.
-const KINDS: usize = 7;
+const KINDS: usize = 8;
 
 impl Batch {
     /// Removes the rows of some owners. The journal is not touched.
@@ -94,6 +95,7 @@ impl Batch {
         self.rollups.retain(|row| stays(owners.whisker(row.whisker_id)));
         self.responses.retain(|row| stays(Owners::compensation(row.compensation_id)));
         self.records.retain(|row| stays(owners.record(row)));
+        self.events.retain(|row| stays(Owners::robot(row.robot_id)));
     }
 }
 
@@ -142,6 +144,7 @@ impl<'o> Parts<'o> {
             sort.by(&mut batch.rollups, |row| of.whisker(row.whisker_id)),
             sort.by(&mut batch.responses, |row| Owners::compensation(row.compensation_id)),
             sort.by(&mut batch.records, |row| of.record(row)),
+            sort.by(&mut batch.events, |row| Owners::robot(row.robot_id)),
         ];
         let owners: Vec<Owner> = all.into_iter().collect();
         let end_of = |owner: Owner| std::array::from_fn(|kind| kinds[kind].partition_point(|other| *other <= owner));
@@ -173,6 +176,7 @@ impl<'o> Parts<'o> {
             rollups: &self.batch.rollups[at(4)],
             responses: &self.batch.responses[at(5)],
             records: &self.batch.records[at(6)],
+            events: &self.batch.events[at(7)],
         }
     }
 

@@ -49,8 +49,10 @@ impl From<Batch> for super::Batch {
             rollups: one.rollups,
             responses: one.responses,
             records: one.records,
+            events: Vec::new(),
             journal: one.journal,
             journal_done: one.journal_done,
+            log_next: None,
             redo_done: None,
         }
     }

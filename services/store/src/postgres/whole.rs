@@ -16,10 +16,10 @@ use crate::batch::{ContactRow, RollupRow};
 use crate::records::tell_of_rollups;
 use crate::tables::{
     ALARMS, ANSWERED, BINS, CANDIDATES, CHANGES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, HEALTH, InShard, JOURNAL,
-    REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS, STATES, TOUCH_TEST_PROGRESS, TOUCH_TESTS,
-    TRIMS, WHISKERS,
+    OUTBOX, OutboxRow, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS, STATES,
+    TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
 };
-use crate::{Batch, Lease, Resolution, StoreError, changes, failed, tables};
+use crate::{Batch, Lease, Resolution, StoreError, changes, failed, outbox, tables};
 
 const JOURNAL_DONE: &str = "DELETE FROM journal WHERE fleet = $1 AND shard = $2 AND number <= $3 AND OWNED";
 
@@ -50,7 +50,7 @@ static ORDINARY: LazyLock<String> = LazyLock::new(|| {
 static WHOLE: LazyLock<String> = LazyLock::new(|| {
     let batch = Batch::default();
     let whole = Whole::empty(&batch);
-    let text = whole.rest(whole.ordinary(Text::new(), NOWHERE, &[]), NOWHERE, 0);
+    let text = whole.rest(whole.ordinary(Text::new(), NOWHERE, &[]), NOWHERE, (&[], 0));
     text.counting(&["counted", "minutes_new", "hours_new"])
 });
 
@@ -110,14 +110,16 @@ impl<'b> Whole<'b> {
         let is_ordinary = batch.robots.is_empty()
             && batch.whiskers.is_empty()
             && batch.records.is_empty()
+            && batch.events.is_empty()
             && batch.responses.is_empty()
             && batch.redo_done.is_none()
             && batch.rollups.is_empty();
         let at = InShard::of(lease);
         let sql: &'static str = if is_ordinary { &ORDINARY } else { &WHOLE };
-        let mut statement = self.ordinary(lease.bind(sqlx::query(sql)), at, contacts);
+        let mut statement = self.ordinary(lease.bind(sqlx::query(sql), batch.log_next), at, contacts);
         if !is_ordinary {
-            statement = self.rest(statement, at, now_us);
+            let outbox: Vec<OutboxRow<'_>> = outbox::row(lease, &batch.events).into_iter().collect();
+            statement = self.rest(statement, at, (&outbox, now_us));
         }
         let written = statement.fetch_one(link).await?;
         if written.try_get::<i64, _>(0)? == 0 {
@@ -148,7 +150,7 @@ impl<'b> Whole<'b> {
     }
 
     /// The further parts of the statement with all kinds of rows.
-    fn rest<P: Parts>(&self, parts: P, at: InShard<'_>, now_us: i64) -> P {
+    fn rest<P: Parts>(&self, parts: P, at: InShard<'_>, (outbox, now_us): (&[OutboxRow<'_>], i64)) -> P {
         let (batch, sorted) = (self.batch, &self.sorted);
         let redo_done = batch.redo_done.unwrap_or(-1);
         parts
@@ -173,6 +175,7 @@ impl<'b> Whole<'b> {
             .rows("touch_tests_new", &TOUCH_TESTS, &sorted.tests)
             .rows("touch_tests_now", &TOUCH_TEST_PROGRESS, &sorted.test_progress)
             .rows("responses_new", &RESPONSES, &batch.responses)
+            .rows("outbox_new", &OUTBOX, outbox)
             .rows("changes_new", &CHANGES, &changes::of(at.fleet, &batch.records, now_us))
             .rows("minutes_new", tables::rollups(Resolution::Minute), &self.rollups(Resolution::Minute))
             .rows("hours_new", tables::rollups(Resolution::Hour), &self.rollups(Resolution::Hour))

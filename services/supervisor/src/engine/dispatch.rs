@@ -12,6 +12,10 @@ use super::message::RawMessage;
 use super::quarantine::suspect::{Turn, quarantined};
 use super::shard::shards::index_of;
 use crate::inbox::Incoming;
+use crate::log_inbox::{LogBatch, LogRecord};
+use vibrissa_core::units::Micros;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_store::fault::{self, Fault};
 
 impl Engine {
     /// Steps messages through the core, those of each robot in order.
@@ -22,13 +26,49 @@ impl Engine {
             let Some(raw) = self.address(incoming) else { continue };
             let Some(raw) = self.suspects.pass(raw) else { continue };
             if raw.kind == RobotTopic::Factsheet {
-                self.shards.handle(&mut messages, &self.workers).await;
+                self.shards.handle(&mut messages, false, &self.workers).await;
                 self.take_factsheet(raw).await?;
             } else {
                 messages[index_of(&raw.robot, self.shards.count())].push(raw);
             }
         }
-        self.shards.handle(&mut messages, &self.workers).await;
+        self.shards.handle(&mut messages, false, &self.workers).await;
+        self.pipeline.stepped(count, &self.shards);
+        Ok(())
+    }
+
+    /// Steps messages of the partitioned log, in its order. The journal only refers to them.
+    pub(super) async fn take_in_log(&mut self, batch: LogBatch) -> Result<(), LeaseLost> {
+        let LogBatch { from, to, records } = batch;
+        if fault::is(Fault::OffsetBeforeState) {
+            self.settle().await?;
+            if let Some(committer) = self.pipeline.idle_committer() {
+                let (writer, lease) = committer.database();
+                // A fault planted by a test: what fails here is lost, too.
+                let _ = writer.set_log_position(lease, to).await;
+            }
+        }
+        let (count, received) = (records.len(), wall_clock());
+        let mut messages: Vec<Vec<RawMessage>> = self.shards.iter().map(|_| Vec::new()).collect();
+        let mut except = Vec::new();
+        for LogRecord { offset, topic, robot, kind, payload } in records {
+            self.metrics.messages_received.count([kind.as_str()]);
+            let received = Micros(received.0 + offset.abs_diff(from));
+            let raw = RawMessage { topic, robot, kind, payload, received };
+            // A replay must leave out what is not stepped here and now.
+            if self.suspects.has(&raw.robot) || !self.shards.of(&raw.robot).is_allowed(&raw.robot) {
+                except.extend(self.shards.robot(&raw.robot).map(|known| known.robot_id));
+            }
+            if let Some(raw) = self.suspects.pass(raw) {
+                messages[index_of(&raw.robot, self.shards.count())].push(raw);
+            }
+        }
+        let are_there: Vec<bool> = messages.iter().map(|messages| !messages.is_empty()).collect();
+        self.shards.handle(&mut messages, true, &self.workers).await;
+        for (shard, _) in self.shards.iter_mut().zip(are_there).filter(|(_, is_there)| *is_there) {
+            shard.refer(received, (from, to), &except);
+        }
+        self.pipeline.set_log_next(to);
         self.pipeline.stepped(count, &self.shards);
         Ok(())
     }

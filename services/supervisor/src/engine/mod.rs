@@ -32,6 +32,7 @@ pub use robot::retention::ContactRetention;
 pub use robot::rollup;
 pub(crate) use start::EngineOptions;
 
+use std::future::pending;
 use std::sync::Arc;
 
 use tokio::runtime::Handle;
@@ -46,6 +47,7 @@ use crate::action_notifier::ActionNotifier;
 use crate::black_box::FleetBoxes;
 use crate::ending::Ending;
 use crate::inbox::Inbox;
+use crate::log_inbox::{LogBatch, LogStart};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::outbox::{Losses, Publication};
 use vibrissa_edge::clock::wall_clock;
@@ -101,6 +103,10 @@ pub(crate) struct Engine {
     /// Runtime for work that would block the engine's own thread.
     workers: Handle,
     boxes: FleetBoxes,
+    /// Where the partitioned log is to be read from, if contacts come from one.
+    log_from: Option<LogStart>,
+    /// Notified when a transaction with events is committed.
+    events: Option<Arc<Notify>>,
     /// Metrics shared by all fleets.
     program: Metrics,
     metrics: FleetMetrics,
@@ -113,9 +119,14 @@ pub(crate) struct Engine {
 impl Engine {
     /// Runs until no more messages can arrive and all are committed, or until the lease is lost. In the latter case
     /// robots send their uncommitted messages again to the new owner.
-    pub(crate) async fn run(mut self, inbox: Inbox, outbox: mpsc::Sender<Publication>, losses: Losses) -> Ending {
+    pub(crate) async fn run(
+        mut self,
+        (inbox, log): (Inbox, Option<mpsc::Receiver<LogBatch>>),
+        outbox: mpsc::Sender<Publication>,
+        losses: Losses,
+    ) -> Ending {
         self.pipeline.connect(outbox, losses);
-        let ending = match self.work(inbox).await {
+        let ending = match self.work(inbox, log).await {
             Ok(()) => Ending::Stopped,
             Err(LeaseLost) => Ending::LeaseLost,
         };
@@ -123,13 +134,14 @@ impl Engine {
         ending
     }
 
-    async fn work(&mut self, mut inbox: Inbox) -> Result<(), LeaseLost> {
+    async fn work(&mut self, mut inbox: Inbox, mut log: Option<mpsc::Receiver<LogBatch>>) -> Result<(), LeaseLost> {
         let every = |period| {
             let mut ticks = interval(period);
             ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
             ticks
         };
-        let (mut ticks, mut receipts) = (every(TICK), every(RECEIPTS));
+        let between_receipts = if self.log_from.is_some() { TICK } else { RECEIPTS };
+        let (mut ticks, mut receipts) = (every(TICK), every(between_receipts));
         let action_sent = self.action_sent.clone();
         let mut messages = Vec::with_capacity(MESSAGES_AT_A_TIME);
         let mut is_ticking = false;
@@ -151,6 +163,12 @@ impl Engine {
                     }
                     if self.pipeline.is_writing() {
                         // The commit may run in this thread.
+                        yield_now().await;
+                    }
+                }
+                Some(batch) = next_batch(&mut log), if has_room => {
+                    self.take_in_log(batch).await?;
+                    if self.pipeline.is_writing() {
                         yield_now().await;
                     }
                 }
@@ -241,6 +259,11 @@ impl Engine {
         Ok(())
     }
 
+    /// Where the partitioned log is to be read from, if contacts come from one.
+    pub(crate) fn log_from(&self) -> Option<LogStart> {
+        self.log_from
+    }
+
     /// Names of the known robots.
     pub(crate) fn robots(&self) -> impl Iterator<Item = &Name> {
         self.shards.robots().map(|known| &known.name)
@@ -292,6 +315,9 @@ impl Engine {
         }
         if done.has_rows() {
             self.suspects.committed(done.transaction.number());
+            if let Some(events) = self.events.as_ref().filter(|_| done.transaction.has_events()) {
+                events.notify_one();
+            }
             self.action_notifier.answered(done.transaction.take_answered());
             if done.transaction.has_records() {
                 self.action_notifier.changed();
@@ -414,7 +440,8 @@ impl Engine {
     /// sent.
     fn restart_silence_timers_if_deaf(&mut self, inbox: &Inbox) {
         let (robots, others) = inbox.take_shed();
-        if self.metrics.broker_connected.get() == 0 || others > 0 {
+        let is_log_away = self.log_from.is_some() && self.metrics.log_connected.get() == 0;
+        if self.metrics.broker_connected.get() == 0 || others > 0 || is_log_away {
             return self.restart_silence_timers();
         }
         let now = wall_clock();
@@ -428,6 +455,17 @@ impl Engine {
     fn restart_silence_timers(&mut self) {
         self.shards.restart_silence_timers(wall_clock());
     }
+}
+
+/// The next records of the log; waits for ever without a log. Cancel safe.
+async fn next_batch(log: &mut Option<mpsc::Receiver<LogBatch>>) -> Option<LogBatch> {
+    let Some(batches) = log else { return pending().await };
+    let batch = batches.recv().await;
+    if batch.is_none() {
+        // The reader has ended, because supervision ends.
+        *log = None;
+    }
+    batch
 }
 
 /// Time for the core: not later than the receipt of the oldest message that waits.

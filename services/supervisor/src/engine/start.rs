@@ -19,11 +19,15 @@ use super::quarantine::suspects::Suspects;
 use super::robot::limits::Bucket;
 use super::rollout::Rollout;
 use super::shard::Shard;
+use super::shard::events::EventMaker;
 use super::shard::shards::Shards;
 use super::shard::stepper::Stepper;
 use super::{ContactRetention, Engine, Limits, fleet_metrics};
 use crate::action_notifier::ActionNotifier;
 use crate::black_box::BlackBoxes;
+use crate::events::EventSink;
+use crate::kafka::LogReader;
+use crate::log_inbox::LogStart;
 use crate::metrics::Metrics;
 use crate::params;
 use crate::readiness::Readiness;
@@ -55,6 +59,10 @@ pub(crate) struct EngineOptions {
     pub(crate) limits: Limits,
     /// Allowed robots, which may change later.
     pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
+    /// Events for other programs, if they are published.
+    pub(crate) events: Option<EventSink>,
+    /// The partitioned log that contacts come from, if there is one.
+    pub(crate) log: Option<LogReader>,
     /// Black boxes of the robots.
     pub(crate) boxes: BlackBoxes,
     /// Whether the contacts are archived.
@@ -89,12 +97,25 @@ impl EngineOptions {
         };
         let count = shard_count();
         let mut shards = Shards::new((0..count).map(|_| Shard::new(stepper(), epoch, count)).collect());
+        for shard in shards.iter_mut() {
+            if let Some(sink) = &self.events {
+                shard.stepper_mut().set_events(EventMaker::new(sink.clone()));
+            }
+        }
         let rollout = open_rollout(&mut writer, &lease, &params).await?;
         shards.set_trial(rollout.as_ref().map(Rollout::trial).as_ref());
         let allowed = writer.allowed_robots(&lease, 0).await?;
-        let last = recover(&mut writer, &lease, &mut shards).await?;
+        let last = recover(&mut writer, &lease, &mut shards, self.log.as_ref()).await?;
         // Also without an archive here: the last owner may have had one.
         let contacts_from_us = writer.archive_floor(&fleet).await?;
+        let log_from = match &self.log {
+            None => None,
+            Some(log) => {
+                shards.use_log();
+                let position = writer.log_position(&lease, log.topic()).await?;
+                Some(position.map_or(LogStart::Earliest, LogStart::At))
+            }
+        };
         shards.set_retention(self.retention);
         let boxes = self.boxes.of_fleet(&lease, &metrics.black_boxes_lost);
         writer.end_black_boxes(&lease).await?;
@@ -104,10 +125,13 @@ impl EngineOptions {
         info!(fleet = %lease.shard(), epoch, robots = shards.robot_count(), "fleet loaded, supervision starts");
         // As if a contact had just arrived, so that a silent fleet counts as silent from now on.
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
-        let committer = Committer::new(lease.clone(), writer, program.clone(), readiness.clone());
+        let committer = Committer::new(lease.clone(), writer, (program.clone(), readiness.clone()), self.log.clone());
         let workers = Handle::current();
         let mut pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
         pipeline.set_contacts_from(contacts_from_us);
+        if log_from.is_some() {
+            pipeline.schedule().gather_for_a_tick();
+        }
         shards.set_number(pipeline.open_number());
         fleet_metrics::show_params(&metrics, &params, policy_version);
         fleet_metrics::survey_robots(&mut shards, lease.shard(), &program, &metrics);
@@ -134,6 +158,8 @@ impl EngineOptions {
             pipeline,
             workers,
             boxes,
+            log_from,
+            events: self.events.map(|sink| sink.committed),
             program,
             metrics,
         })

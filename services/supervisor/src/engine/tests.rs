@@ -14,7 +14,7 @@ use vibrissa_protocol::{self as protocol, BootId, Name, RobotTopic};
 
 use super::commit::batch::Source;
 use super::commit::checkpoint::CheckpointRate;
-use super::commit::recovery::Replay;
+use super::commit::recovery::{LogRecords, Replay};
 use super::commit::transaction::SealedTransaction;
 use super::message::RawMessage;
 use super::robot::KnownRobot;
@@ -275,7 +275,7 @@ fn crash(tables: &Tables, live: &Shard) -> usize {
     }
     let mut entries = 0;
     for (&number, row) in &tables.journal {
-        entries += replay.replay_row(number, row, &mut shards);
+        entries += replay.replay_row(number, row, &LogRecords::new(), &mut shards);
     }
     for (name, known) in live.robots() {
         assert_eq!(bytes(shards.robot(name).unwrap()), bytes(known), "{name}");

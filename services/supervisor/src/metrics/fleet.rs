@@ -183,6 +183,28 @@ of_fleet! {
     black_boxes_lost: IntCounter = "vibrissa_black_boxes_lost_total",
         "Black boxes that could not be written, because the database was unreachable or too busy.";
 
+    /// Events that the log has acknowledged.
+    events_published: IntCounter = "vibrissa_kafka_events_published_total",
+        "Events that the log has acknowledged, including repeated ones.";
+    /// Rounds of publication that failed. They are repeated.
+    event_writes_failed: IntCounter = "vibrissa_kafka_writes_failed_total",
+        "Failed attempts to publish the waiting events; they are repeated.";
+    /// Events that cannot be published.
+    events_lost: IntCounter = "vibrissa_kafka_events_lost_total",
+        "Events that the log refuses for good, or that cannot be read from the outbox.";
+    /// Transactions whose events wait for the log.
+    outbox_transactions: IntGauge = "vibrissa_kafka_outbox_transactions",
+        "Transactions whose events wait in the database because the log does not take them.";
+
+    /// 1 while the log answers that contacts come from, else 0.
+    log_connected: IntGauge = "vibrissa_kafka_connected",
+        "1 while the log that contacts come from answers; 0 without one.";
+    /// Records of the log that are not stepped yet.
+    log_lag: IntGauge = "vibrissa_kafka_lag_records", "Records of the shard's partition that are not read yet.";
+    /// Records of the log that were skipped, by reason.
+    log_skipped: Counters = "vibrissa_kafka_records_skipped_total",
+        "Records of the log that are no contacts or status of a robot of the shard, by reason.", labels::LOG_SKIPPED;
+
     /// Alarms raised, by kind.
     alarms_raised: Counters = "vibrissa_alarms_raised_total", "Alarms raised, by kind.", labels::ALARM;
     /// Standing alarms, by kind.
@@ -273,7 +295,15 @@ impl FleetMetrics {
         for quantities in self.quantities() {
             quantities.set_all(|_| None);
         }
-        for gauge in [&self.setpoints_under_way, &self.inbox_bytes, &self.broker_connected, &self.robots_suspect] {
+        for gauge in [
+            &self.setpoints_under_way,
+            &self.inbox_bytes,
+            &self.broker_connected,
+            &self.robots_suspect,
+            &self.outbox_transactions,
+            &self.log_connected,
+            &self.log_lag,
+        ] {
             gauge.set(0);
         }
         for gauge in [

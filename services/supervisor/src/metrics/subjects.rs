@@ -166,6 +166,14 @@ pub(super) const SUBJECTS: &[Subject] = &[
         ],
     },
     Subject {
+        title: "Kafka",
+        begins: &["vibrissa_kafka_"],
+        queries: &[
+            ("Events published per second", "sum by (fleet) (rate(vibrissa_kafka_events_published_total[5m]))"),
+            ("Transactions whose events wait", "sum by (fleet) (vibrissa_kafka_outbox_transactions) > 0"),
+        ],
+    },
+    Subject {
         title: "HTTP and traces",
         begins: &["vibrissa_http_", "vibrissa_trace_"],
         queries: &[

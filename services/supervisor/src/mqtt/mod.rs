@@ -80,6 +80,8 @@ pub struct Connection {
     pub boot_id: BootId,
     /// Epoch of the fleet's lease.
     pub epoch: u64,
+    /// Whether contacts and statuses come over MQTT, not from a partitioned log.
+    pub hears_contacts: bool,
     /// Receives the state of the connections.
     pub link: LinkState,
 }
@@ -89,7 +91,7 @@ impl Connection {
     #[must_use]
     pub fn new(broker: BrokerAddress, prepared: Prepared, shard: FleetShard, boot_id: BootId) -> Self {
         let (robots, births, link) = (Vec::new(), SharedBirths::default(), LinkState::default());
-        Self { broker, prepared, shard, robots, births, boot_id, epoch: 0, link }
+        Self { broker, prepared, shard, robots, births, boot_id, epoch: 0, hears_contacts: true, link }
     }
 
     /// Name of the fleet.

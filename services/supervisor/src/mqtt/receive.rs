@@ -39,6 +39,7 @@ pub fn receive(
     let (intake, inbox) = inbox(metrics.clone());
     let connection = Attempts::first(connection);
     let subscriptions = Subscriptions::new(connection.shard.clone(), connection.robots.iter().cloned());
+    let subscriptions = if connection.hears_contacts { subscriptions } else { subscriptions.without_contacts() };
     let attempts = Attempts::new();
     let mut receiver = Receiver { connection, metrics: metrics.clone(), intake, attempts, subscriptions };
     let receiving = async move {

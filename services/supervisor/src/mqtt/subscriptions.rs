@@ -33,6 +33,8 @@ pub(super) struct Subscriptions {
     robots: BTreeSet<Name>,
     /// Packets that are sent and not acknowledged, the oldest first.
     unacknowledged: VecDeque<Packet>,
+    /// Contacts and statuses come from elsewhere.
+    is_without_contacts: bool,
 }
 
 /// The shard that a received message belongs to.
@@ -50,13 +52,18 @@ impl Subscriptions {
     /// Those of a shard with these robots.
     pub(super) fn new(shard: FleetShard, robots: impl IntoIterator<Item = Name>) -> Self {
         let robots = if shard.is_whole() { BTreeSet::new() } else { robots.into_iter().collect() };
-        Self { shard, robots, unacknowledged: VecDeque::new() }
+        Self { shard, robots, unacknowledged: VecDeque::new(), is_without_contacts: false }
+    }
+
+    /// The same without contacts and statuses, which come from a partitioned log.
+    pub(super) fn without_contacts(self) -> Self {
+        Self { is_without_contacts: true, ..self }
     }
 
     /// The topics whose filters are probed.
     pub(super) fn probed(&self) -> impl Iterator<Item = RobotTopic> + use<> {
-        let is_whole = self.shard.is_whole();
-        heard().filter(move |&kind| is_whole || kind == RobotTopic::Connection)
+        let (is_whole, is_without) = (self.shard.is_whole(), self.is_without_contacts);
+        heard().filter(move |&kind| (is_whole || kind == RobotTopic::Connection) && !(is_without && is_in_log(kind)))
     }
 
     /// Largest number of packets that a connection sends at once.
@@ -82,7 +89,8 @@ impl Subscriptions {
     fn packets(&mut self, which: impl Fn(RobotTopic) -> bool) -> Vec<Packet> {
         let fleet = self.shard.fleet();
         let of_fleet = self.probed().filter(|&kind| which(kind)).map(|kind| kind.fleet_filter(fleet));
-        let of_robots = self.robots.iter().flat_map(|robot| of_robot(&self.shard, robot, &which));
+        let which_of_robots = |kind| which(kind) && !(self.is_without_contacts && is_in_log(kind));
+        let of_robots = self.robots.iter().flat_map(|robot| of_robot(&self.shard, robot, &which_of_robots));
         let filters: Vec<String> = of_fleet.chain(of_robots).collect();
         let packets: Vec<Packet> = filters.chunks(FILTERS_PER_PACKET).map(<[String]>::to_vec).collect();
         self.unacknowledged.extend(packets.iter().cloned());
@@ -132,11 +140,17 @@ impl Subscriptions {
             warn!(fleet = %self.shard, %robot, limit = ROBOTS_MAX, "too many robots in this shard, one is not subscribed to");
             return Receipt::Own;
         }
-        let filters: Packet = of_robot(&self.shard, &robot, &|_| true).collect();
+        let filters: Packet =
+            of_robot(&self.shard, &robot, &|kind| !(self.is_without_contacts && is_in_log(kind))).collect();
         self.robots.insert(robot);
         self.unacknowledged.push_back(filters.clone());
         Receipt::New(filters)
     }
+}
+
+/// Whether messages of this topic come from a partitioned log, if there is one.
+fn is_in_log(kind: RobotTopic) -> bool {
+    matches!(kind, RobotTopic::Contacts | RobotTopic::Status)
 }
 
 /// The filters of a packet, for the client.

@@ -5,6 +5,7 @@ use vibrissa_core::mechanics::{Formulation, Objective};
 use vibrissa_core::policy::{LongerForShorter, Mode};
 
 use vibrissa_supervisor::engine::ContactRetention;
+use vibrissa_supervisor::kafka_options::SaslMechanism;
 
 /// Interpretation of the paper's factor in eq. 27, 29 and 31.
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -70,6 +71,56 @@ pub enum SeriesArg {
     Fleets,
     /// Also each robot and whisker.
     Whiskers,
+}
+
+/// Log for other programs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LogArg {
+    /// No log.
+    None,
+    /// Apache Kafka.
+    Kafka,
+}
+
+/// Where contacts and statuses come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum IngestArg {
+    /// The MQTT broker.
+    Mqtt,
+    /// Apache Kafka.
+    Kafka,
+}
+
+/// Contacts that are published.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PublishContactsArg {
+    /// All contacts are published.
+    All,
+    /// No contact is published.
+    None,
+}
+
+/// How a password is proved to the log.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum SaslArg {
+    /// A proof of the password, with SHA-512.
+    #[value(name = "scram-sha-512")]
+    ScramSha512,
+    /// A proof of the password, with SHA-256.
+    #[value(name = "scram-sha-256")]
+    ScramSha256,
+    /// The password itself.
+    Plain,
+}
+
+impl From<SaslArg> for SaslMechanism {
+    fn from(arg: SaslArg) -> Self {
+        match arg {
+            SaslArg::ScramSha512 => Self::ScramSha512,
+            SaslArg::ScramSha256 => Self::ScramSha256,
+            SaslArg::Plain => Self::Plain,
+        }
+    }
 }
 
 /// Objective of the setpoint solver.

@@ -110,6 +110,10 @@ policy_numbers! { keys {
         "Calibration files written by `vibrissa calibrate`";
     Log: "log", Kind::Text, Some(r#""info""#),
         "Log filter, such as warn or info,vibrissa=debug; RUST_LOG overrides it";
+    Ingest: "ingest", Kind::Text, Some(r#""mqtt""#),
+        "Where contacts and statuses come from: mqtt, or kafka (see the section [kafka]); all else comes over MQTT";
+    Publish: "publish", Kind::Text, Some(r#""none""#),
+        "Events for other programs: none, or kafka (see the section [kafka])";
     FleetShards: "fleet.shards", Kind::Whole { min: 1, max: 1024 }, Some("1"),
         "Least number of shards of each fleet: parts that supervisors with one PostgreSQL share; it can be raised at any time";
     DatabaseUrl: "database.url", Kind::DatabaseUrl, Some(r#""sqlite:vibrissa.sqlite3""#),
@@ -204,6 +208,24 @@ policy_numbers! { keys {
     HttpRunbooksUrl: "http.runbooks_url", Kind::Text, None,
         "Address of the runbooks that alarms link to, such as https://wiki.example/runbooks; default: /runbooks of this \
          service";
+    KafkaUrl: "kafka.url", Kind::Text, None,
+        "Brokers of Apache Kafka, kafka://HOST:9092,HOST:9092, or kafkas://HOST:9093 for TLS";
+    KafkaUsername: "kafka.username", Kind::Text, None,
+        "User name for the brokers";
+    KafkaPasswordFile: "kafka.password_file", Kind::File, None,
+        "File with the password for the brokers";
+    KafkaSasl: "kafka.sasl", Kind::Text, Some(r#""scram-sha-512""#),
+        "How the password is proved: scram-sha-512, scram-sha-256 or plain";
+    KafkaCaFile: "kafka.ca_file", Kind::File, None,
+        "CA certificates (PEM) that may sign the brokers' certificates; default: the system's";
+    KafkaIngestTopic: "kafka.ingest_topic", Kind::Text, Some(r#""vibrissa.messages""#),
+        "Topic of contacts and statuses; it has as many partitions as each fleet has shards";
+    KafkaEventsTopic: "kafka.events_topic", Kind::Text, Some(r#""vibrissa.events""#),
+        "Topic of trims, decisions, setpoints, errors and alarms";
+    KafkaContactsTopic: "kafka.contacts_topic", Kind::Text, Some(r#""vibrissa.contacts""#),
+        "Topic of contacts";
+    KafkaPublishContacts: "kafka.publish_contacts", Kind::Text, Some(r#""all""#),
+        "Contacts to publish: all or none";
     WebhooksAllowedHosts: "webhooks.allowed_hosts", Kind::Texts, Some("[]"),
         "Hosts that webhooks may reach at private addresses, as in their URLs: names such as hooks.lan, or addresses";
     MetricsSeries: "metrics.series", Kind::Text, Some(r#""fleets""#),

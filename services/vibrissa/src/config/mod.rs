@@ -14,6 +14,7 @@ pub mod show;
 mod archive;
 mod database;
 mod http;
+mod kafka;
 mod log_filter;
 mod mqtt;
 mod policy;
@@ -48,7 +49,7 @@ use vibrissa_supervisor::http::HttpOptions;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::mqtt::BrokerAddress;
 use vibrissa_supervisor::robots_file::RobotsFile;
-use vibrissa_supervisor::service::{BlackBoxOptions, HistoryOptions, LimitOptions, ServiceOptions};
+use vibrissa_supervisor::service::{BlackBoxOptions, HistoryOptions, KafkaOptions, LimitOptions, ServiceOptions};
 use vibrissa_supervisor::trace::TraceOptions;
 use vibrissa_supervisor::webhooks::WebhookOptions;
 
@@ -83,6 +84,8 @@ pub struct Config {
     pub http: HttpOptions,
     /// Configured credentials, in addition to the tokens in the database.
     pub access: AccessOptions,
+    /// Partitioned log.
+    pub kafka: KafkaOptions,
     /// Hosts that webhooks may reach at private addresses.
     pub webhooks: WebhookOptions,
     /// Whether metrics include each robot and whisker.
@@ -145,6 +148,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let mqtt_port = reader.whole(Key::MqttPort).and_then(|port| u16::try_from(port).ok());
     let http = http::listeners(reader);
     let access = http::access(reader);
+    let kafka = kafka::kafka(reader);
     let allowed_hosts = reader.texts(Key::WebhooksAllowedHosts);
     let series = reader.word::<SeriesArg>(Key::MetricsSeries);
     let traces = traces::traces(reader);
@@ -175,6 +179,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         mqtt_port: mqtt_port?,
         http: http?,
         access: access?,
+        kafka: kafka?,
         webhooks: WebhookOptions { allowed_hosts: allowed_hosts?, ..WebhookOptions::default() },
         metrics_per_whisker: series? == SeriesArg::Whiskers,
         traces: traces?,
@@ -285,6 +290,7 @@ impl From<Config> for ServiceOptions {
             mqtt_port: config.mqtt_port,
             http: config.http,
             access: config.access,
+            kafka: config.kafka,
             metrics_per_whisker: config.metrics_per_whisker,
             webhooks: config.webhooks,
             traces: config.traces,

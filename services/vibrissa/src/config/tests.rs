@@ -63,7 +63,7 @@ fn every_key_is_shown_and_has_a_default_or_none_by_intent() {
         assert!(shown.contains(&format!("{} ", key.section().1)), "{key}");
         let is_optional = matches!(key, Key::Name | Key::MqttUrl | Key::HttpMonitoringListen | Key::HttpRunbooksUrl)
             || key.path().contains("_file");
-        let is_credential = matches!(key, Key::MqttUsername | Key::MqttPassword);
+        let is_credential = matches!(key, Key::MqttUsername | Key::MqttPassword | Key::KafkaUsername | Key::KafkaUrl);
         let is_provider = matches!(
             key,
             Key::HttpOidcIssuer

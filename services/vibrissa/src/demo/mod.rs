@@ -70,6 +70,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
         Serving::AfterReport | Serving::AtOnce => live::routes(incidents.clone()),
     };
     let service_options = ServiceOptions {
+        kafka: vibrissa_supervisor::service::KafkaOptions::default(),
         shards: 1,
         access: AccessOptions::default(),
         name: "demo".to_owned(),

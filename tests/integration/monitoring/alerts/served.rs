@@ -67,6 +67,7 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
     let mut params = Params::nguyen_2021(Formulation::Published);
     params.detection.cold_start_contacts = 60;
     let service = Service::start(ServiceOptions {
+        kafka: vibrissa_supervisor::service::KafkaOptions::default(),
         shards: 1,
         access: AccessOptions::default(),
         name: "s".to_owned(),

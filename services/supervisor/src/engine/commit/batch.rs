@@ -7,7 +7,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol as protocol;
 
 use crate::engine::commit::checkpoint::{CheckpointQueue, CheckpointRate};
-use crate::engine::commit::journal::Journal;
+use crate::engine::commit::journal::{Journal, Part};
 use crate::engine::commit::transaction::{RobotShare, SealedTransaction};
 use crate::engine::message::{MessageTimes, RawMessage};
 use crate::engine::robot::{Durable, KnownRobot, Robots};
@@ -34,6 +34,8 @@ pub(crate) struct OpenBatch {
     is_urgent: bool,
     /// The messages behind the rows, in case the database rejects the rows.
     messages: Vec<RawMessage>,
+    /// The current messages are in a partitioned log, to which the journal refers.
+    is_in_log: bool,
     /// Times of the `contacts` messages in the batch.
     times: Vec<MessageTimes>,
 }
@@ -48,6 +50,21 @@ impl OpenBatch {
     #[cfg(test)]
     pub(crate) fn number(&self) -> i64 {
         self.number
+    }
+
+    /// Sets whether the next messages are in a partitioned log. [`Self::refer`] must follow.
+    pub(crate) fn set_in_log(&mut self, is_in_log: bool) {
+        self.is_in_log = is_in_log;
+    }
+
+    /// Makes the messages of these records durable by a reference to the log.
+    pub(crate) fn refer(&mut self, now: Micros, range: (i64, i64), part: Part, except: Vec<i64>) {
+        self.journal.log(now, range, part, except);
+    }
+
+    /// Replaces the journalled ticks of single robots after `before` bytes of the journal by one of all.
+    pub(crate) fn tick_all(&mut self, before: usize, now: Micros, part: Part) {
+        self.journal.tick_all(before, now, part);
     }
 
     /// Rows of the transaction.
@@ -115,11 +132,17 @@ impl OpenBatch {
                 // A contacts message that is not accepted can also give up a gap.
                 Event::Contacts { boot_id, .. } if is_taken || known.robot.has_gap(boot_id) => {
                     let source = source.filter(|_| is_taken);
-                    self.journal.contacts(known, now, event, source.map(|source| source.message));
+                    if self.is_in_log {
+                        self.journal.count(source.map_or(0, |source| source.message.contacts.len()));
+                    } else {
+                        self.journal.contacts(known, now, event, source.map(|source| source.message));
+                    }
                     true
                 }
                 Event::Status { .. } if is_taken && known.robot.is_settled() => {
-                    self.journal.status(known, now, event);
+                    if !self.is_in_log {
+                        self.journal.status(known, now, event);
+                    }
                     true
                 }
                 Event::Tick if matches!(known.durable, Durable::Journal(_)) => {

@@ -15,6 +15,15 @@ use vibrissa_store::batch::{Interval, RobotRow, WhiskerRow};
 
 /// Age of a robot's first journal entry at which its checkpoint is due; it may be later if many are due.
 const AFTER: Micros = Micros(2_000_000);
+/// The same if a partitioned log has the messages: a checkpoint costs far more than a reference to the log,
+const AFTER_WITH_LOG: Micros = Micros(60_000_000);
+/// as long as the journal refers to at most this many contacts, so that a replay takes only some seconds.
+const CONTACTS_WITH_LOG: usize = 1_000_000;
+
+/// Age of a robot's first journal entry at which its checkpoint is due.
+pub(crate) fn due_after(has_log: bool, contacts_in_journal: usize) -> Micros {
+    if has_log && contacts_in_journal < CONTACTS_WITH_LOG { AFTER_WITH_LOG } else { AFTER }
+}
 /// Rate of whiskers' checkpoints without a decision, per second,
 const WHISKERS_PER_S: f64 = 2_000.0;
 /// and increase of the rate per contact in the journal, so that a replay of the journal never takes more than some
@@ -34,6 +43,8 @@ pub(crate) struct CheckpointQueue {
     next_whiskers: usize,
     /// The other robots, by the number and time of the first journal entry that their checkpoint does not contain.
     queue: VecDeque<(i64, Micros, Name)>,
+    /// Age at which they are due.
+    after: Option<Micros>,
 }
 
 impl CheckpointQueue {
@@ -63,7 +74,12 @@ impl CheckpointQueue {
 
     /// Whether a checkpoint without a decision is due.
     pub(crate) fn is_due(&mut self, robots: &Robots, now: Micros) -> bool {
-        self.oldest(robots).is_some_and(|(_, since)| now.since(since) >= AFTER)
+        self.oldest(robots).is_some_and(|(_, since)| now.since(since) >= self.after.unwrap_or(AFTER))
+    }
+
+    /// Sets the age at which checkpoints are due.
+    pub(crate) fn set_after(&mut self, after: Micros) {
+        self.after = Some(after);
     }
 
     /// Makes all waiting checkpoints due.

@@ -12,7 +12,9 @@ use vibrissa_store::batch::Owner;
 use vibrissa_store::{Batch, Lease, LossCause, Refused, Rejection, StoreError, StoredRobot, Writer};
 
 use crate::engine::commit::journal;
+use crate::engine::commit::recovery::{LogRecords, records_of};
 use crate::engine::commit::transaction::{SealedTransaction, Stage};
+use crate::kafka::LogReader;
 
 /// Name of this part in the service's readiness.
 const PART: &str = "database";
@@ -25,6 +27,8 @@ pub(crate) struct Committer {
     program: Metrics,
     metrics: FleetMetrics,
     readiness: Readiness,
+    /// The partitioned log that contacts come from, if there is one.
+    log: Option<LogReader>,
 }
 
 /// The part of a transaction that was written.
@@ -61,6 +65,8 @@ pub(crate) struct Offender {
     pub(crate) stored: Option<StoredRobot>,
     /// Its journal entries, by rows with their numbers, in order.
     pub(crate) journal: Vec<(i64, Vec<u8>)>,
+    /// The records of the log to which these refer, by row.
+    pub(crate) records: Vec<LogRecords>,
 }
 
 /// The database rejects an intent permanently.
@@ -74,15 +80,23 @@ pub(crate) struct Outage {
     backoff: Backoff,
 }
 
+/// A robot as of its last commit: its checkpoint, its journal entries by row, and the records of the log by row.
+type Loaded = (Option<StoredRobot>, Vec<(i64, Vec<u8>)>, Vec<LogRecords>);
+
 /// Another supervisor owns the fleet.
 #[derive(Debug)]
 pub(crate) struct LeaseLost;
 
 impl Committer {
-    pub(crate) fn new(lease: Lease, writer: Writer, program: Metrics, readiness: Readiness) -> Self {
+    pub(crate) fn new(
+        lease: Lease,
+        writer: Writer,
+        (program, readiness): (Metrics, Readiness),
+        log: Option<LogReader>,
+    ) -> Self {
         let fleet = lease.fleet().clone();
         let metrics = program.of_shard(lease.shard());
-        Self { fleet, lease, writer, program, metrics, readiness }
+        Self { fleet, lease, writer, program, metrics, readiness, log }
     }
 
     /// The lease under which this supervisor writes.
@@ -186,28 +200,29 @@ impl Committer {
             let (code, text) = (&rejection.code, &rejection.text);
             error!(fleet = %self.fleet, ?owner, code, text, "database rejects these rows for good, leaving them out");
             let Owner::Robot(robot_id) = owner else { continue };
-            let (stored, journal) = loop {
+            let (stored, journal, records) = loop {
                 match self.load(robot_id).await {
                     Ok(loaded) => break loaded,
                     Err(problem) => self.wait_out(outage, problem, "cannot load a robot").await?,
                 }
             };
-            offenders.push(Offender { robot_id, rejection, stored, journal });
+            offenders.push(Offender { robot_id, rejection, stored, journal, records });
         }
         Ok(offenders)
     }
 
-    async fn load(&mut self, robot_id: i64) -> Result<(Option<StoredRobot>, Vec<(i64, Vec<u8>)>), StoreError> {
+    async fn load(&mut self, robot_id: i64) -> Result<Loaded, StoreError> {
         let stored = self.writer.robot(&self.lease, robot_id).await?;
         let mut after = stored.as_ref().map_or(i64::MAX, |stored| stored.journal_number);
-        let mut journal = Vec::new();
+        let (mut journal, mut all) = (Vec::new(), Vec::new());
         loop {
             let rows = self.writer.journal(&self.lease, after, journal::ROWS_AT_A_TIME).await?;
-            let Some((last, _)) = rows.last() else { return Ok((stored, journal)) };
+            let Some((last, _)) = rows.last() else { return Ok((stored, journal, all)) };
             after = *last;
             for (number, entries) in &rows {
-                let own = journal::by_robot(entries).into_iter().find(|(robot, _)| *robot == robot_id);
-                journal.extend(own.map(|(_, entries)| (*number, entries)));
+                let own = journal::of_robot(entries, robot_id);
+                all.push(records_of(&own, self.log.as_ref(), &self.lease).await?);
+                journal.push((*number, own));
             }
         }
     }

@@ -13,7 +13,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
-use crate::engine::commit::checkpoint::CheckpointRate;
+use crate::engine::commit::checkpoint::{CheckpointRate, due_after};
 use crate::engine::commit::committer::{Committed, Committer, LeaseLost, Part, Written};
 use crate::engine::commit::journal::index::JournalIndex;
 use crate::engine::commit::schedule::Schedule;
@@ -72,6 +72,8 @@ pub(crate) struct Pipeline {
     receipts_max: usize,
     /// No contact is recorded as received before this time, µs since 1970 UTC: earlier ones may be archived.
     contacts_from_us: i64,
+    /// First record of the log that is not in the open batches or before; `None` without a log.
+    log_next: Option<i64>,
     outbox: Option<mpsc::Sender<Publication>>,
     /// Publications that may not have reached the broker.
     losses: Losses,
@@ -94,6 +96,7 @@ impl Pipeline {
             answered: Vec::new(),
             receipts_max: RECEIPTS_AT_ONCE,
             contacts_from_us: 0,
+            log_next: None,
             outbox: None,
             losses: Losses::default(),
             workers,
@@ -108,6 +111,11 @@ impl Pipeline {
     /// Sets the time before which no further contact is recorded as received; it never goes back.
     pub(crate) fn set_contacts_from(&mut self, at_us: i64) {
         self.contacts_from_us = self.contacts_from_us.max(at_us);
+    }
+
+    /// Sets the first record of the log that is not stepped.
+    pub(crate) fn set_log_next(&mut self, next: i64) {
+        self.log_next = Some(next);
     }
 
     /// Whether publications may have been lost since the last call.
@@ -242,6 +250,7 @@ impl Pipeline {
         let has_receipts = self.schedule.begin(is_intent, Instant::now());
         self.rate.refill(now, self.journal.contacts());
         let mut transaction = SealedTransaction::new(self.journal.next(), std::mem::take(&mut self.answered));
+        shards.set_checkpoints_after(due_after(self.log_next.is_some(), self.journal.contacts()));
         let receipts = has_receipts.then(|| Receipts { now, robots_max: self.receipts_max / shards.count() });
         shards.seal_into(&mut transaction, &mut self.rate, receipts);
         if self.contacts_from_us > 0 {
@@ -249,6 +258,7 @@ impl Pipeline {
                 contact.received_us = contact.received_us.max(self.contacts_from_us);
             }
         }
+        transaction.rows.log_next = self.log_next;
         self.journal.append(&transaction);
         self.journal.truncate(shards.oldest_entry(), (has_receipts, holds_journal), &mut transaction);
         shards.set_number(self.journal.next());

@@ -6,13 +6,16 @@ use std::time::Instant;
 use tracing::{error, info};
 use vibrissa_core::robot::Event;
 use vibrissa_core::robot::event::{Contact, WhiskerStatus};
-use vibrissa_protocol::Name;
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic};
 
-use crate::engine::commit::journal::{Entry, JournalEvent, ROWS_AT_A_TIME, by_robot, read};
+use crate::engine::commit::journal::{Entry, JournalEvent, Part, ROWS_AT_A_TIME, by_robot, read};
 use crate::engine::robot::KnownRobot;
 use crate::engine::shard::Shard;
 use crate::engine::shard::shards::Shards;
 use crate::engine::shard::stepper::Stepper;
+use crate::kafka::LogReader;
+use crate::log_inbox::LogRecord;
 use vibrissa_store::StoredRobot;
 use vibrissa_store::batch::Batch;
 use vibrissa_store::{Lease, Refused, StoreError, Writer};
@@ -57,7 +60,14 @@ async fn write_rows(writer: &mut Writer, lease: &Lease, mut batch: Batch) -> Res
 }
 
 /// Loads the robots of a fleet into their shards. Returns the number of the last journal entry.
-pub(crate) async fn recover(writer: &mut Writer, lease: &Lease, shards: &mut Shards) -> Result<i64, StoreError> {
+///
+/// The journal may refer to the log. The recovery waits for the log then: what it has must not be left out.
+pub(crate) async fn recover(
+    writer: &mut Writer,
+    lease: &Lease,
+    shards: &mut Shards,
+    log: Option<&LogReader>,
+) -> Result<i64, StoreError> {
     write_intents(writer, lease).await?;
     let (mut replay, mut last) = (Replay::default(), 0);
     for stored in writer.robots(lease).await? {
@@ -74,7 +84,8 @@ pub(crate) async fn recover(writer: &mut Writer, lease: &Lease, shards: &mut Sha
         after = *newest;
         last = last.max(after);
         for (number, bytes) in &rows {
-            entries += replay.replay_row(*number, bytes, shards);
+            let records = records_of(bytes, log, lease).await?;
+            entries += replay.replay_row(*number, bytes, &records, shards);
         }
     }
     replay.finish(lease.epoch(), shards);
@@ -83,6 +94,26 @@ pub(crate) async fn recover(writer: &mut Writer, lease: &Lease, shards: &mut Sha
         info!(fleet = %lease.fleet(), entries, seconds, "journal replayed");
     }
     Ok(last)
+}
+
+/// Records of the log by their range.
+pub(crate) type LogRecords = BTreeMap<(i64, i64), Vec<LogRecord>>;
+
+/// Reads the records that a row of the journal refers to.
+///
+/// # Errors
+/// It refers to a log, and none is configured.
+pub(crate) async fn records_of(bytes: &[u8], log: Option<&LogReader>, lease: &Lease) -> Result<LogRecords, StoreError> {
+    let mut records = LogRecords::new();
+    for entry in read(bytes).map_while(Result::ok) {
+        let JournalEvent::Log { from, to, .. } = entry.event else { continue };
+        if records.contains_key(&(from, to)) {
+            continue;
+        }
+        let Some(log) = log else { return Err(StoreError::NoLog { fleet: lease.shard().to_string() }) };
+        records.insert((from, to), log.records(from, to).await);
+    }
+    Ok(records)
 }
 
 /// Replay of the journal, from the checkpoints to the last commit.
@@ -117,7 +148,7 @@ impl Replay {
     }
 
     /// Replays one row of the journal. Returns the number of its entries that were replayed.
-    pub(crate) fn replay_row(&mut self, number: i64, bytes: &[u8], shards: &mut Shards) -> usize {
+    pub(crate) fn replay_row(&mut self, number: i64, bytes: &[u8], records: &LogRecords, shards: &mut Shards) -> usize {
         let mut count = 0;
         for entry in read(bytes) {
             let entry = match entry {
@@ -127,10 +158,61 @@ impl Replay {
                     break;
                 }
             };
+            match &entry.event {
+                JournalEvent::Log { from, to, part, except } => {
+                    let range = (*from, *to);
+                    count += self.replay_records((number, entry.now), (range, *part, except), records, shards);
+                    continue;
+                }
+                JournalEvent::TickAll { part } => {
+                    let tick = |robot_id| Entry { robot_id, now: entry.now, event: JournalEvent::Tick };
+                    for (&robot_id, one) in &mut self.robots {
+                        // The checkpoint has the ticks of others.
+                        if one.journal_number < number && one.is_replayed && part.has(&one.name) {
+                            one.replay(&tick(robot_id), shards.of(&one.name));
+                        }
+                    }
+                    continue;
+                }
+                JournalEvent::Tick | JournalEvent::Contacts { .. } | JournalEvent::Status { .. } => {}
+            }
             let replayed = self.robots.get_mut(&entry.robot_id);
             let Some(replayed) = replayed.filter(|one| one.journal_number < number) else { continue };
             count += 1;
             replayed.replay(&entry, shards.of(&replayed.name));
+        }
+        count
+    }
+
+    /// Replays records of the log. Returns their number.
+    fn replay_records(
+        &mut self,
+        (number, begin): (i64, Micros),
+        ((from, to), part, except): ((i64, i64), Part, &[i64]),
+        records: &LogRecords,
+        shards: &mut Shards,
+    ) -> usize {
+        let mut count = 0;
+        for record in records.get(&(from, to)).into_iter().flatten().filter(|record| part.has(&record.robot)) {
+            let shard = shards.of(&record.robot);
+            let Some(known) = shard.robots().get(&record.robot) else { continue };
+            let Some(one) = self.robots.get_mut(&known.robot_id) else { continue };
+            if one.journal_number >= number || except.contains(&known.robot_id) {
+                continue;
+            }
+            let now = Micros(begin.0 + record.offset.abs_diff(from));
+            let entry = if record.kind == RobotTopic::Contacts {
+                let message = protocol::decode_contacts(&record.payload, Vec::new()).ok();
+                message.map(|message| Entry::of_contacts(known, now, &message))
+            } else if let Ok(Message::Status(message)) = protocol::decode(&record.topic, &record.payload) {
+                Entry::of_status(known, now, &message)
+            } else {
+                None
+            };
+            if let Some(entry) = entry {
+                count += 1;
+                one.replay(&entry, shard);
+            }
         }
         count
     }
@@ -163,6 +245,8 @@ impl ReplayedRobot {
         let boot_of = |boot: &i64| self.boots.get(boot).map_or("", String::as_str);
         match &entry.event {
             JournalEvent::Tick => stepper.replay(known, entry, &Event::Tick),
+            // Not of one robot.
+            JournalEvent::Log { .. } | JournalEvent::TickAll { .. } => {}
             JournalEvent::Contacts { boot, seq, contacts } => {
                 let contacts: Vec<Contact<'_>> = contacts.iter().filter_map(|one| one.contact(&self.arrays)).collect();
                 let event = Event::Contacts { boot_id: boot_of(boot), seq: *seq, contacts: &contacts, missed: &[] };

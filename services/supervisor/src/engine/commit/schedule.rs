@@ -37,6 +37,8 @@ pub(crate) struct Schedule {
     passed_over: u32,
     /// Number of the current round.
     number: u64,
+    /// How long a batch collects messages at a high message rate.
+    gather: Duration,
 }
 
 impl Schedule {
@@ -51,7 +53,13 @@ impl Schedule {
             receipts_due: false,
             passed_over: 0,
             number: 0,
+            gather: GATHER,
         }
+    }
+
+    /// Collects messages for a tick: a partitioned log has them, and each transaction costs far more than its reference.
+    pub(crate) fn gather_for_a_tick(&mut self) {
+        self.gather = TICK;
     }
 
     /// Number of the current round: a new one begins with each commit, and with each call while there is nothing to
@@ -79,7 +87,7 @@ impl Schedule {
     /// Schedules a commit of the open batches: with the round at a low message rate, otherwise after 20 ms.
     pub(crate) fn has_gathered(&mut self, now: Instant) {
         let are_few = self.gathered <= FEW * TICKS_A_ROUND as usize;
-        let window = if are_few { TICK * TICKS_A_ROUND } else { GATHER };
+        let window = if are_few { TICK * TICKS_A_ROUND } else { self.gather };
         let since = *self.since.get_or_insert(now);
         self.due_by(since + window);
     }

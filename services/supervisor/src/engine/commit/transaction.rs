@@ -85,6 +85,11 @@ impl SealedTransaction {
         !self.rows.records.is_empty()
     }
 
+    /// Whether there are events for other programs.
+    pub(crate) fn has_events(&self) -> bool {
+        !self.rows.events.is_empty()
+    }
+
     /// Removes a robot whose rows the database has left out, and returns its messages. Actions whose answers were left
     /// out are pending again.
     pub(crate) fn remove_rejected(&mut self, share: &RobotShare) -> Vec<RawMessage> {

@@ -118,8 +118,8 @@ impl Suspects {
         match offender.stored {
             Some(stored) => {
                 replay.load(stored, name.clone(), epoch, shards);
-                for (number, entries) in &offender.journal {
-                    replay.replay_row(*number, entries, shards);
+                for ((number, entries), records) in offender.journal.iter().zip(&offender.records) {
+                    replay.replay_row(*number, entries, records, shards);
                 }
             }
             None => error!(fleet = %self.lease.fleet(), robot = %name, "robot no longer in the database"),

@@ -3,11 +3,12 @@
 //! - [`messages`]: a message is decoded, and checked against the allow list and the limits.
 //! - [`reports`]: contacts, status and setpoint states of a known robot become events.
 //! - [`stepper`]: an event is stepped through the core.
-//! - [`record`], [`rows`]: its effects become rows.
+//! - [`record`], [`rows`]: its effects become rows; [`events`]: and events for other programs.
 //! - [`publication`]: setpoints, receipts and requests; [`estimate`]: estimates.
 
 mod announced;
 mod estimate;
+pub(crate) mod events;
 mod messages;
 mod publication;
 mod record;
@@ -28,6 +29,7 @@ use crate::black_box::recorder::Whose;
 use crate::engine::allow_list::{AllowList, RefusedRobots};
 use crate::engine::commit::batch::OpenBatch;
 use crate::engine::commit::checkpoint::CheckpointRate;
+use crate::engine::commit::journal::Part;
 use crate::engine::commit::transaction::SealedTransaction;
 use crate::engine::message::RawMessage;
 use crate::engine::robot::Robots;
@@ -65,6 +67,8 @@ pub(crate) struct Shard {
     refused_robots: RefusedRobots,
     /// Keys of the hashes of messages.
     hashers: RandomState,
+    /// The robots of this shard, if their messages come from a partitioned log.
+    part: Option<Part>,
     /// Contacts of a handled message; the allocation is reused.
     contacts: Vec<protocol::Contact>,
 }
@@ -82,7 +86,25 @@ impl Shard {
             allow_list: AllowList::default(),
             refused_robots: RefusedRobots::default(),
             hashers: RandomState::new(),
+            part: None,
             contacts: Vec::new(),
+        }
+    }
+
+    /// Makes the journal refer to a partitioned log, as the shard of these robots.
+    pub(crate) fn set_part(&mut self, part: Part) {
+        self.part = Some(part);
+    }
+
+    /// Whether the allow list permits a robot.
+    pub(crate) fn is_allowed(&self, robot: &Name) -> bool {
+        self.allow_list.permits(robot)
+    }
+
+    /// Makes the messages of these records durable, which were handled before.
+    pub(crate) fn refer(&mut self, now: Micros, range: (i64, i64), except: &[i64]) {
+        if let Some(part) = self.part {
+            self.stepper.batch.refer(now, range, part, except.to_vec());
         }
     }
 
@@ -137,7 +159,8 @@ impl Shard {
     }
 
     /// Handles messages that need no row ids from the database, and keeps those with effects.
-    pub(super) fn handle_all(&mut self, messages: &mut Vec<RawMessage>) {
+    pub(super) fn handle_all(&mut self, messages: &mut Vec<RawMessage>, are_in_log: bool) {
+        self.stepper.batch.set_in_log(are_in_log);
         for raw in messages.drain(..) {
             self.stepper.has_stepped = false;
             self.handle(&raw);
@@ -145,6 +168,7 @@ impl Shard {
                 self.stepper.batch.push_message(raw);
             }
         }
+        self.stepper.batch.set_in_log(false);
     }
 
     /// Whether the current tick was interrupted.
@@ -157,6 +181,7 @@ impl Shard {
     /// transaction. Returns false if the tick is interrupted.
     pub(crate) fn tick(&mut self, now: Micros, whiskers_max: usize) -> bool {
         let first = self.tick_resumes_at.take().unwrap_or_default();
+        let journal_before = self.stepper.batch.journal_bytes();
         if first == 0 {
             self.announced.tick(&mut self.stepper, now);
         }
@@ -174,6 +199,9 @@ impl Shard {
                 self.tick_resumes_at = Some(index + 1);
                 return false;
             }
+        }
+        if let Some(part) = self.part.filter(|_| first == 0) {
+            self.stepper.batch.tick_all(journal_before, now, part);
         }
         true
     }

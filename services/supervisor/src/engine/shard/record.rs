@@ -22,6 +22,7 @@ use vibrissa_store::batch::{
 impl Stepper {
     /// Adds one effect to the batch or to the publications.
     pub(super) fn record(&mut self, known: &mut KnownRobot, now: Micros, effect: Effect, source: Option<Source<'_>>) {
+        self.tell(known, now, &effect, source);
         let robot_id = known.robot_id;
         let recorded_us = now.0 as i64;
         let name = known.name.clone();

@@ -12,6 +12,7 @@ use super::{Receipts, Shard};
 use crate::ending::Ending;
 use crate::engine::allow_list::AllowList;
 use crate::engine::commit::checkpoint::CheckpointRate;
+use crate::engine::commit::journal::Part;
 use crate::engine::commit::transaction::SealedTransaction;
 use crate::engine::message::RawMessage;
 use crate::engine::robot::KnownRobot;
@@ -126,13 +127,13 @@ impl Shards {
 
     /// Handles messages, by shard. Many are handled by tasks of `workers`; each shard is owned by one task until it is
     /// done.
-    pub(crate) async fn handle(&mut self, messages: &mut [Vec<RawMessage>], workers: &Handle) {
+    pub(crate) async fn handle(&mut self, messages: &mut [Vec<RawMessage>], are_in_log: bool, workers: &Handle) {
         let busy = messages.iter().filter(|messages| !messages.is_empty()).count();
         let is_few = busy <= 1 || messages.iter().map(Vec::len).sum::<usize>() < WORTH_TASKS;
         let bytes: usize = messages.iter().flatten().map(|raw| raw.payload.len()).sum();
         if is_few && bytes < WORTH_A_TASK_BYTES {
             for (shard, messages) in self.shards.iter_mut().zip(messages) {
-                shard.handle_all(messages);
+                shard.handle_all(messages, are_in_log);
             }
             return;
         }
@@ -140,7 +141,7 @@ impl Shards {
         for (mut shard, messages) in self.shards.drain(..).zip(messages) {
             let mut messages = std::mem::take(messages);
             tasks.push(workers.spawn(async move {
-                shard.handle_all(&mut messages);
+                shard.handle_all(&mut messages, are_in_log);
                 shard
             }));
         }
@@ -270,6 +271,21 @@ impl Shards {
     pub(crate) fn refused_robots_written(&mut self) {
         for shard in &mut self.shards {
             shard.refused_robots_mut().written();
+        }
+    }
+
+    /// Makes the journals refer to a partitioned log.
+    pub(crate) fn use_log(&mut self) {
+        let of = self.shards.len() as u16;
+        for (shard, number) in self.shards.iter_mut().zip(0..) {
+            shard.set_part(Part { number, of });
+        }
+    }
+
+    /// Sets the age at which checkpoints are due.
+    pub(crate) fn set_checkpoints_after(&mut self, after: Micros) {
+        for shard in &mut self.shards {
+            shard.batch_mut().checkpoints().set_after(after);
         }
     }
 

@@ -12,6 +12,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::{BootId, Name, RobotTopic};
 
+use super::events::EventMaker;
 use crate::black_box::FleetBoxes;
 use crate::black_box::recorder::Whose;
 use crate::engine::commit::batch::{OpenBatch, Source, is_ordinary};
@@ -63,6 +64,8 @@ pub(crate) struct Stepper {
     pub(super) answered: Option<AnsweredSetpoint>,
     /// Traces of setpoints under way, if there is a collector.
     pub(super) traces: Option<OpenTraces>,
+    /// Events for other programs, if they are published.
+    pub(super) events: Option<EventMaker>,
     /// Black boxes, if they are wanted.
     boxes: Option<FleetBoxes>,
     /// Effects of the current step; the allocation is reused.
@@ -86,6 +89,7 @@ impl Stepper {
             receipts_due: Vec::new(),
             answered: None,
             traces: None,
+            events: None,
             boxes: None,
             effects: Vec::new(),
             warned: BTreeMap::new(),
@@ -121,6 +125,11 @@ impl Stepper {
     /// Adds traces.
     pub(crate) fn set_traces(&mut self, traces: OpenTraces) {
         self.traces = Some(traces);
+    }
+
+    /// Adds events for other programs.
+    pub(crate) fn set_events(&mut self, events: EventMaker) {
+        self.events = Some(events);
     }
 
     /// Adds black boxes.
@@ -186,6 +195,7 @@ impl Stepper {
         for effect in effects.drain(..) {
             self.record(known, now, effect, source);
         }
+        self.tell_contacts(known, now, source);
         self.effects = effects;
         outcome
     }

@@ -17,9 +17,10 @@ use vibrissa_core::robot::event::{Contact, GaugeState, RegulatorState, WhiskerSt
 use vibrissa_core::robot::{Event, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 use vibrissa_edge::words::Word;
-use vibrissa_protocol as protocol;
+use vibrissa_protocol::{self as protocol, Name};
 
 use crate::engine::robot::KnownRobot;
+use crate::engine::shard::shards::index_of;
 use vibrissa_store::batch::ContactRow;
 
 use place::JournalPlace;
@@ -27,6 +28,10 @@ use place::JournalPlace;
 /// Version of the entries' layout. A negative number -v before entries gives their version v; entries begin with a robot's
 /// id, which is positive. Entries of version 1 have the layout of version 2 and no version number; [`version_2`] reads both.
 const VERSION: i64 = 3;
+/// Version of rows with references to a partitioned log. Its other entries are those of version 3.
+const VERSION_OF_LOG: i64 = 4;
+/// Robot of entries about all robots of a part.
+const NO_ROBOT: i64 = 0;
 /// Number of journal rows read at a time.
 pub(crate) const ROWS_AT_A_TIME: i64 = 256;
 /// Index of an array that the robot does not have.
@@ -54,8 +59,41 @@ pub(crate) struct Entry {
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub(crate) enum JournalEvent {
     Tick,
-    Contacts { boot: i64, seq: u64, contacts: Vec<JournalContact> },
-    Status { boot: i64, robot_time: Micros, whiskers: Vec<JournalStatus> },
+    Contacts {
+        boot: i64,
+        seq: u64,
+        contacts: Vec<JournalContact>,
+    },
+    Status {
+        boot: i64,
+        robot_time: Micros,
+        whiskers: Vec<JournalStatus>,
+    },
+    /// Records of a partitioned log, for the robots of a part but those in `except`. The entry's time is that of the record
+    /// `from`; each further one is a microsecond later.
+    Log {
+        from: i64,
+        to: i64,
+        part: Part,
+        except: Vec<i64>,
+    },
+    /// A tick of all robots of a part.
+    TickAll {
+        part: Part,
+    },
+}
+
+/// The robots of one of the engine's shards; the number of shards differs between machines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
+pub(crate) struct Part {
+    pub(crate) number: u16,
+    pub(crate) of: u16,
+}
+
+impl Part {
+    pub(crate) fn has(self, robot: &Name) -> bool {
+        index_of(robot, usize::from(self.of)) == usize::from(self.number)
+    }
 }
 
 /// A journalled contact.
@@ -105,7 +143,10 @@ impl Journal {
         let bytes: Vec<u8> = others.flat_map(|(_, entries)| entries).collect();
         let contacts = read(&bytes).filter_map(Result::ok).map(|entry| match entry.event {
             JournalEvent::Contacts { contacts, .. } => contacts.len(),
-            JournalEvent::Tick | JournalEvent::Status { .. } => 0,
+            JournalEvent::Tick
+            | JournalEvent::Status { .. }
+            | JournalEvent::Log { .. }
+            | JournalEvent::TickAll { .. } => 0,
         });
         self.contacts = contacts.sum();
         self.bytes = bytes;
@@ -113,6 +154,30 @@ impl Journal {
 
     pub(crate) fn tick(&mut self, known: &KnownRobot, now: Micros) {
         self.write(&Entry { robot_id: known.robot_id, now, event: JournalEvent::Tick });
+    }
+
+    /// Refers to records of the log.
+    pub(crate) fn log(&mut self, now: Micros, (from, to): (i64, i64), part: Part, except: Vec<i64>) {
+        self.write_of_log(&Entry { robot_id: NO_ROBOT, now, event: JournalEvent::Log { from, to, part, except } });
+    }
+
+    /// Replaces the ticks of single robots that were added after `before` bytes by one of all.
+    pub(crate) fn tick_all(&mut self, before: usize, now: Micros, part: Part) {
+        if self.bytes.len() > before {
+            self.bytes.truncate(before);
+            self.write_of_log(&Entry { robot_id: NO_ROBOT, now, event: JournalEvent::TickAll { part } });
+        }
+    }
+
+    /// Counts contacts that the log has.
+    pub(crate) fn count(&mut self, contacts: usize) {
+        self.contacts += contacts;
+    }
+
+    fn write_of_log(&mut self, entry: &Entry) {
+        self.bytes.extend((-VERSION_OF_LOG).to_le_bytes());
+        // Writing to memory cannot fail.
+        let _ = entry.serialize(&mut self.bytes);
     }
 
     /// Adds a `contacts` message, as it was `accepted`; if it was not, its contacts are omitted.
@@ -184,10 +249,11 @@ impl<'b> Reader<'b> {
             return Ok(None);
         }
         match self.version {
-            VERSION => Entry::deserialize(&mut self.bytes).map(Some),
+            VERSION | VERSION_OF_LOG => Entry::deserialize(&mut self.bytes).map(Some),
             1 | 2 => version_2::Entry::deserialize(&mut self.bytes).map(|entry| Some(entry.into())),
             version => {
-                let problem = format!("entries of version {version}, and this program reads versions 1 to {VERSION}");
+                let problem =
+                    format!("entries of version {version}, and this program reads versions 1 to {VERSION_OF_LOG}");
                 Err(std::io::Error::new(std::io::ErrorKind::InvalidData, problem))
             }
         }
@@ -210,11 +276,25 @@ pub(crate) fn read(bytes: &[u8]) -> impl Iterator<Item = std::io::Result<Entry>>
 pub(crate) fn by_robot(bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
     let mut robots: BTreeMap<i64, Vec<u8>> = BTreeMap::new();
     for entry in read(bytes).map_while(Result::ok) {
-        let own = robots.entry(entry.robot_id).or_insert_with(|| version_mark().to_vec());
+        let version = if entry.robot_id == NO_ROBOT { VERSION_OF_LOG } else { VERSION };
+        let own = robots.entry(entry.robot_id).or_insert_with(|| (-version).to_le_bytes().to_vec());
         // Writing to memory cannot fail.
         let _ = entry.serialize(own);
     }
     robots.into_iter().collect()
+}
+
+/// The entries of one robot, and those about all robots, in order.
+pub(crate) fn of_robot(bytes: &[u8], robot_id: i64) -> Vec<u8> {
+    let mut own = Vec::new();
+    for entry in read(bytes).map_while(Result::ok) {
+        if entry.robot_id == robot_id || entry.robot_id == NO_ROBOT {
+            own.extend((-VERSION_OF_LOG).to_le_bytes());
+            // Writing to memory cannot fail.
+            let _ = entry.serialize(&mut own);
+        }
+    }
+    own
 }
 
 fn array_index(robot: &Robot, name: &str) -> u16 {
@@ -223,6 +303,28 @@ fn array_index(robot: &Robot, name: &str) -> u16 {
 
 fn array_name(arrays: &[String], index: u16) -> &str {
     arrays.get(usize::from(index)).map_or("", String::as_str)
+}
+
+impl Entry {
+    /// The entry of a contacts message that the log has.
+    pub(crate) fn of_contacts(known: &KnownRobot, now: Micros, message: &protocol::Contacts) -> Self {
+        let mut contacts = Vec::with_capacity(message.contacts.len());
+        for one in message.contacts.iter().filter_map(|one| vibrissa_edge::contact(one).ok()) {
+            let temperature_c = message.contacts.get(contacts.len()).map_or(0.0, |one| one.temperature_c);
+            contacts.push(JournalContact::of(&known.robot, &one, temperature_c));
+        }
+        let boot = known.boot(message.boot_id.as_str());
+        Self { robot_id: known.robot_id, now, event: JournalEvent::Contacts { boot, seq: message.seq, contacts } }
+    }
+
+    /// The entry of a status that the log has; `None` if it is not accepted.
+    pub(crate) fn of_status(known: &KnownRobot, now: Micros, message: &protocol::Status) -> Option<Self> {
+        let status = |one| Some(JournalStatus::of(&known.robot, &vibrissa_edge::status(one).ok()?));
+        let whiskers: Option<Vec<JournalStatus>> = message.whiskers.iter().map(status).collect();
+        let (boot, robot_time) = (known.boot(message.boot_id.as_str()), Micros(message.t_us));
+        let event = JournalEvent::Status { boot, robot_time, whiskers: whiskers? };
+        Some(Self { robot_id: known.robot_id, now, event })
+    }
 }
 
 impl JournalContact {

@@ -86,9 +86,9 @@ fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
     let parts: Vec<u8> = by_robot(&bytes).into_iter().flat_map(|(_, entries)| entries).collect();
     let row = [&parts[..], &bytes].concat();
     assert!(read(&row).map(Result::unwrap).eq(entries.iter().chain(&entries).cloned()));
-    let newer = [&(-VERSION - 1).to_le_bytes()[..], &bytes[8..]].concat();
+    let newer = [&(-VERSION_OF_LOG - 1).to_le_bytes()[..], &bytes[8..]].concat();
     let refused: Vec<_> = read(&newer).collect();
-    assert!(matches!(&refused[..], [Err(problem)] if problem.to_string().contains("version 4")), "{refused:?}");
+    assert!(matches!(&refused[..], [Err(problem)] if problem.to_string().contains("version 5")), "{refused:?}");
     let cut: Vec<_> = read(&bytes[..bytes.len() - 1]).collect();
     assert_eq!(cut.iter().filter(|entry| entry.is_ok()).count(), 2);
     assert_eq!(cut.iter().filter(|entry| entry.is_err()).count(), 1);

@@ -1,0 +1,184 @@
+//! Connections to the log. Each operation has a time limit; after a failure everything is connected anew.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use rskafka::BackoffConfig;
+use rskafka::client::error::{Error, ProtocolError};
+use rskafka::client::partition::{PartitionClient, UnknownTopicHandling};
+use rskafka::client::{Client, ClientBuilder, Credentials, SaslConfig};
+use rustls::pki_types::CertificateDer;
+use rustls::pki_types::pem::PemObject;
+use rustls::{ClientConfig, RootCertStore};
+use tokio::time::timeout;
+
+use crate::kafka_options::{KafkaOptions, SaslMechanism};
+
+/// Time limit for one operation, such as a write that all replicas acknowledge.
+pub(super) const PATIENCE: Duration = Duration::from_secs(10);
+/// Largest answer of a broker.
+const ANSWER_BYTES_MAX: usize = 64 * 1024 * 1024;
+
+/// Why the log cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum KafkaError {
+    /// A file of certificates is missing or defective.
+    #[error("kafka.ca_file: cannot use {}: {why}", path.display())]
+    Certificates {
+        /// Path of the file.
+        path: PathBuf,
+        /// Description of the defect.
+        why: String,
+    },
+    /// The system has no certificates of authorities.
+    #[error("this system has no certificates of authorities: install them (ca-certificates), or set kafka.ca_file")]
+    NoSystemAuthorities,
+    /// The TLS library fails.
+    #[error("TLS cannot be used: {0}")]
+    Tls(#[from] rustls::Error),
+    /// A topic does not exist.
+    #[error("the log has no topic {0:?}: create it, see docs/kafka.md")]
+    NoTopic(String),
+    /// The partitions of the topic are not the shards of the fleet.
+    #[error(
+        "the topic {topic:?} has {partitions} partitions, and the fleet {fleet} has {shards} shards: give both the same \
+         number, with fleet.shards or with the topic's partitions"
+    )]
+    Partitions {
+        /// Name of the topic.
+        topic: String,
+        /// Number of its partitions.
+        partitions: u32,
+        /// Name of the fleet.
+        fleet: String,
+        /// Number of its shards.
+        shards: u32,
+    },
+    /// No broker has answered in time.
+    #[error("the log does not answer within {} s", PATIENCE.as_secs())]
+    NoAnswer,
+    /// The log answers with an error, or the connection fails.
+    #[error("{0}")]
+    Failed(#[from] Error),
+}
+
+impl KafkaError {
+    /// Whether the brokers refuse these records for good, as too large or malformed.
+    pub(super) fn is_refusal(&self) -> bool {
+        let Self::Failed(Error::ServerError { protocol_error, .. }) = self else { return false };
+        matches!(
+            protocol_error,
+            ProtocolError::MessageTooLarge | ProtocolError::RecordListTooLarge | ProtocolError::InvalidRecord
+        )
+    }
+}
+
+/// Makes connections.
+#[derive(Debug, Clone)]
+pub(super) struct Connector {
+    options: KafkaOptions,
+    tls: Option<Arc<ClientConfig>>,
+}
+
+impl Connector {
+    pub(super) fn new(options: &KafkaOptions) -> Result<Self, KafkaError> {
+        let tls = options.is_encrypted.then(|| tls(options)).transpose()?;
+        Ok(Self { options: options.clone(), tls })
+    }
+
+    /// Connects to a broker, and learns the topics.
+    pub(super) async fn connect(&self) -> Result<Log, KafkaError> {
+        let backoff = BackoffConfig {
+            init_backoff: Duration::from_millis(50),
+            max_backoff: Duration::from_secs(1),
+            base: 2.0,
+            deadline: Some(PATIENCE / 2),
+        };
+        let mut builder = ClientBuilder::new(self.options.brokers.clone())
+            .client_id("vibrissa")
+            .max_message_size(ANSWER_BYTES_MAX)
+            .backoff_config(backoff);
+        if let Some(tls) = &self.tls {
+            builder = builder.tls_config(tls.clone());
+        }
+        if let Some(credentials) = &self.options.credentials {
+            let own = Credentials::new(credentials.username.clone(), credentials.password.reveal().to_owned());
+            builder = builder.sasl_config(match credentials.mechanism {
+                SaslMechanism::Plain => SaslConfig::Plain(own),
+                SaslMechanism::ScramSha256 => SaslConfig::ScramSha256(own),
+                SaslMechanism::ScramSha512 => SaslConfig::ScramSha512(own),
+            });
+        }
+        within(async {
+            let client = builder.build().await?;
+            let topics = client.list_topics().await?;
+            let partitions = topics.into_iter().map(|topic| (topic.name, topic.partitions.len() as u32)).collect();
+            Ok(Log { client, partitions, open: BTreeMap::new() })
+        })
+        .await
+    }
+}
+
+/// Runs an operation within the time limit.
+pub(super) async fn within<T>(work: impl Future<Output = Result<T, Error>>) -> Result<T, KafkaError> {
+    match timeout(PATIENCE, work).await {
+        Ok(done) => done.map_err(Into::into),
+        Err(_) => Err(KafkaError::NoAnswer),
+    }
+}
+
+/// A connection to the log.
+pub(super) struct Log {
+    client: Client,
+    /// Number of partitions by topic.
+    partitions: BTreeMap<String, u32>,
+    open: BTreeMap<(String, u32), Arc<PartitionClient>>,
+}
+
+impl Log {
+    /// Number of partitions of a topic, at least one.
+    pub(super) fn partitions(&self, topic: &str) -> Result<u32, KafkaError> {
+        let known = self.partitions.get(topic).copied().filter(|&count| count > 0);
+        known.ok_or_else(|| KafkaError::NoTopic(topic.to_owned()))
+    }
+
+    /// A partition, connected.
+    pub(super) async fn partition(&mut self, topic: &str, partition: u32) -> Result<Arc<PartitionClient>, KafkaError> {
+        let at = (topic.to_owned(), partition);
+        if let Some(open) = self.open.get(&at) {
+            return Ok(open.clone());
+        }
+        let connecting = self.client.partition_client(topic, partition as i32, UnknownTopicHandling::Error);
+        let client = Arc::new(within(connecting).await?);
+        self.open.insert(at, client.clone());
+        Ok(client)
+    }
+}
+
+fn tls(options: &KafkaOptions) -> Result<Arc<ClientConfig>, KafkaError> {
+    let mut roots = RootCertStore::empty();
+    match &options.ca_file {
+        Some(path) => {
+            let defect = |why: String| KafkaError::Certificates { path: path.clone(), why };
+            let certificates = CertificateDer::pem_file_iter(path).map_err(|problem| defect(problem.to_string()))?;
+            for certificate in certificates {
+                let certificate = certificate.map_err(|problem| defect(problem.to_string()))?;
+                roots.add(certificate).map_err(|problem| defect(problem.to_string()))?;
+            }
+            if roots.is_empty() {
+                return Err(defect("it has no certificate".to_owned()));
+            }
+        }
+        None => {
+            roots.add_parsable_certificates(rustls_native_certs::load_native_certs().certs);
+            if roots.is_empty() {
+                return Err(KafkaError::NoSystemAuthorities);
+            }
+        }
+    }
+    let provider = Arc::new(rustls::crypto::ring::default_provider());
+    let config = ClientConfig::builder_with_provider(provider).with_safe_default_protocol_versions()?;
+    Ok(Arc::new(config.with_root_certificates(roots).with_no_client_auth()))
+}

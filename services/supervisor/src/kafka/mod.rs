@@ -1,0 +1,80 @@
+//! A partitioned log, Apache Kafka: events go out to it, and contacts may come from it.
+//!
+//! Nothing here decides about a robot. [`publisher`] carries the outbox of a shard to the log, [`reader`] reads a partition, [`client`] has the connections.
+
+mod client;
+mod publisher;
+mod reader;
+
+use std::sync::Arc;
+
+use tokio::sync::Notify;
+use tokio::task::JoinHandle;
+use vibrissa_edge::shard::FleetShard;
+use vibrissa_store::Store;
+
+use crate::events::EventSink;
+use crate::kafka_options::{EventTopics, KafkaOptions};
+use crate::metrics::FleetMetrics;
+use client::Connector;
+pub use client::KafkaError;
+use publisher::Publisher;
+pub(crate) use reader::LogReader;
+
+/// The log, as far as the configuration uses it.
+#[derive(Debug, Clone)]
+pub(crate) struct Kafka {
+    connector: Connector,
+    publish: Option<EventTopics>,
+    /// Topic of contacts and statuses, if they come from the log.
+    ingest: Option<String>,
+}
+
+impl Kafka {
+    /// The log of the configuration; `None` if it is not used. Connects to nothing.
+    ///
+    /// # Errors
+    /// TLS cannot be configured.
+    pub(crate) fn new(options: &KafkaOptions) -> Result<Option<Self>, KafkaError> {
+        let (publish, ingest) = (options.publish.clone(), options.ingest.clone());
+        if publish.is_none() && ingest.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Self { connector: Connector::new(options)?, publish, ingest }))
+    }
+
+    /// The reader of a shard's contacts; `None` if they come over MQTT.
+    pub(crate) fn reader(&self, shard: &FleetShard, metrics: &FleetMetrics) -> Option<LogReader> {
+        let topic = self.ingest.as_ref()?;
+        Some(LogReader::new(self.connector.clone(), topic, shard.clone(), metrics.clone()))
+    }
+
+    /// Where the engine of a shard reports events; `None` if they are not published.
+    pub(crate) fn sink(&self) -> Option<EventSink> {
+        let topics = self.publish.as_ref()?;
+        Some(EventSink { has_contacts: topics.contacts.is_some(), committed: Arc::new(Notify::new()) })
+    }
+
+    /// Publishes the events of a shard until the result is dropped.
+    pub(crate) fn publish(
+        &self,
+        store: &Store,
+        shard: &FleetShard,
+        metrics: &FleetMetrics,
+        sink: EventSink,
+    ) -> Option<Task> {
+        let topics = self.publish.clone()?;
+        let publisher = Publisher::new(self.connector.clone(), topics, store.clone(), shard.clone(), metrics.clone());
+        Some(Task(tokio::spawn(publisher.run(sink.committed))))
+    }
+}
+
+/// A task that ends when this is dropped.
+#[derive(Debug)]
+pub(crate) struct Task(JoinHandle<()>);
+
+impl Drop for Task {
+    fn drop(&mut self) {
+        self.0.abort();
+    }
+}

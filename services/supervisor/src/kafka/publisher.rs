@@ -1,0 +1,182 @@
+//! Carries the outbox of a shard to the log: in order, and a row is deleted only after all replicas in sync have its events.
+//!
+//! After a failure, or at the next owner, the same rows are written again. Their events keep their names, which rise within a
+//! shard, so readers recognise those that they have read. A write of this process that arrives after one of the next owner only
+//! repeats events: a partition never gets an event before all earlier ones of its shard.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::time::Duration;
+
+use futures_util::future::try_join_all;
+use rskafka::chrono::{DateTime, Utc};
+use rskafka::client::partition::{Compression, PartitionClient};
+use rskafka::record::Record;
+use tokio::sync::Notify;
+use tokio::time::timeout;
+use tracing::{error, info, warn};
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::shard::{FleetShard, robot_hash};
+use vibrissa_store::Store;
+use vibrissa_store::outbox::{WaitingEvent, WaitingEvents};
+
+use super::client::{Connector, KafkaError, Log, within};
+use crate::backoff::Backoff;
+use crate::events::{EventId, published};
+use crate::kafka_options::EventTopics;
+use crate::metrics::FleetMetrics;
+
+/// Interval between two looks into the outbox without a notice.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// Bytes of the records of one write, less than the brokers' usual limit of 1 MiB.
+const WRITE_BYTES: usize = 512 * 1024;
+
+/// Publishes the events of one shard.
+pub(super) struct Publisher {
+    connector: Connector,
+    topics: EventTopics,
+    store: Store,
+    shard: FleetShard,
+    metrics: FleetMetrics,
+}
+
+/// Why a round failed.
+#[derive(Debug, thiserror::Error)]
+enum RoundError {
+    #[error("{0}")]
+    Log(#[from] KafkaError),
+    #[error("{0}")]
+    Store(#[from] vibrissa_store::StoreError),
+}
+
+impl Publisher {
+    pub(super) fn new(
+        connector: Connector,
+        topics: EventTopics,
+        store: Store,
+        shard: FleetShard,
+        metrics: FleetMetrics,
+    ) -> Self {
+        Self { connector, topics, store, shard, metrics }
+    }
+
+    /// Publishes again and again; never ends.
+    pub(super) async fn run(self, committed: Arc<Notify>) {
+        let (mut log, mut backoff, mut is_failing) = (None, Backoff::default(), false);
+        loop {
+            match self.round(&mut log).await {
+                Ok(rows) => {
+                    if is_failing {
+                        info!(fleet = %self.shard, "events are published again");
+                    }
+                    (backoff, is_failing) = (Backoff::default(), false);
+                    if rows == 0 {
+                        self.metrics.outbox_transactions.set(0);
+                        // Without a notice, for instance of events that the last owner has left.
+                        let _ = timeout(LOOK_EVERY, committed.notified()).await;
+                    }
+                }
+                Err(problem) => {
+                    self.metrics.event_writes_failed.inc();
+                    if !std::mem::replace(&mut is_failing, true) {
+                        warn!(%problem, fleet = %self.shard, "cannot publish events, they wait in the outbox; retrying");
+                    }
+                    log = None;
+                    backoff.wait().await;
+                    if let Ok(waiting) = self.store.waiting_transactions(&self.shard).await {
+                        self.metrics.outbox_transactions.set(waiting);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Publishes the oldest rows; returns their number.
+    async fn round(&self, log: &mut Option<Log>) -> Result<usize, RoundError> {
+        let rows = self.store.waiting_events(&self.shard).await?;
+        if rows.is_empty() {
+            return Ok(0);
+        }
+        let log = match log {
+            Some(log) => log,
+            none => none.insert(self.connector.connect().await?),
+        };
+        let mut writes = Vec::new();
+        for ((topic, partition), records) in self.records(log, &rows)? {
+            writes.push(self.write(log.partition(topic, partition).await?, records));
+        }
+        try_join_all(writes).await?;
+        self.store.events_are_published(&self.shard, &rows).await?;
+        Ok(rows.len())
+    }
+
+    /// The records of rows by topic and partition, in order.
+    fn records(
+        &self,
+        log: &Log,
+        rows: &[WaitingEvents],
+    ) -> Result<BTreeMap<(&str, u32), VecDeque<Record>>, KafkaError> {
+        let mut all: BTreeMap<(&str, u32), VecDeque<Record>> = BTreeMap::new();
+        for row in rows {
+            let WaitingEvents { shard, epoch, number, events, is_damaged } = row;
+            if *is_damaged {
+                self.metrics.events_lost.inc();
+                error!(fleet = %self.shard, shard, epoch, number, "cannot read the rest of these events, it is lost");
+            }
+            for (event, index) in events.iter().zip(0..) {
+                let topic = match (&self.topics.contacts, event.is_contacts) {
+                    (_, false) => self.topics.events.as_str(),
+                    (Some(topic), true) => topic.as_str(),
+                    // Contacts were published until the last restart.
+                    (None, true) => continue,
+                };
+                let id = EventId { shard: *shard, epoch: *epoch, number: *number, index };
+                let hash = robot_hash(self.shard.fleet().as_str(), &event.robot);
+                let partition = hash % log.partitions(topic)?;
+                all.entry((topic, partition)).or_default().push_back(self.record(id, event));
+            }
+        }
+        Ok(all)
+    }
+
+    fn record(&self, id: EventId, event: &WaitingEvent) -> Record {
+        Record {
+            key: Some(format!("{}/{}", self.shard.fleet(), event.robot).into_bytes()),
+            value: Some(published(id, &event.body).into_bytes()),
+            headers: BTreeMap::new(),
+            timestamp: DateTime::<Utc>::from_timestamp_micros(wall_clock().0 as i64).unwrap_or_default(),
+        }
+    }
+
+    /// Writes records to a partition, one write after the other. A record that the log refuses for good is lost, and
+    /// counted: it must not hold up all others.
+    async fn write(&self, partition: Arc<PartitionClient>, mut records: VecDeque<Record>) -> Result<(), KafkaError> {
+        let mut most = usize::MAX;
+        while !records.is_empty() {
+            let (mut count, mut bytes) = (0, 0);
+            for record in &records {
+                bytes += record.approximate_size();
+                if count > 0 && (bytes > WRITE_BYTES || count >= most) {
+                    break;
+                }
+                count += 1;
+            }
+            let next: Vec<Record> = records.range(..count).cloned().collect();
+            match within(partition.produce(next, Compression::NoCompression)).await {
+                Ok(_) => self.metrics.events_published.inc_by(count as u64),
+                Err(problem) if problem.is_refusal() && count > 1 => {
+                    most = count / 2;
+                    continue;
+                }
+                Err(problem) if problem.is_refusal() => {
+                    self.metrics.events_lost.inc();
+                    error!(%problem, fleet = %self.shard, "the log refuses an event for good, it is lost");
+                }
+                Err(problem) => return Err(problem),
+            }
+            records.drain(..count);
+            most = usize::MAX;
+        }
+        Ok(())
+    }
+}

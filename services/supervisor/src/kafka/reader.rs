@@ -1,0 +1,245 @@
+//! Reads a shard's partition of the log: for the engine, and again for its recovery.
+//!
+//! Consumer groups are not used: the owner of a shard's lease reads, and the position is in the database.
+
+use std::collections::VecDeque;
+use std::fmt;
+use std::sync::Arc;
+use std::time::Duration;
+
+use rskafka::client::partition::{OffsetAt, PartitionClient};
+use rskafka::record::RecordAndOffset;
+use tokio::sync::{Mutex, mpsc};
+use tracing::{error, info, warn};
+use vibrissa_edge::shard::FleetShard;
+use vibrissa_protocol::{RobotTopic, Topic};
+
+use super::client::{Connector, KafkaError, within};
+use crate::backoff::Backoff;
+use crate::log_inbox::{LogBatch, LogRecord, LogStart, Skipped};
+use crate::metrics::FleetMetrics;
+
+/// Bytes of one read.
+const READ_BYTES: i32 = 1024 * 1024;
+/// Time for which a broker waits for new records, ms. It bounds the delay after a change of the leader, not that of records.
+const WAIT_MS: i32 = 500;
+/// Most records that the engine steps at a time.
+const RECORDS_AT_A_TIME: usize = 512;
+/// Headers with the MQTT topic, as bridges name them.
+const TOPIC_HEADERS: [&str; 3] = ["topic", "mqtt_topic", "mqtt.topic"];
+/// Pause of a shard whose partition does not exist.
+const MISCONFIGURED: Duration = Duration::from_secs(2);
+
+/// Reads the partition of one shard.
+#[derive(Debug, Clone)]
+pub(crate) struct LogReader {
+    connector: Connector,
+    topic: Arc<str>,
+    shard: FleetShard,
+    metrics: FleetMetrics,
+    again: Arc<Mutex<Option<Again>>>,
+}
+
+/// Records that a recovery reads again.
+struct Again {
+    partition: Arc<PartitionClient>,
+    /// First and next offset of the partition when it was opened.
+    earliest: i64,
+    latest: i64,
+    /// Records before this offset are gone from `read`.
+    begin: i64,
+    /// Next offset to read.
+    next: i64,
+    read: VecDeque<RecordAndOffset>,
+}
+
+impl fmt::Debug for Again {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Again").field("begin", &self.begin).field("next", &self.next).finish_non_exhaustive()
+    }
+}
+
+impl LogReader {
+    pub(super) fn new(connector: Connector, topic: &str, shard: FleetShard, metrics: FleetMetrics) -> Self {
+        Self { connector, topic: topic.into(), shard, metrics, again: Arc::default() }
+    }
+
+    /// Name of the topic.
+    pub(crate) fn topic(&self) -> &str {
+        &self.topic
+    }
+
+    /// Connects to the partition.
+    ///
+    /// # Errors
+    /// The log does not answer, or the topic has not as many partitions as the fleet has shards.
+    async fn open(&self) -> Result<Arc<PartitionClient>, KafkaError> {
+        let mut log = self.connector.connect().await?;
+        let (partitions, shards) = (log.partitions(&self.topic)?, self.shard.count());
+        if partitions != shards {
+            let fleet = self.shard.fleet().to_string();
+            return Err(KafkaError::Partitions { topic: self.topic.to_string(), partitions, fleet, shards });
+        }
+        log.partition(&self.topic, self.shard.number()).await
+    }
+
+    /// The messages of the records `from`..`to`, which were read before. Waits for the log, however long that takes: they are
+    /// part of the fleet's state. Ranges in rising order are read together.
+    pub(crate) async fn records(&self, from: i64, to: i64) -> Vec<LogRecord> {
+        let mut again = self.again.lock().await;
+        let (mut backoff, mut is_failing) = (Backoff::default(), false);
+        loop {
+            match self.try_records(&mut again, from, to).await {
+                Ok(records) => return records,
+                Err(problem) => {
+                    *again = None;
+                    if !std::mem::replace(&mut is_failing, true) {
+                        error!(%problem, fleet = %self.shard, "cannot read the log again for the recovery, retrying");
+                    }
+                    backoff.wait().await;
+                }
+            }
+        }
+    }
+
+    async fn try_records(&self, again: &mut Option<Again>, from: i64, to: i64) -> Result<Vec<LogRecord>, KafkaError> {
+        let again = match again {
+            Some(again) if again.begin <= from && to <= again.latest => again,
+            other => {
+                let partition = self.open().await?;
+                let earliest = within(partition.get_offset(OffsetAt::Earliest)).await?;
+                let latest = within(partition.get_offset(OffsetAt::Latest)).await?;
+                other.insert(Again { partition, earliest, latest, begin: from, next: from, read: VecDeque::new() })
+            }
+        };
+        let (first, end) = (from.max(again.earliest), to.min(again.latest));
+        let lost = (to - from) - (end - first).max(0);
+        if lost > 0 {
+            self.skipped(Skipped::Deleted, lost as u64);
+            error!(
+                fleet = %self.shard, topic = %self.topic, from, to, lost,
+                "the log has deleted records that the recovery needs: the state lacks their contacts. Keep records longer"
+            );
+        }
+        again.begin = to;
+        again.next = again.next.max(first);
+        while again.next < end {
+            let (read, _) = within(again.partition.fetch_records(again.next, 1..READ_BYTES, WAIT_MS)).await?;
+            let Some(last) = read.last() else { break };
+            again.next = last.offset + 1;
+            again.read.extend(read);
+        }
+        let mut records = Vec::new();
+        while again.read.front().is_some_and(|record| record.offset < end) {
+            records.extend(
+                again
+                    .read
+                    .pop_front()
+                    .filter(|record| record.offset >= from)
+                    .and_then(|record| self.message(record).ok()),
+            );
+        }
+        Ok(records)
+    }
+
+    /// Reads from a position until the engine is gone.
+    pub(crate) async fn run(self, start: LogStart, batches: mpsc::Sender<LogBatch>) {
+        let mut next = match start {
+            LogStart::Earliest => None,
+            LogStart::At(next) => Some(next),
+        };
+        let (mut backoff, mut told) = (Backoff::default(), None);
+        while !batches.is_closed() {
+            let before = next;
+            let Err(problem) = self.read(&mut next, &batches).await else { return };
+            self.metrics.log_connected.set(0);
+            let text = problem.to_string();
+            if told.as_ref() != Some(&text) {
+                warn!(problem = text, fleet = %self.shard, topic = %self.topic, "cannot read the log, retrying");
+                told = Some(text);
+            }
+            if next != before {
+                backoff = Backoff::default();
+            }
+            if matches!(problem, KafkaError::Partitions { .. }) {
+                tokio::time::sleep(MISCONFIGURED).await;
+            } else {
+                backoff.wait().await;
+            }
+        }
+    }
+
+    /// Reads over one connection. Returns without an error when the engine is gone.
+    async fn read(&self, next: &mut Option<i64>, batches: &mpsc::Sender<LogBatch>) -> Result<(), KafkaError> {
+        let partition = self.open().await?;
+        let earliest = within(partition.get_offset(OffsetAt::Earliest)).await?;
+        let latest = within(partition.get_offset(OffsetAt::Latest)).await?;
+        let mut at = next.unwrap_or(earliest);
+        if at < earliest {
+            self.skipped(Skipped::Deleted, at.abs_diff(earliest));
+            error!(
+                fleet = %self.shard, topic = %self.topic, at, earliest,
+                "the log has deleted records before they were read: robots send contacts without a receipt again. Keep \
+                 records longer"
+            );
+            at = earliest;
+        } else if at > latest {
+            error!(
+                fleet = %self.shard, topic = %self.topic, at, latest,
+                "the log ends before the stored position, because it was created anew: reading from its first record"
+            );
+            at = earliest;
+        }
+        info!(fleet = %self.shard, topic = %self.topic, at, latest, "reading contacts from the log");
+        loop {
+            *next = Some(at);
+            let (read, end) = within(partition.fetch_records(at, 1..READ_BYTES, WAIT_MS)).await?;
+            self.metrics.log_connected.set(1);
+            let mut read = read.into_iter().peekable();
+            while read.peek().is_some() {
+                let from = at;
+                let mut records = Vec::new();
+                for record in read.by_ref().take(RECORDS_AT_A_TIME) {
+                    at = record.offset + 1;
+                    match self.message(record) {
+                        Ok(record) => records.push(record),
+                        Err(reason) => self.skipped(reason, 1),
+                    }
+                }
+                if batches.send(LogBatch { from, to: at, records }).await.is_err() {
+                    return Ok(());
+                }
+                *next = Some(at);
+            }
+            self.metrics.log_lag.set((end - at).max(0));
+            if batches.is_closed() {
+                return Ok(());
+            }
+        }
+    }
+
+    fn skipped(&self, reason: Skipped, count: u64) {
+        self.metrics.log_skipped.of([reason.word()]).inc_by(count);
+    }
+
+    /// The message of a record.
+    fn message(&self, record: RecordAndOffset) -> Result<LogRecord, Skipped> {
+        let RecordAndOffset { record, offset } = record;
+        let header = TOPIC_HEADERS.iter().find_map(|&name| record.headers.get(name));
+        let text = header.or(record.key.as_ref()).and_then(|text| std::str::from_utf8(text).ok());
+        let topic = text.and_then(|text| Topic::parse(text).ok()).ok_or(Skipped::NoTopic)?;
+        let Topic::Robot { fleet, robot, kind } = &topic else { return Err(Skipped::NoTopic) };
+        if fleet != self.shard.fleet() {
+            return Err(Skipped::OtherFleet);
+        }
+        if !matches!(kind, RobotTopic::Contacts | RobotTopic::Status) {
+            return Err(Skipped::OtherMessage);
+        }
+        if !self.shard.has(robot.as_str()) {
+            return Err(Skipped::WrongPartition);
+        }
+        let (robot, kind) = (robot.clone(), *kind);
+        let payload = record.value.ok_or(Skipped::NoValue)?.into();
+        Ok(LogRecord { offset, topic, robot, kind, payload })
+    }
+}

@@ -1,0 +1,69 @@
+//! Stands in for the module `kafka` in a build without the feature `kafka`: the same names, and no log can be configured.
+//! [`Kafka`] has no value, so no method of this module ever runs except [`Kafka::new`].
+
+use tokio::sync::mpsc;
+use vibrissa_edge::shard::FleetShard;
+use vibrissa_store::Store;
+
+use crate::events::EventSink;
+use crate::kafka_options::KafkaOptions;
+use crate::log_inbox::{LogBatch, LogRecord, LogStart};
+use crate::metrics::FleetMetrics;
+
+/// A type without values.
+#[derive(Debug, Clone, Copy)]
+enum Never {}
+
+/// The log, which does not exist.
+#[derive(Debug, Clone)]
+pub(crate) struct Kafka(Never);
+
+/// A log is configured.
+#[derive(Debug, thiserror::Error)]
+#[error("this program was built without Kafka: build it with --features kafka, or leave publish and ingest out")]
+pub struct KafkaError;
+
+impl Kafka {
+    /// Nothing, if nothing is configured.
+    ///
+    /// # Errors
+    /// A log is configured, and the feature `kafka` is not built in.
+    pub(crate) fn new(options: &KafkaOptions) -> Result<Option<Self>, KafkaError> {
+        if options.publish.is_some() || options.ingest.is_some() { Err(KafkaError) } else { Ok(None) }
+    }
+
+    pub(crate) fn sink(&self) -> Option<EventSink> {
+        match self.0 {}
+    }
+
+    pub(crate) fn reader(&self, _: &FleetShard, _: &FleetMetrics) -> Option<LogReader> {
+        match self.0 {}
+    }
+
+    pub(crate) fn publish(&self, _: &Store, _: &FleetShard, _: &FleetMetrics, _: EventSink) -> Option<Task> {
+        match self.0 {}
+    }
+}
+
+/// A task of the log, which does not exist.
+#[derive(Debug)]
+pub(crate) struct Task(Never);
+
+/// The reader of a log, which does not exist.
+#[derive(Debug, Clone)]
+pub(crate) struct LogReader(Never);
+
+#[expect(clippy::unused_async, reason = "as in the module that this one stands in for")]
+impl LogReader {
+    pub(crate) fn topic(&self) -> &str {
+        match self.0 {}
+    }
+
+    pub(crate) async fn records(&self, _: i64, _: i64) -> Vec<LogRecord> {
+        match self.0 {}
+    }
+
+    pub(crate) async fn run(self, _: LogStart, _: mpsc::Sender<LogBatch>) {
+        match self.0 {}
+    }
+}
