@@ -67,7 +67,7 @@ mod tests {
             "<a href=\"README.md\">all</a>",
             "operations (<code>docs/operations.md</code>)",
             "<td>1 &lt; 2</td>",
-            "echo &quot;&lt;b&gt;&quot;",
+            "echo \"&lt;b&gt;\"",
         ] {
             assert!(page.contains(part), "{part}: {page}");
         }
