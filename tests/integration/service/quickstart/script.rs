@@ -17,9 +17,20 @@ pub(super) struct Script {
 impl Script {
     /// Starts the robot; whisker 1 loses 5 mm after this many seconds.
     pub(super) fn start(broker_port: u16, cut_after_s: f64) -> Self {
+        Self::run(&block(), broker_port, cut_after_s)
+    }
+
+    /// The same with contacts in CBOR.
+    pub(super) fn start_with_cbor(broker_port: u16, cut_after_s: f64) -> Self {
+        let lines = block();
+        let json = lines.lines().find(|line| line.starts_with("    kept[tick] = ")).expect("the line of contacts");
+        Self::run(&lines.replace(json, blocks()[1].trim_end()), broker_port, cut_after_s)
+    }
+
+    fn run(lines: &str, broker_port: u16, cut_after_s: f64) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("robot.py");
-        fs::write(&path, block()).unwrap();
+        fs::write(&path, lines).unwrap();
         let environment = [
             ("BROKER_PORT", broker_port.to_string()),
             ("FLEET", "f".to_owned()),
@@ -45,20 +56,20 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The document's Python blocks: the robot, and its handling of estimates.
-fn blocks() -> [String; 2] {
+/// The document's Python blocks: the robot, its contacts in CBOR, and its handling of estimates.
+fn blocks() -> [String; 3] {
     let document = fs::read_to_string(repository().join("docs/robot-quickstart.md")).unwrap();
     let blocks: Vec<String> = document
         .split("```python\n")
         .skip(1)
         .map(|rest| rest.split_once("```").expect("the end of the block").0.to_owned())
         .collect();
-    blocks.try_into().expect("two blocks of Python")
+    blocks.try_into().expect("three blocks of Python")
 }
 
 /// The robot with its handling of estimates, inserted as the document says.
 fn block() -> String {
-    let [robot, estimates] = blocks();
+    let [robot, _, estimates] = blocks();
     let (before, after) = robot.split_once("\nseqs[").expect("the line below HANDLERS");
     assert!(before.lines().last().is_some_and(|line| line.starts_with("HANDLERS = ")), "{before}");
     format!("{before}\n{estimates}seqs[{after}")
@@ -72,10 +83,10 @@ fn python() -> &'static Path {
 
 #[test]
 fn the_whole_robot_has_less_than_100_lines_that_fit_a_screen() {
-    let [robot, estimates] = blocks();
+    let [robot, cbor, estimates] = blocks();
     assert!(robot.lines().count() < 100, "{} lines", robot.lines().count());
     assert!(estimates.lines().count() < 20, "{} lines", estimates.lines().count());
-    assert!(robot.lines().chain(estimates.lines()).all(|line| line.chars().count() <= 120));
+    assert!([robot, cbor, estimates].iter().flat_map(|block| block.lines()).all(|line| line.chars().count() <= 120));
 }
 
 /// The block's functions with estimates in any order.
@@ -98,7 +109,7 @@ tell(8, 0, 40.0, [])
 assert contact_ratio(w, 30.0) == 0.75 and corrected(w, 0.6, 0.01) == 0.01
 print("all is well")
 "#;
-    let [_, estimates] = blocks();
+    let [_, _, estimates] = blocks();
     let script = format!("{BEFORE}{estimates}{AFTER}");
     let ran = std::process::Command::new(python()).args(["-c", &script]).output().unwrap();
     let (told, complaint) = (String::from_utf8_lossy(&ran.stdout), String::from_utf8_lossy(&ran.stderr));

@@ -37,6 +37,18 @@ async fn it_is_known_and_its_cut_is_found_and_compensated() {
 }
 
 #[tokio::test]
+async fn its_contacts_may_be_in_cbor() {
+    let running = Running::start().await;
+    let robot = Script::start_with_cbor(running.port(), 1e6);
+    let contacts = "SELECT count(*) FROM contacts";
+    until_true("contacts", async || running.database.number(contacts).await >= 60).await;
+    until_true("all contacts once", async || each_is_there_once(&running).await).await;
+    assert_eq!(robot.complaints(), "");
+    drop(robot);
+    running.service.stop().await;
+}
+
+#[tokio::test]
 async fn what_it_felt_while_the_broker_was_down_comes_later_and_once() {
     let mut broker = Mosquitto::start();
     let running = Running::with(quick(), Some(broker.port())).await;
