@@ -47,14 +47,17 @@ async fn given_up_and_delivered_again(stage: Stage) {
     raw.trim(4).await;
     taken(&receiver, 3).await;
     assert_eq!(shown(&service, webhook_id).await["state"], "WORKING");
-    let metrics = String::from_utf8(service.metrics.text().unwrap()).unwrap();
-    for line in [
+    let counted = [
         "vibrissa_webhook_attempts_total{outcome=\"DELIVERED\"} 3",
         "vibrissa_webhook_attempts_total{outcome=\"FAILED\"} 6",
         "vibrissa_webhook_attempts_total{outcome=\"DEAD\"} 3",
-    ] {
-        assert!(metrics.contains(line), "{line}");
-    }
+    ];
+    // An attempt is counted after its answer.
+    until_true("all attempts counted", async || {
+        let metrics = String::from_utf8(service.metrics.text().unwrap()).unwrap();
+        counted.iter().all(|line| metrics.contains(line))
+    })
+    .await;
     service.stop().await;
 }
 

@@ -135,9 +135,14 @@ impl Patroni {
         until_within(PATIENCE, "a leader of the cluster", async || self.leads(node).await.then_some(())).await;
     }
 
-    /// Waits until each commit of the leader waits for the other node; without `synchronous_mode` until it goes there.
+    /// Waits until each commit of the leader waits for the other node, and Patroni has noted this; without
+    /// `synchronous_mode` until it goes there. If the standby fails between both, Patroni 3.0 does not notice it, and commits
+    /// wait until the standby is back.
     pub async fn until_replicated(&self) {
-        until_within(PATIENCE, "a standby", async || self.is_replicated().await.then_some(())).await;
+        until_within(PATIENCE, "a standby", async || {
+            (self.is_replicated().await && self.may_promote().await).then_some(())
+        })
+        .await;
     }
 
     /// Whether each commit of the leader waits for the other node; without `synchronous_mode` whether it goes there.
