@@ -1,4 +1,4 @@
-"""Panels about the supervisors' surroundings: database, broker, leases, setpoints, actions, HTTP, processes."""
+"""Panels about the supervisors' surroundings: database, broker, Kafka, archive, leases, setpoints, actions, HTTP, processes."""
 
 from .grafana import by_name, heatmap, hidden, promql, sql, table, timeseries
 from .rows import time
@@ -44,6 +44,48 @@ def database():
                     "{{fleet}} connections",
                 ),
             ],
+        ),
+    ]
+
+
+def engines():
+    behind = f"time() - {largest(of_fleet('vibrissa_archive_position_timestamp_seconds') + ' > 0', 'fleet')}"
+    skipped = total(lately(of_fleet("vibrissa_kafka_records_skipped_total")), "fleet, reason")
+    published = per_second("vibrissa_kafka_events_published_total", "fleet")
+    return [
+        timeseries(
+            "Records not read yet",
+            "Records of contacts and statuses in Kafka that the owners have not read (ingest by Kafka).",
+            "none",
+            [promql(total(of_fleet("vibrissa_kafka_lag_records"), "fleet"), "{{fleet}}")],
+        ),
+        timeseries(
+            "Transactions whose events wait",
+            "Transactions whose events Kafka has not taken yet (publication by Kafka). They wait in the database.",
+            "none",
+            [promql(total(of_fleet("vibrissa_kafka_outbox_transactions"), "fleet"), "{{fleet}}")],
+        ),
+        timeseries(
+            "Events published", "Events that Kafka has acknowledged, per second.", "cps", [promql(published, "{{fleet}}")]
+        ),
+        timeseries(
+            "Records skipped",
+            "Records of Kafka in the panel's interval that are no contacts or status of the shard, by reason.",
+            "none",
+            [promql(any_of(skipped, "fleet", "reason"), "{{fleet}} {{reason}}")],
+            bars=True,
+        ),
+        timeseries(
+            "Archive behind",
+            "Time since the receipt of the newest contact in the archive of a fleet.",
+            "s",
+            [promql(any_of(behind, "fleet"), "{{fleet}}")],
+        ),
+        timeseries(
+            "Contacts archived",
+            "Contacts written to the archive per second.",
+            "cps",
+            [promql(per_second("vibrissa_archive_contacts_total", "fleet"), "{{fleet}}")],
         ),
     ]
 

@@ -1,7 +1,7 @@
 """The supervisors themselves: messages, latency, queues, and their surroundings."""
 
 from . import variables
-from .around import database, http, outgoing, ownership, processes
+from .around import database, engines, http, outgoing, ownership, processes
 from .grafana import heatmap, promql, stat, timeseries
 from .layout import whole
 from .series import (
@@ -25,7 +25,7 @@ def dashboard():
     """The dashboard."""
     return whole(
         "vibrissa-supervisor",
-        "The supervisors themselves: messages, lag, receipts, queues, database, broker, ownership, HTTP, processes.",
+        "The supervisors themselves: messages, lag, receipts, queues, database, broker, Kafka, archive, ownership, HTTP, processes.",
         variables.sources() + variables.console() + variables.supervisors() + variables.fleets(),
         [
             ("Now", now()),
@@ -33,6 +33,7 @@ def dashboard():
             ("Lag", lag()),
             ("Queues", queues()),
             ("Database and broker", database()),
+            ("Kafka and archive", engines()),
             ("Ownership", ownership()),
             ("Setpoints and actions", outgoing()),
             ("HTTP", http()),

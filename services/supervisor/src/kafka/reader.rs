@@ -144,6 +144,7 @@ impl LogReader {
 
     /// Reads from a position until the engine is gone.
     pub(crate) async fn run(self, start: LogStart, batches: mpsc::Sender<LogBatch>) {
+        self.metrics.log_ingest.set(1);
         let mut next = match start {
             LogStart::Earliest => None,
             LogStart::At(next) => Some(next),

@@ -196,6 +196,9 @@ of_fleet! {
     outbox_transactions: IntGauge = "vibrissa_kafka_outbox_transactions",
         "Transactions whose events wait in the database because the log does not take them.";
 
+    /// 1 while the owner takes contacts from the log, else 0.
+    log_ingest: IntGauge = "vibrissa_kafka_ingest",
+        "1 while the owner takes contacts from a log, whether it answers or not, else 0.";
     /// 1 while the log answers that contacts come from, else 0.
     log_connected: IntGauge = "vibrissa_kafka_connected",
         "1 while the log that contacts come from answers; 0 without one.";
