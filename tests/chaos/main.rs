@@ -123,7 +123,10 @@ fn main() -> anyhow::Result<ExitCode> {
         arguments.control != Control::Asynchronous || arguments.cluster,
         "--control asynchronous needs --cluster: one PostgreSQL has no standby"
     );
-    ensure!(arguments.seconds >= shortest_s, "--seconds must be at least {shortest_s} for each fault to strike");
+    ensure!(
+        arguments.cluster || arguments.seconds >= shortest_s,
+        "--seconds must be at least {shortest_s} for each fault to strike"
+    );
     let longest_s = LONGEST_DAYS * 86_400.0;
     ensure!(arguments.seconds <= longest_s, "--seconds must be at most {longest_s}: older contacts are removed");
     ensure!(arguments.hostile < arguments.robots, "--hostile must be below --robots: only the others are judged");
