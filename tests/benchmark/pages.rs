@@ -34,7 +34,7 @@ const PAGES: [(&str, &str, bool); 12] = [
 ];
 
 /// Rows of a table: its columns, their values for the number `i`, and how many numbers there are. `NOW` is the present time.
-const ROWS: [(&str, &str, usize); 7] = [
+const ROWS: [(&str, &str, usize); 8] = [
     (
         "robots(robot_id, fleet, robot, connection, model, updated_us)",
         "1000000 + i, 'big', 'robot-' || i, 'ONLINE', 'm', NOW",
@@ -66,13 +66,14 @@ const ROWS: [(&str, &str, usize); 7] = [
     (
         "setpoints(command_id, robot_id, whisker_id, epoch, version, robot_boot_id, pressure_mpa, slew_mpa_per_s, \
          issued_us, expires_us, reason, state)",
-        "'c' || i, 1000000 + (i + 23) / 24, 1000000 + i, 1, i, 'b', 0.1, 0.02, NOW - 1000000 * i, NOW, 'COMPENSATION', \
+        "'c' || i, 1000000 + (i + 23) / 24, 1000000 + i, 1, i, 'b', 0.1, 0.02, NOW - 1000000 * i, NOW, 'SELF_COMPENSATION', \
          CASE WHEN i % 100 = 0 THEN 'REJECTED' ELSE 'APPLIED' END",
         10 * ROBOTS,
     ),
+    ("setpoint_states(command_id, recorded_us, state)", "'c' || i, NOW, 'PENDING'", 10 * ROBOTS),
     (
-        "alarms(whisker_id, robot_id, raised_us, kind, cleared_us)",
-        "1000000 + i, 1000000 + (i + 23) / 24, NOW - 5000000 * i, CASE WHEN i % 2 = 0 THEN 'LEAK' ELSE 'ERODING' END, \
+        "alarms(whisker_id, raised_us, kind, cleared_us)",
+        "1000000 + i, NOW - 5000000 * i, CASE WHEN i % 2 = 0 THEN 'LEAK' ELSE 'ERODING' END, \
          CASE WHEN i % 4 = 0 THEN NULL ELSE NOW END",
         2 * ROBOTS,
     ),
@@ -119,7 +120,7 @@ async fn fill(store: &Store) -> anyhow::Result<()> {
     for (table, values, rows) in ROWS {
         let values = values.replace("NOW", now).replace("STATE", state);
         let sql = AssertSqlSafe(format!(
-            "INSERT INTO {table} {overriding} WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < {rows}) \
+            "INSERT INTO {table} {overriding} WITH RECURSIVE n(i) AS (SELECT CAST(1 AS bigint) UNION ALL SELECT i + 1 FROM n WHERE i < {rows}) \
              SELECT {values} FROM n"
         ));
         match store {
