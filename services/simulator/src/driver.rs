@@ -3,6 +3,7 @@
 //! One task only polls the MQTT event loop; another one works with the robot. Each connection is used once: after
 //! it breaks, a new client makes a clean start, subscribes again and publishes the robot's birth again.
 
+use std::pin::pin;
 use std::time::Duration;
 
 use rumqttc::{
@@ -17,6 +18,7 @@ use vibrissa_protocol::{Name, PAYLOAD_MAX_BYTES, QualityOfService, RobotTopic, T
 use crate::fleet::{Broker, RobotHandle, address, now_us};
 use crate::robot::Outgoing;
 use crate::scenario::Misbehaviour;
+use crate::silence::{Measure, Silence};
 
 /// Shortest pause between two polls of the robot, so that small work is done together.
 const WAKE_PAUSE: Duration = Duration::from_millis(20);
@@ -171,7 +173,8 @@ impl Driver {
         let (client, event_loop) = AsyncClient::builder(options).capacity(REQUESTS).build();
         // Unbounded, so that polling never waits for the robot; only a few receipts arrive per second.
         let (sender, reports) = mpsc::unbounded_channel();
-        let poller = tokio::spawn(poll(event_loop, sender));
+        let question = (client.clone(), self.topic(RobotTopic::Receipt));
+        let poller = tokio::spawn(poll(event_loop, question, sender));
         self.connection = Some(Connection { client, reports, poller });
     }
 
@@ -319,22 +322,50 @@ fn publish_options(kind: RobotTopic, fault: Option<Misbehaviour>, retains: bool)
     PublishOptions::new(quality).retain(is_retained && retains)
 }
 
-/// Polls the connection until it ends.
-async fn poll(mut event_loop: EventLoop, reports: mpsc::UnboundedSender<Report>) {
+/// Polls the connection until it ends. `question` is a topic of the robot's subscriptions: subscribing again, which changes
+/// nothing, shows whether a silent broker still answers.
+async fn poll(mut event_loop: EventLoop, question: (AsyncClient, String), reports: mpsc::UnboundedSender<Report>) {
+    let mut silence = Silence::new(Instant::now());
+    let mut is_subscribed = false;
     loop {
-        let report = match event_loop.poll().await {
-            Ok(Event::Incoming(packet)) => report_of(packet),
-            Ok(Event::Outgoing(_) | Event::Auth(_)) => None,
-            Err(ConnectionError::ConnectionRefused(ConnectReturnCode::RetainNotSupported)) => {
+        let report = match next_event(&mut event_loop, &mut silence, &question).await {
+            None => Some(Report::Gone("the broker has stopped answering".to_owned())),
+            Some(Ok(Event::Incoming(packet))) => {
+                silence.heard(Instant::now());
+                report_of(packet).filter(|report| !(is_subscribed && matches!(report, Report::Subscribed)))
+            }
+            Some(Ok(Event::Outgoing(_) | Event::Auth(_))) => None,
+            Some(Err(ConnectionError::ConnectionRefused(ConnectReturnCode::RetainNotSupported))) => {
                 Some(Report::RetainRefused)
             }
-            Err(error) => Some(Report::Gone(error.to_string())),
+            Some(Err(error)) => Some(Report::Gone(error.to_string())),
         };
         let Some(report) = report else { continue };
+        is_subscribed |= matches!(report, Report::Subscribed);
         let ends = matches!(report, Report::Gone(_) | Report::RetainRefused);
         // Without a receiver, the driver has dropped the connection.
         if reports.send(report).is_err() || ends {
             return;
+        }
+    }
+}
+
+/// The next event of a connection; `None` once the broker has been silent for too long.
+async fn next_event(
+    event_loop: &mut EventLoop,
+    silence: &mut Silence,
+    (client, topic): &(AsyncClient, String),
+) -> Option<Result<Event, ConnectionError>> {
+    // Not cancelled by the question, because it may have read a part of a packet.
+    let mut event = pin!(event_loop.poll());
+    loop {
+        tokio::select! {
+            event = &mut event => return Some(event),
+            () = sleep_until(silence.due()) => match silence.measure() {
+                // A full queue of requests has no place, and is no answer either.
+                Measure::Ask => drop(client.try_subscribe(topic.clone(), qos(RobotTopic::Receipt))),
+                Measure::GiveUp => return None,
+            }
         }
     }
 }

@@ -24,6 +24,7 @@ mod random;
 pub mod regulator;
 pub mod robot;
 pub mod scenario;
+mod silence;
 pub mod state;
 
 pub use fleet::{Authorities, Broker, CannotStart, Fleet, RobotHandle};
