@@ -166,8 +166,9 @@ nodelay = true
             nodes.iter().enumerate().map(one).collect::<Vec<_>>().join(", ")
         };
         let cluster = format!(
-            // Without a leader, nodes that start at once found a cluster each.
-            "leader_id = 1\nnode_grpc_addrs = [{}]\nraft_peer_addrs = [{}]\n",
+            // Without a leader, nodes that start at once found a cluster each. A node asks the last node of a client to end its
+            // session before it accepts the client: with the default of 10 s, clients of a node that is cut off give up first.
+            "leader_id = 1\nnode_grpc_client_timeout = \"1s\"\nnode_grpc_addrs = [{}]\nraft_peer_addrs = [{}]\n",
             list(|node| node.grpc),
             list(|node| node.raft)
         );
