@@ -194,7 +194,11 @@ impl Striker<'_> {
                 let node = if victim == Victim::Leader { leader } else { 1 - leader };
                 match deed {
                     Deed::Killed => stage.database.restart(node),
-                    Deed::Frozen => stage.database.freeze(node, false),
+                    // Patroni 3.0.2 may take the lock back when it is continued: docs/postgresql.md.
+                    Deed::Frozen => {
+                        stage.database.kill_patroni(node);
+                        stage.database.restart(node);
+                    }
                     _ => stage.cut_database(node, false),
                 }
             }

@@ -58,16 +58,21 @@ async fn a_leader_a_standby_and_etcd_are_killed_one_after_the_other() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_leader_freezes_and_comes_back() {
-    let cluster = Patroni::start().await;
+    let mut cluster = Patroni::start().await;
     let stage = Stage::start(&cluster.url()).await;
     stage.until_busy(&cluster.connect(0)).await;
     let failed = Instant::now();
     cluster.freeze(0, true);
     stage.taken_over(&cluster, 1, "leader frozen", failed).await;
-    cluster.freeze(0, false);
+    // Patroni 3.0.2 may take the lock back when it is continued: docs/postgresql.md. A watchdog ends it before that.
+    cluster.kill_patroni(0);
+    // It still accepts writes.
+    cluster.until_leader(0).await;
+    stage.until_recorded(&cluster.connect(1)).await;
     let begun = Instant::now();
+    cluster.restart(0);
     cluster.until_replicated().await;
-    println!("the thawed leader replicates after {:.1} s", begun.elapsed().as_secs_f64());
+    println!("the old leader replicates after {:.1} s", begun.elapsed().as_secs_f64());
     assert!(cluster.log(0).contains("pg_rewind: Done!"), "{}", cluster.log(0));
     stage.end(&cluster.connect(1)).await.is_clean();
 }

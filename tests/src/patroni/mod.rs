@@ -10,7 +10,7 @@ use nix::sys::signal::Signal;
 use sqlx::postgres::{PgConnectOptions, PgConnection};
 use sqlx::{ConnectOptions, Executor, Row};
 use tempfile::TempDir;
-use tokio::time::timeout;
+use tokio::time::{sleep, timeout};
 
 use crate::mosquitto::free_port;
 use crate::network::{Network, Place};
@@ -26,6 +26,7 @@ pub const TTL_S: u64 = 5;
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Time limit of a question to a server, which may be frozen.
 const ANSWER: Duration = Duration::from_millis(500);
+const PAUSE: Duration = Duration::from_millis(20);
 
 /// The running cluster, stopped on drop.
 #[derive(Debug)]
@@ -139,10 +140,15 @@ impl Patroni {
     /// `synchronous_mode` until it goes there. If the standby fails between both, Patroni 3.0 does not notice it, and commits
     /// wait until the standby is back.
     pub async fn until_replicated(&self) {
-        until_within(PATIENCE, "a standby", async || {
-            (self.is_replicated().await && self.may_promote().await).then_some(())
-        })
-        .await;
+        let waited = async {
+            while !(self.is_replicated().await && self.may_promote().await) {
+                sleep(PAUSE).await;
+            }
+        };
+        if timeout(PATIENCE, waited).await.is_err() {
+            let logs = [0, 1].map(|node| self.log(node));
+            panic!("timed out waiting for a standby\nlog of node 0:\n{}\nlog of node 1:\n{}", logs[0], logs[1]);
+        }
     }
 
     /// Whether each commit of the leader waits for the other node; without `synchronous_mode` whether it goes there.
@@ -205,6 +211,12 @@ impl Patroni {
     /// Stops all processes of a node with SIGSTOP, or continues them.
     pub fn freeze(&self, node: usize, is_frozen: bool) {
         self.nodes[node].freeze(is_frozen);
+    }
+
+    /// Kills Patroni of a node, and continues its PostgreSQL if that is frozen: a server that accepts writes although another
+    /// one leads. [`Self::restart`] starts Patroni again.
+    pub fn kill_patroni(&mut self, node: usize) {
+        self.nodes[node].kill_patroni();
     }
 
     /// Disconnects node 0 from everything, or connects it again. Needs [`Self::start_with_network`].

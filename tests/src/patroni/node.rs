@@ -92,6 +92,14 @@ impl Node {
         }
     }
 
+    /// Kills Patroni alone, and continues PostgreSQL if it is stopped.
+    pub(super) fn kill_patroni(&mut self) {
+        if let Some(mut patroni) = self.patroni.take() {
+            patroni.kill();
+        }
+        self.freeze(false);
+    }
+
     pub(super) fn freeze(&self, is_frozen: bool) {
         let signal = if is_frozen { Signal::SIGSTOP } else { Signal::SIGCONT };
         if let Some(patroni) = &self.patroni {
