@@ -40,7 +40,11 @@ const ROWS: [(&str, &str, usize); 8] = [
         "1000000 + i, 'big', 'robot-' || i, 'ONLINE', 'm', NOW",
         ROBOTS,
     ),
-    ("arrays(array_id, robot_id, \"array\", array_type)", "1000000 + i, 1000000 + i, 'left', 'TYPE_1'", ROBOTS),
+    (
+        "arrays(array_id, robot_id, \"array\", array_type, whiskers)",
+        "1000000 + i, 1000000 + i, 'left', 'TYPE_1', 24",
+        ROBOTS,
+    ),
     (
         "whiskers(whisker_id, array_id, robot_id, whisker, position, x_mm, y_mm, model, whole_length_mm, \
          nominal_pressure_mpa, pressure_max_mpa, length_mm, length_sd_mm, condition, pressure_mpa, setpoint_mpa, \

@@ -19,6 +19,9 @@ pub(super) async fn write(tx: &mut Tx<'_>, fleet: &str, rows: &Rows<'_>) -> Resu
     }
     ROBOTS.write(tx, rows.robots).await.map_err(failed("write robots"))?;
     WHISKERS.write(tx, rows.whiskers).await.map_err(failed("write whiskers"))?;
+    for layout in rows.layouts {
+        count_whiskers(tx, layout.robot_id).await.map_err(failed("count the whiskers of a layout"))?;
+    }
     write_rollups(tx, rows.rollups).await.map_err(failed("write aggregates of minutes and hours"))?;
     for record in rows.records {
         write_record(tx, fleet, record).await?;
@@ -67,6 +70,20 @@ async fn write_layout(tx: &mut Tx<'_>, layout: &LayoutRow) -> sqlx::Result<()> {
             .map(drop))?;
     }
     Ok(())
+}
+
+/// Counts the whiskers that are on each array of a robot now.
+async fn count_whiskers(tx: &mut Tx<'_>, robot_id: i64) -> sqlx::Result<()> {
+    on!(&mut *tx, |tx| {
+        sqlx::query(
+        "UPDATE arrays SET whiskers = (SELECT count(*) FROM whiskers w WHERE w.array_id = arrays.array_id AND position IS NOT NULL) \
+         WHERE robot_id = $1"
+    )
+    .bind(robot_id)
+    .execute(&mut **tx)
+    .await
+    .map(drop)
+    })
 }
 
 /// Writes one of the rarer rows.

@@ -108,9 +108,8 @@ macro_rules! fleets {
                  LEFT JOIN (SELECT fleet, count(*) AS robots, \
                   count(*) FILTER (WHERE connection = 'ONLINE') AS robots_online FROM robots GROUP BY fleet) r \
                   USING (fleet) \
-                 LEFT JOIN (SELECT fleet, CAST(sum(whiskers) AS BIGINT) AS whiskers FROM robots JOIN (SELECT robot_id, count(*) AS whiskers \
-                  FROM whiskers WHERE position IS NOT NULL GROUP BY robot_id) n USING (robot_id) GROUP BY fleet) n \
-                  USING (fleet) \
+                 LEFT JOIN (SELECT fleet, CAST(sum(whiskers) AS BIGINT) AS whiskers FROM robots JOIN arrays USING (robot_id) \
+                  GROUP BY fleet) n USING (fleet) \
                  LEFT JOIN (SELECT fleet, CAST(sum(whiskers_unsound) AS BIGINT) AS whiskers_unsound, \
                   CAST(sum(whiskers_learning) AS BIGINT) AS whiskers_learning, \
                   CAST(sum(whiskers_worn) AS BIGINT) AS whiskers_worn, \

@@ -167,10 +167,9 @@ pub static ROBOTS: List = List {
         proposal_counts!("r.robot_id"),
         " o ON o.robot_id = r.robot_id"
     ),
-    details: ", (SELECT count(DISTINCT array_id) FROM whiskers w WHERE w.robot_id = q.robot_id AND position IS NOT NULL) \
-              AS arrays, \
-              (SELECT count(*) FROM whiskers w WHERE w.robot_id = q.robot_id AND position IS NOT NULL) AS whiskers, \
-              (SELECT count(*) FROM whiskers w WHERE w.robot_id = q.robot_id AND position IS NOT NULL) \
+    details: ", (SELECT count(*) FROM arrays y WHERE y.robot_id = q.robot_id AND whiskers > 0) AS arrays, \
+              (SELECT CAST(coalesce(sum(whiskers), 0) AS BIGINT) FROM arrays y WHERE y.robot_id = q.robot_id) AS whiskers, \
+              (SELECT CAST(coalesce(sum(whiskers), 0) AS BIGINT) FROM arrays y WHERE y.robot_id = q.robot_id) \
               - whiskers_unsound AS whiskers_healthy",
     keys: &[],
     sorts: RobotSort::SORTS,
@@ -181,7 +180,8 @@ pub static ROBOTS: List = List {
 pub static ARRAYS: List = List {
     what: "list the arrays",
     select: concat!(
-        "SELECT y.array_id, fleet, robot, \"array\", array_type, connection, \
+        "SELECT y.array_id, fleet, robot, \"array\", array_type, connection, y.whiskers, \
+         y.whiskers - coalesce(whiskers_unsound, 0) AS whiskers_healthy, \
          coalesce(whiskers_unsound, 0) AS whiskers_unsound, \
          coalesce(whiskers_learning, 0) AS whiskers_learning, coalesce(whiskers_worn, 0) AS whiskers_worn, \
          coalesce(whiskers_compensated, 0) AS whiskers_compensated, \
@@ -194,11 +194,9 @@ pub static ARRAYS: List = List {
         " w ON w.array_id = y.array_id LEFT JOIN ",
         alarm_counts!("w.array_id"),
         " a ON a.array_id = y.array_id \
-         WHERE EXISTS (SELECT 1 FROM whiskers w WHERE w.array_id = y.array_id AND position IS NOT NULL)"
+         WHERE y.whiskers > 0"
     ),
-    details: ", (SELECT count(*) FROM whiskers w WHERE w.array_id = q.array_id AND position IS NOT NULL) AS whiskers, \
-              (SELECT count(*) FROM whiskers w WHERE w.array_id = q.array_id AND position IS NOT NULL) \
-              - whiskers_unsound AS whiskers_healthy",
+    details: "",
     keys: &[],
     sorts: ArraySort::SORTS,
     id: "array_id",
