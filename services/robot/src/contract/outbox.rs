@@ -23,6 +23,8 @@ pub struct Outbox {
     messages: BTreeMap<u64, Kept>,
     /// (time of the last transmission, seq) of each message, to find the next one to send again.
     by_sent: BTreeSet<(u64, u64)>,
+    /// Bytes of the stored messages.
+    bytes: usize,
     backoff_us: u64,
     /// Time of the last window, if no receipt has covered anything since.
     unanswered_since_us: Option<u64>,
@@ -53,6 +55,7 @@ impl Outbox {
             backoff_max_us,
             messages: BTreeMap::new(),
             by_sent: BTreeSet::new(),
+            bytes: 0,
             backoff_us: BACKOFF_START_US,
             unanswered_since_us: None,
             dropped: 0,
@@ -63,15 +66,23 @@ impl Outbox {
     /// Stores a message that is sent now; `None` if not connected, so that it is due at the next chance.
     pub fn keep(&mut self, seq: u64, payload: Vec<u8>, sent_us: Option<u64>) {
         let sent_us = sent_us.unwrap_or(0);
+        self.bytes += payload.len();
         self.messages.insert(seq, Kept { payload, sent_us });
         self.by_sent.insert((sent_us, seq));
         while self.messages.len() > self.most {
-            let Some((oldest, kept)) = self.messages.pop_first() else {
-                return;
-            };
-            self.by_sent.remove(&(kept.sent_us, oldest));
-            self.dropped += 1;
+            self.drop_oldest();
         }
+    }
+
+    /// Drops the oldest message and counts it, because there is no room. Returns whether there was one.
+    pub fn drop_oldest(&mut self) -> bool {
+        let Some((oldest, kept)) = self.messages.pop_first() else {
+            return false;
+        };
+        self.by_sent.remove(&(kept.sent_us, oldest));
+        self.bytes -= kept.payload.len();
+        self.dropped += 1;
+        true
     }
 
     /// Removes the messages that a receipt covers.
@@ -85,6 +96,7 @@ impl Outbox {
         }
         for (seq, kept) in covered {
             self.by_sent.remove(&(kept.sent_us, seq));
+            self.bytes -= kept.payload.len();
             self.newest_covered = self.newest_covered.max(Some(seq));
         }
         if self.messages.len() < before {
@@ -137,6 +149,17 @@ impl Outbox {
     #[must_use]
     pub fn len(&self) -> usize {
         self.messages.len()
+    }
+
+    /// Bytes of the stored messages.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    /// The stored messages with their numbers, the oldest first.
+    pub fn messages(&self) -> impl Iterator<Item = (u64, &[u8])> {
+        self.messages.iter().map(|(&seq, kept)| (seq, &kept.payload[..]))
     }
 
     /// Whether no message is stored.

@@ -47,6 +47,24 @@ impl Voice {
         Self { boot_id, connection: 0, factsheet: 0, contacts: 0, status: 0, setpoint_state: 0, test_state: 0 }
     }
 
+    /// The voice of an earlier boot, which has sent so many births and factsheets, and whose other topics are silent.
+    #[must_use]
+    pub fn earlier(boot_id: BootId, births: u64, factsheets: u64) -> Self {
+        Self { connection: 2 * births, factsheet: factsheets, ..Self::new(boot_id) }
+    }
+
+    /// Number of births of this boot.
+    #[must_use]
+    pub fn births(&self) -> u64 {
+        self.connection / 2
+    }
+
+    /// Number of factsheets of this boot.
+    #[must_use]
+    pub fn factsheets(&self) -> u64 {
+        self.factsheet
+    }
+
     /// The same numbers in another boot. Only for a robot that shall break the contract on purpose: each boot counts from 0.
     #[must_use]
     pub fn counting_on(self, boot_id: BootId) -> Self {
