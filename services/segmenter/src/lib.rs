@@ -1,0 +1,1 @@
+//! Contacts from the strain of a whisker.
