@@ -16,7 +16,8 @@ static MAKING: Mutex<()> = Mutex::new(());
 #[must_use]
 pub fn environment(requirements: &str, target: &str) -> PathBuf {
     let _making = MAKING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let folder = Path::new(target).join(format!("venv-{requirements}"));
+    let name = Path::new(requirements).file_name().and_then(|name| name.to_str()).expect("a file");
+    let folder = Path::new(target).join(format!("venv-{name}"));
     let programs = folder.join("bin");
     let requirements = Path::new(env!("CARGO_MANIFEST_DIR")).join(requirements);
     let (wanted, made) = (fs::read_to_string(&requirements).expect("requirements"), folder.join("made-for"));
@@ -28,6 +29,25 @@ pub fn environment(requirements: &str, target: &str) -> PathBuf {
         fs::write(made, wanted).expect("a mark");
     }
     programs
+}
+
+/// The same; `None`, with a line on standard error, if no environment exists yet and the packages cannot be fetched.
+#[must_use]
+pub fn environment_if_reachable(requirements: &str, target: &str) -> Option<PathBuf> {
+    let probe = ["-m", "pip", "download", "--quiet", "--no-input", "--no-deps", "--retries=1", "--timeout=10"];
+    let name = Path::new(requirements).file_name()?.to_str()?;
+    let is_made = Path::new(target).join(format!("venv-{name}")).join("made-for").exists();
+    let is_reachable = is_made || {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut pip = Command::new("python3");
+        pip.args(probe).arg("--dest").arg(folder.path()).arg("typing_extensions==4.16.0");
+        pip.output().is_ok_and(|output| output.status.success())
+    };
+    if !is_reachable {
+        eprintln!("skipped: {name}: the packages cannot be fetched");
+        return None;
+    }
+    Some(environment(requirements, target))
 }
 
 fn run(command: &mut Command) {

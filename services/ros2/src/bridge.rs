@@ -1,0 +1,204 @@
+//! The bridge between the agent and ROS, without clock and network: `step(now, input)` returns what to send.
+
+use std::collections::BTreeMap;
+
+use ros2_client::builtin_interfaces::Time;
+
+use crate::health::{self, Counts};
+use crate::messages::{Contact, DiagnosticArray, FluidPressure, Header};
+use crate::units::{Pressures, line_of};
+use crate::whisker::Whisker;
+use crate::words::{Estimate, FromAgent, LINE_MAX, Named, ToAgent, VERSION};
+
+/// Most whiskers of a robot: each has two topics.
+pub const WHISKERS_MAX: usize = 256;
+/// Interval of reports on `/diagnostics`, seconds.
+const REPORT_EVERY_S: f64 = 1.0;
+
+/// What happens to the bridge.
+#[derive(Debug)]
+pub enum Input {
+    /// A line from the agent, or the reason why none could be read.
+    Line(Result<String, String>),
+    /// A contact, or the reason why it cannot be decoded.
+    Contact(Result<Contact, String>),
+    /// A reading of a whisker's chamber, by its index in the agent's `hello`, or the reason why it cannot be decoded.
+    Pressure(usize, Result<FluidPressure, String>),
+    /// Messages that came faster than the bridge can pass them on.
+    Shed(u64),
+    /// Time has passed.
+    Tick,
+}
+
+/// What the bridge does.
+#[derive(Debug, PartialEq)]
+pub enum Output {
+    /// Sends a line to the agent.
+    Line(ToAgent),
+    /// Opens the topics of these whiskers.
+    Open(Vec<Named>),
+    /// Publishes the setpoint of a whisker, by index.
+    Setpoint(usize, FluidPressure),
+    /// Publishes a report.
+    Report(DiagnosticArray),
+    /// Logs a problem.
+    Log(String),
+    /// Ends the program; the agent starts it again.
+    Stop(String),
+}
+
+/// Settings of the bridge.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// Name of the robot in reports.
+    pub robot: String,
+    /// Meaning of pressures in ROS messages.
+    pub pressures: Pressures,
+}
+
+/// The state of the bridge.
+#[derive(Debug)]
+pub struct Bridge {
+    settings: Settings,
+    whiskers: Vec<Whisker>,
+    index: BTreeMap<(String, u16), usize>,
+    counts: Counts,
+    reported_at_s: f64,
+}
+
+impl Bridge {
+    /// A bridge that knows no whiskers yet, and its first line.
+    #[must_use]
+    pub fn new(settings: Settings) -> (Self, Output) {
+        let hello = ToAgent::Hello { version: VERSION, name: "vibrissa-ros2".to_owned() };
+        let bridge = Self {
+            settings,
+            whiskers: Vec::new(),
+            index: BTreeMap::new(),
+            counts: Counts::default(),
+            reported_at_s: f64::NEG_INFINITY,
+        };
+        (bridge, Output::Line(hello))
+    }
+
+    /// Handles an input. `now_s` is a clock that never goes back; `stamp` is the time for ROS.
+    pub fn step(&mut self, now_s: f64, stamp: Time, input: Input) -> Vec<Output> {
+        let outputs = match input {
+            Input::Line(line) => self.line(now_s, line),
+            Input::Contact(contact) => self.contact(contact),
+            Input::Pressure(index, reading) => self.pressure(now_s, index, reading),
+            Input::Shed(count) => {
+                self.counts.shed += count;
+                Ok(Vec::new())
+            }
+            Input::Tick => Ok(self.tick(now_s, stamp)),
+        };
+        outputs.unwrap_or_else(|problem| {
+            self.counts.refuse(&problem);
+            vec![Output::Log(problem)]
+        })
+    }
+
+    fn line(&mut self, now_s: f64, line: Result<String, String>) -> Result<Vec<Output>, String> {
+        let line = line?;
+        if line.len() > LINE_MAX {
+            return Err(format!("the agent sent a line of more than {LINE_MAX} bytes"));
+        }
+        let word =
+            serde_json::from_str(&line).map_err(|problem| format!("the agent sent an unreadable line: {problem}"))?;
+        match word {
+            FromAgent::Hello { version, whiskers } => Ok(self.hello(now_s, version, whiskers)),
+            FromAgent::SetPressure { array, whisker, pressure_mpa, slew_mpa_per_s } => {
+                let index = self.find(&array, whisker)?;
+                self.whiskers[index].command(now_s, pressure_mpa, slew_mpa_per_s)?;
+                Ok(Vec::new())
+            }
+            FromAgent::Valve {} => Err("the agent pulses valves: set regulate = false for a ROS robot".to_owned()),
+            FromAgent::Test { test_id } => {
+                let failed = ToAgent::TestState { test_id, state: "FAILED" };
+                Ok(vec![Output::Line(failed), Output::Log("touch tests are not bridged: none was done".to_owned())])
+            }
+            FromAgent::Estimate(estimate) => self.estimate(estimate),
+            FromAgent::Error { problem } => Err(format!("the agent refused a line: {problem}")),
+            FromAgent::Other => Ok(Vec::new()),
+        }
+    }
+
+    fn hello(&mut self, now_s: f64, version: u32, whiskers: Vec<Named>) -> Vec<Output> {
+        if version != VERSION {
+            return vec![Output::Stop(format!(
+                "the agent speaks version {version} of the interface, this program {VERSION}"
+            ))];
+        }
+        let known = |whisker: &Named| self.index.contains_key(&(whisker.array.clone(), whisker.whisker));
+        if !self.whiskers.is_empty() {
+            // The agent says hello at the start and again as an answer.
+            let is_same = whiskers.len() == self.whiskers.len() && whiskers.iter().all(known);
+            let stop = || Output::Stop("the robot has other whiskers now: starting anew".to_owned());
+            return if is_same { Vec::new() } else { vec![stop()] };
+        }
+        if whiskers.len() > WHISKERS_MAX {
+            let many = whiskers.len();
+            return vec![Output::Stop(format!("the robot has {many} whiskers; this program carries {WHISKERS_MAX}"))];
+        }
+        self.index =
+            whiskers.iter().enumerate().map(|(index, one)| ((one.array.clone(), one.whisker), index)).collect();
+        if self.index.len() != whiskers.len() {
+            return vec![Output::Stop("the agent names a whisker twice".to_owned())];
+        }
+        self.whiskers = whiskers.iter().cloned().map(|named| Whisker::new(now_s, named)).collect();
+        vec![Output::Open(whiskers)]
+    }
+
+    fn estimate(&mut self, estimate: Estimate) -> Result<Vec<Output>, String> {
+        let index = self.find(&estimate.array, estimate.whisker)?;
+        self.whiskers[index].estimate = Some(estimate);
+        Ok(Vec::new())
+    }
+
+    fn find(&self, array: &str, whisker: u16) -> Result<usize, String> {
+        let found = self.index.get(&(array.to_owned(), whisker)).copied();
+        found.ok_or_else(|| format!("no whisker {array:.64}/{whisker}: the robot's agent.toml names its whiskers"))
+    }
+
+    fn contact(&mut self, contact: Result<Contact, String>) -> Result<Vec<Output>, String> {
+        let contact = contact.map_err(|problem| format!("an unreadable contact: {problem}"))?;
+        self.find(&contact.array, contact.whisker)?;
+        let line = line_of(contact)?;
+        self.counts.contacts += 1;
+        Ok(vec![Output::Line(ToAgent::Contact(line))])
+    }
+
+    fn pressure(
+        &mut self,
+        now_s: f64,
+        index: usize,
+        reading: Result<FluidPressure, String>,
+    ) -> Result<Vec<Output>, String> {
+        let reading = reading.map_err(|problem| format!("an unreadable pressure: {problem}"))?;
+        let whisker = self.whiskers.get_mut(index).ok_or("a pressure of an unknown whisker")?;
+        let pressure_mpa = self.settings.pressures.gauge_mpa(reading.fluid_pressure);
+        let pressure_mpa = pressure_mpa.map_err(|problem| format!("{}: {problem}", whisker.name()))?;
+        self.counts.pressures += 1;
+        Ok(whisker.read(now_s, pressure_mpa).map(Output::Line).into_iter().collect())
+    }
+
+    fn tick(&mut self, now_s: f64, stamp: Time) -> Vec<Output> {
+        let mut outputs = Vec::new();
+        for (index, whisker) in self.whiskers.iter_mut().enumerate() {
+            outputs.extend(whisker.silence(now_s).map(Output::Line));
+            if let Some(pressure_mpa) = whisker.setpoint(now_s) {
+                let header = Header { stamp, frame_id: whisker.name() };
+                let fluid_pressure = self.settings.pressures.pa(pressure_mpa);
+                outputs.push(Output::Setpoint(index, FluidPressure { header, fluid_pressure, variance: 0.0 }));
+            }
+        }
+        if now_s - self.reported_at_s >= REPORT_EVERY_S {
+            self.reported_at_s = now_s;
+            let header = Header { stamp, frame_id: String::new() };
+            let status = health::report(&self.settings.robot, now_s, &self.whiskers, &self.counts);
+            outputs.push(Output::Report(DiagnosticArray { header, status }));
+        }
+        outputs
+    }
+}

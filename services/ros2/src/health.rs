@@ -1,0 +1,74 @@
+//! Reports for `/diagnostics`: a status for each whisker, and one for the bridge.
+
+use crate::messages::{DiagnosticStatus, KeyValue, Level};
+use crate::whisker::Whisker;
+
+/// Longest text of a problem in a report, in characters.
+const PROBLEM_MAX: usize = 200;
+
+/// What the bridge has passed on and refused since its start.
+#[derive(Debug, Default)]
+pub(crate) struct Counts {
+    pub(crate) contacts: u64,
+    pub(crate) pressures: u64,
+    /// Messages that came too fast.
+    pub(crate) shed: u64,
+    refused: u64,
+    last_problem: String,
+}
+
+impl Counts {
+    pub(crate) fn refuse(&mut self, problem: &str) {
+        self.refused += 1;
+        self.last_problem = problem.chars().take(PROBLEM_MAX).collect();
+    }
+}
+
+fn pair(key: &str, value: impl ToString) -> KeyValue {
+    KeyValue { key: key.to_owned(), value: value.to_string() }
+}
+
+fn number(key: &str, value: Option<f64>) -> Option<KeyValue> {
+    value.map(|value| pair(key, format!("{value:.4}")))
+}
+
+fn of_whisker(robot: &str, now_s: f64, whisker: &Whisker) -> DiagnosticStatus {
+    let pressure_mpa = whisker.pressure_mpa(now_s);
+    let condition = whisker.estimate.as_ref().map(|estimate| estimate.condition.as_str());
+    let (level, message) = match (pressure_mpa, condition) {
+        (None, _) => (Level::Stale, "no pressure readings".to_owned()),
+        (Some(_), None) => (Level::Ok, "no estimate yet".to_owned()),
+        (Some(_), Some(condition @ ("HEALTHY" | "LEARNING"))) => (Level::Ok, condition.to_lowercase()),
+        (Some(_), Some(condition)) => (Level::Warn, condition.to_lowercase().replace('_', " ")),
+    };
+    let estimate = whisker.estimate.as_ref();
+    let numbers = [
+        number("pressure_mpa", pressure_mpa),
+        number("setpoint_mpa", whisker.setpoint_mpa()),
+        number("length_mm", estimate.map(|estimate| estimate.length_mm)),
+        number("length_low_mm", estimate.map(|estimate| estimate.length_low_mm)),
+        number("length_high_mm", estimate.map(|estimate| estimate.length_high_mm)),
+    ];
+    let values = numbers.into_iter().flatten().chain(condition.map(|condition| pair("condition", condition))).collect();
+    let name = format!("vibrissa: {}", whisker.name());
+    DiagnosticStatus { level: level as u8, name, message, hardware_id: robot.to_owned(), values }
+}
+
+/// The statuses of all whiskers and of the bridge.
+pub(crate) fn report(robot: &str, now_s: f64, whiskers: &[Whisker], counts: &Counts) -> Vec<DiagnosticStatus> {
+    let (level, message) = match (whiskers.is_empty(), counts.refused + counts.shed) {
+        (true, _) => (Level::Error, "the agent has not named its whiskers".to_owned()),
+        (false, 0) => (Level::Ok, "all messages passed on".to_owned()),
+        (false, lost) => (Level::Warn, format!("{lost} messages refused or shed since the start")),
+    };
+    let values = vec![
+        pair("contacts", counts.contacts),
+        pair("pressures", counts.pressures),
+        pair("refused", counts.refused),
+        pair("shed", counts.shed),
+        pair("last_problem", &counts.last_problem),
+    ];
+    let name = "vibrissa: bridge".to_owned();
+    let bridge = DiagnosticStatus { level: level as u8, name, message, hardware_id: robot.to_owned(), values };
+    std::iter::once(bridge).chain(whiskers.iter().map(|whisker| of_whisker(robot, now_s, whisker))).collect()
+}

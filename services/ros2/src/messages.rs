@@ -1,0 +1,89 @@
+//! The ROS messages, with their fields in the order of their `.msg` files: CDR has no names.
+
+use ros2_client::builtin_interfaces::Time;
+use serde::{Deserialize, Serialize};
+
+/// `std_msgs/msg/Header`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// Time of the data.
+    pub stamp: Time,
+    /// Frame of the sensor.
+    pub frame_id: String,
+}
+
+/// `vibrissa_msgs/msg/Contact`: `ros2/vibrissa_msgs/msg/Contact.msg` explains the fields.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the file explains them")]
+pub struct Contact {
+    pub header: Header,
+    pub array: String,
+    pub whisker: u16,
+    pub deflection_m: f64,
+    pub strain: f64,
+    pub place: u8,
+    pub distance_m: f64,
+    pub distance_sd_m: f64,
+    pub ratio: f64,
+    pub ratio_sd: f64,
+    pub test_id: String,
+    pub missed: bool,
+}
+
+/// `sensor_msgs/msg/FluidPressure`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FluidPressure {
+    /// Time, and the whisker as array/number.
+    pub header: Header,
+    /// Pressure, Pa.
+    pub fluid_pressure: f64,
+    /// Variance, Pa²; 0 if unknown.
+    pub variance: f64,
+}
+
+/// `diagnostic_msgs/msg/KeyValue`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct KeyValue {
+    /// Name, with its unit.
+    pub key: String,
+    /// Value as text.
+    pub value: String,
+}
+
+/// Levels of `diagnostic_msgs/msg/DiagnosticStatus`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Level {
+    /// All is well.
+    Ok = 0,
+    /// Somebody should look at it.
+    Warn = 1,
+    /// It does not work.
+    Error = 2,
+    /// Nothing is known of it now.
+    Stale = 3,
+}
+
+/// `diagnostic_msgs/msg/DiagnosticStatus`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DiagnosticStatus {
+    /// A [`Level`].
+    pub level: u8,
+    /// Component.
+    pub name: String,
+    /// Summary.
+    pub message: String,
+    /// Name of the robot.
+    pub hardware_id: String,
+    /// Details.
+    pub values: Vec<KeyValue>,
+}
+
+/// `diagnostic_msgs/msg/DiagnosticArray`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DiagnosticArray {
+    /// Time of the report.
+    pub header: Header,
+    /// A status for each whisker, and one for the bridge.
+    pub status: Vec<DiagnosticStatus>,
+}

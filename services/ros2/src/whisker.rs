@@ -1,0 +1,138 @@
+//! A whisker: its readings, and the setpoint that moves towards the agent's pressure.
+
+use crate::words::{Estimate, Named, ToAgent};
+
+/// Age from which a reading no longer counts, seconds. The agent wants one each second.
+const READING_STALE_S: f64 = 3.0;
+/// Age from which a command no longer counts, seconds. The agent repeats it every 2 s.
+const COMMAND_STALE_S: f64 = 10.0;
+/// Shortest interval of readings for the agent, seconds; those between are left out.
+const READING_EVERY_S: f64 = 0.05;
+/// Interval of reports of a silence, seconds.
+const SILENCE_EVERY_S: f64 = 2.0;
+/// Interval in which an unchanged setpoint is repeated, so that a board can vent if it hears none, seconds.
+const REPEAT_S: f64 = 1.0;
+/// Smallest change that is published at once, MPa.
+const CHANGE_MPA: f64 = 1e-6;
+
+#[derive(Debug, Clone, Copy)]
+struct Timed<T> {
+    at_s: f64,
+    value: T,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Command {
+    pressure_mpa: f64,
+    slew_mpa_per_s: f64,
+}
+
+/// A whisker of the robot.
+#[derive(Debug)]
+pub(crate) struct Whisker {
+    named: Named,
+    opened_at_s: f64,
+    reading: Option<Timed<f64>>,
+    passed_on_at_s: f64,
+    command: Option<Timed<Command>>,
+    /// The setpoint on its way, and when it was computed.
+    moving: Option<Timed<f64>>,
+    published: Option<Timed<f64>>,
+    /// When the silence was last reported; `None` while readings come.
+    silent_at_s: Option<f64>,
+    pub(crate) estimate: Option<Estimate>,
+}
+
+impl Whisker {
+    pub(crate) fn new(now_s: f64, named: Named) -> Self {
+        Self {
+            named,
+            opened_at_s: now_s,
+            reading: None,
+            passed_on_at_s: f64::NEG_INFINITY,
+            command: None,
+            moving: None,
+            published: None,
+            silent_at_s: None,
+            estimate: None,
+        }
+    }
+
+    /// Its place: array/number.
+    pub(crate) fn name(&self) -> String {
+        format!("{}/{}", self.named.array, self.named.whisker)
+    }
+
+    /// The newest reading, MPa, unless it is old.
+    pub(crate) fn pressure_mpa(&self, now_s: f64) -> Option<f64> {
+        self.reading.filter(|reading| now_s - reading.at_s < READING_STALE_S).map(|reading| reading.value)
+    }
+
+    /// The last published setpoint, MPa.
+    pub(crate) fn setpoint_mpa(&self) -> Option<f64> {
+        self.published.map(|published| published.value)
+    }
+
+    /// Takes a command of the agent.
+    pub(crate) fn command(&mut self, now_s: f64, pressure_mpa: f64, slew_mpa_per_s: f64) -> Result<(), String> {
+        let max_mpa = self.named.pressure_max_mpa;
+        if !(0.0..=max_mpa).contains(&pressure_mpa) {
+            return Err(format!(
+                "{}: the agent commands {pressure_mpa} MPa; allowed are 0 to {max_mpa} MPa",
+                self.name()
+            ));
+        }
+        if !(slew_mpa_per_s.is_finite() && slew_mpa_per_s > 0.0) {
+            return Err(format!("{}: the agent commands a slew of {slew_mpa_per_s} MPa/s", self.name()));
+        }
+        self.command = Some(Timed { at_s: now_s, value: Command { pressure_mpa, slew_mpa_per_s } });
+        Ok(())
+    }
+
+    /// Takes a reading; returns the line for the agent, unless one has just been sent.
+    pub(crate) fn read(&mut self, now_s: f64, pressure_mpa: f64) -> Option<ToAgent> {
+        self.reading = Some(Timed { at_s: now_s, value: pressure_mpa });
+        let has_returned = self.silent_at_s.take().is_some();
+        if !has_returned && now_s - self.passed_on_at_s < READING_EVERY_S {
+            return None;
+        }
+        self.passed_on_at_s = now_s;
+        let (array, whisker) = (self.named.array.clone(), self.named.whisker);
+        Some(ToAgent::Pressure { array, whisker, pressure_mpa, regulator: has_returned.then_some("OK") })
+    }
+
+    /// The fault to report while readings do not come. It is repeated: the agent must not take this driver for silent.
+    pub(crate) fn silence(&mut self, now_s: f64) -> Option<ToAgent> {
+        let heard_at_s = self.reading.map_or(self.opened_at_s, |reading| reading.at_s);
+        let is_due = self.silent_at_s.is_none_or(|at_s| now_s - at_s >= SILENCE_EVERY_S);
+        if now_s - heard_at_s < READING_STALE_S || !is_due {
+            return None;
+        }
+        self.silent_at_s = Some(now_s);
+        let (array, whisker) = (self.named.array.clone(), self.named.whisker);
+        Some(ToAgent::Fault { array, whisker, regulator: "FAULT" })
+    }
+
+    /// The setpoint to publish now, MPa. It moves from the measured pressure to the commanded one, as fast as the
+    /// command allows. Without a fresh reading or a fresh command there is none: a board that hears none vents.
+    pub(crate) fn setpoint(&mut self, now_s: f64) -> Option<f64> {
+        let command = self.command.filter(|command| now_s - command.at_s < COMMAND_STALE_S);
+        let (Some(command), Some(reading_mpa)) = (command, self.pressure_mpa(now_s)) else {
+            self.moving = None;
+            return None;
+        };
+        let command = command.value;
+        let begun = Timed { at_s: now_s, value: reading_mpa.clamp(0.0, self.named.pressure_max_mpa) };
+        let from = self.moving.unwrap_or(begun);
+        let step_mpa = command.slew_mpa_per_s * (now_s - from.at_s).max(0.0);
+        let setpoint_mpa = from.value + (command.pressure_mpa - from.value).clamp(-step_mpa, step_mpa);
+        self.moving = Some(Timed { at_s: now_s, value: setpoint_mpa });
+        let is_due = self.published.is_none_or(|published| {
+            (published.value - setpoint_mpa).abs() >= CHANGE_MPA || now_s - published.at_s >= REPEAT_S
+        });
+        is_due.then(|| {
+            self.published = Some(Timed { at_s: now_s, value: setpoint_mpa });
+            setpoint_mpa
+        })
+    }
+}

@@ -1,0 +1,154 @@
+//! The words of the driver interface, version 1: JSON, one object per line, on standard input and output.
+
+use serde::{Deserialize, Serialize};
+
+/// Version of the interface.
+pub const VERSION: u32 = 1;
+/// Longest line, in bytes.
+pub const LINE_MAX: usize = 64 * 1024;
+
+/// A whisker in the agent's `hello`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Named {
+    /// Name of the array.
+    pub array: String,
+    /// Number of the whisker in its array.
+    pub whisker: u16,
+    /// Highest pressure, MPa.
+    pub pressure_max_mpa: f64,
+}
+
+/// What the supervisor knows of a whisker.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Estimate {
+    /// Name of the array.
+    pub array: String,
+    /// Number of the whisker in its array.
+    pub whisker: u16,
+    /// Estimated length, mm.
+    pub length_mm: f64,
+    /// Lower bound of the 95 % interval, mm.
+    pub length_low_mm: f64,
+    /// Upper bound of the 95 % interval, mm.
+    pub length_high_mm: f64,
+    /// Condition, such as HEALTHY.
+    pub condition: String,
+}
+
+/// A line from the agent.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum FromAgent {
+    /// The first line, and the answer to ours.
+    Hello {
+        /// Version of the interface.
+        version: u32,
+        /// All whiskers of the robot.
+        whiskers: Vec<Named>,
+    },
+    /// Hold this pressure.
+    SetPressure {
+        /// Name of the array.
+        array: String,
+        /// Number of the whisker in its array.
+        whisker: u16,
+        /// Gauge pressure, MPa.
+        pressure_mpa: f64,
+        /// Greatest change of pressure, MPa/s.
+        slew_mpa_per_s: f64,
+    },
+    /// A pulse of a valve: only for boards without a regulator.
+    Valve {},
+    /// Do a touch test.
+    Test {
+        /// Identifier of the test.
+        test_id: String,
+    },
+    /// The newest estimate of a whisker.
+    Estimate(Estimate),
+    /// The agent refused a line of ours.
+    Error {
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A word of a later version.
+    #[serde(other)]
+    Other,
+}
+
+/// A line to the agent.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum ToAgent {
+    /// The first line.
+    Hello {
+        /// Version of the interface.
+        version: u32,
+        /// Name of the driver.
+        name: String,
+    },
+    /// A contact.
+    Contact(ContactLine),
+    /// A reading of a chamber.
+    Pressure {
+        /// Name of the array.
+        array: String,
+        /// Number of the whisker in its array.
+        whisker: u16,
+        /// Gauge pressure, MPa.
+        pressure_mpa: f64,
+        /// Set to `OK` when readings return.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        regulator: Option<&'static str>,
+    },
+    /// A change of condition.
+    Fault {
+        /// Name of the array.
+        array: String,
+        /// Number of the whisker in its array.
+        whisker: u16,
+        /// State of the regulator.
+        regulator: &'static str,
+    },
+    /// Progress of a touch test.
+    TestState {
+        /// Identifier of the test.
+        test_id: String,
+        /// Always `FAILED`.
+        state: &'static str,
+    },
+}
+
+/// A contact, as a line.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ContactLine {
+    /// Name of the array.
+    pub array: String,
+    /// Number of the whisker in its array.
+    pub whisker: u16,
+    /// Deflection, mm.
+    pub deflection_mm: f64,
+    /// Strain of the gauge.
+    pub strain: f64,
+    /// Distance from the base, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance_mm: Option<f64>,
+    /// Standard deviation of the distance, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance_sd_mm: Option<f64>,
+    /// Contact ratio.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio: Option<f64>,
+    /// Standard deviation of the ratio.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio_sd: Option<f64>,
+    /// Whether the tip touched.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tip: Option<bool>,
+    /// Identifier of the touch test to which the contact belongs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub test_id: Option<String>,
+    /// False for a touch that did not come.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub touched: Option<bool>,
+}

@@ -1,0 +1,108 @@
+//! Contacts and pressures come from ROS, setpoints and reports go to it, and bad messages are counted.
+
+use serde_json::{Value, json};
+
+use crate::stage::{Stage, Talking};
+
+const ATMOSPHERE_PA: f64 = 101_325.0;
+const HELLO: &str = r#"{"type":"hello","version":1,"whiskers":[{"array":"left-front","whisker":0,"pressure_mpa":0.1,"pressure_max_mpa":0.2},{"array":"left-front","whisker":1,"pressure_mpa":0.1,"pressure_max_mpa":0.2}]}"#;
+
+fn is(line: &Value, kind: &str, whisker: u16) -> bool {
+    line["type"] == kind && line["array"] == "left-front" && line["whisker"] == whisker
+}
+
+fn set_pressure(bridge: &mut Talking, pressure_mpa: f64) {
+    let line = json!({"type": "set_pressure", "array": "left-front", "whisker": 0, "pressure_mpa": pressure_mpa,
+        "slew_mpa_per_s": 0.05});
+    bridge.say(&line.to_string());
+}
+
+/// Value of a key in the status of a component.
+fn reported<'a>(line: &'a Value, component: &str, key: &str) -> Option<&'a str> {
+    line["report"][component][3][key].as_str()
+}
+
+#[test]
+fn contacts_pressures_setpoints_and_reports_cross_the_bridge() {
+    let Some(stage) = Stage::make(41) else { return };
+    let mut bridge = stage.bridge(&["--pressures", "absolute"]);
+    bridge
+        .hear("hello", |line| (line == &json!({"type": "hello", "version": 1, "name": "vibrissa-ros2"})).then_some(()));
+    bridge.say(HELLO);
+    let peer = stage.peer(&[]);
+    let contact = bridge.hear("contact", |line| is(line, "contact", 0).then(|| line.clone()));
+    assert_eq!((&contact["deflection_mm"], &contact["strain"]), (&json!(2.0), &json!(0.0123)));
+    assert_eq!((&contact["distance_mm"], &contact["distance_sd_mm"]), (&json!(50.0), &json!(0.5)));
+    let reading =
+        bridge.hear("pressure", |line| is(line, "pressure", 0).then(|| line["pressure_mpa"].as_f64().unwrap()));
+    assert!((reading - 0.05).abs() < 1e-9, "{reading}");
+    // The other whisker is silent, which must not pass as good health.
+    bridge.hear("fault of the silent whisker", |line| is(line, "fault", 1).then_some(()));
+
+    set_pressure(&mut bridge, 0.08);
+    let mut setpoints: Vec<f64> = Vec::new();
+    peer.hear("setpoint", |line| {
+        setpoints.extend(line["setpoint_pa"].as_f64().map(|pa| (pa - ATMOSPHERE_PA) * 1e-6));
+        assert!(line["frame_id"].is_null() || line["frame_id"] == "left-front/0", "{line}");
+        setpoints.last().is_some_and(|last| (last - 0.08).abs() < 1e-6).then_some(())
+    });
+    // 0.03 MPa at 0.05 MPa/s: not in one step, and never beyond.
+    assert!(setpoints.len() > 3 && setpoints.is_sorted(), "{setpoints:?}");
+    assert!((0.05 - 1e-6..0.06).contains(&setpoints[0]), "{setpoints:?}");
+    bridge.hear("the new pressure", |line| {
+        let pressure = is(line, "pressure", 0).then(|| line["pressure_mpa"].as_f64().unwrap())?;
+        ((pressure - 0.08).abs() < 1e-6).then_some(())
+    });
+
+    let estimate = json!({"type": "estimate", "array": "left-front", "whisker": 0, "length_mm": 54.2,
+        "length_low_mm": 53.1, "length_high_mm": 55.3, "condition": "TRIMMED", "gain": []});
+    bridge.say(&estimate.to_string());
+    let report = peer.hear("a report of the cut", |line| {
+        (line["report"]["vibrissa: left-front/0"][1] == "trimmed").then(|| line.clone())
+    });
+    assert_eq!(report["report"]["vibrissa: left-front/0"][0], 1);
+    assert_eq!(report["report"]["vibrissa: left-front/0"][2], "crawler");
+    assert_eq!(reported(&report, "vibrissa: left-front/0", "length_mm"), Some("54.2000"));
+    assert_eq!(reported(&report, "vibrissa: left-front/0", "setpoint_mpa"), Some("0.0800"));
+    assert_eq!(report["report"]["vibrissa: left-front/1"][0], 3, "{report}");
+
+    drop(peer);
+    bridge.hear("fault of a robot that is gone", |line| is(line, "fault", 0).then_some(()));
+    bridge.hang_up();
+    assert!(bridge.child.wait().unwrap().success());
+}
+
+#[test]
+fn bad_messages_are_counted_and_stop_nothing() {
+    let Some(stage) = Stage::make(42) else { return };
+    let mut bridge = stage.bridge(&["--pressures", "absolute"]);
+    bridge.say("nonsense");
+    bridge.say(&format!("{{\"type\":\"{}\"}}", "x".repeat(70_000)));
+    bridge.say(HELLO);
+    let short = stage.peer(&["short"]);
+    let peer = stage.peer(&[]);
+    let refused = |line: &Value| reported(line, "vibrissa: bridge", "refused")?.parse::<u64>().ok();
+    let is_named = |line: &Value, text: &str| {
+        reported(line, "vibrissa: bridge", "last_problem").is_some_and(|problem| problem.contains(text)).then_some(())
+    };
+    // The two lines, and then contacts that end too early or have no strain.
+    peer.hear("refusals", |line| (refused(line)? >= 5).then_some(()));
+    peer.hear("an unreadable contact in a report", |line| is_named(line, "an unreadable contact"));
+    drop(short);
+    peer.hear("a contact without strain in a report", |line| is_named(line, "strain is NaN"));
+    let logged: Vec<String> = bridge.errors.try_iter().collect();
+    assert!(logged.iter().any(|line| line.contains("unreadable line")), "{logged:?}");
+    assert!(logged.iter().any(|line| line.contains("more than 65536 bytes")), "{logged:?}");
+    // Good messages still pass.
+    bridge.hear("contact", |line| is(line, "contact", 0).then_some(()));
+    set_pressure(&mut bridge, 0.06);
+    peer.hear("setpoint", |line| line["setpoint_pa"].as_f64());
+}
+
+#[test]
+fn the_meaning_of_pressures_must_be_chosen() {
+    let Some(stage) = Stage::make(43) else { return };
+    let mut bridge = stage.bridge(&[]);
+    assert!(!bridge.child.wait().unwrap().success());
+    assert!(bridge.errors.iter().any(|line| line.contains("--pressures")));
+}
