@@ -7,8 +7,19 @@ use std::path::{Path, PathBuf};
 use crate::project;
 
 /// Crates from the lowest to the highest: a crate depends only on those before it.
-const CRATES: [&str; 9] =
-    ["core", "protocol", "edge", "robot", "simulator", "evaluation", "store", "supervisor", "vibrissa"];
+const CRATES: [&str; 11] = [
+    "core",
+    "regulator",
+    "segmenter",
+    "protocol",
+    "edge",
+    "robot",
+    "simulator",
+    "evaluation",
+    "store",
+    "supervisor",
+    "vibrissa",
+];
 /// Crates that must not reach a library, and those libraries: directly, or by way of another crate.
 const KEPT_OUT: [(&str, &[&str]); 5] = [
     ("vibrissa-core", &["tokio", "sqlx", "axum", "rumqttc-next"]),
