@@ -2,7 +2,7 @@
 //!
 //! [`contract`] has the rules, each once: the agent of real robots and the simulated robots use them. It is pure: no
 //! sockets and no clock. [`agent`] stands between the contract and a [`driver`], and is pure, too. [`store`] keeps what
-//! survives a restart, [`mqtt`] carries the messages of one robot over a connection that it renews, and [`config`] is
+//! survives a restart, [`hub`] runs an agent, [`mqtt`] carries the messages of one robot over a connection that it renews, and [`config`] is
 //! `agent.toml`.
 
 pub mod agent;
@@ -10,6 +10,7 @@ pub mod clock;
 pub mod config;
 pub mod contract;
 pub mod driver;
+pub mod hub;
 pub mod mqtt;
 pub mod store;
 

@@ -53,7 +53,12 @@ impl Agent {
         };
         match taken {
             // Noise of a serial line is no sign of life.
-            Ok(()) => self.driver.heard_us = now_us,
+            Ok(()) => {
+                self.driver.heard_us = now_us;
+                if !std::mem::replace(&mut self.driver.is_there, true) {
+                    self.greet(now_us, out);
+                }
+            }
             Err(BadLine { problem, remedy }) => {
                 self.counts.lines_refused += 1;
                 if self.error_rate.takes(now_us) {

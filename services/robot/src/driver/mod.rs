@@ -2,6 +2,7 @@
 //! moves valves; it is a program in any language.
 
 pub mod lines;
+pub(crate) mod link;
 pub mod words;
 
 pub use lines::{LINE_MAX_BYTES, Lines};
