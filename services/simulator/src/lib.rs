@@ -6,25 +6,24 @@
 //!
 //! A [`state`] file stores the true state of a fleet across restarts of the process.
 //!
+//! The rules of the contract are those of [`vibrissa_robot`], which real robots use, too. Robots break them on purpose by a
+//! [`scenario::Misbehaviour`], which changes messages before or after the rules.
+//!
 //! Read in this order: [`scenario`] (input), [`plant`] and [`regulator`] (physics of a whisker), [`robot`] (the
 //! contract), [`fleet`] (the network). [`load`] is separate: a cheap generator of many messages. [`options`] is for
 //! command lines.
 
-mod commands;
-mod driver;
 pub mod fleet;
 mod journal;
 mod link;
 pub mod load;
 pub mod options;
-pub mod outbox;
 pub mod places;
 pub mod plant;
 mod random;
 pub mod regulator;
 pub mod robot;
 pub mod scenario;
-mod silence;
 pub mod state;
 
 pub use fleet::{Authorities, Broker, CannotStart, Fleet, RobotHandle};

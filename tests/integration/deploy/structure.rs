@@ -7,11 +7,13 @@ use std::path::{Path, PathBuf};
 use crate::project;
 
 /// Crates from the lowest to the highest: a crate depends only on those before it.
-const CRATES: [&str; 8] = ["core", "protocol", "edge", "simulator", "evaluation", "store", "supervisor", "vibrissa"];
+const CRATES: [&str; 9] =
+    ["core", "protocol", "edge", "robot", "simulator", "evaluation", "store", "supervisor", "vibrissa"];
 /// Crates that must not reach a library, and those libraries: directly, or by way of another crate.
-const KEPT_OUT: [(&str, &[&str]); 4] = [
+const KEPT_OUT: [(&str, &[&str]); 5] = [
     ("vibrissa-core", &["tokio", "sqlx", "axum", "rumqttc-next"]),
     ("vibrissa-core-tests", &["sqlx", "axum", "utoipa", "vibrissa-store", "vibrissa-supervisor"]),
+    ("vibrissa-robot", &["sqlx", "axum", "vibrissa-core", "vibrissa-store", "vibrissa-supervisor"]),
     ("vibrissa-store", &["axum", "rumqttc-next"]),
     ("vibrissa-supervisor", &["vibrissa-simulator", "vibrissa-evaluation", "plotters", "clap", "indicatif"]),
 ];

@@ -1,13 +1,13 @@
 //! Contacts messages of one robot until a receipt covers them.
 //!
-//! It follows the rules of [`crate::outbox`], but for many messages per second: it stores the data from which a
+//! It follows the rules of [`vibrissa_robot::contract::outbox`], but for many messages per second: it stores the data from which a
 //! message can be written again, not the message. A message that a receipt passes over is sent again one second
 //! after its last transmission. Messages beyond all receipts may still be on their way; they are sent again only
 //! when no receipt arrives any more. Oldest first, in windows.
 
 use std::collections::VecDeque;
 
-use crate::outbox::{BACKOFF_MAX_US, BACKOFF_START_US, WINDOW};
+use vibrissa_robot::contract::outbox::{BACKOFF_MAX_US, BACKOFF_START_US, WINDOW};
 
 /// A stored message.
 #[derive(Debug, Clone)]

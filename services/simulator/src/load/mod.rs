@@ -25,7 +25,9 @@ use vibrissa_protocol::BootId;
 pub use plan::{BadPlan, LoadPlan, Quality};
 pub use report::LoadReport;
 
-use crate::fleet::{Broker, CannotStart, address, now_us};
+use vibrissa_robot::mqtt::{BadBroker, address};
+
+use crate::fleet::{Broker, now_us};
 use line::{Common, Line, Task};
 use texts::Texts;
 
@@ -56,7 +58,7 @@ pub enum LoadError {
 pub async fn run(plan: LoadPlan, prepared: impl FnOnce()) -> Result<LoadReport, LoadError> {
     plan.check()?;
     let broker =
-        Broker::from_url(&plan.mqtt_url).map_err(|problem: CannotStart| LoadError::Address(problem.to_string()))?;
+        Broker::from_url(&plan.mqtt_url).map_err(|problem: BadBroker| LoadError::Address(problem.to_string()))?;
     if broker.tls.is_some() {
         return Err(LoadError::Address("the load generator does not support TLS".to_owned()));
     }

@@ -8,11 +8,12 @@ use vibrissa_protocol::{
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
+use vibrissa_robot::contract::births::DELAY_MAX_US;
+
 use super::cuts::Cuts;
 use super::kept::Outbox;
 use super::plan::LoadPlan;
 use crate::random::{Purpose, stream};
-use crate::robot::BIRTH_DELAY_MAX_US as DELAY_MAX_US;
 use crate::scenario::WhiskerScenario;
 
 /// One robot of the load.

@@ -7,10 +7,9 @@ use super::Robot;
 impl Robot {
     /// Takes an estimate, unless the robot has taken a newer one in this boot. A whisker that is not listed has none.
     pub(super) fn estimate(&mut self, estimate: &Estimate) {
-        if !estimate.is_newer_than(self.estimate) {
+        if !self.estimates.takes(estimate) {
             return;
         }
-        self.estimate = Some((estimate.epoch, estimate.version));
         self.whiskers.iter_mut().for_each(|whisker| whisker.estimated_mm = None);
         for entry in &estimate.whiskers {
             let at = self.places.get(&(entry.array.clone(), entry.whisker));

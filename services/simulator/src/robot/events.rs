@@ -1,9 +1,9 @@
 //! Applies the events of the scenario to a robot.
 
 use vibrissa_protocol::Name;
+use vibrissa_robot::contract::{Commands, EstimateOrder, TouchTests, Voice};
 
 use super::{Outgoing, Robot, boot_id};
-use crate::commands::Commands;
 use crate::link::FaultKind;
 use crate::plant::GaugeCondition;
 use crate::scenario::{BadScenario, Change, Event, Misbehaviour};
@@ -152,18 +152,20 @@ impl Robot {
             return;
         }
         self.boots += 1;
-        self.boot_id = boot_id(self.seed, &self.config.robot.robot, self.start_us, self.boots);
-        if !self.breaks(Misbehaviour::KeepsCounting) {
-            self.sequences = super::Sequences::default();
+        let boot_id = boot_id(self.seed, &self.config.robot.robot, self.start_us, self.boots);
+        let before = std::mem::replace(&mut self.voice, Voice::new(boot_id.clone()));
+        if self.breaks(Misbehaviour::KeepsCounting) {
+            self.voice = before.counting_on(boot_id);
         }
         self.commands = Commands::default();
-        self.estimate = None;
+        self.estimates = EstimateOrder::default();
         self.outbox.restart();
         self.batch.clear();
         self.missed.clear();
-        self.touch_tests = super::TouchTests::default();
+        self.touch_tests = TouchTests::default();
+        self.tests_under_way.clear();
         self.batch_until_us = None;
-        self.supervisor_heard_us = None;
+        self.supervision.restart();
         self.whiskers.iter_mut().for_each(super::Whisker::restart);
     }
 }

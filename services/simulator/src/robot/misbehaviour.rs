@@ -1,10 +1,16 @@
-//! Violations of the contract that a scenario can request. They change messages on their way in and out; other
-//! violations are in the code that implements the rule.
+//! Violations of the contract that a scenario can request. They change messages before the rules see them, or on their
+//! way out; the rules themselves know nothing of them.
 
-use vibrissa_protocol::{Contact, Contacts, Message, Receipt, RobotTopic, Status, WhiskerStatus, decode, encode};
+use vibrissa_protocol::{
+    Contact, Contacts, Message, QualityOfService, Receipt, RobotTopic, Setpoint, Status, TouchTest, WhiskerStatus,
+    decode, encode,
+};
+
+use vibrissa_robot::contract::outbox::{BACKOFF_MAX_US, BACKOFF_START_US};
+use vibrissa_robot::contract::{Addressee, Outbox, TestVerdict, Tested, Verdict};
+use vibrissa_robot::mqtt::Delivery;
 
 use super::{Outgoing, Robot};
-use crate::outbox::Outbox;
 use crate::scenario::{Behaviour, Misbehaviour};
 
 /// Pressure deficit of [`Misbehaviour::HoldsLess`], in MPa.
@@ -18,7 +24,7 @@ const HOUR_US: u64 = 3_600_000_000;
 /// The outbox for this behaviour.
 pub(super) fn outbox(behaviour: &Behaviour) -> Outbox {
     let is_steady = behaviour.misbehaviour == Some(Misbehaviour::NoBackoff);
-    Outbox::new(behaviour.kept_messages, is_steady)
+    Outbox::with_longest_pause(behaviour.kept_messages, if is_steady { BACKOFF_START_US } else { BACKOFF_MAX_US })
 }
 
 impl Robot {
@@ -122,6 +128,69 @@ impl Robot {
                 encode(&Contacts { boot_id, seq, contacts, missed })
             }
             Ok(_) | Err(_) => payload,
+        }
+    }
+
+    /// Decides about a setpoint by the contract's rules, which the fault evades.
+    pub(super) fn judged(&mut self, setpoint: &Setpoint, at: Option<usize>, now_us: u64) -> Verdict {
+        let fault = self.misbehaviour();
+        let mut read = setpoint.clone();
+        match fault {
+            Some(Misbehaviour::TakesOtherBoots) => read.robot_boot_id = self.boot_id().clone(),
+            Some(Misbehaviour::TakesExpired) => read.expires_us = u64::MAX,
+            Some(Misbehaviour::TakesAnyPressure) => read.pressure_mpa = 0.0,
+            Some(_) | None => {}
+        }
+        let Some(whisker) = at.and_then(|at| self.whiskers.get_mut(at)) else {
+            return self.commands.judge(&read, self.voice.boot_id(), now_us, None);
+        };
+        if fault == Some(Misbehaviour::TakesAnySetpoint) {
+            return Verdict::Take;
+        }
+        let order = (read.epoch, read.version);
+        let is_stale = |seen: (u64, u64)| match fault {
+            Some(Misbehaviour::TakesOldVersions) => order.0 < seen.0,
+            Some(Misbehaviour::TakesOldEpochs) => order.1 <= seen.1,
+            Some(_) | None => order <= seen,
+        };
+        let before = whisker.seen;
+        // The rules are told of an order that gives the answer of the fault.
+        let told = before.filter(|&seen| is_stale(seen)).map(|seen| seen.max(order));
+        let mut seen = told;
+        let addressee = Addressee { pressure_max_mpa: whisker.facts().pressure_max_mpa, seen: &mut seen };
+        let verdict = self.commands.judge(&read, self.voice.boot_id(), now_us, Some(addressee));
+        whisker.seen = if told.is_none() { before.max(seen) } else { before };
+        verdict
+    }
+
+    /// Decides about a touch test by the contract's rules, which the fault evades.
+    pub(super) fn judged_test(&mut self, test: &TouchTest, at: Option<usize>, now_us: u64) -> TestVerdict {
+        let mut read = test.clone();
+        if self.breaks(Misbehaviour::TestsForOtherBoots) {
+            read.robot_boot_id = self.boot_id().clone();
+        }
+        let kinds = &self.config.behaviour.touch_tests;
+        let tested = at.and_then(|at| self.whiskers.get_mut(at)).map(|whisker| Tested {
+            is_ready: whisker.applying.is_none(),
+            seen: &mut whisker.seen,
+            kinds,
+        });
+        self.touch_tests.judge(&read, self.voice.boot_id(), now_us, tested)
+    }
+
+    /// Delivery of the messages on a topic, changed by the fault.
+    pub(crate) fn delivery(&self, topic: RobotTopic) -> Delivery {
+        let right = Delivery::of(topic);
+        match (self.misbehaviour(), topic) {
+            (Some(Misbehaviour::BirthNotRetained), RobotTopic::Connection)
+            | (Some(Misbehaviour::FactsheetNotRetained), RobotTopic::Factsheet) => {
+                Delivery { is_retained: false, ..right }
+            }
+            (Some(Misbehaviour::StatusRetained), RobotTopic::Status) => Delivery { is_retained: true, ..right },
+            (Some(Misbehaviour::AnswersAtMostOnce), RobotTopic::SetpointState) => {
+                Delivery { quality: QualityOfService::AtMostOnce, ..right }
+            }
+            (Some(_) | None, _) => right,
         }
     }
 

@@ -19,27 +19,24 @@ mod whisker;
 
 use std::collections::{BTreeMap, VecDeque};
 
+use rand_chacha::ChaCha8Rng;
 use vibrissa_core::mechanics::ModelError;
 use vibrissa_protocol::{
     self as protocol, BootId, Contact, Message, MissedTouch, Name, Receipt, RequestKind, RobotTopic, decode,
 };
+pub use vibrissa_robot::contract::Outgoing;
+use vibrissa_robot::contract::{Births, Commands, EstimateOrder, Facts, Outbox, Supervision, TouchTests, Voice};
 
-pub use outgoing::Outgoing;
 pub(crate) use resume::RobotState;
 pub use whisker::Whisker;
 
-use births::Births;
-pub(crate) use births::DELAY_MAX_US as BIRTH_DELAY_MAX_US;
-use touch_tests::TouchTests;
+use touch_tests::UnderWay;
 
-use crate::commands::Commands;
 use crate::journal::{Journal, JournalEntry};
 use crate::link::Link;
-use crate::outbox::Outbox;
 use crate::random::{Purpose, boot_text, stream};
 use crate::regulator::{SUPPLY_MPA, TICK_US};
 use crate::scenario::{Behaviour, Event, Misbehaviour, Noise, RobotScenario, Scenario};
-use outgoing::Sequences;
 use timers::Contacts;
 
 /// Largest number of timers in one [`Robot::poll`]; a late robot catches up in several polls.
@@ -80,16 +77,16 @@ pub struct Robot {
     seed: u64,
     start_us: u64,
     boots: u64,
-    boot_id: BootId,
+    voice: Voice,
+    facts: Facts,
     connected: bool,
-    sequences: Sequences,
     whiskers: Vec<Whisker>,
     places: BTreeMap<(Name, u16), usize>,
     supply_mpa: f64,
     commands: Commands,
     births: Births,
-    /// Epoch and version of the newest estimate of this boot.
-    estimate: Option<(u64, u64)>,
+    birth_delays: ChaCha8Rng,
+    estimates: EstimateOrder,
     outbox: Outbox,
     link: Link,
     /// Contacts of the incomplete message, and the time at which it is sent.
@@ -97,14 +94,14 @@ pub struct Robot {
     /// Touches of tests that did not come, of the incomplete message.
     missed: Vec<MissedTouch>,
     touch_tests: TouchTests,
+    tests_under_way: VecDeque<UnderWay>,
     batch_until_us: Option<u64>,
     contacts: Contacts,
     tick_at_us: u64,
     status_at_us: u64,
     status_sent_us: u64,
     events: VecDeque<(u64, Event)>,
-    /// Time of the last message from the supervisor; `None` once its loss has been handled.
-    supervisor_heard_us: Option<u64>,
+    supervision: Supervision,
     refused: u64,
     journal: Journal,
     /// Whether something has happened since the last [`Robot::take_change`].
@@ -129,29 +126,31 @@ impl Robot {
         }
         let places = whiskers.iter().enumerate().map(|(at, w)| ((w.array().clone(), w.number()), at)).collect();
         let mut robot = Self {
-            boot_id: boot_id(seed, &name, start_us, 0),
+            voice: Voice::new(boot_id(seed, &name, start_us, 0)),
+            facts: outgoing::facts(&config),
             seed,
             start_us,
             boots: 0,
             connected: false,
-            sequences: Sequences::default(),
             places,
             supply_mpa: SUPPLY_MPA,
             commands: Commands::default(),
-            births: Births::new(stream(seed, name.as_str(), "", 0, Purpose::Birth)),
-            estimate: None,
+            births: Births::default(),
+            birth_delays: stream(seed, name.as_str(), "", 0, Purpose::Birth),
+            estimates: EstimateOrder::default(),
             outbox: misbehaviour::outbox(&config.behaviour),
             link: Link::new(stream(seed, name.as_str(), "", 0, Purpose::Link)),
             batch: Vec::new(),
             missed: Vec::new(),
             touch_tests: TouchTests::default(),
+            tests_under_way: VecDeque::new(),
             batch_until_us: None,
             contacts: Contacts::new(now_us, config.behaviour.contacts_per_second),
             tick_at_us: now_us + TICK_US,
             status_at_us: now_us,
             status_sent_us: now_us,
             events: VecDeque::new(),
-            supervisor_heard_us: None,
+            supervision: Supervision::new((config.behaviour.supervisor_lost_after_s * 1e6) as u64),
             refused: 0,
             journal: Journal::new(config.behaviour.journal),
             has_changed: false,
@@ -212,7 +211,7 @@ impl Robot {
         if self.overlooks(&message, payload) {
             return out;
         }
-        self.supervisor_heard_us = Some(now_us);
+        self.supervision.heard(now_us);
         match message {
             Message::Receipt(receipt) => self.receipt(&receipt),
             Message::Setpoint(setpoint) => self.setpoint(&setpoint, now_us, &mut out),
@@ -242,7 +241,7 @@ impl Robot {
     }
 
     fn receipt(&mut self, receipt: &Receipt) {
-        if receipt.robot_boot_id == self.boot_id || self.breaks(Misbehaviour::TakesAnyReceipt) {
+        if receipt.robot_boot_id == *self.boot_id() || self.breaks(Misbehaviour::TakesAnyReceipt) {
             self.outbox.receipt(&self.receipt_as_read(receipt));
         }
     }
@@ -280,7 +279,7 @@ impl Robot {
     /// Id of the present boot.
     #[must_use]
     pub fn boot_id(&self) -> &BootId {
-        &self.boot_id
+        self.voice.boot_id()
     }
 
     /// Start of the robot, in microseconds since 1970 UTC; the scenario's seconds count from it.

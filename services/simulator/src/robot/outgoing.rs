@@ -1,64 +1,20 @@
 //! Messages that a robot sends.
 
-use vibrissa_protocol::{
-    ArrayFacts, Connection, ConnectionState, Contacts, Factsheet, PlaceKind, RobotTopic, Status, Timestamp,
-    WhiskerFacts, encode,
-};
+use vibrissa_protocol::{ArrayFacts, PlaceKind, RobotTopic, WhiskerFacts, encode};
+use vibrissa_robot::contract::Facts;
 
-use super::Robot;
+use super::{Outgoing, Robot, RobotConfig};
 use crate::journal::JournalEntry;
-use crate::scenario::{ArrayScenario, Misbehaviour, WhiskerScenario};
+use crate::scenario::{ArrayScenario, Behaviour, Misbehaviour, WhiskerScenario};
 
 /// Calibration in the factsheet: the built-in one, from which each whisker deviates slightly.
 const WHISKER_MODEL: &str = "nguyen-2021";
-
-/// Action for the network.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Outgoing {
-    /// Publish on one of the robot's topics, with that topic's quality of service and retain flag.
-    Publish {
-        /// Topic of the message.
-        topic: RobotTopic,
-        /// Encoded message.
-        payload: Vec<u8>,
-    },
-    /// The robot has restarted: cut the connection without a farewell, then connect again.
-    Restart,
-}
-
-/// Next `seq` of each topic in the present boot.
-#[derive(Debug, Default)]
-pub(super) struct Sequences {
-    /// That of the next birth; the will or farewell of the connection has the number after it.
-    connection: u64,
-    factsheet: u64,
-    contacts: u64,
-    status: u64,
-    setpoint_state: u64,
-    test_state: u64,
-}
-
-impl Sequences {
-    fn take(counter: &mut u64) -> u64 {
-        let seq = *counter;
-        *counter += 1;
-        seq
-    }
-
-    pub(super) fn setpoint_state(&mut self) -> u64 {
-        Self::take(&mut self.setpoint_state)
-    }
-
-    pub(super) fn test_state(&mut self) -> u64 {
-        Self::take(&mut self.test_state)
-    }
-}
 
 impl Robot {
     /// Last will for the next connection, with the same boot id as its birth.
     #[must_use]
     pub fn will(&self, now_us: u64) -> Vec<u8> {
-        let mut will = self.connection(self.sequences.connection + 1, now_us, ConnectionState::ConnectionBroken);
+        let mut will = self.voice.will(now_us);
         if self.breaks(Misbehaviour::WillOfAnotherBoot) {
             will.boot_id = super::boot_id(self.seed, self.name(), self.start_us, u64::MAX);
         }
@@ -66,44 +22,29 @@ impl Robot {
     }
 
     pub(super) fn birth(&mut self, now_us: u64, out: &mut Vec<Outgoing>) {
-        let birth = self.connection(self.sequences.connection, now_us, ConnectionState::Online);
-        self.sequences.connection += 2;
+        let birth = self.voice.birth(now_us);
         self.publish(RobotTopic::Connection, encode(&birth), out);
     }
 
     /// Number of contacts messages made in this boot; the sequence number of the next one.
     #[must_use]
     pub fn messages_made(&self) -> u64 {
-        self.sequences.contacts
+        self.voice.contacts_made()
     }
 
     /// Last message before a clean disconnect.
     #[must_use]
     pub fn farewell(&mut self, now_us: u64) -> Vec<Outgoing> {
         let mut out = Vec::new();
-        let seq = self.sequences.connection.saturating_sub(1);
-        let farewell = self.connection(seq, now_us, ConnectionState::Offline);
-        self.publish(RobotTopic::Connection, encode(&farewell), &mut out);
+        self.publish(RobotTopic::Connection, encode(&self.voice.farewell(now_us)), &mut out);
         out
-    }
-
-    fn connection(&self, seq: u64, now_us: u64, state: ConnectionState) -> Connection {
-        Connection { boot_id: self.boot_id.clone(), seq, timestamp: Timestamp(now_us), state }
     }
 
     pub(super) fn factsheet(&mut self, now_us: u64, out: &mut Vec<Outgoing>) {
         if !self.connected {
             return;
         }
-        let factsheet = Factsheet {
-            boot_id: self.boot_id.clone(),
-            seq: Sequences::take(&mut self.sequences.factsheet),
-            timestamp: Timestamp(now_us),
-            model: self.config.robot.model.clone(),
-            on_supervisor_loss: self.config.robot.on_supervisor_loss,
-            arrays: self.config.robot.arrays.iter().map(|array| self.array_facts(array)).collect(),
-            touch_tests: self.config.behaviour.touch_tests.clone(),
-        };
+        let factsheet = self.voice.factsheet(now_us, &self.facts);
         self.publish(RobotTopic::Factsheet, encode(&factsheet), out);
     }
 
@@ -114,17 +55,13 @@ impl Robot {
         for whisker in &mut self.whiskers {
             whisker.reported = whisker.condition();
         }
-        if self.breaks(Misbehaviour::SkipsNumbers) && self.sequences.status % 3 == 2 {
-            self.sequences.status += 1;
-        }
+        let whiskers: Vec<_> =
+            self.whiskers.iter().filter(|one| !one.is_silent(now_us)).map(super::Whisker::status).collect();
         let dropped = self.outbox.dropped();
-        let status = Status {
-            boot_id: self.boot_id.clone(),
-            seq: Sequences::take(&mut self.sequences.status),
-            t_us: now_us,
-            whiskers: self.whiskers.iter().filter(|one| !one.is_silent(now_us)).map(super::Whisker::status).collect(),
-            contacts_dropped: (dropped > 0).then_some(dropped),
-        };
+        let mut status = self.voice.status(now_us, whiskers, dropped);
+        if self.breaks(Misbehaviour::SkipsNumbers) && status.seq % 3 == 2 {
+            status = self.voice.status(now_us, status.whiskers, dropped);
+        }
         self.status_sent_us = now_us;
         self.status_at_us = now_us + (self.status_every_s() * 1e6) as u64;
         self.publish(RobotTopic::Status, self.status_as_sent(status), out);
@@ -136,10 +73,8 @@ impl Robot {
         if self.batch.is_empty() && self.missed.is_empty() {
             return;
         }
-        let seq = Sequences::take(&mut self.sequences.contacts);
-        let (contacts, missed) = (std::mem::take(&mut self.batch), std::mem::take(&mut self.missed));
-        let message = Contacts { boot_id: self.boot_id.clone(), seq, contacts, missed };
-        let payload = encode(&message);
+        let message = self.voice.contacts(std::mem::take(&mut self.batch), std::mem::take(&mut self.missed));
+        let (seq, payload) = (message.seq, encode(&message));
         self.journal.write(|| JournalEntry::Felt(message));
         if !self.breaks(Misbehaviour::SendsOnce) {
             self.outbox.keep(seq, payload.clone(), self.connected.then_some(now_us));
@@ -163,17 +98,26 @@ impl Robot {
             out.push(Outgoing::Publish { topic, payload });
         }
     }
+}
 
-    fn array_facts(&self, array: &ArrayScenario) -> ArrayFacts {
-        let behaviour = &self.config.behaviour;
-        let place = Some(behaviour.places.kind()).filter(|kind| *kind != PlaceKind::Ratio);
-        let whiskers = array.whiskers.iter().map(|whisker| WhiskerFacts { place, ..whisker_facts(whisker) });
-        ArrayFacts {
-            array: array.array.clone(),
-            array_type: array.array_type,
-            task: behaviour.task,
-            whiskers: whiskers.collect(),
-        }
+/// The facts of a robot's factsheet.
+pub(super) fn facts(config: &RobotConfig) -> Facts {
+    Facts {
+        model: config.robot.model.clone(),
+        on_supervisor_loss: config.robot.on_supervisor_loss,
+        arrays: config.robot.arrays.iter().map(|array| array_facts(&config.behaviour, array)).collect(),
+        touch_tests: config.behaviour.touch_tests.clone(),
+    }
+}
+
+fn array_facts(behaviour: &Behaviour, array: &ArrayScenario) -> ArrayFacts {
+    let place = Some(behaviour.places.kind()).filter(|kind| *kind != PlaceKind::Ratio);
+    let whiskers = array.whiskers.iter().map(|whisker| WhiskerFacts { place, ..whisker_facts(whisker) });
+    ArrayFacts {
+        array: array.array.clone(),
+        array_type: array.array_type,
+        task: behaviour.task,
+        whiskers: whiskers.collect(),
     }
 }
 

@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 use vibrissa_protocol::Name;
+use vibrissa_robot::contract::Voice;
 
 use super::{Robot, RobotConfig, boot_id};
 use crate::plant::PlantState;
@@ -77,7 +78,7 @@ impl Robot {
         let of_robot = |why: String| format!("robot {}: {why}", state.robot);
         let mut robot = Self::begin(config, seed, state.start_us, now_us).map_err(|why| of_robot(why.to_string()))?;
         robot.boots = state.boots.checked_add(1).ok_or_else(|| of_robot("boots has its highest value".to_owned()))?;
-        robot.boot_id = boot_id(seed, &state.robot, state.start_us, robot.boots);
+        robot.voice = Voice::new(boot_id(seed, &state.robot, state.start_us, robot.boots));
         if !(0.0..=1.0).contains(&state.supply_mpa) {
             return Err(of_robot(format!("supply_mpa is {}, but must be between 0 and 1", state.supply_mpa)));
         }

@@ -1,13 +1,12 @@
 //! Setpoints: accepted by the contract's rules, applied by the regulators, answered.
 
-use vibrissa_protocol::{
-    BootId, OnSupervisorLoss, RobotTopic, Setpoint, SetpointError, SetpointOutcome, SetpointState, encode,
-};
+use vibrissa_protocol::{BootId, RobotTopic, Setpoint, SetpointError, SetpointOutcome, encode};
+use vibrissa_robot::contract::supervision::pressure_without;
+use vibrissa_robot::contract::{Answer, Verdict};
 
 use super::misbehaviour::{AT_ONCE_MPA_PER_S, HELD_LESS_MPA};
 use super::whisker::Applying;
 use super::{Outgoing, Robot};
-use crate::commands::{Addressee, Answer, Verdict};
 use crate::journal::{HeardSetpoint, JournalEntry};
 use crate::scenario::Misbehaviour;
 
@@ -17,12 +16,8 @@ pub(super) const OWN_SLEW_MPA_PER_S: f64 = 0.02;
 impl Robot {
     pub(super) fn setpoint(&mut self, setpoint: &Setpoint, now_us: u64, out: &mut Vec<Outgoing>) {
         let at = self.places.get(&(setpoint.array.clone(), setpoint.whisker)).copied();
-        let addressee = at
-            .and_then(|at| self.whiskers.get_mut(at))
-            .map(|whisker| Addressee { pressure_max_mpa: whisker.facts().pressure_max_mpa, seen: &mut whisker.seen });
-        let fault = self.config.behaviour.misbehaviour;
-        let verdict = self.commands.judge(setpoint, &self.boot_id, now_us, addressee, fault);
-        self.journal.write(|| JournalEntry::Heard(heard(setpoint, &self.boot_id, now_us)));
+        let verdict = self.judged(setpoint, at, now_us);
+        self.journal.write(|| JournalEntry::Heard(heard(setpoint, self.voice.boot_id(), now_us)));
         let id = setpoint.command_id.as_str();
         match (verdict, at) {
             (Verdict::Take, Some(at)) => self.take(setpoint, at, now_us, out),
@@ -43,29 +38,28 @@ impl Robot {
         let id = setpoint.command_id.as_str();
         let is_short = self.breaks(Misbehaviour::SaysOnlyTheEnd);
         if !is_short {
-            self.answer(id, Some(at), plain(SetpointOutcome::Received), now_us, out);
+            self.answer(id, Some(at), Answer::plain(SetpointOutcome::Received), now_us, out);
         }
         if let Some(replaced) = self.whiskers[at].applying.take()
             && !self.breaks(Misbehaviour::NeverSuperseded)
         {
-            self.answer(&replaced.command_id, Some(at), plain(SetpointOutcome::Superseded), now_us, out);
+            self.answer(&replaced.command_id, Some(at), Answer::plain(SetpointOutcome::Superseded), now_us, out);
         }
         let less_mpa = if self.breaks(Misbehaviour::HoldsLess) { HELD_LESS_MPA } else { 0.0 };
         let at_once = self.breaks(Misbehaviour::IgnoresSlew);
         let slew_mpa_per_s = if at_once { AT_ONCE_MPA_PER_S } else { setpoint.slew_mpa_per_s };
         let whisker = &mut self.whiskers[at];
         whisker.regulator.set((setpoint.pressure_mpa - less_mpa).max(0.0), slew_mpa_per_s);
-        self.journal.write(|| JournalEntry::Applied(heard(setpoint, &self.boot_id, now_us)));
+        self.journal.write(|| JournalEntry::Applied(heard(setpoint, self.voice.boot_id(), now_us)));
         let fails_at_us = now_us + whisker.regulator.patience_us();
         whisker.applying = Some(Applying { command_id: id.to_owned(), fails_at_us });
         if !is_short {
-            self.answer(id, Some(at), plain(SetpointOutcome::Applying), now_us, out);
+            self.answer(id, Some(at), Answer::plain(SetpointOutcome::Applying), now_us, out);
         }
     }
 
     fn reject(&mut self, id: &str, at: Option<usize>, error: SetpointError, now_us: u64, out: &mut Vec<Outgoing>) {
-        let answer = Answer { outcome: SetpointOutcome::Rejected, error: Some(error) };
-        self.answer(id, at, answer, now_us, out);
+        self.answer(id, at, Answer::rejected(error), now_us, out);
     }
 
     /// Publishes and stores the state of a command.
@@ -74,15 +68,8 @@ impl Robot {
         if !self.connected {
             return;
         }
-        let state = SetpointState {
-            boot_id: self.boot_id.clone(),
-            seq: self.sequences.setpoint_state(),
-            command_id: id.to_owned(),
-            state: answer.outcome,
-            t_us: now_us,
-            pressure_mpa: at.and_then(|at| self.whiskers.get(at)).map(|whisker| whisker.regulator.reading_mpa()),
-            error: answer.error,
-        };
+        let pressure_mpa = at.and_then(|at| self.whiskers.get(at)).map(|whisker| whisker.regulator.reading_mpa());
+        let state = self.voice.setpoint_state(id, answer, now_us, pressure_mpa);
         self.publish(RobotTopic::SetpointState, encode(&state), out);
     }
 
@@ -94,7 +81,7 @@ impl Robot {
                 continue;
             };
             let answer = if whisker.regulator.is_settled() {
-                plain(SetpointOutcome::Applied)
+                Answer::plain(SetpointOutcome::Applied)
             } else if at_us >= applying.fails_at_us {
                 Answer { outcome: SetpointOutcome::Failed, error: Some(whisker.regulator.failure()) }
             } else {
@@ -108,20 +95,17 @@ impl Robot {
 
     /// Behaves as the factsheet states after a long time without messages from the supervisor.
     pub(super) fn miss_supervisor(&mut self, at_us: u64, out: &mut Vec<Outgoing>) {
-        let lost_after_us = (self.config.behaviour.supervisor_lost_after_s * 1e6) as u64;
-        if self.supervisor_heard_us.is_none_or(|heard_us| at_us < heard_us + lost_after_us) {
+        if !self.supervision.is_lost(at_us) {
             return;
         }
-        self.supervisor_heard_us = None;
         for at in 0..self.whiskers.len() {
-            let target_mpa = match self.config.robot.on_supervisor_loss {
-                OnSupervisorLoss::Hold => return,
-                OnSupervisorLoss::Nominal => self.whiskers[at].facts().pressure_mpa,
-                OnSupervisorLoss::Vent => 0.0,
+            let nominal_mpa = self.whiskers[at].facts().pressure_mpa;
+            let Some(target_mpa) = pressure_without(self.config.robot.on_supervisor_loss, nominal_mpa) else {
+                return;
             };
             self.whiskers[at].regulator.set(target_mpa, OWN_SLEW_MPA_PER_S);
             if let Some(replaced) = self.whiskers[at].applying.take() {
-                self.answer(&replaced.command_id, Some(at), plain(SetpointOutcome::Superseded), at_us, out);
+                self.answer(&replaced.command_id, Some(at), Answer::plain(SetpointOutcome::Superseded), at_us, out);
             }
         }
     }
@@ -129,9 +113,4 @@ impl Robot {
 
 fn heard(setpoint: &Setpoint, boot_id: &BootId, at_us: u64) -> HeardSetpoint {
     HeardSetpoint { at_us, boot_id: boot_id.clone(), setpoint: setpoint.clone() }
-}
-
-/// An answer without an error.
-fn plain(outcome: SetpointOutcome) -> Answer {
-    Answer { outcome, error: None }
 }

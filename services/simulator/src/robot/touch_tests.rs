@@ -1,29 +1,16 @@
 //! Touch tests: accepted under the rules of setpoints, done one contact per tick, answered.
 
-use std::collections::VecDeque;
-
-use vibrissa_protocol::{
-    MissedTouch, RobotTopic, TestState, TouchTest, TouchTestError, TouchTestKind, TouchTestOutcome, encode,
-};
+use vibrissa_protocol::{MissedTouch, RobotTopic, TouchTest, TouchTestError, TouchTestKind, TouchTestOutcome, encode};
+use vibrissa_robot::contract::{TestAnswer, TestVerdict};
 
 use super::timers::contact_of;
 use super::{Outgoing, Robot};
 use crate::places::Places;
 use crate::scenario::Misbehaviour;
 
-/// Number of tests whose last answer is remembered.
-const REMEMBERED: usize = 64;
-
-/// Touch tests of one boot.
-#[derive(Debug, Default)]
-pub(super) struct TouchTests {
-    under_way: VecDeque<UnderWay>,
-    /// The last answer to each test, the oldest first.
-    answers: VecDeque<(String, TouchTestOutcome, Option<TouchTestError>)>,
-}
-
+/// A test that the robot is doing.
 #[derive(Debug)]
-struct UnderWay {
+pub(super) struct UnderWay {
     test: TouchTest,
     whisker: usize,
     /// Touches so far, those that did not come included.
@@ -33,57 +20,45 @@ struct UnderWay {
 impl Robot {
     /// Accepts or rejects a touch test. A repeated one is answered again and not done again.
     pub(super) fn touch_test(&mut self, test: TouchTest, now_us: u64, out: &mut Vec<Outgoing>) {
-        let known = self.touch_tests.answers.iter().find(|(id, ..)| *id == test.test_id);
-        if let Some((_, state, error)) = known.cloned() {
-            return self.answer_test(&test.test_id, state, error, now_us, out);
-        }
-        match self.judge_test(&test, now_us) {
-            Ok(whisker) => {
-                self.answer_test(&test.test_id, TouchTestOutcome::Accepted, None, now_us, out);
-                self.touch_tests.under_way.push_back(UnderWay { test, whisker, touches: 0 });
-            }
-            Err(error) => self.answer_test(&test.test_id, TouchTestOutcome::Rejected, Some(error), now_us, out),
-        }
-    }
-
-    fn judge_test(&mut self, test: &TouchTest, now_us: u64) -> Result<usize, TouchTestError> {
         let at = self.places.get(&(test.array.clone(), test.whisker)).copied();
-        let at = at.ok_or(TouchTestError::UnknownWhisker)?;
-        if test.robot_boot_id != self.boot_id && !self.breaks(Misbehaviour::TestsForOtherBoots) {
-            return Err(TouchTestError::WrongBoot);
+        match (self.judged_test(&test, at, now_us), at) {
+            (TestVerdict::Take, Some(whisker)) => {
+                let accepted = TestAnswer::plain(TouchTestOutcome::Accepted);
+                self.answer_test(&test.test_id, accepted, now_us, out);
+                self.tests_under_way.push_back(UnderWay { test, whisker, touches: 0 });
+            }
+            (TestVerdict::Again(answer), _) => self.answer_test(&test.test_id, answer, now_us, out),
+            (TestVerdict::Reject(error), _) => {
+                self.answer_test(&test.test_id, TestAnswer::rejected(error), now_us, out);
+            }
+            // Only a test of an existing whisker is accepted.
+            (TestVerdict::Take, None) => {
+                let error = TouchTestError::UnknownWhisker;
+                self.answer_test(&test.test_id, TestAnswer::rejected(error), now_us, out);
+            }
         }
-        let (order, seen) = ((test.epoch, test.version), &mut self.whiskers[at].seen);
-        if seen.is_some_and(|seen| order <= seen) {
-            return Err(TouchTestError::Stale);
-        }
-        *seen = Some(order);
-        if test.expires_us <= now_us {
-            return Err(TouchTestError::Expired);
-        }
-        let can = self.config.behaviour.touch_tests.contains(&test.kind);
-        if can && self.whiskers[at].applying.is_none() { Ok(at) } else { Err(TouchTestError::NotReady) }
     }
 
     /// Makes the next touch of each test under way.
     pub(super) fn follow_tests(&mut self, at_us: u64, out: &mut Vec<Outgoing>) {
-        if self.touch_tests.under_way.is_empty() || !self.connected {
+        if self.tests_under_way.is_empty() || !self.connected {
             return;
         }
-        for mut one in std::mem::take(&mut self.touch_tests.under_way) {
+        for mut one in std::mem::take(&mut self.tests_under_way) {
             if one.touches == 0 {
-                self.answer_test(&one.test.test_id, TouchTestOutcome::Running, None, at_us, out);
+                self.answer_test(&one.test.test_id, TestAnswer::plain(TouchTestOutcome::Running), at_us, out);
             }
             if !self.breaks(Misbehaviour::TestsWithoutTouch) {
                 self.touch_on_request(&one, at_us);
             }
             one.touches += 1;
             if one.touches < one.test.contacts {
-                self.touch_tests.under_way.push_back(one);
+                self.tests_under_way.push_back(one);
                 continue;
             }
             // The contacts are sent before the end of their test.
             self.flush(at_us, out);
-            self.answer_test(&one.test.test_id, TouchTestOutcome::Done, None, at_us, out);
+            self.answer_test(&one.test.test_id, TestAnswer::plain(TouchTestOutcome::Done), at_us, out);
         }
     }
 
@@ -116,22 +91,9 @@ impl Robot {
         }
     }
 
-    fn answer_test(
-        &mut self,
-        test_id: &str,
-        state: TouchTestOutcome,
-        error: Option<TouchTestError>,
-        now_us: u64,
-        out: &mut Vec<Outgoing>,
-    ) {
-        let answers = &mut self.touch_tests.answers;
-        answers.retain(|(known, ..)| known != test_id);
-        answers.push_back((test_id.to_owned(), state, error));
-        if answers.len() > REMEMBERED {
-            answers.pop_front();
-        }
-        let (boot_id, seq) = (self.boot_id.clone(), self.sequences.test_state());
-        let state = TestState { boot_id, seq, test_id: test_id.to_owned(), state, t_us: now_us, error };
+    fn answer_test(&mut self, test_id: &str, answer: TestAnswer, now_us: u64, out: &mut Vec<Outgoing>) {
+        self.touch_tests.remember(test_id, answer);
+        let state = self.voice.test_state(test_id, answer, now_us);
         self.publish(RobotTopic::TestState, encode(&state), out);
     }
 }

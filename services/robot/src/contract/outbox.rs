@@ -16,13 +16,15 @@ pub const WINDOW: usize = 64;
 
 /// Stored messages of one boot.
 #[derive(Debug)]
-pub(crate) struct Outbox {
+pub struct Outbox {
     most: usize,
-    /// If set, pauses do not grow.
-    is_steady: bool,
+    /// Longest pause between transmissions.
+    backoff_max_us: u64,
     messages: BTreeMap<u64, Kept>,
     /// (time of the last transmission, seq) of each message, to find the next one to send again.
     by_sent: BTreeSet<(u64, u64)>,
+    /// Bytes of the stored messages.
+    bytes: usize,
     backoff_us: u64,
     /// Time of the last window, if no receipt has covered anything since.
     unanswered_since_us: Option<u64>,
@@ -39,12 +41,21 @@ struct Kept {
 
 impl Outbox {
     /// An empty outbox for at most `most` messages.
-    pub(crate) fn new(most: usize, is_steady: bool) -> Self {
+    #[must_use]
+    pub fn new(most: usize) -> Self {
+        Self::with_longest_pause(most, BACKOFF_MAX_US)
+    }
+
+    /// The same with another longest pause, at least [`BACKOFF_START_US`]. A robot that keeps the contract has
+    /// [`BACKOFF_MAX_US`].
+    #[must_use]
+    pub fn with_longest_pause(most: usize, backoff_max_us: u64) -> Self {
         Self {
             most,
-            is_steady,
+            backoff_max_us,
             messages: BTreeMap::new(),
             by_sent: BTreeSet::new(),
+            bytes: 0,
             backoff_us: BACKOFF_START_US,
             unanswered_since_us: None,
             dropped: 0,
@@ -53,21 +64,29 @@ impl Outbox {
     }
 
     /// Stores a message that is sent now; `None` if not connected, so that it is due at the next chance.
-    pub(crate) fn keep(&mut self, seq: u64, payload: Vec<u8>, sent_us: Option<u64>) {
+    pub fn keep(&mut self, seq: u64, payload: Vec<u8>, sent_us: Option<u64>) {
         let sent_us = sent_us.unwrap_or(0);
+        self.bytes += payload.len();
         self.messages.insert(seq, Kept { payload, sent_us });
         self.by_sent.insert((sent_us, seq));
         while self.messages.len() > self.most {
-            let Some((oldest, kept)) = self.messages.pop_first() else {
-                return;
-            };
-            self.by_sent.remove(&(kept.sent_us, oldest));
-            self.dropped += 1;
+            self.drop_oldest();
         }
     }
 
+    /// Drops the oldest message and counts it, because there is no room. Returns whether there was one.
+    pub fn drop_oldest(&mut self) -> bool {
+        let Some((oldest, kept)) = self.messages.pop_first() else {
+            return false;
+        };
+        self.by_sent.remove(&(kept.sent_us, oldest));
+        self.bytes -= kept.payload.len();
+        self.dropped += 1;
+        true
+    }
+
     /// Removes the messages that a receipt covers.
-    pub(crate) fn receipt(&mut self, receipt: &Receipt) {
+    pub fn receipt(&mut self, receipt: &Receipt) {
         let before = self.messages.len();
         let kept_on = self.messages.split_off(&receipt.next);
         let mut covered = std::mem::replace(&mut self.messages, kept_on);
@@ -77,6 +96,7 @@ impl Outbox {
         }
         for (seq, kept) in covered {
             self.by_sent.remove(&(kept.sent_us, seq));
+            self.bytes -= kept.payload.len();
             self.newest_covered = self.newest_covered.max(Some(seq));
         }
         if self.messages.len() < before {
@@ -86,7 +106,7 @@ impl Outbox {
     }
 
     /// After a reconnection, earlier transmissions may be lost: all messages are due immediately.
-    pub(crate) fn reconnected(&mut self) {
+    pub fn reconnected(&mut self) {
         self.by_sent = self.messages.keys().map(|&seq| (0, seq)).collect();
         for kept in self.messages.values_mut() {
             kept.sent_us = 0;
@@ -96,16 +116,17 @@ impl Outbox {
     }
 
     /// Time of the next window, if there are messages.
-    pub(crate) fn resend_at_us(&self) -> Option<u64> {
+    #[must_use]
+    pub fn resend_at_us(&self) -> Option<u64> {
         let &(sent_us, _) = self.by_sent.first()?;
         let due_us = if sent_us == 0 { 0 } else { sent_us + self.backoff_us };
         Some(due_us.max(self.unanswered_since_us.map_or(0, |since_us| since_us + self.backoff_us)))
     }
 
     /// The messages to send again now, oldest first.
-    pub(crate) fn resend(&mut self, now_us: u64) -> Vec<Vec<u8>> {
-        if self.unanswered_since_us.is_some() && !self.is_steady {
-            self.backoff_us = (self.backoff_us * 2).min(BACKOFF_MAX_US);
+    pub fn resend(&mut self, now_us: u64) -> Vec<Vec<u8>> {
+        if self.unanswered_since_us.is_some() {
+            self.backoff_us = (self.backoff_us * 2).min(self.backoff_max_us);
         }
         let due = |&&(sent_us, _): &&(u64, u64)| sent_us == 0 || sent_us + BACKOFF_START_US <= now_us;
         let mut window: Vec<(u64, u64)> = self.by_sent.iter().take_while(due).copied().collect();
@@ -125,24 +146,44 @@ impl Outbox {
     }
 
     /// Number of stored messages.
-    pub(crate) fn len(&self) -> usize {
+    #[must_use]
+    pub fn len(&self) -> usize {
         self.messages.len()
     }
 
+    /// Bytes of the stored messages.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    /// The stored messages with their numbers, the oldest first.
+    pub fn messages(&self) -> impl Iterator<Item = (u64, &[u8])> {
+        self.messages.iter().map(|(&seq, kept)| (seq, &kept.payload[..]))
+    }
+
+    /// Whether no message is stored.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.messages.is_empty()
+    }
+
     /// Highest sequence number of this boot that a receipt has covered.
-    pub(crate) fn newest_covered(&self) -> Option<u64> {
+    #[must_use]
+    pub fn newest_covered(&self) -> Option<u64> {
         self.newest_covered
     }
 
     /// Number of messages dropped because the outbox was full.
-    pub(crate) fn dropped(&self) -> u64 {
+    #[must_use]
+    pub fn dropped(&self) -> u64 {
         self.dropped
     }
 
     /// Starts a new boot without the stored messages, which are counted as dropped.
-    pub(crate) fn restart(&mut self) {
+    pub fn restart(&mut self) {
         let lost = self.messages.len() as u64;
-        *self = Self { dropped: lost, ..Self::new(self.most, self.is_steady) };
+        *self = Self { dropped: lost, ..Self::with_longest_pause(self.most, self.backoff_max_us) };
     }
 }
 
@@ -161,7 +202,7 @@ mod tests {
 
     /// An outbox with messages 0.. sent at 100 s; the payload of each is its number.
     fn outbox(count: u64, most: usize) -> Outbox {
-        let mut outbox = Outbox::new(most, false);
+        let mut outbox = Outbox::new(most);
         (0..count).for_each(|seq| outbox.keep(seq, vec![seq as u8], Some(100 * S)));
         outbox
     }

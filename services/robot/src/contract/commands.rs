@@ -4,14 +4,12 @@ use std::collections::{BTreeMap, VecDeque};
 
 use vibrissa_protocol::{BootId, Setpoint, SetpointError, SetpointOutcome};
 
-use crate::scenario::Misbehaviour;
-
 /// Number of commands whose answer is remembered.
 const REMEMBERED: usize = 1024;
 
 /// Decision about a setpoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Verdict {
+pub enum Verdict {
     /// Accept it.
     Take,
     /// It was answered before: repeat the answer, apply nothing.
@@ -22,41 +20,52 @@ pub(crate) enum Verdict {
 
 /// Latest state of a command.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Answer {
-    pub(crate) outcome: SetpointOutcome,
-    pub(crate) error: Option<SetpointError>,
+pub struct Answer {
+    /// State of the setpoint.
+    pub outcome: SetpointOutcome,
+    /// Reason of a rejection or failure.
+    pub error: Option<SetpointError>,
+}
+
+impl Answer {
+    /// An answer without an error.
+    #[must_use]
+    pub fn plain(outcome: SetpointOutcome) -> Self {
+        Self { outcome, error: None }
+    }
+
+    /// A rejection.
+    #[must_use]
+    pub fn rejected(error: SetpointError) -> Self {
+        Self { outcome: SetpointOutcome::Rejected, error: Some(error) }
+    }
 }
 
 /// The properties of the addressed whisker that matter for the decision.
 #[derive(Debug)]
-pub(crate) struct Addressee<'a> {
+pub struct Addressee<'a> {
     /// Highest (epoch, version) seen for the whisker.
-    pub(crate) seen: &'a mut Option<(u64, u64)>,
+    pub seen: &'a mut Option<(u64, u64)>,
     /// Highest pressure that the factsheet allows, in MPa.
-    pub(crate) pressure_max_mpa: f64,
+    pub pressure_max_mpa: f64,
 }
 
 /// Answers of one boot.
 #[derive(Debug, Default)]
-pub(crate) struct Commands {
+pub struct Commands {
     answers: BTreeMap<String, Answer>,
     order: VecDeque<String>,
 }
 
 impl Commands {
     /// Decides about a setpoint by the contract's rules; `addressee` is `None` if the robot has no such whisker.
-    pub(crate) fn judge(
+    pub fn judge(
         &self,
         setpoint: &Setpoint,
         boot_id: &BootId,
         now_us: u64,
         addressee: Option<Addressee<'_>>,
-        fault: Option<Misbehaviour>,
     ) -> Verdict {
-        let keeps = |broken: Misbehaviour| fault != Some(broken);
-        if fault == Some(Misbehaviour::TakesAnySetpoint) && addressee.is_some() {
-            return Verdict::Take;
-        }
         if let Some(&answer) = self.answers.get(&setpoint.command_id) {
             return Verdict::Again(answer);
         }
@@ -64,26 +73,25 @@ impl Commands {
             return Verdict::Reject(SetpointError::UnknownWhisker);
         };
         // Checked before the order: a setpoint for another boot must not change the highest order seen.
-        if setpoint.robot_boot_id != *boot_id && keeps(Misbehaviour::TakesOtherBoots) {
+        if setpoint.robot_boot_id != *boot_id {
             return Verdict::Reject(SetpointError::WrongBoot);
         }
         let order = (setpoint.epoch, setpoint.version);
-        if addressee.seen.is_some_and(|seen| is_stale(order, seen, fault)) {
+        if addressee.seen.is_some_and(|seen| order <= seen) {
             return Verdict::Reject(SetpointError::Stale);
         }
         *addressee.seen = (*addressee.seen).max(Some(order));
-        if setpoint.expires_us <= now_us && keeps(Misbehaviour::TakesExpired) {
+        if setpoint.expires_us <= now_us {
             return Verdict::Reject(SetpointError::Expired);
         }
-        let is_in_range = (0.0..=addressee.pressure_max_mpa).contains(&setpoint.pressure_mpa);
-        if !is_in_range && keeps(Misbehaviour::TakesAnyPressure) {
+        if !(0.0..=addressee.pressure_max_mpa).contains(&setpoint.pressure_mpa) {
             return Verdict::Reject(SetpointError::OutOfRange);
         }
         Verdict::Take
     }
 
     /// Stores the latest state of a command.
-    pub(crate) fn remember(&mut self, command_id: &str, answer: Answer) {
+    pub fn remember(&mut self, command_id: &str, answer: Answer) {
         if self.answers.insert(command_id.to_owned(), answer).is_none() {
             self.order.push_back(command_id.to_owned());
             if self.order.len() > REMEMBERED
@@ -92,15 +100,6 @@ impl Commands {
                 self.answers.remove(&oldest);
             }
         }
-    }
-}
-
-/// Whether an order is not higher than the highest one seen.
-fn is_stale(order: (u64, u64), seen: (u64, u64), fault: Option<Misbehaviour>) -> bool {
-    match fault {
-        Some(Misbehaviour::TakesOldVersions) => order.0 < seen.0,
-        Some(Misbehaviour::TakesOldEpochs) => order.1 <= seen.1,
-        Some(_) | None => order <= seen,
     }
 }
 
@@ -137,7 +136,7 @@ mod tests {
 
     fn judge(setpoint: &Setpoint, seen: &mut Option<(u64, u64)>) -> Verdict {
         let addressee = Addressee { seen, pressure_max_mpa: 0.2 };
-        Commands::default().judge(setpoint, &boot(), NOW_US, Some(addressee), None)
+        Commands::default().judge(setpoint, &boot(), NOW_US, Some(addressee))
     }
 
     #[test]
@@ -184,7 +183,7 @@ mod tests {
 
     #[test]
     fn an_unknown_whisker_is_rejected() {
-        let verdict = Commands::default().judge(&setpoint(1, 1), &boot(), NOW_US, None, None);
+        let verdict = Commands::default().judge(&setpoint(1, 1), &boot(), NOW_US, None);
         assert_eq!(verdict, Verdict::Reject(SetpointError::UnknownWhisker));
     }
 
@@ -196,7 +195,7 @@ mod tests {
         let late = Setpoint { expires_us: 0, ..setpoint(1, 1) };
         let mut seen = Some((9, 9));
         let addressee = Addressee { seen: &mut seen, pressure_max_mpa: 0.2 };
-        assert_eq!(commands.judge(&late, &boot(), NOW_US, Some(addressee), None), Verdict::Again(answer));
+        assert_eq!(commands.judge(&late, &boot(), NOW_US, Some(addressee)), Verdict::Again(answer));
     }
 
     #[test]

@@ -1,0 +1,143 @@
+//! Messages of earlier boots, which the store has kept over a restart.
+//!
+//! They are sent again with their own boot and number, so that a supervisor that has them already does not record them
+//! twice. A supervisor takes contacts only of boots whose factsheet it knows. Until a receipt shows that it knows an earlier
+//! boot, the birth and factsheet of that boot come before those of the present one: after each connection, and when the
+//! supervisor misses a factsheet. Messages of a boot that was never connected were never sent: they get numbers of this boot.
+
+use vibrissa_protocol::{Receipt, RobotTopic, decode_contacts, encode};
+
+use super::{Agent, Output};
+use crate::contract::{Outbox, Voice};
+use crate::store::{Payload, Record, StoredBoot};
+
+/// Earlier boots whose messages are kept: a supervisor remembers the numbers of four boots.
+const EARLIER_MAX: usize = 3;
+
+/// An earlier boot with messages.
+#[derive(Debug)]
+pub(super) struct Earlier {
+    voice: Voice,
+    is_known: bool,
+    pub(super) outbox: Outbox,
+}
+
+impl Agent {
+    /// Takes the messages of earlier boots up.
+    pub(super) fn take_up(&mut self, boots: Vec<StoredBoot>) {
+        let mut earlier = Vec::new();
+        for boot in boots {
+            if boot.births > 0 {
+                let mut outbox = Outbox::new(self.limits.outbox_messages);
+                for (seq, payload) in boot.messages {
+                    outbox.keep(seq, payload.bytes().to_vec(), None);
+                }
+                let voice = Voice::earlier(boot.boot_id, boot.births, boot.factsheets);
+                earlier.push(Earlier { voice, is_known: boot.is_known, outbox });
+                continue;
+            }
+            for message in boot.messages.values().filter_map(|one| decode_contacts(one.bytes(), Vec::new()).ok()) {
+                let message = self.voice.contacts(message.contacts, message.missed);
+                self.outbox.keep(message.seq, encode(&message), None);
+            }
+        }
+        // Of a supervisor's four boots one is the present one.
+        let beyond = earlier.len().saturating_sub(EARLIER_MAX);
+        self.dropped_earlier += earlier.drain(..beyond).map(|boot| boot.outbox.len() as u64).sum::<u64>();
+        earlier.retain(|boot| !boot.outbox.is_empty());
+        self.earlier = earlier;
+        self.make_room();
+    }
+
+    /// Drops the oldest messages until the outbox keeps its bound in bytes.
+    pub(super) fn make_room(&mut self) {
+        let mut bytes = self.outbox.bytes() + self.earlier.iter().map(|boot| boot.outbox.bytes()).sum::<usize>();
+        while bytes > self.limits.outbox_bytes {
+            let Some(oldest) = self.earlier.first_mut() else {
+                let before = self.outbox.bytes();
+                if !self.outbox.drop_oldest() {
+                    return;
+                }
+                bytes -= before - self.outbox.bytes();
+                continue;
+            };
+            let before = oldest.outbox.bytes();
+            if oldest.outbox.drop_oldest() {
+                self.dropped_earlier += 1;
+                bytes -= before - oldest.outbox.bytes();
+            } else {
+                self.earlier.remove(0);
+            }
+        }
+    }
+
+    /// Takes a receipt for this boot or an earlier one.
+    pub(super) fn receipt(&mut self, receipt: &Receipt, out: &mut Vec<Output>) {
+        if receipt.robot_boot_id == *self.voice.boot_id() {
+            self.outbox.receipt(receipt);
+        } else if let Some(boot) = self.earlier.iter_mut().find(|boot| *boot.voice.boot_id() == receipt.robot_boot_id) {
+            boot.is_known = true;
+            boot.outbox.receipt(receipt);
+            self.earlier.retain(|boot| !boot.outbox.is_empty());
+        } else {
+            return;
+        }
+        let (boot_id, next, held) = (receipt.robot_boot_id.clone(), receipt.next, receipt.held.clone());
+        out.push(Output::Store(Record::Receipt { boot_id, next, held }));
+    }
+
+    /// Publishes birth and factsheet of each earlier boot that the supervisor may not know.
+    pub(super) fn announce_earlier(&mut self, now_us: u64, out: &mut Vec<Output>) {
+        for boot in self.earlier.iter_mut().filter(|boot| !boot.is_known && !boot.outbox.is_empty()) {
+            let birth = boot.voice.birth(now_us);
+            let factsheet = boot.voice.factsheet(now_us, &self.facts);
+            out.push(Output::Store(record_of(&boot.voice)));
+            out.push(Output::Publish(RobotTopic::Connection, encode(&birth)));
+            out.push(Output::Publish(RobotTopic::Factsheet, encode(&factsheet)));
+        }
+    }
+
+    /// Whether [`Agent::announce_earlier`] has something to say.
+    pub(super) fn has_unknown_boots(&self) -> bool {
+        self.earlier.iter().any(|boot| !boot.is_known && !boot.outbox.is_empty())
+    }
+
+    /// The record of this boot.
+    pub(super) fn boot_record(&self) -> Record {
+        record_of(&self.voice)
+    }
+
+    /// Records of the whole state, with which the store begins anew.
+    #[must_use]
+    pub fn records(&self) -> Vec<Record> {
+        let mut records = Vec::new();
+        for chamber in &self.chambers {
+            if let Some((epoch, version)) = chamber.seen {
+                records.push(Record::Seen { array: chamber.array.clone(), whisker: chamber.number, epoch, version });
+            }
+        }
+        for boot in &self.earlier {
+            add(&mut records, &boot.voice, &boot.outbox, boot.is_known);
+        }
+        add(&mut records, &self.voice, &self.outbox, self.outbox.newest_covered().is_some());
+        records
+    }
+}
+
+fn add(records: &mut Vec<Record>, voice: &Voice, outbox: &Outbox, is_known: bool) {
+    records.push(record_of(voice));
+    if is_known {
+        // Nothing below the first stored message is needed again.
+        let next = outbox.messages().next().map_or(0, |(seq, _)| seq);
+        records.push(Record::Receipt { boot_id: voice.boot_id().clone(), next, held: Vec::new() });
+    }
+    for (seq, payload) in outbox.messages() {
+        if let Some(payload) = Payload::new(payload) {
+            records.push(Record::Contacts { boot_id: voice.boot_id().clone(), seq, payload });
+        }
+    }
+}
+
+fn record_of(voice: &Voice) -> Record {
+    Record::Boot { boot_id: voice.boot_id().clone(), births: voice.births(), factsheets: voice.factsheets() }
+}

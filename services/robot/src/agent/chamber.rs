@@ -1,0 +1,187 @@
+//! One whisker's chamber, as the agent knows it from the driver.
+
+use vibrissa_protocol::{Gauge, Name, PlaceKind, Regulator, SetpointError, WhiskerFacts, WhiskerStatus};
+
+use crate::config::Limits;
+use crate::driver::ToDriver;
+
+/// Change of pressure that valves of small robots manage, in MPa/s.
+const VALVES_MPA_PER_S: f64 = 0.02;
+/// Least excess of the supply over the target, in MPa.
+const SUPPLY_MARGIN_MPA: f64 = 0.005;
+
+/// A setpoint that is being applied.
+#[derive(Debug)]
+pub(super) struct Applying {
+    pub(super) command_id: String,
+    pub(super) fails_at_us: u64,
+    /// Since when all readings are at the target.
+    near_since_us: Option<u64>,
+    is_settled: bool,
+}
+
+/// The newest reading.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reading {
+    pub(super) pressure_mpa: f64,
+    pub(super) at_us: u64,
+}
+
+/// One whisker.
+#[derive(Debug)]
+pub(super) struct Chamber {
+    pub(super) array: Name,
+    pub(super) number: u16,
+    pub(super) nominal_mpa: f64,
+    pub(super) max_mpa: f64,
+    pub(super) place: PlaceKind,
+    /// Highest (epoch, version) seen for the whisker, in earlier boots, too.
+    pub(super) seen: Option<(u64, u64)>,
+    pub(super) target_mpa: f64,
+    pub(super) slew_mpa_per_s: f64,
+    /// Time at which the driver was last told the pressure.
+    pub(super) told_us: u64,
+    pub(super) reading: Option<Reading>,
+    /// Condition of the regulator as the driver states it.
+    regulator: Option<Regulator>,
+    pub(super) gauge: Gauge,
+    pub(super) temperature_c: Option<f64>,
+    supply_mpa: Option<f64>,
+    pub(super) applying: Option<Applying>,
+    /// The newest estimate, for a driver that starts later.
+    pub(super) estimate: Option<ToDriver>,
+    /// Condition in the last status.
+    pub(super) reported: (Regulator, Gauge),
+}
+
+impl Chamber {
+    pub(super) fn new(array: Name, facts: &WhiskerFacts, seen: Option<(u64, u64)>, slew_mpa_per_s: f64) -> Self {
+        Self {
+            array,
+            number: facts.whisker,
+            nominal_mpa: facts.pressure_mpa,
+            max_mpa: facts.pressure_max_mpa,
+            place: facts.place.unwrap_or(PlaceKind::Ratio),
+            seen,
+            target_mpa: facts.pressure_mpa,
+            slew_mpa_per_s,
+            told_us: 0,
+            reading: None,
+            regulator: None,
+            gauge: Gauge::Ok,
+            temperature_c: None,
+            supply_mpa: None,
+            applying: None,
+            estimate: None,
+            reported: (Regulator::Ok, Gauge::Ok),
+        }
+    }
+
+    /// The line that sets the pressure.
+    pub(super) fn set_pressure(&self) -> ToDriver {
+        ToDriver::SetPressure {
+            array: self.array.clone(),
+            whisker: self.number,
+            pressure_mpa: self.target_mpa,
+            slew_mpa_per_s: self.slew_mpa_per_s,
+        }
+    }
+
+    /// Begins to apply a setpoint.
+    pub(super) fn apply(&mut self, command_id: &str, now_us: u64, limits: &Limits) {
+        let way_mpa = self.reading.map_or(self.max_mpa, |reading| (self.target_mpa - reading.pressure_mpa).abs());
+        let way_us = (way_mpa / self.slew_mpa_per_s.min(VALVES_MPA_PER_S) * 1e6) as u64;
+        self.applying = Some(Applying {
+            command_id: command_id.to_owned(),
+            fails_at_us: now_us.saturating_add(way_us).saturating_add(limits.fail_after_us),
+            near_since_us: None,
+            is_settled: false,
+        });
+    }
+
+    /// Takes a reading.
+    pub(super) fn read(&mut self, reading: Reading, limits: &Limits) {
+        // A line that was on its way before the setpoint says nothing of it, nor does an older one than the newest.
+        self.reading = Some(reading);
+        let is_near = (reading.pressure_mpa - self.target_mpa).abs() <= limits.tolerance_mpa;
+        if let Some(applying) = &mut self.applying {
+            let since_us = applying.near_since_us.filter(|_| is_near).or(is_near.then_some(reading.at_us));
+            applying.near_since_us = since_us;
+            applying.is_settled = since_us.is_some_and(|since_us| reading.at_us >= since_us + limits.settle_us);
+        }
+    }
+
+    /// Takes conditions as the driver states them.
+    pub(super) fn state(&mut self, regulator: Option<Regulator>, temperature_c: Option<f64>, supply_mpa: Option<f64>) {
+        self.regulator = regulator;
+        self.temperature_c = temperature_c.or(self.temperature_c);
+        self.supply_mpa = supply_mpa.or(self.supply_mpa);
+    }
+
+    /// Takes a fault.
+    pub(super) fn fault(&mut self, regulator: Option<Regulator>, gauge: Option<Gauge>) {
+        self.regulator = regulator.or(self.regulator);
+        self.gauge = gauge.unwrap_or(self.gauge);
+    }
+
+    /// The driver has gone: nothing is known of the chamber.
+    pub(super) fn forget(&mut self) {
+        self.reading = None;
+        self.regulator = None;
+    }
+
+    pub(super) fn is_settled(&self) -> bool {
+        self.applying.as_ref().is_some_and(|applying| applying.is_settled)
+    }
+
+    pub(super) fn fails_at_us(&self) -> Option<u64> {
+        self.applying.as_ref().map(|applying| applying.fails_at_us)
+    }
+
+    /// Time at which the newest reading becomes too old, if the condition in the last status does not say so yet.
+    pub(super) fn silent_at_us(&self, limits: &Limits) -> Option<u64> {
+        let at_us = self.reading?.at_us + limits.driver_silent_us;
+        (self.reported.0 != Regulator::Fault).then_some(at_us)
+    }
+
+    /// Condition of regulator and gauge.
+    pub(super) fn condition(&self, now_us: u64, limits: &Limits) -> (Regulator, Gauge) {
+        let Some(reading) = self.reading.filter(|reading| now_us < reading.at_us + limits.driver_silent_us) else {
+            return (Regulator::Fault, self.gauge);
+        };
+        let regulator = self.regulator.unwrap_or_else(|| {
+            let below_mpa = self.target_mpa - reading.pressure_mpa;
+            let is_low = self.supply_mpa.is_some_and(|supply_mpa| supply_mpa < self.target_mpa + SUPPLY_MARGIN_MPA);
+            if below_mpa > limits.tolerance_mpa {
+                if is_low { Regulator::SupplyLow } else { Regulator::Filling }
+            } else if below_mpa < -limits.tolerance_mpa {
+                Regulator::Venting
+            } else {
+                Regulator::Ok
+            }
+        });
+        (regulator, self.gauge)
+    }
+
+    /// Reason why the setpoint was not reached in time.
+    pub(super) fn failure(&self, now_us: u64, limits: &Limits) -> SetpointError {
+        match self.condition(now_us, limits).0 {
+            Regulator::SupplyLow => SetpointError::SupplyLow,
+            Regulator::Leak => SetpointError::Leak,
+            Regulator::Ok | Regulator::Filling | Regulator::Venting | Regulator::Fault => SetpointError::Fault,
+        }
+    }
+
+    pub(super) fn status(&self, now_us: u64, limits: &Limits) -> WhiskerStatus {
+        let (regulator, gauge) = self.condition(now_us, limits);
+        WhiskerStatus {
+            array: self.array.clone(),
+            whisker: self.number,
+            // Without a reading the condition is FAULT, so that nobody takes the pressure for a measured one.
+            pressure_mpa: self.reading.map_or(self.target_mpa, |reading| reading.pressure_mpa),
+            setpoint_mpa: self.target_mpa,
+            regulator,
+            gauge,
+        }
+    }
+}

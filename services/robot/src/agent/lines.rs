@@ -1,0 +1,255 @@
+//! What the driver says.
+
+use vibrissa_protocol::{BootId, Contact, Contacts, MissedTouch, PlaceKind, TouchTestOutcome, decode_contacts, encode};
+
+use super::chamber::Reading;
+use super::{Agent, Output};
+use crate::driver::words::{self, HelloWhisker, Origin, Progress, cut};
+use crate::driver::{BadLine, FromDriver, LINE_MAX_BYTES, ToDriver, VERSION};
+
+/// Refused lines that are answered, per second; all are counted.
+pub(super) const ERRORS_PER_S: f64 = 20.0;
+
+const WHISKERS: &str = "name a whisker of agent.toml; `array` is needed if the robot has several";
+const PLACES: &str = "send the place that agent.toml states for the whisker as `place`, or change it there";
+const RANGES: &str = "keep the ranges of docs/driver-interface.md";
+
+impl Agent {
+    /// Greets a driver, and tells it all it needs.
+    pub(super) fn greet(&mut self, now_us: u64, out: &mut Vec<Output>) {
+        let whiskers = self.chambers.iter().map(|chamber| HelloWhisker {
+            array: chamber.array.clone(),
+            whisker: chamber.number,
+            pressure_mpa: chamber.target_mpa,
+            pressure_max_mpa: chamber.max_mpa,
+        });
+        out.push(Output::Tell(ToDriver::Hello { version: VERSION, whiskers: whiskers.collect() }));
+        for chamber in &mut self.chambers {
+            chamber.told_us = now_us;
+            out.push(Output::Tell(chamber.set_pressure()));
+            out.extend(chamber.estimate.clone().map(Output::Tell));
+        }
+    }
+
+    /// The driver has gone: nothing is known of the chambers until it comes back.
+    pub(super) fn driver_ended(&mut self, now_us: u64, out: &mut Vec<Output>) {
+        self.driver.is_there = false;
+        self.chambers.iter_mut().for_each(super::Chamber::forget);
+        while !self.under_way.is_empty() {
+            self.end_test(0, TouchTestOutcome::Failed, now_us, out);
+        }
+    }
+
+    /// Takes a line; a bad one is answered and counted.
+    pub(super) fn line(&mut self, line: Option<&[u8]>, now_us: u64, out: &mut Vec<Output>) {
+        self.counts.lines += 1;
+        self.driver.lines += 1;
+        let taken = match line {
+            Some(line) => FromDriver::read(line).and_then(|word| self.word(word, now_us, out)),
+            None => Err(BadLine::new(
+                format!("the line is longer than {LINE_MAX_BYTES} bytes"),
+                "end each line with a line feed, and send fewer samples in a line",
+            )),
+        };
+        match taken {
+            // Noise of a serial line is no sign of life.
+            Ok(()) => {
+                self.driver.heard_us = now_us;
+                if !std::mem::replace(&mut self.driver.is_there, true) {
+                    self.greet(now_us, out);
+                }
+            }
+            Err(BadLine { problem, remedy }) => {
+                self.counts.lines_refused += 1;
+                if self.error_rate.takes(now_us) {
+                    let line = self.driver.lines;
+                    out.push(Output::Tell(ToDriver::Error { line, problem, remedy }));
+                }
+            }
+        }
+    }
+
+    fn word(&mut self, word: FromDriver, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
+        match word {
+            FromDriver::Hello(hello) => self.hello(&hello, now_us, out),
+            FromDriver::Contact(contact) => self.contact(contact, now_us, out),
+            FromDriver::Strain(_) => Err(BadLine::new(
+                "this agent has no segmenter yet",
+                "find the contacts in the driver and send `contact`",
+            )),
+            FromDriver::Pressure(pressure) => self.pressure(&pressure, now_us),
+            FromDriver::Fault(fault) => {
+                let (at, _) = self.place(&fault.origin(), now_us)?;
+                if fault.gauge.is_none() && fault.regulator.is_none() {
+                    return Err(BadLine::new(
+                        "neither gauge nor regulator is given",
+                        "send the condition that changed",
+                    ));
+                }
+                self.chambers[at].fault(fault.regulator, fault.gauge);
+                Ok(())
+            }
+            FromDriver::TestState(state) => self.test_state(&state, now_us, out),
+        }
+    }
+
+    fn hello(&mut self, hello: &words::Hello, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
+        if hello.version != VERSION {
+            let problem = format!("version {} of the interface is not known", hello.version);
+            return Err(BadLine::new(problem, "send version 1"));
+        }
+        self.greet(now_us, out);
+        Ok(())
+    }
+
+    /// Index of a line's whisker, and the time of the line.
+    fn place(&mut self, origin: &Origin, now_us: u64) -> Result<(usize, u64), BadLine> {
+        let array = match (&origin.array, &self.facts.arrays[..]) {
+            (Some(array), _) => array.clone(),
+            (None, [only]) => only.array.clone(),
+            (None, _) => return Err(BadLine::new("`array` is missing", WHISKERS)),
+        };
+        let number = origin.whisker;
+        let Some(&at) = self.places.get(&(array.clone(), number)) else {
+            return Err(BadLine::new(format!("the robot has no whisker {array}/{number}"), WHISKERS));
+        };
+        let t_us = self.driver.times.of(origin.t_us, origin.t_ms, now_us);
+        let t_us = t_us.map_err(|why| BadLine::new(why, "leave t_us and t_ms out, or set the clock"))?;
+        Ok((at, t_us))
+    }
+
+    fn pressure(&mut self, line: &words::Pressure, now_us: u64) -> Result<(), BadLine> {
+        let (at, _) = self.place(&line.origin(), now_us)?;
+        let range = |name: &str, value: Option<f64>, least: f64, most: f64| match value {
+            Some(value) if !(least..=most).contains(&value) => {
+                Err(BadLine::new(format!("{name} is {value}, but must be between {least} and {most}"), RANGES))
+            }
+            Some(_) | None => Ok(()),
+        };
+        range("pressure_mpa", Some(line.pressure_mpa), 0.0, 1.0)?;
+        range("temperature_c", line.temperature_c, -100.0, 300.0)?;
+        range("supply_mpa", line.supply_mpa, 0.0, 10.0)?;
+        let chamber = &mut self.chambers[at];
+        // The receipt of the line counts: a reading that was on its way for long is still the newest one.
+        chamber.read(Reading { pressure_mpa: line.pressure_mpa, at_us: now_us }, &self.limits);
+        chamber.state(line.regulator, line.temperature_c, line.supply_mpa);
+        Ok(())
+    }
+
+    fn test_at(&self, test_id: Option<&str>, whisker: Option<usize>) -> Result<Option<usize>, BadLine> {
+        let Some(test_id) = test_id else { return Ok(None) };
+        let at = self
+            .under_way
+            .iter()
+            .position(|one| one.test_id == test_id && whisker.is_none_or(|whisker| whisker == one.whisker));
+        at.map(Some).ok_or_else(|| {
+            let problem = format!("no touch test {:?} of this whisker is under way", cut(test_id));
+            BadLine::new(problem, "send the test_id of the last `test`, and only until its test_state DONE")
+        })
+    }
+
+    fn test_state(&mut self, state: &words::TestState, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
+        let Some(at) = self.test_at(Some(&state.test_id), None)? else { return Ok(()) };
+        match state.state {
+            Progress::Running => self.run_test(at, now_us, out),
+            Progress::Done => self.end_test(at, TouchTestOutcome::Done, now_us, out),
+            Progress::Failed => self.end_test(at, TouchTestOutcome::Failed, now_us, out),
+        }
+        Ok(())
+    }
+
+    fn contact(&mut self, line: words::Contact, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
+        let (at, t_us) = self.place(&line.origin(), now_us)?;
+        let test = self.test_at(line.test_id.as_deref(), Some(at))?;
+        if test.is_some_and(|test| self.under_way[test].touches_left == 0) {
+            return Err(BadLine::new("the touch test has all its touches", "send test_state DONE"));
+        }
+        let message = match line.touched {
+            Some(false) => self.missed_of(line, at, t_us)?,
+            Some(true) | None => self.contact_of(line, at, t_us, test.is_some())?,
+        };
+        // The contract's own check, so that no supervisor refuses the message.
+        decode_contacts(&encode(&message), Vec::new()).map_err(|why| BadLine::new(cut(&why.to_string()), RANGES))?;
+        if !self.contact_rate.takes(now_us) {
+            let problem = format!("more than {} contacts a second", self.limits.contacts_per_s);
+            return Err(BadLine::new(problem, "send fewer, or raise contacts.per_s_max in agent.toml"));
+        }
+        self.counts.contacts += 1;
+        if let Some(test) = test {
+            self.run_test(test, now_us, out);
+            self.under_way[test].touches_left -= 1;
+        }
+        self.batch.extend(message.contacts);
+        self.missed.extend(message.missed);
+        if self.batch.len() + self.missed.len() >= self.limits.contacts_per_message {
+            self.flush(now_us, out);
+        } else {
+            self.batch_until_us.get_or_insert(now_us + self.limits.message_after_us);
+        }
+        Ok(())
+    }
+
+    fn contact_of(&self, line: words::Contact, at: usize, t_us: u64, is_test: bool) -> Result<Contacts, BadLine> {
+        let chamber = &self.chambers[at];
+        let missing =
+            |name| BadLine::new(format!("missing field `{name}`"), "compare the line with docs/driver-interface.md");
+        let place = match (line.ratio, line.tip, line.distance_mm) {
+            (Some(_), ..) => PlaceKind::Ratio,
+            (None, true, _) => PlaceKind::Tip,
+            (None, false, Some(_)) => PlaceKind::Distance,
+            (None, false, None) => PlaceKind::Unknown,
+        };
+        // A touch test has its own places.
+        if place != chamber.place && !is_test {
+            let problem = format!("the place is {place}, but agent.toml states {} for the whisker", chamber.place);
+            return Err(BadLine::new(problem, PLACES));
+        }
+        let pressure_mpa = line.pressure_mpa.or(chamber.reading.map(|reading| reading.pressure_mpa));
+        let contact = Contact {
+            array: chamber.array.clone(),
+            whisker: chamber.number,
+            t_us,
+            ratio: line.ratio,
+            ratio_sd: line.ratio_sd,
+            distance_mm: line.distance_mm,
+            distance_sd_mm: line.distance_sd_mm,
+            tip: line.tip,
+            deflection_mm: line.deflection_mm.ok_or_else(|| missing("deflection_mm"))?,
+            strain: line.strain.ok_or_else(|| missing("strain"))?,
+            pressure_mpa: pressure_mpa.ok_or_else(|| {
+                BadLine::new(
+                    "no pressure of the whisker is known",
+                    "send `pressure` before contacts, or pressure_mpa with each",
+                )
+            })?,
+            temperature_c: line.temperature_c.or(chamber.temperature_c).unwrap_or(self.limits.temperature_c),
+            test_id: line.test_id,
+        };
+        Ok(self.alone(vec![contact], vec![]))
+    }
+
+    fn missed_of(&self, line: words::Contact, at: usize, t_us: u64) -> Result<Contacts, BadLine> {
+        let chamber = &self.chambers[at];
+        let distance_mm = line.distance_mm.ok_or_else(|| {
+            BadLine::new(
+                "a touch that did not come needs distance_mm",
+                "send the distance at which it should have come",
+            )
+        })?;
+        let missed = MissedTouch {
+            array: chamber.array.clone(),
+            whisker: chamber.number,
+            t_us,
+            distance_mm,
+            distance_sd_mm: line.distance_sd_mm,
+            test_id: line.test_id,
+        };
+        Ok(self.alone(vec![], vec![missed]))
+    }
+
+    /// A message with one contact, only to check it.
+    fn alone(&self, contacts: Vec<Contact>, missed: Vec<MissedTouch>) -> Contacts {
+        let boot_id: BootId = self.voice.boot_id().clone();
+        Contacts { boot_id, seq: 0, contacts, missed }
+    }
+}

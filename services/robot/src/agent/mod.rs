@@ -1,0 +1,348 @@
+//! The agent: the contract's rules between a driver and the broker, without sockets and clock.
+//!
+//! [`Agent::step`] takes one input and returns what to do. Call it with [`Input::Tick`] at [`Agent::next_deadline_us`], too.
+//! All times are in microseconds since 1970 UTC by the robot's clock.
+
+mod boots;
+mod chamber;
+mod lines;
+mod messages;
+mod orders;
+mod times;
+
+use std::collections::{BTreeMap, VecDeque};
+
+use vibrissa_protocol::{BootId, Contact, Message, MissedTouch, Name, RequestKind, RobotTopic, SupervisorRequestKind};
+use vibrissa_protocol::{Topic, decode};
+
+use crate::config::{Config, Limits};
+use crate::contract::births::DELAY_MAX_US;
+use crate::contract::{Births, Commands, EstimateOrder, Facts, Outbox, Supervision, TouchTests, Voice};
+use crate::driver::ToDriver;
+use crate::store::{Record, Stored};
+
+use boots::Earlier;
+use chamber::Chamber;
+use orders::UnderWay;
+use times::{Rate, Times};
+
+/// An input of the agent.
+#[derive(Debug, Clone, Copy)]
+pub enum Input<'a> {
+    /// The connection to the broker is established with its subscriptions.
+    Connected,
+    /// The connection is lost.
+    Disconnected,
+    /// A message has arrived on one of the robot's topics.
+    Message(RobotTopic, &'a [u8]),
+    /// A message to all robots of the fleet has arrived. The number is random, for the delay of an answer.
+    RequestToAll(&'a [u8], u64),
+    /// The driver can be heard, from now on or anew.
+    DriverStarted,
+    /// The driver has gone.
+    DriverEnded,
+    /// A line of the driver; `None` in place of one that was too long.
+    Line(Option<&'a [u8]>),
+    /// Time has passed.
+    Tick,
+}
+
+/// Something to do.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Output {
+    /// Publish a message.
+    Publish(RobotTopic, Vec<u8>),
+    /// Send a line to the driver.
+    Tell(ToDriver),
+    /// Store a record, before the messages that follow it are published.
+    Store(Record),
+    /// The driver has been silent for too long: start it again, or wait for it anew.
+    RestartDriver,
+}
+
+/// Counts since the start.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub struct Counts {
+    /// Lines of the driver.
+    pub lines: u64,
+    /// Lines that were refused.
+    pub lines_refused: u64,
+    /// Contacts and missed touches taken.
+    pub contacts: u64,
+    /// Messages from the network that were refused.
+    pub messages_refused: u64,
+    /// Times that the driver was found silent.
+    pub driver_silences: u64,
+}
+
+/// State of the driver.
+#[derive(Debug, Default)]
+struct DriverState {
+    is_there: bool,
+    /// Time of its last line, or of its start.
+    heard_us: u64,
+    /// Lines since its start.
+    lines: u64,
+    times: Times,
+}
+
+/// One robot's agent.
+#[derive(Debug)]
+pub struct Agent {
+    fleet: Name,
+    robot: Name,
+    facts: Facts,
+    limits: Limits,
+    voice: Voice,
+    connected: bool,
+    chambers: Vec<Chamber>,
+    places: BTreeMap<(Name, u16), usize>,
+    commands: Commands,
+    births: Births,
+    estimates: EstimateOrder,
+    touch_tests: TouchTests,
+    under_way: VecDeque<UnderWay>,
+    supervision: Supervision,
+    outbox: Outbox,
+    earlier: Vec<Earlier>,
+    /// Messages of earlier boots that had no room.
+    dropped_earlier: u64,
+    /// Contacts of the incomplete message, and the time at which it is sent.
+    batch: Vec<Contact>,
+    missed: Vec<MissedTouch>,
+    batch_until_us: Option<u64>,
+    status_at_us: u64,
+    status_sent_us: u64,
+    driver: DriverState,
+    contact_rate: Rate,
+    error_rate: Rate,
+    counts: Counts,
+}
+
+impl Agent {
+    /// An agent that starts now, in a new boot, with what earlier boots have stored. Also returns the records of its state,
+    /// with which the store begins anew.
+    #[must_use]
+    pub fn new(config: &Config, boot_id: BootId, stored: Stored, now_us: u64) -> (Self, Vec<Record>) {
+        let mut chambers = Vec::new();
+        for array in &config.facts.arrays {
+            for whisker in &array.whiskers {
+                let seen = stored.seen.get(&(array.array.clone(), whisker.whisker)).copied();
+                chambers.push(Chamber::new(array.array.clone(), whisker, seen, config.limits.own_slew_mpa_per_s));
+            }
+        }
+        let places = chambers.iter().enumerate().map(|(at, one)| ((one.array.clone(), one.number), at)).collect();
+        let limits = config.limits.clone();
+        let mut agent = Self {
+            fleet: config.fleet.clone(),
+            robot: config.robot.clone(),
+            facts: config.facts.clone(),
+            voice: Voice::new(boot_id),
+            connected: false,
+            chambers,
+            places,
+            commands: Commands::default(),
+            births: Births::default(),
+            estimates: EstimateOrder::default(),
+            touch_tests: TouchTests::default(),
+            under_way: VecDeque::new(),
+            supervision: Supervision::new(limits.supervisor_lost_after_us),
+            outbox: Outbox::new(limits.outbox_messages),
+            earlier: Vec::new(),
+            dropped_earlier: 0,
+            batch: Vec::new(),
+            missed: Vec::new(),
+            batch_until_us: None,
+            status_at_us: now_us,
+            status_sent_us: now_us,
+            driver: DriverState { heard_us: now_us, ..DriverState::default() },
+            contact_rate: Rate::new(limits.contacts_per_s, now_us),
+            error_rate: Rate::new(lines::ERRORS_PER_S, now_us),
+            counts: Counts::default(),
+            limits,
+        };
+        agent.take_up(stored.boots);
+        let records = agent.records();
+        (agent, records)
+    }
+
+    /// Handles an input.
+    pub fn step(&mut self, now_us: u64, input: Input<'_>) -> Vec<Output> {
+        let mut out = Vec::new();
+        match input {
+            Input::Connected => {
+                self.connected = true;
+                self.outbox.reconnected();
+                self.earlier.iter_mut().for_each(|boot| boot.outbox.reconnected());
+                self.announce(now_us, &mut out);
+                self.status(now_us, &mut out);
+            }
+            Input::Disconnected => self.connected = false,
+            Input::Message(topic, payload) => self.receive(topic, payload, now_us, &mut out),
+            Input::RequestToAll(payload, random) => self.requested_of_all(payload, random, now_us),
+            Input::DriverStarted => {
+                self.driver = DriverState { is_there: true, heard_us: now_us, ..DriverState::default() };
+                self.greet(now_us, &mut out);
+            }
+            Input::DriverEnded => self.driver_ended(now_us, &mut out),
+            Input::Line(line) => self.line(line, now_us, &mut out),
+            Input::Tick => {}
+        }
+        self.tick(now_us, &mut out);
+        out
+    }
+
+    /// Does what is due.
+    fn tick(&mut self, now_us: u64, out: &mut Vec<Output>) {
+        if self.batch_until_us.is_some_and(|at_us| at_us <= now_us) {
+            self.flush(now_us, out);
+        }
+        if self.driver.is_there && now_us >= self.driver.heard_us + self.limits.driver_silent_us {
+            self.counts.driver_silences += 1;
+            self.driver_ended(now_us, out);
+            out.push(Output::RestartDriver);
+        }
+        self.follow_setpoints(now_us, out);
+        self.follow_tests(now_us, out);
+        self.miss_supervisor(now_us, out);
+        self.repeat_pressures(now_us, out);
+        if !self.connected {
+            return;
+        }
+        if self.births.due_us().is_some_and(|at_us| at_us <= now_us) {
+            self.announce(now_us, out);
+        }
+        self.resend(now_us, out);
+        self.report_change(now_us);
+        if self.status_at_us <= now_us {
+            self.status(now_us, out);
+        }
+    }
+
+    /// Latest time of the next step.
+    #[must_use]
+    pub fn next_deadline_us(&self) -> u64 {
+        let connected = |at_us: Option<u64>| at_us.filter(|_| self.connected);
+        let there = |at_us: Option<u64>| at_us.filter(|_| self.driver.is_there);
+        let chambers = self.chambers.iter();
+        [
+            self.batch_until_us,
+            self.supervision.lost_at_us(),
+            there(Some(self.driver.heard_us + self.limits.driver_silent_us)),
+            there(chambers.clone().map(|one| one.told_us + self.limits.repeat_us).min()),
+            chambers.clone().filter_map(Chamber::fails_at_us).min(),
+            chambers.filter_map(|one| one.silent_at_us(&self.limits)).min(),
+            self.under_way.iter().map(|one| one.until_us).min(),
+            connected(self.births.due_us()),
+            connected(Some(self.status_at_us)),
+            connected(self.outbox.resend_at_us()),
+            connected(self.earlier.iter().filter_map(|boot| boot.outbox.resend_at_us()).min()),
+        ]
+        .into_iter()
+        .flatten()
+        .min()
+        .unwrap_or(u64::MAX)
+    }
+
+    fn receive(&mut self, topic: RobotTopic, payload: &[u8], now_us: u64, out: &mut Vec<Output>) {
+        let Ok(message) = decode(&topic.of(&self.fleet, &self.robot), payload) else {
+            self.counts.messages_refused += 1;
+            return;
+        };
+        match message {
+            Message::Receipt(receipt) => self.receipt(&receipt, out),
+            Message::Setpoint(setpoint) => self.setpoint(&setpoint, now_us, out),
+            Message::Estimate(estimate) => self.estimate(&estimate, out),
+            Message::Request(request) => match (request.request, request.touch_test) {
+                (_, Some(test)) => self.touch_test(test, now_us, out),
+                (RequestKind::Factsheet, None) => self.factsheet_asked(now_us, out),
+                (RequestKind::Status, None) => self.status(now_us, out),
+                // A request for a test without the test is refused when it is decoded.
+                (RequestKind::TouchTest, None) => {}
+            },
+            // A robot does not subscribe to robots' topics.
+            Message::Connection(_)
+            | Message::Factsheet(_)
+            | Message::Contacts(_)
+            | Message::Status(_)
+            | Message::SetpointState(_)
+            | Message::TestState(_)
+            | Message::SupervisorState(_)
+            | Message::SupervisorRequest(_) => {
+                self.counts.messages_refused += 1;
+                return;
+            }
+        }
+        self.supervision.heard(now_us);
+    }
+
+    /// It is no sign of this robot's own supervisor: in a divided fleet the owner of any shard may have sent it.
+    fn requested_of_all(&mut self, payload: &[u8], random: u64, now_us: u64) {
+        let topic = Topic::SupervisorRequest { fleet: self.fleet.clone() };
+        let Ok(Message::SupervisorRequest(request)) = decode(&topic, payload) else {
+            self.counts.messages_refused += 1;
+            return;
+        };
+        match request.request {
+            SupervisorRequestKind::Birth => self.births.requested(now_us, random % (DELAY_MAX_US * 9 / 10)),
+        }
+    }
+
+    /// Last will for the next connection.
+    #[must_use]
+    pub fn will(&self, now_us: u64) -> Vec<u8> {
+        vibrissa_protocol::encode(&self.voice.will(now_us))
+    }
+
+    /// Last message before a clean disconnect.
+    #[must_use]
+    pub fn farewell(&self, now_us: u64) -> Option<Vec<u8>> {
+        self.connected.then(|| vibrissa_protocol::encode(&self.voice.farewell(now_us)))
+    }
+
+    /// Sends what waits for more contacts, for instance before the end.
+    pub fn finish(&mut self, now_us: u64) -> Vec<Output> {
+        let mut out = Vec::new();
+        self.flush(now_us, &mut out);
+        out
+    }
+
+    /// Fleet of the robot.
+    #[must_use]
+    pub fn fleet(&self) -> &Name {
+        &self.fleet
+    }
+
+    /// Name of the robot.
+    #[must_use]
+    pub fn robot(&self) -> &Name {
+        &self.robot
+    }
+
+    /// Id of this boot.
+    #[must_use]
+    pub fn boot_id(&self) -> &BootId {
+        self.voice.boot_id()
+    }
+
+    /// Counts since the start.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Number of contacts messages without a receipt, those of earlier boots included.
+    #[must_use]
+    pub fn messages_kept(&self) -> usize {
+        self.outbox.len() + self.earlier.iter().map(|boot| boot.outbox.len()).sum::<usize>()
+    }
+
+    /// Number of contacts messages dropped because the outbox was full.
+    #[must_use]
+    pub fn messages_dropped(&self) -> u64 {
+        self.outbox.dropped() + self.dropped_earlier
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,415 @@
+//! Runs an agent: carries inputs to it and its outputs to the broker, the driver and the store.
+//!
+//! Three tasks share the agent: the session with the broker, the link to the driver, and a timer. None of them waits for
+//! another one: a broker that accepts no messages does not keep pressures from the driver.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::sync::{Notify, mpsc, watch};
+use tokio::time::{Instant, sleep, timeout};
+use vibrissa_protocol::{BootId, Name, RobotTopic};
+
+use crate::clock::now_us;
+use crate::config::{Config, Way};
+use crate::contract::Outgoing;
+use crate::driver::Lines;
+use crate::driver::link::{Door, Link};
+use crate::mqtt::{self, BadBroker, Endpoint, Signals};
+use crate::store::file::{StoreError, StoreFile};
+use crate::store::{Record, Stored};
+use crate::{Agent, Input, Output};
+
+/// Most messages that wait for the session. Of those beyond, contacts are sent again later, and setpoints are asked again.
+const PENDING_MAX: usize = 1024;
+/// Most lines that wait for the driver. A driver that reads none of so many hangs.
+const TELLING_MAX: usize = 1024;
+/// Time between two synchronisations of the store with the disk: a power cut loses no more than about this.
+const SYNC_EVERY: Duration = Duration::from_millis(200);
+/// Time after which a store that failed is tried again.
+const STORE_AGAIN: Duration = Duration::from_secs(5);
+/// Pauses between two attempts to reach the driver.
+const LINK_PAUSE: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(10));
+/// A driver that lived for this long gets the shortest pause again.
+const LIVED: Duration = Duration::from_secs(10);
+/// Longest pause of the timer.
+const TIMER_MAX: Duration = Duration::from_secs(1);
+/// Time that the last messages have before the end.
+const STOP_TIMEOUT: Duration = Duration::from_secs(3);
+/// Bytes that are read from the driver at once.
+const CHUNK_BYTES: usize = 4096;
+
+/// Why an agent cannot start.
+#[derive(Debug, thiserror::Error)]
+pub enum CannotStart {
+    /// The broker cannot be used.
+    #[error("broker: {0}")]
+    Broker(#[from] BadBroker),
+    /// The file of the outbox cannot be used.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The way to the driver cannot be prepared.
+    #[error("driver: {0}")]
+    Driver(std::io::Error),
+    /// The system has no random numbers for a boot id.
+    #[error("cannot draw a boot id: {0}")]
+    Random(String),
+}
+
+/// The store, with its health.
+struct Store {
+    file: StoreFile,
+    is_dirty: bool,
+    failed_at: Option<Instant>,
+}
+
+struct State {
+    agent: Agent,
+    pending: VecDeque<Outgoing>,
+    telling: Option<mpsc::Sender<Vec<u8>>>,
+    store: Option<Store>,
+    /// Time at which the timer works next.
+    timer_at_us: u64,
+}
+
+/// A running agent.
+#[derive(Clone)]
+struct Hub {
+    state: Arc<Mutex<State>>,
+    signals: Arc<Signals>,
+    timer: Arc<Notify>,
+    restart_driver: Arc<Notify>,
+    fleet: Name,
+    robot: Name,
+}
+
+/// Runs an agent until `stopping` changes.
+///
+/// # Errors
+/// The outbox, the broker's certificates or the way to the driver cannot be used. An unreachable broker or driver is no error:
+/// the agent keeps trying.
+pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<(), CannotStart> {
+    let transport = config.broker.transport()?;
+    let door = Door::open(&config.driver.way).await.map_err(CannotStart::Driver)?;
+    let hub = Hub::start(&config)?;
+    tracing::info!(
+        fleet = %hub.fleet, robot = %hub.robot, boot_id = %hub.lock().agent.boot_id(), broker = ?config.broker, "running"
+    );
+    // The session ends last: it carries the last messages.
+    let (stop_session, session_stopping) = watch::channel(false);
+    let session = mqtt::run(hub.clone(), config.broker.clone(), transport, hub.signals.clone(), session_stopping);
+    let mut session = tokio::spawn(session);
+    let may_restart = config.driver.restart || !matches!(config.driver.way, Way::Command(_));
+    tokio::select! {
+        _ = stopping.changed() => {}
+        () = hub.drive(&door, may_restart) => {}
+        () = hub.keep_time() => {}
+        () = hub.keep_store() => {}
+    }
+    tracing::info!("stopping");
+    {
+        let mut state = hub.lock();
+        let outputs = state.agent.finish(now_us());
+        hub.handle(&mut state, outputs);
+    }
+    // The contacts that waited go out with the next poll.
+    sleep(Duration::from_millis(50)).await;
+    let _ = stop_session.send(true);
+    if timeout(STOP_TIMEOUT, &mut session).await.is_err() {
+        session.abort();
+    }
+    hub.sync().await;
+    Ok(())
+}
+
+/// A boot id that was never used before.
+fn boot_id() -> Result<BootId, CannotStart> {
+    let random = (random()?, random()?);
+    let text = format!("{:016x}{:016x}", random.0, random.1);
+    BootId::new(&text).map_err(|why| CannotStart::Random(why.to_string()))
+}
+
+fn random() -> Result<u64, CannotStart> {
+    getrandom::u64().map_err(|why| CannotStart::Random(why.to_string()))
+}
+
+impl Hub {
+    fn start(config: &Config) -> Result<Self, CannotStart> {
+        let mut stored = Stored::default();
+        let mut file = None;
+        if let Some(path) = &config.outbox_file {
+            // The present state has at most the outbox's bytes, besides a checksum and a frame for each message.
+            let bytes_max = 2 * config.limits.outbox_bytes as u64 + 65_536;
+            let (opened, found, damaged) = StoreFile::open(path, bytes_max)?;
+            if damaged > 0 {
+                tracing::error!(damaged, path = %path.display(), "lines of the outbox are damaged and left out");
+            }
+            (file, stored) = (Some(opened), found);
+        }
+        let (agent, records) = Agent::new(config, boot_id()?, stored, now_us());
+        if let Some(file) = &mut file {
+            file.replace(records)?;
+        }
+        let (fleet, robot) = (agent.fleet().clone(), agent.robot().clone());
+        let store = file.map(|file| Store { file, is_dirty: false, failed_at: None });
+        let state = State { agent, pending: VecDeque::new(), telling: None, store, timer_at_us: 0 };
+        Ok(Self {
+            state: Arc::new(Mutex::new(state)),
+            signals: Arc::default(),
+            timer: Arc::default(),
+            restart_driver: Arc::default(),
+            fleet,
+            robot,
+        })
+    }
+
+    /// Even after a panic during an access, the agent's state is the best one available.
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Gives the agent an input. Messages for the broker wait until the session takes them.
+    fn step(&self, input: Input<'_>) {
+        let mut state = self.lock();
+        let outputs = state.agent.step(now_us(), input);
+        self.handle(&mut state, outputs);
+    }
+
+    fn handle(&self, state: &mut State, outputs: Vec<Output>) {
+        let mut records = Vec::new();
+        for output in outputs {
+            match output {
+                // All records are written before any of the messages is taken.
+                Output::Store(record) => records.push(record),
+                Output::Publish(topic, payload) if state.pending.len() < PENDING_MAX => {
+                    state.pending.push_back(Outgoing::Publish { topic, payload });
+                }
+                Output::Publish(..) => {}
+                Output::Tell(line) => {
+                    if let Some(telling) = &state.telling
+                        && telling.try_send(line.line()).is_err()
+                    {
+                        tracing::warn!("the driver reads nothing");
+                        self.restart_driver.notify_one();
+                    }
+                }
+                Output::RestartDriver => {
+                    tracing::warn!("the driver is silent");
+                    self.restart_driver.notify_one();
+                }
+            }
+        }
+        if let Some(store) = &mut state.store {
+            store.append(&records);
+        }
+        if !state.pending.is_empty() {
+            self.signals.wake.notify_one();
+        }
+        if state.agent.next_deadline_us() < state.timer_at_us {
+            self.timer.notify_one();
+        }
+    }
+
+    /// Gives the agent an input from the session, and returns all messages that wait.
+    fn answer(&self, input: Input<'_>) -> Vec<Outgoing> {
+        self.step(input);
+        self.lock().pending.drain(..).collect()
+    }
+
+    async fn keep_time(&self) {
+        loop {
+            self.step(Input::Tick);
+            let ahead = {
+                let mut state = self.lock();
+                let now_us = now_us();
+                let ahead = Duration::from_micros(state.agent.next_deadline_us().saturating_sub(now_us));
+                let ahead = ahead.clamp(Duration::from_millis(5), TIMER_MAX);
+                state.timer_at_us = now_us + ahead.as_micros() as u64;
+                ahead
+            };
+            let _ = timeout(ahead, self.timer.notified()).await;
+        }
+    }
+
+    /// Synchronises the store with the disk, and replaces its file when it is full.
+    async fn keep_store(&self) {
+        loop {
+            sleep(SYNC_EVERY).await;
+            {
+                let mut state = self.lock();
+                let State { agent, store, .. } = &mut *state;
+                if let Some(store) = store {
+                    store.renew(|| agent.records());
+                }
+            }
+            self.sync().await;
+        }
+    }
+
+    async fn sync(&self) {
+        let Some(file) = self.lock().store.as_mut().and_then(Store::unsynced) else { return };
+        let synced = tokio::task::spawn_blocking(move || file.and_then(|file| file.sync_data())).await;
+        match synced {
+            Ok(Ok(())) => {}
+            Ok(Err(problem)) => tracing::error!(%problem, "cannot synchronise the outbox with the disk"),
+            Err(problem) => tracing::error!(%problem, "cannot synchronise the outbox with the disk"),
+        }
+    }
+
+    /// Reaches the driver again and again.
+    async fn drive(&self, door: &Door, may_restart: bool) {
+        let mut pause = LINK_PAUSE.0;
+        loop {
+            let began = Instant::now();
+            match door.link().await {
+                Ok(mut link) => {
+                    let (sender, lines) = mpsc::channel(TELLING_MAX);
+                    self.lock().telling = Some(sender);
+                    self.step(Input::DriverStarted);
+                    tracing::info!("the driver can be heard");
+                    let reason = self.talk(&mut link, lines, may_restart).await;
+                    tracing::warn!(reason, "the driver has gone");
+                    self.lock().telling = None;
+                    self.step(Input::DriverEnded);
+                    link.close().await;
+                    if !may_restart {
+                        tracing::error!("the driver is not started again: driver.restart is false");
+                        return std::future::pending().await;
+                    }
+                }
+                Err(problem) => tracing::warn!(%problem, "cannot reach the driver"),
+            }
+            if began.elapsed() >= LIVED {
+                pause = LINK_PAUSE.0;
+            }
+            sleep(pause).await;
+            pause = (2 * pause).min(LINK_PAUSE.1);
+        }
+    }
+
+    /// Carries lines until the link ends; returns the reason. Lines are read no faster than they are handled.
+    async fn talk(&self, link: &mut Link, mut lines: mpsc::Receiver<Vec<u8>>, may_restart: bool) -> &'static str {
+        let (reader, writer) = (&mut link.reader, &mut link.writer);
+        let read = async {
+            let (mut buffer, mut cut) = (vec![0; CHUNK_BYTES], Lines::default());
+            loop {
+                match reader.read(&mut buffer).await {
+                    Ok(0) => return "it has closed its output",
+                    Ok(read) => {
+                        for line in cut.push(&buffer[..read]) {
+                            self.step(Input::Line(line.as_deref()));
+                        }
+                    }
+                    Err(_) => return "its output cannot be read",
+                }
+            }
+        };
+        let write = async {
+            while let Some(line) = lines.recv().await {
+                if writer.write_all(&line).await.is_err() || writer.flush().await.is_err() {
+                    // What it still says counts; the end of its output ends the link.
+                    break;
+                }
+            }
+            std::future::pending().await
+        };
+        let restarted = async {
+            loop {
+                self.restart_driver.notified().await;
+                if may_restart {
+                    return "it is silent or reads nothing";
+                }
+            }
+        };
+        tokio::select! {
+            reason = read => reason,
+            reason = write => reason,
+            reason = restarted => reason,
+        }
+    }
+}
+
+impl Store {
+    /// The file, if records were appended that may not be on the disk yet.
+    fn unsynced(&mut self) -> Option<std::io::Result<std::fs::File>> {
+        std::mem::take(&mut self.is_dirty).then(|| self.file.synced())
+    }
+
+    fn append(&mut self, records: &[Record]) {
+        if records.is_empty() || self.failed_at.is_some() {
+            return;
+        }
+        self.is_dirty = true;
+        if let Err(problem) = self.file.append(records) {
+            tracing::error!(%problem, "a restart would lose contacts from now on");
+            self.failed_at = Some(Instant::now());
+        }
+    }
+
+    /// Replaces the file when it is full, or some time after it has failed.
+    fn renew(&mut self, records: impl FnOnce() -> Vec<Record>) {
+        let is_due = self.failed_at.map_or_else(|| self.file.is_full(), |at| at.elapsed() >= STORE_AGAIN);
+        if !is_due {
+            return;
+        }
+        match self.file.replace(records()) {
+            Ok(()) => {
+                if self.failed_at.take().is_some() {
+                    tracing::info!("the outbox is stored again");
+                }
+            }
+            Err(problem) => {
+                tracing::error!(%problem, "a restart would lose contacts");
+                self.failed_at = Some(Instant::now());
+            }
+        }
+    }
+}
+
+impl Endpoint for Hub {
+    fn fleet(&self) -> Name {
+        self.fleet.clone()
+    }
+
+    fn robot(&self) -> Name {
+        self.robot.clone()
+    }
+
+    fn will(&self, now_us: u64) -> Vec<u8> {
+        self.lock().agent.will(now_us)
+    }
+
+    fn connected(&self, _: u64) -> Vec<Outgoing> {
+        tracing::info!("connected to the broker");
+        self.lock().pending.clear();
+        self.answer(Input::Connected)
+    }
+
+    fn disconnected(&self) {
+        self.step(Input::Disconnected);
+        self.lock().pending.clear();
+    }
+
+    fn poll(&self, _: u64) -> (Vec<Outgoing>, u64) {
+        // The timer has a task of its own.
+        (self.lock().pending.drain(..).collect(), u64::MAX)
+    }
+
+    fn receive(&self, topic: RobotTopic, payload: &[u8], _: u64) -> Vec<Outgoing> {
+        self.answer(Input::Message(topic, payload))
+    }
+
+    fn receive_request_to_all(&self, payload: &[u8], _: u64) {
+        // Without random numbers, all robots answer at once: they are drawn at the start, too.
+        self.step(Input::RequestToAll(payload, random().unwrap_or_default()));
+    }
+
+    fn farewell(&self, now_us: u64) -> Vec<Outgoing> {
+        let mut state = self.lock();
+        let farewell = state.agent.farewell(now_us).map(|payload| (RobotTopic::Connection, payload));
+        let farewell = farewell.map(|(topic, payload)| Outgoing::Publish { topic, payload });
+        state.pending.drain(..).chain(farewell).collect()
+    }
+}

@@ -1,0 +1,18 @@
+//! The robot's side of the MQTT contract.
+//!
+//! [`contract`] has the rules, each once: the agent of real robots and the simulated robots use them. It is pure: no
+//! sockets and no clock. [`agent`] stands between the contract and a [`driver`], and is pure, too. [`store`] keeps what
+//! survives a restart, [`hub`] runs an agent, [`mqtt`] carries the messages of one robot over a connection that it renews, and [`config`] is
+//! `agent.toml`.
+
+pub mod agent;
+pub mod clock;
+pub mod config;
+pub mod contract;
+pub mod driver;
+pub mod hub;
+pub mod mqtt;
+pub mod store;
+
+pub use agent::{Agent, Input, Output};
+pub use config::Config;

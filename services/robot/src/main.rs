@@ -1,0 +1,70 @@
+//! The agent of one robot: between its driver and the broker.
+
+use std::io::{IsTerminal, stderr};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::watch;
+use tracing_subscriber::EnvFilter;
+use vibrissa_robot::{Config, hub};
+
+/// The agent of one robot with soft whiskers: keeps the MQTT contract for a driver that speaks lines of JSON.
+#[derive(Debug, Parser)]
+#[command(name = "vibrissa-robot", version)]
+struct Arguments {
+    /// Configuration of the robot, in TOML
+    #[arg(long, env = "VIBRISSA_ROBOT_CONFIG", value_name = "FILE", default_value = "agent.toml")]
+    config: PathBuf,
+    /// Only check the configuration
+    #[arg(long)]
+    check: bool,
+    /// Log filter, such as info or vibrissa_robot=debug
+    #[arg(long, env = "VIBRISSA_LOG", default_value = "info", value_parser = log_filter)]
+    log: EnvFilter,
+}
+
+fn log_filter(text: &str) -> Result<EnvFilter, String> {
+    EnvFilter::try_new(text)
+        .map_err(|problem| format!("{problem}; the levels are off, error, warn, info, debug, trace"))
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    // Colours only on a terminal, and not with NO_COLOR.
+    let has_colours = stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|asked| asked.is_empty());
+    tracing_subscriber::fmt().with_env_filter(arguments.log).with_writer(stderr).with_ansi(has_colours).init();
+    match started(&arguments.config, arguments.check) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("vibrissa-robot: {problem:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn started(path: &std::path::Path, is_check: bool) -> anyhow::Result<()> {
+    use anyhow::Context;
+    let config = Config::read(path).with_context(|| path.display().to_string())?;
+    if is_check {
+        println!("{}: robot {} of fleet {} is well configured", path.display(), config.robot, config.fleet);
+        return Ok(());
+    }
+    // One thread: a robot has few messages, and each thread costs memory.
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(2).build()?;
+    runtime.block_on(async {
+        // Installed before anything starts, so that no signal is missed.
+        let mut terminated = signal(SignalKind::terminate())?;
+        let (stop, stopping) = watch::channel(false);
+        let running = tokio::spawn(hub::run(config, stopping));
+        tokio::pin!(running);
+        tokio::select! {
+            ended = &mut running => return Ok(ended??),
+            _ = terminated.recv() => {}
+            interrupted = tokio::signal::ctrl_c() => interrupted?,
+        }
+        let _ = stop.send(true);
+        Ok(running.await??)
+    })
+}

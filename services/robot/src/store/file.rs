@@ -1,0 +1,186 @@
+//! A file of records: one a line, each with a checksum.
+//!
+//! The first line states the version. A line is a CRC-32 in hexadecimal, a space, and the record as JSON. A torn last line,
+//! as after a power cut, is cut off; a damaged line elsewhere is left out and counted. The file grows by each record, and is
+//! replaced by one with only the present state when it exceeds its bound.
+
+use std::fs::{File, OpenOptions};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+
+use super::{Record, Stored};
+
+/// First line of a file.
+const HEAD: &str = "vibrissa-robot outbox 1";
+/// Longest line that is read: a message of the contract is shorter.
+const LINE_MAX_BYTES: u64 = 512 * 1024;
+
+/// Why a file cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// The operating system refuses.
+    #[error("outbox.file: cannot {what} {path}: {problem}")]
+    Refused {
+        /// The attempt.
+        what: &'static str,
+        /// Path of the file.
+        path: PathBuf,
+        /// The error of the operating system.
+        problem: std::io::Error,
+    },
+    /// The file has another format.
+    #[error("outbox.file: {0} is no outbox of this version: use the program that wrote it, or move the file away")]
+    OtherVersion(PathBuf),
+    /// Another agent has the file.
+    #[error("outbox.file: {0} is in use by another agent")]
+    InUse(PathBuf),
+}
+
+/// An open file.
+#[derive(Debug)]
+pub struct StoreFile {
+    path: PathBuf,
+    file: File,
+    /// Held until the end: two agents would tear each other's lines.
+    _lock: File,
+    bytes: u64,
+    bytes_max: u64,
+}
+
+fn line_of(record: &Record) -> Vec<u8> {
+    let json = vibrissa_protocol::encode(record);
+    let mut line = format!("{:08x} ", crc32fast::hash(&json)).into_bytes();
+    line.extend_from_slice(&json);
+    line.push(b'\n');
+    line
+}
+
+fn record_of(line: &[u8]) -> Option<Record> {
+    let (sum, json) = line.split_at_checked(9)?;
+    let sum = u32::from_str_radix(std::str::from_utf8(sum).ok()?.strip_suffix(' ')?, 16).ok()?;
+    if crc32fast::hash(json) == sum { serde_json::from_slice(json).ok() } else { None }
+}
+
+impl StoreFile {
+    /// Opens a file, which is created if it is missing, and reads its state. `bytes_max` is the size beyond which
+    /// [`StoreFile::is_full`] asks for a replacement. The second result counts damaged lines.
+    ///
+    /// # Errors
+    /// The file cannot be read or written, has another format, or is in use.
+    pub fn open(path: &Path, bytes_max: u64) -> Result<(Self, Stored, u64), StoreError> {
+        let refused = |what| move |problem| StoreError::Refused { what, path: path.to_owned(), problem };
+        let lock = OpenOptions::new().create(true).append(true).open(beside(path, "lock")).map_err(refused("lock"))?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(std::fs::TryLockError::WouldBlock) => return Err(StoreError::InUse(path.to_owned())),
+            Err(std::fs::TryLockError::Error(problem)) => return Err(refused("lock")(problem)),
+        }
+        let (stored, damaged) = match File::open(path) {
+            Ok(file) => read(path, file)?,
+            Err(problem) if problem.kind() == std::io::ErrorKind::NotFound => (Stored::default(), 0),
+            Err(problem) => return Err(refused("read")(problem)),
+        };
+        let file = OpenOptions::new().create(true).append(true).open(path).map_err(refused("open"))?;
+        let bytes = file.metadata().map_err(refused("open"))?.len();
+        Ok((Self { path: path.to_owned(), file, _lock: lock, bytes, bytes_max }, stored, damaged))
+    }
+
+    /// Appends records. They survive the end of the process at once, and a power cut after [`StoreFile::synced`].
+    ///
+    /// # Errors
+    /// The file cannot be written, for instance because the disk is full.
+    pub fn append(&mut self, records: &[Record]) -> Result<(), StoreError> {
+        let bytes: Vec<u8> = records.iter().flat_map(line_of).collect();
+        let refused = |problem| StoreError::Refused { what: "write", path: self.path.clone(), problem };
+        if let Err(problem) = self.file.write_all(&bytes) {
+            // A part of a line would damage the next one.
+            let _ = self.file.set_len(self.bytes);
+            return Err(refused(problem));
+        }
+        self.bytes += bytes.len() as u64;
+        Ok(())
+    }
+
+    /// Whether the file exceeds its bound.
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        self.bytes > self.bytes_max
+    }
+
+    /// Replaces the content, atomically and durably.
+    ///
+    /// # Errors
+    /// The new file cannot be written; the old one stays in use.
+    pub fn replace(&mut self, records: impl IntoIterator<Item = Record>) -> Result<(), StoreError> {
+        let path = self.path.clone();
+        let refused = |problem| StoreError::Refused { what: "replace", path: path.clone(), problem };
+        let new = beside(&self.path, "new");
+        let mut file = File::create(&new).map_err(refused)?;
+        let mut bytes = format!("{HEAD}\n").into_bytes();
+        let mut written = 0;
+        for record in records {
+            bytes.extend(line_of(&record));
+            if bytes.len() > 65_536 {
+                file.write_all(&bytes).map_err(refused)?;
+                written += bytes.len() as u64;
+                bytes.clear();
+            }
+        }
+        file.write_all(&bytes).map_err(refused)?;
+        written += bytes.len() as u64;
+        file.sync_all().map_err(refused)?;
+        std::fs::rename(&new, &self.path).map_err(refused)?;
+        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        File::open(folder).and_then(|folder| folder.sync_all()).map_err(refused)?;
+        self.file = OpenOptions::new().append(true).open(&self.path).map_err(refused)?;
+        self.bytes = written;
+        // If the state itself is large, the next replacement waits until as much again was written.
+        self.bytes_max = self.bytes_max.max(2 * written);
+        Ok(())
+    }
+
+    /// A handle with which another thread can wait until all appended records are on the disk: `sync_data`.
+    ///
+    /// # Errors
+    /// The operating system refuses.
+    pub fn synced(&self) -> std::io::Result<File> {
+        self.file.try_clone()
+    }
+}
+
+fn beside(path: &Path, ending: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".");
+    name.push(ending);
+    PathBuf::from(name)
+}
+
+fn read(path: &Path, file: File) -> Result<(Stored, u64), StoreError> {
+    let (mut stored, mut damaged) = (Stored::default(), 0);
+    let mut reader = BufReader::new(file);
+    let mut line = Vec::new();
+    let mut is_first = true;
+    loop {
+        line.clear();
+        let read = reader.by_ref().take(LINE_MAX_BYTES).read_until(b'\n', &mut line);
+        read.map_err(|problem| StoreError::Refused { what: "read", path: path.to_owned(), problem })?;
+        if line.is_empty() {
+            return Ok((stored, damaged));
+        }
+        let is_whole = line.pop_if(|last| *last == b'\n').is_some();
+        if std::mem::take(&mut is_first) {
+            // A file whose first line was torn holds nothing.
+            if is_whole && line != HEAD.as_bytes() {
+                return Err(StoreError::OtherVersion(path.to_owned()));
+            }
+            continue;
+        }
+        match record_of(&line) {
+            Some(record) => stored.take(record),
+            None => damaged += u64::from(is_whole),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
