@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import socket
+import struct
 import tempfile
 import threading
 import time
@@ -106,6 +107,8 @@ class Link:
                 opened.close()
                 time.sleep(PAUSE_S)
                 continue
+            # An agent that reads nothing must not stop the program.
+            opened.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, struct.pack("ll", int(PATIENCE_S), 0))
             with self._connected:
                 self._socket = opened
                 self._connected.notify_all()
