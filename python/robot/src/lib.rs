@@ -80,10 +80,10 @@ impl Agent {
         self.failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Stops the agent: it says farewell to the supervisor, and stores what is left.
+    /// Stops the agent: it says farewell to the supervisor, and stores contacts without a receipt.
     fn stop(&self, py: Python<'_>) {
         py.detach(|| {
-            // Nobody listens any more if the agent has ended by itself.
+            // An error here means that the agent has already ended.
             let _ = self.stop.send(true);
             let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
             if thread.is_some_and(|thread| thread.join().is_err()) {

@@ -95,7 +95,7 @@ def a_closed_robot_says_so(robot: Robot) -> None:
     else:
         raise AssertionError("a pressure was sent to a closed robot")
     for _ in robot:
-        # What is left; the iteration then ends.
+        # Events that nobody has taken yet; then the iteration ends.
         pass
 
 
