@@ -3,6 +3,7 @@
 
 pub mod bridge;
 mod health;
+pub mod log;
 pub mod messages;
 pub mod names;
 pub mod node;

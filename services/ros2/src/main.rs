@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use clap::{Parser, ValueEnum};
 use ros2_client::builtin_interfaces::Time;
 use vibrissa_ros2::bridge::{Bridge, Input, Output, Settings};
+use vibrissa_ros2::log::Limited;
 use vibrissa_ros2::names::topics;
 use vibrissa_ros2::node::{Place, RosNode};
 use vibrissa_ros2::units::Pressures;
@@ -108,20 +109,20 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     });
     let (mut bridge, hello) = Bridge::new(Settings { robot: arguments.robot.clone(), pressures });
     let mut outputs = vec![hello];
-    let begun = Instant::now();
+    let (begun, mut limited) = (Instant::now(), Limited::default());
     let mut ticked_at = begun;
     loop {
+        let now_s = begun.elapsed().as_secs_f64();
         for output in outputs.drain(..) {
-            let done = match output {
-                Output::Line(line) => say(&line),
-                Output::Open(whiskers) => node.open(&topics(&arguments.namespace, &whiskers)?),
+            match output {
+                Output::Line(line) => say(&line)?,
+                Output::Open(whiskers) => node.open(&topics(&arguments.namespace, &whiskers)?)?,
                 // A subscriber that does not confirm must not stop the others.
-                Output::Setpoint(index, setpoint) => log(node.publish_setpoint(index, setpoint)),
-                Output::Report(report) => log(node.publish_report(report)),
-                Output::Log(problem) => log(Err(problem)),
-                Output::Stop(reason) => Err(reason),
-            };
-            done?;
+                Output::Setpoint(index, setpoint) => log(&mut limited, now_s, node.publish_setpoint(index, setpoint)),
+                Output::Report(report) => log(&mut limited, now_s, node.publish_report(report)),
+                Output::Log(problem) => log(&mut limited, now_s, Err(problem)),
+                Output::Stop(reason) => return Err(reason),
+            }
         }
         if has_ended.try_recv() == Err(std::sync::mpsc::TryRecvError::Disconnected) {
             return Ok(());
@@ -141,12 +142,11 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     }
 }
 
-/// Logs a problem, which the agent adds to its own log.
-fn log(done: Result<(), String>) -> Result<(), String> {
-    if let Err(problem) = done {
-        eprintln!("vibrissa-ros2: {problem}");
+/// Logs a problem, which appears in the agent's log.
+fn log(limited: &mut Limited, now_s: f64, done: Result<(), String>) {
+    if let Some(line) = done.err().and_then(|problem| limited.line(now_s, &problem)) {
+        eprintln!("vibrissa-ros2: {line}");
     }
-    Ok(())
 }
 
 fn main() -> ExitCode {

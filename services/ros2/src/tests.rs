@@ -4,6 +4,7 @@ use ros2_client::builtin_interfaces::Time;
 use serde_json::json;
 
 use crate::bridge::{Bridge, Input, Output, Settings};
+use crate::log::Limited;
 use crate::messages::{Contact, DiagnosticArray, FluidPressure, Header, Level};
 use crate::names::topics;
 use crate::units::Pressures;
@@ -273,4 +274,13 @@ fn the_definition_for_ros_users_has_the_same_fields_in_the_same_order() {
     let text = format!("{:?}", contact());
     let at = sent.map(|(_, name)| text.find(&format!("{name}: ")));
     assert!(at.iter().all(Option::is_some) && at.is_sorted(), "{text}");
+}
+
+#[test]
+fn a_flood_of_problems_is_not_logged() {
+    let mut limited = Limited::default();
+    let logged = (0..10_000).filter_map(|step| limited.line(f64::from(step) / 1000.0, "bad"));
+    let logged: Vec<String> = logged.collect();
+    assert!((20..=30).contains(&logged.len()), "{}", logged.len());
+    assert!(logged.last().expect("a line").contains("problems left out"), "{logged:?}");
 }

@@ -114,7 +114,7 @@ impl Whisker {
     }
 
     /// The setpoint to publish now, MPa. It moves from the measured pressure to the commanded one, as fast as the
-    /// command allows. Without a fresh reading or a fresh command there is none: a board that hears none vents.
+    /// command allows. It stops without a fresh reading and a fresh command: a board that hears no setpoint vents.
     pub(crate) fn setpoint(&mut self, now_s: f64) -> Option<f64> {
         let command = self.command.filter(|command| now_s - command.at_s < COMMAND_STALE_S);
         let (Some(command), Some(reading_mpa)) = (command, self.pressure_mpa(now_s)) else {

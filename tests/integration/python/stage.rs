@@ -23,17 +23,31 @@ pub(crate) fn project() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
-/// A supervisor of fleet `f`, and its robot `r` with two whiskers.
+/// A supervisor of fleet `f`, and perhaps its robot `r` with two whiskers.
 pub(crate) struct Stage {
     pub(crate) http: SocketAddr,
-    _robot: HandRobot,
-    _folder: TempDir,
+    pub(crate) mqtt_port: u16,
+    pub(crate) folder: TempDir,
+    _robot: Option<HandRobot>,
     _process: Process,
     _broker: Mosquitto,
 }
 
 impl Stage {
+    /// With the robot.
     pub(crate) async fn start() -> Self {
+        let mut stage = Self::empty().await;
+        let mut robot = HandRobot::born(stage.mqtt_port, "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
+        for whisker in [0, 1] {
+            robot.touch(whisker, LEARNED + 20).await;
+        }
+        robot.receipted().await;
+        stage._robot = Some(robot);
+        stage
+    }
+
+    /// Without a robot.
+    pub(crate) async fn empty() -> Self {
         let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
         let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
         let token = folder.path().join("token");
@@ -54,12 +68,7 @@ impl Stage {
             log: folder.path().join("log"),
         });
         until_true("the program answers", async || try_get(http, "/livez").await.is_ok()).await;
-        let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
-        for whisker in [0, 1] {
-            robot.touch(whisker, LEARNED + 20).await;
-        }
-        robot.receipted().await;
-        Self { http, _robot: robot, _folder: folder, _process: process, _broker: broker }
+        Self { http, mqtt_port: broker.port(), folder, _robot: None, _process: process, _broker: broker }
     }
 }
 

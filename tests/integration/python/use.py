@@ -22,7 +22,9 @@ def curves(client: Client, whisker: models.Whisker) -> None:
     assert any(value is not None and value > 0 for value in now.per_mm["measured"]), now
     cut = client.what_if(whisker, length_mm=58)
     pairs = zip(cut.per_mm["whole"], cut.per_mm["cut to 58.0 mm"])
-    assert any(before is not None and after is not None and abs(after / before - 1) > 0.05 for before, after in pairs), cut
+    assert any(
+        before is not None and after is not None and abs(after / before - 1) > 0.05 for before, after in pairs
+    ), cut
 
 
 def actions(client: Client) -> None:

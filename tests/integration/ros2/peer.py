@@ -135,7 +135,12 @@ def main():
             pressure_pa = setpoint.fluid_pressure
             show(setpoint_pa=pressure_pa, frame_id=setpoint.header.frame_id)
         for report in reports.take(N=100):
-            show(report={one.name: [one.level, one.message, one.hardware_id, {v.key: v.value for v in one.values}] for one in report.status})
+            show(
+                report={
+                    one.name: [one.level, one.message, one.hardware_id, {v.key: v.value for v in one.values}]
+                    for one in report.status
+                }
+            )
         time.sleep(0.05)
 
 

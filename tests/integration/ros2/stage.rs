@@ -113,6 +113,13 @@ impl Stage {
         Some(Self { program: built()?, python: programs.join("python"), domain: domain.to_string() })
     }
 
+    /// The command with which an agent starts the program.
+    pub(crate) fn command(&self) -> Vec<String> {
+        let program = self.program.display().to_string();
+        let words = ["--localhost", "--domain", &self.domain, "--namespace", NAMESPACE, "--pressures", "absolute"];
+        std::iter::once(program).chain(words.map(str::to_owned)).collect()
+    }
+
     /// Starts the program as the agent would.
     pub(crate) fn bridge(&self, arguments: &[&str]) -> Talking {
         let mut command = Command::new(&self.program);

@@ -1,0 +1,100 @@
+//! The module `vibrissa_robot._native`: the agent in a thread of the Python process.
+//!
+//! Python is its driver and reaches it at a Unix socket, by the lines of the driver interface.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use tokio::sync::watch;
+use toml::{Table, Value};
+use tracing_subscriber::EnvFilter;
+use vibrissa_robot::{Config, hub};
+
+/// Keys of `[driver]` that name a way to a driver: this module's socket stands in for them.
+const WAYS: [&str; 6] = ["command", "unix", "tcp", "listen", "serial", "baud"];
+
+/// Reads `agent.toml`, and replaces the way to the driver.
+fn configured(path: &Path, socket: PathBuf) -> Result<Config, String> {
+    let text = std::fs::read_to_string(path).map_err(|problem| problem.to_string())?;
+    let mut table: Table = text.parse().map_err(|problem: toml::de::Error| problem.to_string())?;
+    let driver = table.entry("driver").or_insert_with(|| Value::Table(Table::new()));
+    let driver = driver.as_table_mut().ok_or("driver: must be a table")?;
+    for way in WAYS {
+        driver.remove(way);
+    }
+    let socket = socket.into_os_string().into_string().map_err(|_| "the socket's path is not UTF-8")?;
+    driver.insert("unix".to_owned(), Value::String(socket));
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Config::from_toml_str(&table.to_string(), folder).map_err(|problem| problem.to_string())
+}
+
+/// Why the agent has ended; shared with its thread.
+type Failure = Arc<Mutex<Option<String>>>;
+
+fn set(failure: &Failure, problem: String) {
+    *failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(problem);
+}
+
+fn run(config: Config, stopping: watch::Receiver<bool>, failure: &Failure) {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(2).build();
+    let ended = match runtime {
+        Ok(runtime) => runtime.block_on(hub::run(config, stopping)).map_err(|problem| problem.to_string()),
+        Err(problem) => Err(problem.to_string()),
+    };
+    set(failure, ended.err().unwrap_or_else(|| "the agent was stopped".to_owned()));
+}
+
+/// The agent of one robot.
+#[pyclass(frozen)]
+struct Agent {
+    stop: watch::Sender<bool>,
+    thread: Mutex<Option<JoinHandle<()>>>,
+    failure: Failure,
+}
+
+#[pymethods]
+impl Agent {
+    /// Starts an agent that listens for its driver at a Unix socket.
+    #[new]
+    fn start(config: PathBuf, socket: PathBuf, log: &str) -> PyResult<Self> {
+        let filter = EnvFilter::try_new(log).map_err(|problem| PyValueError::new_err(format!("log: {problem}")))?;
+        // The first agent of a process decides; a program may also have a subscriber of its own.
+        let _ =
+            tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_ansi(false).try_init();
+        let named = |problem: String| PyValueError::new_err(format!("{}: {problem}", config.display()));
+        let config = configured(&config, socket).map_err(named)?;
+        let (stop, stopping) = watch::channel(false);
+        let failure = Failure::default();
+        let shared = Arc::clone(&failure);
+        let thread = thread::Builder::new().name("vibrissa-robot".to_owned());
+        let thread = thread.spawn(move || run(config, stopping, &shared));
+        let thread = thread.map_err(|problem| PyRuntimeError::new_err(problem.to_string()))?;
+        Ok(Self { stop, thread: Mutex::new(Some(thread)), failure })
+    }
+
+    /// Why the agent has ended; None while it runs.
+    fn failure(&self) -> Option<String> {
+        self.failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Stops the agent: it says farewell to the supervisor, and stores contacts without a receipt.
+    fn stop(&self, py: Python<'_>) {
+        py.detach(|| {
+            // An error here means that the agent has already ended.
+            let _ = self.stop.send(true);
+            let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if thread.is_some_and(|thread| thread.join().is_err()) {
+                set(&self.failure, "the agent has panicked".to_owned());
+            }
+        });
+    }
+}
+
+/// The agent in a thread of this process.
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Agent>()
+}
