@@ -13,6 +13,7 @@
 //! contract), [`fleet`] (the network). [`load`] is separate: a cheap generator of many messages. [`options`] is for
 //! command lines.
 
+pub mod board;
 pub mod fleet;
 mod journal;
 mod link;

@@ -8,6 +8,7 @@ use anyhow::Context;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
+use vibrissa_simulator::board::{self, BoardPlan};
 use vibrissa_simulator::load::{self, LoadPlan};
 use vibrissa_simulator::options::{decimal, lenient};
 use vibrissa_simulator::scenario::Misbehaviour;
@@ -52,6 +53,8 @@ enum Command {
     /// Generate load: send contacts messages of many robots, as fast as possible or on a schedule, until all are
     /// receipted; then print the result as one line of JSON
     Load(LoadPlan),
+    /// Simulate the board of one robot: its gauges and valves behind the interface of drivers, for `vibrissa-robot`
+    Board(BoardPlan),
 }
 
 /// Takes a log filter.
@@ -85,6 +88,9 @@ impl Arguments {
 
 fn main() -> anyhow::Result<()> {
     let arguments = parsed(std::env::args_os()).unwrap_or_else(|problem| problem.exit());
+    if let Some(Command::Board(plan)) = arguments.command {
+        return tokio::runtime::Builder::new_current_thread().enable_all().build()?.block_on(board::run(plan));
+    }
     if let Some(Command::Load(plan)) = arguments.command {
         // One thread, so that the generator takes as little CPU time as possible from the system under test.
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;

@@ -13,7 +13,7 @@ use vibrissa_protocol::{BootId, Name};
 
 /// One change of the state.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Record {
     /// A boot, with the numbers of births and factsheets that it has sent so far.
     Boot {

@@ -38,6 +38,7 @@ use crate::random::{Purpose, boot_text, stream};
 use crate::regulator::{SUPPLY_MPA, TICK_US};
 use crate::scenario::{Behaviour, Event, Misbehaviour, Noise, RobotScenario, Scenario};
 use timers::Contacts;
+pub(crate) use timers::contact_of;
 
 /// Largest number of timers in one [`Robot::poll`]; a late robot catches up in several polls.
 const STEPS_PER_POLL: usize = 4096;

@@ -170,7 +170,7 @@ impl Robot {
 }
 
 /// A contact without its place.
-pub(super) fn contact_of(whisker: &Whisker, reading: &Reading, at_us: u64) -> Contact {
+pub(crate) fn contact_of(whisker: &Whisker, reading: &Reading, at_us: u64) -> Contact {
     Contact {
         array: whisker.array().clone(),
         whisker: whisker.number(),

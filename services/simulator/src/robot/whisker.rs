@@ -16,9 +16,9 @@ use crate::scenario::{ArrayScenario, Change, WhiskerScenario};
 pub struct Whisker {
     array: Name,
     facts: WhiskerScenario,
-    pub(super) plant: Plant,
-    pub(super) regulator: Regulator,
-    pub(super) leak_mpa_per_s: f64,
+    pub(crate) plant: Plant,
+    pub(crate) regulator: Regulator,
+    pub(crate) leak_mpa_per_s: f64,
     /// Until this time by the robot's clock, the robot sends nothing about the whisker.
     pub(super) silent_until_us: u64,
     /// Whether the robot detects a leak or a broken gauge.
@@ -43,7 +43,7 @@ pub(super) struct Applying {
 }
 
 impl Whisker {
-    pub(super) fn new(
+    pub(crate) fn new(
         config: &RobotConfig,
         array: &ArrayScenario,
         facts: &WhiskerScenario,

@@ -1,0 +1,167 @@
+//! Drivers that speak, are silent, flood, or leave.
+
+use vibrissa_protocol::{Estimate, Gauge, Regulator, WhiskerCondition, WhiskerEstimate};
+
+use super::*;
+
+#[test]
+fn a_driver_is_greeted_with_all_it_needs() {
+    let mut bench = Bench::running();
+    bench.order(1, 0.12);
+    let estimate = WhiskerEstimate {
+        array: left(),
+        whisker: 1,
+        length_mm: 61.0,
+        length_low_mm: 60.5,
+        length_high_mm: 61.5,
+        condition: WhiskerCondition::Trimmed,
+        pressure_mpa: 0.1,
+        gain: vec![(0.5, 0.9)],
+    };
+    let of = |version| Estimate {
+        boot_id: supervisor(),
+        seq: 0,
+        epoch: 1,
+        version,
+        timestamp: Timestamp(START),
+        whiskers: vec![WhiskerEstimate { length_mm: 60.5 + version as f64 / 10.0, ..estimate.clone() }],
+    };
+    for version in [5, 4] {
+        bench.send(RobotTopic::Estimate, &of(version));
+    }
+    bench.step(Input::DriverEnded);
+    bench.take();
+    bench.step(Input::DriverStarted);
+    let lines: Vec<String> =
+        bench.told.iter().map(|line| String::from_utf8(line.line()).unwrap().trim_end().to_owned()).collect();
+    assert_eq!(
+        lines,
+        [
+            r#"{"type":"hello","version":1,"whiskers":[{"array":"left","whisker":0,"pressure_mpa":0.12,"pressure_max_mpa":0.2},{"array":"left","whisker":1,"pressure_mpa":0.1,"pressure_max_mpa":0.2}]}"#,
+            r#"{"type":"set_pressure","array":"left","whisker":0,"pressure_mpa":0.12,"slew_mpa_per_s":0.02}"#,
+            r#"{"type":"set_pressure","array":"left","whisker":1,"pressure_mpa":0.1,"slew_mpa_per_s":0.02}"#,
+            r#"{"type":"estimate","array":"left","whisker":1,"length_mm":61.0,"length_low_mm":60.5,"length_high_mm":61.5,"condition":"TRIMMED","gain":[[0.5,0.9]]}"#,
+        ]
+    );
+}
+
+#[test]
+fn contacts_take_the_newest_readings_and_are_sent_together() {
+    let mut bench = Bench::running();
+    bench.line(r#"{"type":"pressure","whisker":1,"pressure_mpa":0.09,"temperature_c":31.5}"#);
+    bench.touch(1);
+    bench.touch(0);
+    assert_eq!(bench.contacts(), []);
+    bench.run(0.1);
+    let sent = bench.contacts();
+    assert_eq!((sent.len(), sent[0].contacts.len()), (1, 2));
+    assert_eq!((sent[0].contacts[0].pressure_mpa, sent[0].contacts[0].temperature_c), (0.09, 31.5));
+    assert_eq!((sent[0].contacts[1].pressure_mpa, sent[0].contacts[1].temperature_c), (0.1, 24.0));
+    for _ in 0..50 {
+        bench.touch(0);
+    }
+    assert_eq!(bench.contacts()[0].contacts.len(), 50, "a full message does not wait");
+}
+
+#[test]
+fn a_silent_driver_is_reported_at_once_and_given_up() {
+    let mut bench = Bench::running();
+    bench.hold([0.1, 0.1], 3.0);
+    bench.line(r#"{"type":"fault","whisker":1,"gauge":"OPEN"}"#);
+    bench.run(0.2);
+    let status = bench.statuses().pop().unwrap();
+    assert_eq!((status.whiskers[0].regulator, status.whiskers[1].gauge), (Regulator::Ok, Gauge::Open));
+    bench.run(4.7);
+    assert_eq!(bench.restarts, 0);
+    // Noise is no sign of life.
+    bench.line("\u{1}@~");
+    bench.take();
+    bench.run(0.5);
+    assert_eq!(bench.restarts, 1);
+    let status = bench.statuses().pop().unwrap();
+    assert!(status.whiskers.iter().all(|whisker| whisker.regulator == Regulator::Fault), "{status:?}");
+    bench.order(1, 0.12);
+    assert_eq!(bench.outcomes(), [(SetpointOutcome::Rejected, Some(SetpointError::NotReady))]);
+    // It is greeted when it speaks again.
+    bench.read(0, 0.1);
+    assert!(matches!(bench.told.first(), Some(ToDriver::Hello { .. })), "{:?}", bench.told);
+}
+
+#[test]
+fn one_whisker_whose_pressure_is_not_read_is_reported_alone() {
+    let mut bench = Bench::running();
+    for _ in 0..60 {
+        bench.run(0.1);
+        bench.read(0, 0.1);
+    }
+    let status = bench.statuses().pop().unwrap();
+    let regulators: Vec<Regulator> = status.whiskers.iter().map(|whisker| whisker.regulator).collect();
+    assert_eq!(regulators, [Regulator::Ok, Regulator::Fault]);
+}
+
+#[test]
+fn bad_lines_are_answered_with_their_number_and_a_remedy() {
+    let mut bench = Bench::running();
+    for (line, problem) in [
+        ("{}", "missing field `type`"),
+        ("{\"type\":\"jump\"}", "\"jump\" is no word of a driver"),
+        ("[1]", "invalid type"),
+        ("{\"type\":\"hello\",\"version\":2}", "version 2 of the interface is not known"),
+        ("{\"type\":\"strain\",\"whisker\":0,\"strain\":[0.1]}", "this agent has no segmenter yet"),
+        ("{\"type\":\"pressure\",\"whisker\":7,\"pressure_mpa\":0.1}", "the robot has no whisker left/7"),
+        ("{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":NaN}", "expected value"),
+        ("{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":1e999}", "number out of range"),
+        (
+            "{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":-0.1}",
+            "pressure_mpa is -0.1, but must be between 0 and 1",
+        ),
+        ("{\"type\":\"fault\",\"whisker\":0}", "neither gauge nor regulator"),
+        ("{\"type\":\"contact\",\"whisker\":0,\"strain\":0.1,\"ratio\":0.5}", "missing field `deflection_mm`"),
+        (
+            "{\"type\":\"contact\",\"whisker\":0,\"strain\":0.1,\"deflection_mm\":1,\"distance_mm\":50}",
+            "the place is DISTANCE, but agent.toml states RATIO",
+        ),
+        ("{\"type\":\"contact\",\"whisker\":0,\"strain\":2,\"deflection_mm\":1,\"ratio\":0.5}", "strain"),
+        (
+            "{\"type\":\"contact\",\"whisker\":0,\"strain\":0.1,\"deflection_mm\":1,\"ratio\":0.5,\"test_id\":\"x\"}",
+            "no touch test \"x\"",
+        ),
+        ("{\"type\":\"test_state\",\"test_id\":\"x\",\"state\":\"DONE\"}", "no touch test \"x\""),
+    ] {
+        bench.run(0.1);
+        bench.line(line);
+        let problems = bench.problems();
+        assert!(problems.len() == 1 && problems[0].contains(problem), "{line}: {problems:?}");
+    }
+    bench.step(Input::Line(None));
+    assert!(bench.problems()[0].contains("longer than 65536 bytes"));
+    assert_eq!(bench.agent.counts().lines_refused, 16);
+    assert_eq!(bench.contacts(), []);
+}
+
+#[test]
+fn a_flood_of_contacts_and_of_bad_lines_is_limited_and_counted() {
+    let mut bench = Bench::new(|config| config.limits.contacts_per_s = 100.0);
+    bench.step(Input::DriverStarted);
+    bench.read(0, 0.1);
+    (0..1000).for_each(|_| bench.touch(0));
+    assert_eq!((bench.agent.counts().contacts, bench.agent.counts().lines_refused), (100, 900));
+    assert_eq!(bench.problems().len(), 20, "the others are only counted");
+}
+
+#[test]
+fn the_outbox_is_bounded_and_drops_the_oldest() {
+    let mut bench = Bench::new(|config| config.limits.outbox_bytes = 65_536);
+    bench.step(Input::DriverStarted);
+    bench.read(0, 0.1);
+    for _ in 0..2000 {
+        bench.touch(0);
+        bench.run(0.1);
+        bench.read(0, 0.1);
+    }
+    assert!(bench.agent.outbox.bytes() <= 65_536 && bench.agent.outbox.bytes() > 60_000);
+    assert_eq!(bench.agent.messages_kept() as u64 + bench.agent.messages_dropped(), 2000);
+    bench.step(Input::Connected);
+    let status = bench.statuses().pop().unwrap();
+    assert_eq!(status.contacts_dropped, Some(bench.agent.messages_dropped()));
+}
