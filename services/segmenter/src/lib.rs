@@ -1,1 +1,104 @@
-//! Contacts from the strain of a whisker.
+//! Makes contacts of the strain of a whisker: onset, measurement, slip-off, and where along the whisker.
+//!
+//! Pure and streaming: [`Segmenter::push`] takes one [`Sample`] and returns at most one [`Event`]. It allocates once a
+//! contact, and does a bounded amount of work for each sample. There is no clock: time comes with the samples.
+//!
+//! Read in this order: [`Sample`] and [`Event`], [`Params`], `intake` (checks, glitches, rate), `baseline` (drift and
+//! noise), `segmenter` (the states), `touch` (one contact), `distance` (two gauges).
+//!
+//! docs/segmenter.md has the method, and how well it does on simulated streams.
+
+mod baseline;
+mod distance;
+mod intake;
+mod params;
+mod segmenter;
+mod touch;
+
+pub use distance::{Distance, DistanceFusion};
+pub use params::Params;
+pub use segmenter::Segmenter;
+
+/// What is known at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Microseconds of any clock that does not jump.
+    pub t_us: u64,
+    /// Strain at the first gauge (x = 3 mm), m/m; any offset.
+    pub strain: f64,
+    /// Strain at the second gauge (x = 11 mm), if there is one.
+    pub strain_2: Option<f64>,
+    /// How far the robot has moved the whisker's base against the object, with any offset, if known.
+    pub deflection_mm: Option<f64>,
+    /// Distance of the object from the whisker's base, if the robot knows it from its motion.
+    pub distance_mm: Option<f64>,
+}
+
+/// What the segmenter has found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// A contact has begun; its [`Contact`] follows at its end.
+    Onset {
+        /// First estimate of when it began.
+        t_us: u64,
+        /// When it was found.
+        found_us: u64,
+    },
+    /// A contact has ended.
+    Contact(Contact),
+}
+
+/// Where in the contact the strain was measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// At the largest strain.
+    Peak,
+    /// In the first 0.3 s of a hold.
+    Plateau,
+    /// Just before the whisker slipped off.
+    SlipOff,
+}
+
+/// One contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// When it began: the strain's rise, extended back to the baseline.
+    pub onset_us: u64,
+    /// When the strain was measured.
+    pub measured_us: u64,
+    /// When it ended.
+    pub end_us: u64,
+    /// Strain before the touch.
+    pub baseline: f64,
+    /// Change of strain from the baseline, with its sign.
+    pub strain: f64,
+    /// Standard deviation of `strain`: noise, drift, and the history of the rubber.
+    pub strain_sd: f64,
+    /// Where it was measured.
+    pub kind: Kind,
+    /// The whisker slipped off: the contact was at the tip.
+    pub tip: bool,
+    /// Change of the deflection from the onset to the measurement.
+    pub deflection_mm: Option<f64>,
+    /// The distance that the robot gave, at the measurement.
+    pub distance_mm: Option<f64>,
+    /// Strain at the second gauge over strain at the first, and its standard deviation.
+    pub ratio: Option<(f64, f64)>,
+    /// Distance of the contact from the base, from `ratio`.
+    pub distance: Option<Distance>,
+    /// A gauge was at its limit: the strain is a lower bound.
+    pub saturated: bool,
+}
+
+/// What was left out, since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Samples that were not later than the one before.
+    pub out_of_order: u64,
+    /// Samples that were not numbers.
+    pub not_a_number: u64,
+    /// Samples at the gauge's limit.
+    pub saturated: u64,
+    /// Contacts without a measurement, as samples were missing.
+    pub interrupted: u64,
+}

@@ -1,0 +1,180 @@
+//! The segmenter on simulated streams (docs/segmenter.md has the long version), and on streams that are odd.
+
+mod stream;
+
+use stream::{FULL, Plan, Random, Score, evaluate, fused, quantile, stream};
+use vibrissa_segmenter::{Contact, Event, Kind, Params, Sample, Segmenter};
+
+fn score(rate_hz: f64, two_gauges: bool, motion: bool) -> Score {
+    let mut score = Score::default();
+    for seed in 0..4 {
+        let touches = seed != 3;
+        let plan = Plan { seed: 500 + seed, rate_hz, two_gauges, motion, seconds: 400.0, touches };
+        score.add(evaluate(&plan, Params::default()));
+    }
+    score
+}
+
+#[test]
+fn property_touches_and_slip_offs_are_found_at_each_rate() {
+    for rate_hz in [50.0, 88.0, 100.0, 250.0, 1000.0] {
+        let score = score(rate_hz, false, false);
+        let what = format!("{rate_hz} Hz: {score:?}").chars().take(300).collect::<String>();
+        assert!(score.found_part() >= 0.98, "{what}");
+        assert!(score.false_per_hour() <= 3.0, "{what}");
+        assert!(score.slip_part() >= 0.94, "{what}");
+        assert!(score.false_slip_part() <= 0.1, "{what}");
+        assert!(quantile(&score.onset_ms, 0.9) <= 20.0, "{what}");
+        assert!(quantile(&score.delay_ms, 0.5) <= 40.0, "{what}");
+    }
+}
+
+#[test]
+fn property_with_motion_slip_offs_are_hardly_ever_mistaken() {
+    let score = score(100.0, true, true);
+    assert!(score.slip_part() >= 0.97, "{}", score.slip_part());
+    assert!(score.false_slip_part() <= 0.01, "{}", score.false_slip_part());
+    assert!(quantile(&score.onset_ms, 0.95) <= 20.0);
+    let deflections: Vec<f64> = score.deflection_mm.iter().map(|error| error.abs()).collect();
+    assert!(quantile(&deflections, 0.9) < 0.6, "{}", quantile(&deflections, 0.9));
+    let within = f64::from(score.distances_within) / f64::from(score.distances);
+    assert!(within > 0.85, "{within}");
+    let within = f64::from(score.strain_within) / score.strain.len() as f64;
+    assert!(within > 0.85, "{within}");
+}
+
+#[test]
+fn property_the_error_of_fused_distances_is_honest() {
+    let (rounds, within, sds) = fused(77, 4_000, &Params::default());
+    let within = f64::from(within) / f64::from(rounds);
+    assert!((0.93..0.98).contains(&within), "{within}");
+    assert!(sds / f64::from(rounds) < 5.0, "ten contacts: {}", sds / f64::from(rounds));
+}
+
+/// Samples of a touch of this height and length, half a second of quiet before and after.
+fn touch(rate_hz: f64, seconds: f64, change: impl Fn(usize, &mut Sample)) -> (Segmenter, Vec<Event>) {
+    let mut random = Random(9);
+    let mut segmenter = Segmenter::new(Params::default());
+    let mut events = Vec::new();
+    for index in 0..(rate_hz * (2.0 + seconds)) as usize {
+        let t_s = index as f64 / rate_hz;
+        let inside = (t_s - 1.0) / seconds;
+        let strain = if (0.0..1.0).contains(&inside) { FULL * 0.5 * (1.0 - (2.0 * inside - 1.0).abs()) } else { 0.0 };
+        let noise = FULL * 0.001 * random.normal();
+        let mut sample = Sample {
+            t_us: (t_s * 1e6) as u64 + 7,
+            strain: strain + noise,
+            strain_2: None,
+            deflection_mm: None,
+            distance_mm: None,
+        };
+        change(index, &mut sample);
+        events.extend(segmenter.push(sample));
+    }
+    (segmenter, events)
+}
+
+fn contacts(events: &[Event]) -> Vec<Contact> {
+    events
+        .iter()
+        .filter_map(|event| match event {
+            Event::Contact(contact) => Some(*contact),
+            Event::Onset { .. } => None,
+        })
+        .collect()
+}
+
+#[test]
+fn a_touch_of_60_ms_is_one_contact() {
+    for rate_hz in [50.0, 100.0, 250.0, 1000.0] {
+        let (segmenter, events) = touch(rate_hz, 0.06, |_, _| {});
+        let contacts = contacts(&events);
+        assert_eq!(contacts.len(), 1, "{rate_hz} Hz: {events:?}");
+        assert_eq!(contacts[0].kind, Kind::Peak);
+        assert!((segmenter.rate_hz() / rate_hz - 1.0).abs() < 0.02);
+        assert!(contacts[0].onset_us.abs_diff(1_000_000) < 20_000, "{contacts:?}");
+    }
+}
+
+#[test]
+fn single_glitches_are_no_contacts_and_hide_none() {
+    let (_, events) = touch(100.0, 0.4, |index, sample| {
+        if index % 17 == 5 {
+            sample.strain += if index % 2 == 0 { FULL } else { -FULL };
+        }
+    });
+    assert_eq!(contacts(&events).len(), 1, "{events:?}");
+}
+
+#[test]
+fn odd_samples_are_counted_and_change_nothing() {
+    let (_, plain) = touch(100.0, 0.4, |_, _| {});
+    let (segmenter, events) = touch(100.0, 0.4, |_, _| {});
+    assert_eq!(plain, events);
+    let mut segmenter_2 = segmenter.clone();
+    for odd in [f64::NAN, f64::INFINITY] {
+        let sample = Sample { t_us: 9_000_000, strain: odd, strain_2: None, deflection_mm: None, distance_mm: None };
+        assert_eq!(segmenter_2.push(sample), None);
+    }
+    let sample = Sample { t_us: 5, strain: 0.0, strain_2: None, deflection_mm: None, distance_mm: None };
+    assert_eq!(segmenter_2.push(sample), None);
+    assert_eq!(segmenter_2.counts().not_a_number, 2);
+    assert_eq!(segmenter_2.counts().out_of_order, 1);
+    assert_eq!(segmenter_2.baseline(), segmenter.baseline());
+}
+
+#[test]
+fn a_saturated_gauge_is_marked() {
+    let (segmenter, events) = touch(100.0, 0.4, |_, sample| sample.strain = (sample.strain * 100.0).min(0.05));
+    let contacts = contacts(&events);
+    assert_eq!(contacts.len(), 1);
+    assert!(contacts[0].saturated);
+    assert!(segmenter.counts().saturated > 0);
+}
+
+#[test]
+fn a_gap_ends_a_contact_without_a_measurement() {
+    let (segmenter, events) = touch(100.0, 0.4, |index, sample| {
+        if index >= 115 {
+            sample.t_us += 3_000_000;
+        }
+    });
+    assert_eq!(contacts(&events), []);
+    assert_eq!(segmenter.counts().interrupted, 1);
+}
+
+#[test]
+fn property_no_stream_of_odd_numbers_panics() {
+    for seed in 0..200 {
+        let mut random = Random(seed);
+        let mut segmenter = Segmenter::new(Params::default());
+        let mut t_us = 0u64;
+        for _ in 0..3_000 {
+            t_us = t_us.saturating_add((random.unit() * random.unit() * 50_000.0) as u64);
+            let mut number = || match (random.unit() * 12.0) as u32 {
+                0 => f64::NAN,
+                1 => f64::MAX,
+                2 => f64::MIN_POSITIVE,
+                3 => 0.0,
+                _ => random.between(-1.0, 1.0) * FULL,
+            };
+            let sample = Sample {
+                t_us,
+                strain: number(),
+                strain_2: Some(number()),
+                deflection_mm: Some(number()),
+                distance_mm: Some(number()),
+            };
+            segmenter.push(sample);
+        }
+    }
+}
+
+#[test]
+fn the_stream_of_a_seed_is_always_the_same() {
+    let plan = Plan { seed: 3, rate_hz: 88.0, two_gauges: true, motion: true, seconds: 20.0, touches: true };
+    let (mut first, mut second) = (Vec::new(), Vec::new());
+    stream(&plan, |sample| first.push(sample));
+    stream(&plan, |sample| second.push(sample));
+    assert_eq!(first, second);
+}
