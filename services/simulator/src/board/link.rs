@@ -6,7 +6,7 @@ use std::io::Write;
 use std::time::Duration;
 
 use anyhow::Context;
-use serde_json::Value;
+use serde_json::{Value, json};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt, Stdin, stdin, stdout};
 use tokio::net::unix::pipe;
 use tokio::net::{TcpListener, TcpStream};
@@ -52,7 +52,8 @@ pub async fn run(plan: BoardPlan) -> anyhow::Result<()> {
             }
         };
         let (mut lines, mut buffer) = (Lines::default(), vec![0; 4096]);
-        let hello = vec![Doing::Say(board.hello())];
+        let started = json!({"log": "started", "pid": std::process::id(), "t_us": now_us()});
+        let hello = vec![Doing::Log(started), Doing::Say(board.hello())];
         let mut is_linked = log.carry(hello, &mut writer).await;
         while is_linked {
             let ahead = Duration::from_micros(board.next_deadline().saturating_sub(now_us()));

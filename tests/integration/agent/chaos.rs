@@ -1,0 +1,128 @@
+//! Agents, drivers, links and supervisors that are killed: the board's own log tells what should have been recorded.
+
+use std::time::Duration;
+
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use vibrissa_simulator::fleet::now_us;
+use vibrissa_tests::wait::{until, until_true, until_within};
+
+use crate::stage::{Stage, board_as_child};
+
+/// What a kill of the agent may cost: contacts that wait for more in an incomplete message (0.1 s by default) and lines in
+/// the pipe. A slow machine adds to it.
+const BOUND_US: i64 = 1_000_000;
+
+/// Waits until that many more contacts are recorded.
+async fn more_contacts(stage: &Stage, more: i64) {
+    let before = stage.number("SELECT count(*) FROM contacts").await;
+    until_true("more contacts", async || stage.number("SELECT count(*) FROM contacts").await >= before + more).await;
+}
+
+/// Sets a pressure and waits until the board has been told.
+async fn ordered(stage: &Stage, pressure_mpa: f64) {
+    stage.set_by_hand(0, pressure_mpa).await;
+    until_true("a board that was told", async || {
+        stage.board_log().iter().any(|line| line["log"] == "set_pressure" && line["pressure_mpa"] == pressure_mpa)
+    })
+    .await;
+}
+
+#[tokio::test]
+async fn nothing_is_lost_beyond_the_bound_and_no_setpoint_is_applied_twice_or_late() {
+    let mut stage = Stage::start(|folder| board_as_child(folder, 20.0)).await;
+    until_true("contacts", async || stage.number("SELECT count(*) FROM contacts").await > 20).await;
+    ordered(&stage, 0.101).await;
+
+    // The link breaks, several times.
+    for _ in 0..3 {
+        stage.proxy.cut();
+        more_contacts(&stage, 10).await;
+    }
+    ordered(&stage, 0.102).await;
+
+    // The driver is killed; another one is started, and told the pressure again.
+    let first = stage.board_pid().unwrap();
+    kill(Pid::from_raw(first), Signal::SIGKILL).unwrap();
+    let second = until("another board", async || stage.board_pid().filter(|&pid| pid != first)).await;
+    more_contacts(&stage, 10).await;
+    ordered(&stage, 0.103).await;
+
+    // The driver hangs; it is killed and started again.
+    kill(Pid::from_raw(second), Signal::SIGSTOP).unwrap();
+    until("a third board", async || stage.board_pid().filter(|&pid| pid != second)).await;
+    assert!(stage.agent_log().contains("the driver is silent"));
+    more_contacts(&stage, 10).await;
+
+    // The agent is killed while its contacts cannot be sent, and a second time before they are receipted.
+    let mut kills_us = Vec::new();
+    for _ in 0..2 {
+        stage.proxy.stall(true);
+        let before = stage.felt().len();
+        until_true("contacts that wait", async || stage.felt().len() > before + 40).await;
+        kills_us.push(now_us() as i64);
+        stage.agent.kill();
+        stage.proxy.stall(false);
+        stage.proxy.cut();
+        stage.agent.restart();
+        more_contacts(&stage, 5).await;
+    }
+    ordered(&stage, 0.104).await;
+
+    // The supervisor is killed, and the agent during its absence: the supervisor has never heard of the boot between.
+    stage.supervisor.kill();
+    stage.agent.kill();
+    kills_us.push(now_us() as i64);
+    stage.agent.restart();
+    let before = stage.felt().len();
+    until_true("contacts of an unknown boot", async || stage.felt().len() > before + 40).await;
+    kills_us.push(now_us() as i64);
+    stage.agent.kill();
+    stage.agent.restart();
+    stage.supervisor.restart();
+    stage.is_ready().await;
+    more_contacts(&stage, 10).await;
+    ordered(&stage, 0.105).await;
+
+    // The end in good order: everything is sent.
+    stage.agent.signal(Signal::SIGTERM);
+    assert!(stage.agent.ended(Duration::from_secs(10)).await.is_some_and(|status| status.success()));
+    let felt = stage.felt();
+    // The agent starts once more, without a driver that adds contacts, until all is receipted.
+    let without = std::fs::read_to_string(stage.folder.path().join("agent.toml")).unwrap();
+    let begin = without.find("command = ").unwrap();
+    let end = begin + without[begin..].find('\n').unwrap();
+    let without = format!("{}command = [\"sleep\", \"60\"]{}", &without[..begin], &without[end..]);
+    std::fs::write(stage.folder.path().join("agent.toml"), without).unwrap();
+    stage.agent.restart();
+    let ended_us = now_us() as i64;
+    let is_beyond = |t_us: i64| kills_us.iter().chain([&ended_us]).any(|&at| (at - BOUND_US..=at).contains(&t_us));
+    let due: Vec<(i64, i64)> = felt.iter().copied().filter(|&(_, t_us)| !is_beyond(t_us)).collect();
+    let lost = async || {
+        let recorded = stage.recorded().await;
+        due.iter().filter(|contact| !recorded.contains(contact)).count()
+    };
+    until_within(Duration::from_secs(30), "all contacts", async || (lost().await == 0).then_some(())).await;
+
+    let recorded = stage.recorded().await;
+    assert!(recorded.windows(2).all(|two| two[0] != two[1]), "a contact was recorded twice");
+    assert!(recorded.iter().all(|contact| felt.contains(contact)), "a contact was recorded that nobody felt");
+    println!("{} contacts felt, {} recorded, {} due", felt.len(), recorded.len(), due.len());
+    assert!(due.len() > 150, "{} of {}", due.len(), felt.len());
+
+    // 0.1 MPa is the pressure of each start; of orders each board gets only newer ones, and each one once.
+    let mut newest_mpa = 0.0;
+    for line in stage.board_log().iter().filter(|line| line["whisker"] == 0 || line["log"] == "started") {
+        let (is_start, pressure_mpa) = (line["log"] == "started", line["pressure_mpa"].as_f64());
+        if let Some(pressure_mpa) = pressure_mpa.filter(|&mpa| line["log"] == "set_pressure" && mpa != 0.1) {
+            assert!(pressure_mpa > newest_mpa, "{pressure_mpa} MPa after {newest_mpa} MPa");
+            newest_mpa = pressure_mpa;
+        } else if is_start {
+            // A new board is told the newest order again.
+            newest_mpa -= 1e-9;
+        }
+    }
+    assert_eq!(newest_mpa, 0.105);
+    // The messages of earlier boots were taken; none was refused as one of an unknown boot in the end.
+    assert_eq!(stage.number("SELECT count(*) FROM contacts WHERE used = 'BAD_TIME'").await, 0);
+}
