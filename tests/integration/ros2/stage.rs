@@ -14,6 +14,10 @@ use vibrissa_tests::python::environment_if_reachable;
 
 /// Time limit for a message.
 const PATIENCE: Duration = Duration::from_secs(30);
+/// Tests that use a domain.
+const TESTS: u32 = 4;
+/// Domains whose ports are below those that Linux gives to clients.
+const DOMAINS: u32 = 100;
 pub(crate) const NAMESPACE: &str = "/crawler";
 
 /// A running program whose output is read as lines of JSON. It is killed on drop.
@@ -107,8 +111,10 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    /// `None`, with a line on standard error, if something cannot be fetched.
-    pub(crate) fn make(domain: u16) -> Option<Self> {
+    /// The stage of the test with this number, below [`TESTS`]; `None`, with a line on standard error, if something cannot be
+    /// fetched. Another run on this machine most likely has other domains.
+    pub(crate) fn make(test: u32) -> Option<Self> {
+        let domain = std::process::id() % (DOMAINS / TESTS) * TESTS + test % TESTS;
         let programs = environment_if_reachable("requirements-ros2.txt", env!("CARGO_TARGET_TMPDIR"))?;
         Some(Self { program: built()?, python: programs.join("python"), domain: domain.to_string() })
     }
