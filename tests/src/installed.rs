@@ -22,6 +22,22 @@ pub fn installed(script: &str, argument: Option<&str>) -> Option<PathBuf> {
     Some(PathBuf::from(String::from_utf8_lossy(&output.stdout).trim()))
 }
 
+/// Fetches the crates of a workspace of its own; false, with a line on standard error, if they cannot be fetched.
+///
+/// # Panics
+/// Its Cargo.lock is outdated.
+#[must_use]
+pub fn crates_fetched(manifest: &Path) -> bool {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let output = cargo.args(["fetch", "--locked", "--quiet", "--manifest-path"]).arg(manifest).output().expect("cargo");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!said.contains("--locked"), "{}: {said}", manifest.display());
+    if !output.status.success() {
+        eprintln!("skipped: the crates of {} cannot be fetched", manifest.display());
+    }
+    output.status.success()
+}
+
 /// Waits until a process listens on the port, or `has_ended`.
 pub fn listens(host: &str, port: u16, mut has_ended: impl FnMut() -> bool) -> bool {
     let begun = Instant::now();

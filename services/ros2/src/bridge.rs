@@ -15,7 +15,7 @@ pub const WHISKERS_MAX: usize = 256;
 /// Interval of reports on `/diagnostics`, seconds.
 const REPORT_EVERY_S: f64 = 1.0;
 
-/// What happens to the bridge.
+/// An event for the bridge.
 #[derive(Debug)]
 pub enum Input {
     /// A line from the agent, or the reason why none could be read.
@@ -30,7 +30,7 @@ pub enum Input {
     Tick,
 }
 
-/// What the bridge does.
+/// An action of the bridge.
 #[derive(Debug, PartialEq)]
 pub enum Output {
     /// Sends a line to the agent.

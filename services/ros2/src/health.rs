@@ -6,7 +6,7 @@ use crate::whisker::Whisker;
 /// Longest text of a problem in a report, in characters.
 const PROBLEM_MAX: usize = 200;
 
-/// What the bridge has passed on and refused since its start.
+/// Counts of passed, shed and refused messages since the start.
 #[derive(Debug, Default)]
 pub(crate) struct Counts {
     pub(crate) contacts: u64,

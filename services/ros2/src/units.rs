@@ -10,7 +10,7 @@ const GAUGE_MAX_MPA: f64 = 1.0;
 /// Lowest gauge pressure: a vacuum is below any whisker's use, MPa.
 const GAUGE_MIN_MPA: f64 = -0.05;
 
-/// What `fluid_pressure` means, in readings and setpoints.
+/// Meaning of `fluid_pressure`, in readings and setpoints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pressures {
     /// Absolute pressure, as `sensor_msgs/FluidPressure` defines it; the atmosphere's pressure in Pa.

@@ -18,7 +18,7 @@ pub struct Named {
     pub pressure_max_mpa: f64,
 }
 
-/// What the supervisor knows of a whisker.
+/// The supervisor's newest estimate of a whisker.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Estimate {
     /// Name of the array.
@@ -68,7 +68,7 @@ pub enum FromAgent {
     Estimate(Estimate),
     /// The agent refused a line of ours.
     Error {
-        /// What is wrong with it.
+        /// The error in the line.
         problem: String,
     },
     /// A word of a later version.

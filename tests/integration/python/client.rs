@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader};
 use std::net::SocketAddr;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
 use std::thread;
 
@@ -69,14 +69,25 @@ async fn act(http: SocketAddr, whisker: u16, word: &str) -> u64 {
     answer.json()["action_id"].as_u64().unwrap()
 }
 
+/// A program that ends with the test, also if the test fails.
+struct Follower(Child);
+
+impl Drop for Follower {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
 /// Follows events through a link that is cut, and checks that each event comes once.
 async fn events_survive_a_cut(kind: &str) {
     let Some(programs) = client_environment() else { return };
     let stage = Stage::start().await;
     let proxy = Proxy::to(stage.http.port()).await;
     let through = SocketAddr::from(([127, 0, 0, 1], proxy.port()));
-    let mut follower = program(&programs, "follow.py", through).arg(kind).stdout(Stdio::piped()).spawn().unwrap();
-    let lines = BufReader::new(follower.stdout.take().unwrap()).lines();
+    let follower = program(&programs, "follow.py", through).arg(kind).stdout(Stdio::piped()).spawn().unwrap();
+    let mut follower = Follower(follower);
+    let lines = BufReader::new(follower.0.stdout.take().unwrap()).lines();
     let (heard, hear) = mpsc::channel::<Value>();
     thread::spawn(move || {
         lines.map_while(Result::ok).try_for_each(|line| heard.send(serde_json::from_str(&line).unwrap()))
@@ -103,8 +114,7 @@ async fn events_survive_a_cut(kind: &str) {
         })
         .await;
     }
-    follower.kill().unwrap();
-    follower.wait().unwrap();
+    drop(follower);
     // An action is an event when it is requested, and another one when it is done.
     let mut each = numbers.clone();
     each.dedup();

@@ -1,11 +1,13 @@
 //! `vibrissa-robot`: the wheel, built and installed in a new environment, as a robot of a real supervisor and broker.
 
+use std::collections::BTreeSet;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
 use serde_json::{Value, json};
+use vibrissa_tests::installed::crates_fetched;
 use vibrissa_tests::python::environment_if_reachable;
 use vibrissa_tests::wait::{until, until_true};
 use vibrissa_tests::web::{ask, send};
@@ -20,16 +22,7 @@ fn installed() -> Option<(PathBuf, PathBuf)> {
         let target = Path::new(env!("CARGO_TARGET_TMPDIR"));
         let programs = environment_if_reachable("requirements-python-robot.txt", env!("CARGO_TARGET_TMPDIR"))?;
         let manifest = project().join("python/robot/Cargo.toml");
-        let mut fetch = Command::new(env!("CARGO"));
-        if !fetch
-            .args(["fetch", "--locked", "--quiet", "--manifest-path"])
-            .arg(&manifest)
-            .output()
-            .unwrap()
-            .status
-            .success()
-        {
-            eprintln!("skipped: vibrissa-robot for Python: its crates cannot be fetched");
+        if !crates_fetched(&manifest) {
             return None;
         }
         let wheels = tempfile::tempdir().unwrap();
@@ -46,6 +39,24 @@ fn installed() -> Option<(PathBuf, PathBuf)> {
         Some((programs, fresh.join("bin/python")))
     };
     MADE.get_or_init(make).clone()
+}
+
+/// Names and versions of the packages in a Cargo.lock.
+fn locked(path: &str) -> BTreeSet<(String, String)> {
+    let lock: toml::Table = std::fs::read_to_string(project().join(path)).unwrap().parse().unwrap();
+    let word = |package: &toml::Value, key: &str| package[key].as_str().unwrap().to_owned();
+    let packages = lock["package"].as_array().unwrap().iter();
+    packages.map(|package| (word(package, "name"), word(package, "version"))).collect()
+}
+
+#[test]
+fn the_wheel_has_the_versions_of_the_programs() {
+    let (programs, wheel) = (locked("Cargo.lock"), locked("python/robot/Cargo.lock"));
+    let names: BTreeSet<&str> = programs.iter().map(|(name, _)| name.as_str()).collect();
+    let shared: Vec<_> = wheel.iter().filter(|(name, _)| names.contains(name.as_str())).collect();
+    assert!(shared.len() > 100, "{}", shared.len());
+    let different: Vec<_> = shared.into_iter().filter(|&package| !programs.contains(package)).collect();
+    assert!(different.is_empty(), "copy Cargo.lock to python/robot, and build there: {different:?}");
 }
 
 /// The robot's program.

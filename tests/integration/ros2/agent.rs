@@ -43,7 +43,7 @@ async fn supervisor(broker: &Mosquitto, folder: &Path) -> (Process, SocketAddr) 
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_ros_robot_is_supervised() {
-    let Some(stage) = Stage::make(44) else { return };
+    let Some(stage) = Stage::make(3) else { return };
     let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
     let (_supervisor, http) = supervisor(&broker, folder.path()).await;
     let config = format!(

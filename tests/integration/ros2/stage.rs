@@ -9,10 +9,15 @@ use std::thread;
 use std::time::Duration;
 
 use serde_json::Value;
+use vibrissa_tests::installed::crates_fetched;
 use vibrissa_tests::python::environment_if_reachable;
 
 /// Time limit for a message.
 const PATIENCE: Duration = Duration::from_secs(30);
+/// Tests that use a domain.
+const TESTS: u32 = 4;
+/// Domains whose ports are below those that Linux gives to clients.
+const DOMAINS: u32 = 100;
 pub(crate) const NAMESPACE: &str = "/crawler";
 
 /// A running program whose output is read as lines of JSON. It is killed on drop.
@@ -84,8 +89,7 @@ fn cargo(arguments: &[&str]) -> Output {
 fn built() -> Option<PathBuf> {
     static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
     let build = || {
-        if !cargo(&["fetch"]).status.success() {
-            eprintln!("skipped: vibrissa-ros2: its crates cannot be fetched");
+        if !crates_fetched(&project().join("services/ros2/Cargo.toml")) {
             return None;
         }
         for verb in ["build", "test"] {
@@ -107,8 +111,10 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    /// `None`, with a line on standard error, if something cannot be fetched.
-    pub(crate) fn make(domain: u16) -> Option<Self> {
+    /// The stage of the test with this number, below [`TESTS`]; `None`, with a line on standard error, if something cannot be
+    /// fetched. Another run on this machine most likely has other domains.
+    pub(crate) fn make(test: u32) -> Option<Self> {
+        let domain = std::process::id() % (DOMAINS / TESTS) * TESTS + test % TESTS;
         let programs = environment_if_reachable("requirements-ros2.txt", env!("CARGO_TARGET_TMPDIR"))?;
         Some(Self { program: built()?, python: programs.join("python"), domain: domain.to_string() })
     }
