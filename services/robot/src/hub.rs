@@ -187,6 +187,10 @@ impl Hub {
                     state.pending.push_back(Outgoing::Publish { topic, payload });
                 }
                 Output::Publish(..) => {}
+                Output::Reconnect => {
+                    tracing::info!("the supervisor misses an earlier boot: another one begins");
+                    state.pending.push_back(Outgoing::Restart);
+                }
                 Output::Tell(line) => {
                     if let Some(telling) = &state.telling
                         && telling.try_send(line.line()).is_err()

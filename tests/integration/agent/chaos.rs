@@ -1,17 +1,18 @@
 //! Agents, drivers, links and supervisors that are killed: the board's own log tells what should have been recorded.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
+use tokio::time::timeout;
 use vibrissa_simulator::fleet::now_us;
-use vibrissa_tests::wait::{until, until_true, until_within};
+use vibrissa_tests::wait::{PATIENCE, until, until_true, until_within};
 
 use crate::stage::{Stage, board_as_child};
 
 /// What a kill of the agent may cost: contacts that wait for more in an incomplete message (0.1 s by default) and lines in
 /// the pipe. A slow machine adds to it.
-const BOUND_US: i64 = 1_000_000;
+const BOUND_US: i64 = 500_000;
 
 /// Waits until that many more contacts are recorded.
 async fn more_contacts(stage: &Stage, more: i64) {
@@ -19,25 +20,28 @@ async fn more_contacts(stage: &Stage, more: i64) {
     until_true("more contacts", async || stage.number("SELECT count(*) FROM contacts").await >= before + more).await;
 }
 
-/// Sets a pressure and waits until the board has been told.
+/// Sets a pressure until the board has been told: an agent without a driver refuses it.
 async fn ordered(stage: &Stage, pressure_mpa: f64) {
-    stage.set_by_hand(0, pressure_mpa).await;
-    until_true("a board that was told", async || {
-        stage.board_log().iter().any(|line| line["log"] == "set_pressure" && line["pressure_mpa"] == pressure_mpa)
-    })
-    .await;
+    let is_told =
+        || stage.board_log().iter().any(|line| line["log"] == "set_pressure" && line["pressure_mpa"] == pressure_mpa);
+    let deadline = Instant::now() + PATIENCE;
+    while !is_told() {
+        assert!(Instant::now() < deadline, "the board was not told {pressure_mpa} MPa");
+        stage.set_by_hand(0, pressure_mpa).await;
+        let _ = timeout(Duration::from_secs(2), until_true("a board that was told", async || is_told())).await;
+    }
 }
 
 #[tokio::test]
 async fn nothing_is_lost_beyond_the_bound_and_no_setpoint_is_applied_twice_or_late() {
-    let mut stage = Stage::start(|folder| board_as_child(folder, 20.0)).await;
+    let mut stage = Stage::start(|folder| board_as_child(folder, 40.0)).await;
     until_true("contacts", async || stage.number("SELECT count(*) FROM contacts").await > 20).await;
     ordered(&stage, 0.101).await;
 
     // The link breaks, several times.
     for _ in 0..3 {
         stage.proxy.cut();
-        more_contacts(&stage, 10).await;
+        more_contacts(&stage, 40).await;
     }
     ordered(&stage, 0.102).await;
 
@@ -45,27 +49,27 @@ async fn nothing_is_lost_beyond_the_bound_and_no_setpoint_is_applied_twice_or_la
     let first = stage.board_pid().unwrap();
     kill(Pid::from_raw(first), Signal::SIGKILL).unwrap();
     let second = until("another board", async || stage.board_pid().filter(|&pid| pid != first)).await;
-    more_contacts(&stage, 10).await;
+    more_contacts(&stage, 40).await;
     ordered(&stage, 0.103).await;
 
     // The driver hangs; it is killed and started again.
     kill(Pid::from_raw(second), Signal::SIGSTOP).unwrap();
     until("a third board", async || stage.board_pid().filter(|&pid| pid != second)).await;
     assert!(stage.agent_log().contains("the driver is silent"));
-    more_contacts(&stage, 10).await;
+    more_contacts(&stage, 40).await;
 
     // The agent is killed while its contacts cannot be sent, and a second time before they are receipted.
     let mut kills_us = Vec::new();
     for _ in 0..2 {
         stage.proxy.stall(true);
         let before = stage.felt().len();
-        until_true("contacts that wait", async || stage.felt().len() > before + 40).await;
+        until_true("contacts that wait", async || stage.felt().len() > before + 100).await;
         kills_us.push(now_us() as i64);
         stage.agent.kill();
         stage.proxy.stall(false);
         stage.proxy.cut();
         stage.agent.restart();
-        more_contacts(&stage, 5).await;
+        more_contacts(&stage, 40).await;
     }
     ordered(&stage, 0.104).await;
 
@@ -75,13 +79,13 @@ async fn nothing_is_lost_beyond_the_bound_and_no_setpoint_is_applied_twice_or_la
     kills_us.push(now_us() as i64);
     stage.agent.restart();
     let before = stage.felt().len();
-    until_true("contacts of an unknown boot", async || stage.felt().len() > before + 40).await;
+    until_true("contacts of an unknown boot", async || stage.felt().len() > before + 100).await;
     kills_us.push(now_us() as i64);
     stage.agent.kill();
     stage.agent.restart();
     stage.supervisor.restart();
     stage.is_ready().await;
-    more_contacts(&stage, 10).await;
+    more_contacts(&stage, 40).await;
     ordered(&stage, 0.105).await;
 
     // The end in good order: everything is sent.
@@ -102,13 +106,13 @@ async fn nothing_is_lost_beyond_the_bound_and_no_setpoint_is_applied_twice_or_la
         let recorded = stage.recorded().await;
         due.iter().filter(|contact| !recorded.contains(contact)).count()
     };
-    until_within(Duration::from_secs(30), "all contacts", async || (lost().await == 0).then_some(())).await;
+    until_within(Duration::from_secs(60), "all contacts", async || (lost().await == 0).then_some(())).await;
 
     let recorded = stage.recorded().await;
     assert!(recorded.windows(2).all(|two| two[0] != two[1]), "a contact was recorded twice");
     assert!(recorded.iter().all(|contact| felt.contains(contact)), "a contact was recorded that nobody felt");
     println!("{} contacts felt, {} recorded, {} due", felt.len(), recorded.len(), due.len());
-    assert!(due.len() > 150, "{} of {}", due.len(), felt.len());
+    assert!(due.len() > 400, "{} of {}", due.len(), felt.len());
 
     // 0.1 MPa is the pressure of each start; of orders each board gets only newer ones, and each one once.
     let mut newest_mpa = 0.0;

@@ -1,18 +1,23 @@
 //! Messages of earlier boots, which the store has kept over a restart.
 //!
 //! They are sent again with their own boot and number, so that a supervisor that has them already does not record them
-//! twice. A supervisor takes contacts only of boots whose factsheet it knows. Until a receipt shows that it knows an earlier
-//! boot, the birth and factsheet of that boot come before those of the present one: after each connection, and when the
-//! supervisor misses a factsheet. Messages of a boot that was never connected were never sent: they get numbers of this boot.
+//! twice. A supervisor takes contacts only of boots whose factsheet it knows, and a boot that another one has followed never
+//! comes back. So the births and factsheets of earlier boots come before the first ones of the present boot, unless a receipt
+//! has shown that a supervisor knows them. If none heard that, and one misses a factsheet later, the agent begins another boot
+//! ([`Agent::reboot`]), before which it introduces them again. Messages of a boot that was never connected were never sent:
+//! they get numbers of this boot.
 
-use vibrissa_protocol::{Receipt, RobotTopic, decode_contacts, encode};
+use vibrissa_protocol::{BootId, Receipt, RobotTopic, TouchTestOutcome, decode_contacts, encode};
 
 use super::{Agent, Output};
-use crate::contract::{Outbox, Voice};
+use crate::contract::{Commands, EstimateOrder, Outbox, TouchTests, Voice};
 use crate::store::{Payload, Record, StoredBoot};
 
-/// Earlier boots whose messages are kept: a supervisor remembers the numbers of four boots.
-const EARLIER_MAX: usize = 3;
+/// Earlier boots whose messages are kept over a restart. A supervisor remembers the numbers of four boots: those, the present
+/// one, and another one after [`Agent::reboot`].
+const EARLIER_MAX: usize = 2;
+/// Time since the first connection of a boot before which the agent does not begin another one: receipts may be on their way.
+const REBOOT_AFTER_US: u64 = 5_000_000;
 
 /// An earlier boot with messages.
 #[derive(Debug)]
@@ -41,7 +46,6 @@ impl Agent {
                 self.outbox.keep(message.seq, encode(&message), None);
             }
         }
-        // Of a supervisor's four boots one is the present one.
         let beyond = earlier.len().saturating_sub(EARLIER_MAX);
         self.dropped_earlier += earlier.drain(..beyond).map(|boot| boot.outbox.len() as u64).sum::<u64>();
         earlier.retain(|boot| !boot.outbox.is_empty());
@@ -97,9 +101,40 @@ impl Agent {
         }
     }
 
-    /// Whether [`Agent::announce_earlier`] has something to say.
-    pub(super) fn has_unknown_boots(&self) -> bool {
-        self.earlier.iter().any(|boot| !boot.is_known && !boot.outbox.is_empty())
+    /// Whether the supervisor, which misses a factsheet, may miss that of an earlier boot.
+    pub(super) fn may_miss_a_boot(&self, now_us: u64) -> bool {
+        let is_over = self.introduced_us.is_some_and(|at_us| now_us >= at_us + REBOOT_AFTER_US);
+        is_over && self.earlier.len() <= EARLIER_MAX && self.earlier.iter().any(|boot| !boot.is_known)
+    }
+
+    /// Begins another boot, as after a restart of the robot.
+    pub(super) fn reboot(&mut self, now_us: u64, out: &mut Vec<Output>) {
+        while !self.under_way.is_empty() {
+            self.end_test(0, TouchTestOutcome::Failed, now_us, out);
+        }
+        self.flush(now_us, out);
+        self.reboots += 1;
+        let text = format!("{}-{}", self.first_boot_id, self.reboots);
+        // A text that is too long could only come from a boot id that is no random one.
+        let Ok(boot_id) = BootId::new(&text) else { return };
+        let voice = std::mem::replace(&mut self.voice, Voice::new(boot_id));
+        let outbox = std::mem::replace(&mut self.outbox, Outbox::new(self.limits.outbox_messages));
+        self.dropped_earlier += outbox.dropped();
+        if !outbox.is_empty() {
+            self.earlier.push(Earlier { voice, is_known: outbox.newest_covered().is_some(), outbox });
+        }
+        self.commands = Commands::default();
+        self.estimates = EstimateOrder::default();
+        self.touch_tests = TouchTests::default();
+        self.supervision.restart();
+        self.births.sent();
+        self.connected = false;
+        self.introduced_us = None;
+        for chamber in &mut self.chambers {
+            chamber.restart(self.limits.own_slew_mpa_per_s);
+        }
+        out.push(Output::Store(self.boot_record()));
+        out.push(Output::Reconnect);
     }
 
     /// The record of this boot.

@@ -87,6 +87,15 @@ impl Chamber {
         }
     }
 
+    /// Returns to the nominal pressure, as at a start.
+    pub(super) fn restart(&mut self, slew_mpa_per_s: f64) {
+        self.target_mpa = self.nominal_mpa;
+        self.slew_mpa_per_s = slew_mpa_per_s;
+        self.applying = None;
+        self.estimate = None;
+        self.told_us = 0;
+    }
+
     /// Begins to apply a setpoint.
     pub(super) fn apply(&mut self, command_id: &str, now_us: u64, limits: &Limits) {
         let way_mpa = self.reading.map_or(self.max_mpa, |reading| (self.target_mpa - reading.pressure_mpa).abs());

@@ -15,9 +15,8 @@ impl Agent {
         }
     }
 
-    /// Sends birth and factsheet, those of earlier boots first.
+    /// Sends birth and factsheet.
     pub(super) fn announce(&mut self, now_us: u64, out: &mut Vec<Output>) {
-        self.announce_earlier(now_us, out);
         self.births.sent();
         let birth = self.voice.birth(now_us);
         let factsheet = self.voice.factsheet(now_us, &self.facts);
@@ -28,8 +27,8 @@ impl Agent {
 
     /// Answers a request for the factsheet. It may be one of an earlier boot that the supervisor misses.
     pub(super) fn factsheet_asked(&mut self, now_us: u64, out: &mut Vec<Output>) {
-        if self.has_unknown_boots() {
-            return self.announce(now_us, out);
+        if self.may_miss_a_boot(now_us) {
+            return self.reboot(now_us, out);
         }
         let factsheet = self.voice.factsheet(now_us, &self.facts);
         self.publish(RobotTopic::Factsheet, encode(&factsheet), out);

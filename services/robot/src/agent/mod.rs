@@ -58,6 +58,8 @@ pub enum Output {
     Store(Record),
     /// The driver has been silent for too long: start it again, or wait for it anew.
     RestartDriver,
+    /// Cut the connection without a farewell and connect again: another boot has begun.
+    Reconnect,
 }
 
 /// Counts since the start.
@@ -105,6 +107,11 @@ pub struct Agent {
     supervision: Supervision,
     outbox: Outbox,
     earlier: Vec<Earlier>,
+    /// Time of the first connection of this boot, before which earlier boots were introduced.
+    introduced_us: Option<u64>,
+    first_boot_id: BootId,
+    /// Boots since the start, besides the first one.
+    reboots: u64,
     /// Messages of earlier boots that had no room.
     dropped_earlier: u64,
     /// Contacts of the incomplete message, and the time at which it is sent.
@@ -137,6 +144,9 @@ impl Agent {
             fleet: config.fleet.clone(),
             robot: config.robot.clone(),
             facts: config.facts.clone(),
+            first_boot_id: boot_id.clone(),
+            introduced_us: None,
+            reboots: 0,
             voice: Voice::new(boot_id),
             connected: false,
             chambers,
@@ -174,6 +184,10 @@ impl Agent {
                 self.connected = true;
                 self.outbox.reconnected();
                 self.earlier.iter_mut().for_each(|boot| boot.outbox.reconnected());
+                if self.introduced_us.is_none() {
+                    self.introduced_us = Some(now_us);
+                    self.announce_earlier(now_us, &mut out);
+                }
                 self.announce(now_us, &mut out);
                 self.status(now_us, &mut out);
             }

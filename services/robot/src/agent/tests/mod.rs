@@ -34,6 +34,7 @@ struct Bench {
     told: Vec<ToDriver>,
     records: Vec<Record>,
     restarts: usize,
+    reconnects: usize,
 }
 
 impl Bench {
@@ -46,7 +47,7 @@ impl Bench {
         let mut config = Config::from_toml_str(EXAMPLE, Path::new("")).unwrap();
         edit(&mut config);
         let (agent, records) = Agent::new(&config, BootId::new(boot).unwrap(), stored, now_us);
-        Self { agent, now_us, messages: vec![], told: vec![], records, restarts: 0 }
+        Self { agent, now_us, messages: vec![], told: vec![], records, restarts: 0, reconnects: 0 }
     }
 
     /// A connected agent whose driver reports its pressures.
@@ -70,6 +71,7 @@ impl Bench {
                 Output::Tell(line) => self.told.push(line),
                 Output::Store(record) => self.records.push(record),
                 Output::RestartDriver => self.restarts += 1,
+                Output::Reconnect => self.reconnects += 1,
             }
         }
     }
