@@ -7,7 +7,18 @@ use std::path::{Path, PathBuf};
 use crate::project;
 
 /// Crates from the lowest to the highest: a crate depends only on those before it.
-const CRATES: [&str; 8] = ["core", "protocol", "edge", "simulator", "evaluation", "store", "supervisor", "vibrissa"];
+const CRATES: [&str; 10] = [
+    "core",
+    "regulator",
+    "segmenter",
+    "protocol",
+    "edge",
+    "simulator",
+    "evaluation",
+    "store",
+    "supervisor",
+    "vibrissa",
+];
 /// Crates that must not reach a library, and those libraries: directly, or by way of another crate.
 const KEPT_OUT: [(&str, &[&str]); 4] = [
     ("vibrissa-core", &["tokio", "sqlx", "axum", "rumqttc-next"]),
