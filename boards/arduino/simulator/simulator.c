@@ -1,8 +1,8 @@
 // Runs the sketch on a simulated microcontroller (libsimavr) with a simulated chamber on its pins.
 //
-// simulator uno|mega ELF < SCRIPT. Each line of the script is a time in ms since the start and what happens then: a line
-// that is sent to the board; or `!supply MPA`, `!sensor VOLTS` (-1: follows the chamber), `!end`. Prints each line of the
-// board after the simulated time in ms and the true pressure, and the valves whenever they change.
+// simulator uno|mega ELF < SCRIPT. Each line of the script is a time in ms since the start and what happens then: a
+// line that is sent to the board; or `!supply MPA`, `!sensor VOLTS` (-1: follows the chamber), `!end`. Prints each line
+// of the board after the simulated time in ms and the true pressure, and the valves whenever they change.
 #include <math.h>
 #include <simavr/avr_adc.h>
 #include <simavr/avr_ioport.h>

@@ -1,5 +1,6 @@
-// Reads vectors that a test of the Rust regulator has written, runs the C++ regulator on them, and names the first line that
-// differs. A line is `target MPA SLEW`, or `TIME_US READING_BITS SUPPLY_BITS COMMAND LENGTH_US CONDITION`; `new` begins anew.
+// Reads vectors that a test of the Rust regulator has written, runs the C++ regulator on them, and names the first line
+// that differs. A line is `target MPA SLEW`, or `TIME_US READING_BITS SUPPLY_BITS COMMAND LENGTH_US CONDITION`; `new`
+// begins anew.
 #include <cstdio>
 #include <cstring>
 #include <string>

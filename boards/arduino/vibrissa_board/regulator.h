@@ -1,7 +1,7 @@
-// Regulates the pressure of a chamber with two on/off valves: the algorithm of the Rust crate services/regulator, function
-// by function. docs/regulator.md explains it. A test runs both on the same readings and compares each command and
-// condition. The microcontroller has no 64-bit floats and little memory, and its Rust compiler is not a stable one: hence
-// this second implementation.
+// Regulates the pressure of a chamber with two on/off valves: the algorithm of the Rust crate services/regulator,
+// function by function. docs/regulator.md explains it. A test runs both on the same readings and compares each command
+// and condition. The microcontroller has no 64-bit floats and little memory, and its Rust compiler is not a stable one:
+// hence this second implementation.
 #pragma once
 
 #include <stdint.h>

@@ -133,7 +133,8 @@ static void put_strain() {
     put("]}\n");
 }
 
-// The value of a field of a flat JSON object, or none. Fields of the lines that this board reads have no nested objects.
+// The value of a field of a flat JSON object, or none. Fields of the lines that this board reads have no nested
+// objects.
 static const char *field(const char *line, const char *name) {
     size_t length = strlen(name);
     for (const char *at = strchr(line, '"'); at; at = strchr(at + 1, '"')) {

@@ -1,8 +1,8 @@
 //! A board for one whisker: the driver interface of vibrissa-robot, two valves, and a watchdog that vents.
 //!
 //! For any microcontroller whose pins have the traits of `embedded-hal`, such as an ESP32 with `esp-hal`. The program
-//! around it reads the converter and the serial line, and calls [`Board::receive`] for each byte and [`Board::step`] every
-//! two milliseconds or more often. Nothing here waits or allocates.
+//! around it reads the converter and the serial line, and calls [`Board::receive`] for each byte and [`Board::step`]
+//! every two milliseconds or more often. Nothing here waits or allocates.
 
 #![no_std]
 

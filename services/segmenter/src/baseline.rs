@@ -1,8 +1,8 @@
 //! The strain without a touch, and its noise.
 //!
-//! A filter of first order whose input is limited to three standard deviations: drift and temperature are followed, and a
-//! touch hardly moves it before it is found. After a contact it is fast at first and slows down with time, as the rubber
-//! creeps back: fastest in the first tenths of a second, and for half a minute.
+//! A filter of first order whose input is limited to three standard deviations: drift and temperature are followed, and
+//! a touch hardly moves it before it is found. After a contact it is fast at first and slows down with time, as the
+//! rubber creeps back: fastest in the first tenths of a second, and for half a minute.
 
 use crate::Params;
 use crate::intake::Bin;

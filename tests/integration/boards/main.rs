@@ -92,7 +92,8 @@ fn the_board_regulates_within_a_step_and_vents_when_the_lines_stop() {
         for (from_ms, to_ms, mpa) in [(6_000.0, 12_000.0, 0.08), (18_000.0, 24_000.0, 0.031)] {
             let during = || lines.iter().filter(|(ms, _, _)| (from_ms..to_ms).contains(ms));
             let read = during().filter_map(|(_, _, line)| line.split("\"pressure_mpa\":").nth(1)?.split(',').next());
-            let read = read.map(|text| (text.parse().unwrap_or(9.0) - mpa).abs() / STEP_MPA).fold(0.0f64, f64::max);
+            let read =
+                read.map(|text| (text.parse::<f64>().unwrap_or(9.0) - mpa).abs() / STEP_MPA).fold(0.0f64, f64::max);
             assert!(read > 0.0 && read <= 1.0, "{board}: the readings are {read} steps from {mpa}");
             // Within its step the converter sees nothing.
             let away = during().map(|(_, at, _)| (at - mpa).abs() / STEP_MPA).fold(0.0, f64::max);
