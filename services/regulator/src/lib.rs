@@ -1,8 +1,9 @@
 //! Regulates the pressure of a chamber with two on/off valves (fill and vent) and a coarse pressure sensor.
 //!
-//! Pure: [`Regulator::step`] takes the time and a reading and returns at most one [`Command`], a pulse of one valve with
-//! its length. [`Valves`] turns commands into the two outputs and closes each valve at the end of its pulse, whatever
-//! else happens. There is no clock, no allocation, and no function of `libm`: the crate also runs on a microcontroller.
+//! Pure: [`Regulator::step`] takes the time and a reading and returns at most one [`Command`], a pulse of one valve
+//! with its length. [`Valves`] turns commands into the two outputs and closes each valve at the end of its pulse,
+//! whatever else happens. There is no clock, no allocation, and no function of `libm`: the crate also runs on a
+//! microcontroller.
 //!
 //! `boards/arduino/vibrissa_board/regulator.h` is the same algorithm in C++. A test runs both on the same readings and
 //! compares every command and condition.

@@ -1,6 +1,7 @@
 //! The regulator on simulated chambers whose volume, valves, sensor and faults vary at random.
 
 mod chamber;
+mod vectors;
 
 use chamber::{Random, Rig, STEP_MPA, Sensor};
 use vibrissa_regulator::{Condition, Fault, Params};

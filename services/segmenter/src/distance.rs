@@ -1,8 +1,8 @@
 //! Distance of a contact from the base, from the strains at two gauges.
 //!
-//! The ratio of the strains rises with the distance, and less and less steeply. So ratios are averaged, not distances, and
-//! the distance with its error is the mean and the standard deviation of all distances that fit the average. Far out the
-//! ratio says little; there the standard deviation tends to that of the whole whisker.
+//! The ratio of the strains rises with the distance, and less and less steeply. So ratios are averaged, not distances,
+//! and the distance with its error is the mean and the standard deviation of all distances that fit the average. Far
+//! out the ratio says little; there the standard deviation tends to that of the whole whisker.
 
 use crate::Params;
 

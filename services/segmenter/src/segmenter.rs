@@ -14,8 +14,8 @@ const SETTLE_S: f64 = 0.5;
 /// Part of the last contact's strain that counts as no change, between two filters of 15 and 80 ms.
 const STILL: f64 = 0.01;
 const STILL_FILTERS_S: (f64, f64) = (0.015, 0.08);
-/// A rest of the last contact, in the other direction right after it, is no contact: part of its strain, and the longest
-/// times since its end and of the rest. s.
+/// A rest of the last contact, in the other direction right after it, is no contact: part of its strain, and the
+/// longest times since its end and of the rest. s.
 const REST: (f64, f64, f64) = (0.2, 0.6, 1.0);
 /// Right after a contact the rubber creeps: part of its strain that is added to the threshold, and for how long. s.
 const AFTER: (f64, f64) = (0.02, 3.0);
@@ -133,7 +133,8 @@ impl Segmenter {
                     return None;
                 }
                 let released = strain < (self.params.release * touch.peak_strain()).max(2.0 * self.baseline.sd(grain));
-                // What creep of earlier contacts leaves may exceed the threshold: a rest that does not fall is an end, too.
+                // What creep of earlier contacts leaves may exceed the threshold: a rest that does not fall is an end,
+                // too.
                 if strain > LOW.0 * touch.peak_strain() {
                     self.low_since_s = bin.t_s;
                 }

@@ -1,5 +1,5 @@
-//! Simulated streams of strain, after the stand-ins for a real whisker: creep, loop, drift, noise, mains, converter; and
-//! the comparison of what the segmenter finds with the truth.
+//! Simulated streams of strain, after the stand-ins for a real whisker: creep, loop, drift, noise, mains, converter;
+//! and the comparison of what the segmenter finds with the truth.
 
 use vibrissa_segmenter::{Contact, DistanceFusion, Event, Params, Sample, Segmenter};
 

@@ -1,0 +1,234 @@
+//! A board for one whisker: the driver interface of vibrissa-robot, two valves, and a watchdog that vents.
+//!
+//! For any microcontroller whose pins have the traits of `embedded-hal`, such as an ESP32 with `esp-hal`. The program
+//! around it reads the converter and the serial line, and calls [`Board::receive`] for each byte and [`Board::step`]
+//! every two milliseconds or more often. Nothing here waits or allocates.
+
+#![no_std]
+
+mod line;
+
+use core::fmt::Write as _;
+
+use embedded_hal::digital::OutputPin;
+pub use line::Lines;
+use line::{field, is_text, number};
+use vibrissa_regulator::{Command, Params, Regulator, Valves};
+
+/// Longest line that is read.
+const LINE_MOST: usize = 200;
+/// Samples in a line of strain.
+const SAMPLES: usize = 10;
+/// Spacing of the samples. µs.
+const STRAIN_US: u64 = 10_000;
+/// Spacing of the lines of pressure. µs.
+const PRESSURE_US: u64 = 250_000;
+/// Without a line for this long the board vents. µs.
+const SILENT_US: u64 = 5_000_000;
+/// Length of a pulse that ends a pressure above the limit. µs.
+const RELIEF_US: u32 = 100_000;
+
+/// What the sensors say.
+#[derive(Clone, Copy, Debug)]
+pub struct Readings {
+    /// Pressure of the chamber, MPa; not a number if it could not be read.
+    pub pressure_mpa: f32,
+    /// Pressure of the supply, MPa, if there is a sensor.
+    pub supply_mpa: Option<f32>,
+    /// Strain of the gauge, m/m.
+    pub strain: f32,
+}
+
+/// The board of one whisker.
+pub struct Board<Fill, Vent> {
+    fill: Fill,
+    vent: Vent,
+    array: &'static str,
+    whisker: u32,
+    limit_mpa: f32,
+    regulator: Regulator,
+    valves: Valves,
+    line: [u8; LINE_MOST],
+    length: usize,
+    too_long: bool,
+    last_line_us: u64,
+    by_hand: bool,
+    silent: bool,
+    pressure_mpa: f32,
+    strains: [f32; SAMPLES],
+    strain_count: usize,
+    strain_first_us: u64,
+    next_strain_us: u64,
+    next_pressure_us: u64,
+    said_hello: bool,
+}
+
+impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
+    /// A board with both valves closed.
+    ///
+    /// # Errors
+    /// A pin could not be set.
+    pub fn new(
+        mut fill: Fill,
+        mut vent: Vent,
+        array: &'static str,
+        whisker: u32,
+        limit_mpa: f32,
+    ) -> Result<Self, PinError> {
+        fill.set_low().map_err(|_| PinError)?;
+        vent.set_low().map_err(|_| PinError)?;
+        Ok(Board {
+            fill,
+            vent,
+            array,
+            whisker,
+            limit_mpa,
+            regulator: Regulator::new(Params { max_mpa: limit_mpa, ..Params::default() }),
+            valves: Valves::new(),
+            line: [0; LINE_MOST],
+            length: 0,
+            too_long: false,
+            last_line_us: 0,
+            by_hand: false,
+            silent: false,
+            pressure_mpa: 0.0,
+            strains: [0.0; SAMPLES],
+            strain_count: 0,
+            strain_first_us: 0,
+            next_strain_us: 0,
+            next_pressure_us: 0,
+            said_hello: false,
+        })
+    }
+
+    /// Takes a byte of the serial line.
+    pub fn receive(&mut self, now_us: u64, byte: u8) {
+        if byte != b'\n' {
+            match self.line.get_mut(self.length) {
+                Some(place) => {
+                    *place = byte;
+                    self.length += 1;
+                }
+                None => self.too_long = true,
+            }
+            return;
+        }
+        let line = self.line;
+        let length = self.length;
+        let too_long = self.too_long;
+        self.length = 0;
+        self.too_long = false;
+        if too_long {
+            // Lines for richer drivers may be longer: they are heard, and not read.
+            self.heard(now_us);
+        } else if let Ok(text) = core::str::from_utf8(&line[..length]) {
+            self.take(now_us, text);
+        }
+    }
+
+    fn heard(&mut self, now_us: u64) {
+        self.last_line_us = now_us;
+        self.silent = false;
+    }
+
+    fn take(&mut self, now_us: u64, line: &str) {
+        let Some(kind) = field(line, "type") else { return };
+        self.heard(now_us);
+        let mine = field(line, "array").is_none_or(|array| is_text(array, self.array))
+            && field(line, "whisker").is_none_or(|text| number(text) == Some(self.whisker as f32));
+        if !mine {
+            return;
+        }
+        if is_text(kind, "set_pressure") {
+            let Some(mpa) = field(line, "pressure_mpa").and_then(number) else { return };
+            if (0.0..=self.limit_mpa).contains(&mpa) {
+                self.by_hand = false;
+                self.regulator.set_target(mpa, field(line, "slew_mpa_per_s").and_then(number).unwrap_or(0.0));
+            }
+        } else if is_text(kind, "valve") {
+            let Some(ms) = field(line, "for_ms").and_then(number).filter(|ms| (0.0..=1000.0).contains(ms)) else {
+                return;
+            };
+            let Some(open) = field(line, "open") else { return };
+            let us = (ms * 1000.0) as u32;
+            self.by_hand = true;
+            if is_text(open, "FILL") && self.pressure_mpa < self.limit_mpa {
+                self.valves.apply(now_us, Command::Fill(us));
+            } else if is_text(open, "VENT") {
+                self.valves.apply(now_us, Command::Vent(us));
+            }
+        }
+    }
+
+    /// Regulates, closes valves whose pulse is over, and adds lines to send.
+    ///
+    /// # Errors
+    /// A pin could not be set: the caller should let its hardware watchdog restart the board.
+    pub fn step<const N: usize>(
+        &mut self,
+        now_us: u64,
+        readings: Readings,
+        lines: &mut Lines<N>,
+    ) -> Result<(), PinError> {
+        self.pressure_mpa = readings.pressure_mpa;
+        if !self.silent && now_us.saturating_sub(self.last_line_us) >= SILENT_US {
+            self.silent = true;
+            self.by_hand = false;
+            self.regulator.set_target(0.0, 0.0);
+        }
+        let command = self.regulator.step(now_us, readings.pressure_mpa, readings.supply_mpa);
+        if !self.by_hand {
+            self.valves.apply(now_us, command);
+        } else if readings.pressure_mpa > self.limit_mpa && !self.valves.outputs(now_us).1 {
+            self.valves.apply(now_us, Command::Vent(RELIEF_US));
+        }
+        let (fill, vent) = self.valves.outputs(now_us);
+        self.fill.set_state(fill.into()).map_err(|_| PinError)?;
+        self.vent.set_state(vent.into()).map_err(|_| PinError)?;
+        self.report(now_us, readings.strain, lines);
+        Ok(())
+    }
+
+    fn report<const N: usize>(&mut self, now_us: u64, strain: f32, lines: &mut Lines<N>) {
+        if !self.said_hello {
+            self.said_hello =
+                lines.add(|line| line.write_str("{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa-board\"}"));
+        }
+        let (array, whisker) = (self.array, self.whisker);
+        if now_us >= self.next_strain_us {
+            // The grid of the samples is kept, unless the board was away for longer.
+            self.next_strain_us = (self.next_strain_us + STRAIN_US).max(now_us.saturating_sub(STRAIN_US));
+            if self.strain_count == 0 {
+                self.strain_first_us = now_us;
+            }
+            self.strains[self.strain_count] = strain;
+            self.strain_count += 1;
+            if self.strain_count == SAMPLES {
+                self.strain_count = 0;
+                let (ms, strains) = (self.strain_first_us / 1000, &self.strains);
+                lines.add(|line| {
+                    write!(line, "{{\"type\":\"strain\",\"array\":\"{array}\",\"whisker\":{whisker},\"t_ms\":{ms}")?;
+                    write!(line, ",\"every_us\":{STRAIN_US},\"strain\":[")?;
+                    for (index, strain) in strains.iter().enumerate() {
+                        write!(line, "{}{strain:.6}", if index == 0 { "" } else { "," })?;
+                    }
+                    line.write_str("]}")
+                });
+            }
+        }
+        if now_us >= self.next_pressure_us && self.pressure_mpa.is_finite() {
+            let (ms, mpa, condition) = (now_us / 1000, self.pressure_mpa, self.regulator.condition().word());
+            let sent = lines.add(|line| {
+                write!(line, "{{\"type\":\"pressure\",\"array\":\"{array}\",\"whisker\":{whisker},\"t_ms\":{ms}")?;
+                write!(line, ",\"pressure_mpa\":{mpa:.5},\"regulator\":\"{condition}\"}}")
+            });
+            if sent {
+                self.next_pressure_us = (self.next_pressure_us + PRESSURE_US).max(now_us);
+            }
+        }
+    }
+}
+
+/// A pin could not be set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PinError;

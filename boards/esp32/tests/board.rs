@@ -1,0 +1,123 @@
+//! The board on pins that a test reads and a chamber that it simulates.
+
+use std::cell::Cell;
+use std::convert::Infallible;
+use std::rc::Rc;
+
+use embedded_hal::digital::{ErrorType, OutputPin};
+use vibrissa_board::{Board, Lines, Readings};
+
+const STEP_MPA: f32 = 5.0 / 4096.0 / 4.0;
+
+#[derive(Clone, Default)]
+struct Pin(Rc<Cell<bool>>);
+
+impl ErrorType for Pin {
+    type Error = Infallible;
+}
+
+impl OutputPin for Pin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.0.set(false);
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.0.set(true);
+        Ok(())
+    }
+}
+
+struct Bench {
+    board: Board<Pin, Pin>,
+    fill: Pin,
+    vent: Pin,
+    lines: Lines<512>,
+    said: String,
+    now_us: u64,
+    mpa: f32,
+}
+
+impl Bench {
+    fn new() -> Bench {
+        let (fill, vent) = (Pin::default(), Pin::default());
+        let board = Board::new(fill.clone(), vent.clone(), "left", 1, 0.2).unwrap();
+        Bench { board, fill, vent, lines: Lines::default(), said: String::new(), now_us: 0, mpa: 0.0 }
+    }
+
+    fn say(&mut self, line: &str) {
+        for byte in line.bytes().chain([b'\n']) {
+            self.board.receive(self.now_us, byte);
+        }
+    }
+
+    fn run(&mut self, seconds: f32) {
+        for _ in 0..(seconds * 1000.0) as u32 {
+            self.now_us += 1_000;
+            assert!(!(self.fill.0.get() && self.vent.0.get()), "both valves are open");
+            if self.fill.0.get() {
+                self.mpa += (0.25 - self.mpa) * 0.001;
+            }
+            if self.vent.0.get() {
+                self.mpa -= self.mpa * 0.001;
+            }
+            let pressure_mpa = ((self.mpa / STEP_MPA).floor() + 0.5) * STEP_MPA;
+            let readings = Readings { pressure_mpa, supply_mpa: None, strain: 0.000_1 };
+            self.board.step(self.now_us, readings, &mut self.lines).unwrap();
+            self.said.push_str(std::str::from_utf8(self.lines.waiting()).unwrap());
+            self.lines.sent(usize::MAX);
+        }
+    }
+}
+
+#[test]
+fn it_says_hello_and_reports_at_its_rates() {
+    let mut bench = Bench::new();
+    bench.run(2.0);
+    let lines: Vec<&str> = bench.said.lines().collect();
+    assert_eq!(lines[0], "{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa-board\"}");
+    assert!((8..=9).contains(&lines.iter().filter(|line| line.contains("\"type\":\"pressure\"")).count()));
+    let strains: Vec<&&str> = lines.iter().filter(|line| line.contains("\"type\":\"strain\"")).collect();
+    assert!((19..=20).contains(&strains.len()), "{}", strains.len());
+    assert!(strains[0].ends_with("\"every_us\":10000,\"strain\":[0.000100,0.000100,0.000100,0.000100,0.000100,0.000100,0.000100,0.000100,0.000100,0.000100]}"));
+}
+
+#[test]
+fn it_holds_a_setpoint_and_vents_when_the_lines_stop() {
+    let mut bench = Bench::new();
+    for _ in 0..5 {
+        bench
+            .say(r#"{ "type" : "set_pressure", "array":"left","whisker":1,"pressure_mpa":0.08,"slew_mpa_per_s":0.05}"#);
+        bench.run(2.0);
+    }
+    assert!((bench.mpa - 0.08).abs() < 0.001_22, "{}", bench.mpa);
+    bench.run(2.9);
+    assert!((bench.mpa - 0.08).abs() < 0.001_22, "it vents too early: {}", bench.mpa);
+    bench.run(10.0);
+    assert!(bench.mpa < 0.002, "{}", bench.mpa);
+}
+
+#[test]
+fn it_ignores_what_is_wrong_or_for_others() {
+    let mut bench = Bench::new();
+    bench.run(0.5);
+    for line in [
+        r#"{"type":"set_pressure","pressure_mpa":0.9}"#,
+        r#"{"type":"set_pressure","pressure_mpa":"0.1"}"#,
+        r#"{"type":"set_pressure","pressure_mpa":NaN}"#,
+        r#"{"type":"set_pressure","whisker":2,"pressure_mpa":0.1}"#,
+        r#"{"type":"set_pressure","array":"right","pressure_mpa":0.1}"#,
+        r#"{"type":"valve","open":"FILL","for_ms":1001}"#,
+        r#"{"pressure_mpa":0.1}"#,
+        "\u{fffd}",
+        "",
+    ] {
+        bench.say(line);
+        bench.run(0.2);
+        assert!(bench.mpa == 0.0, "{line}");
+    }
+    bench.say(&"x".repeat(1_000));
+    bench.say(r#"{"type":"valve","open":"FILL","for_ms":50}"#);
+    bench.run(0.2);
+    assert!((bench.mpa - 0.0122).abs() < 0.0005, "a line after one that is too long is read: {}", bench.mpa);
+}

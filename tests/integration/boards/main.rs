@@ -1,0 +1,165 @@
+//! The sketch of the Arduino board, compiled for both boards and run on a simulated microcontroller whose pins move the
+//! air of a simulated chamber. All times are those of the simulation.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// A step of the board's converter, in MPa.
+const STEP_MPA: f64 = 5.0 / 1024.0 / 4.0;
+
+/// The sketch, compiled; none if a program is missing.
+fn compiled(board: &str, test: &str) -> Option<PathBuf> {
+    let has = |path: &str| Path::new(path).exists();
+    let avr = has("/usr/bin/avr-g++") && has("/usr/share/arduino/hardware/arduino/avr/cores");
+    if !avr || !has("/usr/include/simavr/sim_avr.h") || !has("/usr/bin/cc") {
+        println!(
+            "skipped: the Arduino board: needs gcc-avr, avr-libc, arduino-core-avr, libsimavr-dev, libelf-dev and cc"
+        );
+        return None;
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("board-{board}-{test}"));
+    let build = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../boards/arduino/build");
+    let ended = Command::new(build).arg(board).arg(&folder).output().expect("bash runs");
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    Some(folder)
+}
+
+/// What the simulator printed: time in ms, true pressure in MPa, and the rest of the line.
+fn run(board: &str, folder: &Path, script: &str) -> Vec<(f64, f64, String)> {
+    let mut simulator = Command::new(folder.join("simulator"))
+        .args([Path::new(board), &folder.join("vibrissa_board.elf")])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the simulator starts");
+    simulator.stdin.take().expect("piped").write_all(script.as_bytes()).expect("it reads");
+    let ended = simulator.wait_with_output().expect("it ends");
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    let text = String::from_utf8(ended.stdout).expect("the board writes UTF-8");
+    let mut lines = Vec::new();
+    for line in text.lines() {
+        let mut parts = line.splitn(3, ' ');
+        let (Some(ms), Some(mpa), Some(rest)) = (parts.next(), parts.next(), parts.next()) else { continue };
+        if let (Ok(ms), Ok(mpa)) = (ms.parse(), mpa.parse()) {
+            lines.push((ms, mpa, rest.to_owned()));
+        }
+    }
+    lines
+}
+
+fn set_pressure(ms: u32, mpa: f64) -> String {
+    format!(
+        "{ms} {{\"type\":\"set_pressure\",\"array\":\"left\",\"whisker\":1,\"pressure_mpa\":{mpa},\"slew_mpa_per_s\":0}}\n"
+    )
+}
+
+/// A setpoint, repeated every two seconds.
+fn held(from_ms: u32, to_ms: u32, mpa: f64) -> String {
+    (from_ms..to_ms).step_by(2_000).map(|ms| set_pressure(ms, mpa)).collect()
+}
+
+/// The newest pressure line up to a time.
+fn at(lines: &[(f64, f64, String)], ms: f64) -> (f64, String) {
+    let newest =
+        lines.iter().rfind(|(at, _, line)| *at <= ms && line.contains("\"pressure\"")).expect("pressure lines");
+    (newest.1, newest.2.clone())
+}
+
+#[test]
+fn the_board_says_hello_and_reports_at_its_rates() {
+    for board in ["uno", "mega"] {
+        let Some(folder) = compiled(board, "rates") else { return };
+        let lines = run(board, &folder, &format!("{}5000 !end\n", held(100, 5_000, 0.0)));
+        let said: Vec<&str> =
+            lines.iter().map(|(_, _, line)| line.as_str()).filter(|line| line.starts_with('{')).collect();
+        assert_eq!(said[0], "{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa_board\"}");
+        let of = |word: &str| said.iter().filter(|line| line.contains(&format!("\"type\":\"{word}\""))).count();
+        assert!((18..=20).contains(&of("pressure")), "{}", of("pressure"));
+        assert!((48..=50).contains(&of("strain")), "{}", of("strain"));
+        let strain = said.iter().find(|line| line.contains("\"strain\"")).expect("strain");
+        assert!(strain.contains("\"every_us\":10000") && strain.matches(',').count() == 14, "{strain}");
+    }
+}
+
+#[test]
+fn the_board_regulates_within_a_step_and_vents_when_the_lines_stop() {
+    for board in ["uno", "mega"] {
+        let Some(folder) = compiled(board, "holds") else { return };
+        let script = format!("{}{}40000 !end\n", held(300, 12_000, 0.08), held(12_300, 24_000, 0.031));
+        let lines = run(board, &folder, &script);
+        for (from_ms, to_ms, mpa) in [(6_000.0, 12_000.0, 0.08), (18_000.0, 24_000.0, 0.031)] {
+            let during = || lines.iter().filter(|(ms, _, _)| (from_ms..to_ms).contains(ms));
+            let read = during().filter_map(|(_, _, line)| line.split("\"pressure_mpa\":").nth(1)?.split(',').next());
+            let read =
+                read.map(|text| (text.parse::<f64>().unwrap_or(9.0) - mpa).abs() / STEP_MPA).fold(0.0f64, f64::max);
+            assert!(read > 0.0 && read <= 1.0, "{board}: the readings are {read} steps from {mpa}");
+            // Within its step the converter sees nothing.
+            let away = during().map(|(_, at, _)| (at - mpa).abs() / STEP_MPA).fold(0.0, f64::max);
+            assert!(away <= 1.3, "{board}: {away} steps from {mpa}");
+            let switched =
+                lines.iter().filter(|(ms, _, line)| (from_ms..to_ms).contains(ms) && line.starts_with("valves 1"));
+            assert!(switched.count() < 6, "{board}");
+            assert!(at(&lines, to_ms).1.contains("\"regulator\":\"OK\""), "{board}: {:?}", at(&lines, to_ms));
+        }
+        // The last line came at 22.3 s: five seconds later it vents.
+        assert!((at(&lines, 27_000.0).0 - 0.031).abs() < STEP_MPA, "{board}: it vents too early");
+        assert!(at(&lines, 30_000.0).0 < STEP_MPA, "{board}: {:?}", at(&lines, 30_000.0));
+    }
+}
+
+#[test]
+fn the_board_keeps_its_limit_and_ignores_lines_that_are_wrong() {
+    let Some(folder) = compiled("uno", "limits") else { return };
+    let mut script = held(300, 4_000, 0.05);
+    for (index, line) in [
+        "{\"type\":\"set_pressure\",\"whisker\":1,\"pressure_mpa\":0.9,\"slew_mpa_per_s\":0}",
+        "{\"type\":\"set_pressure\",\"whisker\":1,\"pressure_mpa\":\"much\"}",
+        "{\"type\":\"set_pressure\",\"whisker\":2,\"pressure_mpa\":0.1,\"slew_mpa_per_s\":0}",
+        "{\"type\":\"set_pressure\",\"array\":\"right\",\"whisker\":1,\"pressure_mpa\":0.1,\"slew_mpa_per_s\":0}",
+        "{\"type\":\"valve\",\"whisker\":1,\"open\":\"FILL\",\"for_ms\":5000}",
+        "{\"type\":",
+        "not JSON",
+    ]
+    .iter()
+    .enumerate()
+    {
+        script += &format!("{} {line}\n", 4_300 + 100 * index);
+    }
+    script += &format!("5200 {}\n", "x".repeat(390));
+    script += "8000 !end\n";
+    let lines = run("uno", &folder, &script);
+    let highest = lines.iter().map(|(_, mpa, _)| *mpa).fold(0.0, f64::max);
+    assert!(highest < 0.05 + 2.0 * STEP_MPA, "{highest}");
+    assert!((at(&lines, 8_000.0).0 - 0.05).abs() <= STEP_MPA, "{:?}", at(&lines, 8_000.0));
+}
+
+#[test]
+fn a_pulse_by_hand_ends_by_itself() {
+    let Some(folder) = compiled("uno", "pulse") else { return };
+    let script =
+        "300 {\"type\":\"valve\",\"array\":\"left\",\"whisker\":1,\"open\":\"FILL\",\"for_ms\":120}\n3000 !end\n";
+    let lines = run("uno", &folder, script);
+    let changes: Vec<(f64, &str)> = lines
+        .iter()
+        .filter(|(ms, _, line)| *ms > 100.0 && line.starts_with("valves"))
+        .map(|(ms, _, line)| (*ms, line.as_str()))
+        .collect();
+    assert_eq!(changes.iter().map(|(_, line)| *line).collect::<Vec<_>>(), ["valves 1 0", "valves 0 0"]);
+    let open_ms = changes[1].0 - changes[0].0;
+    assert!((119.0..124.0).contains(&open_ms), "{open_ms} ms");
+}
+
+#[test]
+fn a_dead_sensor_and_a_lost_supply_are_reported() {
+    let Some(folder) = compiled("uno", "faults") else { return };
+    let script = format!("{}9000 !sensor 0\n12000 !end\n", held(300, 12_000, 0.08));
+    let lines = run("uno", &folder, &script);
+    let (mpa, line) = at(&lines, 12_000.0);
+    assert!(line.contains("\"regulator\":\"FAULT\"") && mpa < STEP_MPA, "{mpa} {line}");
+    let script = format!("200 !supply 0\n{}14000 !end\n", held(300, 14_000, 0.08));
+    let lines = run("uno", &folder, &script);
+    let (_, line) = at(&lines, 14_000.0);
+    assert!(line.contains("\"regulator\":\"SUPPLY_LOW\""), "{line}");
+}
