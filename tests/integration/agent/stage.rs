@@ -160,3 +160,18 @@ impl Stage {
         fs::read_to_string(self.folder.path().join("agent.log")).unwrap_or_default()
     }
 }
+
+impl Drop for Stage {
+    /// A failed test shows what the programs have logged.
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            for file in ["agent.log", "supervisor.log", "outbox"] {
+                let text = fs::read_to_string(self.folder.path().join(file)).unwrap_or_default();
+                let lines: Vec<&str> = text.lines().collect();
+                let last = &lines[lines.len().saturating_sub(60)..];
+                println!("{file}:");
+                last.iter().for_each(|line| println!("{}", line.chars().take(240).collect::<String>()));
+            }
+        }
+    }
+}
