@@ -10,6 +10,8 @@ use vibrissa_protocol::{
     WHISKERS_MAX, WhiskerFacts,
 };
 
+use vibrissa_segmenter::Params;
+
 use crate::contract::Facts;
 use crate::mqtt::{Authorities, BadBroker, Broker};
 
@@ -102,6 +104,10 @@ pub struct Limits {
     pub own_slew_mpa_per_s: f64,
     /// Temperature of contacts if the driver reports none, in degrees Celsius.
     pub temperature_c: f64,
+    /// Whether the agent regulates the pressures with pulses of the valves.
+    pub regulate: bool,
+    /// Parameters of the segmenter.
+    pub segmenter: Params,
 }
 
 /// The driver and the way to it.
@@ -144,6 +150,8 @@ struct File {
     outbox: FileOutbox,
     #[serde(default)]
     contacts: FileContacts,
+    #[serde(default)]
+    segmenter: FileSegmenter,
     #[serde(default)]
     supervisor: FileSupervisor,
     driver: FileDriver,
@@ -190,6 +198,22 @@ impl Default for FileContacts {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+struct FileSegmenter {
+    least_strain: f64,
+    strain_limit: f64,
+    baseline_s: f64,
+    longest_s: f64,
+}
+
+impl Default for FileSegmenter {
+    fn default() -> Self {
+        let Params { least_strain, strain_limit, baseline_s, longest_s, .. } = Params::default();
+        Self { least_strain, strain_limit, baseline_s, longest_s }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 struct FileSupervisor {
     lost_after_s: f64,
     status_every_s: f64,
@@ -212,6 +236,8 @@ struct FileDriver {
     baud: Option<u32>,
     #[serde(default = "default_restart")]
     restart: bool,
+    #[serde(default)]
+    regulate: bool,
     #[serde(default = "default_silent_s")]
     silent_s: f64,
     #[serde(default = "default_repeat_s")]
@@ -352,6 +378,11 @@ fn limits(file: &File) -> Result<Limits, BadConfig> {
     within("contacts.message_after_s", contacts.message_after_s, 0.01..=60.0)?;
     within("contacts.per_s_max", contacts.per_s_max, 1.0..=10_000.0)?;
     within("contacts.temperature_c", contacts.temperature_c, -100.0..=300.0)?;
+    let segmenter = &file.segmenter;
+    within("segmenter.least_strain", segmenter.least_strain, 0.0..=0.1)?;
+    within("segmenter.strain_limit", segmenter.strain_limit, 1e-4..=1.0)?;
+    within("segmenter.baseline_s", segmenter.baseline_s, 0.1..=60.0)?;
+    within("segmenter.longest_s", segmenter.longest_s, 1.0..=600.0)?;
     within("supervisor.lost_after_s", supervisor.lost_after_s, 1.0..=86_400.0)?;
     within("supervisor.status_every_s", supervisor.status_every_s, 1.0..=10.0)?;
     within("driver.silent_s", driver.silent_s, 0.5..=600.0)?;
@@ -375,6 +406,14 @@ fn limits(file: &File) -> Result<Limits, BadConfig> {
         fail_after_us: us(driver.fail_after_s),
         own_slew_mpa_per_s: driver.own_slew_mpa_per_s,
         temperature_c: contacts.temperature_c,
+        regulate: driver.regulate,
+        segmenter: Params {
+            least_strain: segmenter.least_strain,
+            strain_limit: segmenter.strain_limit,
+            baseline_s: segmenter.baseline_s,
+            longest_s: segmenter.longest_s,
+            ..Params::default()
+        },
     })
 }
 

@@ -2,13 +2,21 @@
 
 use vibrissa_protocol::{Gauge, Name, PlaceKind, Regulator, SetpointError, WhiskerFacts, WhiskerStatus};
 
+use vibrissa_regulator::{Command, Condition, Params};
+
+use super::strain::Stream;
 use crate::config::Limits;
-use crate::driver::ToDriver;
+use crate::driver::{Opening, ToDriver};
 
 /// Change of pressure that valves of small robots manage, in MPa/s.
 const VALVES_MPA_PER_S: f64 = 0.02;
 /// Least excess of the supply over the target, in MPa.
 const SUPPLY_MARGIN_MPA: f64 = 0.005;
+
+/// A regulator that never exceeds this pressure.
+fn valves(max_mpa: f64) -> vibrissa_regulator::Regulator {
+    vibrissa_regulator::Regulator::new(Params { max_mpa: max_mpa as f32, ..Params::default() })
+}
 
 /// A setpoint that is being applied.
 #[derive(Debug)]
@@ -50,12 +58,16 @@ pub(super) struct Chamber {
     pub(super) applying: Option<Applying>,
     /// The newest estimate, for a driver that starts later.
     pub(super) estimate: Option<ToDriver>,
+    /// Regulates the pressure with pulses of the valves, if the driver does not.
+    valves: Option<Box<vibrissa_regulator::Regulator>>,
+    /// Samples of the gauge, if the driver sends them.
+    pub(super) stream: Option<Box<Stream>>,
     /// Condition in the last status.
     pub(super) reported: (Regulator, Gauge),
 }
 
 impl Chamber {
-    pub(super) fn new(array: Name, facts: &WhiskerFacts, seen: Option<(u64, u64)>, slew_mpa_per_s: f64) -> Self {
+    pub(super) fn new(array: Name, facts: &WhiskerFacts, seen: Option<(u64, u64)>, limits: &Limits) -> Self {
         Self {
             array,
             number: facts.whisker,
@@ -64,7 +76,7 @@ impl Chamber {
             place: facts.place.unwrap_or(PlaceKind::Ratio),
             seen,
             target_mpa: facts.pressure_mpa,
-            slew_mpa_per_s,
+            slew_mpa_per_s: limits.own_slew_mpa_per_s,
             told_us: 0,
             reading: None,
             regulator: None,
@@ -73,6 +85,8 @@ impl Chamber {
             supply_mpa: None,
             applying: None,
             estimate: None,
+            valves: limits.regulate.then(|| Box::new(valves(facts.pressure_max_mpa))),
+            stream: None,
             reported: (Regulator::Ok, Gauge::Ok),
         }
     }
@@ -127,6 +141,30 @@ impl Chamber {
         self.supply_mpa = supply_mpa.or(self.supply_mpa);
     }
 
+    /// The pulse of a valve that the newest reading calls for, if the agent regulates. The regulator's condition is that of the
+    /// chamber then.
+    pub(super) fn pulse(&mut self, now_us: u64) -> Option<ToDriver> {
+        let (valves, reading) = (self.valves.as_mut()?, self.reading?);
+        valves.set_target(self.target_mpa as f32, self.slew_mpa_per_s as f32);
+        let command = valves.step(now_us, reading.pressure_mpa as f32, self.supply_mpa.map(|mpa| mpa as f32));
+        self.regulator = Some(match valves.condition() {
+            Condition::Ok => Regulator::Ok,
+            Condition::Filling => Regulator::Filling,
+            Condition::Venting => Regulator::Venting,
+            Condition::SupplyLow => Regulator::SupplyLow,
+            Condition::Leak => Regulator::Leak,
+            Condition::Fault => Regulator::Fault,
+        });
+        let (open, length_us) = match command {
+            Command::None => return None,
+            Command::Fill(length_us) => (Opening::Fill, length_us),
+            Command::Vent(length_us) => (Opening::Vent, length_us),
+            Command::Close => (Opening::Close, 0),
+        };
+        let (array, whisker) = (self.array.clone(), self.number);
+        Some(ToDriver::Valve { array, whisker, open, for_ms: f64::from(length_us) / 1000.0 })
+    }
+
     /// Takes a fault.
     pub(super) fn fault(&mut self, regulator: Option<Regulator>, gauge: Option<Gauge>) {
         self.regulator = regulator.or(self.regulator);
@@ -137,6 +175,7 @@ impl Chamber {
     pub(super) fn forget(&mut self) {
         self.reading = None;
         self.regulator = None;
+        self.stream = None;
     }
 
     pub(super) fn is_settled(&self) -> bool {

@@ -73,11 +73,8 @@ impl Agent {
         match word {
             FromDriver::Hello(hello) => self.hello(&hello, now_us, out),
             FromDriver::Contact(contact) => self.contact(contact, now_us, out),
-            FromDriver::Strain(_) => Err(BadLine::new(
-                "this agent has no segmenter yet",
-                "find the contacts in the driver and send `contact`",
-            )),
-            FromDriver::Pressure(pressure) => self.pressure(&pressure, now_us),
+            FromDriver::Strain(strain) => self.strain(&strain, now_us, out),
+            FromDriver::Pressure(pressure) => self.pressure(&pressure, now_us, out),
             FromDriver::Fault(fault) => {
                 let (at, _) = self.place(&fault.origin(), now_us)?;
                 if fault.gauge.is_none() && fault.regulator.is_none() {
@@ -103,7 +100,7 @@ impl Agent {
     }
 
     /// Index of a line's whisker, and the time of the line.
-    fn place(&mut self, origin: &Origin, now_us: u64) -> Result<(usize, u64), BadLine> {
+    pub(super) fn place(&mut self, origin: &Origin, now_us: u64) -> Result<(usize, u64), BadLine> {
         let array = match (&origin.array, &self.facts.arrays[..]) {
             (Some(array), _) => array.clone(),
             (None, [only]) => only.array.clone(),
@@ -118,7 +115,7 @@ impl Agent {
         Ok((at, t_us))
     }
 
-    fn pressure(&mut self, line: &words::Pressure, now_us: u64) -> Result<(), BadLine> {
+    fn pressure(&mut self, line: &words::Pressure, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
         let (at, _) = self.place(&line.origin(), now_us)?;
         let range = |name: &str, value: Option<f64>, least: f64, most: f64| match value {
             Some(value) if !(least..=most).contains(&value) => {
@@ -133,6 +130,7 @@ impl Agent {
         // The receipt of the line counts: a reading that was on its way for long is still the newest one.
         chamber.read(Reading { pressure_mpa: line.pressure_mpa, at_us: now_us }, &self.limits);
         chamber.state(line.regulator, line.temperature_c, line.supply_mpa);
+        out.extend(chamber.pulse(now_us).map(Output::Tell));
         Ok(())
     }
 
@@ -158,7 +156,7 @@ impl Agent {
         Ok(())
     }
 
-    fn contact(&mut self, line: words::Contact, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
+    pub(super) fn contact(&mut self, line: words::Contact, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
         let (at, t_us) = self.place(&line.origin(), now_us)?;
         let test = self.test_at(line.test_id.as_deref(), Some(at))?;
         if test.is_some_and(|test| self.under_way[test].touches_left == 0) {

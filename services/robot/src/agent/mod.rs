@@ -8,6 +8,7 @@ mod chamber;
 mod lines;
 mod messages;
 mod orders;
+mod strain;
 mod times;
 
 use std::collections::{BTreeMap, VecDeque};
@@ -71,6 +72,8 @@ pub struct Counts {
     pub lines_refused: u64,
     /// Contacts and missed touches taken.
     pub contacts: u64,
+    /// Contacts that the segmenter found and that could not be sent, for instance without a deflection.
+    pub contacts_unusable: u64,
     /// Messages from the network that were refused.
     pub messages_refused: u64,
     /// Times that the driver was found silent.
@@ -135,7 +138,7 @@ impl Agent {
         for array in &config.facts.arrays {
             for whisker in &array.whiskers {
                 let seen = stored.seen.get(&(array.array.clone(), whisker.whisker)).copied();
-                chambers.push(Chamber::new(array.array.clone(), whisker, seen, config.limits.own_slew_mpa_per_s));
+                chambers.push(Chamber::new(array.array.clone(), whisker, seen, &config.limits));
             }
         }
         let places = chambers.iter().enumerate().map(|(at, one)| ((one.array.clone(), one.number), at)).collect();

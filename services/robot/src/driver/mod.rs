@@ -6,7 +6,7 @@ pub(crate) mod link;
 pub mod words;
 
 pub use lines::{LINE_MAX_BYTES, Lines};
-pub use words::{BadLine, FromDriver, Samples, ToDriver};
+pub use words::{BadLine, FromDriver, Opening, Samples, ToDriver};
 
 /// Version of the interface.
 pub const VERSION: u32 = 1;

@@ -262,6 +262,17 @@ pub enum ToDriver {
         /// Highest rate of change, in MPa/s.
         slew_mpa_per_s: f64,
     },
+    /// Open a valve for a pulse; close both valves afterwards.
+    Valve {
+        /// Array of the whisker.
+        array: Name,
+        /// Its number.
+        whisker: u16,
+        /// The valve.
+        open: Opening,
+        /// Length of the pulse, in milliseconds, at most 1000; 0 with `CLOSE`.
+        for_ms: f64,
+    },
     /// Do a touch test.
     Test {
         /// Identifies the test.
@@ -306,6 +317,18 @@ pub enum ToDriver {
         #[serde(rename = "do")]
         remedy: &'static str,
     },
+}
+
+/// A valve to open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Opening {
+    /// The fill valve.
+    Fill,
+    /// The vent valve.
+    Vent,
+    /// None: both are closed now.
+    Close,
 }
 
 /// A whisker in `hello`.

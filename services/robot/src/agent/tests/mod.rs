@@ -4,6 +4,8 @@ mod driver;
 mod fuzz;
 mod restart;
 mod setpoints;
+mod strain;
+mod valves;
 
 use std::path::Path;
 

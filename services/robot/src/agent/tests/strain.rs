@@ -1,0 +1,144 @@
+//! Samples become contacts: with each way of telling time, and with what the driver knows of the motion.
+
+use vibrissa_protocol::{Contact, PlaceKind};
+
+use super::*;
+
+/// Samples in a line, and the time between them.
+const COUNT: usize = 10;
+const EVERY_US: u64 = 10_000;
+
+/// The way in which lines of the test tell time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Clock {
+    None,
+    Board,
+    Agent,
+}
+
+/// A bench whose whiskers have a place.
+fn bench(place: PlaceKind) -> Bench {
+    let mut bench = Bench::new(|config| {
+        config.facts.arrays[0].whiskers.iter_mut().for_each(|whisker| whisker.place = Some(place));
+    });
+    bench.step(Input::Connected);
+    bench.step(Input::DriverStarted);
+    bench.read(0, 0.1);
+    bench.take();
+    bench
+}
+
+/// Way of the whisker's base at a time: 2 mm against something from 3.0 to 3.2 s, a hold, and back, or off the tip.
+fn way_mm(seconds: f64, slips: bool) -> f64 {
+    let way = ((seconds - 3.0) / 0.2).clamp(0.0, 1.0) * 2.0;
+    if slips { way } else { way - ((seconds - 4.0) / 0.2).clamp(0.0, 1.0) * 2.0 }
+}
+
+/// Feeds six seconds with one touch; the contacts that were sent, and the problems that were answered.
+fn felt(bench: &mut Bench, clock: Clock, more: &str, slips: bool) -> (Vec<Contact>, Vec<String>) {
+    let begin_us = bench.now_us;
+    let (mut contacts, mut problems) = (Vec::new(), Vec::new());
+    for block in 0..60 {
+        let seconds = |at: usize| (block * COUNT + at) as f64 * 0.01;
+        // After a slip-off the whisker is free within 20 ms.
+        let deflection = |at: usize| if slips && seconds(at) > 4.0 { 0.0 } else { way_mm(seconds(at), slips) };
+        let noise = |at: usize| if (block * 7 + at * 3) % 5 < 2 { 2e-6 } else { -1e-6 };
+        let list = |value: &dyn Fn(usize) -> f64| {
+            (0..COUNT).map(|at| format!("{:.7}", value(at))).collect::<Vec<String>>().join(",")
+        };
+        let strain = list(&|at| 1e-3 + 0.005 * deflection(at) + noise(at));
+        let way = list(&|at| 40.0 + way_mm(seconds(at), slips));
+        bench.now_us =
+            bench.now_us.max(begin_us + (block as u64 + 1) * COUNT as u64 * EVERY_US + (block as u64 % 3) * 3_000);
+        let first_us = begin_us + block as u64 * COUNT as u64 * EVERY_US;
+        let time = match clock {
+            Clock::None => String::new(),
+            Clock::Board => format!(r#","t_ms":{}"#, 5_000 + (first_us - begin_us) / 1000),
+            Clock::Agent => format!(r#","t_us":{first_us}"#),
+        };
+        let more = more.replace("WAY", &format!("[{way}]"));
+        bench
+            .line(&format!(r#"{{"type":"strain","whisker":0,"strain":[{strain}],"every_us":{EVERY_US}{time}{more}}}"#));
+        bench.read(0, 0.1);
+        let (messages, told) = bench.take();
+        for message in messages {
+            if let Message::Contacts(message) = message {
+                bench.receipt("b1", message.seq + 1);
+                contacts.extend(message.contacts);
+            }
+        }
+        problems.extend(
+            told.into_iter().filter_map(
+                |line| {
+                    if let ToDriver::Error { problem, .. } = line { Some(problem) } else { None }
+                },
+            ),
+        );
+    }
+    (contacts, problems)
+}
+
+#[test]
+fn a_touch_becomes_one_contact_whatever_tells_the_time() {
+    for clock in [Clock::None, Clock::Board, Clock::Agent] {
+        let mut bench = bench(PlaceKind::Distance);
+        let begin_us = bench.now_us;
+        let (contacts, problems) = felt(&mut bench, clock, r#","deflection_mm":WAY,"distance_mm":52.5"#, false);
+        assert_eq!((contacts.len(), problems), (1, vec![]), "{clock:?}");
+        let contact = &contacts[0];
+        assert_eq!((contact.distance_mm, contact.tip, contact.pressure_mpa), (Some(52.5), false, 0.1));
+        assert!((contact.strain - 0.01).abs() < 2e-4 && (contact.deflection_mm - 2.0).abs() < 0.1, "{contact:?}");
+        let seconds = (contact.t_us - begin_us) as f64 / 1e6;
+        assert!((3.1..4.2).contains(&seconds), "{clock:?}: {seconds} s");
+    }
+}
+
+#[test]
+fn a_slip_off_is_a_contact_at_the_tip_and_other_touches_of_such_whiskers_are_left_out() {
+    let more = r#","deflection_mm":WAY"#;
+    let (contacts, problems) = felt(&mut bench(PlaceKind::Tip), Clock::Board, more, true);
+    assert_eq!((contacts.len(), problems), (1, vec![]));
+    assert!(contacts[0].tip && contacts[0].distance_mm.is_none(), "{:?}", contacts[0]);
+    assert_eq!(felt(&mut bench(PlaceKind::Tip), Clock::Board, more, false), (vec![], vec![]));
+}
+
+#[test]
+fn what_a_contact_lacks_is_told_and_counted() {
+    for (place, more, lacking) in [
+        (PlaceKind::Distance, "", "not how far the whisker was deflected"),
+        (PlaceKind::Distance, r#","deflection_mm":WAY"#, "not its distance from the base"),
+    ] {
+        let mut bench = bench(place);
+        let (contacts, problems) = felt(&mut bench, Clock::Board, more, false);
+        assert!(contacts.is_empty() && problems.len() == 1 && problems[0].contains(lacking), "{problems:?}");
+        assert_eq!(bench.agent.counts().contacts_unusable, 1);
+    }
+    let (contacts, _) = felt(&mut bench(PlaceKind::Unknown), Clock::Board, r#","deflection_mm":WAY"#, false);
+    assert_eq!(contacts.len(), 1);
+}
+
+#[test]
+fn lines_of_a_wrong_shape_are_refused() {
+    let mut bench = bench(PlaceKind::Distance);
+    for (line, problem) in [
+        (r#""strain":[]"#, "0 samples, but a line has 1 to 1000"),
+        (r#""strain":[0.1,0.2]"#, "several samples need every_us"),
+        (r#""strain":[0.1,0.2],"every_us":1"#, "every_us is 1, but must be between 500 and 100000"),
+        (r#""strain":[0.1,0.2],"every_us":1000,"strain_2":[0.1]"#, "strain_2 has 1 values, and strain has 2"),
+        (r#""strain":[0.1],"t_us":1,"t_ms":1"#, "t_us and t_ms exclude each other"),
+        (r#""strain":["a"]"#, "Samples"),
+    ] {
+        bench.line(&format!(r#"{{"type":"strain","whisker":0,{line}}}"#));
+        let problems = bench.problems();
+        assert!(problems.len() == 1 && problems[0].contains(problem), "{line}: {problems:?}");
+    }
+}
+
+#[test]
+fn a_restarted_board_begins_a_new_stream() {
+    let mut bench = bench(PlaceKind::Distance);
+    let more = r#","deflection_mm":WAY,"distance_mm":52.5"#;
+    assert_eq!(felt(&mut bench, Clock::Board, more, false).0.len(), 1);
+    // The board's clock begins at the same time again.
+    assert_eq!(felt(&mut bench, Clock::Board, more, false).0.len(), 1);
+}

@@ -1,0 +1,87 @@
+//! The agent regulates a chamber of the test: it has a supply of 0.25 MPa, and a sensor with steps of 1.22 kPa.
+
+use vibrissa_protocol::Regulator;
+
+use super::*;
+use crate::driver::Opening;
+
+const STEP_MPA: f64 = 0.001_220_7;
+
+struct Air {
+    bench: Bench,
+    pressure_mpa: f64,
+    open: Option<(Opening, u64)>,
+    pulses: usize,
+    leak_mpa_per_s: f64,
+}
+
+impl Air {
+    fn new() -> Self {
+        let mut bench = Bench::new(|config| config.limits.regulate = true);
+        bench.step(Input::Connected);
+        bench.step(Input::DriverStarted);
+        Self { bench, pressure_mpa: 0.1, open: None, pulses: 0, leak_mpa_per_s: 0.0 }
+    }
+
+    /// Lets time pass, with readings each 10 ms.
+    fn pass(&mut self, seconds: f64) {
+        for _ in 0..(seconds * 100.0) as usize {
+            for _ in 0..10 {
+                self.bench.now_us += 1_000;
+                self.move_air();
+            }
+            self.bench.step(Input::Tick);
+            let reading_mpa = (self.pressure_mpa / STEP_MPA).round() * STEP_MPA;
+            let told = self.bench.told.len();
+            self.bench.read(0, reading_mpa);
+            for line in &self.bench.told[told..] {
+                let ToDriver::Valve { whisker: 0, open, for_ms, .. } = line else { continue };
+                assert!((0.0..=1000.0).contains(for_ms), "{line:?}");
+                self.open = Some((*open, self.bench.now_us + (for_ms * 1000.0) as u64));
+                self.pulses += 1;
+            }
+        }
+    }
+
+    fn move_air(&mut self) {
+        let open = self.open.filter(|(_, until_us)| self.bench.now_us < *until_us).map(|(open, _)| open);
+        self.pressure_mpa += match open {
+            Some(Opening::Fill) => 2.0 * (0.25 - self.pressure_mpa) * 1e-3,
+            Some(Opening::Vent) => -2.0 * self.pressure_mpa * 1e-3,
+            Some(Opening::Close) | None => 0.0,
+        } - self.leak_mpa_per_s * 1e-3;
+    }
+}
+
+#[test]
+fn a_setpoint_is_reached_within_a_step_by_pulses_and_held_with_few() {
+    for (version, mpa) in [(1, 0.048), (2, 0.16)] {
+        let mut air = Air::new();
+        air.pass(1.0);
+        air.bench.order(version, mpa);
+        air.pass(15.0);
+        let outcomes = air.bench.outcomes();
+        assert_eq!(outcomes.last(), Some(&(SetpointOutcome::Applied, None)), "{outcomes:?}");
+        assert!((air.pressure_mpa - mpa).abs() < 1.3 * STEP_MPA, "{} instead of {mpa}", air.pressure_mpa);
+        let before = air.pulses;
+        air.pass(20.0);
+        assert!(air.pulses - before < 20, "{} pulses in 20 s of holding", air.pulses - before);
+    }
+}
+
+#[test]
+fn a_leak_that_the_regulator_finds_is_in_the_status() {
+    let mut air = Air::new();
+    air.leak_mpa_per_s = 0.001;
+    air.pass(60.0);
+    let status = air.bench.statuses().pop().unwrap();
+    assert_eq!(status.whiskers[0].regulator, Regulator::Leak);
+}
+
+#[test]
+fn without_regulate_no_valve_is_opened() {
+    let mut bench = Bench::running();
+    bench.order(1, 0.05);
+    bench.hold([0.1, 0.1], 5.0);
+    assert!(!bench.told.iter().any(|line| matches!(line, ToDriver::Valve { .. })));
+}
