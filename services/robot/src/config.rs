@@ -169,7 +169,7 @@ struct FileOutbox {
 
 impl Default for FileOutbox {
     fn default() -> Self {
-        Self { file: None, messages: 10_000, bytes: 2 << 20 }
+        Self { file: None, messages: 10_000, bytes: 1 << 20 }
     }
 }
 
@@ -514,7 +514,7 @@ pub(crate) mod tests {
     fn the_smallest_configuration_has_the_defaults() {
         let config = Config::from_toml_str(EXAMPLE, Path::new("/etc/x")).unwrap();
         assert_eq!(config.driver.way, Way::Command(vec!["python3".to_owned(), "driver.py".to_owned()]));
-        assert_eq!((config.limits.outbox_bytes, config.limits.driver_silent_us), (2 << 20, 5_000_000));
+        assert_eq!((config.limits.outbox_bytes, config.limits.driver_silent_us), (1 << 20, 5_000_000));
         assert_eq!(config.facts.arrays[0].whiskers.len(), 2);
     }
 
