@@ -14,6 +14,8 @@ use crate::stage::{Stage, board_as_child};
 /// What a kill of the agent may cost: contacts that wait for more in an incomplete message (0.1 s by default) and lines in
 /// the pipe. A slow machine adds to it.
 const BOUND_US: i64 = 500_000;
+/// Time after a kill in which the board of a dead agent may still log contacts, until it finds its output closed.
+const ORPHANED_US: i64 = 250_000;
 
 /// Waits until that many more contacts are recorded.
 async fn more_contacts(stage: &Stage, more: i64) {
@@ -103,7 +105,8 @@ async fn nothing_is_lost_beyond_the_bound_and_no_setpoint_is_applied_twice_or_la
     std::fs::write(stage.folder.path().join("agent.toml"), without).unwrap();
     stage.agent.restart();
     let ended_us = now_us() as i64;
-    let is_beyond = |t_us: i64| kills_us.iter().chain([&ended_us]).any(|&at| (at - BOUND_US..=at).contains(&t_us));
+    let is_beyond =
+        |t_us: i64| kills_us.iter().chain([&ended_us]).any(|&at| (at - BOUND_US..=at + ORPHANED_US).contains(&t_us));
     let due: Vec<(i64, i64)> = felt.iter().copied().filter(|&(_, t_us)| !is_beyond(t_us)).collect();
     let lost = async || {
         let recorded: BTreeSet<(i64, i64)> = stage.recorded().await.into_iter().collect();
