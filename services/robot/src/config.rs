@@ -44,7 +44,7 @@ pub enum BadConfig {
     Unfitting {
         /// The key.
         key: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
     /// The broker cannot be used.
@@ -59,7 +59,7 @@ pub struct Config {
     pub fleet: Name,
     /// Name of the robot.
     pub robot: Name,
-    /// What the factsheet states.
+    /// Properties for the factsheet.
     pub facts: Facts,
     /// The broker.
     pub broker: Broker,
