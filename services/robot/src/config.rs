@@ -46,7 +46,7 @@ pub enum BadConfig {
     Unfitting {
         /// The key.
         key: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
     /// The broker cannot be used.
@@ -61,7 +61,7 @@ pub struct Config {
     pub fleet: Name,
     /// Name of the robot.
     pub robot: Name,
-    /// What the factsheet states.
+    /// Properties for the factsheet.
     pub facts: Facts,
     /// The broker.
     pub broker: Broker,
@@ -177,7 +177,7 @@ struct FileOutbox {
 
 impl Default for FileOutbox {
     fn default() -> Self {
-        Self { file: None, messages: 10_000, bytes: 2 << 20 }
+        Self { file: None, messages: 10_000, bytes: 1 << 20 }
     }
 }
 
@@ -553,7 +553,7 @@ pub(crate) mod tests {
     fn the_smallest_configuration_has_the_defaults() {
         let config = Config::from_toml_str(EXAMPLE, Path::new("/etc/x")).unwrap();
         assert_eq!(config.driver.way, Way::Command(vec!["python3".to_owned(), "driver.py".to_owned()]));
-        assert_eq!((config.limits.outbox_bytes, config.limits.driver_silent_us), (2 << 20, 5_000_000));
+        assert_eq!((config.limits.outbox_bytes, config.limits.driver_silent_us), (1 << 20, 5_000_000));
         assert_eq!(config.facts.arrays[0].whiskers.len(), 2);
     }
 

@@ -7,13 +7,15 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use tokio::time::{sleep, timeout};
 use vibrissa_simulator::fleet::now_us;
-use vibrissa_tests::wait::{PATIENCE, until, until_true};
+use vibrissa_tests::wait::{PATIENCE, until, until_true, until_within};
 
 use crate::stage::{Stage, board_as_child};
 
 /// What a kill of the agent may cost: contacts that wait for more in an incomplete message (0.1 s by default) and lines in
 /// the pipe. A slow machine adds to it.
 const BOUND_US: i64 = 500_000;
+/// Time after a kill in which the board of a dead agent may still log contacts, until it finds its output closed.
+const ORPHANED_US: i64 = 250_000;
 
 /// Waits until that many more contacts are recorded.
 async fn more_contacts(stage: &Stage, more: i64) {
@@ -103,7 +105,8 @@ async fn nothing_is_lost_beyond_the_bound_and_no_setpoint_is_applied_twice_or_la
     std::fs::write(stage.folder.path().join("agent.toml"), without).unwrap();
     stage.agent.restart();
     let ended_us = now_us() as i64;
-    let is_beyond = |t_us: i64| kills_us.iter().chain([&ended_us]).any(|&at| (at - BOUND_US..=at).contains(&t_us));
+    let is_beyond =
+        |t_us: i64| kills_us.iter().chain([&ended_us]).any(|&at| (at - BOUND_US..=at + ORPHANED_US).contains(&t_us));
     let due: Vec<(i64, i64)> = felt.iter().copied().filter(|&(_, t_us)| !is_beyond(t_us)).collect();
     let lost = async || {
         let recorded: BTreeSet<(i64, i64)> = stage.recorded().await.into_iter().collect();
@@ -140,4 +143,35 @@ async fn nothing_is_lost_beyond_the_bound_and_no_setpoint_is_applied_twice_or_la
     assert_eq!(newest_mpa, 0.105);
     // The messages of earlier boots were taken; none was refused as one of an unknown boot in the end.
     assert_eq!(stage.number("SELECT count(*) FROM contacts WHERE used = 'BAD_TIME'").await, 0);
+}
+
+#[tokio::test]
+async fn a_supervisor_that_was_away_for_a_whole_boot_gets_its_contacts() {
+    let mut stage = Stage::start(|folder| board_as_child(folder, 20.0)).await;
+    until_true("contacts", async || stage.number("SELECT count(*) FROM contacts").await > 20).await;
+    stage.supervisor.kill();
+    stage.agent.kill();
+    stage.agent.restart();
+    let began_us = now_us() as i64 + ORPHANED_US;
+    let felt_since = |stage: &Stage, from_us: i64| stage.felt().iter().filter(|&&(_, t_us)| t_us >= from_us).count();
+    until_true("contacts of the boot", async || felt_since(&stage, began_us) > 60).await;
+    let killed_us = now_us() as i64;
+    stage.agent.kill();
+    stage.agent.restart();
+    until_true("contacts of the next boot", async || felt_since(&stage, killed_us + ORPHANED_US) > 20).await;
+    // It hears the retained messages of the next boot before anything of the one that it missed.
+    stage.supervisor.restart();
+    stage.is_ready().await;
+    let missed = stage.felt().into_iter().filter(|&(_, t_us)| (began_us..killed_us - BOUND_US).contains(&t_us));
+    let missed: Vec<(i64, i64)> = missed.collect();
+    assert!(missed.len() > 20, "{missed:?}");
+    until_within(Duration::from_secs(60), "the contacts of the boot that it missed", async || {
+        let recorded: BTreeSet<(i64, i64)> = stage.recorded().await.into_iter().collect();
+        missed.iter().all(|contact| recorded.contains(contact)).then_some(())
+    })
+    .await;
+    assert!(stage.agent_log().contains("another one begins"));
+    ordered(&stage, 0.11).await;
+    let recorded = stage.recorded().await;
+    assert!(recorded.windows(2).all(|two| two[0] != two[1]), "a contact was recorded twice");
 }

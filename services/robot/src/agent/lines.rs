@@ -1,4 +1,4 @@
-//! What the driver says.
+//! The lines of the driver.
 
 use vibrissa_protocol::{BootId, Contact, Contacts, MissedTouch, PlaceKind, TouchTestOutcome, decode_contacts, encode};
 

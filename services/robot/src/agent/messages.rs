@@ -1,4 +1,4 @@
-//! Messages that the agent sends by itself: births, factsheets, statuses, contacts.
+//! Messages that answer nothing: births, factsheets, statuses, contacts.
 
 use vibrissa_protocol::{Contacts, RobotTopic, encode};
 

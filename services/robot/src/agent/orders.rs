@@ -1,4 +1,4 @@
-//! What the supervisor asks for: setpoints, touch tests, estimates; and its loss.
+//! Setpoints, touch tests and estimates from the supervisor, and its loss.
 
 use vibrissa_protocol::{
     Estimate, RobotTopic, Setpoint, SetpointError, SetpointOutcome, TouchTest, TouchTestError, TouchTestOutcome, encode,

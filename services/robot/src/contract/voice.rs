@@ -25,7 +25,7 @@ pub struct Facts {
 #[derive(Debug)]
 pub struct Voice {
     boot_id: BootId,
-    /// That of the next birth; the will or farewell of the connection has the number after it.
+    /// Number of the next birth; the will or farewell of the connection has the number after it.
     connection: u64,
     factsheet: u64,
     contacts: u64,

@@ -185,7 +185,7 @@ pub enum Progress {
 /// A line that the agent refuses.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BadLine {
-    /// What is wrong.
+    /// Description of the error.
     pub problem: String,
     /// What the author of the driver can do.
     pub remedy: &'static str,
@@ -311,7 +311,7 @@ pub enum ToDriver {
     Error {
         /// Number of the line since the driver's start, from 1.
         line: u64,
-        /// What is wrong.
+        /// Description of the error.
         problem: String,
         /// What the author of the driver can do.
         #[serde(rename = "do")]
