@@ -17,6 +17,7 @@ static const uint8_t FILL_PIN = 4;
 static const uint8_t VENT_PIN = 5;
 static const uint8_t PRESSURE_PIN = A0;
 static const uint8_t STRAIN_PIN = A1;
+static const uint8_t SLIDE_PIN = A2;
 
 // This board's whisker, as in the robot's factsheet.
 static const char ARRAY[] = "left";
@@ -27,6 +28,8 @@ static const float VOLTS_PER_STEP = 5.0f / 1024.0f;
 static const float LIMIT_MPA = 0.2f;
 // Strain of the gauge with its amplifier: strain = (V - 2.5) * STRAIN_PER_VOLT.
 static const float STRAIN_PER_VOLT = 0.002f;
+// Slide potentiometer that measures the way of the whisker's base: mm from 0 to 5 V; 0 without one. Contacts need it.
+static const float SLIDE_MM = 0.0f;
 
 static const unsigned long STEP_US = 2000;
 static const unsigned long STRAIN_US = 10000;
@@ -44,7 +47,7 @@ static uint8_t open_pin;
 static bool by_hand, silent;
 static float pressure_mpa;
 
-static float strains[SAMPLES];
+static float strains[SAMPLES], ways_mm[SAMPLES];
 static uint8_t strain_count;
 static unsigned long strain_ms;
 
@@ -121,7 +124,7 @@ static void put_pressure() {
 }
 
 static void put_strain() {
-    if (out_room() < 210) return;
+    if (out_room() < (SLIDE_MM > 0 ? 310 : 210)) return;
     put_head("strain", strain_ms);
     put(",\"every_us\":");
     put_number(STRAIN_US);
@@ -129,6 +132,13 @@ static void put_strain() {
     for (uint8_t i = 0; i < SAMPLES; i++) {
         if (i) put(",");
         put_decimal(strains[i], 6);
+    }
+    if (SLIDE_MM > 0) {
+        put("],\"deflection_mm\":[");
+        for (uint8_t i = 0; i < SAMPLES; i++) {
+            if (i) put(",");
+            put_decimal(ways_mm[i], 2);
+        }
     }
     put("]}\n");
 }
@@ -254,6 +264,7 @@ void loop() {
         // The grid of the samples is kept.
         last_strain_us += STRAIN_US;
         if (strain_count == 0) strain_ms = millis();
+        if (SLIDE_MM > 0) ways_mm[strain_count] = analogRead(SLIDE_PIN) * (SLIDE_MM / 1023.0f);
         strains[strain_count++] = ((analogRead(STRAIN_PIN) + 0.5f) * VOLTS_PER_STEP - 2.5f) * STRAIN_PER_VOLT;
         if (strain_count == SAMPLES) {
             put_strain();
