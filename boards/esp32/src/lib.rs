@@ -28,7 +28,7 @@ const SILENT_US: u64 = 5_000_000;
 /// Length of a pulse that ends a pressure above the limit. µs.
 const RELIEF_US: u32 = 100_000;
 
-/// What the sensors say.
+/// Readings of the sensors.
 #[derive(Clone, Copy, Debug)]
 pub struct Readings {
     /// Pressure of the chamber, MPa; not a number if it could not be read.

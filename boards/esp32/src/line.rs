@@ -25,7 +25,7 @@ impl<const N: usize> Lines<N> {
         whole
     }
 
-    /// What waits.
+    /// Bytes that wait.
     pub fn waiting(&self) -> &[u8] {
         &self.bytes[..self.length]
     }
@@ -47,7 +47,7 @@ impl<const N: usize> fmt::Write for Lines<N> {
     }
 }
 
-/// What follows a field's name and colon in a flat JSON object.
+/// Text after a field's name and colon in a flat JSON object.
 pub(crate) fn field<'a>(line: &'a str, name: &str) -> Option<&'a str> {
     let mut rest = line;
     while let Some(at) = rest.find('"') {

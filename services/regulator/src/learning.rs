@@ -20,7 +20,7 @@ pub(crate) enum Answer {
     No,
 }
 
-/// What one valve does.
+/// Learned effect of one valve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gain {
     pub(crate) per_s: f32,

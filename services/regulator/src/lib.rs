@@ -22,7 +22,7 @@ pub use params::Params;
 pub use regulator::Regulator;
 pub use valves::Valves;
 
-/// What the caller has to do with the valves.
+/// Order to the valves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
     /// Leave the valves as they are.
@@ -35,7 +35,7 @@ pub enum Command {
     Close,
 }
 
-/// What is known of the chamber, in the words of the contract's `regulator`.
+/// Condition of the chamber, in the words of the contract's `regulator`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
     /// The pressure is at the setpoint, or no setpoint was given yet.
@@ -66,7 +66,7 @@ impl Condition {
     }
 }
 
-/// Why the regulator has stopped.
+/// Reason for which the regulator has stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// Readings are missing, not numbers, or beyond the sensor's range. Ends by itself with good readings.

@@ -18,7 +18,7 @@ enum Phase {
     Settle,
 }
 
-/// Why a pulse is given.
+/// Reason for a pulse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Aim {
     Setpoint,
@@ -177,7 +177,7 @@ impl Regulator {
         self.leak.rate(self.filtered_mpa)
     }
 
-    /// Why it has stopped.
+    /// Reason for which the regulator has stopped.
     pub fn fault(&self) -> Option<Fault> {
         self.fault
     }
@@ -187,7 +187,7 @@ impl Regulator {
         [(self.fill.per_s, self.fill.dead_us), (self.vent.per_s, self.vent.dead_us)]
     }
 
-    /// What to report.
+    /// Condition to report.
     pub fn condition(&self) -> Condition {
         if self.fault.is_some() {
             return Condition::Fault;

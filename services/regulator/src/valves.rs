@@ -12,7 +12,7 @@ pub struct Valves {
 }
 
 impl Valves {
-    /// Both closed.
+    /// Two closed valves.
     pub const fn new() -> Valves {
         Valves { open: None }
     }

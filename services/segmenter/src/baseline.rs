@@ -25,7 +25,7 @@ pub(crate) struct Baseline {
     pub(crate) strain_2: f64,
     variance: f64,
     last_s: f64,
-    /// When it began to be followed anew.
+    /// Time since which it is followed.
     since_s: f64,
     bins: u32,
     begun: bool,

@@ -17,7 +17,7 @@ pub(crate) struct Bin {
     pub(crate) saturated: bool,
 }
 
-/// What came of a sample.
+/// Result of the checks of a sample.
 pub(crate) enum Taken {
     Nothing,
     /// Samples were missing before this one.

@@ -19,7 +19,7 @@ pub use distance::{Distance, DistanceFusion};
 pub use params::Params;
 pub use segmenter::Segmenter;
 
-/// What is known at one time.
+/// Measurements of one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Microseconds of any clock that does not jump.
@@ -28,27 +28,27 @@ pub struct Sample {
     pub strain: f64,
     /// Strain at the second gauge (x = 11 mm), if there is one.
     pub strain_2: Option<f64>,
-    /// How far the robot has moved the whisker's base against the object, with any offset, if known.
+    /// Way of the whisker's base against the object, with any offset, if known.
     pub deflection_mm: Option<f64>,
     /// Distance of the object from the whisker's base, if the robot knows it from its motion.
     pub distance_mm: Option<f64>,
 }
 
-/// What the segmenter has found.
+/// A finding of the segmenter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
     /// A contact has begun; its [`Contact`] follows at its end.
     Onset {
         /// First estimate of when it began.
         t_us: u64,
-        /// When it was found.
+        /// Time at which it was found.
         found_us: u64,
     },
     /// A contact has ended.
     Contact(Contact),
 }
 
-/// Where in the contact the strain was measured.
+/// Part of the contact in which the strain was measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// At the largest strain.
@@ -62,11 +62,11 @@ pub enum Kind {
 /// One contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// When it began: the strain's rise, extended back to the baseline.
+    /// Time of its begin: the strain's rise, extended back to the baseline.
     pub onset_us: u64,
-    /// When the strain was measured.
+    /// Time at which the strain was measured.
     pub measured_us: u64,
-    /// When it ended.
+    /// Time of its end.
     pub end_us: u64,
     /// Strain before the touch.
     pub baseline: f64,
@@ -74,7 +74,7 @@ pub struct Contact {
     pub strain: f64,
     /// Standard deviation of `strain`: noise, drift, and the history of the rubber.
     pub strain_sd: f64,
-    /// Where it was measured.
+    /// Part of the contact in which it was measured.
     pub kind: Kind,
     /// The whisker slipped off: the contact was at the tip.
     pub tip: bool,
@@ -90,7 +90,7 @@ pub struct Contact {
     pub saturated: bool,
 }
 
-/// What was left out, since the start.
+/// Numbers of samples and contacts that were left out, since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Samples that were not later than the one before.

@@ -66,7 +66,7 @@ impl Segmenter {
         }
     }
 
-    /// What was left out.
+    /// Numbers of samples and contacts that were left out.
     #[must_use]
     pub fn counts(&self) -> Counts {
         self.intake.counts

@@ -117,7 +117,7 @@ impl Sums {
 struct Measured {
     point: Point,
     bins: f64,
-    /// What the strain may have changed between two samples at the measurement.
+    /// Possible change of the strain between two samples at the measurement.
     between: f64,
     kind: Kind,
 }
@@ -229,7 +229,7 @@ impl Touch {
         self.level_first * LEVEL_RATIO.powi(index as i32)
     }
 
-    /// When the rise first reached this strain.
+    /// Time at which the rise first reached this strain.
     fn reached_s(&self, strain: f64) -> f64 {
         let index = (0..self.level_count).find(|index| self.level(*index) >= strain);
         index.map_or(self.peak.t_s, |index| self.levels[index])

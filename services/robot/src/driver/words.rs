@@ -187,7 +187,7 @@ pub enum Progress {
 pub struct BadLine {
     /// Description of the error.
     pub problem: String,
-    /// What the author of the driver can do.
+    /// Remedy for the author of the driver.
     pub remedy: &'static str,
 }
 
@@ -290,7 +290,7 @@ pub enum ToDriver {
         /// Number of touches.
         contacts: u16,
     },
-    /// What the supervisor knows of a whisker.
+    /// The supervisor's estimate of a whisker.
     Estimate {
         /// Array of the whisker.
         array: Name,
@@ -313,7 +313,7 @@ pub enum ToDriver {
         line: u64,
         /// Description of the error.
         problem: String,
-        /// What the author of the driver can do.
+        /// Remedy for the author of the driver.
         #[serde(rename = "do")]
         remedy: &'static str,
     },

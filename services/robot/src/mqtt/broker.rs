@@ -31,7 +31,7 @@ pub enum Authorities {
     File(PathBuf),
 }
 
-/// Why a broker cannot be used.
+/// Reason for which a broker cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum BadBroker {
     /// The broker's URL is invalid. The error does not repeat it, because it may contain a password by mistake.
