@@ -22,6 +22,8 @@ pub(crate) enum Purpose {
     Link,
     /// Noise of touches on request.
     Test,
+    /// Noise of the samples of a gauge.
+    Samples,
     /// Delays of answers to requests for births.
     Birth,
 }

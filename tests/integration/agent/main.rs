@@ -12,3 +12,4 @@ mod document;
 mod first_robot;
 mod links;
 mod stage;
+mod strain;

@@ -33,12 +33,17 @@ pub(crate) fn scenario(folder: &Path, contacts_per_second: f64) -> PathBuf {
 
 /// The configuration of an agent of robot `r`; `driver` is the content of its section.
 pub(crate) fn configuration(port: u16, driver: &str) -> String {
+    placed(port, driver, "RATIO")
+}
+
+/// The same, with the place of contacts.
+fn placed(port: u16, driver: &str, place: &str) -> String {
     let whisker = "length_mm = 70.0, pressure_mpa = 0.1, pressure_max_mpa = 0.2";
     format!(
         "fleet = \"f\"\nrobot = \"r\"\ntouch_tests = [\"WALL\"]\n[broker]\nurl = \"mqtt://127.0.0.1:{port}\"\n\
          [outbox]\nfile = \"outbox\"\n[supervisor]\nstatus_every_s = 1.0\n[driver]\nsilent_s = 1.5\n{driver}\n\
          [[arrays]]\narray = \"left\"\ntype = \"TYPE_1\"\n\
-         whiskers = [{{ whisker = 0, {whisker} }}, {{ whisker = 1, {whisker} }}]\n"
+         whiskers = [{{ whisker = 0, {whisker}, place = {place:?} }}, {{ whisker = 1, {whisker}, place = {place:?} }}]\n"
     )
 }
 
@@ -52,6 +57,14 @@ pub(crate) fn agent(folder: &Path, configuration: &str) -> Process {
         environment: vec![],
         log: folder.join("agent.log"),
     })
+}
+
+/// The section of a driver that is the board as a child process, which sends samples of strain; touches are at the tip.
+pub(crate) fn sampling_board(folder: &Path, contacts_per_second: f64) -> String {
+    let (path, log) = (scenario(folder, contacts_per_second), folder.join("board.log"));
+    let text = fs::read_to_string(&path).unwrap().replace("[behaviour]", "[behaviour]\nplaces = \"TIP\"");
+    fs::write(&path, text).unwrap();
+    format!("command = [{BOARD:?}, \"board\", \"--strain\", \"--scenario\", {path:?}, \"--log-file\", {log:?}]")
 }
 
 /// The section of a driver that is the board as a child process, with its log `board.log`.
@@ -73,6 +86,11 @@ pub(crate) struct Stage {
 impl Stage {
     /// Starts all, with a driver whose section `driver` writes for the folder of the stage.
     pub(crate) async fn start(driver: impl FnOnce(&Path) -> String) -> Self {
+        Self::start_placed(driver, "RATIO").await
+    }
+
+    /// The same, with the place of contacts.
+    pub(crate) async fn start_placed(driver: impl FnOnce(&Path) -> String, place: &str) -> Self {
         let (folder, broker) = (tempfile::tempdir().unwrap(), Mosquitto::start());
         let proxy = Proxy::to(broker.port()).await;
         let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
@@ -86,7 +104,7 @@ impl Stage {
             environment: vec![("RUST_LOG".to_owned(), "warn".to_owned())],
             log: folder.path().join("supervisor.log"),
         });
-        let agent = agent(folder.path(), &configuration(proxy.port(), &driver(folder.path())));
+        let agent = agent(folder.path(), &placed(proxy.port(), &driver(folder.path()), place));
         let stage = Self { agent, supervisor, proxy, http, _broker: broker, folder };
         stage.is_ready().await;
         stage

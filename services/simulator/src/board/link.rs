@@ -37,6 +37,9 @@ pub async fn run(plan: BoardPlan) -> anyhow::Result<()> {
     let array = config.robot.arrays[0].array.clone();
     let watchdog_us = (plan.watchdog_s.max(0.1) * 1e6) as u64;
     let mut board = Board::new(config, scenario.seed, watchdog_us, now_us())?;
+    if plan.strain {
+        board = board.sampling(scenario.seed, now_us());
+    }
     let log = plan.log_file.as_ref().map(|path| OpenOptions::new().create(true).append(true).open(path)).transpose();
     let mut log = Log(log.context("--log-file")?);
 

@@ -4,6 +4,7 @@
 //! a log of its own, with which tests compare what the supervisor has recorded. [`Board`] is pure: its caller passes the time
 //! and the lines. [`run`] drives it.
 
+mod gauge;
 mod link;
 mod plan;
 
@@ -18,6 +19,8 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use vibrissa_core::mechanics::ModelError;
 use vibrissa_protocol::{Contact, Name, TouchTestKind};
+
+use gauge::Gauge;
 
 use crate::places::Places;
 use crate::plant::Reading;
@@ -89,6 +92,8 @@ pub struct Board {
     /// Time of the next contact of each whisker.
     touches: Vec<(u64, ChaCha8Rng)>,
     tests: VecDeque<Test>,
+    /// Gauges that are sampled all the time; none if the board sends contacts.
+    gauges: Vec<Gauge>,
     tick_at_us: u64,
     pressure_at_us: u64,
     heard_us: u64,
@@ -117,6 +122,7 @@ impl Board {
             places,
             touches,
             tests: VecDeque::new(),
+            gauges: Vec::new(),
             tick_at_us: now_us + TICK_US,
             pressure_at_us: now_us,
             heard_us: now_us,
@@ -125,6 +131,17 @@ impl Board {
         };
         (0..board.touches.len()).for_each(|at| board.plan_touch(at, now_us));
         Ok(board)
+    }
+
+    /// Sends samples of the gauges, of which the agent makes contacts.
+    #[must_use]
+    pub fn sampling(mut self, seed: u64, now_us: u64) -> Self {
+        let robot = self.config.robot.robot.as_str();
+        let gauge = |one: &Whisker| {
+            Gauge::new(stream(seed, robot, one.array().as_str(), one.number(), Purpose::Samples), now_us)
+        };
+        self.gauges = self.whiskers.iter().map(gauge).collect();
+        self
     }
 
     /// The first line.
@@ -201,6 +218,11 @@ impl Board {
             self.pressure_at_us = now_us + PRESSURE_EVERY_US;
             doings.extend(self.whiskers.iter().map(pressure));
         }
+        for (gauge, whisker) in self.gauges.iter_mut().zip(&self.whiskers) {
+            while gauge.line_at_us() <= now_us {
+                doings.push(Doing::Say(gauge.line(whisker.array().as_str(), whisker.number())));
+            }
+        }
         for at in 0..self.touches.len() {
             let at_us = self.touches[at].0;
             if at_us <= now_us {
@@ -216,7 +238,8 @@ impl Board {
     #[must_use]
     pub fn next_deadline(&self) -> u64 {
         let touch_us = self.touches.iter().map(|&(at_us, _)| at_us).min().unwrap_or(u64::MAX);
-        touch_us.min(self.tick_at_us).min(self.pressure_at_us)
+        let line_us = self.gauges.iter().map(Gauge::line_at_us).min().unwrap_or(u64::MAX);
+        touch_us.min(self.tick_at_us).min(self.pressure_at_us).min(line_us)
     }
 
     fn touch(&mut self, at: usize, at_us: u64) -> Vec<Doing> {
@@ -228,7 +251,14 @@ impl Board {
         };
         let mut contact = contact_of(whisker, &reading, at_us);
         places.state(&mut contact, &touch, whisker.estimated_length_mm());
-        said(&contact)
+        match self.gauges.get_mut(at) {
+            None => said(&contact),
+            Some(gauge) => {
+                let log = said(&contact).into_iter().filter(|doing| matches!(doing, Doing::Log(_))).collect();
+                gauge.touch(at_us, contact);
+                log
+            }
+        }
     }
 
     /// Makes the next touch of each test.

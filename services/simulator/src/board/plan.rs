@@ -22,6 +22,9 @@ pub struct BoardPlan {
     /// Make a pseudo-terminal, as a serial device, and a symbolic link to it here; stdin is the control channel then
     #[arg(long, value_name = "LINK", group = "way")]
     pub pty: Option<PathBuf>,
+    /// Send samples of the gauges instead of contacts: 100 a second, with the way of the slide. Touches at the tip slip off
+    #[arg(long)]
+    pub strain: bool,
     /// File to which the board appends its own log, as JSON lines
     #[arg(long, value_name = "FILE")]
     pub log_file: Option<PathBuf>,
