@@ -99,6 +99,8 @@ pub struct Robot {
     batch_until_us: Option<u64>,
     contacts: Contacts,
     tick_at_us: u64,
+    /// Time of the newest message received.
+    received_us: u64,
     status_at_us: u64,
     status_sent_us: u64,
     events: VecDeque<(u64, Event)>,
@@ -148,6 +150,7 @@ impl Robot {
             batch_until_us: None,
             contacts: Contacts::new(now_us, config.behaviour.contacts_per_second),
             tick_at_us: now_us + TICK_US,
+            received_us: 0,
             status_at_us: now_us,
             status_sent_us: now_us,
             events: VecDeque::new(),
@@ -204,6 +207,7 @@ impl Robot {
 
     /// Handles a message on one of the robot's topics; an invalid one is counted and has no effect.
     pub fn receive(&mut self, topic: RobotTopic, payload: &[u8], now_us: u64) -> Vec<Outgoing> {
+        self.received_us = now_us;
         let mut out = Vec::new();
         let Ok(message) = decode(&topic.of(&self.config.fleet, &self.config.robot.robot), payload) else {
             self.stumble(&mut out);

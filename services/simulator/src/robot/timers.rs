@@ -107,7 +107,8 @@ impl Robot {
                 }
             }
             Timer::Tick => {
-                self.tick(at_us, out);
+                // A late tick answers no earlier than the message before: times must not decrease.
+                self.tick(at_us.max(self.received_us), out);
                 self.tick_at_us += TICK_US;
             }
             Timer::Contact => {

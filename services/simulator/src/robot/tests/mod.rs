@@ -6,6 +6,7 @@ mod estimates;
 mod events;
 mod journal;
 mod setpoints;
+mod touch_tests;
 
 use vibrissa_protocol::{
     Connection, ConnectionState, Contacts, Factsheet, Gauge, OnSupervisorLoss, Receipt, Regulator, Request, Setpoint,
