@@ -196,6 +196,7 @@ static void take_line(const char *line) {
         by_hand = true;
         if (is_text(open, "FILL") && pressure_mpa < LIMIT_MPA) open_valve(FILL_PIN, (unsigned long)(ms * 1000.0f));
         if (is_text(open, "VENT")) open_valve(VENT_PIN, (unsigned long)(ms * 1000.0f));
+        if (is_text(open, "CLOSE")) close_valves();
     }
 }
 

@@ -156,6 +156,8 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
                 self.valves.apply(now_us, Command::Fill(us));
             } else if is_text(open, "VENT") {
                 self.valves.apply(now_us, Command::Vent(us));
+            } else if is_text(open, "CLOSE") {
+                self.valves.apply(now_us, Command::Close);
             }
         }
     }

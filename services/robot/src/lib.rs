@@ -14,5 +14,8 @@ pub mod hub;
 pub mod mqtt;
 pub mod store;
 
+pub use vibrissa_regulator as regulator;
+pub use vibrissa_segmenter as segmenter;
+
 pub use agent::{Agent, Input, Output};
 pub use config::Config;
