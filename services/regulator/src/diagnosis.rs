@@ -4,7 +4,7 @@ use crate::Params;
 
 /// Measurements older than this lose half their weight. µs.
 const MEMORY_US: f32 = 60e6;
-/// Time after which what was lost is added up even without a pulse. µs.
+/// Time after which the loss is added up even without a pulse. µs.
 const SEGMENT_US: f32 = 5e6;
 /// Sensor steps that must be lost before a leak is believed.
 const LEAK_STEPS: f32 = 2.5;

@@ -8,7 +8,7 @@
 //! `boards/arduino/vibrissa_board/regulator.h` is the same algorithm in C++. A test runs both on the same readings and
 //! compares every command and condition.
 //!
-//! docs/regulator.md has the state diagram, the reasons for the numbers, and what was measured.
+//! docs/regulator.md has the state diagram, the reasons for the numbers, and the measurements.
 
 #![no_std]
 

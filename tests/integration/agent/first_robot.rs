@@ -88,7 +88,7 @@ impl Desk {
         (ended.status.success(), said)
     }
 
-    /// Text of a file; empty if there is none.
+    /// Text of a file; empty without the file.
     fn log(&self, name: &str) -> String {
         fs::read_to_string(self.folder.path().join(name)).unwrap_or_default()
     }

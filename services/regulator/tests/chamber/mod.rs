@@ -29,7 +29,7 @@ impl Random {
     }
 }
 
-/// What the sensor does.
+/// Behaviour of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Sensor {
     Good,

@@ -1,4 +1,4 @@
-//! What of an agent survives a restart: unreceipted contacts messages with their boots, and the highest setpoint seen of
+//! The part of an agent that survives a restart: unreceipted contacts messages with their boots, and the highest setpoint seen of
 //! each whisker.
 //!
 //! [`Record`] is the pure part; [`file`] keeps records in a file.
