@@ -14,6 +14,8 @@ fn property_the_delay_is_near_that_of_a_cusum_that_is_told_the_size() {
         let slack = 3.0 * delay.alarm_error / delay.oracle;
         if delay.size_mm <= 2.0 {
             assert!(delay.ratio() <= 1.25 + slack, "{delay:#?}");
+        } else if delay.size_mm <= 5.0 {
+            assert!(delay.ratio() <= 1.3 + slack, "{delay:#?}");
         } else {
             assert!(delay.alarm <= delay.oracle + 2.0, "{delay:#?}");
         }
@@ -33,7 +35,7 @@ fn property_outliers_delay_an_alarm_little() {
 /// At a stated 5000 some hundred alarms come, so that the mean is known to a tenth.
 #[test]
 fn property_false_alarms_are_no_more_frequent_than_stated() {
-    for (outliers, share) in [(0.0, 1.0), (0.02, 0.5)] {
+    for (outliers, share) in [(0.0, 1.0), (0.02, 0.85)] {
         let few = Plan { cuts: 0, outliers, contacts_between_false_alarms: 5000.0, ..plan() };
         let healthy = evaluate(&few, &|| ()).healthy;
         assert!(healthy.alarms > 30, "{healthy:?}");

@@ -83,18 +83,19 @@ pub const OF_LENGTH: usize = 13;
 /// Indices of the hypotheses whose size is estimated from the contacts after the start.
 pub const OF_ANY_SIZE: [usize; 2] = [6, 9];
 
-/// All hypotheses. Sizes of steps double from 0.25 to 8 mm of 70 mm, since neighbouring hypotheses also find the
+/// All hypotheses. Sizes of steps about double from 0.25 to 8 mm of 70 mm, since neighbouring hypotheses also find the
 /// sizes between them. For larger steps, where one contact may be off by forty standard deviations, the size is
 /// estimated from the contacts. A weight w delays an alarm by ln(1/w) nats; a contact gives few nats for a small
-/// cut and many for a large one. So the small cuts, which take longest anyway, have most of the weight. All weights
-/// sum to one, so that the threshold follows from the mean number of contacts between false alarms.
+/// cut and many for a large one. So 0.5 mm, which takes long, and 5 mm, where one contact more is a third of the delay,
+/// have most of the weight; 0.25 mm, which is never reported as a trim, has little. All weights sum to one, so that the
+/// threshold follows from the mean number of contacts between false alarms.
 pub const ALL: [Hypothesis; COUNT] = [
-    hypothesis(Kind::Shorter, -0.0036, 0.11),
-    hypothesis(Kind::Shorter, -0.0072, 0.29),
-    hypothesis(Kind::Shorter, -0.0144, 0.17),
-    hypothesis(Kind::Shorter, -0.029, 0.14),
-    hypothesis(Kind::Shorter, -0.06, 0.08),
-    hypothesis(Kind::Shorter, -0.11, 0.05),
+    hypothesis(Kind::Shorter, -0.0036, 0.02),
+    hypothesis(Kind::Shorter, -0.0072, 0.22),
+    hypothesis(Kind::Shorter, -0.0144, 0.12),
+    hypothesis(Kind::Shorter, -0.029, 0.12),
+    hypothesis(Kind::Shorter, -0.068, 0.29),
+    hypothesis(Kind::Shorter, -0.12, 0.07),
     of_any_size(Kind::Shorter, -0.25, 0.2, 0.04),
     hypothesis(Kind::LessSensitive, 0.01, 0.02),
     hypothesis(Kind::LessSensitive, 0.04, 0.02),
