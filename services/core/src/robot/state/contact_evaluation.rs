@@ -187,8 +187,13 @@ impl Whisker {
         let detection = &params.detection;
         if !learning {
             let eroding = self.condition == Condition::Eroding;
-            let noise = self.noise.of_mean(&params.noise);
-            let situation = Situation { eroding, others, wandering: self.walks.evidence(), noise };
+            let situation = Situation {
+                eroding,
+                others,
+                wandering: self.walks.evidence(),
+                noise: self.noise.of_mean(&params.noise),
+                inflation: self.noise.inflation(),
+            };
             return self.detector.update(detection, seen, &situation);
         }
         if self.contacts > detection.followed_from.into() {
