@@ -602,7 +602,11 @@ pub(crate) mod tests {
             ("[driver]", "[outbox]\nbytes = 5\n[driver]", "outbox.bytes is 5"),
             ("url = ", "username = \"u\"\nurl = ", "broker.username: needs broker.password_file"),
             ("url = ", "ca_file = \"c\"\nurl = ", "broker.ca_file: requires mqtts://"),
-            ("url = ", "client_key_file = \"k\"\nurl = ", "broker.client_key_file: needs broker.client_certificate_file"),
+            (
+                "url = ",
+                "client_key_file = \"k\"\nurl = ",
+                "broker.client_key_file: needs broker.client_certificate_file",
+            ),
             (
                 "url = ",
                 "client_certificate_file = \"c\"\nclient_key_file = \"k\"\nurl = ",

@@ -14,3 +14,4 @@ mod links;
 mod secured;
 mod stage;
 mod strain;
+mod valves;

@@ -157,7 +157,8 @@ async fn a_wrong_host_name_is_told_and_the_broker_can_get_another_certificate() 
     let mut broker = bench.builder().start();
     let port = broker.port();
     let _agent = bench.start("127.0.0.1", port, "ca_file = \"ca.crt\"");
-    let words = [&format!("MQTT broker 127.0.0.1:{port}"), "is not for \"127.0.0.1\" but for", "localhost", "broker.url"];
+    let words =
+        [&format!("MQTT broker 127.0.0.1:{port}"), "is not for \"127.0.0.1\" but for", "localhost", "broker.url"];
     bench.problem(&words).await;
     let server = bench.authority.server(&["localhost", "127.0.0.1"], Validity::Now);
     write(broker.folder(), "server.crt", &server.certificate);
