@@ -4,6 +4,7 @@
 //! another one: a broker that accepts no messages does not keep pressures from the driver.
 
 use std::collections::VecDeque;
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -18,7 +19,7 @@ use crate::contract::Outgoing;
 use crate::driver::Lines;
 use crate::driver::link::{Door, Link};
 use crate::mqtt::{self, BadBroker, Endpoint, Signals};
-use crate::store::file::{StoreError, StoreFile};
+use crate::store::file::{Damage, StoreError, StoreFile};
 use crate::store::{Record, Stored};
 use crate::{Agent, Input, Output};
 
@@ -124,6 +125,22 @@ pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<
     Ok(())
 }
 
+/// Logs what of the outbox is lost, and where the rest of the damaged file is.
+fn tell_damage(path: &Path, Damage { lines, torn_bytes, aside }: &Damage) {
+    let path = path.display();
+    if *lines > 0 {
+        let kept = match aside {
+            Some(aside) => format!("the damaged file is kept as {}", aside.display()),
+            None => "the damaged file could not be copied".to_owned(),
+        };
+        tracing::error!(
+            "outbox.file: {lines} lines of {path} are damaged and left out, with the contacts in them; {kept}; check the disk"
+        );
+    } else if *torn_bytes > 0 {
+        tracing::warn!("outbox.file: the last line of {path} is incomplete, as after a power cut, and left out");
+    }
+}
+
 /// A boot id that was never used before.
 fn boot_id() -> Result<BootId, CannotStart> {
     let random = (random()?, random()?);
@@ -142,10 +159,8 @@ impl Hub {
         if let Some(path) = &config.outbox_file {
             // The present state has at most the outbox's bytes, besides a checksum and a frame for each message.
             let bytes_max = 2 * config.limits.outbox_bytes as u64 + 65_536;
-            let (opened, found, damaged) = StoreFile::open(path, bytes_max)?;
-            if damaged > 0 {
-                tracing::error!(damaged, path = %path.display(), "lines of the outbox are damaged and left out");
-            }
+            let (opened, found, damage) = StoreFile::open(path, bytes_max)?;
+            tell_damage(path, &damage);
             (file, stored) = (Some(opened), found);
         }
         let (agent, records) = Agent::new(config, boot_id()?, stored, now_us());
