@@ -16,8 +16,8 @@ use vibrissa_protocol::{BootId, Name, RobotTopic};
 use crate::clock::now_us;
 use crate::config::{Config, Way};
 use crate::contract::Outgoing;
-use crate::driver::Lines;
 use crate::driver::link::{Door, Link};
+use crate::driver::{Lines, ToDriver};
 use crate::mqtt::{self, BadBroker, Endpoint, Signals};
 use crate::store::file::{Damage, StoreError, StoreFile};
 use crate::store::{Record, Stored};
@@ -35,6 +35,8 @@ const STORE_AGAIN: Duration = Duration::from_secs(5);
 const LINK_PAUSE: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(10));
 /// A driver that lived for this long gets the shortest pause again.
 const LIVED: Duration = Duration::from_secs(10);
+/// Time between two logs of refused lines.
+const REFUSAL_PAUSE: Duration = Duration::from_secs(60);
 /// Longest pause of the timer.
 const TIMER_MAX: Duration = Duration::from_secs(1);
 /// Time that the last messages have before the end.
@@ -73,6 +75,21 @@ struct State {
     store: Option<Store>,
     /// Time at which the timer works next.
     timer_at_us: u64,
+    /// Time at which a refused line of the driver was last logged.
+    refusal_told: Option<Instant>,
+}
+
+impl State {
+    /// Logs a refused line, but not each one: a faulty driver may send thousands a second.
+    fn tell_refusal(&mut self, line: &ToDriver) {
+        let ToDriver::Error { line, problem, remedy } = line else { return };
+        if self.refusal_told.is_some_and(|at| at.elapsed() < REFUSAL_PAUSE) {
+            return;
+        }
+        self.refusal_told = Some(Instant::now());
+        let refused = self.agent.counts().lines_refused;
+        tracing::warn!("line {line} of the driver is refused ({refused} since the start): {problem}: {remedy}");
+    }
 }
 
 /// A running agent.
@@ -169,7 +186,7 @@ impl Hub {
         }
         let (fleet, robot) = (agent.fleet().clone(), agent.robot().clone());
         let store = file.map(|file| Store { file, is_dirty: false, failed_at: None });
-        let state = State { agent, pending: VecDeque::new(), telling: None, store, timer_at_us: 0 };
+        let state = State { agent, pending: VecDeque::new(), telling: None, store, timer_at_us: 0, refusal_told: None };
         Ok(Self {
             state: Arc::new(Mutex::new(state)),
             signals: Arc::default(),
@@ -207,6 +224,7 @@ impl Hub {
                     state.pending.push_back(Outgoing::Restart);
                 }
                 Output::Tell(line) => {
+                    state.tell_refusal(&line);
                     if let Some(telling) = &state.telling
                         && telling.try_send(line.line()).is_err()
                     {
