@@ -112,6 +112,8 @@ impl Sums {
     }
 }
 
+/// Largest strain at which the last bin before the rise may have been, in standard deviations.
+const HIDDEN_SDS: f64 = 3.0;
 /// Spacing of samples above which the median of three lags by a sample that counts. s.
 const MEDIAN_S: f64 = 0.0035;
 /// Part of the change between two samples that counts as the standard deviation of a strain before a slip-off.
@@ -276,7 +278,9 @@ impl Touch {
         } else {
             -0.5 * gap_s
         };
-        self.onset_s = self.first.t_s + zero.clamp(-(gap_s + 0.15), gap_s.max(0.004));
+        // The last bin before the rise was within the noise: the onset is no earlier than a rise of this slope allows.
+        let hidden_s = if slope > 0.0 { (HIDDEN_SDS * self.sd / slope).min(0.15) } else { 0.15 };
+        self.onset_s = self.first.t_s + zero.clamp(-(gap_s + hidden_s), gap_s.max(0.004));
         if self.onset_deflection_mm.is_some() {
             self.onset_deflection_mm = deflection_at(ring, self.onset_s).or(self.onset_deflection_mm);
         }
