@@ -1,7 +1,8 @@
-# Two images from one build, which needs BuildKit:
+# Three images from one build, which needs BuildKit:
 #
 #   docker build --target supervisor -t vibrissa .
 #   docker build --target simulator -t vibrissa-simulator .
+#   docker build --target robot -t vibrissa-robot .          # docs/agent.md says how to run it
 
 # Sources of the base images.
 ARG RUST_IMAGE=rust:1.95-slim-bookworm
@@ -13,8 +14,9 @@ COPY . .
 # The cache keeps built dependencies, but is not part of a layer: hence the programs are copied out of it.
 RUN --mount=type=cache,target=/usr/local/cargo/registry,sharing=locked \
     --mount=type=cache,target=/src/target,sharing=locked \
-    cargo build --profile dist --locked -p vibrissa -p vibrissa-simulator --features vibrissa/full --bins \
-    && install -D -t /out target/dist/vibrissa target/dist/vibrissa-simulator
+    cargo build --profile dist --locked -p vibrissa -p vibrissa-simulator -p vibrissa-robot \
+       --features vibrissa/full --bins \
+    && install -D -t /out target/dist/vibrissa target/dist/vibrissa-simulator target/dist/vibrissa-robot
 
 FROM ${DEBIAN_IMAGE} AS runtime
 # A named volume that is mounted here takes over the folder's owner.
@@ -31,6 +33,14 @@ COPY --from=build /out/vibrissa-simulator /usr/local/bin/
 COPY services/simulator/scenarios /usr/share/vibrissa/scenarios
 ENV VIBRISSA_SCENARIO=/usr/share/vibrissa/scenarios/example.toml
 ENTRYPOINT ["vibrissa-simulator"]
+
+FROM runtime AS robot
+LABEL org.opencontainers.image.title="vibrissa-robot" \
+      org.opencontainers.image.description="The agent of a robot with soft whisker arrays" \
+      org.opencontainers.image.licenses="MIT OR Apache-2.0"
+COPY --from=build /out/vibrissa-robot /usr/local/bin/
+ENTRYPOINT ["vibrissa-robot"]
+CMD ["--config", "/etc/vibrissa/agent.toml"]
 
 FROM runtime AS supervisor
 LABEL org.opencontainers.image.title="vibrissa" \

@@ -13,7 +13,7 @@ use vibrissa_protocol::{
 use vibrissa_segmenter::Params;
 
 use crate::contract::Facts;
-use crate::mqtt::{Authorities, BadBroker, Broker};
+use crate::mqtt::{Authorities, BadBroker, Broker, ClientCertificate, password_in};
 
 /// Why a configuration is refused.
 #[derive(Debug, thiserror::Error)]
@@ -165,6 +165,8 @@ struct FileBroker {
     username: Option<String>,
     password_file: Option<PathBuf>,
     ca_file: Option<PathBuf>,
+    client_certificate_file: Option<PathBuf>,
+    client_key_file: Option<PathBuf>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -345,7 +347,7 @@ impl Config {
     /// # Errors
     /// Those of [`Config::read`].
     pub fn from_toml_str(text: &str, folder: &Path) -> Result<Self, BadConfig> {
-        let file: File = toml::from_str(text).map_err(|why| BadConfig::NotToml(why.to_string()))?;
+        let file: File = toml::from_str(text).map_err(|why| not_toml(text, &why))?;
         if file.robot.as_str() == Name::RESERVED {
             return Err(unfitting("robot", "this name is reserved for the supervisor"));
         }
@@ -368,6 +370,13 @@ impl Config {
         };
         Ok(Self { fleet: file.fleet, robot: file.robot, facts, broker, limits, outbox_file, driver })
     }
+}
+
+/// Names the line without its content, which may be a password in the wrong place.
+fn not_toml(text: &str, why: &toml::de::Error) -> BadConfig {
+    let line = why.span().and_then(|span| text.get(..span.start)).map(|before| before.matches('\n').count() + 1);
+    let place = line.map(|line| format!("line {line}: ")).unwrap_or_default();
+    BadConfig::NotToml(format!("{place}{}", why.message()))
 }
 
 fn limits(file: &File) -> Result<Limits, BadConfig> {
@@ -426,16 +435,25 @@ impl FileBroker {
             }
             broker.tls = Some(Authorities::File(folder.join(path)));
         }
-        broker.credentials = match (&self.username, &self.password_file) {
+        broker.client = match (&self.client_certificate_file, &self.client_key_file) {
             (None, None) => None,
-            (Some(user), Some(path)) => {
-                let path = folder.join(path);
-                let password = std::fs::read_to_string(&path).map_err(|why| {
-                    unfitting("broker.password_file", format!("cannot read {}: {why}", path.display()))
-                })?;
-                // Editors end the last line with a line break.
-                Some((user.clone(), password.trim_end_matches(['\n', '\r']).to_owned()))
+            (Some(_), Some(_)) if self.ca_file.is_none() => {
+                return Err(unfitting("broker.client_certificate_file", "needs broker.ca_file"));
             }
+            (Some(certificate), Some(key)) => {
+                Some(ClientCertificate { certificate_file: folder.join(certificate), key_file: folder.join(key) })
+            }
+            (Some(_), None) => {
+                return Err(unfitting("broker.client_certificate_file", "needs broker.client_key_file"));
+            }
+            (None, Some(_)) => {
+                return Err(unfitting("broker.client_key_file", "needs broker.client_certificate_file"));
+            }
+        };
+        broker.password_file = self.password_file.as_ref().map(|path| folder.join(path));
+        broker.credentials = match (&self.username, &broker.password_file) {
+            (None, None) => None,
+            (Some(user), Some(path)) => Some((user.clone(), password_in(path)?)),
             (Some(_), None) => return Err(unfitting("broker.username", "needs broker.password_file")),
             (None, Some(_)) => return Err(unfitting("broker.password_file", "needs broker.username")),
         };
@@ -558,6 +576,14 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn a_password_in_the_wrong_place_is_not_shown() {
+        let text = EXAMPLE.replacen("url = ", "password = \"hunter2\"\nurl = ", 1);
+        let problem = Config::from_toml_str(&text, Path::new("")).unwrap_err().to_string();
+        assert!(problem.starts_with("line 6: unknown field `password`"), "{problem}");
+        assert!(!problem.contains("hunter2"), "{problem}");
+    }
+
+    #[test]
     fn a_wrong_key_is_named() {
         for (from, to, named) in [
             ("robot =", "robbot =", "robbot"),
@@ -576,6 +602,21 @@ pub(crate) mod tests {
             ("[driver]", "[outbox]\nbytes = 5\n[driver]", "outbox.bytes is 5"),
             ("url = ", "username = \"u\"\nurl = ", "broker.username: needs broker.password_file"),
             ("url = ", "ca_file = \"c\"\nurl = ", "broker.ca_file: requires mqtts://"),
+            (
+                "url = ",
+                "client_key_file = \"k\"\nurl = ",
+                "broker.client_key_file: needs broker.client_certificate_file",
+            ),
+            (
+                "url = ",
+                "client_certificate_file = \"c\"\nclient_key_file = \"k\"\nurl = ",
+                "broker.client_certificate_file: needs broker.ca_file",
+            ),
+            (
+                "url = ",
+                "username = \"u\"\npassword_file = \"/no/such\"\nurl = ",
+                "broker: cannot read the password from /no/such",
+            ),
             ("\"WALL\"", "\"WALL\", \"WALL\"", "touch_tests: names a test twice"),
             ("\"crawler\"", "\"supervisor\"", "robot"),
         ] {

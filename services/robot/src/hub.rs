@@ -4,6 +4,7 @@
 //! another one: a broker that accepts no messages does not keep pressures from the driver.
 
 use std::collections::VecDeque;
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -15,10 +16,10 @@ use vibrissa_protocol::{BootId, Name, RobotTopic};
 use crate::clock::now_us;
 use crate::config::{Config, Way};
 use crate::contract::Outgoing;
-use crate::driver::Lines;
 use crate::driver::link::{Door, Link};
+use crate::driver::{Lines, ToDriver};
 use crate::mqtt::{self, BadBroker, Endpoint, Signals};
-use crate::store::file::{StoreError, StoreFile};
+use crate::store::file::{Damage, StoreError, StoreFile};
 use crate::store::{Record, Stored};
 use crate::{Agent, Input, Output};
 
@@ -34,6 +35,8 @@ const STORE_AGAIN: Duration = Duration::from_secs(5);
 const LINK_PAUSE: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(10));
 /// A driver that lived for this long gets the shortest pause again.
 const LIVED: Duration = Duration::from_secs(10);
+/// Time between two logs of refused lines.
+const REFUSAL_PAUSE: Duration = Duration::from_secs(60);
 /// Longest pause of the timer.
 const TIMER_MAX: Duration = Duration::from_secs(1);
 /// Time that the last messages have before the end.
@@ -72,6 +75,21 @@ struct State {
     store: Option<Store>,
     /// Time at which the timer works next.
     timer_at_us: u64,
+    /// Time at which a refused line of the driver was last logged.
+    refusal_told: Option<Instant>,
+}
+
+impl State {
+    /// Logs a refused line, but not each one: a faulty driver may send thousands a second.
+    fn tell_refusal(&mut self, line: &ToDriver) {
+        let ToDriver::Error { line, problem, remedy } = line else { return };
+        if self.refusal_told.is_some_and(|at| at.elapsed() < REFUSAL_PAUSE) {
+            return;
+        }
+        self.refusal_told = Some(Instant::now());
+        let refused = self.agent.counts().lines_refused;
+        tracing::warn!("line {line} of the driver is refused ({refused} since the start): {problem}: {remedy}");
+    }
 }
 
 /// A running agent.
@@ -124,6 +142,22 @@ pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<
     Ok(())
 }
 
+/// Logs what of the outbox is lost, and where the rest of the damaged file is.
+fn tell_damage(path: &Path, Damage { lines, torn_bytes, aside }: &Damage) {
+    let path = path.display();
+    if *lines > 0 {
+        let kept = match aside {
+            Some(aside) => format!("the damaged file is kept as {}", aside.display()),
+            None => "the damaged file could not be copied".to_owned(),
+        };
+        tracing::error!(
+            "outbox.file: {lines} lines of {path} are damaged and left out, with the contacts in them; {kept}; check the disk"
+        );
+    } else if *torn_bytes > 0 {
+        tracing::warn!("outbox.file: the last line of {path} is incomplete, as after a power cut, and left out");
+    }
+}
+
 /// A boot id that was never used before.
 fn boot_id() -> Result<BootId, CannotStart> {
     let random = (random()?, random()?);
@@ -142,10 +176,8 @@ impl Hub {
         if let Some(path) = &config.outbox_file {
             // The present state has at most the outbox's bytes, besides a checksum and a frame for each message.
             let bytes_max = 2 * config.limits.outbox_bytes as u64 + 65_536;
-            let (opened, found, damaged) = StoreFile::open(path, bytes_max)?;
-            if damaged > 0 {
-                tracing::error!(damaged, path = %path.display(), "lines of the outbox are damaged and left out");
-            }
+            let (opened, found, damage) = StoreFile::open(path, bytes_max)?;
+            tell_damage(path, &damage);
             (file, stored) = (Some(opened), found);
         }
         let (agent, records) = Agent::new(config, boot_id()?, stored, now_us());
@@ -154,7 +186,7 @@ impl Hub {
         }
         let (fleet, robot) = (agent.fleet().clone(), agent.robot().clone());
         let store = file.map(|file| Store { file, is_dirty: false, failed_at: None });
-        let state = State { agent, pending: VecDeque::new(), telling: None, store, timer_at_us: 0 };
+        let state = State { agent, pending: VecDeque::new(), telling: None, store, timer_at_us: 0, refusal_told: None };
         Ok(Self {
             state: Arc::new(Mutex::new(state)),
             signals: Arc::default(),
@@ -192,6 +224,7 @@ impl Hub {
                     state.pending.push_back(Outgoing::Restart);
                 }
                 Output::Tell(line) => {
+                    state.tell_refusal(&line);
                     if let Some(telling) = &state.telling
                         && telling.try_send(line.line()).is_err()
                     {

@@ -48,6 +48,7 @@ fn started(path: &std::path::Path, is_check: bool) -> anyhow::Result<()> {
     use anyhow::Context;
     let config = Config::read(path).with_context(|| path.display().to_string())?;
     if is_check {
+        config.broker.transport()?;
         println!("{}: robot {} of fleet {} is well configured", path.display(), config.robot, config.fleet);
         return Ok(());
     }

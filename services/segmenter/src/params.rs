@@ -48,7 +48,7 @@ impl Default for Params {
             slip_of_rise: 0.4,
             slip_of_deflection: 0.3,
             gap_s: 0.15,
-            history_sd: 0.04,
+            history_sd: 0.044,
             ratio_sd: 0.05,
             ratio_shared_sd: 0.01,
             // From the model for gauges at x = 3 and 11 mm; the first and the last are extended in a straight line.

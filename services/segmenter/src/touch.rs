@@ -112,6 +112,13 @@ impl Sums {
     }
 }
 
+/// Largest strain at which the last bin before the rise may have been, in standard deviations.
+const HIDDEN_SDS: f64 = 3.0;
+/// Spacing of samples above which the median of three lags by a sample that counts. s.
+const MEDIAN_S: f64 = 0.0035;
+/// Part of the change between two samples that counts as the standard deviation of a strain before a slip-off.
+const BETWEEN: f64 = 0.5;
+
 /// The time of a strain, with what belongs to it.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
@@ -271,7 +278,9 @@ impl Touch {
         } else {
             -0.5 * gap_s
         };
-        self.onset_s = self.first.t_s + zero.clamp(-(gap_s + 0.15), gap_s.max(0.004));
+        // The last bin before the rise was within the noise: the onset is no earlier than a rise of this slope allows.
+        let hidden_s = if slope > 0.0 { (HIDDEN_SDS * self.sd / slope).min(0.15) } else { 0.15 };
+        self.onset_s = self.first.t_s + zero.clamp(-(gap_s + hidden_s), gap_s.max(0.004));
         if self.onset_deflection_mm.is_some() {
             self.onset_deflection_mm = deflection_at(ring, self.onset_s).or(self.onset_deflection_mm);
         }
@@ -383,19 +392,29 @@ impl Touch {
             return None;
         }
         let (mut line, mut line_2, mut bins) = (Line::default(), Line::default(), 0.0);
-        for point in points().filter(|point| point.t_s <= before.t_s && before.t_s - point.t_s < 0.08) {
-            if point.strain < 0.7 * level {
+        let is_lagging = |point: &Point| period_s > MEDIAN_S && point.t_s > before.t_s - 0.5 * period_s;
+        let spread_s = f64::max(0.08, 4.5 * period_s);
+        for point in points().filter(|point| point.t_s <= before.t_s && before.t_s - point.t_s < spread_s) {
+            // The median of three gives the newest sample before a fall the strain of the one before it.
+            if is_lagging(&point) {
+                continue;
+            }
+            if point.strain < 0.5 * level {
                 break;
             }
             line.add(point.t_s - before.t_s, point.strain);
             line_2.add(point.t_s - before.t_s, point.strain_2.unwrap_or(0.0));
             bins += 1.0;
         }
-        // A line through two points would double their noise.
+        if line.count < 1.0 {
+            line.add(0.0, before.strain);
+            line_2.add(0.0, before.strain_2.unwrap_or(0.0));
+            bins = 1.0;
+        }
         // The rise went on for some part of the time to the next sample.
         let ahead_s = 0.5 * period_s;
-        let at = |line: &Line| if line.count >= 3.0 { line.at(ahead_s) } else { line.y / line.count };
-        let between = if line.count >= 2.0 { line.slope().abs() * period_s } else { 0.1 * level };
+        let at = |line: &Line| if line.count >= 2.0 { line.at(ahead_s) } else { line.y / line.count };
+        let between = if line.count >= 2.0 { BETWEEN * line.slope().abs() * period_s } else { 0.1 * level };
         let point = Point { strain: at(&line), strain_2: before.strain_2.map(|_| at(&line_2)), ..before };
         Some(Measured { point, bins: (bins / 4.0_f64).max(1.0), between, kind: Kind::SlipOff })
     }

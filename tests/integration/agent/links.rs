@@ -83,6 +83,9 @@ async fn noise_on_a_unix_socket_is_answered_and_good_lines_are_taken() {
         }
         assert!(errors[0].contains("\"line\":1,\"problem\":\"the line is not UTF-8\""), "{errors:?}");
         assert!(errors[2].contains("longer than 65536 bytes"), "{errors:?}");
+        // The operator sees the first one, and not each.
+        let told = stage.agent_log().lines().filter(|line| line.contains("of the driver is refused")).count();
+        assert_eq!(told, 1, "{}", stage.agent_log());
         until_true("two contacts", async || stage.number("SELECT count(*) FROM contacts").await == before + 2).await;
     }
 }

@@ -11,5 +11,7 @@ mod checked;
 mod document;
 mod first_robot;
 mod links;
+mod secured;
 mod stage;
 mod strain;
+mod valves;

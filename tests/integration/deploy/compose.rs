@@ -261,3 +261,20 @@ fn grafana_opens_on_a_dashboard_and_reads_with_a_role_of_its_own() {
     let its_password = role["environment"]["GRAFANA_PASSWORD_FILE"].as_str().unwrap();
     assert!(secrets(role).iter().any(|one| its_password == format!("/run/secrets/{one}")), "{its_password}");
 }
+
+#[test]
+fn each_program_of_an_image_is_built_and_each_image_is_named_at_the_top() {
+    let image = std::fs::read_to_string(project().join("Dockerfile")).unwrap();
+    let build = image.lines().find(|line| line.contains("cargo build")).unwrap();
+    let install = image.lines().find(|line| line.contains("install -D -t /out")).unwrap();
+    let programs: Vec<&str> =
+        image.lines().filter_map(|line| line.strip_prefix("COPY --from=build /out/")?.split(' ').next()).collect();
+    assert_eq!(programs, ["vibrissa-simulator", "vibrissa-robot", "vibrissa"]);
+    for program in programs {
+        let has = |line: &str, word: &str| line.split(' ').any(|part| part == word);
+        assert!(build.contains(&format!("-p {program} ")), "{program}: {build}");
+        assert!(has(install, &format!("target/dist/{program}")), "{program}: {install}");
+    }
+    let targets = image.lines().filter_map(|line| line.strip_prefix("FROM runtime AS "));
+    targets.for_each(|target| assert!(image.contains(&format!("docker build --target {target} ")), "{target}"));
+}

@@ -1,8 +1,10 @@
 //! The broker that a robot connects to.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use rumqttc::Transport;
+use rumqttc::tokio_rustls::rustls::pki_types::pem::PemObject;
+use rumqttc::tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use url::Url;
 use vibrissa_protocol::Name;
 
@@ -18,8 +20,22 @@ pub struct Broker {
     /// User name and password, if the broker requires them. `{fleet}` and `{robot}` in the user name are replaced
     /// for each robot.
     pub credentials: Option<(String, String)>,
+    /// File of that password. It is read again before each attempt after a failed one, so that a corrected file needs no
+    /// restart.
+    pub password_file: Option<PathBuf>,
     /// Certificate authorities for TLS; `None` for a connection without TLS.
     pub tls: Option<Authorities>,
+    /// Client certificate, if the broker requires one; only with authorities from a file.
+    pub client: Option<ClientCertificate>,
+}
+
+/// Client certificate and private key, in PEM.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClientCertificate {
+    /// The certificate, followed by the intermediate ones up to its authority.
+    pub certificate_file: PathBuf,
+    /// Private key of the certificate.
+    pub key_file: PathBuf,
 }
 
 /// Source of the certificate authorities.
@@ -40,6 +56,12 @@ pub enum BadBroker {
     /// The certificate authorities cannot be loaded.
     #[error("cannot use the certificate authorities from {0}: {1}")]
     Authorities(String, String),
+    /// A file of the client certificate cannot be loaded.
+    #[error("cannot use the client certificate: {0}")]
+    Client(String),
+    /// The password cannot be read.
+    #[error("cannot read the password from {0}: {1}")]
+    Password(String, std::io::Error),
 }
 
 impl std::fmt::Debug for Broker {
@@ -57,7 +79,8 @@ impl std::fmt::Debug for Broker {
 impl Broker {
     /// A broker without credentials and TLS.
     pub fn new(host: impl Into<String>, port: u16) -> Self {
-        Self { host: host.into(), port, others: Vec::new(), credentials: None, tls: None }
+        let (credentials, password_file, tls, client) = (None, None, None, None);
+        Self { host: host.into(), port, others: Vec::new(), credentials, password_file, tls, client }
     }
 
     /// Parses `mqtt://host[:port]` or `mqtts://host[:port]`, or several of them separated by commas; the default port is
@@ -126,12 +149,64 @@ impl Broker {
             Some(Authorities::File(path)) => {
                 let whose = || path.display().to_string();
                 let certificates = std::fs::read(path).map_err(|why| refused(whose(), why.to_string()))?;
-                if !String::from_utf8_lossy(&certificates).contains("-----BEGIN CERTIFICATE-----") {
+                if certificates_in(&certificates) == 0 {
                     return Err(refused(whose(), "the file contains no certificate in PEM".to_owned()));
                 }
-                Ok(Transport::tls(certificates, None, None))
+                let client = self.client.as_ref().map(ClientCertificate::read).transpose()?;
+                Ok(Transport::tls(certificates, client, None))
             }
         }
+    }
+
+    /// Reads the password file and the files of TLS again; the transport, if it is from files.
+    ///
+    /// # Errors
+    /// A file cannot be used; the credentials are the same as before then.
+    pub fn read_again(&mut self) -> Result<Option<Transport>, BadBroker> {
+        let password = self.password_file.as_deref().map(password_in).transpose()?;
+        if let (Some((_, old)), Some(new)) = (&mut self.credentials, password) {
+            *old = new;
+        }
+        match self.tls {
+            Some(Authorities::File(_)) => self.transport().map(Some),
+            // The system's authorities are large, and rarely the fault.
+            Some(Authorities::System) | None => Ok(None),
+        }
+    }
+}
+
+/// The password in a file, without the line break with which editors end it.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn password_in(path: &Path) -> Result<String, BadBroker> {
+    let text = std::fs::read_to_string(path).map_err(|why| BadBroker::Password(path.display().to_string(), why))?;
+    Ok(text.trim_end_matches(['\n', '\r']).to_owned())
+}
+
+/// Number of valid certificates in a PEM file.
+fn certificates_in(pem: &[u8]) -> usize {
+    CertificateDer::pem_slice_iter(pem).filter(Result::is_ok).count()
+}
+
+impl ClientCertificate {
+    /// The contents of both files. No text shows a part of the key.
+    fn read(&self) -> Result<(Vec<u8>, Vec<u8>), BadBroker> {
+        let read = |path: &Path| {
+            std::fs::read(path).map_err(|why| BadBroker::Client(format!("cannot read {}: {why}", path.display())))
+        };
+        let (certificate, key) = (read(&self.certificate_file)?, read(&self.key_file)?);
+        if certificates_in(&certificate) == 0 {
+            let path = self.certificate_file.display();
+            return Err(BadBroker::Client(format!("{path} contains no certificate in PEM")));
+        }
+        if PrivateKeyDer::from_pem_slice(&key).is_err() {
+            let path = self.key_file.display();
+            return Err(BadBroker::Client(format!(
+                "{path} contains no private key in PEM without a passphrase (openssl pkey removes one)"
+            )));
+        }
+        Ok((certificate, key))
     }
 }
 

@@ -1,6 +1,8 @@
 //! One connection to the broker, from the attempt to its end.
 
 use std::pin::pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rumqttc::{AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, Packet, QoS};
 use tokio::sync::mpsc;
@@ -8,6 +10,8 @@ use tokio::task::JoinHandle;
 use tokio::time::{Instant, sleep_until};
 use vibrissa_protocol::{QualityOfService, RobotTopic, Topic};
 
+use super::broker::Broker;
+use super::problem::{Progress, problem};
 use super::silence::{Measure, Silence};
 
 /// Most reports that wait for the robot.
@@ -29,6 +33,26 @@ pub(super) enum Report {
     ReceivedByAll(Vec<u8>),
     /// The connection has ended, for this reason.
     Gone(String),
+}
+
+/// What is known of an attempt, to explain its failure.
+pub(super) struct Attempt {
+    pub(super) broker: Broker,
+    /// Host of the node.
+    pub(super) host: String,
+    /// Whether TCP has been connected.
+    pub(super) is_reached: Arc<AtomicBool>,
+}
+
+impl Attempt {
+    fn problem(&self, error: &ConnectionError, is_accepted: bool) -> String {
+        let progress = match (is_accepted, self.is_reached.load(Ordering::Relaxed)) {
+            (true, _) => Progress::Accepted,
+            (false, true) => Progress::Reached,
+            (false, false) => Progress::Nothing,
+        };
+        problem(&self.broker, &self.host, error, progress)
+    }
 }
 
 /// A connection, from the attempt to its end. If dropped, it is cut without a farewell.
@@ -61,12 +85,17 @@ pub(super) fn qos(quality: QualityOfService) -> QoS {
 
 /// Polls the connection until it ends. `question` is a topic of the robot's subscriptions: subscribing again, which changes
 /// nothing, shows whether a silent broker still answers.
-pub(super) async fn poll(mut event_loop: EventLoop, question: (AsyncClient, String), reports: mpsc::Sender<Report>) {
+pub(super) async fn poll(
+    mut event_loop: EventLoop,
+    question: (AsyncClient, String),
+    attempt: Attempt,
+    reports: mpsc::Sender<Report>,
+) {
     let mut silence = Silence::new(Instant::now());
-    let mut is_subscribed = false;
+    let (mut is_subscribed, mut is_accepted) = (false, false);
     loop {
         let report = match next_event(&mut event_loop, &mut silence, &question).await {
-            None => Some(Report::Gone("the broker has stopped answering".to_owned())),
+            None => Some(Report::Gone("it has stopped answering".to_owned())),
             Some(Ok(Event::Incoming(packet))) => {
                 silence.heard(Instant::now());
                 report_of(packet).filter(|report| !(is_subscribed && matches!(report, Report::Subscribed)))
@@ -75,10 +104,11 @@ pub(super) async fn poll(mut event_loop: EventLoop, question: (AsyncClient, Stri
             Some(Err(ConnectionError::ConnectionRefused(ConnectReturnCode::RetainNotSupported))) => {
                 Some(Report::RetainRefused)
             }
-            Some(Err(error)) => Some(Report::Gone(error.to_string())),
+            Some(Err(error)) => Some(Report::Gone(attempt.problem(&error, is_accepted))),
         };
         let Some(report) = report else { continue };
         is_subscribed |= matches!(report, Report::Subscribed);
+        is_accepted |= matches!(report, Report::Connected { .. });
         let ends = matches!(report, Report::Gone(_) | Report::RetainRefused);
         // Polling never waits for the robot. A message without a place is lost; its sender sends it again.
         if matches!(report, Report::Received(..) | Report::ReceivedByAll(_)) && reports.capacity() <= RESERVED {

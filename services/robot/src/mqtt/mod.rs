@@ -5,9 +5,10 @@
 
 mod broker;
 mod connection;
+mod problem;
 mod session;
 mod silence;
 
-pub use broker::{Authorities, BadBroker, Broker, address};
+pub use broker::{Authorities, BadBroker, Broker, ClientCertificate, address, password_in};
 pub use rumqttc::Transport;
 pub use session::{Delivery, Endpoint, Signals, run};

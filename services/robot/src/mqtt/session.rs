@@ -1,6 +1,8 @@
 //! Connects a robot to its broker, again and again, and carries its messages.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use rumqttc::{
@@ -11,7 +13,7 @@ use tokio::time::{Instant, sleep_until, timeout};
 use vibrissa_protocol::{Name, PAYLOAD_MAX_BYTES, QualityOfService, RobotTopic, Topic};
 
 use super::broker::{Broker, address};
-use super::connection::{Connection, REPORTS, Report, next_report, poll, qos};
+use super::connection::{Attempt, Connection, REPORTS, Report, next_report, poll, qos};
 use crate::clock::now_us;
 use crate::contract::Outgoing;
 
@@ -28,6 +30,8 @@ const REQUESTS: usize = 256;
 const IN_FLIGHT: u16 = 32;
 /// A broker that accepts no message for this long counts as lost.
 const PUBLISH_TIMEOUT: Duration = Duration::from_secs(15);
+/// Most problems that are remembered as told.
+const TOLD_MAX: usize = 32;
 const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// A robot that this module connects. Its methods must not block. Times are in microseconds since 1970 UTC.
@@ -114,6 +118,8 @@ struct Session<E> {
     /// Number of failed connections. Each makes the next attempt go to the next node of the broker.
     failures: usize,
     transport: Transport,
+    /// Problems that were logged since the last connection: each is logged once.
+    told: BTreeSet<String>,
     fleet: Name,
     name: Name,
     connection: Option<Connection>,
@@ -135,6 +141,7 @@ impl<E: Endpoint> Session<E> {
             broker,
             failures: 0,
             transport,
+            told: BTreeSet::new(),
             fleet,
             name,
             connection: None,
@@ -165,17 +172,33 @@ impl<E: Endpoint> Session<E> {
         self.wake_at = self.wake_at.min(self.woken_at + WAKE_PAUSE);
     }
 
+    /// Host and port of the node that is in turn.
+    fn node(&self) -> (String, u16) {
+        let nodes = self.broker.nodes();
+        nodes[self.failures % nodes.len()].clone()
+    }
+
+    /// Reads the files of the broker's configuration again, which somebody may have corrected.
+    fn read_again(&mut self) {
+        match self.broker.read_again() {
+            Ok(transport) => self.transport = transport.unwrap_or_else(|| self.transport.clone()),
+            Err(problem) => self.tell(format!("{problem}; the content before is used")),
+        }
+    }
+
     fn connect(&mut self) {
+        if self.failures > 0 {
+            self.read_again();
+        }
         let will = self.robot.will(now_us());
         let is_will_retained = self.retains && self.robot.is_will_retained();
         let topic = self.topic(RobotTopic::Connection);
         // The client id is the robot's topic prefix in the contract: a second robot of that name takes over the
         // session.
         let id = format!("{}.{}", self.fleet, self.name);
-        let nodes = self.broker.nodes();
-        let (host, port) = nodes[self.failures % nodes.len()].clone();
+        let (host, port) = self.node();
         let mut options = MqttOptions::new(id, (host.clone(), port));
-        if nodes.len() > 1 {
+        if !self.broker.others.is_empty() {
             options.set_connect_timeout(NODE_TIMEOUT);
         }
         options
@@ -186,20 +209,31 @@ impl<E: Endpoint> Session<E> {
             .set_outgoing_inflight_upper_limit(IN_FLIGHT)
             .set_max_packet_size(u32::try_from(PAYLOAD_MAX_BYTES + 1024).ok())
             .set_last_will(LastWill::new(topic, will, QoS::AtLeastOnce, is_will_retained, None));
-        if let Some((user, password)) = self.broker.credentials_of(&self.fleet, &self.name) {
+        let credentials = self.broker.credentials_of(&self.fleet, &self.name);
+        if let Some((user, password)) = credentials.clone() {
             options.set_credentials(user, password.into_bytes());
         }
         options.set_transport(self.transport.clone());
         // The library's own address lacks the brackets around IPv6.
         let address = address(&host, port);
-        options.set_socket_connector(move |_, network| rumqttc::default_socket_connect(address.clone(), network));
+        let is_reached = Arc::new(AtomicBool::new(false));
+        let broker = Broker { credentials, ..self.broker.clone() };
+        let attempt = Attempt { broker, host: host.clone(), is_reached: is_reached.clone() };
+        options.set_socket_connector(move |_, network| {
+            let (address, is_reached) = (address.clone(), is_reached.clone());
+            async move {
+                let stream = rumqttc::default_socket_connect(address, network).await?;
+                is_reached.store(true, Ordering::Relaxed);
+                Ok(stream)
+            }
+        });
         let mut network = NetworkOptions::new();
         network.set_tcp_nodelay(true);
         options.set_network_options(network);
         let (client, event_loop) = AsyncClient::builder(options).capacity(REQUESTS).build();
         let (sender, reports) = mpsc::channel(REPORTS);
         let question = (client.clone(), self.topic(RobotTopic::Receipt));
-        let poller = tokio::spawn(poll(event_loop, question, sender));
+        let poller = tokio::spawn(poll(event_loop, question, attempt, sender));
         self.connection = Some(Connection { client, reports, poller });
     }
 
@@ -215,6 +249,7 @@ impl<E: Endpoint> Session<E> {
             }
             Report::Subscribed => {
                 self.reconnect_pause = RECONNECT_START;
+                self.told.clear();
                 let outgoing = self.robot.connected(now_us());
                 self.send(outgoing).await;
                 tracing::debug!(robot = %self.name, "connected");
@@ -282,16 +317,26 @@ impl<E: Endpoint> Session<E> {
             return;
         }
         self.robot.disconnected();
+        let (host, port) = self.node();
+        self.tell(format!("MQTT broker {}: {reason}", address(&host, port)));
         self.failures += 1;
-        let nodes = self.broker.others.len() + 1;
-        if !self.failures.is_multiple_of(nodes) {
-            tracing::warn!(robot = %self.name, reason, "connection lost, trying the next node");
+        if !self.failures.is_multiple_of(self.broker.others.len() + 1) {
             self.connect_at = Instant::now();
             return;
         }
-        tracing::warn!(robot = %self.name, reason, pause = ?self.reconnect_pause, "connection lost");
         self.connect_at = Instant::now() + self.reconnect_pause;
         self.reconnect_pause = (self.reconnect_pause * 2).min(RECONNECT_MAX);
+    }
+
+    /// Logs a problem, unless it was logged since the last connection: attempts go on for as long as it lasts.
+    fn tell(&mut self, problem: String) {
+        if self.told.contains(&problem) {
+            return tracing::debug!(robot = %self.name, "{problem}");
+        }
+        tracing::warn!(robot = %self.name, "{problem}; trying again until it succeeds");
+        if self.told.len() < TOLD_MAX {
+            self.told.insert(problem);
+        }
     }
 
     /// Publishes the farewell and disconnects cleanly, if that succeeds in time.

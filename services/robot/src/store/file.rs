@@ -1,7 +1,7 @@
 //! A file of records: one a line, each with a checksum.
 //!
 //! The first line states the version. A line is a CRC-32 in hexadecimal, a space, and the record as JSON. A torn last line,
-//! as after a power cut, is cut off; a damaged line elsewhere is left out and counted. The file grows by each record, and is
+//! as after a power cut, is cut off; a damaged line elsewhere is left out and counted, and the damaged file is kept beside. The file grows by each record, and is
 //! replaced by one with only the present state when it exceeds its bound.
 
 use std::fs::{File, OpenOptions};
@@ -12,6 +12,7 @@ use super::{Record, Stored};
 
 /// First line of a file.
 const HEAD: &str = "vibrissa-robot outbox 1";
+const VERSION: u64 = 1;
 /// Longest line that is read: a message of the contract is shorter.
 const LINE_MAX_BYTES: u64 = 512 * 1024;
 
@@ -34,6 +35,17 @@ pub enum StoreError {
     /// Another agent has the file.
     #[error("outbox.file: {0} is in use by another agent")]
     InUse(PathBuf),
+}
+
+/// What could not be read of a file.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct Damage {
+    /// Damaged lines, which are left out.
+    pub lines: u64,
+    /// Bytes of a torn line at the end.
+    pub torn_bytes: u64,
+    /// Copy of the damaged file; none if only its end was torn, or if the copy could not be written.
+    pub aside: Option<PathBuf>,
 }
 
 /// An open file.
@@ -63,11 +75,11 @@ fn record_of(line: &[u8]) -> Option<Record> {
 
 impl StoreFile {
     /// Opens a file, which is created if it is missing, and reads its state. `bytes_max` is the size beyond which
-    /// [`StoreFile::is_full`] asks for a replacement. The second result counts damaged lines.
+    /// [`StoreFile::is_full`] asks for a replacement. A file with damaged lines is copied to `PATH.damaged`.
     ///
     /// # Errors
     /// The file cannot be read or written, has another format, or is in use.
-    pub fn open(path: &Path, bytes_max: u64) -> Result<(Self, Stored, u64), StoreError> {
+    pub fn open(path: &Path, bytes_max: u64) -> Result<(Self, Stored, Damage), StoreError> {
         let refused = |what| move |problem| StoreError::Refused { what, path: path.to_owned(), problem };
         let lock = OpenOptions::new().create(true).append(true).open(beside(path, "lock")).map_err(refused("lock"))?;
         match lock.try_lock() {
@@ -75,14 +87,19 @@ impl StoreFile {
             Err(std::fs::TryLockError::WouldBlock) => return Err(StoreError::InUse(path.to_owned())),
             Err(std::fs::TryLockError::Error(problem)) => return Err(refused("lock")(problem)),
         }
-        let (stored, damaged) = match File::open(path) {
+        let (stored, mut damage) = match File::open(path) {
             Ok(file) => read(path, file)?,
-            Err(problem) if problem.kind() == std::io::ErrorKind::NotFound => (Stored::default(), 0),
+            Err(problem) if problem.kind() == std::io::ErrorKind::NotFound => Default::default(),
             Err(problem) => return Err(refused("read")(problem)),
         };
+        if damage.lines > 0 {
+            let aside = beside(path, "damaged");
+            // The agent starts with what is left, also if the disk is full.
+            damage.aside = std::fs::copy(path, &aside).is_ok().then_some(aside);
+        }
         let file = OpenOptions::new().create(true).append(true).open(path).map_err(refused("open"))?;
         let bytes = file.metadata().map_err(refused("open"))?.len();
-        Ok((Self { path: path.to_owned(), file, _lock: lock, bytes, bytes_max }, stored, damaged))
+        Ok((Self { path: path.to_owned(), file, _lock: lock, bytes, bytes_max }, stored, damage))
     }
 
     /// Appends records. They survive the end of the process at once, and a power cut after [`StoreFile::synced`].
@@ -155,29 +172,49 @@ fn beside(path: &Path, ending: &str) -> PathBuf {
     PathBuf::from(name)
 }
 
-fn read(path: &Path, file: File) -> Result<(Stored, u64), StoreError> {
-    let (mut stored, mut damaged) = (Stored::default(), 0);
+/// The number of a whole first line, if it has one.
+fn version_of(head: &[u8]) -> Option<u64> {
+    let prefix = HEAD.trim_end_matches(|last: char| last.is_ascii_digit());
+    std::str::from_utf8(head).ok()?.strip_prefix(prefix)?.parse().ok()
+}
+
+/// Whether a first line is ours, torn or damaged: what a power cut did not write is often read as zeros.
+fn was_ours(head: &[u8]) -> bool {
+    let same = head.iter().zip(HEAD.as_bytes()).filter(|(one, other)| one == other).count();
+    head.contains(&0) || 2 * same >= HEAD.len() || (!head.is_empty() && HEAD.as_bytes().starts_with(head))
+}
+
+fn read(path: &Path, file: File) -> Result<(Stored, Damage), StoreError> {
+    let other_version = || StoreError::OtherVersion(path.to_owned());
+    let (mut stored, mut damage) = (Stored::default(), Damage::default());
     let mut reader = BufReader::new(file);
-    let mut line = Vec::new();
-    let mut is_first = true;
+    let (mut line, mut is_first) = (Vec::new(), true);
+    // A file of somebody else has no record. It must not be replaced.
+    let mut is_foreign = false;
     loop {
         line.clear();
         let read = reader.by_ref().take(LINE_MAX_BYTES).read_until(b'\n', &mut line);
         read.map_err(|problem| StoreError::Refused { what: "read", path: path.to_owned(), problem })?;
         if line.is_empty() {
-            return Ok((stored, damaged));
+            return if is_foreign { Err(other_version()) } else { Ok((stored, damage)) };
         }
         let is_whole = line.pop_if(|last| *last == b'\n').is_some();
-        if std::mem::take(&mut is_first) {
-            // A file whose first line was torn holds nothing.
-            if is_whole && line != HEAD.as_bytes() {
-                return Err(StoreError::OtherVersion(path.to_owned()));
-            }
+        let is_head = std::mem::take(&mut is_first);
+        if is_head && is_whole && line == HEAD.as_bytes() {
             continue;
         }
-        match record_of(&line) {
-            Some(record) => stored.take(record),
-            None => damaged += u64::from(is_whole),
+        if is_head && is_whole && version_of(&line).is_some_and(|version| version != VERSION) {
+            return Err(other_version());
+        }
+        if let Some(record) = record_of(&line) {
+            is_foreign = false;
+            stored.take(record);
+        } else if is_whole {
+            damage.lines += 1;
+            is_foreign |= is_head && !was_ours(&line);
+        } else {
+            damage.torn_bytes += line.len() as u64;
+            is_foreign |= is_head && !was_ours(&line);
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
+use std::pin::pin;
 use std::time::Duration;
 
 use anyhow::Context;
@@ -20,6 +21,8 @@ use crate::{RobotConfig, Scenario};
 
 /// Pause between two attempts to reach the agent.
 const AGAIN: Duration = Duration::from_millis(250);
+/// Time after which a board without an agent looks after its valves.
+const ALONE: Duration = Duration::from_millis(10);
 
 type Reader = Box<dyn AsyncRead + Unpin>;
 type Writer = Box<dyn AsyncWrite + Unpin>;
@@ -40,6 +43,9 @@ pub async fn run(plan: BoardPlan) -> anyhow::Result<()> {
     if plan.strain {
         board = board.sampling(scenario.seed, now_us());
     }
+    if plan.valves {
+        board = board.with_valves(scenario.seed, plan.supply_mpa, plan.leak_mpa_per_s, now_us());
+    }
     let log = plan.log_file.as_ref().map(|path| OpenOptions::new().create(true).append(true).open(path)).transpose();
     let mut log = Log(log.context("--log-file")?);
 
@@ -47,7 +53,7 @@ pub async fn run(plan: BoardPlan) -> anyhow::Result<()> {
     let mut control = Control { input: stdin(), lines: Lines::default(), waiting: VecDeque::new() };
     let door = Door::open(&plan).await?;
     loop {
-        let (mut reader, mut writer) = match door.link().await {
+        let (mut reader, mut writer) = match linked(&door, &mut board, &mut log).await {
             Ok(link) => link,
             Err(_) => {
                 sleep(AGAIN).await;
@@ -82,6 +88,17 @@ pub async fn run(plan: BoardPlan) -> anyhow::Result<()> {
     }
 }
 
+/// Waits for the agent. Air moves meanwhile, and valves close.
+async fn linked(door: &Door, board: &mut Board, log: &mut Log) -> std::io::Result<(Reader, Writer)> {
+    let mut link = pin!(door.link());
+    loop {
+        tokio::select! {
+            link = &mut link => return link,
+            () = sleep(ALONE) => board.alone(now_us()).into_iter().for_each(|doing| log.keep(&doing)),
+        }
+    }
+}
+
 /// The log of the board.
 struct Log(Option<File>);
 
@@ -90,14 +107,20 @@ impl Log {
     async fn carry(&mut self, doings: Vec<Doing>, writer: &mut Writer) -> bool {
         let mut said = Vec::new();
         for doing in doings {
-            match (doing, &mut self.0) {
-                // A log that cannot be written would make the test that reads it fail.
-                (Doing::Log(line), Some(file)) => file.write_all(&bytes(&line)).unwrap_or_default(),
-                (Doing::Log(_), None) => {}
-                (Doing::Say(line), _) => said.extend(bytes(&line)),
+            self.keep(&doing);
+            if let Doing::Say(line) = doing {
+                said.extend(bytes(&line));
             }
         }
         writer.write_all(&said).await.is_ok() && writer.flush().await.is_ok()
+    }
+
+    /// Logs what is to be logged.
+    fn keep(&mut self, doing: &Doing) {
+        if let (Doing::Log(line), Some(file)) = (doing, &mut self.0) {
+            // A log that cannot be written would make the test that reads it fail.
+            file.write_all(&bytes(line)).unwrap_or_default();
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 mod gauge;
 mod link;
 mod plan;
+mod valves;
 
 pub use link::run;
 pub use plan::BoardPlan;
@@ -21,6 +22,7 @@ use vibrissa_core::mechanics::ModelError;
 use vibrissa_protocol::{Contact, Name, TouchTestKind};
 
 use gauge::Gauge;
+use valves::{Chamber, Opening, Pulse, READ_EVERY_US};
 
 use crate::places::Places;
 use crate::plant::Reading;
@@ -69,6 +71,12 @@ enum Line {
         pressure_mpa: f64,
         slew_mpa_per_s: f64,
     },
+    Valve {
+        array: Name,
+        whisker: u16,
+        open: Opening,
+        for_ms: f64,
+    },
     Test(TestLine),
     Error {
         problem: String,
@@ -94,6 +102,8 @@ pub struct Board {
     tests: VecDeque<Test>,
     /// Gauges that are sampled all the time; none if the board sends contacts.
     gauges: Vec<Gauge>,
+    /// Chambers whose valves the agent opens; none if the board regulates.
+    chambers: Vec<Chamber>,
     tick_at_us: u64,
     pressure_at_us: u64,
     heard_us: u64,
@@ -123,6 +133,7 @@ impl Board {
             touches,
             tests: VecDeque::new(),
             gauges: Vec::new(),
+            chambers: Vec::new(),
             tick_at_us: now_us + TICK_US,
             pressure_at_us: now_us,
             heard_us: now_us,
@@ -144,6 +155,19 @@ impl Board {
         self
     }
 
+    /// Has only valves, which the agent opens. The first chamber leaks.
+    #[must_use]
+    pub fn with_valves(mut self, seed: u64, supply_mpa: f64, leak_mpa_per_s: f64, now_us: u64) -> Self {
+        let robot = self.config.robot.robot.as_str();
+        let chamber = |(at, one): (usize, &Whisker)| {
+            let noise = stream(seed ^ now_us, robot, one.array().as_str(), one.number(), Purpose::Regulator);
+            let leak_mpa_per_s = if at == 0 { leak_mpa_per_s } else { 0.0 };
+            Chamber::new(one.regulator.pressure_mpa(), supply_mpa, leak_mpa_per_s, noise, now_us)
+        };
+        self.chambers = self.whiskers.iter().enumerate().map(chamber).collect();
+        self
+    }
+
     /// The first line.
     #[must_use]
     pub fn hello(&self) -> Value {
@@ -159,7 +183,12 @@ impl Board {
     /// Takes a line of the agent, or of the control channel.
     pub fn line(&mut self, line: &[u8], now_us: u64) -> Vec<Doing> {
         self.heard_us = now_us;
-        self.is_vented = false;
+        if std::mem::take(&mut self.is_vented) {
+            // The valves obey the agent again.
+            for chamber in &mut self.chambers {
+                chamber.obey(Opening::Close, 0.0, now_us);
+            }
+        }
         match serde_json::from_slice(line) {
             Ok(Line::SetPressure { array, whisker, pressure_mpa, slew_mpa_per_s }) => {
                 let Some(&at) = self.places.get(&(array.clone(), whisker)) else { return Vec::new() };
@@ -172,6 +201,7 @@ impl Board {
                 vec![Doing::Log(json!({"log": "set_pressure", "array": array, "whisker": whisker, "t_us": now_us,
                                        "pressure_mpa": pressure_mpa}))]
             }
+            Ok(Line::Valve { array, whisker, open, for_ms }) => self.valve(&array, whisker, open, for_ms, now_us),
             Ok(Line::Test(line)) => match self.places.get(&(line.array.clone(), line.whisker)) {
                 Some(&at) => {
                     let told = json!({"type": "test_state", "test_id": line.test_id, "state": "RUNNING"});
@@ -187,6 +217,59 @@ impl Board {
             Ok(Line::Error { problem }) => vec![Doing::Log(json!({"log": "error", "problem": problem}))],
             Ok(Line::Other) => Vec::new(),
             Err(problem) => vec![Doing::Log(json!({"log": "not_understood", "problem": problem.to_string()}))],
+        }
+    }
+
+    fn valve(&mut self, array: &Name, whisker: u16, open: Opening, for_ms: f64, now_us: u64) -> Vec<Doing> {
+        let Some(&at) = self.places.get(&(array.clone(), whisker)) else { return Vec::new() };
+        let Some(chamber) = self.chambers.get_mut(at) else {
+            return vec![Doing::Log(json!({"log": "not_understood", "problem": "this board regulates by itself"}))];
+        };
+        let ended = chamber.obey(open, for_ms, now_us);
+        let log = json!({"log": "valve", "whisker": whisker, "t_us": now_us, "is_fill": open == Opening::Fill,
+                         "for_ms": for_ms});
+        ended.map(|pulse| pulsed(whisker, pulse, now_us)).into_iter().chain([Doing::Log(log)]).collect()
+    }
+
+    /// What a board with valves does without an agent: nothing that it says is heard.
+    pub fn alone(&mut self, now_us: u64) -> Vec<Doing> {
+        let mut doings = Vec::new();
+        if !self.chambers.is_empty() {
+            self.guard(now_us, &mut doings);
+            self.breathe(now_us, &mut doings);
+        }
+        doings
+    }
+
+    /// Vents all chambers if the agent was silent for too long.
+    fn guard(&mut self, now_us: u64, doings: &mut Vec<Doing>) {
+        if now_us >= self.heard_us + self.watchdog_us && !self.is_vented {
+            self.is_vented = true;
+            doings.push(Doing::Log(json!({"log": "watchdog", "t_us": now_us})));
+            self.whiskers.iter_mut().for_each(|whisker| whisker.regulator.set(0.0, 0.02));
+        }
+    }
+
+    /// Lets the air of all chambers move, and reads their pressures.
+    fn breathe(&mut self, now_us: u64, doings: &mut Vec<Doing>) {
+        let is_due = self.pressure_at_us <= now_us;
+        for (chamber, whisker) in self.chambers.iter_mut().zip(&self.whiskers) {
+            if self.is_vented {
+                chamber.obey(Opening::Vent, 1000.0, now_us);
+            } else if let Some(pulse) = chamber.advance(now_us) {
+                doings.push(pulsed(whisker.number(), pulse, now_us));
+            }
+            if is_due {
+                doings.push(Doing::Log(json!({"log": "air", "whisker": whisker.number(), "t_us": now_us,
+                                              "pressure_mpa": chamber.pressure_mpa()})));
+                doings.push(Doing::Say(json!({
+                    "type": "pressure", "array": whisker.array(), "whisker": whisker.number(),
+                    "pressure_mpa": chamber.reading_mpa(), "temperature_c": whisker.plant.temperature_c(),
+                    "supply_mpa": chamber.supply_mpa()})));
+            }
+        }
+        if is_due {
+            self.pressure_at_us = now_us + READ_EVERY_US;
         }
     }
 
@@ -209,12 +292,10 @@ impl Board {
             }
             self.follow_tests(now_us, &mut doings);
         }
-        if now_us >= self.heard_us + self.watchdog_us && !self.is_vented {
-            self.is_vented = true;
-            doings.push(Doing::Log(json!({"log": "watchdog", "t_us": now_us})));
-            self.whiskers.iter_mut().for_each(|whisker| whisker.regulator.set(0.0, 0.02));
-        }
-        if self.pressure_at_us <= now_us {
+        self.guard(now_us, &mut doings);
+        if !self.chambers.is_empty() {
+            self.breathe(now_us, &mut doings);
+        } else if self.pressure_at_us <= now_us {
             self.pressure_at_us = now_us + PRESSURE_EVERY_US;
             doings.extend(self.whiskers.iter().map(pressure));
         }
@@ -242,14 +323,24 @@ impl Board {
         touch_us.min(self.tick_at_us).min(self.pressure_at_us).min(line_us)
     }
 
+    /// True pressure of a chamber.
+    fn pressure_mpa(&self, at: usize) -> f64 {
+        let regulated_mpa = self.whiskers[at].regulator.pressure_mpa();
+        self.chambers.get(at).map_or(regulated_mpa, Chamber::pressure_mpa)
+    }
+
     fn touch(&mut self, at: usize, at_us: u64) -> Vec<Doing> {
         let places = self.config.behaviour.places;
+        let pressure_mpa = self.pressure_mpa(at);
         let whisker = &mut self.whiskers[at];
         // A board does not report a contact on the chamber, nor an object out of reach.
-        let Ok(Some((reading, touch))) = whisker.plant.touch_at(places, whisker.regulator.pressure_mpa()) else {
+        let Ok(Some((reading, touch))) = whisker.plant.touch_at(places, pressure_mpa) else {
             return Vec::new();
         };
         let mut contact = contact_of(whisker, &reading, at_us);
+        if let Some(chamber) = self.chambers.get_mut(at) {
+            contact.pressure_mpa = chamber.reading_mpa();
+        }
         places.state(&mut contact, &touch, whisker.estimated_length_mm());
         match self.gauges.get_mut(at) {
             None => said(&contact),
@@ -277,13 +368,16 @@ impl Board {
     fn touch_on_request(&mut self, test: &Test, at_us: u64) -> Vec<Doing> {
         let line = &test.line;
         let turn = |list: &[f64]| list.get(usize::from(test.touches) % list.len().max(1)).copied();
+        let pressure_mpa = self.pressure_mpa(test.at);
         let whisker = &mut self.whiskers[test.at];
-        let pressure_mpa = whisker.regulator.pressure_mpa();
         let distance_mm = turn(&line.distances_mm).filter(|_| line.kind == TouchTestKind::Wall);
         match (whisker.plant.touch_on_request(distance_mm, turn(&line.deflections_mm), pressure_mpa), distance_mm) {
             (Ok(Some((reading, touch))), _) => {
                 let mut contact = contact_of(whisker, &reading, at_us);
                 contact.test_id = Some(line.test_id.clone());
+                if let Some(chamber) = self.chambers.get_mut(test.at) {
+                    contact.pressure_mpa = chamber.reading_mpa();
+                }
                 let places = if line.kind == TouchTestKind::Tip { Places::TipDistance } else { Places::Distance };
                 places.state(&mut contact, &touch, None);
                 said(&contact)
@@ -295,6 +389,12 @@ impl Board {
             (Ok(None), None) | (Err(_), _) => Vec::new(),
         }
     }
+}
+
+/// Logs a pulse that has ended.
+fn pulsed(whisker: u16, pulse: Pulse, now_us: u64) -> Doing {
+    Doing::Log(json!({"log": "pulse", "whisker": whisker, "t_us": now_us, "is_fill": pulse.is_fill,
+                      "lasted_us": pulse.lasted_us}))
 }
 
 fn contact_of(whisker: &Whisker, reading: &Reading, at_us: u64) -> Contact {

@@ -25,6 +25,16 @@ pub struct BoardPlan {
     /// Send samples of the gauges instead of contacts: 100 a second, with the way of the slide. Touches at the tip slip off
     #[arg(long)]
     pub strain: bool,
+    /// Have no regulator, but valves that the agent opens for short times (driver.regulate = true), and read the pressures 50
+    /// times a second
+    #[arg(long)]
+    pub valves: bool,
+    /// Pressure of the supply of those valves, in MPa
+    #[arg(long, default_value_t = 0.25, value_name = "MPA", requires = "valves")]
+    pub supply_mpa: f64,
+    /// Leak of the first chamber of those valves at 0.1 MPa, in MPa/s
+    #[arg(long, default_value_t = 0.0, value_name = "MPA_PER_S", requires = "valves")]
+    pub leak_mpa_per_s: f64,
     /// File to which the board appends its own log, as JSON lines
     #[arg(long, value_name = "FILE")]
     pub log_file: Option<PathBuf>,

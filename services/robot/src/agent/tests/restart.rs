@@ -1,6 +1,7 @@
 //! Restarts with a store.
 
 use super::*;
+use crate::store::file::StoreFile;
 
 /// Kept contacts messages of a boot, in an agent that was connected or not.
 fn stored(is_connected: bool) -> Stored {
@@ -154,4 +155,69 @@ fn of_many_boots_as_many_are_kept_as_a_supervisor_remembers() {
         assert!(bench.agent.messages_dropped() <= 3);
         kept = bench.stored();
     }
+}
+
+/// The records of an agent that was killed, in a file, and what its last moments were.
+fn file_of(bench: &Bench, path: &Path) -> Vec<u8> {
+    let _ = std::fs::remove_file(path);
+    let (mut file, ..) = StoreFile::open(path, 1 << 20).unwrap();
+    file.replace([]).unwrap();
+    file.append(&bench.records).unwrap();
+    std::fs::read(path).unwrap()
+}
+
+#[test]
+fn after_a_power_cut_at_any_byte_all_before_it_is_sent_and_no_setpoint_is_applied_again() {
+    let mut bench = Bench::running();
+    bench.order(7, 0.12);
+    let applied = bench.setpoint(7, 0.12);
+    for _ in 0..3 {
+        bench.touch(0);
+        bench.run(0.2);
+    }
+    bench.receipt("b1", 1);
+    bench.touch(0);
+    bench.run(0.2);
+    bench.order(9, 0.11);
+    let folder = std::env::temp_dir().join(format!("vibrissa-robot-cut-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("outbox");
+    let whole = file_of(&bench, &path);
+    let feeds: Vec<usize> = (0..whole.len()).filter(|&at| whole[at] == b'\n').collect();
+    for length in 0..=whole.len() {
+        std::fs::write(&path, &whole[..length]).unwrap();
+        let (_file, stored, damage) = StoreFile::open(&path, 1 << 20).unwrap();
+        assert_eq!(damage.lines, 0, "at {length}");
+        // A record is whole without its line feed. The first line is the head.
+        let records = feeds.iter().filter(|&&feed| feed <= length).count().saturating_sub(1);
+        let mut expected = Stored::default();
+        for record in &bench.records[..records] {
+            expected.take(record.clone());
+        }
+        assert_eq!(stored, expected, "at {length}");
+        let kept: Vec<u64> = expected.boots.iter().flat_map(|boot| boot.messages.keys().copied()).collect();
+        let newest = expected.seen.get(&(left(), 0)).map(|&(_, version)| version);
+
+        let mut next = Bench::after(|_| {}, "b2", stored, START + 60 * S);
+        next.step(Input::Connected);
+        next.step(Input::DriverStarted);
+        next.read(0, 0.1);
+        let sent: Vec<u64> = next
+            .take()
+            .0
+            .into_iter()
+            .filter_map(|m| if let Message::Contacts(c) = m { Some(c.seq) } else { None })
+            .collect();
+        assert_eq!(sent, kept, "at {length}");
+        // The orders of before come again, as they were and with the new boot.
+        next.send(RobotTopic::Setpoint, &applied);
+        assert_eq!(next.outcomes(), [(SetpointOutcome::Rejected, Some(SetpointError::WrongBoot))], "at {length}");
+        if let Some(newest) = newest {
+            let again = Setpoint { command_id: "again".to_owned(), ..next.setpoint(newest, 0.12) };
+            next.send(RobotTopic::Setpoint, &again);
+            assert_eq!(next.outcomes(), [(SetpointOutcome::Rejected, Some(SetpointError::Stale))], "at {length}");
+        }
+        assert!(next.pressures(0).iter().all(|&mpa| mpa == 0.1), "at {length}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
 }

@@ -65,8 +65,8 @@ fn numbers(stored: &Stored) -> Vec<u64> {
 fn what_is_appended_is_read_after_a_kill() {
     let folder = Folder::new("kill");
     written(&folder, &some_records());
-    let (_file, stored, damaged) = StoreFile::open(&folder.file(), 1 << 20).unwrap();
-    assert_eq!((numbers(&stored), damaged), (vec![1, 3], 0));
+    let (_file, stored, damage) = StoreFile::open(&folder.file(), 1 << 20).unwrap();
+    assert_eq!((numbers(&stored), damage), (vec![1, 3], Damage::default()));
     assert_eq!((stored.boots[0].births, stored.boots[0].is_known), (1, true));
     assert_eq!(stored.seen[&(Name::new("left").unwrap(), 3)], (7, 9));
     assert!(stored.boots[0].messages[&3].bytes().starts_with(b"{\"boot_id\":\"b1\",\"seq\":3"));
@@ -81,8 +81,8 @@ fn a_file_that_was_torn_anywhere_gives_the_records_before() {
     // Without the last line feed the receipt is whole.
     for length in 0..whole.len() - 1 {
         fs::write(folder.file(), &whole[..length]).unwrap();
-        let (mut file, stored, damaged) = StoreFile::open(&folder.file(), 1 << 20).unwrap();
-        assert_eq!(damaged, 0, "at {length}");
+        let (mut file, stored, damage) = StoreFile::open(&folder.file(), 1 << 20).unwrap();
+        assert_eq!((damage.lines, damage.aside), (0, None), "at {length}");
         let messages = numbers(&stored).len();
         assert!(messages >= before, "at {length}");
         before = messages;
@@ -104,8 +104,77 @@ fn a_damaged_record_is_left_out_and_counted() {
     let mut broken = whole.clone();
     broken[line + 6] = b'4';
     fs::write(folder.file(), &broken).unwrap();
-    let (_file, stored, damaged) = StoreFile::open(&folder.file(), 1 << 20).unwrap();
-    assert_eq!((numbers(&stored), damaged), (vec![1], 1));
+    let (mut file, stored, damage) = StoreFile::open(&folder.file(), 1 << 20).unwrap();
+    assert_eq!((numbers(&stored), damage.lines), (vec![1], 1));
+    // The file goes on without the line; the damaged one is kept.
+    file.replace([]).unwrap();
+    assert_eq!(fs::read(damage.aside.unwrap()).unwrap(), broken);
+}
+
+/// The state after these records.
+fn state(records: impl IntoIterator<Item = Record>) -> Stored {
+    let mut stored = Stored::default();
+    records.into_iter().for_each(|record| stored.take(record));
+    stored
+}
+
+#[test]
+fn a_changed_byte_costs_no_more_than_its_line() {
+    let folder = Folder::new("flipped");
+    let records = some_records();
+    written(&folder, &records);
+    let whole = fs::read(folder.file()).unwrap();
+    for at in 0..whole.len() {
+        // The head is line 0, and record `line` - 1 is on the line.
+        let line = whole[..at].iter().filter(|&&byte| byte == b'\n').count();
+        for to in [whole[at] ^ 1, whole[at] ^ 0x80, 0, b'\n'] {
+            let mut broken = whole.clone();
+            broken[at] = to;
+            fs::write(folder.file(), &broken).unwrap();
+            let opened = StoreFile::open(&folder.file(), 1 << 20);
+            if broken.starts_with(b"vibrissa-robot outbox 0\n") {
+                let refused = opened.unwrap_err().to_string();
+                assert!(refused.contains("no outbox of this version"), "{refused}");
+                continue;
+            }
+            let (_file, stored, damage) = opened.unwrap();
+            // Without its line feed, a line takes the next one with it.
+            let is_joined = whole[at] == b'\n' && to != b'\n';
+            let kept = records.iter().enumerate().filter(|(number, _)| {
+                let its_line = number + 1;
+                to == whole[at] || its_line != line && !(is_joined && its_line == line + 1)
+            });
+            assert_eq!(stored, state(kept.map(|(_, record)| record.clone())), "byte {at} is {to}");
+            // Only the last line may be taken for a torn one.
+            let is_torn = is_joined && at + 1 == whole.len();
+            assert_eq!(damage.lines > 0, to != whole[at] && !is_torn, "byte {at} is {to}: {damage:?}");
+        }
+    }
+}
+
+#[test]
+fn an_end_that_a_power_cut_left_as_zeros_costs_only_itself() {
+    let folder = Folder::new("zeros");
+    let records = some_records();
+    written(&folder, &records);
+    let whole = fs::read(folder.file()).unwrap();
+    for length in 0..whole.len() {
+        for fill in [0, 0xff, b'\n'] {
+            let mut cut = whole[..length].to_vec();
+            cut.resize(whole.len() + 100, fill);
+            fs::write(folder.file(), &cut).unwrap();
+            let opened = StoreFile::open(&folder.file(), 1 << 20);
+            // Line feeds alone, or 0xff alone, are no sign of an outbox.
+            if length < 12 && fill != 0 {
+                continue;
+            }
+            let lines = whole[..length].iter().filter(|&&byte| byte == b'\n').count();
+            let is_complete = fill == b'\n' && whole[length] == b'\n';
+            let before = (lines + usize::from(is_complete)).saturating_sub(1);
+            let expected = state(records[..before].iter().cloned());
+            assert_eq!(opened.unwrap().1, expected, "{length} bytes and {fill}");
+        }
+    }
 }
 
 #[test]
@@ -133,6 +202,10 @@ fn a_file_of_another_version_or_in_use_is_refused_and_stays() {
     let refused = StoreFile::open(&folder.file(), 1).unwrap_err().to_string();
     assert!(refused.contains("no outbox of this version"), "{refused}");
     assert_eq!(fs::read(folder.file()).unwrap(), b"vibrissa-robot outbox 2\nx\n");
+    // Nor is the file of somebody else touched.
+    fs::write(folder.file(), "root:x:0:0\n").unwrap();
+    assert!(StoreFile::open(&folder.file(), 1).unwrap_err().to_string().contains("no outbox of this version"));
+    assert_eq!(fs::read(folder.file()).unwrap(), b"root:x:0:0\n");
     fs::remove_file(folder.file()).unwrap();
     let _first = StoreFile::open(&folder.file(), 1).unwrap();
     let refused = StoreFile::open(&folder.file(), 1).unwrap_err().to_string();
