@@ -44,6 +44,17 @@ pub struct WaitingEvents {
     pub events: Vec<WaitingEvent>,
     /// Whether some cannot be read.
     pub is_damaged: bool,
+    /// Bytes of the serialized events.
+    pub bytes: i64,
+}
+
+/// Size of what waits in the outbox.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct OutboxSize {
+    /// Number of transactions.
+    pub transactions: i64,
+    /// Bytes of their serialized events.
+    pub bytes: i64,
 }
 
 from_row! {
@@ -58,7 +69,7 @@ from_row! {
 impl From<StoredEvents> for WaitingEvents {
     fn from(row: StoredEvents) -> Self {
         let StoredEvents { shard, epoch, number, events: bytes } = row;
-        let (mut rest, mut events) = (bytes.as_slice(), Vec::new());
+        let (mut rest, mut events, size) = (bytes.as_slice(), Vec::new(), bytes.len() as i64);
         let mut is_damaged = false;
         while let Some((version, event)) = rest.split_first() {
             rest = event;
@@ -70,7 +81,17 @@ impl From<StoredEvents> for WaitingEvents {
                 }
             }
         }
-        Self { shard, epoch, number, events, is_damaged }
+        Self { shard, epoch, number, events, is_damaged, bytes: size }
+    }
+}
+
+impl EventRow {
+    /// Bytes that the event takes in the outbox.
+    #[must_use]
+    pub fn serialized_bytes(&self) -> usize {
+        // The version, the kind, and a length before each of the two texts.
+        const BESIDE_TEXTS: usize = 1 + 1 + 4 + 4;
+        BESIDE_TEXTS + self.robot.len() + self.body.len()
     }
 }
 
@@ -79,7 +100,7 @@ pub(crate) fn row<'b>(lease: &'b Lease, events: &[EventRow]) -> Option<OutboxRow
     if events.is_empty() {
         return None;
     }
-    let mut bytes = Vec::new();
+    let mut bytes = Vec::with_capacity(events.iter().map(EventRow::serialized_bytes).sum());
     for EventRow { robot, is_contacts, body, .. } in events {
         // Writing to memory cannot fail.
         let _ = (VERSION, robot, is_contacts, body).serialize(&mut bytes);
@@ -142,19 +163,21 @@ impl Store {
         Ok(rows.into_iter().map(Into::into).collect())
     }
 
-    /// Number of transactions of a shard whose events wait.
+    /// Size of a shard's waiting events. It reads each row's length, but not its events.
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn waiting_transactions(&self, shard: &FleetShard) -> Result<i64, StoreError> {
-        const SQL: &str = "SELECT count(*) FROM event_outbox WHERE fleet = $1 AND shard % $2 = $3";
-        on!(&self.pool, |pool| sqlx::query_scalar(SQL)
+    pub async fn outbox_size(&self, shard: &FleetShard) -> Result<OutboxSize, StoreError> {
+        const SQL: &str = "SELECT count(*), CAST(COALESCE(sum(length(events)), 0) AS BIGINT) FROM event_outbox \
+             WHERE fleet = $1 AND shard % $2 = $3";
+        let (transactions, bytes): (i64, i64) = on!(&self.pool, |pool| sqlx::query_as(SQL)
             .bind(shard.fleet().as_str())
             .bind(i64::from(shard.count()))
             .bind(i64::from(shard.number()))
             .fetch_one(pool)
             .await)
-        .map_err(failed("count the outbox of events"))
+        .map_err(failed("measure the outbox of events"))?;
+        Ok(OutboxSize { transactions, bytes })
     }
 
     /// Deletes events that the log has acknowledged, and all older ones of their shards. No lease is needed: they are
@@ -206,5 +229,13 @@ mod tests {
             let read = read(damaged);
             assert_eq!((read.events.len(), read.is_damaged), (left, true));
         }
+    }
+
+    #[test]
+    fn an_event_knows_its_size() {
+        let event =
+            EventRow { robot_id: 1, robot: "robot".to_owned(), is_contacts: true, body: r#"{"n":1}"#.to_owned() };
+        let bytes = borsh::to_vec(&(VERSION, &event.robot, event.is_contacts, &event.body)).unwrap();
+        assert_eq!(event.serialized_bytes(), bytes.len());
     }
 }

@@ -10,7 +10,6 @@ use vibrissa_store::shards::NotDivided;
 use vibrissa_store::{Lease, LossCause, StoreError};
 
 use crate::fleet::{Shared, engine_options};
-use crate::kafka::Kafka;
 
 /// Changes the number of a fleet's shards to `count`, under the leases of all its shards. Leases that still hold afterwards
 /// are released.
@@ -43,9 +42,10 @@ pub(crate) async fn divide(held: Vec<Lease>, count: u32, shared: Shared) {
 
 /// Writes checkpoints of all robots. Returns false if the database rejects some.
 async fn drained(held: &[Lease], shared: &Shared) -> Result<bool, StoreError> {
-    // The rows of intents may have events.
-    let sink = shared.kafka.as_ref().and_then(Kafka::sink);
     for lease in held {
+        // The rows of intents may have events.
+        let metrics = shared.metrics.of_shard(lease.shard());
+        let sink = shared.kafka.as_ref().and_then(|kafka| kafka.sink(lease.shard(), &metrics));
         let lost = || StoreError::LeaseLost {
             fleet: lease.shard().to_string(),
             epoch: lease.epoch(),

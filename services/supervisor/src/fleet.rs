@@ -120,7 +120,7 @@ impl Fleet {
 async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>, mut stop: watch::Receiver<bool>) {
     let shard = lease.shard().clone();
     let metrics = shared.metrics.of_shard(&shard);
-    let events = shared.kafka.as_ref().and_then(Kafka::sink);
+    let events = shared.kafka.as_ref().and_then(|kafka| kafka.sink(&shard, &metrics));
     let engine = tokio::select! {
         engine = take_up(&lease, &shared, events.as_ref()) => engine,
         () = stopped(&mut stop) => None,

@@ -43,13 +43,15 @@ pub struct KafkaOptions {
     pub ingest: Option<String>,
 }
 
-/// Topics of published events.
+/// Topics of published events, and the limit of those that wait.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct EventTopics {
     /// Topic of all events but contacts.
     pub events: String,
     /// Topic of contacts; `None` if these are not published.
     pub contacts: Option<String>,
+    /// MiB of a fleet's waiting events from which its contacts are left out; its shards share them equally.
+    pub waiting_mib_max: u32,
 }
 
 /// Whether a text can be the name of a topic.

@@ -32,7 +32,7 @@ impl Kafka {
         if options.publish.is_some() || options.ingest.is_some() { Err(KafkaError) } else { Ok(None) }
     }
 
-    pub(crate) fn sink(&self) -> Option<EventSink> {
+    pub(crate) fn sink(&self, _: &FleetShard, _: &FleetMetrics) -> Option<EventSink> {
         match self.0 {}
     }
 

@@ -2,6 +2,7 @@
 
 mod bridge;
 mod ingested;
+mod left_out;
 mod published;
 mod shared;
 mod stage;

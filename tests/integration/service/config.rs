@@ -110,6 +110,7 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::KafkaSasl => ["plain", "scram-sha-256", "plain"],
         Key::KafkaIngestTopic | Key::KafkaEventsTopic | Key::KafkaContactsTopic => ["t0", "t1", "t2"],
         Key::KafkaPublishContacts => ["none", "all", "none"],
+        Key::KafkaWaitingMibMax => ["5", "50", "500"],
         Key::HttpListen => ["127.0.0.1:81", "127.0.0.1:82", "[::1]:83"],
         Key::HttpTokenFile => ["token0", "token1", "token2"],
         Key::HttpOidcIssuer | Key::HttpOidcJwksUrl => ["https://i0.example", "https://i1.example", "http://[::1]:9"],
@@ -154,9 +155,11 @@ fn companions(key: Key) -> &'static [&'static str] {
         Key::KafkaUsername => &["--publish=kafka", "--kafka-url=kafka://h:9092", "--kafka-password-file=file0"],
         Key::KafkaPasswordFile => &["--publish=kafka", "--kafka-url=kafka://h:9092", "--kafka-username=u"],
         Key::KafkaCaFile => &["--publish=kafka", "--kafka-url=kafkas://h:9093"],
-        Key::KafkaSasl | Key::KafkaEventsTopic | Key::KafkaContactsTopic | Key::KafkaPublishContacts => {
-            &["--publish=kafka", "--kafka-url=kafka://h:9092"]
-        }
+        Key::KafkaSasl
+        | Key::KafkaEventsTopic
+        | Key::KafkaContactsTopic
+        | Key::KafkaPublishContacts
+        | Key::KafkaWaitingMibMax => &["--publish=kafka", "--kafka-url=kafka://h:9092"],
         Key::HttpOidcIssuer => &["--http-oidc-audience=a"],
         Key::HttpOidcAudience => &["--http-oidc-issuer=https://i.example"],
         Key::HttpOidcClientId => {

@@ -1,6 +1,7 @@
 //! Events that a partitioned log carries to other programs: `docs/event.schema.json` describes them.
 
 mod parts;
+mod room;
 
 use std::sync::Arc;
 
@@ -10,6 +11,7 @@ use utoipa::ToSchema;
 use vibrissa_store::time::Time;
 
 pub use parts::*;
+pub(crate) use room::OutboxRoom;
 
 /// Version of the format. It rises if a field is removed or changes its meaning; new fields may come without a new version.
 pub(crate) const VERSION: u32 = 1;
@@ -38,6 +40,8 @@ pub struct EventId {
 pub enum EventType {
     /// Contacts that a robot reported in one message, and the estimates after them.
     Contacts,
+    /// Contacts of a robot are missing from here to its next `CONTACTS` event: too many events waited for the log.
+    ContactsLeftOut,
     /// A trim was detected.
     Trim,
     /// The policy has decided about a trimmed whisker.
@@ -112,6 +116,8 @@ pub(crate) struct EventSink {
     pub(crate) has_contacts: bool,
     /// Notified when a transaction with events is committed.
     pub(crate) committed: Arc<Notify>,
+    /// Room for contacts.
+    pub(crate) room: Arc<OutboxRoom>,
 }
 
 /// The published text of an event: its name before its other fields.

@@ -13,6 +13,11 @@ pub struct ContactsPart {
     /// Sequence number of the message in its boot.
     #[schema(minimum = 0)]
     pub seq: u64,
+    /// Accepted contacts of the robot that were left out before this event, because too many events waited for the log.
+    /// Missing if there are none. Those before a restart of the supervisor are not counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 1)]
+    pub left_out: Option<u64>,
     /// The accepted contacts, in order.
     pub contacts: Vec<ContactPart>,
 }

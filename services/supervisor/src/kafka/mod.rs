@@ -7,13 +7,14 @@ mod publisher;
 mod reader;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI64};
 
 use tokio::sync::Notify;
 use tokio::task::JoinHandle;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_store::Store;
 
-use crate::events::EventSink;
+use crate::events::{EventSink, OutboxRoom};
 use crate::kafka_options::{EventTopics, KafkaOptions};
 use crate::metrics::FleetMetrics;
 use client::Connector;
@@ -50,9 +51,16 @@ impl Kafka {
     }
 
     /// Where the engine of a shard reports events; `None` if they are not published.
-    pub(crate) fn sink(&self) -> Option<EventSink> {
-        let topics = self.publish.as_ref()?;
-        Some(EventSink { has_contacts: topics.contacts.is_some(), committed: Arc::new(Notify::new()) })
+    pub(crate) fn sink(&self, shard: &FleetShard, metrics: &FleetMetrics) -> Option<EventSink> {
+        let EventTopics { contacts, waiting_mib_max, .. } = self.publish.as_ref()?;
+        let room = OutboxRoom {
+            shard: shard.clone(),
+            metrics: metrics.clone(),
+            bytes_max: i64::from(*waiting_mib_max) * 1024 * 1024 / i64::from(shard.count()),
+            bytes: AtomicI64::new(0),
+            is_full: AtomicBool::new(false),
+        };
+        Some(EventSink { has_contacts: contacts.is_some(), committed: Arc::new(Notify::new()), room: Arc::new(room) })
     }
 
     /// Publishes the events of a shard until the result is dropped.
@@ -64,7 +72,14 @@ impl Kafka {
         sink: EventSink,
     ) -> Option<Task> {
         let topics = self.publish.clone()?;
-        let publisher = Publisher::new(self.connector.clone(), topics, store.clone(), shard.clone(), metrics.clone());
+        let publisher = Publisher {
+            connector: self.connector.clone(),
+            topics,
+            store: store.clone(),
+            shard: shard.clone(),
+            metrics: metrics.clone(),
+            room: sink.room,
+        };
         Some(Task(tokio::spawn(publisher.run(sink.committed))))
     }
 }

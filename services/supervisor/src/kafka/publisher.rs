@@ -6,6 +6,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use futures_util::future::try_join_all;
@@ -13,7 +14,7 @@ use rskafka::chrono::{DateTime, Utc};
 use rskafka::client::partition::{Compression, PartitionClient};
 use rskafka::record::Record;
 use tokio::sync::Notify;
-use tokio::time::timeout;
+use tokio::time::{Instant, timeout};
 use tracing::{error, info, warn};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::shard::{FleetShard, robot_hash};
@@ -22,22 +23,25 @@ use vibrissa_store::outbox::{WaitingEvent, WaitingEvents};
 
 use super::client::{Connector, KafkaError, Log, within};
 use crate::backoff::Backoff;
-use crate::events::{EventId, published};
+use crate::events::{EventId, OutboxRoom, published};
 use crate::kafka_options::EventTopics;
 use crate::metrics::FleetMetrics;
 
 /// Interval between two looks into the outbox without a notice.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// Interval between two measurements of the outbox while the log takes events.
+const MEASURE_EVERY: Duration = Duration::from_secs(60);
 /// Bytes of the records of one write, less than the brokers' usual limit of 1 MiB.
 const WRITE_BYTES: usize = 512 * 1024;
 
 /// Publishes the events of one shard.
 pub(super) struct Publisher {
-    connector: Connector,
-    topics: EventTopics,
-    store: Store,
-    shard: FleetShard,
-    metrics: FleetMetrics,
+    pub(super) connector: Connector,
+    pub(super) topics: EventTopics,
+    pub(super) store: Store,
+    pub(super) shard: FleetShard,
+    pub(super) metrics: FleetMetrics,
+    pub(super) room: Arc<OutboxRoom>,
 }
 
 /// Why a round failed.
@@ -50,20 +54,16 @@ enum RoundError {
 }
 
 impl Publisher {
-    pub(super) fn new(
-        connector: Connector,
-        topics: EventTopics,
-        store: Store,
-        shard: FleetShard,
-        metrics: FleetMetrics,
-    ) -> Self {
-        Self { connector, topics, store, shard, metrics }
-    }
-
     /// Publishes again and again; never ends.
     pub(super) async fn run(self, committed: Arc<Notify>) {
         let (mut log, mut backoff, mut is_failing) = (None, Backoff::default(), false);
+        let mut measured = Instant::now();
+        self.measure().await;
         loop {
+            if measured.elapsed() >= MEASURE_EVERY {
+                measured = Instant::now();
+                self.measure().await;
+            }
             match self.round(&mut log).await {
                 Ok(rows) => {
                     if is_failing {
@@ -72,6 +72,7 @@ impl Publisher {
                     (backoff, is_failing) = (Backoff::default(), false);
                     if rows == 0 {
                         self.metrics.outbox_transactions.set(0);
+                        self.show_bytes(0);
                         // Without a notice, for instance of events that the last owner has left.
                         let _ = timeout(LOOK_EVERY, committed.notified()).await;
                     }
@@ -83,12 +84,24 @@ impl Publisher {
                     }
                     log = None;
                     backoff.wait().await;
-                    if let Ok(waiting) = self.store.waiting_transactions(&self.shard).await {
-                        self.metrics.outbox_transactions.set(waiting);
-                    }
+                    measured = Instant::now();
+                    self.measure().await;
                 }
             }
         }
+    }
+
+    /// Measures the outbox. Without an answer of the database the last size, and what was added to it, go on to count.
+    async fn measure(&self) {
+        if let Ok(size) = self.store.outbox_size(&self.shard).await {
+            self.metrics.outbox_transactions.set(size.transactions);
+            self.show_bytes(size.bytes);
+        }
+    }
+
+    fn show_bytes(&self, bytes: i64) {
+        self.room.bytes.store(bytes, Ordering::Relaxed);
+        self.metrics.outbox_bytes.set(bytes);
     }
 
     /// Publishes the oldest rows; returns their number.
@@ -107,6 +120,8 @@ impl Publisher {
         }
         try_join_all(writes).await?;
         self.store.events_are_published(&self.shard, &rows).await?;
+        let bytes: i64 = rows.iter().map(|row| row.bytes).sum();
+        self.room.bytes.fetch_sub(bytes, Ordering::Relaxed);
         Ok(rows.len())
     }
 
@@ -118,7 +133,7 @@ impl Publisher {
     ) -> Result<BTreeMap<(&str, u32), VecDeque<Record>>, KafkaError> {
         let mut all: BTreeMap<(&str, u32), VecDeque<Record>> = BTreeMap::new();
         for row in rows {
-            let WaitingEvents { shard, epoch, number, events, is_damaged } = row;
+            let WaitingEvents { shard, epoch, number, events, is_damaged, bytes: _ } = row;
             if *is_damaged {
                 self.metrics.events_lost.inc();
                 error!(fleet = %self.shard, shard, epoch, number, "cannot read the rest of these events, it is lost");

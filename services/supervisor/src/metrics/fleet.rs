@@ -195,6 +195,12 @@ of_fleet! {
     /// Transactions whose events wait for the log.
     outbox_transactions: IntGauge = "vibrissa_kafka_outbox_transactions",
         "Transactions whose events wait in the database because the log does not take them.";
+    /// Bytes of events that wait for the log.
+    outbox_bytes: IntGauge = "vibrissa_kafka_outbox_bytes",
+        "Bytes of the events that wait in the database because the log does not take them.";
+    /// Contacts that are not published because too many events wait.
+    contacts_left_out: IntCounter = "vibrissa_kafka_contacts_left_out_total",
+        "Contacts that are not published because the events that wait have reached kafka.waiting_mib_max.";
 
     /// 1 while the owner takes contacts from the log, else 0.
     log_ingest: IntGauge = "vibrissa_kafka_ingest",
@@ -304,6 +310,7 @@ impl FleetMetrics {
             &self.broker_connected,
             &self.robots_suspect,
             &self.outbox_transactions,
+            &self.outbox_bytes,
             &self.log_connected,
             &self.log_lag,
         ] {

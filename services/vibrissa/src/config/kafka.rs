@@ -15,6 +15,7 @@ pub(super) fn kafka(reader: &mut Reader) -> Option<KafkaOptions> {
     let url = reader.parsed(Key::KafkaUrl, addresses);
     let (events, contacts) = (topic(reader, Key::KafkaEventsTopic), topic(reader, Key::KafkaContactsTopic));
     let publish_contacts = reader.word::<PublishContactsArg>(Key::KafkaPublishContacts);
+    let waiting_mib_max = reader.whole(Key::KafkaWaitingMibMax);
     let credentials = credentials(reader);
     let ca_file = reader.file(Key::KafkaCaFile);
     let (publishes, ingests) = (publish? == LogArg::Kafka, ingest? == IngestArg::Kafka);
@@ -40,8 +41,11 @@ pub(super) fn kafka(reader: &mut Reader) -> Option<KafkaOptions> {
         reader.refuse(Key::KafkaCaFile, "has no effect on a plain-text connection: write kafka.url with kafkas://");
     }
     let contacts = contacts?;
-    let topics =
-        EventTopics { events: events?, contacts: (publish_contacts? == PublishContactsArg::All).then_some(contacts) };
+    let topics = EventTopics {
+        events: events?,
+        contacts: (publish_contacts? == PublishContactsArg::All).then_some(contacts),
+        waiting_mib_max: waiting_mib_max?,
+    };
     let (publish, ingest) = (publishes.then_some(topics), ingest_topic.filter(|_| ingests));
     Some(KafkaOptions { brokers, is_encrypted, ca_file, credentials, publish, ingest })
 }

@@ -226,6 +226,8 @@ policy_numbers! { keys {
         "Topic of contacts";
     KafkaPublishContacts: "kafka.publish_contacts", Kind::Text, Some(r#""all""#),
         "Contacts to publish: all or none";
+    KafkaWaitingMibMax: "kafka.waiting_mib_max", Kind::Whole { min: 1, max: 1_048_576 }, Some("4096"),
+        "MiB of a fleet's events that wait for Kafka, in the database; beyond them contacts are left out";
     WebhooksAllowedHosts: "webhooks.allowed_hosts", Kind::Texts, Some("[]"),
         "Hosts that webhooks may reach at private addresses, as in their URLs: names such as hooks.lan, or addresses";
     MetricsSeries: "metrics.series", Kind::Text, Some(r#""fleets""#),

@@ -1,5 +1,7 @@
 //! Events for other programs, made from the core's effects beside the rows.
 
+use std::collections::BTreeMap;
+
 use vibrissa_core::robot::effect::{
     Command, CommandKey, CommandState, CompensationError, ContactRecord, Decision, Effect, Trim, WhiskerIndex,
 };
@@ -24,11 +26,13 @@ pub(crate) struct EventMaker {
     sink: EventSink,
     /// Contacts of the current message.
     contacts: Vec<ContactPart>,
+    /// Number of contacts that are left out since the last event of contacts, by the robot's number in the database.
+    left_out: BTreeMap<i64, u64>,
 }
 
 impl EventMaker {
     pub(crate) fn new(sink: EventSink) -> Self {
-        Self { sink, contacts: Vec::new() }
+        Self { sink, contacts: Vec::new(), left_out: BTreeMap::new() }
     }
 }
 
@@ -55,14 +59,28 @@ impl Stepper {
 
     /// Adds the event of a message's contacts, if there are any.
     pub(super) fn tell_contacts(&mut self, known: &KnownRobot, now: Micros, source: Option<Source<'_>>) {
-        let Some(contacts) = self.events.as_mut().map(|maker| std::mem::take(&mut maker.contacts)) else { return };
+        let Some(maker) = &mut self.events else { return };
+        let contacts = std::mem::take(&mut maker.contacts);
         let Some(source) = source.filter(|_| !contacts.is_empty()) else { return };
-        let (boot_id, seq) = (source.message.boot_id.as_str().to_owned(), source.message.seq);
         let event = Event {
             timestamp: Time(now.0 as i64),
             fleet: self.fleet.as_str().to_owned(),
-            contacts: Some(ContactsPart { boot_id, seq, contacts }),
             ..Event::none(known.name.as_str())
+        };
+        let event = if maker.sink.room.is_full() {
+            let more = contacts.len() as u64;
+            maker.sink.room.leave_out(more);
+            let left_out = maker.left_out.entry(known.robot_id).or_default();
+            *left_out += more;
+            if *left_out > more {
+                return;
+            }
+            // Written now, because a restart forgets the number.
+            Event { kind: EventType::ContactsLeftOut, ..event }
+        } else {
+            let left_out = maker.left_out.remove(&known.robot_id);
+            let (boot_id, seq) = (source.message.boot_id.as_str().to_owned(), source.message.seq);
+            Event { contacts: Some(ContactsPart { boot_id, seq, left_out, contacts }), ..event }
         };
         self.add_event(known, &event);
     }
@@ -70,12 +88,16 @@ impl Stepper {
     fn add_event(&mut self, known: &KnownRobot, event: &Event) {
         // An event has texts and numbers only, and infinite numbers become null.
         let Ok(body) = serde_json::to_string(event) else { return };
-        self.batch.rows_mut().events.push(EventRow {
+        let row = EventRow {
             robot_id: known.robot_id,
             robot: event.robot.clone(),
-            is_contacts: event.contacts.is_some(),
+            is_contacts: matches!(event.kind, EventType::Contacts | EventType::ContactsLeftOut),
             body,
-        });
+        };
+        if let Some(maker) = &self.events {
+            maker.sink.room.add(&row);
+        }
+        self.batch.rows_mut().events.push(row);
     }
 }
 
