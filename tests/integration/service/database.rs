@@ -29,6 +29,13 @@ impl Database {
         Self { pool: SqlitePoolOptions::new().max_connections(1).connect_with(options).await.unwrap() }
     }
 
+    /// Runs a query for one number; 0 while the database or its table does not exist yet.
+    pub(crate) async fn early_number(path: &Path, sql: &'static str) -> i64 {
+        let options = SqliteConnectOptions::new().filename(path).read_only(true);
+        let Ok(pool) = SqlitePoolOptions::new().max_connections(1).connect_with(options).await else { return 0 };
+        sqlx::query_scalar(sql).fetch_one(&pool).await.unwrap_or(0)
+    }
+
     /// Runs a query for one number.
     pub(crate) async fn number(&self, sql: &'static str) -> i64 {
         sqlx::query_scalar(sql).fetch_one(&self.pool).await.unwrap_or_else(|error| panic!("{sql}: {error}"))

@@ -157,8 +157,11 @@ async fn no_contact_is_missing_or_there_twice_when_the_supervisor_is_killed_agai
     let broker = Mosquitto::start();
     let folder = tempfile::tempdir().unwrap();
     let fleet = start_fleet(&broker);
-    for _ in 0..4 {
-        let program = Program::start(&database_in(&folder), broker.port());
+    let database = database_in(&folder);
+    let owners = async || Database::early_number(&database, "SELECT count(*) FROM epochs").await;
+    for number in 1..5 {
+        let program = Program::start(&database, broker.port());
+        until_true("the supervisor owns the fleet", async || owners().await == number).await;
         more_contacts(&fleet, 150).await;
         program.end(Ending::Killed).await;
     }

@@ -10,10 +10,10 @@ use crate::estimation::gain_walk::Wandering;
 const STEP_LOG_RATIO: f64 = 9.0;
 /// The same for an unsteady whisker whose noise lasts from contact to contact: on it, slow nuisances that look like neither of
 /// the two exceed a low limit by chance within some hundred contacts. A step that never does is followed as a wandering gain.
-/// With 9 the mix of nuisances gives 0.78 false trims in a million contacts, and with 22 it gives 0.18. It costs a tenth of
-/// the reports of 3 mm, nearly half of those of 2 mm, and none of larger cuts.
+/// With 9 the mix of nuisances gives 0.74 false trims in a million contacts, and with 22 it gives 0.33. It costs a tenth of
+/// the reports of 3 mm, a third of those of 2 mm, and none of larger cuts.
 const LASTING_STEP_LOG_RATIO: f64 = 22.0;
-/// Inflation by correlation from which noise counts as lasting. Without this condition the mix gives 0.06 false trims, but
+/// Inflation by correlation from which noise counts as lasting. Without this condition the mix gives 0.05 false trims, but
 /// whiskers with independent noise of more than their robot states pay for it: 2 mm take 211 contacts instead of 82. One in
 /// six of them is above this value by chance.
 const LASTING_INFLATION: f64 = 1.05;
