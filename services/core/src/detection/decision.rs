@@ -83,7 +83,7 @@ impl Detector {
             Some(explained) if self.lead(&explained, &wandering) >= 0.0 => {
                 Verdict::Changed(Change::of(&self.candidates, &explained))
             }
-            // More contacts decide, but not for ever.
+            // More contacts decide, within the limit of patience.
             Some(_) | None if impatient => Verdict::Wandered,
             Some(_) | None => Verdict::Looking,
         }
