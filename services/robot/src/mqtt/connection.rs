@@ -35,7 +35,7 @@ pub(super) enum Report {
     Gone(String),
 }
 
-/// What is known of an attempt, to explain its failure.
+/// An attempt to connect, which explains its failure.
 pub(super) struct Attempt {
     pub(super) broker: Broker,
     /// Host of the node.

@@ -37,7 +37,7 @@ pub enum StoreError {
     InUse(PathBuf),
 }
 
-/// What could not be read of a file.
+/// Unreadable parts of a file.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Damage {
     /// Damaged lines, which are left out.
@@ -94,7 +94,7 @@ impl StoreFile {
         };
         if damage.lines > 0 {
             let aside = beside(path, "damaged");
-            // The agent starts with what is left, also if the disk is full.
+            // The agent starts with the other lines, even if the disk is full.
             damage.aside = std::fs::copy(path, &aside).is_ok().then_some(aside);
         }
         let file = OpenOptions::new().create(true).append(true).open(path).map_err(refused("open"))?;

@@ -115,7 +115,7 @@ impl Log {
         writer.write_all(&said).await.is_ok() && writer.flush().await.is_ok()
     }
 
-    /// Logs what is to be logged.
+    /// Writes the line of an action to the log.
     fn keep(&mut self, doing: &Doing) {
         if let (Doing::Log(line), Some(file)) = (doing, &mut self.0) {
             // A log that cannot be written would make the test that reads it fail.

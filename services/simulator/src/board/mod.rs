@@ -231,7 +231,7 @@ impl Board {
         ended.map(|pulse| pulsed(whisker, pulse, now_us)).into_iter().chain([Doing::Log(log)]).collect()
     }
 
-    /// What a board with valves does without an agent: nothing that it says is heard.
+    /// Actions of a board with valves while no agent hears it.
     pub fn alone(&mut self, now_us: u64) -> Vec<Doing> {
         let mut doings = Vec::new();
         if !self.chambers.is_empty() {

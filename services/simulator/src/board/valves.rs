@@ -24,7 +24,7 @@ const TAU_S: f64 = 1.0;
 /// Longest pulse that the board obeys, in microseconds.
 const PULSE_MAX_US: u64 = 1_000_000;
 
-/// What the agent asks of the valves.
+/// Order of the agent to the valves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub(super) enum Opening {
@@ -67,7 +67,7 @@ impl Chamber {
         Self { pressure_mpa, open: None, fill: 0.0, vent: 0.0, supply_mpa, leak_mpa_per_s, at_us: now_us, noise }
     }
 
-    /// True pressure.
+    /// Pressure without the error of the sensor, MPa.
     pub(super) fn pressure_mpa(&self) -> f64 {
         self.pressure_mpa
     }
