@@ -174,8 +174,12 @@ impl Store {
         }
     }
 
-    /// Closes all connections; SQLite then needs no files beside the database file.
+    /// Closes all connections for queries, and unlocks an SQLite file; SQLite then needs no files beside the database
+    /// file. Writers must have ended: another supervisor may write from now on.
     pub async fn close(&self) {
         on!(&self.pool, |pool| pool.close().await);
+        if let Either::Sqlite((_, Some(lock))) = &*self.options {
+            lock.release();
+        }
     }
 }

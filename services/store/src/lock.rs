@@ -9,10 +9,10 @@ use std::sync::Arc;
 
 use super::StoreError;
 
-/// The lock, held as long as a clone of this lives.
+/// The lock, held as long as a clone of this lives, unless it is released.
 #[derive(Debug, Clone)]
 pub(super) struct FileLock {
-    _file: Arc<File>,
+    file: Arc<File>,
 }
 
 impl FileLock {
@@ -44,7 +44,13 @@ impl FileLock {
         }
         file.set_len(0).and_then(|()| file.rewind()).map_err(failed)?;
         write!(file, "supervisor {name:?} (process {})", std::process::id()).map_err(failed)?;
-        Ok(Self { _file: Arc::new(file) })
+        Ok(Self { file: Arc::new(file) })
+    }
+
+    /// Ends the lock for all clones, and for processes that have just been forked and still share the open file.
+    pub(super) fn release(&self) {
+        // A lock that cannot be released ends with the process.
+        let _ = self.file.unlock();
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use anyhow::Context;
 use tokio::sync::watch;
-use tokio::task::JoinHandle;
+use tokio::task::{JoinHandle, JoinSet};
 use tokio::time::{Duration, timeout};
 use tracing::{error, warn};
 use uuid::Uuid;
@@ -126,6 +126,8 @@ pub struct Service {
     ownership: JoinHandle<()>,
     webhooks: JoinHandle<()>,
     http_task: JoinHandle<()>,
+    /// Tasks that use the database beside the fleets and HTTP.
+    database_tasks: JoinSet<()>,
 }
 
 impl Service {
@@ -178,6 +180,7 @@ impl Service {
         let readiness = Readiness::default();
         let action_notifier = ActionNotifier::default();
         let params = Arc::new(options.params);
+        let mut database_tasks = JoinSet::new();
         let shared = Shared {
             store: store.clone(),
             broker: broker.clone(),
@@ -192,7 +195,7 @@ impl Service {
             archive,
             limits: options.limits.limits,
             kafka: Kafka::new(&options.kafka)?,
-            boxes: BlackBoxes::start(options.black_boxes, store.writer()),
+            boxes: BlackBoxes::start(options.black_boxes, store.writer(), &mut database_tasks),
             robots_file: robots_file.clone(),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };
@@ -227,9 +230,10 @@ impl Service {
         .delivering(webhooks.clone());
         let Serving { address: http, monitoring, task: http_task } =
             crate::http::serve(&options.http, app, stopped.clone()).await?;
-        tokio::spawn(forget_changes(store.clone(), stopped.clone()));
-        tokio::spawn(upkeep::run(store.clone(), options.history.retention, archived, metrics.clone(), stopped.clone()));
-        tokio::spawn(replication::watch(store.clone(), metrics.clone(), stopped.clone()));
+        database_tasks.spawn(forget_changes(store.clone(), stopped.clone()));
+        let retention = options.history.retention;
+        database_tasks.spawn(upkeep::run(store.clone(), retention, archived, metrics.clone(), stopped.clone()));
+        database_tasks.spawn(replication::watch(store.clone(), metrics.clone(), stopped.clone()));
         let webhooks = tokio::spawn(webhooks.run(stopped.clone()));
         let ownership = tokio::spawn(ownership.run(stopped));
         Ok(Self {
@@ -246,6 +250,7 @@ impl Service {
             ownership,
             webhooks,
             http_task,
+            database_tasks,
         })
     }
 
@@ -264,6 +269,12 @@ impl Service {
         let mut webhooks = self.webhooks;
         if timeout(STOP_PATIENCE, &mut webhooks).await.is_err() {
             webhooks.abort();
+        }
+        // They end before the database is closed, because closing it lets another supervisor write.
+        let mut database_tasks = self.database_tasks;
+        let ended = async { while database_tasks.join_next().await.is_some() {} };
+        if timeout(STOP_PATIENCE, ended).await.is_err() {
+            database_tasks.shutdown().await;
         }
         let _ = timeout(STOP_PATIENCE, self.store.close()).await;
         if let Some(traces) = self.traces {

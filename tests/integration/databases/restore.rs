@@ -323,3 +323,17 @@ async fn a_robot_that_has_seen_epochs_from_the_future_obeys_once_they_are_raised
     until_true("applied", async || setpoint_states(&service).await.contains(&"APPLIED".to_owned())).await;
     service.stop().await;
 }
+
+/// The next supervisor starts at once, although something of the stopped one still holds its store.
+#[tokio::test]
+async fn regress_a_stopped_supervisor_unlocks_its_file() {
+    let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
+    let database = DatabaseAddress::Sqlite(folder.path().join("v.sqlite3"));
+    let service = supervise(&database, &broker).await;
+    let held = service.store.clone();
+    service.stop().await;
+    let next = supervise(&database, &broker).await;
+    until_true("ready", async || is_ready(&next).await).await;
+    assert!(held.ping().await.is_err(), "the stopped supervisor's store is closed");
+    next.stop().await;
+}

@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use prometheus::IntCounter;
 use tokio::sync::{mpsc, oneshot};
+use tokio::task::JoinSet;
 use tokio::time::{Duration, timeout};
 use vibrissa_core::units::Micros;
 use vibrissa_store::Lease;
@@ -58,13 +59,13 @@ struct Inner {
 }
 
 impl BlackBoxes {
-    /// Starts the writer, unless the settings want no boxes.
-    pub(crate) fn start(options: BlackBoxOptions, writer: vibrissa_store::Writer) -> Self {
+    /// Starts the writer in `tasks`, unless the settings want no boxes. It ends with the last clone of this.
+    pub(crate) fn start(options: BlackBoxOptions, writer: vibrissa_store::Writer, tasks: &mut JoinSet<()>) -> Self {
         if options.seconds == 0 {
             return Self::default();
         }
         let (jobs, waiting) = mpsc::channel(WAITING_MAX);
-        tokio::spawn(writer::run(waiting, writer));
+        tasks.spawn(writer::run(waiting, writer));
         Self(Some(Arc::new(Inner {
             span: Micros(u64::from(options.seconds) * 1_000_000),
             memory_bytes: options.memory_mib as usize * 1024 * 1024,
