@@ -12,7 +12,7 @@ use tempfile::TempDir;
 use vibrissa_tests::mosquitto::free_port;
 use vibrissa_tests::wait::{until_true, until_within};
 
-use crate::stage::{AGENT, BOARD};
+use crate::stage::{BOARD, agent_program};
 
 const DOCUMENT: &str = include_str!("../../../docs/first-robot.md");
 /// Port of the broker in the document.
@@ -55,10 +55,9 @@ impl Desk {
         let folder = tempfile::tempdir().unwrap();
         let programs = folder.path().join("programs");
         fs::create_dir(&programs).unwrap();
-        let vibrissa = env!("CARGO_BIN_EXE_vibrissa-under-test");
-        for (name, program) in [("vibrissa", vibrissa), ("vibrissa-robot", AGENT), ("vibrissa-simulator", BOARD)] {
-            symlink(program, programs.join(name)).unwrap();
-        }
+        symlink(env!("CARGO_BIN_EXE_vibrissa-under-test"), programs.join("vibrissa")).unwrap();
+        symlink(agent_program(), programs.join("vibrissa-robot")).unwrap();
+        symlink(BOARD, programs.join("vibrissa-simulator")).unwrap();
         let (port, http) = (free_port(), format!("127.0.0.1:{}", free_port()));
         let environment = vec![
             ("PATH", format!("{}:{}", programs.display(), std::env::var("PATH").unwrap())),

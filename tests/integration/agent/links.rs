@@ -8,7 +8,7 @@ use vibrissa_tests::mosquitto::free_port;
 use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::wait::until_true;
 
-use crate::stage::{AGENT, BOARD, Stage, scenario};
+use crate::stage::{BOARD, Stage, agent_program, scenario};
 
 /// A board as a process of its own, with these arguments.
 fn board(stage: &Stage, arguments: &[&str]) -> Process {
@@ -96,7 +96,7 @@ fn an_agent_that_cannot_start_says_why() {
     let path = folder.path().join("agent.toml");
     let told = |text: &str| {
         std::fs::write(&path, text).unwrap();
-        let output = Command::new(AGENT).arg("--config").arg(&path).output().unwrap();
+        let output = Command::new(agent_program()).arg("--config").arg(&path).output().unwrap();
         assert!(!output.status.success());
         String::from_utf8(output.stderr).unwrap()
     };
@@ -111,6 +111,6 @@ fn an_agent_that_cannot_start_says_why() {
         assert!(problem.contains(why), "{why}: {problem}");
     }
     std::fs::write(&path, &good).unwrap();
-    let checked = Command::new(AGENT).args(["--check", "--config"]).arg(&path).output().unwrap();
+    let checked = Command::new(agent_program()).args(["--check", "--config"]).arg(&path).output().unwrap();
     assert!(checked.status.success() && String::from_utf8_lossy(&checked.stdout).contains("robot r of fleet f"));
 }

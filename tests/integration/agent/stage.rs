@@ -15,8 +15,12 @@ use vibrissa_tests::proxy::Proxy;
 use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::{send, try_get};
 
-/// Program of the agent.
-pub(crate) const AGENT: &str = env!("CARGO_BIN_EXE_robot-under-test");
+/// Program of the agent: that of this build, or another one, such as one for another processor with its emulator.
+pub(crate) fn agent_program() -> PathBuf {
+    std::env::var_os("ROBOT_PROGRAM_UNDER_TEST")
+        .map_or_else(|| env!("CARGO_BIN_EXE_robot-under-test").into(), PathBuf::from)
+}
+
 /// Program of the simulated board.
 pub(crate) const BOARD: &str = env!("CARGO_BIN_EXE_simulator-under-test");
 
@@ -52,7 +56,7 @@ pub(crate) fn agent(folder: &Path, configuration: &str) -> Process {
     let path = folder.join("agent.toml");
     fs::write(&path, configuration).unwrap();
     Process::start(Launch {
-        program: AGENT.into(),
+        program: agent_program(),
         arguments: vec!["--config".to_owned(), path.display().to_string()],
         environment: vec![],
         log: folder.join("agent.log"),
