@@ -2,7 +2,7 @@
 //! restart once it is mended.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Arc, Mutex};
 
@@ -13,7 +13,7 @@ use vibrissa_tests::mosquitto::{Builder, Mosquitto, add_user};
 use vibrissa_tests::process::Process;
 use vibrissa_tests::wait::until_true;
 
-use crate::stage::{AGENT, agent, board_as_child, configuration};
+use crate::stage::{agent, agent_program, board_as_child, configuration};
 
 const PASSWORD: &str = "correct-horse-battery-staple";
 const WRONG: &str = "wrong-horse-battery-staple";
@@ -196,7 +196,7 @@ async fn a_wrong_password_is_told_and_can_be_corrected_in_its_file_or_at_the_bro
     agent.kill();
     let path = bench.folder.path().join("agent.toml");
     for arguments in [vec!["--help"], vec!["--check", "--config", path.to_str().unwrap()]] {
-        let output = Command::new(AGENT).args(&arguments).env("VIBRISSA_LOG", "trace").output().unwrap();
+        let output = Command::new(agent_program()).args(&arguments).env("VIBRISSA_LOG", "trace").output().unwrap();
         assert!(output.status.success(), "{arguments:?}");
         let said = [output.stdout, output.stderr].concat();
         assert!(!String::from_utf8(said).unwrap().contains(PASSWORD));
@@ -249,8 +249,43 @@ fn files_that_cannot_be_used_are_named_by_the_check() {
         ),
     ] {
         let path = write(folder, "agent.toml", &bench.configuration("localhost", 1, keys));
-        let output = Command::new(AGENT).args(["--check", "--config"]).arg(path).output().unwrap();
+        let output = Command::new(agent_program()).args(["--check", "--config"]).arg(path).output().unwrap();
         let said = String::from_utf8(output.stderr).unwrap();
         assert!(!output.status.success() && said.contains(why), "{why}: {said}");
     }
+}
+
+/// Lets everybody connect and publish, but not subscribe.
+const NO_SUBSCRIPTIONS: &str = r#"{"defaultACLAccess": {"publishClientSend": true, "publishClientReceive": true,
+"subscribe": false, "unsubscribe": true}, "clients": [], "groups": [], "roles": []}"#;
+
+/// Mosquitto's access lists of the usual kind accept a subscription and deliver nothing; its plugin refuses it.
+#[tokio::test]
+async fn each_refused_subscription_is_told_and_contacts_still_arrive() {
+    let Some(plugin) = plugin() else {
+        println!("skipped: Mosquitto's plugin for dynamic security is not installed");
+        return;
+    };
+    let bench = Bench::new();
+    let rules = bench.folder.path().join("dynamic-security.json");
+    fs::write(&rules, NO_SUBSCRIPTIONS).unwrap();
+    let broker = Mosquitto::builder()
+        .line("log_type all")
+        .line(&format!("plugin {}", plugin.display()))
+        .line(&format!("plugin_opt_config_file {}", rules.display()))
+        .start();
+    let driver = board_as_child(bench.folder.path(), 20.0);
+    let _robot = agent(bench.folder.path(), &configuration(broker.port(), &driver));
+    until_true("five refusals in the log", async || bench.log().matches("refuses this subscription").count() == 5)
+        .await;
+    for topic in ["f/r/receipt", "f/r/setpoint", "f/r/request", "f/r/estimate", "f/supervisor/request"] {
+        assert!(bench.log().contains(topic), "{topic}: {}", bench.log());
+    }
+    until_true("contacts at the broker", async || broker.logged("'whisker/v1/f/r/contacts'") > 3).await;
+}
+
+/// The plugin's file.
+fn plugin() -> Option<PathBuf> {
+    let folders = ["/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib"];
+    folders.into_iter().map(|folder| Path::new(folder).join("mosquitto_dynamic_security.so")).find(|file| file.exists())
 }

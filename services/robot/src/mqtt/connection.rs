@@ -4,7 +4,9 @@ use std::pin::pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rumqttc::{AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, Packet, QoS};
+use rumqttc::{
+    AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, Packet, QoS, SubAck, SubscribeReasonCode,
+};
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::{Instant, sleep_until};
@@ -25,8 +27,8 @@ pub(super) enum Report {
     Connected { retains: bool },
     /// The broker has refused the connection, because it retains no messages and the will asked for it.
     RetainRefused,
-    /// The broker has confirmed the subscriptions.
-    Subscribed,
+    /// The broker has answered the subscriptions; `refused` has the positions of those that it refuses.
+    Subscribed { refused: Vec<usize> },
     /// A message to the robot has arrived.
     Received(RobotTopic, Vec<u8>),
     /// A message to all robots of the fleet has arrived, on `supervisor/request`.
@@ -98,7 +100,7 @@ pub(super) async fn poll(
             None => Some(Report::Gone("it has stopped answering".to_owned())),
             Some(Ok(Event::Incoming(packet))) => {
                 silence.heard(Instant::now());
-                report_of(packet).filter(|report| !(is_subscribed && matches!(report, Report::Subscribed)))
+                report_of(packet).filter(|report| !(is_subscribed && matches!(report, Report::Subscribed { .. })))
             }
             Some(Ok(Event::Outgoing(_) | Event::Auth(_))) => None,
             Some(Err(ConnectionError::ConnectionRefused(ConnectReturnCode::RetainNotSupported))) => {
@@ -107,7 +109,7 @@ pub(super) async fn poll(
             Some(Err(error)) => Some(Report::Gone(attempt.problem(&error, is_accepted))),
         };
         let Some(report) = report else { continue };
-        is_subscribed |= matches!(report, Report::Subscribed);
+        is_subscribed |= matches!(report, Report::Subscribed { .. });
         is_accepted |= matches!(report, Report::Connected { .. });
         let ends = matches!(report, Report::Gone(_) | Report::RetainRefused);
         // Polling never waits for the robot. A message without a place is lost; its sender sends it again.
@@ -150,7 +152,7 @@ fn report_of(packet: Packet) -> Option<Report> {
             let retain_available = ack.properties.and_then(|properties| properties.retain_available);
             Some(Report::Connected { retains: retain_available != Some(0) })
         }
-        Packet::SubAck(_) => Some(Report::Subscribed),
+        Packet::SubAck(ack) => Some(Report::Subscribed { refused: refused(&ack) }),
         Packet::Publish(publish) => match Topic::parse(std::str::from_utf8(&publish.topic).ok()?) {
             Ok(Topic::Robot { kind, .. }) => Some(Report::Received(kind, publish.payload.to_vec())),
             Ok(Topic::SupervisorRequest { .. }) => Some(Report::ReceivedByAll(publish.payload.to_vec())),
@@ -158,4 +160,10 @@ fn report_of(packet: Packet) -> Option<Report> {
         },
         _ => None,
     }
+}
+
+/// Positions of the subscriptions that the broker refuses.
+fn refused(ack: &SubAck) -> Vec<usize> {
+    let is_refused = |code: &SubscribeReasonCode| !matches!(code, SubscribeReasonCode::Success(_));
+    ack.return_codes.iter().enumerate().filter(|(_, code)| is_refused(code)).map(|(position, _)| position).collect()
 }

@@ -247,9 +247,10 @@ impl<E: Endpoint> Session<E> {
                 self.retains = false;
                 self.lose("the broker retains no messages");
             }
-            Report::Subscribed => {
+            Report::Subscribed { refused } => {
                 self.reconnect_pause = RECONNECT_START;
                 self.told.clear();
+                self.tell_refused(&refused);
                 let outgoing = self.robot.connected(now_us());
                 self.send(outgoing).await;
                 tracing::debug!(robot = %self.name, "connected");
@@ -272,16 +273,38 @@ impl<E: Endpoint> Session<E> {
         publish_options(self.robot.delivery(kind), self.retains)
     }
 
-    async fn subscribe(&mut self) {
-        let filters = [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request, RobotTopic::Estimate]
-            .map(|kind| SubscribeFilterInput::new(self.topic(kind), qos(kind.quality_of_service())));
-        // A broker with an older access list may refuse the last one; the robot works without it.
+    /// Topics that the robot subscribes to, in the order of the request.
+    fn subscriptions(&self) -> [(String, QualityOfService); 5] {
+        let own = |kind: RobotTopic| (self.topic(kind), kind.quality_of_service());
         let to_all = Topic::SupervisorRequest { fleet: self.fleet.clone() }.to_string();
-        let filters = filters.into_iter().chain([SubscribeFilterInput::new(to_all, QoS::AtLeastOnce)]);
+        [
+            own(RobotTopic::Receipt),
+            own(RobotTopic::Setpoint),
+            own(RobotTopic::Request),
+            own(RobotTopic::Estimate),
+            (to_all, QualityOfService::AtLeastOnce),
+        ]
+    }
+
+    async fn subscribe(&mut self) {
+        let filters = self.subscriptions().map(|(topic, quality)| SubscribeFilterInput::new(topic, qos(quality)));
         if let Some(connection) = &self.connection
             && let Err(error) = connection.client.subscribe_many(filters).await
         {
             self.lose(&error.to_string());
+        }
+    }
+
+    /// Logs the topics that the broker refuses. The robot goes on without them: contacts and statuses still arrive.
+    fn tell_refused(&self, refused: &[usize]) {
+        let topics = self.subscriptions();
+        for (topic, _) in refused.iter().filter_map(|&position| topics.get(position)) {
+            tracing::warn!(
+                robot = %self.name,
+                topic,
+                "the broker refuses this subscription, and the robot does not get its messages: let the robot read the topic \
+                 in the broker's access list, and start the agent again"
+            );
         }
     }
 
