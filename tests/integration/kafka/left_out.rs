@@ -102,6 +102,8 @@ async fn contacts_beyond_the_limit_are_left_out_and_told_and_all_else_is_kept() 
         events.of_type("SETPOINT_STATE").any(|event| event["setpoint"]["state"] == "APPLIED")
     })
     .await;
+    let setpoints = program.list("setpoints").await.len();
+    published(&mut events, "each setpoint", |events| events.of_type("SETPOINT").count() >= setpoints).await;
 
     assert!(events.contacts().is_subset(&stored));
     let validator = jsonschema::validator_for(&vibrissa_supervisor::events::schema()).unwrap();
@@ -112,7 +114,7 @@ async fn contacts_beyond_the_limit_are_left_out_and_told_and_all_else_is_kept() 
         program.list("trims").await.iter().map(|trim| trim["trim_id"].as_i64().unwrap()).collect();
     let told: BTreeSet<i64> = events.of_type("TRIM").map(|event| event["trim"]["trim_id"].as_i64().unwrap()).collect();
     assert!(!trims.is_empty() && told == trims, "{told:?} of {trims:?}");
-    assert_eq!(events.of_type("SETPOINT").count(), program.list("setpoints").await.len());
+    assert_eq!(events.of_type("SETPOINT").count(), setpoints);
     assert!(events.of_type("DECISION").count() > 0);
     // In order, with one event of each owner in the only gap, and the number in the next event.
     let order = messages(&events);
