@@ -1,0 +1,184 @@
+//! `agent.toml`: one robot, its broker, and its driver. docs/agent.md explains each key.
+
+mod checks;
+mod file;
+#[cfg(test)]
+pub(crate) mod tests;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use vibrissa_protocol::Name;
+use vibrissa_segmenter::Params;
+
+use crate::contract::Facts;
+use crate::mqtt::{BadBroker, Broker};
+use checks::{arrays, limits, unfitting};
+use file::File;
+
+/// Why a configuration is refused.
+#[derive(Debug, thiserror::Error)]
+pub enum BadConfig {
+    /// The file cannot be read.
+    #[error("cannot read {path}: {problem}")]
+    Unreadable {
+        /// Path of the file.
+        path: PathBuf,
+        /// The error of the operating system.
+        problem: std::io::Error,
+    },
+    /// The text is no TOML, or has an unknown or a missing key.
+    #[error("{0}")]
+    NotToml(String),
+    /// A number is outside its range.
+    #[error("{key} is {value}, but must be between {least} and {most}")]
+    OutOfRange {
+        /// The key.
+        key: String,
+        /// Its value.
+        value: f64,
+        /// The least permitted value.
+        least: f64,
+        /// The largest permitted value.
+        most: f64,
+    },
+    /// A value does not fit the rest.
+    #[error("{key}: {problem}")]
+    Unfitting {
+        /// The key.
+        key: String,
+        /// The problem.
+        problem: String,
+    },
+    /// The broker cannot be used.
+    #[error("broker: {0}")]
+    Broker(#[from] BadBroker),
+}
+
+/// The whole configuration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Config {
+    /// Name of the fleet.
+    pub fleet: Name,
+    /// Name of the robot.
+    pub robot: Name,
+    /// Properties for the factsheet.
+    pub facts: Facts,
+    /// The broker.
+    pub broker: Broker,
+    /// Bounds and times.
+    pub limits: Limits,
+    /// File of the outbox, if it shall survive a restart.
+    pub outbox_file: Option<PathBuf>,
+    /// The driver.
+    pub driver: DriverConfig,
+}
+
+/// Bounds and times of the agent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limits {
+    /// Most contacts messages in the outbox.
+    pub outbox_messages: usize,
+    /// Most bytes of contacts messages in the outbox.
+    pub outbox_bytes: usize,
+    /// Contacts in a message, after which it is sent.
+    pub contacts_per_message: usize,
+    /// Age of its first contact after which a message is sent, in microseconds.
+    pub message_after_us: u64,
+    /// Most contacts a second; more are refused.
+    pub contacts_per_s: f64,
+    /// Time between two statuses, in microseconds.
+    pub status_every_us: u64,
+    /// Time without a message after which the supervisor counts as lost, in microseconds.
+    pub supervisor_lost_after_us: u64,
+    /// Time without a line after which the driver counts as silent, in microseconds.
+    pub driver_silent_us: u64,
+    /// Time after which `set_pressure` is repeated, in microseconds.
+    pub repeat_us: u64,
+    /// Largest deviation of a chamber that has its pressure, in MPa.
+    pub tolerance_mpa: f64,
+    /// Time within that deviation after which a setpoint is applied, in microseconds.
+    pub settle_us: u64,
+    /// Time beyond that of the slew after which a setpoint has failed, in microseconds.
+    pub fail_after_us: u64,
+    /// Slew of pressure changes without a command, in MPa/s.
+    pub own_slew_mpa_per_s: f64,
+    /// Temperature of contacts if the driver reports none, in degrees Celsius.
+    pub temperature_c: f64,
+    /// Whether the agent regulates the pressures with pulses of the valves.
+    pub regulate: bool,
+    /// Parameters of the segmenter.
+    pub segmenter: Params,
+}
+
+/// The driver and the way to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DriverConfig {
+    /// The way to the driver.
+    pub way: Way,
+    /// Whether a silent child process is killed and started again.
+    pub restart: bool,
+}
+
+/// The way to the driver.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Way {
+    /// A child process: program and arguments.
+    Command(Vec<String>),
+    /// A Unix socket at which the agent listens.
+    Unix(PathBuf),
+    /// An address to which the agent connects.
+    Tcp(String),
+    /// A loopback address at which the agent listens.
+    Listen(String),
+    /// A serial device and its speed in baud.
+    Serial(PathBuf, u32),
+}
+
+impl Config {
+    /// Reads a file. Paths in it are relative to its folder.
+    ///
+    /// # Errors
+    /// The file, or a file that it names, cannot be read, or a key is invalid.
+    pub fn read(path: &Path) -> Result<Self, BadConfig> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|problem| BadConfig::Unreadable { path: path.to_owned(), problem })?;
+        Self::from_toml_str(&text, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Parses a configuration; paths in it are relative to `folder`.
+    ///
+    /// # Errors
+    /// Those of [`Config::read`].
+    pub fn from_toml_str(text: &str, folder: &Path) -> Result<Self, BadConfig> {
+        let file: File = toml::from_str(text).map_err(|why| not_toml(text, &why))?;
+        if file.robot.as_str() == Name::RESERVED {
+            return Err(unfitting("robot", "this name is reserved for the supervisor"));
+        }
+        if !(1..=64).contains(&file.model.chars().count()) || file.model.chars().any(char::is_control) {
+            return Err(unfitting("model", "must have 1 to 64 characters, none of them a control character"));
+        }
+        if file.touch_tests.iter().collect::<BTreeSet<_>>().len() < file.touch_tests.len() {
+            return Err(unfitting("touch_tests", "names a test twice"));
+        }
+        let limits = limits(&file)?;
+        let broker = file.broker.checked(folder)?;
+        let driver = file.driver.checked(folder)?;
+        let outbox_file = file.outbox.file.map(|path| folder.join(path));
+        let arrays = arrays(file.arrays)?;
+        let facts = Facts {
+            model: file.model,
+            on_supervisor_loss: file.on_supervisor_loss,
+            arrays,
+            touch_tests: file.touch_tests,
+        };
+        Ok(Self { fleet: file.fleet, robot: file.robot, facts, broker, limits, outbox_file, driver })
+    }
+}
+
+/// Names the line without its content, which may be a password in the wrong place.
+fn not_toml(text: &str, why: &toml::de::Error) -> BadConfig {
+    let line = why.span().and_then(|span| text.get(..span.start)).map(|before| before.matches('\n').count() + 1);
+    let place = line.map(|line| format!("line {line}: ")).unwrap_or_default();
+    BadConfig::NotToml(format!("{place}{}", why.message()))
+}
