@@ -147,7 +147,7 @@ struct Leak {
     }
 };
 
-// regulator.rs
+// services/regulator/src/regulator
 class Regulator {
     static constexpr uint32_t GAP_US = 2000000, APPROACHES = 12;
     static constexpr float LOW_STEPS = 8.0f, FAR_MPA = 3.4e38f;
