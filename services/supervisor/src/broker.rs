@@ -1,4 +1,5 @@
-//! The embedded MQTT broker, on loopback and in memory only. No other module depends on the library behind it.
+//! The embedded MQTT broker, on loopback and in memory only. Only the relay for tests of robots uses
+//! the library behind it, too: its packets.
 
 use std::net::{Ipv4Addr, SocketAddr};
 

@@ -4,9 +4,9 @@
 //! and subscribes again. Then it asks all robots for births and factsheets (`births`), because the broker may have
 //! forgotten the retained ones. The receiving connection proves that it hears robots (`hearing`).
 //!
-//! Further connections: [`record`] records, [`TestClient`] tests a robot, and [`try_hearing`] tests for a short time whether a
-//! fleet can be heard. [`prepare`] reads certificates before the first attempt; [`LinkState`] gives the reason of an
-//! outage. A broker may have several nodes; [`nodes`] has their order.
+//! Further connections: [`record`] records, [`TestClient`] tests a robot, whose topics a [`Relay`] records, and
+//! [`try_hearing`] tests for a short time whether a fleet can be heard. [`prepare`] reads certificates before the first
+//! attempt; [`LinkState`] gives the reason of an outage. A broker may have several nodes; [`nodes`] has their order.
 
 mod address;
 mod tls;
@@ -21,6 +21,7 @@ mod publish;
 
 mod recorder;
 
+mod relay;
 mod test_client;
 
 mod trial;
@@ -49,6 +50,7 @@ pub use link::{LinkState, NodesInUse};
 pub use publish::publish;
 pub use receive::receive;
 pub use recorder::{RecorderState, record};
+pub use relay::{ClientRecord, Relay, RelayRecord, Trouble};
 pub use test_client::{ReceivedMessage, TestClient};
 pub use tls::{PrepareError, Prepared, prepare};
 pub use trial::try_hearing;
