@@ -197,8 +197,10 @@ impl Agent {
             (None, false, Some(_)) => PlaceKind::Distance,
             (None, false, None) => PlaceKind::Unknown,
         };
-        // A touch test has its own places.
-        if place != chamber.place && !is_test {
+        // A driver that divides by the length has no ratio before the first estimate, nor beyond the length. A touch test has
+        // its own places.
+        let lacks_length = (chamber.place, place) == (PlaceKind::Ratio, PlaceKind::Distance);
+        if place != chamber.place && !lacks_length && !is_test {
             let problem = format!("the place is {place}, but agent.toml states {} for the whisker", chamber.place);
             return Err(BadLine::new(problem, PLACES));
         }

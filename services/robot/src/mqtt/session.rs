@@ -58,6 +58,10 @@ pub trait Endpoint {
     fn delivery(&self, topic: RobotTopic) -> Delivery {
         Delivery::of(topic)
     }
+    /// Filter of a further subscription: none, except for a robot that shall break the contract on purpose.
+    fn further_filter(&self) -> Option<String> {
+        None
+    }
     /// Whether the broker retains the last will: as the contract requires, except for a robot that shall break it on purpose.
     fn is_will_retained(&self) -> bool {
         true
@@ -274,20 +278,21 @@ impl<E: Endpoint> Session<E> {
     }
 
     /// Topics that the robot subscribes to, in the order of the request.
-    fn subscriptions(&self) -> [(String, QualityOfService); 5] {
+    fn subscriptions(&self) -> Vec<(String, QualityOfService)> {
         let own = |kind: RobotTopic| (self.topic(kind), kind.quality_of_service());
         let to_all = Topic::SupervisorRequest { fleet: self.fleet.clone() }.to_string();
-        [
-            own(RobotTopic::Receipt),
-            own(RobotTopic::Setpoint),
-            own(RobotTopic::Request),
-            own(RobotTopic::Estimate),
-            (to_all, QualityOfService::AtLeastOnce),
-        ]
+        let further = self.robot.further_filter().map(|filter| (filter, QualityOfService::AtLeastOnce));
+        [RobotTopic::Receipt, RobotTopic::Setpoint, RobotTopic::Request, RobotTopic::Estimate]
+            .map(own)
+            .into_iter()
+            .chain([(to_all, QualityOfService::AtLeastOnce)])
+            .chain(further)
+            .collect()
     }
 
     async fn subscribe(&mut self) {
-        let filters = self.subscriptions().map(|(topic, quality)| SubscribeFilterInput::new(topic, qos(quality)));
+        let filters =
+            self.subscriptions().into_iter().map(|(topic, quality)| SubscribeFilterInput::new(topic, qos(quality)));
         if let Some(connection) = &self.connection
             && let Err(error) = connection.client.subscribe_many(filters).await
         {

@@ -118,8 +118,8 @@ fn bad_lines_are_answered_with_their_number_and_a_remedy() {
         ("{\"type\":\"fault\",\"whisker\":0}", "neither gauge nor regulator"),
         ("{\"type\":\"contact\",\"whisker\":0,\"strain\":0.1,\"ratio\":0.5}", "missing field `deflection_mm`"),
         (
-            "{\"type\":\"contact\",\"whisker\":0,\"strain\":0.1,\"deflection_mm\":1,\"distance_mm\":50}",
-            "the place is DISTANCE, but agent.toml states RATIO",
+            "{\"type\":\"contact\",\"whisker\":0,\"strain\":0.1,\"deflection_mm\":1,\"tip\":true}",
+            "the place is TIP, but agent.toml states RATIO",
         ),
         ("{\"type\":\"contact\",\"whisker\":0,\"strain\":2,\"deflection_mm\":1,\"ratio\":0.5}", "strain"),
         (
@@ -137,6 +137,20 @@ fn bad_lines_are_answered_with_their_number_and_a_remedy() {
     assert!(bench.problems()[0].contains("longer than 65536 bytes"));
     assert_eq!(bench.agent.counts().lines_refused, 16);
     assert_eq!(bench.contacts(), []);
+}
+
+#[test]
+fn a_driver_that_divides_by_the_length_sends_distances_without_one() {
+    let mut bench = Bench::running();
+    bench.read(0, 0.1);
+    bench.line("{\"type\":\"contact\",\"whisker\":0,\"strain\":0.1,\"deflection_mm\":1,\"distance_mm\":50}");
+    bench.run(0.2);
+    let contacts = bench.contacts();
+    assert_eq!(
+        contacts.iter().flat_map(|one| &one.contacts).map(|one| one.distance_mm).collect::<Vec<_>>(),
+        [Some(50.0)]
+    );
+    assert_eq!(bench.agent.counts().lines_refused, 0);
 }
 
 #[test]
