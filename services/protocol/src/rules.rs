@@ -17,15 +17,17 @@ pub enum Scope {
     Receipts,
 }
 
-/// How a test from outside can verify that a robot obeys a rule.
+/// How a test from outside verifies that a robot obeys a rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Visible {
     /// By an exchange of messages with the robot.
     Talking,
     /// Only while the robot is switched off and on again.
     Restarting,
-    /// Not at all, for this reason.
-    Not(&'static str),
+    /// Only with help at the robot, or with more time than other rules need.
+    Assisted,
+    /// Only if the robot's connection to the broker passes the relay of the test.
+    Relayed,
 }
 
 /// Defines the rules: the enum and the properties of each.
@@ -59,7 +61,7 @@ macro_rules! rules {
                 match self { $(Self::$variant => Scope::$scope,)+ }
             }
 
-            /// How a test from outside can verify the rule.
+            /// How a test from outside verifies the rule.
             #[must_use]
             pub const fn visible(self) -> Visible {
                 match self { $(Self::$variant => $visible,)+ }
@@ -74,7 +76,7 @@ macro_rules! rules {
     };
 }
 
-use Visible::{Not, Restarting, Talking};
+use Visible::{Assisted, Relayed, Restarting, Talking};
 
 rules! {
     Birth = "birth", "connection", Every, Talking,
@@ -87,7 +89,7 @@ rules! {
         "Each start of the robot has a boot_id that was never used before.";
     BirthOnRequest = "birth-on-request", "connection", Every, Talking,
         "On a request for BIRTH to its fleet, the robot sends ONLINE and then its factsheet within 2 s, in the same boot.";
-    Farewell = "farewell", "connection", Every, Not("no message makes a robot disconnect"),
+    Farewell = "farewell", "connection", Every, Assisted,
         "Before a deliberate disconnect the robot publishes OFFLINE, retained.";
 
     FactsheetAfterBirth = "factsheet-after-birth", "factsheet", Every, Talking,
@@ -103,9 +105,9 @@ rules! {
         "The robot sends a status on a request for STATUS.";
     StatusWhiskers = "status-whiskers", "status", Every, Talking,
         "A status contains each whisker of the factsheet once, and no others.";
-    StatusOnChange = "status-on-change", "status", Every, Not("only the robot knows when its regulators and gauges change"),
+    StatusOnChange = "status-on-change", "status", Every, Assisted,
         "The robot sends a status when the condition of a regulator or a gauge changes.";
-    ContactsDropped = "contacts-dropped", "status", Receipts, Not("a robot's memory cannot be filled in a reasonable time"),
+    ContactsDropped = "contacts-dropped", "status", Receipts, Assisted,
         "Contacts messages dropped because of a full store are counted in contacts_dropped.";
 
     MessageForm = "message-form", "all", Every, Talking,
@@ -146,7 +148,7 @@ rules! {
         "Messages between a receipt's next and its held ranges are sent again.";
     ReceiptBoot = "receipt-boot", "receipt", Receipts, Talking,
         "A receipt for another boot covers nothing.";
-    ContactsBounded = "contacts-bounded", "contacts", Receipts, Not("a robot's memory cannot be filled in a reasonable time"),
+    ContactsBounded = "contacts-bounded", "contacts", Receipts, Assisted,
         "The robot stores a limited number of contacts messages and drops the oldest.";
 
     SetpointAnswers = "setpoint-answers", "setpoint_state", Every, Talking,
@@ -175,9 +177,9 @@ rules! {
         "A repeated command_id is not applied again.";
     Supersede = "supersede", "setpoint", Every, Talking,
         "A newer setpoint replaces one that is being applied, which is answered SUPERSEDED.";
-    FailedWithReason = "failed-with-reason", "setpoint_state", Every, Not("a test cannot break the supply or a chamber"),
+    FailedWithReason = "failed-with-reason", "setpoint_state", Every, Assisted,
         "An accepted setpoint that cannot be reached is answered FAILED, with the reason.";
-    OnSupervisorLoss = "on-supervisor-loss", "factsheet", Every, Not("the robot decides when it regards the supervisor as lost"),
+    OnSupervisorLoss = "on-supervisor-loss", "factsheet", Every, Assisted,
         "Without a supervisor the robot behaves as its factsheet's on_supervisor_loss states. Only messages on its own topics \
          show that it has one.";
 
@@ -186,16 +188,16 @@ rules! {
     TestWrongBoot = "test-wrong-boot", "request", Every, Talking,
         "A touch test for another boot is REJECTED as WRONG_BOOT.";
 
-    EstimateOrder = "estimate-order", "estimate", Every, Not("no message of a robot names the estimate that it uses"),
+    EstimateOrder = "estimate-order", "estimate", Every, Assisted,
         "The robot ignores an estimate whose (epoch, version) is not higher than that of the last one that it took in this boot.";
-    EstimateLength = "estimate-length", "contacts", Every, Not("a robot may know its present lengths by itself, for instance from a camera"),
+    EstimateLength = "estimate-length", "contacts", Every, Assisted,
         "A robot that divides distances by a length uses length_mm of the newest estimate; before the first one it sends distances.";
 
     UnknownFields = "unknown-fields", "all", Every, Talking,
         "The robot ignores unknown fields and processes the message.";
     MalformedHarmless = "malformed-harmless", "all", Every, Talking,
         "An invalid message has no effect: the robot continues in the same boot.";
-    OwnLevel = "own-level", "all", Every, Not("the broker's access list controls the permissions of its users"),
+    OwnLevel = "own-level", "all", Every, Relayed,
         "A robot publishes only below its own topic level, and subscribes only there and to supervisor/request of its fleet.";
 }
 
@@ -204,15 +206,6 @@ impl Rule {
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|rule| rule.id() == id)
-    }
-
-    /// Whether a test from outside can verify the rule.
-    #[must_use]
-    pub const fn is_testable(self) -> bool {
-        match self.visible() {
-            Visible::Talking | Visible::Restarting => true,
-            Visible::Not(_) => false,
-        }
     }
 }
 

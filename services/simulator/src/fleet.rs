@@ -8,7 +8,7 @@ use tokio::sync::{Notify, watch};
 use tokio::task::JoinHandle;
 use tokio::time::{Instant, timeout_at};
 use vibrissa_core::mechanics::ModelError;
-use vibrissa_protocol::{Name, RobotTopic};
+use vibrissa_protocol::{Name, RobotTopic, Topic};
 pub use vibrissa_robot::clock::now_us;
 use vibrissa_robot::mqtt::{self, Delivery, Signals};
 pub use vibrissa_robot::mqtt::{Authorities, BadBroker, Broker};
@@ -255,6 +255,12 @@ impl mqtt::Endpoint for RobotHandle {
 
     fn delivery(&self, topic: RobotTopic) -> Delivery {
         self.with(|robot| robot.delivery(topic))
+    }
+
+    fn further_filter(&self) -> Option<String> {
+        let is_asked = |robot: &mut Robot| robot.misbehaviour() == Some(Misbehaviour::ListensElsewhere);
+        let topic = Topic::SupervisorState { fleet: mqtt::Endpoint::fleet(self) };
+        self.with(is_asked).then(|| topic.to_string())
     }
 
     fn is_will_retained(&self) -> bool {

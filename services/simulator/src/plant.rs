@@ -42,6 +42,8 @@ pub struct Plant {
     temperature_c: f64,
     noise: Noise,
     contact_stream: ChaCha8Rng,
+    /// Contact ratio of all contacts; none if they are at random ones.
+    fixed_ratio: Option<f64>,
     noise_stream: ChaCha8Rng,
     test_stream: ChaCha8Rng,
 }
@@ -148,6 +150,7 @@ impl Plant {
             temperature_c: TEMPERATURE_C,
             noise,
             contact_stream: streams.contact,
+            fixed_ratio: None,
             noise_stream: streams.noise,
             test_stream: streams.test,
         })
@@ -160,6 +163,11 @@ impl Plant {
     pub(crate) fn touch(&mut self, pressure_mpa: f64) -> Result<Reading, ContactOnChamber> {
         let made = self.touch_at(Places::Ratio, pressure_mpa)?;
         Ok(made.map(|(reading, _)| reading).expect("a ratio of the present length is on the whisker"))
+    }
+
+    /// Makes each further contact at this ratio of the length at installation; `None`: at random ones.
+    pub(crate) fn touch_at_place(&mut self, ratio: Option<f64>) {
+        self.fixed_ratio = ratio;
     }
 
     /// Makes a contact where objects stand for robots with such places; `None` if the object is beyond the tip.
@@ -176,6 +184,7 @@ impl Plant {
         let drawn = self.contact_stream.random_range(RATIO_MIN..=1.0);
         let deflection_mm = self.contact_stream.random_range(DEFLECTION_MM.0..=DEFLECTION_MM.1);
         let errors: [f64; 4] = std::array::from_fn(|_| normal(&mut self.noise_stream, 1.0));
+        let drawn = self.fixed_ratio.unwrap_or(drawn);
         let Some(ratio) = places.ratio(drawn, self.length_mm, self.whole_length_mm) else { return Ok(None) };
         let touch = Touch {
             ratio,

@@ -37,6 +37,9 @@ async fn a_robot_that_connects_to_its_broker_passes() {
     assert!(report["epoch"].as_u64().unwrap() > 1_700_000_000_000, "{}", report["epoch"]);
     let stale = report["findings"].as_array().unwrap().iter().find(|one| one["rule"] == "refuse-stale-epoch");
     assert_eq!(stale.map(|one| one["outcome"].as_str()), Some(Some("PASS")), "{report:#}");
+    // The robot reaches the broker through the relay.
+    let own = report["findings"].as_array().unwrap().iter().find(|one| one["rule"] == "own-level").unwrap();
+    assert_eq!(own["outcome"], "PASS", "{own}");
     robot.stop().await;
 }
 

@@ -8,12 +8,13 @@
 
 mod embedded;
 mod faults;
+mod helper;
 mod manners;
 mod program;
 
 use std::time::Duration;
 
-use vibrissa::check::{CheckOptions, Progress, Report, Timings, check};
+use vibrissa::check::{CheckOptions, Help, Timings};
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{
     BootId, Name, RobotTopic, Setpoint, SetpointReason, SupervisorPresence, SupervisorState, Timestamp, Topic, encode,
@@ -29,6 +30,8 @@ use vibrissa_tests::wait;
 const FLEET: &str = "f";
 /// Epoch of the last supervisor.
 const EPOCH: u64 = 6;
+/// Contacts of each whisker per second.
+const CONTACTS_PER_S: f64 = 4.0;
 
 /// Timings for simulated robots, which answer at once.
 fn timings() -> Timings {
@@ -45,7 +48,9 @@ fn timings() -> Timings {
         contacts: ms(5000),
         resend: ms(8000),
         backoff: ms(20_000),
-        restart: ms(10_000),
+        help: ms(10_000),
+        fill: ms(20_000),
+        silence: ms(13_000),
     }
 }
 
@@ -59,7 +64,8 @@ fn options_in(fleet: &str, robot: &str) -> CheckOptions {
         robot: Name::robot(robot).unwrap(),
         whisker: None,
         epoch: None,
-        restart: true,
+        help: Help::Restart,
+        relay: None,
         timings: timings(),
     }
 }
@@ -82,14 +88,25 @@ async fn robot(broker: &Mosquitto, name: &str, fault: Option<Misbehaviour>) -> (
 
 /// The same with a broker that may require credentials.
 async fn robot_of(broker: &Broker, fleet: &str, name: &str, fault: Option<Misbehaviour>) -> (Fleet, RobotHandle) {
+    let scenario = scenario_of(fleet, name, fault);
+    let fleet = Fleet::start(&scenario, broker).unwrap();
+    let robot = fleet.robots()[0].clone();
+    wait::until_true("a connected robot", async || robot.with(|robot| robot.is_connected())).await;
+    (fleet, robot)
+}
+
+/// The scenario of a robot with continuous contacts.
+fn scenario_of(fleet: &str, name: &str, fault: Option<Misbehaviour>) -> Scenario {
     let text = format!(
         r#"
         fleet = "{fleet}"
         seed = 1
         [behaviour]
-        contacts_per_second = 4.0
+        contacts_per_second = {CONTACTS_PER_S:?}
         contacts_per_message = 2
         message_after_s = 0.3
+        kept_messages = 200
+        supervisor_lost_after_s = 10.0
         touch_tests = ["WALL"]
         [[robots]]
         robot = "{name}"
@@ -101,10 +118,7 @@ async fn robot_of(broker: &Broker, fleet: &str, name: &str, fault: Option<Misbeh
     );
     let mut scenario = Scenario::from_toml_str(&text).unwrap();
     scenario.behaviour.misbehaviour = fault;
-    let fleet = Fleet::start(&scenario, broker).unwrap();
-    let robot = fleet.robots()[0].clone();
-    wait::until_true("a connected robot", async || robot.with(|robot| robot.is_connected())).await;
-    (fleet, robot)
+    scenario
 }
 
 /// Publishes the retained state of a supervisor.
@@ -117,19 +131,6 @@ async fn supervisor_of(fleet: &str, broker: &Mosquitto, state: SupervisorPresenc
     let topic = Topic::SupervisorState { fleet: Name::new(fleet).unwrap() };
     let told = SupervisorState { boot_id: BootId::new("s1").unwrap(), seq: 0, state, epoch: EPOCH };
     observer.publish(&topic.to_string(), encode(&told), true).await;
-}
-
-/// Checks a robot and restarts it when the check requests that.
-async fn checked(broker: &Mosquitto, robot: &RobotHandle) -> Report {
-    let (fleet, name) = (robot.with(|robot| robot.fleet().clone()), robot.name().as_str());
-    let mut progress = |progress| {
-        if matches!(progress, Progress::RestartNow(_)) {
-            robot.with(vibrissa_simulator::Robot::restart_soon);
-        }
-    };
-    let never = std::future::pending();
-    let (connection, options) = (connection_in(fleet.as_str(), broker, name), options_in(fleet.as_str(), name));
-    check(&connection, options, &mut progress, never).await.unwrap()
 }
 
 /// Topic of a robot.

@@ -1,6 +1,8 @@
 //! Conditions under which a check does not begin, and early ends of a check.
 
-use vibrissa::check::{CheckOptions, Outcome, Progress, check};
+use std::time::Duration;
+
+use vibrissa::check::{CheckOptions, Help, Outcome, Progress, check};
 use vibrissa_protocol::{
     BootId, Connection as Told, ConnectionState, RobotTopic, Rule, SupervisorPresence, Timestamp, encode,
 };
@@ -32,7 +34,7 @@ async fn nothing_is_checked_while_a_supervisor_owns_the_fleet() {
 async fn a_robot_is_checked_with_a_broker_that_retains_nothing() {
     let broker = Mosquitto::builder().line("retain_available false").start();
     let (fleet, _) = robot(&broker, "r", None).await;
-    let options = CheckOptions { restart: false, ..options("r") };
+    let options = CheckOptions { help: Help::None, ..options("r") };
     let report =
         check(&connection(&broker, "r"), options, &mut |_: Progress| {}, std::future::pending()).await.unwrap();
     assert_eq!(report.rules(Outcome::Fail), [], "{report}");
@@ -78,12 +80,49 @@ async fn the_next_supervisors_setpoints_are_taken_after_a_check() {
     let broker = Mosquitto::start();
     supervisor(&broker, SupervisorPresence::Offline).await;
     let (fleet, robot) = robot(&broker, "r", None).await;
-    let without = vibrissa::check::CheckOptions { restart: false, ..options("r") };
+    let without = CheckOptions { help: Help::None, ..options("r") };
     let report = check(&connection(&broker, "r"), without, &mut |_| {}, std::future::pending()).await.unwrap();
     assert_eq!(report.count(Outcome::Fail), 0, "{report}");
     assert_eq!(report.epoch, EPOCH);
     let next = setpoint(&robot, EPOCH + 1, 1);
     let answers = robot.with(|robot| robot.receive(RobotTopic::Setpoint, &encode(&next), now_us()));
     assert_eq!(answers.len(), 2, "RECEIVED and APPLYING: {answers:?}");
+    fleet.stop().await;
+}
+
+/// The check waits for a limited time, and fails no rule.
+#[tokio::test(flavor = "multi_thread")]
+async fn without_the_help_that_was_promised_rules_are_skipped_with_the_reason() {
+    let broker = Mosquitto::start();
+    supervisor(&broker, SupervisorPresence::Offline).await;
+    let (fleet, _) = robot(&broker, "r", None).await;
+    let mut options = CheckOptions { help: Help::All, ..options("r") };
+    options.timings.help = Duration::from_secs(2);
+    options.timings.fill = Duration::from_secs(2);
+    let mut asked = Vec::new();
+    let mut progress = |progress| {
+        if let Progress::Act(action, _) = progress {
+            asked.push(action.word());
+        }
+    };
+    let report = check(&connection(&broker, "r"), options, &mut progress, std::future::pending()).await.unwrap();
+    assert_eq!(report.count(Outcome::Fail), 0, "{report}");
+    let why = |rule: Rule| {
+        let finding = report.findings.iter().find(|one| one.rule == rule).unwrap();
+        assert_eq!(finding.outcome, Outcome::Skipped, "{report}");
+        finding.seen.clone()
+    };
+    for (rule, reason) in [
+        (Rule::FailedWithReason, "the supply was not closed within 2.0 s"),
+        (Rule::ContactsDropped, "raise --fill"),
+        (Rule::Will, "the robot was not restarted within 2.0 s"),
+        (Rule::Farewell, "the robot was not stopped within 2.0 s"),
+        (Rule::EstimateLength, "the whisker was not touched at one place"),
+        (Rule::OwnLevel, "--relay"),
+    ] {
+        assert!(why(rule).contains(reason), "{rule}: {}", why(rule));
+    }
+    let all = "close-supply open-supply touch rest cut-power stop touch-place rest";
+    assert_eq!(asked.join(" "), all);
     fleet.stop().await;
 }

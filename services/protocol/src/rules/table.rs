@@ -12,7 +12,9 @@ from `services/protocol/src/rules.rs`; `VIBRISSA_WRITE_DOCS=1 cargo test --works
 
 Most rules apply to *every robot*. Those *with receipts* apply to robots that store contacts until a receipt covers them;
 such robots send contacts with quality of service 0. Rules marked *restart* are only tested while somebody switches the
-robot off and on again (`--restart`).
+robot off and on again (`--restart`). Rules marked *assisted* are only tested if somebody, or a script, helps at the robot
+(`--assisted`, `--assistant`; see [commands.md](commands.md#check-a-robot)). The rule marked *relay* is only tested if the
+robot's packets pass the check: on the check's own broker, or with `--relay`.
 
 The contract defines no times for the following, so the check is patient: 5 s for an answer to a request and for the
 first answer to a setpoint, 30 s for the final state of a setpoint, 60 s until a contacts message is sent again, and 1 s
@@ -23,20 +25,10 @@ pressure counts as reached within 0.005 MPa of its setpoint, and may be as far a
 | --- | --- | --- | --- | --- |
 ";
 
-const TAIL_HEAD: &str = "
-## Not tested
-
-A test from outside cannot verify these rules; they apply nevertheless.
-
-| rule | why it is not tested |
-| --- | --- |
-";
-
 /// The document `docs/contract-rules.md`.
 #[must_use]
 pub fn markdown() -> String {
     let mut text = HEAD.to_owned();
-    let mut untested = TAIL_HEAD.to_owned();
     for &rule in Rule::ALL {
         let scope = match rule.scope() {
             Scope::Every => "every robot",
@@ -45,15 +37,13 @@ pub fn markdown() -> String {
         let tested = match rule.visible() {
             Visible::Talking => "yes",
             Visible::Restarting => "restart",
-            Visible::Not(why) => {
-                let _ = writeln!(untested, "| `{rule}` | {why} |");
-                "no"
-            }
+            Visible::Assisted => "assisted",
+            Visible::Relayed => "relay",
         };
         // Writing to a `String` cannot fail.
         let _ = writeln!(text, "| `{rule}` | `{}` | {scope} | {tested} | {} |", rule.topic(), rule.asked());
     }
-    text + &untested
+    text
 }
 
 #[cfg(test)]

@@ -27,7 +27,8 @@ const ALONE: Duration = Duration::from_millis(10);
 type Reader = Box<dyn AsyncRead + Unpin>;
 type Writer = Box<dyn AsyncWrite + Unpin>;
 
-/// Runs a board until its agent has gone (stdin and stdout) or it is stopped.
+/// Runs a board until its agent has gone (stdin and stdout) or it is stopped. SIGUSR1 cuts a whisker, and SIGUSR2 closes the
+/// air supply, or opens it again.
 ///
 /// # Errors
 /// The scenario is invalid, or the way to the agent cannot be opened.
@@ -46,10 +47,14 @@ pub async fn run(plan: BoardPlan) -> anyhow::Result<()> {
     if plan.valves {
         board = board.with_valves(scenario.seed, plan.supply_mpa, plan.leak_mpa_per_s, now_us());
     }
+    if let Some(ratio) = plan.touch_ratio {
+        board = board.touched_at(ratio);
+    }
     let log = plan.log_file.as_ref().map(|path| OpenOptions::new().create(true).append(true).open(path)).transpose();
     let mut log = Log(log.context("--log-file")?);
 
     let mut cut = signal(SignalKind::user_defined1())?;
+    let mut supply = signal(SignalKind::user_defined2())?;
     let mut control = Control { input: stdin(), lines: Lines::default(), waiting: VecDeque::new() };
     let door = Door::open(&plan).await?;
     loop {
@@ -77,6 +82,7 @@ pub async fn run(plan: BoardPlan) -> anyhow::Result<()> {
                 _ = cut.recv() => {
                     board.cut(&array, plan.cut_whisker, plan.cut_mm, now_us()).into_iter().collect()
                 }
+                _ = supply.recv() => board.turn_supply(now_us()),
                 line = control.next(), if !door.is_stdio() => board.line(&line, now_us()),
                 () = sleep(ahead) => board.poll(now_us()),
             };

@@ -78,6 +78,11 @@ enum Line {
         for_ms: f64,
     },
     Test(TestLine),
+    Estimate {
+        array: Name,
+        whisker: u16,
+        length_mm: f64,
+    },
     Error {
         problem: String,
     },
@@ -109,6 +114,8 @@ pub struct Board {
     heard_us: u64,
     watchdog_us: u64,
     is_vented: bool,
+    supply_mpa: f64,
+    is_supply_closed: bool,
 }
 
 impl Board {
@@ -139,6 +146,8 @@ impl Board {
             heard_us: now_us,
             watchdog_us,
             is_vented: false,
+            supply_mpa: SUPPLY_MPA,
+            is_supply_closed: false,
         };
         (0..board.touches.len()).for_each(|at| board.plan_touch(at, now_us));
         Ok(board)
@@ -158,6 +167,7 @@ impl Board {
     /// Has only valves, which the agent opens. The first chamber leaks.
     #[must_use]
     pub fn with_valves(mut self, seed: u64, supply_mpa: f64, leak_mpa_per_s: f64, now_us: u64) -> Self {
+        self.supply_mpa = supply_mpa;
         let robot = self.config.robot.robot.as_str();
         let chamber = |(at, one): (usize, &Whisker)| {
             let noise = stream(seed ^ now_us, robot, one.array().as_str(), one.number(), Purpose::Regulator);
@@ -166,6 +176,25 @@ impl Board {
         };
         self.chambers = self.whiskers.iter().enumerate().map(chamber).collect();
         self
+    }
+
+    /// Is touched at this contact ratio only.
+    #[must_use]
+    pub fn touched_at(mut self, ratio: f64) -> Self {
+        self.whiskers.iter_mut().for_each(|whisker| whisker.plant.touch_at_place(Some(ratio)));
+        self
+    }
+
+    /// Closes the air supply of all chambers, or opens it again.
+    pub fn turn_supply(&mut self, now_us: u64) -> Vec<Doing> {
+        self.is_supply_closed = !self.is_supply_closed;
+        let supply_mpa = self.present_supply_mpa();
+        self.chambers.iter_mut().for_each(|chamber| chamber.set_supply(supply_mpa));
+        vec![Doing::Log(json!({"log": "supply", "supply_mpa": supply_mpa, "t_us": now_us}))]
+    }
+
+    fn present_supply_mpa(&self) -> f64 {
+        if self.is_supply_closed { 0.0 } else { self.supply_mpa }
     }
 
     /// The first line.
@@ -210,6 +239,12 @@ impl Board {
                 }
                 None => vec![Doing::Say(json!({"type": "test_state", "test_id": line.test_id, "state": "FAILED"}))],
             },
+            Ok(Line::Estimate { array, whisker, length_mm }) => {
+                if let Some(&at) = self.places.get(&(array, whisker)) {
+                    self.whiskers[at].learn_length(length_mm);
+                }
+                Vec::new()
+            }
             Ok(Line::Cut { array, whisker, length_mm }) => {
                 let array = array.unwrap_or_else(|| self.config.robot.arrays[0].array.clone());
                 self.cut(&array, whisker, length_mm, now_us).into_iter().collect()
@@ -285,10 +320,11 @@ impl Board {
     /// Does what is due until now.
     pub fn poll(&mut self, now_us: u64) -> Vec<Doing> {
         let mut doings = Vec::new();
+        let supply_mpa = self.present_supply_mpa();
         while self.tick_at_us <= now_us {
             self.tick_at_us += TICK_US;
             for whisker in &mut self.whiskers {
-                whisker.regulator.tick(whisker.leak_mpa_per_s, SUPPLY_MPA);
+                whisker.regulator.tick(whisker.leak_mpa_per_s, supply_mpa);
             }
             self.follow_tests(now_us, &mut doings);
         }
@@ -297,7 +333,7 @@ impl Board {
             self.breathe(now_us, &mut doings);
         } else if self.pressure_at_us <= now_us {
             self.pressure_at_us = now_us + PRESSURE_EVERY_US;
-            doings.extend(self.whiskers.iter().map(pressure));
+            doings.extend(self.whiskers.iter().map(|whisker| pressure(whisker, supply_mpa)));
         }
         for (gauge, whisker) in self.gauges.iter_mut().zip(&self.whiskers) {
             while gauge.line_at_us() <= now_us {
@@ -409,9 +445,9 @@ fn said(contact: &Contact) -> Vec<Doing> {
     vec![Doing::Log(log), Doing::Say(Value::Object(line))]
 }
 
-fn pressure(whisker: &Whisker) -> Doing {
+fn pressure(whisker: &Whisker, supply_mpa: f64) -> Doing {
     Doing::Say(json!({
         "type": "pressure", "array": whisker.array(), "whisker": whisker.number(),
         "pressure_mpa": whisker.regulator.reading_mpa(), "regulator": whisker.regulator.condition(),
-        "temperature_c": whisker.plant.temperature_c(), "supply_mpa": SUPPLY_MPA}))
+        "temperature_c": whisker.plant.temperature_c(), "supply_mpa": supply_mpa}))
 }

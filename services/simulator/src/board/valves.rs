@@ -76,6 +76,10 @@ impl Chamber {
         self.supply_mpa
     }
 
+    pub(super) fn set_supply(&mut self, supply_mpa: f64) {
+        self.supply_mpa = supply_mpa;
+    }
+
     /// A reading of the sensor, which is not negative.
     pub(super) fn reading_mpa(&mut self) -> f64 {
         let steps = self.pressure_mpa / STEP_MPA + normal(&mut self.noise, NOISE_STEPS);

@@ -160,6 +160,7 @@ impl Robot {
         self.commands = Commands::default();
         self.estimates = EstimateOrder::default();
         self.outbox.restart();
+        self.dropped_newest = 0;
         self.batch.clear();
         self.missed.clear();
         self.touch_tests = TouchTests::default();

@@ -2,8 +2,8 @@
 //! way out; the rules themselves know nothing of them.
 
 use vibrissa_protocol::{
-    Contact, Contacts, Message, QualityOfService, Receipt, RobotTopic, Setpoint, Status, TouchTest, WhiskerStatus,
-    decode, encode,
+    Contact, Contacts, Estimate, Message, OnSupervisorLoss, QualityOfService, Receipt, RobotTopic, Setpoint, Status,
+    TouchTest, WhiskerStatus, decode, encode,
 };
 
 use vibrissa_robot::contract::outbox::{BACKOFF_MAX_US, BACKOFF_START_US};
@@ -53,6 +53,9 @@ impl Robot {
         let is_third = status.seq % 3 == 2;
         if self.breaks(Misbehaviour::StatusLeavesOut) {
             status.whiskers.pop();
+        }
+        if self.breaks(Misbehaviour::DropsUncounted) {
+            status.contacts_dropped = None;
         }
         if self.breaks(Misbehaviour::TimeBack) && is_third {
             status.t_us -= 1_500_000;
@@ -182,8 +185,11 @@ impl Robot {
     pub(crate) fn delivery(&self, topic: RobotTopic) -> Delivery {
         let right = Delivery::of(topic);
         match (self.misbehaviour(), topic) {
-            (Some(Misbehaviour::BirthNotRetained), RobotTopic::Connection)
-            | (Some(Misbehaviour::FactsheetNotRetained), RobotTopic::Factsheet) => {
+            // The farewell is retained as it must be.
+            (Some(Misbehaviour::BirthNotRetained), RobotTopic::Connection) => {
+                Delivery { is_retained: self.is_leaving, ..right }
+            }
+            (Some(Misbehaviour::FactsheetNotRetained), RobotTopic::Factsheet) => {
                 Delivery { is_retained: false, ..right }
             }
             (Some(Misbehaviour::StatusRetained), RobotTopic::Status) => Delivery { is_retained: true, ..right },
@@ -191,6 +197,35 @@ impl Robot {
                 Delivery { quality: QualityOfService::AtMostOnce, ..right }
             }
             (Some(_) | None, _) => right,
+        }
+    }
+
+    /// Whether a contacts message finds room in the outbox: always, except with the fault that drops the newest.
+    pub(super) fn has_room(&mut self) -> bool {
+        let is_full = self.outbox.len() >= self.config.behaviour.kept_messages;
+        let drops_it = is_full && self.breaks(Misbehaviour::DropsNewest);
+        self.dropped_newest += u64::from(drops_it);
+        !drops_it
+    }
+
+    /// Behaviour without a supervisor.
+    pub(super) fn without_supervisor(&self) -> OnSupervisorLoss {
+        if self.breaks(Misbehaviour::ReturnsWithoutSupervisor) {
+            OnSupervisorLoss::Nominal
+        } else {
+            self.config.robot.on_supervisor_loss
+        }
+    }
+
+    /// Whether to use an estimate.
+    pub(super) fn takes(&mut self, estimate: &Estimate) -> bool {
+        match self.misbehaviour() {
+            Some(Misbehaviour::TakesOldEstimates) => true,
+            Some(Misbehaviour::KeepsFirstEstimate) => {
+                let is_first = self.whiskers.iter().all(|whisker| whisker.estimated_mm.is_none());
+                self.estimates.takes(estimate) && is_first
+            }
+            Some(_) | None => self.estimates.takes(estimate),
         }
     }
 

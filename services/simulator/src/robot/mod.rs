@@ -105,6 +105,10 @@ pub struct Robot {
     status_sent_us: u64,
     events: VecDeque<(u64, Event)>,
     supervision: Supervision,
+    /// Whether the robot has said its farewell, since its last connection.
+    is_leaving: bool,
+    /// Messages that the fault of dropping the newest has dropped in this boot.
+    dropped_newest: u64,
     refused: u64,
     journal: Journal,
     /// Whether something has happened since the last [`Robot::take_change`].
@@ -155,6 +159,8 @@ impl Robot {
             status_sent_us: now_us,
             events: VecDeque::new(),
             supervision: Supervision::new((config.behaviour.supervisor_lost_after_s * 1e6) as u64),
+            is_leaving: false,
+            dropped_newest: 0,
             refused: 0,
             journal: Journal::new(config.behaviour.journal),
             has_changed: false,
@@ -171,6 +177,7 @@ impl Robot {
     pub fn connected(&mut self, now_us: u64) -> Vec<Outgoing> {
         let mut out = Vec::new();
         self.connected = true;
+        self.is_leaving = false;
         self.link.reconnected();
         self.outbox.reconnected();
         self.births.sent();
@@ -263,6 +270,13 @@ impl Robot {
         self.contacts.restart(now_us, contacts_per_second.clamp(1e-6, 10_000.0));
     }
 
+    /// Makes each further contact of a whisker at this contact ratio; `None`: at random ones, as at the start.
+    pub fn touch_at_place(&mut self, array: &Name, number: u16, ratio: Option<f64>) {
+        if let Some(whisker) = self.places.get(&(array.clone(), number)).and_then(|&at| self.whiskers.get_mut(at)) {
+            whisker.plant.touch_at_place(ratio);
+        }
+    }
+
     /// Whether the robot is connected.
     #[must_use]
     pub fn is_connected(&self) -> bool {
@@ -333,7 +347,7 @@ impl Robot {
     /// before.
     #[must_use]
     pub fn messages_dropped(&self) -> u64 {
-        self.outbox.dropped()
+        self.outbox.dropped() + self.dropped_newest
     }
 
     /// Journal entries since the last call; empty unless [`Behaviour::journal`] is set.

@@ -36,7 +36,10 @@ impl Robot {
     #[must_use]
     pub fn farewell(&mut self, now_us: u64) -> Vec<Outgoing> {
         let mut out = Vec::new();
-        self.publish(RobotTopic::Connection, encode(&self.voice.farewell(now_us)), &mut out);
+        self.is_leaving = true;
+        if !self.breaks(Misbehaviour::LeavesSilently) {
+            self.publish(RobotTopic::Connection, encode(&self.voice.farewell(now_us)), &mut out);
+        }
         out
     }
 
@@ -57,7 +60,7 @@ impl Robot {
         }
         let whiskers: Vec<_> =
             self.whiskers.iter().filter(|one| !one.is_silent(now_us)).map(super::Whisker::status).collect();
-        let dropped = self.outbox.dropped();
+        let dropped = self.messages_dropped();
         let mut status = self.voice.status(now_us, whiskers, dropped);
         if self.breaks(Misbehaviour::SkipsNumbers) && status.seq % 3 == 2 {
             status = self.voice.status(now_us, status.whiskers, dropped);
@@ -76,7 +79,7 @@ impl Robot {
         let message = self.voice.contacts(std::mem::take(&mut self.batch), std::mem::take(&mut self.missed));
         let (seq, payload) = (message.seq, encode(&message));
         self.journal.write(|| JournalEntry::Felt(message));
-        if !self.breaks(Misbehaviour::SendsOnce) {
+        if !self.breaks(Misbehaviour::SendsOnce) && self.has_room() {
             self.outbox.keep(seq, payload.clone(), self.connected.then_some(now_us));
         }
         if self.connected {

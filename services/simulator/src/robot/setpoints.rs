@@ -75,6 +75,7 @@ impl Robot {
 
     /// Reports setpoints that have been reached, and those that have failed.
     pub(super) fn follow_setpoints(&mut self, at_us: u64, out: &mut Vec<Outgoing>) {
+        let never_fails = self.breaks(Misbehaviour::NeverFails);
         for at in 0..self.whiskers.len() {
             let whisker = &mut self.whiskers[at];
             let Some(applying) = &whisker.applying else {
@@ -82,7 +83,7 @@ impl Robot {
             };
             let answer = if whisker.regulator.is_settled() {
                 Answer::plain(SetpointOutcome::Applied)
-            } else if at_us >= applying.fails_at_us {
+            } else if at_us >= applying.fails_at_us && !never_fails {
                 Answer { outcome: SetpointOutcome::Failed, error: Some(whisker.regulator.failure()) }
             } else {
                 continue;
@@ -100,7 +101,7 @@ impl Robot {
         }
         for at in 0..self.whiskers.len() {
             let nominal_mpa = self.whiskers[at].facts().pressure_mpa;
-            let Some(target_mpa) = pressure_without(self.config.robot.on_supervisor_loss, nominal_mpa) else {
+            let Some(target_mpa) = pressure_without(self.without_supervisor(), nominal_mpa) else {
                 return;
             };
             self.whiskers[at].regulator.set(target_mpa, OWN_SLEW_MPA_PER_S);

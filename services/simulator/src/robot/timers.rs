@@ -11,6 +11,7 @@ use super::{Outgoing, Robot, Whisker};
 use crate::plant::Reading;
 use crate::random::{Purpose, stream};
 use crate::regulator::TICK_US;
+use crate::scenario::Misbehaviour;
 
 /// Shortest time between status messages that report a change, in microseconds.
 const STATUS_PAUSE_US: u64 = 100_000;
@@ -139,6 +140,9 @@ impl Robot {
 
     /// Brings the next status forward if a whisker's condition differs from the last report.
     pub(super) fn report_change(&mut self, at_us: u64) {
+        if self.breaks(Misbehaviour::ReportsOnSchedule) {
+            return;
+        }
         if self.whiskers.iter().any(|whisker| whisker.condition() != whisker.reported) {
             self.status_at_us = self.status_at_us.min(at_us.max(self.status_sent_us + STATUS_PAUSE_US));
         }

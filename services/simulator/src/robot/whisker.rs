@@ -135,6 +135,11 @@ impl Whisker {
         self.estimated_mm
     }
 
+    /// Takes the supervisor's estimate of the length, in mm.
+    pub(crate) fn learn_length(&mut self, length_mm: f64) {
+        self.estimated_mm = Some(length_mm);
+    }
+
     /// Physics of the whisker.
     #[must_use]
     pub fn plant(&self) -> &Plant {

@@ -11,11 +11,16 @@ use vibrissa_supervisor::mqtt::{Connection, TestClient};
 /// Time limit for the factsheet, which follows the birth. Its absence is a finding of the check.
 const FACTSHEET_WITHIN: Duration = Duration::from_secs(2);
 
-/// Waits until the robot has published its birth and its factsheet.
+/// Waits until the robot has published its birth and its factsheet. `address` is the one to which it must connect.
 ///
 /// # Errors
 /// The connection to the broker fails, or the robot does not connect within the limit.
-pub async fn wait_for_robot(connection: &Connection, robot: &Name, limit: Duration) -> anyhow::Result<()> {
+pub async fn wait_for_robot(
+    connection: &Connection,
+    robot: &Name,
+    limit: Duration,
+    address: &str,
+) -> anyhow::Result<()> {
     let fleet = connection.fleet();
     let topics = [RobotTopic::Connection, RobotTopic::Factsheet].map(|kind| kind.of(fleet, robot).to_string());
     let mut client = TestClient::open(connection, &topics).await?;
@@ -31,7 +36,7 @@ pub async fn wait_for_robot(connection: &Connection, robot: &Name, limit: Durati
     bail!(
         "robot {fleet}/{robot} did not connect to the broker {} within {}: is it on, is this the broker's address in \
          its settings, and are these its names? It must publish {} with ONLINE",
-        connection.broker,
+        address,
         seconds(limit),
         topics[0]
     )

@@ -11,6 +11,7 @@ use vibrissa_protocol::{
 };
 
 use super::CheckOptions;
+use super::action::Action;
 use super::listener::Listener;
 use super::timings::Timings;
 use vibrissa_edge::clock::wall_clock;
@@ -43,8 +44,15 @@ pub(super) struct Bench {
     pub(super) trial: Option<Trial>,
     /// Whether the chamber may have another setpoint than at the beginning.
     pub(super) is_away: bool,
+    /// Actions of the helper that restore what others have changed, and whose effect was not seen yet.
+    pub(super) owed: Vec<Action>,
+    /// Period of statuses without requests, once it is measured.
+    pub(super) period: Option<Duration>,
+    /// Whether the robot sends contacts again that are not receipted.
+    pub(super) is_resending: bool,
     boot_id: BootId,
-    seqs: [u64; 4],
+    /// Next numbers of requests, receipts, setpoints, requests to the fleet, and estimates.
+    seqs: [u64; 5],
     version: u64,
     commands: u64,
 }
@@ -58,8 +66,11 @@ impl Bench {
             epoch: 0,
             trial: None,
             is_away: false,
+            owed: Vec::new(),
+            period: None,
+            is_resending: false,
             boot_id,
-            seqs: [0; 4],
+            seqs: [0; 5],
             // Higher than versions that a supervisor counts from one, and rising from check to check.
             version: wall_clock().0,
             commands: 0,
@@ -138,6 +149,12 @@ impl Bench {
         };
         let topic = Topic::SupervisorRequest { fleet: self.options.fleet.clone() }.to_string();
         Ok(self.client.publish(topic, encode(&request), QualityOfService::AtLeastOnce, None).await?)
+    }
+
+    /// Boot, number and version of the next estimate.
+    pub(super) fn next_estimate(&mut self) -> (BootId, u64, u64) {
+        self.version += 1;
+        (self.boot_id.clone(), self.seq(4), self.version)
     }
 
     /// A valid touch test of the whisker on trial with one contact, with the next version.
@@ -273,6 +290,14 @@ impl Bench {
 
     pub(super) fn skip(&mut self, rules: &[Rule], why: &str) {
         self.heard.findings.skip(rules, why);
+    }
+
+    pub(super) fn exempt(&mut self, rules: &[Rule], why: &str) {
+        self.heard.findings.exempt(rules, why);
+    }
+
+    pub(super) fn has_failed(&self, rules: &[Rule]) -> bool {
+        rules.iter().any(|&rule| self.heard.findings.has_failed(rule))
     }
 }
 

@@ -46,7 +46,8 @@ impl Bench {
         let first = self.heard.ledger.end();
         self.receipt(&boot, first, &[]).await?;
         self.heard.ledger.judges_order = true;
-        let is_resending = self.silence(first).await?;
+        let is_resending = self.withhold(first).await?;
+        self.is_resending = is_resending;
         self.heard.ledger.judges_order = false;
         let missing = self.heard.ledger.missing(first);
         if let Some(seq) = missing.first() {
@@ -62,7 +63,7 @@ impl Bench {
     }
 
     /// Withholds receipts, and watches whether messages from `first` on are sent again; returns whether they are.
-    async fn silence(&mut self, first: u64) -> anyhow::Result<bool> {
+    async fn withhold(&mut self, first: u64) -> anyhow::Result<bool> {
         let (contacts, resend, backoff) = (self.timings().contacts, self.timings().resend, self.timings().backoff);
         let oldest = |heard: &Listener| heard.ledger.uncovered().into_iter().find(|&seq| seq >= first);
         let Some(seq) = self.until(contacts, oldest).await? else {

@@ -23,8 +23,9 @@ struct Sent {
     payload: Bytes,
     /// Times of arrival.
     times: Vec<Instant>,
-    /// Position of the last arrival among all arrivals.
+    /// Positions of the last arrival among all arrivals, and of the one before it.
     last: u64,
+    before: Option<u64>,
     covered: Option<(Instant, Cover)>,
 }
 
@@ -82,12 +83,12 @@ impl Ledger {
         let Some(known) = self.sent.get_mut(&seq) else {
             // It may have been in transit when it was receipted.
             let covered = self.receipts.iter().find_map(|receipt| receipt.covers(seq));
-            let first = Sent { payload: payload.clone(), times: vec![at], last: order, covered };
+            let first = Sent { payload: payload.clone(), times: vec![at], last: order, before: None, covered };
             self.sent.insert(seq, first);
             return;
         };
         known.times.push(at);
-        known.last = order;
+        known.before = Some(std::mem::replace(&mut known.last, order));
         let is_same = is_same(&known.payload, payload);
         findings.judge(Rule::ResendSame, is_same, format!("contacts {seq} was sent again, {}", same_text(is_same)));
         if let Some((since, cover)) = known.covered {
@@ -118,6 +119,18 @@ impl Ledger {
         let last = self.sent.get(&seq)?.last;
         let older = self.sent.range(..seq).find(|(_, sent)| sent.covered.is_none() && sent.last < last);
         older.map(|(&seq, _)| seq)
+    }
+
+    /// Whether the message of this number is no longer sent, although newer ones are: one of them came twice since.
+    pub(super) fn is_gone(&self, seq: u64) -> bool {
+        let Some(last) = self.sent.get(&seq).map(|sent| sent.last) else { return false };
+        self.sent.range(seq + 1..).any(|(_, newer)| newer.before.is_some_and(|before| before > last))
+    }
+
+    /// The lowest number of a message that was sent again after a time.
+    pub(super) fn oldest_again(&self, since: Instant) -> Option<u64> {
+        let is_again = |sent: &Sent| sent.times.len() > 1 && sent.times.last().is_some_and(|&at| at > since);
+        self.sent.iter().find(|(_, sent)| is_again(sent)).map(|(&seq, _)| seq)
     }
 
     /// Records a receipt that covers everything below `next` and the numbers in `held`.
@@ -236,6 +249,22 @@ mod tests {
         robot.sends(&[0, 6, 4, 5, 4, 5]);
         assert_eq!(robot.ledger.uncovered(), [4, 5]);
         assert_eq!(robot.outcome(Rule::ResendOldestFirst), Outcome::Pass);
+    }
+
+    #[test]
+    fn a_message_is_gone_once_a_newer_one_came_twice_since() {
+        let mut robot = Robot::new(&[0, 1, 2]);
+        let begun = robot.at;
+        robot.sends(&[0, 1, 2]);
+        assert!((0..3).all(|seq| !robot.ledger.is_gone(seq)));
+        assert_eq!(robot.ledger.oldest_again(begun), Some(0));
+        let later = robot.at;
+        // New messages say nothing.
+        robot.sends(&[3, 4, 5]);
+        assert!(!robot.ledger.is_gone(0));
+        robot.sends(&[1, 2]);
+        assert!(robot.ledger.is_gone(0) && !robot.ledger.is_gone(1));
+        assert_eq!(robot.ledger.oldest_again(later), Some(1));
     }
 
     #[test]

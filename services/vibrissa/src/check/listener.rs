@@ -1,6 +1,6 @@
 //! Receives all messages of a robot, and checks the rules that apply to every message.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use bytes::Bytes;
@@ -10,7 +10,7 @@ use vibrissa_protocol::{
 };
 
 use super::ledger::Ledger;
-use super::log::{Entry, whiskers};
+use super::log::{Entry, facts, whiskers};
 use super::report::Findings;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_supervisor::mqtt::ReceivedMessage;
@@ -41,6 +41,10 @@ pub(super) struct Listener {
     pub(super) is_live: bool,
     /// A boot that began during the check: its numbers must begin at 0.
     born: Option<BootId>,
+    /// Whiskers of which a contact ratio has arrived, by boots.
+    with_ratio: BTreeSet<(BootId, Name, u16)>,
+    /// Whether the check has told the robot lengths.
+    told_lengths: bool,
     streams: BTreeMap<(BootId, RobotTopic), Stream>,
     numbered: u64,
     clock: Duration,
@@ -60,11 +64,23 @@ impl Listener {
             retains: true,
             is_live: false,
             born: None,
+            with_ratio: BTreeSet::new(),
+            told_lengths: false,
             streams: BTreeMap::new(),
             numbered: 0,
             clock,
             grace,
         }
+    }
+
+    /// Whether this boot began during the check.
+    pub(super) fn was_born(&self, boot: &BootId) -> bool {
+        self.born.as_ref() == Some(boot)
+    }
+
+    /// The check has told the robot lengths.
+    pub(super) fn has_told_lengths(&mut self) {
+        self.told_lengths = true;
     }
 
     /// Processes a message.
@@ -263,11 +279,16 @@ impl Listener {
                 let seen =
                     if is_known { "all are on it".to_owned() } else { format!("{array}/{whisker} is not on it") };
                 self.findings.judge(Rule::ContactsOnFactsheet, is_known, seen);
-                let arrays = factsheet.arrays.iter().filter(|one| one.array == *array);
-                let stated = arrays.flat_map(|one| &one.whiskers).find(|one| one.whisker == whisker);
-                let stated = stated.map(|one| one.place.unwrap_or(PlaceKind::Ratio));
+                let stated = facts(factsheet, (array, whisker)).map(|one| one.place.unwrap_or(PlaceKind::Ratio));
                 let place = contact.place().word();
-                if let Some(stated) = stated.filter(|_| contact.test_id.is_none()) {
+                let key = (message.boot_id.clone(), array.clone(), whisker);
+                if contact.ratio.is_some() {
+                    self.with_ratio.insert(key.clone());
+                }
+                // A robot that divides by a length sends distances before the first estimate, and beyond the length.
+                let may_lack_length = contact.distance_mm.is_some() && !contact.tip && stated == Some(PlaceKind::Ratio);
+                let lacks_length = may_lack_length && (self.told_lengths || !self.with_ratio.contains(&key));
+                if let Some(stated) = stated.filter(|_| contact.test_id.is_none() && !lacks_length) {
                     let seen = format!("{place} at {array}/{whisker}, for which the factsheet states {stated}");
                     self.findings.judge(Rule::PlaceAsStated, place == stated.as_str(), seen);
                 }

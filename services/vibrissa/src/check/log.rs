@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use vibrissa_protocol::{Factsheet, Message, Name, Status, SupervisorPresence, WhiskerStatus};
+use vibrissa_protocol::{Factsheet, Message, Name, Status, SupervisorPresence, WhiskerFacts, WhiskerStatus};
 
 use super::listener::Listener;
 use vibrissa_edge::clock::wall_clock;
@@ -56,4 +56,10 @@ impl Listener {
 /// All whiskers on a factsheet.
 pub(super) fn whiskers(factsheet: &Factsheet) -> impl Iterator<Item = (&Name, u16)> {
     factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(move |one| (&array.array, one.whisker)))
+}
+
+/// A whisker's facts on a factsheet.
+pub(super) fn facts<'a>(factsheet: &'a Factsheet, (array, whisker): (&Name, u16)) -> Option<&'a WhiskerFacts> {
+    let arrays = factsheet.arrays.iter().filter(|one| one.array == *array);
+    arrays.flat_map(|one| &one.whiskers).find(|one| one.whisker == whisker)
 }

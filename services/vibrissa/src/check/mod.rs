@@ -4,38 +4,53 @@
 //! contacts and receipts ([`contacts`]), status and requests ([`opening`]), setpoints ([`setpoints`], [`refusals`]),
 //! touch tests ([`touch_tests`]), and a restart ([`restart`]).
 //!
+//! If somebody helps at the robot ([`action`]), it also tests a closed air supply ([`supply`]), a full memory ([`memory`]),
+//! the loss of the supervisor ([`silence`]), the end of the robot's program ([`farewell`]), and estimates of lengths
+//! ([`estimates`]). A relay records the robot's topics ([`own_level`]).
+//!
 //! **Epochs.** Until it restarts, a robot refuses setpoints of an epoch below the highest that it has seen for a
 //! whisker. Therefore the check uses the *last supervisor's own epoch*, which the broker retains, with versions far
 //! above those that supervisors count from one. Every supervisor takes a fleet over in a new epoch, higher by at least
 //! one, so that the robot obeys the next one at once. The price: if the last supervisor was only disconnected and
 //! returns in its old epoch, the robot refuses its setpoints as STALE.
 
+mod action;
 mod arrival;
+mod assisted;
 mod bench;
 mod contacts;
+mod divisor;
+mod estimates;
+mod farewell;
 mod ledger;
 mod listener;
 mod log;
+mod memory;
 mod opening;
+mod own_level;
 mod refusals;
 mod report;
 mod restart;
 mod setpoints;
+mod silence;
+mod supply;
 mod timings;
 mod touch_tests;
 
-use std::fmt;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
+use anyhow::Context;
 use vibrissa_protocol::{Message, Name, RobotTopic, Topic};
 
+pub use action::{Action, Progress, Spot};
 pub use arrival::wait_for_robot;
 pub use report::{Finding, Outcome, Report};
-pub use timings::Timings;
+pub use timings::{Help, Timings};
 
+use assisted::Told;
 use bench::{Bench, Trial};
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_supervisor::mqtt::{Connection, TestClient};
+use vibrissa_supervisor::mqtt::{Connection, RelayRecord, TestClient};
 
 /// Options of a check.
 #[derive(Debug, Clone)]
@@ -48,30 +63,12 @@ pub struct CheckOptions {
     pub whisker: Option<(Name, u16)>,
     /// Epoch of these setpoints; by default the last supervisor's, or 0 if the broker knows none.
     pub epoch: Option<u64>,
-    /// Whether to test a restart, for which somebody must cut the robot's power and restore it.
-    pub restart: bool,
+    /// Help at the robot, without which some rules are not tested.
+    pub help: Help,
+    /// Record of the relay through which the robot reaches the broker.
+    pub relay: Option<RelayRecord>,
     /// Time limits of the check.
     pub timings: Timings,
-}
-
-/// Progress of a check.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Progress {
-    /// A step begins.
-    Step(&'static str),
-    /// The operator must cut the robot's power and restore it within this time.
-    RestartNow(Duration),
-}
-
-impl fmt::Display for Progress {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Step(what) => f.write_str(what),
-            Self::RestartNow(limit) => {
-                write!(f, "NOW cut the robot's power and restore it within {} s", limit.as_secs())
-            }
-        }
-    }
 }
 
 /// Checks a robot until the end or until `stop`. Then it restores the pressure and reports what was found so far.
@@ -94,7 +91,7 @@ pub async fn check(
     let mut bench = Bench::new(client, options, connection.boot_id.clone());
     bench.heard.retains = retains;
     let ended = tokio::select! {
-        ended = run(&mut bench, progress) => Some(ended),
+        ended = run(&mut bench, connection, progress) => Some(ended),
         () = stop => None,
     };
     let unseen = match &ended {
@@ -102,9 +99,11 @@ pub async fn check(
         None => "the check was interrupted",
     };
     let is_interrupted = ended.is_none();
-    put_back(&mut bench).await;
+    let undone = put_back(&mut bench).await;
+    bench.own_level();
     if let Some(ended) = ended {
-        ended?;
+        // Without a report, the helper must be told all the same.
+        undone.into_iter().fold(ended, |ended, undone| ended.context(undone))?;
     } else {
         bench.heard.findings.note("interrupted: the missing rules were not tested".to_owned());
     }
@@ -116,7 +115,7 @@ pub async fn check(
     Ok(Report { fleet, robot, whisker, epoch, seconds, is_interrupted, findings, notes })
 }
 
-async fn run(bench: &mut Bench, progress: &mut (dyn FnMut(Progress) + Send)) -> anyhow::Result<()> {
+async fn run(bench: &mut Bench, connection: &Connection, progress: Told<'_>) -> anyhow::Result<()> {
     progress(Progress::Step("reading the retained messages"));
     bench.open().await?;
     take_epoch(bench);
@@ -140,8 +139,38 @@ async fn run(bench: &mut Bench, progress: &mut (dyn FnMut(Progress) + Send)) -> 
     bench.malformed().await?;
     // Before the power is cut, because the robot may then change the pressure on its own.
     bench.go_home().await?;
+    let is_assisted = bench.options.help == Help::All;
+    if is_assisted {
+        with_help(bench, progress).await?;
+    } else {
+        bench.skip(&assisted::RULES, "requires --assisted, and somebody at the robot, or --assistant");
+    }
     progress(Progress::Step("restart"));
-    bench.restart(progress).await
+    bench.restart(progress).await?;
+    if is_assisted {
+        progress(Progress::Step("the end of the robot's program, and its next start"));
+        if !bench.farewell(progress).await? {
+            bench.skip(&assisted::RULES, "the robot was not started again");
+            return Ok(());
+        }
+        progress(Progress::Step("estimates of lengths"));
+        bench.estimates(connection, progress).await?;
+    }
+    Ok(())
+}
+
+/// Tests what needs help while the robot runs.
+async fn with_help(bench: &mut Bench, progress: Told<'_>) -> anyhow::Result<()> {
+    if let Some(trial) = bench.trial.clone() {
+        progress(Progress::Step("a setpoint without air supply"));
+        bench.supply(&trial, progress).await?;
+    }
+    progress(Progress::Step("a full memory of contacts"));
+    bench.memory(progress).await?;
+    if let Some(trial) = bench.trial.clone() {
+        bench.silence(&trial, progress).await?;
+    }
+    Ok(())
 }
 
 /// The epoch of a supervisor that takes over a fleet now: ms since 1970.
@@ -196,8 +225,16 @@ fn tell_trial(bench: &mut Bench, trial: &Trial) {
     ));
 }
 
-/// Restores the chamber's first setpoint, whatever has happened.
-async fn put_back(bench: &mut Bench) {
+/// Restores the chamber's first setpoint, whatever has happened. Returns and notes what the helper may not have restored.
+async fn put_back(bench: &mut Bench) -> Vec<String> {
+    let owed = std::mem::take(&mut bench.owed).into_iter().map(|action| format!("THIS MAY STILL BE TO DO: {action}"));
+    let owed: Vec<String> = owed.collect();
+    owed.iter().for_each(|note| bench.heard.findings.note(note.clone()));
+    put_back_pressure(bench).await;
+    owed
+}
+
+async fn put_back_pressure(bench: &mut Bench) {
     let told = match (bench.go_home().await, &bench.trial) {
         (_, None) => return,
         (Ok(true), Some(trial)) => format!("its setpoint of {:.4} MPa was restored", trial.home_mpa),

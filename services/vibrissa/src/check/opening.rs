@@ -3,17 +3,18 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
-use vibrissa_protocol::{BootId, ConnectionState, Message, RequestKind, Rule, Status};
+use vibrissa_protocol::{BootId, ConnectionState, Message, RequestKind, Rule};
 
 use super::bench::{Bench, Trial};
-use super::log::whiskers;
+use super::log::{facts, whiskers};
 use super::report::seconds;
+use super::supply::conditions;
 use super::timings::BIRTHS_WITHIN;
 
 /// Number of statuses whose period is measured.
 const WATCHED: usize = 4;
 /// Status period below which an answer to a request cannot be distinguished from the next regular status.
-const TOO_QUICK: Duration = Duration::from_millis(400);
+pub(super) const TOO_QUICK: Duration = Duration::from_millis(400);
 /// Why rules about retained messages are not judged.
 pub(super) const NOT_RETAINED: &str = "the broker retains no messages";
 /// Size of a pressure change.
@@ -110,6 +111,7 @@ impl Bench {
         }
         let times: Vec<Instant> = self.heard.statuses(mark).map(|(_, at)| at).collect();
         let mean = mean_gap(&times).unwrap_or_default();
+        self.period = times.windows(2).map(|pair| pair[1] - pair[0]).max();
         let is_calm = {
             let mut conditions = self.heard.statuses(mark).map(|(status, _)| conditions(status));
             let first = conditions.next();
@@ -195,8 +197,7 @@ impl Bench {
                 None => Ok(()),
             };
         };
-        let facts = factsheet.arrays.iter().filter(|one| one.array == *array).flat_map(|one| &one.whiskers);
-        let Some(facts) = facts.clone().find(|one| one.whisker == whisker) else { return Ok(()) };
+        let Some(facts) = facts(&factsheet, (array, whisker)) else { return Ok(()) };
         let mut trial = Trial {
             array: array.clone(),
             whisker,
@@ -219,10 +220,6 @@ impl Bench {
 fn is_birth_of(message: &Message, boot: Option<&BootId>) -> bool {
     matches!(message, Message::Connection(told)
         if told.state == ConnectionState::Online && boot.is_none_or(|boot| told.boot_id == *boot))
-}
-
-fn conditions(status: &Status) -> Vec<(vibrissa_protocol::Regulator, vibrissa_protocol::Gauge)> {
-    status.whiskers.iter().map(|one| (one.regulator, one.gauge)).collect()
 }
 
 fn mean_gap(times: &[Instant]) -> Option<Duration> {

@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use serde::{Serialize, Serializer};
 use vibrissa_protocol::Rule;
-use vibrissa_protocol::rules::Visible;
 
 /// Result of a rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -18,6 +17,8 @@ pub enum Outcome {
     Fail,
     /// The rule could not be tested, for the reason in [`Finding::seen`].
     Skipped,
+    /// The rule does not concern the robot, for the reason in [`Finding::seen`].
+    Exempt,
 }
 
 impl fmt::Display for Outcome {
@@ -26,6 +27,7 @@ impl fmt::Display for Outcome {
             Self::Pass => "PASS",
             Self::Fail => "FAIL",
             Self::Skipped => "SKIPPED",
+            Self::Exempt => "EXEMPT",
         })
     }
 }
@@ -91,12 +93,25 @@ impl fmt::Display for Report {
                 writeln!(f, "{:35} expected: {expected}", "")?;
             }
         }
-        let [passed, failed, skipped] =
-            [Outcome::Pass, Outcome::Fail, Outcome::Skipped].map(|outcome| self.count(outcome));
+        let [passed, failed, skipped, exempt] =
+            [Outcome::Pass, Outcome::Fail, Outcome::Skipped, Outcome::Exempt].map(|outcome| self.count(outcome));
         let (fleet, robot, seconds) = (&self.fleet, &self.robot, self.seconds);
-        writeln!(f, "\n{fleet}/{robot}: {passed} passed, {failed} failed, {skipped} skipped, in {seconds:.0} s")?;
+        let exempt = if exempt > 0 { format!(", {exempt} exempt") } else { String::new() };
+        writeln!(
+            f,
+            "\n{fleet}/{robot}: {passed} passed, {failed} failed, {skipped} skipped{exempt}, in {seconds:.0} s"
+        )?;
         self.notes.iter().try_for_each(|note| writeln!(f, "- {note}"))
     }
+}
+
+/// A judgement on a rule, with its reason.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Judgement {
+    Pass(String),
+    Fail(String),
+    Skip(String),
+    Exempt(String),
 }
 
 /// Results so far. Later results do not replace a rule's first violation.
@@ -126,10 +141,29 @@ impl Findings {
         if holds { self.pass(rule, seen) } else { self.fail(rule, seen) }
     }
 
+    /// Takes a judgement.
+    pub(super) fn take(&mut self, rule: Rule, judgement: Judgement) {
+        match judgement {
+            Judgement::Pass(seen) => self.pass(rule, seen),
+            Judgement::Fail(seen) => self.fail(rule, seen),
+            Judgement::Skip(why) => self.skip(&[rule], &why),
+            Judgement::Exempt(why) => self.exempt(&[rule], &why),
+        }
+    }
+
     /// Skips the rules that have no result yet.
     pub(super) fn skip(&mut self, rules: &[Rule], why: &str) {
         for &rule in rules {
             self.known.entry(rule).or_insert_with(|| (Outcome::Skipped, why.to_owned()));
+        }
+    }
+
+    /// The rules do not concern the robot, unless it was seen to violate them.
+    pub(super) fn exempt(&mut self, rules: &[Rule], why: &str) {
+        for &rule in rules {
+            if !self.has_failed(rule) {
+                self.known.insert(rule, (Outcome::Exempt, why.to_owned()));
+            }
         }
     }
 
@@ -138,20 +172,14 @@ impl Findings {
         self.notes.push(note);
     }
 
-    fn has_failed(&self, rule: Rule) -> bool {
+    pub(super) fn has_failed(&self, rule: Rule) -> bool {
         matches!(self.known.get(&rule), Some((Outcome::Fail, _)))
     }
 
     /// The results of all rules, and the notes; `unseen` is the reason for rules without a result.
     pub(super) fn close(mut self, unseen: &str) -> (Vec<Finding>, Vec<String>) {
         let finding = |&rule: &Rule| {
-            let (outcome, seen) = self.known.remove(&rule).unwrap_or_else(|| {
-                let why = match rule.visible() {
-                    Visible::Not(why) => format!("not tested: {why}"),
-                    Visible::Talking | Visible::Restarting => unseen.to_owned(),
-                };
-                (Outcome::Skipped, why)
-            });
+            let (outcome, seen) = self.known.remove(&rule).unwrap_or_else(|| (Outcome::Skipped, unseen.to_owned()));
             Finding { rule, outcome, seen, expected: rule.asked() }
         };
         (Rule::ALL.iter().map(finding).collect(), self.notes)

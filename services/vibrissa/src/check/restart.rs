@@ -1,25 +1,28 @@
 //! Rules that can be tested only during a restart of the robot.
 
-use vibrissa_protocol::{Connection, ConnectionState, Message, Rule};
+use vibrissa_protocol::{BootId, Connection, ConnectionState, Message, Rule};
 
+use super::action::Action;
+use super::assisted::Told;
 use super::bench::Bench;
+use super::is_factsheet;
 use super::listener::Listener;
 use super::log::Entry;
 use super::report::seconds;
-use super::{Progress, is_factsheet};
+use super::timings::Help;
 
 /// The rules of a restart.
 const RULES: [Rule; 4] = [Rule::Will, Rule::WillRetained, Rule::BootIdNew, Rule::SeqFromZero];
 
 impl Bench {
     /// Waits for a restart, and tests its rules.
-    pub(super) async fn restart(&mut self, progress: &mut (dyn FnMut(Progress) + Send)) -> anyhow::Result<()> {
-        if !self.options.restart {
+    pub(super) async fn restart(&mut self, progress: Told<'_>) -> anyhow::Result<()> {
+        if self.options.help == Help::None {
             self.skip(&RULES, "requires --restart, and somebody to cut the robot's power and restore it");
             return Ok(());
         }
-        let (mark, old, limit) = (self.mark(), self.heard.boot.clone(), self.timings().restart);
-        progress(Progress::RestartNow(limit));
+        let (mark, old, limit) = (self.mark(), self.heard.boot.clone(), self.timings().help);
+        self.please(progress, Action::CutPower, limit);
         // They may come in either order: a broker that waits for a silent robot publishes its will after its next
         // birth.
         let both = |heard: &Listener| {
@@ -29,7 +32,7 @@ impl Bench {
         };
         self.until(limit, both).await?;
         let broken = connection(&self.heard, mark, ConnectionState::ConnectionBroken);
-        let birth = connection(&self.heard, mark, ConnectionState::Online);
+        let birth = new_birth(&self.heard, mark, old.as_ref());
         if connection(&self.heard, mark, ConnectionState::Offline).is_some() {
             self.skip(&RULES, "the robot signed off in good order: its power must be cut");
             return Ok(());
@@ -63,10 +66,10 @@ impl Bench {
     async fn rebirth(
         &mut self,
         birth: Option<(usize, (Connection, bool))>,
-        old: Option<&vibrissa_protocol::BootId>,
+        old: Option<&BootId>,
     ) -> anyhow::Result<()> {
         let Some((at, (birth, _))) = birth else {
-            let why = format!("the robot did not return within {}", seconds(self.timings().restart));
+            let why = format!("the robot did not return within {}", seconds(self.timings().help));
             self.skip(&RULES, &why);
             return Ok(());
         };
@@ -92,8 +95,21 @@ impl Bench {
     }
 }
 
+/// The birth of another boot since `mark`, or else any birth: a robot may introduce earlier boots of which it still has
+/// contacts.
+fn new_birth(heard: &Listener, mark: usize, old: Option<&BootId>) -> Option<(usize, (Connection, bool))> {
+    let mut from = mark;
+    while let Some(birth) = connection(heard, from, ConnectionState::Online) {
+        if Some(&birth.1.0.boot_id) != old {
+            return Some(birth);
+        }
+        from = birth.0 + 1;
+    }
+    connection(heard, mark, ConnectionState::Online)
+}
+
 /// The first connection message with this state since `mark`: position in the log, content, and retain flag.
-fn connection(heard: &Listener, mark: usize, state: ConnectionState) -> Option<(usize, (Connection, bool))> {
+pub(super) fn connection(heard: &Listener, mark: usize, state: ConnectionState) -> Option<(usize, (Connection, bool))> {
     let find = |(at, entry): (usize, &Entry)| match &entry.message {
         Message::Connection(connection) if connection.state == state => {
             Some((mark + at, (connection.clone(), entry.retained)))

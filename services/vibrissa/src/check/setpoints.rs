@@ -10,11 +10,11 @@ use super::bench::{Bench, Trial, answers, told};
 use super::report::seconds;
 
 /// Tolerance between a pressure and its setpoint: regulators of small robots dither by a step of a coarse sensor.
-const NEAR_MPA: f64 = 0.005;
+pub(super) const NEAR_MPA: f64 = 0.005;
 /// Tolerance of a pressure ahead of its ramp, for the same reason.
 const AHEAD_MPA: f64 = 0.005;
 /// Tolerance of the setpoint in a status.
-const REPEATED_MPA: f64 = 0.0005;
+pub(super) const REPEATED_MPA: f64 = 0.0005;
 /// Interval of status requests during a slow change.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 /// So slow that a setpoint is still being applied when the next one comes.

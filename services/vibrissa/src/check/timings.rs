@@ -6,6 +6,17 @@ use std::time::Duration;
 /// addition.
 pub(super) const BIRTHS_WITHIN: Duration = Duration::from_secs(2);
 
+/// Help at the robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Help {
+    /// Nobody helps.
+    None,
+    /// Somebody cuts the robot's power and restores it.
+    Restart,
+    /// Somebody does each [`Action`](super::Action).
+    All,
+}
+
 /// Time limits of a check. The defaults are those of the contract; tests with fast simulated robots use shorter ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Timings {
@@ -31,8 +42,12 @@ pub struct Timings {
     pub resend: Duration,
     /// Enough retransmissions to see the pauses grow.
     pub backoff: Duration,
-    /// Cutting the robot's power and restoring it.
-    pub restart: Duration,
+    /// An action of the helper: cutting the robot's power and restoring it, for instance.
+    pub help: Duration,
+    /// Filling the robot's memory of contacts.
+    pub fill: Duration,
+    /// Time without a message to the robot after which it must have noticed the loss of its supervisor.
+    pub silence: Duration,
 }
 
 impl Default for Timings {
@@ -50,7 +65,9 @@ impl Default for Timings {
             contacts: s(60),
             resend: s(60),
             backoff: s(120),
-            restart: s(180),
+            help: s(180),
+            fill: s(300),
+            silence: s(90),
         }
     }
 }
@@ -58,12 +75,21 @@ impl Default for Timings {
 impl Timings {
     /// Expected duration for a robot that conforms to the contract, and longest duration for any robot.
     #[must_use]
-    pub fn expected(&self, with_restart: bool) -> (Duration, Duration) {
+    pub fn expected(&self, help: Help) -> (Duration, Duration) {
         let usual = BIRTHS_WITHIN + self.retained + 3 * self.status.0 + 4 * self.answer + self.slew + 5 * self.grace;
         let setpoints = 6 * self.apply + 20 * self.answer + self.slew;
         let births = BIRTHS_WITHIN + self.answer;
         let contacts = self.contacts + 3 * self.resend + self.backoff;
-        let restart = if with_restart { self.restart + 3 * self.answer } else { Duration::ZERO };
-        (usual, self.retained + births + 8 * self.status.1 + setpoints + contacts + restart)
+        let most = self.retained + births + 8 * self.status.1 + setpoints + contacts;
+        let restart = self.help + 3 * self.answer;
+        match help {
+            Help::None => (usual, most),
+            Help::Restart => (usual, most + restart),
+            Help::All => {
+                // The supply is closed and opened, the robot stopped and started, and a whisker touched four times.
+                let helped = 8 * self.help + self.fill + self.silence + 8 * self.apply + 3 * self.resend;
+                (usual + self.silence + 4 * self.apply, most + restart + helped)
+            }
+        }
     }
 }

@@ -1,6 +1,8 @@
 //! `vibrissa check-robot`: checks whether a robot conforms to the contract.
 
 use std::io::Write;
+use std::net::{Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
 use std::pin::pin;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -11,15 +13,16 @@ use tokio::signal::unix::{SignalKind, signal};
 use uuid::Uuid;
 use vibrissa_protocol::{BootId, Name};
 
+use super::assistant::Helper;
 use super::config::BrokerOrPortArgs;
 use super::record::duration;
 use super::serve::{log, runtime};
 use super::stop::Stopped;
-use crate::check::{CheckOptions, Outcome, Report, Timings, check, present_epoch, wait_for_robot};
+use crate::check::{CheckOptions, Help, Outcome, Report, Timings, check, present_epoch, wait_for_robot};
 use vibrissa_edge::ids::start_seed;
 use vibrissa_edge::shard::FleetShard;
-use vibrissa_supervisor::broker::Broker;
-use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection};
+use vibrissa_supervisor::broker::{Broker, BrokerError};
+use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, Relay};
 
 /// Arguments of `vibrissa check-robot`.
 #[derive(Debug, Args)]
@@ -43,6 +46,16 @@ higher, so that the robot obeys it at once. The broker of the check knows no sup
 time, which is higher than that of every earlier supervisor. With a higher --epoch the robot must be restarted before \
 it is supervised again.
 
+With --assisted the check asks for help at the robot: to close the air supply of a whisker and open it again, to touch \
+whiskers until the robot's memory of contacts is full (give it a small one for the check), to stop and start the robot's \
+program, and to touch a whisker at one place. For a time (--silence) it says nothing to the robot, which must then behave \
+as its factsheet states for the loss of its supervisor. It tells the robot other lengths of that whisker, and at the end \
+none. The assistant is run as PROGRAM ACTION [ARRAY/NUMBER], beside the check; the actions are cut-power, close-supply, \
+open-supply, touch, rest, stop, start and touch-place, where touch and touch-place last until rest.
+
+The robot's packets pass a relay, which records its topics, if the check starts the broker, or with --relay. The relay \
+changes nothing, and cannot see through TLS.
+
 The rules are in docs/contract-rules.md. The exit code is 0 only if no rule was violated.")]
 pub struct CheckRobotArgs {
     /// Name of the robot.
@@ -57,6 +70,21 @@ pub struct CheckRobotArgs {
     /// Also check a restart: the check tells when to cut the robot's power.
     #[arg(long)]
     restart: bool,
+    /// Also check what needs help at the robot, a restart included: the check tells what to do.
+    #[arg(long)]
+    assisted: bool,
+    /// Run this program for each action in place of a person; implies --assisted.
+    #[arg(long, value_name = "PROGRAM")]
+    assistant: Option<PathBuf>,
+    /// Time without a message after which the robot must have noticed the loss of its supervisor; default: 90s.
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    silence: Option<Duration>,
+    /// How long to touch whiskers at most until the robot's memory of contacts is full; default: 5m.
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    fill: Option<Duration>,
+    /// With --broker: listen here, and pass the robot on to the broker, to see its topics.
+    #[arg(long, value_name = "IP:PORT")]
+    relay: Option<SocketAddr>,
     /// How long to wait for the robot, such as 60s or 5m; default: 5m without --broker, otherwise not at all.
     #[arg(long, value_name = "TIME", value_parser = duration)]
     wait: Option<Duration>,
@@ -65,6 +93,16 @@ pub struct CheckRobotArgs {
     json: bool,
     #[command(flatten)]
     config: BrokerOrPortArgs,
+}
+
+impl CheckRobotArgs {
+    fn help_at_robot(&self) -> Help {
+        match (self.assisted || self.assistant.is_some(), self.restart) {
+            (true, _) => Help::All,
+            (false, true) => Help::Restart,
+            (false, false) => Help::None,
+        }
+    }
 }
 
 fn whisker(text: &str) -> Result<(Name, u16), String> {
@@ -81,18 +119,30 @@ pub fn run(args: &CheckRobotArgs, out: &mut impl Write) -> anyhow::Result<ExitCo
     let config = args.config.read()?;
     let [fleet] = &config.fleets[..] else { bail!("exactly one fleet is required: --fleet NAME") };
     log(&config.log);
+    if args.relay.is_some() && config.broker.is_none() {
+        bail!("--relay requires --broker: the robot reaches the broker of the check through a relay anyway");
+    }
+    let defaults = Timings::default();
+    let timings = Timings {
+        silence: args.silence.unwrap_or(defaults.silence),
+        fill: args.fill.unwrap_or(defaults.fill),
+        ..defaults
+    };
     let options = CheckOptions {
         fleet: fleet.clone(),
         robot: args.robot.clone(),
         whisker: args.whisker.clone(),
         epoch: args.epoch,
-        restart: args.restart,
-        timings: Timings::default(),
+        help: args.help_at_robot(),
+        relay: None,
+        timings,
     };
+    let helper = Helper::new(args.assistant.clone());
     let report = runtime()?.block_on(async {
-        match &config.broker {
-            Some(broker) => checked(broker, options, args.wait).await,
-            None => on_own_broker(config.mqtt_port, options, args.wait).await,
+        match (&config.broker, args.relay) {
+            (Some(broker), Some(listen)) => through_relay(broker, listen, options, args.wait, &helper).await,
+            (Some(broker), None) => checked(broker, &broker.to_string(), options, args.wait, &helper).await,
+            (None, _) => on_own_broker(config.mqtt_port, options, args.wait, &helper).await,
         }
     })?;
     if args.json {
@@ -109,25 +159,69 @@ pub fn run(args: &CheckRobotArgs, out: &mut impl Write) -> anyhow::Result<ExitCo
 /// Time limit for the robot to connect to the broker of the check.
 const ARRIVAL: Duration = Duration::from_secs(300);
 
-/// Checks a robot on a broker of its own, with the port and the address of the supervisor's embedded one.
-async fn on_own_broker(port: u16, options: CheckOptions, wait: Option<Duration>) -> anyhow::Result<Report> {
-    let broker = Broker::start(port).await.context(
-        "the check starts the supervisor's broker, unless --broker names another one; stop the supervisor of this \
-         machine first",
-    )?;
-    let address = broker.address();
+/// Checks a robot on a broker of its own, with the port and the address of the supervisor's embedded one. The robot reaches
+/// it through a relay.
+async fn on_own_broker(
+    port: u16,
+    options: CheckOptions,
+    wait: Option<Duration>,
+    helper: &Helper,
+) -> anyhow::Result<Report> {
+    let broker = Broker::start(0).await?;
+    let server = broker.address();
+    let listen = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
+    let relay = Relay::start(listen, (server.ip().to_string(), server.port())).await;
+    let relay = relay
+        .map_err(|problem| {
+            let is_taken = problem.kind() == std::io::ErrorKind::AddrInUse;
+            let start = || BrokerError::Start(format!("{listen}: {problem}"));
+            if is_taken { BrokerError::PortTaken { port } } else { start() }
+        })
+        .context(
+            "the check starts the supervisor's broker, unless --broker names another one; stop the supervisor of this \
+             machine first",
+        )?;
+    let address = relay.address();
     eprintln!(
         "vibrissa: MQTT on {address}; the robot {}/{} must connect to this address now",
         options.fleet, options.robot
     );
-    let options = CheckOptions { epoch: options.epoch.or_else(|| Some(present_epoch())), ..options };
-    let address = BrokerAddress::new(address.ip().to_string(), address.port());
-    let report = checked(&address, options, Some(wait.unwrap_or(ARRIVAL))).await;
+    let epoch = options.epoch.or_else(|| Some(present_epoch()));
+    let options = CheckOptions { epoch, relay: Some(relay.record()), ..options };
+    let server = BrokerAddress::new(server.ip().to_string(), server.port());
+    let report = checked(&server, &address.to_string(), options, Some(wait.unwrap_or(ARRIVAL)), helper).await;
+    drop(relay);
     broker.stop().await;
     report
 }
 
-async fn checked(broker: &BrokerAddress, options: CheckOptions, wait: Option<Duration>) -> anyhow::Result<Report> {
+/// Checks a robot that reaches a broker through a relay.
+async fn through_relay(
+    broker: &BrokerAddress,
+    listen: SocketAddr,
+    options: CheckOptions,
+    wait: Option<Duration>,
+    helper: &Helper,
+) -> anyhow::Result<Report> {
+    let relay = Relay::start(listen, (broker.host.clone(), broker.port)).await;
+    let relay = relay.with_context(|| format!("--relay: listening on {listen}"))?;
+    let address = relay.address();
+    eprintln!(
+        "vibrissa: relay to the broker on {address}; the robot {}/{} must connect to this address now",
+        options.fleet, options.robot
+    );
+    let options = CheckOptions { relay: Some(relay.record()), ..options };
+    checked(broker, &address.to_string(), options, Some(wait.unwrap_or(ARRIVAL)), helper).await
+}
+
+/// Checks a robot at a broker. `address` is the one to which the robot must connect.
+async fn checked(
+    broker: &BrokerAddress,
+    address: &str,
+    options: CheckOptions,
+    wait: Option<Duration>,
+    helper: &Helper,
+) -> anyhow::Result<Report> {
     let mark = format!("c{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple());
     let boot_id = BootId::new(&mark).context("creating the boot ID of the connection")?;
     let whole = FleetShard::whole(options.fleet.clone());
@@ -142,7 +236,7 @@ async fn checked(broker: &BrokerAddress, options: CheckOptions, wait: Option<Dur
     if let Some(limit) = wait {
         eprintln!("vibrissa: waiting up to {} s for {}", limit.as_secs_f64(), options.robot);
         tokio::select! {
-            arrived = wait_for_robot(&connection, &options.robot, limit) => arrived?,
+            arrived = wait_for_robot(&connection, &options.robot, limit, address) => arrived?,
             () = &mut stopped => return Err(Stopped("the robot did not connect, and nothing was checked").into()),
         }
     }
@@ -150,10 +244,10 @@ async fn checked(broker: &BrokerAddress, options: CheckOptions, wait: Option<Dur
         stopped.await;
         eprintln!("vibrissa: stopping; restoring the pressure first");
     };
-    let (usual, most) = options.timings.expected(options.restart);
+    let (usual, most) = options.timings.expected(options.help);
     let robot = &options.robot;
     eprintln!("vibrissa: checking {robot}: takes about {} s, at most {} s", usual.as_secs(), most.as_secs());
-    check(&connection, options, &mut |progress| eprintln!("vibrissa: {progress}"), stop).await
+    check(&connection, options, &mut |progress| helper.tell(&progress), stop).await
 }
 
 #[cfg(test)]

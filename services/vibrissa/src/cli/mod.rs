@@ -23,6 +23,7 @@ pub mod token;
 pub mod watch;
 pub mod whiskers;
 
+mod assistant;
 mod progress;
 mod words;
 
