@@ -1,5 +1,4 @@
-//! The state machine: ready, pulse, settle. [`pulse`] has the pulses and what follows without an answer, [`watch`] the
-//! decisions between them.
+//! The state machine: ready, pulse, settle. `pulse.rs` has the pulses, and `watch.rs` the decisions between them.
 
 mod pulse;
 mod watch;
