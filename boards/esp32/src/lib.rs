@@ -35,7 +35,7 @@ pub struct Readings {
     pub pressure_mpa: f32,
     /// Pressure of the supply, MPa, if there is a sensor.
     pub supply_mpa: Option<f32>,
-    /// Strain of the gauge, m/m.
+    /// Strain of the gauge, m/m; not a number if it could not be read.
     pub strain: f32,
 }
 
@@ -197,7 +197,8 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
                 lines.add(|line| line.write_str("{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa-board\"}"));
         }
         let (array, whisker) = (self.array, self.whisker);
-        if now_us >= self.next_strain_us {
+        // JSON has no NaN: the next reading takes the place of one that failed.
+        if now_us >= self.next_strain_us && strain.is_finite() {
             // The grid of the samples is kept, unless the board was away for longer.
             self.next_strain_us = (self.next_strain_us + STRAIN_US).max(now_us.saturating_sub(STRAIN_US));
             if self.strain_count == 0 {

@@ -36,13 +36,14 @@ struct Bench {
     said: String,
     now_us: u64,
     mpa: f32,
+    strain: f32,
 }
 
 impl Bench {
     fn new() -> Bench {
         let (fill, vent) = (Pin::default(), Pin::default());
         let board = Board::new(fill.clone(), vent.clone(), "left", 1, 0.2).unwrap();
-        Bench { board, fill, vent, lines: Lines::default(), said: String::new(), now_us: 0, mpa: 0.0 }
+        Bench { board, fill, vent, lines: Lines::default(), said: String::new(), now_us: 0, mpa: 0.0, strain: 0.000_1 }
     }
 
     fn say(&mut self, line: &str) {
@@ -62,7 +63,7 @@ impl Bench {
                 self.mpa -= self.mpa * 0.001;
             }
             let pressure_mpa = ((self.mpa / STEP_MPA).floor() + 0.5) * STEP_MPA;
-            let readings = Readings { pressure_mpa, supply_mpa: None, strain: 0.000_1 };
+            let readings = Readings { pressure_mpa, supply_mpa: None, strain: self.strain };
             self.board.step(self.now_us, readings, &mut self.lines).unwrap();
             self.said.push_str(std::str::from_utf8(self.lines.waiting()).unwrap());
             self.lines.sent(usize::MAX);
@@ -120,4 +121,15 @@ fn it_ignores_what_is_wrong_or_for_others() {
     bench.say(r#"{"type":"valve","open":"FILL","for_ms":50}"#);
     bench.run(0.2);
     assert!((bench.mpa - 0.0122).abs() < 0.0005, "a line after one that is too long is read: {}", bench.mpa);
+}
+
+#[test]
+fn a_strain_that_cannot_be_read_is_left_out() {
+    let mut bench = Bench::new();
+    bench.strain = f32::NAN;
+    bench.run(0.3);
+    assert!(!bench.said.contains("\"strain\""), "{}", bench.said);
+    bench.strain = 0.000_1;
+    bench.run(0.3);
+    assert!(bench.said.contains("\"strain\":[0.000100") && !bench.said.contains("NaN"), "{}", bench.said);
 }
