@@ -1,5 +1,5 @@
-//! The embedded MQTT broker, on loopback and in memory only. Only the relay for tests of robots uses
-//! the library behind it, too: its packets.
+//! The embedded MQTT broker, on loopback and in memory only. Besides it, only the relay for
+//! tests of robots uses the library behind it, to decode packets.
 
 use std::net::{Ipv4Addr, SocketAddr};
 

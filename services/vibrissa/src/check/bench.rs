@@ -12,6 +12,7 @@ use vibrissa_protocol::{
 
 use super::CheckOptions;
 use super::action::Action;
+use super::estimates::Touched;
 use super::listener::Listener;
 use super::timings::Timings;
 use vibrissa_edge::clock::wall_clock;
@@ -46,6 +47,8 @@ pub(super) struct Bench {
     pub(super) is_away: bool,
     /// Actions of the helper that restore what others have changed, and whose effect was not seen yet.
     pub(super) owed: Vec<Action>,
+    /// The whisker of which the robot was told another length.
+    pub(super) told_lengths: Option<Touched>,
     /// Period of statuses without requests, once it is measured.
     pub(super) period: Option<Duration>,
     /// Whether the robot sends contacts again that are not receipted.
@@ -67,6 +70,7 @@ impl Bench {
             trial: None,
             is_away: false,
             owed: Vec::new(),
+            told_lengths: None,
             period: None,
             is_resending: false,
             boot_id,

@@ -30,7 +30,8 @@ const INTERVAL: f64 = 0.01;
 const RULES: [Rule; 2] = [Rule::EstimateLength, Rule::EstimateOrder];
 
 /// The whisker of the test.
-struct Touched {
+#[derive(Debug, Clone)]
+pub(super) struct Touched {
     spot: Spot,
     length_mm: f64,
 }
@@ -77,6 +78,7 @@ impl Bench {
             return Ok(divisor);
         }
         let limit = self.timings().contacts;
+        self.told_lengths = Some(touched.clone());
         let older = self.tell_lengths(factsheet, touched, Some(one_mm)).await?;
         if self.heard.was_born(boot) && reader.knows_that_none_was_retained().await {
             divisor.first = First::WithoutEstimate(before);
@@ -96,15 +98,25 @@ impl Bench {
             }
             divisor.stale = self.touches(touched, boot, limit).await?;
         }
-        // A robot that overlooks the withdrawal keeps the length of its factsheet.
-        self.tell_lengths(factsheet, touched, Some(touched.length_mm)).await?;
-        self.tell_lengths(factsheet, touched, None).await?;
+        self.withdraw_lengths().await?;
         self.heard.findings.note(format!(
             "the robot was told lengths of {one_mm:.1} and {two_mm:.1} mm for {}, and then none: the next supervisor tells \
              it the present ones",
             touched.spot
         ));
         Ok(divisor)
+    }
+
+    /// Withdraws the lengths that the robot was told, if it was told any.
+    pub(super) async fn withdraw_lengths(&mut self) -> anyhow::Result<()> {
+        let (Some(touched), Some(factsheet)) = (self.told_lengths.clone(), self.heard.factsheet.clone()) else {
+            return Ok(());
+        };
+        // A robot that overlooks the withdrawal keeps the length of its factsheet.
+        self.tell_lengths(&factsheet, &touched, Some(touched.length_mm)).await?;
+        self.tell_lengths(&factsheet, &touched, None).await?;
+        self.told_lengths = None;
+        Ok(())
     }
 
     /// Tells the robot a length of the whisker, and the factsheet's of the others; or that there are no estimates.

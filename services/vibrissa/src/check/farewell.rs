@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
-use vibrissa_protocol::{BootId, Connection, ConnectionState, Message, Rule};
+use vibrissa_protocol::{BootId, Connection, ConnectionState, Rule};
 
 use super::action::Action;
 use super::assisted::Told;
@@ -103,19 +103,5 @@ impl Bench {
 
 /// Boots that have introduced themselves.
 fn boots(heard: &Listener) -> BTreeSet<BootId> {
-    let of = |message: &Message| match message {
-        Message::Connection(connection) => Some(connection.boot_id.clone()),
-        Message::Factsheet(_)
-        | Message::Contacts(_)
-        | Message::Status(_)
-        | Message::SetpointState(_)
-        | Message::TestState(_)
-        | Message::Receipt(_)
-        | Message::Setpoint(_)
-        | Message::Request(_)
-        | Message::Estimate(_)
-        | Message::SupervisorState(_)
-        | Message::SupervisorRequest(_) => None,
-    };
-    heard.log.iter().filter_map(|entry| of(&entry.message)).chain(heard.boot.clone()).collect()
+    heard.connections(0).map(|(_, connection, _)| connection.boot_id.clone()).chain(heard.boot.clone()).collect()
 }

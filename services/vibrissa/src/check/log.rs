@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
-use vibrissa_protocol::{Factsheet, Message, Name, Status, SupervisorPresence, WhiskerFacts, WhiskerStatus};
+use vibrissa_protocol::{
+    Connection, Factsheet, Message, Name, Status, SupervisorPresence, WhiskerFacts, WhiskerStatus,
+};
 
 use super::listener::Listener;
 use vibrissa_edge::clock::wall_clock;
@@ -19,6 +21,24 @@ impl Listener {
     /// Epoch of the supervisor that owns the fleet now.
     pub(super) fn supervised(&self) -> Option<u64> {
         self.supervisor.as_ref().filter(|told| told.state == SupervisorPresence::Online).map(|told| told.epoch)
+    }
+
+    /// Connection messages since a position in the log, each with its position and the retain flag.
+    pub(super) fn connections(&self, mark: usize) -> impl Iterator<Item = (usize, &Connection, bool)> {
+        self.log.iter().enumerate().skip(mark).filter_map(|(at, entry)| match &entry.message {
+            Message::Connection(connection) => Some((at, connection, entry.retained)),
+            Message::Factsheet(_)
+            | Message::Contacts(_)
+            | Message::Status(_)
+            | Message::SetpointState(_)
+            | Message::TestState(_)
+            | Message::Receipt(_)
+            | Message::Setpoint(_)
+            | Message::Request(_)
+            | Message::Estimate(_)
+            | Message::SupervisorState(_)
+            | Message::SupervisorRequest(_) => None,
+        })
     }
 
     /// Statuses since a position in the log.

@@ -225,11 +225,14 @@ fn tell_trial(bench: &mut Bench, trial: &Trial) {
     ));
 }
 
-/// Restores the chamber's first setpoint, whatever has happened. Returns and notes what the helper may not have restored.
+/// Restores the lengths and the chamber's first setpoint, whatever has happened. Returns and notes what the helper may not have restored.
 async fn put_back(bench: &mut Bench) -> Vec<String> {
     let owed = std::mem::take(&mut bench.owed).into_iter().map(|action| format!("THIS MAY STILL BE TO DO: {action}"));
     let owed: Vec<String> = owed.collect();
     owed.iter().for_each(|note| bench.heard.findings.note(note.clone()));
+    if let Err(problem) = bench.withdraw_lengths().await {
+        bench.heard.findings.note(format!("THE ROBOT KEEPS A WRONG LENGTH until the next supervisor: {problem:#}"));
+    }
     put_back_pressure(bench).await;
     owed
 }

@@ -36,7 +36,7 @@ impl Own {
         self.may_publish(filter) || filter == self.to_all
     }
 
-    /// What a connection must not do, as text.
+    /// Forbidden uses of topics by a connection, as text.
     fn foreign(&self, client: &ClientRecord) -> Vec<String> {
         let published = client.published.iter().filter(|topic| !self.may_publish(topic));
         let subscribed = client.subscribed.iter().filter(|filter| !self.may_subscribe(filter));

@@ -1,13 +1,12 @@
 //! Rules that can be tested only during a restart of the robot.
 
-use vibrissa_protocol::{BootId, Connection, ConnectionState, Message, Rule};
+use vibrissa_protocol::{BootId, Connection, ConnectionState, Rule};
 
 use super::action::Action;
 use super::assisted::Told;
 use super::bench::Bench;
 use super::is_factsheet;
 use super::listener::Listener;
-use super::log::Entry;
 use super::report::seconds;
 use super::timings::Help;
 
@@ -110,22 +109,6 @@ fn new_birth(heard: &Listener, mark: usize, old: Option<&BootId>) -> Option<(usi
 
 /// The first connection message with this state since `mark`: position in the log, content, and retain flag.
 pub(super) fn connection(heard: &Listener, mark: usize, state: ConnectionState) -> Option<(usize, (Connection, bool))> {
-    let find = |(at, entry): (usize, &Entry)| match &entry.message {
-        Message::Connection(connection) if connection.state == state => {
-            Some((mark + at, (connection.clone(), entry.retained)))
-        }
-        Message::Connection(_)
-        | Message::Factsheet(_)
-        | Message::Contacts(_)
-        | Message::Status(_)
-        | Message::SetpointState(_)
-        | Message::TestState(_)
-        | Message::Receipt(_)
-        | Message::Setpoint(_)
-        | Message::Request(_)
-        | Message::Estimate(_)
-        | Message::SupervisorState(_)
-        | Message::SupervisorRequest(_) => None,
-    };
-    heard.log[mark..].iter().enumerate().find_map(find)
+    let mut all = heard.connections(mark).filter(|(_, connection, _)| connection.state == state);
+    all.next().map(|(at, connection, is_retained)| (at, (connection.clone(), is_retained)))
 }

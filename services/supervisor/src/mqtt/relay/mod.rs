@@ -161,7 +161,7 @@ async fn join(client: TcpStream, server: (String, u16), record: RelayRecord) {
     tokio::join!(pass(from_client, to_server, read), pass(from_server, to_client, |_| {}));
 }
 
-/// Passes one direction on. What is not read waits at the sender.
+/// Passes one direction on. Bytes that the receiver does not take yet wait at the sender.
 async fn pass(mut from: OwnedReadHalf, mut to: OwnedWriteHalf, mut read: impl FnMut(&[u8])) {
     let mut buffer = vec![0; CHUNK_BYTES];
     while let Ok(length @ 1..) = from.read(&mut buffer).await {
