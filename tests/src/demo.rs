@@ -5,14 +5,17 @@ use std::net::SocketAddr;
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::wait::{PATIENCE, until, until_within};
+use crate::wait::{PATIENCE, until};
 use crate::web::ask;
+
+const PAUSE: Duration = Duration::from_millis(100);
 
 /// A running demo without its scripted part; killed on drop.
 #[derive(Debug)]
@@ -80,12 +83,26 @@ impl LiveDemo {
 
     /// Waits until a list of the API has an item for which `is_it` is true, and returns that item. It waits long: a demo may
     /// share its processors with a thousand robots and a browser.
+    ///
+    /// # Panics
+    /// There is no such item in time; the message contains the list and all whiskers of the demo's own robots.
     pub async fn item(&self, path: &str, is_it: impl Fn(&Value) -> bool) -> Value {
+        let asked = async |path: &str| ask(self.http, "GET", path, &[]).await.map(|answer| answer.body);
         let look = async || {
-            let answer = ask(self.http, "GET", path, &[]).await.ok()?;
-            answer.json()["items"].as_array()?.iter().find(|item| is_it(item)).cloned()
+            let items: Value = serde_json::from_str(&asked(path).await.ok()?).ok()?;
+            items["items"].as_array()?.iter().find(|item| is_it(item)).cloned()
         };
-        until_within(6 * PATIENCE, path, look).await
+        let deadline = Instant::now() + 2 * PATIENCE;
+        loop {
+            if let Some(found) = look().await {
+                return found;
+            }
+            if Instant::now() > deadline {
+                let whiskers = asked("/v1/whiskers?robot=crawler-").await;
+                panic!("timed out waiting for: {path}: {:?}; whiskers: {whiskers:?}", asked(path).await);
+            }
+            tokio::time::sleep(PAUSE).await;
+        }
     }
 
     /// Sends SIGINT, as Ctrl-C does.

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 /// Time limit of all waits in tests.
-pub const PATIENCE: Duration = Duration::from_secs(20);
+pub const PATIENCE: Duration = Duration::from_secs(60);
 const PAUSE: Duration = Duration::from_millis(20);
 
 /// Calls `look` until it returns a value, and returns that value.

@@ -45,8 +45,7 @@ async fn a_manual_setpoint_is_explained_sent_once_and_its_result_told() {
     assert_eq!(stage.browser.js("document.activeElement.name").await, "pressure_mpa");
     stage.browser.js("document.activeElement.select()").await;
     stage.browser.type_text("0.12").await;
-    let picture = stage.picture("dialog");
-    stage.browser.picture(&picture).await;
+    stage.picture("dialog").await;
     stage.browser.press("Enter").await;
     stage
         .browser

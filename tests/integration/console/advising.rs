@@ -38,8 +38,7 @@ async fn a_proposal_is_shown_without_reload_and_approved_on_its_page() {
     stage.cut().await;
     stage.browser.until("the proposal is shown", &button("Approve")).await;
     assert!(stage.robot.setpoints_left().is_empty(), "no setpoint may be sent before the approval");
-    let picture = stage.picture("proposal");
-    stage.browser.picture(&picture).await;
+    stage.picture("proposal").await;
     press(&mut stage, "Approve", "looks right").await;
     let (setpoint, _) = stage.robot.setpoint().await;
     assert!(!matches!(setpoint.reason, SetpointReason::Operator | SetpointReason::Release), "{:?}", setpoint.reason);

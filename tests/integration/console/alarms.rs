@@ -60,8 +60,7 @@ async fn a_hundred_and_twenty_silent_robots_are_one_row_that_unfolds_and_is_ackn
         stage.open("#/alarms").await;
         assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{width} {scheme}");
         assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{width} {scheme}");
-        let picture = stage.picture(&format!("storm-{width}-{scheme}"));
-        stage.browser.picture(&picture).await;
+        stage.picture(&format!("storm-{width}-{scheme}")).await;
     }
     let height = stage.browser.js("document.documentElement.scrollHeight").await.as_f64().unwrap();
     assert!(height < 2500.0, "{height} px on a phone");
@@ -77,8 +76,7 @@ async fn a_hundred_and_twenty_silent_robots_are_one_row_that_unfolds_and_is_ackn
     stage.browser.js("void (window.old = true)").await;
     stage.browser.call("Page.reload", json!({})).await;
     stage.browser.until("the same", "!window.old && document.querySelectorAll('.members > li').length === 50").await;
-    let picture = stage.picture("storm-unfolded");
-    stage.browser.picture(&picture).await;
+    stage.picture("storm-unfolded").await;
 
     // The dialog lists the alarms before it acknowledges them.
     stage.browser.size(1280, 900).await;
@@ -87,8 +85,7 @@ async fn a_hundred_and_twenty_silent_robots_are_one_row_that_unfolds_and_is_ackn
     stage.browser.js(&format!("{button}.click()")).await;
     stage.browser.until("the list", "document.querySelectorAll('dialog[open] .concerned li').length === 120").await;
     assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
-    let picture = stage.picture("storm-dialog");
-    stage.browser.picture(&picture).await;
+    stage.picture("storm-dialog").await;
     assert_eq!(items(&stage, "/v1/alarms?state=ACKNOWLEDGED").await.len(), 0, "nothing has changed yet");
     stage.browser.js("document.querySelector('dialog textarea').value = 'the switch of hall 2'").await;
     stage.browser.js("document.querySelector('dialog form').requestSubmit()").await;
@@ -127,12 +124,10 @@ async fn filters_of_alarms_are_in_the_address_and_buttons_are_visible_on_a_phone
         stage.browser.prefers(scheme).await;
         assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{scheme}");
         assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{scheme}");
-        let picture = stage.picture(&format!("alarm-card-{scheme}"));
-        stage.browser.picture(&picture).await;
+        stage.picture(&format!("alarm-card-{scheme}")).await;
     }
     stage.browser.size(1280, 900).await;
-    let picture = stage.picture("alarm-card-wide");
-    stage.browser.picture(&picture).await;
+    stage.picture("alarm-card-wide").await;
 
     let choose = |name: &str, value: &str| {
         format!(
@@ -160,8 +155,7 @@ async fn filters_of_alarms_are_in_the_address_and_buttons_are_visible_on_a_phone
     let summary = text(&mut stage, "main > .marks").await;
     assert!(summary.contains("1 trimmed, not compensated") && !summary.contains("needs attention"), "{summary}");
     assert!(!text(&mut stage, "main").await.contains("nobody"));
-    let picture = stage.picture("uncompensated");
-    stage.browser.picture(&picture).await;
+    stage.picture("uncompensated").await;
     // A robot that is not connected is no robot that needs nothing.
     stage.robot.connection(ConnectionState::Offline).await;
     stage.open("#/fleets/f").await;

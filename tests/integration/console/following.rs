@@ -28,8 +28,7 @@ async fn a_pressure_is_sent_first_and_called_applied_only_by_the_robot() {
     let mut stage = Stage::start().await;
     stage.open(WHISKER).await;
     set_pressure(&mut stage, 0.12).await;
-    let picture = stage.picture("notice-sent");
-    stage.browser.picture(&picture).await;
+    stage.picture("notice-sent").await;
     let (setpoint, _) = stage.robot.setpoint().await;
     stage.robot.answer(&setpoint, SetpointOutcome::Received, None).await;
     stage.browser.until("it is received", &says("0.1200\u{a0}MPa: received")).await;
@@ -43,8 +42,7 @@ async fn a_pressure_is_sent_first_and_called_applied_only_by_the_robot() {
         "0.0500\u{a0}MPa not applied, rejected by the robot: the robot cannot change the pressure at the moment";
     stage.browser.until("it is rejected", &says(refused)).await;
     assert_eq!(stage.browser.js("document.querySelectorAll('.notice.bad').length").await, json!(1));
-    let picture = stage.picture("notice-rejected");
-    stage.browser.picture(&picture).await;
+    stage.picture("notice-rejected").await;
     stage.is_clean();
     stage.stop().await;
 }

@@ -6,15 +6,19 @@ use serde_json::json;
 
 use crate::stage::Stage;
 
-/// Numbers all usable elements and counts them.
-const NUMBER: &str = "[...document.querySelectorAll('a[href], button, input, select, textarea, summary')] \
+/// Names of all usable elements. A name stays the same when news draw the element again.
+const USABLE: &str = "(() => { const seen = new Map(); \
+    window.named = () => { seen.clear(); return [...document.querySelectorAll('a[href], button, input, select, textarea, summary')] \
     .filter((one) => one.getClientRects().length && one.checkVisibility() && !one.disabled) \
-    .map((one, index) => (one.numbered = index)).length";
-/// Number of the focused element, and whether the focus is visible.
+    .map((one) => { const kind = [one.localName, one.getAttribute('href'), one.name, one.type].join(' '); \
+        seen.set(kind, (seen.get(kind) ?? 0) + 1); return [`${kind} ${seen.get(kind)}`, one]; }); }; \
+    return named().map(([name]) => name); })()";
+/// Name of the focused element, and whether the focus is visible.
 const FOCUSED: &str = "(() => { const one = document.activeElement; \
     const inside = one.querySelector?.('.target'); \
     const isSeen = getComputedStyle(one).outlineStyle !== 'none' || (inside && getComputedStyle(inside).stroke !== 'none'); \
-    return { number: one.numbered ?? null, isBody: one === document.body, isSeen, html: one.outerHTML.slice(0, 120) }; })()";
+    const name = named().find(([, other]) => other === one)?.[0] ?? null; \
+    return { name, isBody: one === document.body, isSeen, html: one.outerHTML.slice(0, 120) }; })()";
 
 #[tokio::test]
 async fn tab_reaches_everything_that_can_be_used_and_shows_where_it_is() {
@@ -23,21 +27,22 @@ async fn tab_reaches_everything_that_can_be_used_and_shows_where_it_is() {
     stage.robot.setpoint().await;
     for (name, hash) in stage.pages().await {
         stage.open(&hash).await;
-        let expected = stage.browser.js(NUMBER).await.as_u64().unwrap();
+        let expected: BTreeSet<String> = serde_json::from_value(stage.browser.js(USABLE).await).unwrap();
         // Tab begins at the first element.
         stage.browser.js("document.getElementById('skip').focus()").await;
-        let mut reached = BTreeSet::from([0]);
-        for _ in 0..expected * 2 + 20 {
+        let first = stage.browser.js(FOCUSED).await;
+        let mut reached = BTreeSet::from([first["name"].as_str().unwrap().to_owned()]);
+        for _ in 0..expected.len() * 2 + 20 {
             stage.browser.press("Tab").await;
             let focused = stage.browser.js(FOCUSED).await;
             if focused["isBody"] == json!(true) {
                 break;
             }
             assert_eq!(focused["isSeen"], json!(true), "{name}: the focus cannot be seen: {focused}");
-            reached.extend(focused["number"].as_u64());
+            reached.extend(focused["name"].as_str().map(ToOwned::to_owned));
         }
-        let missed: Vec<u64> = (0..expected).filter(|number| !reached.contains(number)).collect();
-        assert!(missed.is_empty(), "{name}: Tab does not reach {missed:?} of {expected}");
+        let missed: Vec<&String> = expected.difference(&reached).collect();
+        assert!(missed.is_empty(), "{name}: Tab does not reach {missed:?} of {}", expected.len());
     }
     stage.stop().await;
 }

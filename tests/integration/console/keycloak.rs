@@ -50,18 +50,21 @@ impl Keycloak {
             .env("KC_BOOTSTRAP_ADMIN_USERNAME", ADMIN)
             .env("KC_BOOTSTRAP_ADMIN_PASSWORD", ADMIN)
             .env("JAVA_OPTS_KC_HEAP", "-Xms128m -Xmx512m")
+            // A short life: the second compiler never pays off.
+            .env("JAVA_OPTS_APPEND", "-XX:TieredStopAtLevel=1")
             .stdin(Stdio::null())
             .stdout(log.try_clone().unwrap())
             .stderr(log)
             .process_group(0)
             .spawn()
             .map_err(|problem| problem.to_string())?;
-        let keycloak = Self { process, port };
+        let mut keycloak = Self { process, port };
         let deadline = Instant::now() + START_PATIENCE;
         let path = "/realms/robots/.well-known/openid-configuration";
         while !ask(([127, 0, 0, 1], port).into(), "GET", path, &[]).await.is_ok_and(|answer| answer.status == 200) {
             let log = || std::fs::read_to_string(folder.join("keycloak.log")).unwrap_or_default();
-            assert!(Instant::now() < deadline, "Keycloak does not start: {}", log());
+            let has_ended = keycloak.process.try_wait().unwrap().is_some();
+            assert!(!has_ended && Instant::now() < deadline, "Keycloak does not start: {}", log());
             tokio::time::sleep(Duration::from_millis(500)).await;
         }
         Ok(keycloak)

@@ -41,8 +41,7 @@ async fn labels_are_set_shown_filtered_by_the_address_and_removed() {
             stage.browser.until("the labels", "document.querySelectorAll('main .label').length === 2").await;
             assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{name} {width} {scheme}");
             assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{name} {width} {scheme}");
-            let picture = stage.picture(&format!("labels-{name}-{width}-{scheme}"));
-            stage.browser.picture(&picture).await;
+            stage.picture(&format!("labels-{name}-{width}-{scheme}")).await;
         }
     }
     // Another value finds nothing, and the field shows the filter of the address.

@@ -215,8 +215,7 @@ async fn new_pages_fit_every_width_in_light_and_dark() {
                 assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{name}, {scheme}, {width}");
                 assert_eq!(sideways(&mut stage.browser).await, Vec::<String>::new(), "{name} at {width} px");
                 assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{name} at {width} px");
-                let picture = stage.picture(&format!("{name}-{width}-{scheme}"));
-                stage.browser.picture(&picture).await;
+                stage.picture(&format!("{name}-{width}-{scheme}")).await;
             }
         }
     }

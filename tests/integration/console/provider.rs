@@ -83,8 +83,7 @@ async fn people_sign_in_with_keycloak_and_out_again() {
     stage.open("#/fleets/f").await;
     comes(&mut stage, "the sign-in is offered", OFFERED).await;
     assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
-    let picture = stage.picture("sign-in");
-    stage.browser.picture(&picture).await;
+    stage.picture("sign-in").await;
 
     // With a role: back to the page that was asked for, with a session that no script can read.
     sign_in(&mut stage, "ann").await;
@@ -106,8 +105,7 @@ async fn people_sign_in_with_keycloak_and_out_again() {
     assert!(actors.len() == 2 && actors.iter().all(|actor| actor.starts_with("\"oidc:Ann Bell#")), "{actors:?}");
     assert_eq!(audit["items"][1]["kind"], "SIGN_IN");
     assert!(!audit.to_string().contains(session[0]["value"].as_str().unwrap()));
-    let picture = stage.picture("signed-in");
-    stage.browser.picture(&picture).await;
+    stage.picture("signed-in").await;
 
     // The cookie alone changes nothing from elsewhere, and a stranger's callback begins no session.
     let cookie = format!("vibrissa-session={}", session[0]["value"].as_str().unwrap());
@@ -144,8 +142,7 @@ async fn people_sign_in_with_keycloak_and_out_again() {
     sign_in(&mut stage, "bob").await;
     let told = "document.querySelector('[role=alert]')?.textContent.includes('no role')";
     comes(&mut stage, "the reason", told).await;
-    let picture = stage.picture("sign-in-no-role");
-    stage.browser.picture(&picture).await;
+    stage.picture("sign-in-no-role").await;
 
     // The provider ends the session: the page says so.
     keycloak.end_all_sessions();
@@ -155,7 +152,6 @@ async fn people_sign_in_with_keycloak_and_out_again() {
     keycloak.end_all_sessions();
     let told = "document.querySelector('[role=alert]')?.textContent.includes('session has ended')";
     comes(&mut stage, "the end of the session", told).await;
-    let picture = stage.picture("session-ended");
-    stage.browser.picture(&picture).await;
+    stage.picture("session-ended").await;
     stage.stop().await;
 }

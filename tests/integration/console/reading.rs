@@ -26,8 +26,7 @@ async fn every_page_is_readable_in_light_and_dark() {
             stage.open(&hash).await;
             assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{name}, {scheme}");
             least = least.min(least_contrast(&mut stage.browser).await);
-            let picture = stage.picture(&format!("{name}-{scheme}"));
-            stage.browser.picture(&picture).await;
+            stage.picture(&format!("{name}-{scheme}")).await;
         }
         println!("least contrast of text, {scheme}: {least:.2}");
         let brightness = "getComputedStyle(document.body).backgroundColor.match(/\\d+/g).slice(0, 3).reduce((sum, one) => sum + Number(one), 0)";
@@ -44,8 +43,7 @@ async fn no_page_is_wider_than_a_phone() {
     for (name, hash) in stage.pages().await {
         stage.open(&hash).await;
         assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{name}");
-        let picture = stage.picture(&format!("{name}-phone"));
-        stage.browser.picture(&picture).await;
+        stage.picture(&format!("{name}-phone")).await;
     }
     stage.stop().await;
 }

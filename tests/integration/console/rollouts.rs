@@ -28,8 +28,7 @@ async fn looks_right(stage: &mut Stage, name: &str) {
         stage.browser.prefers(scheme).await;
         assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{name} {width} {scheme}");
         assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{name} {width} {scheme}");
-        let picture = stage.picture(&format!("rollout-{name}-{width}-{scheme}"));
-        stage.browser.picture(&picture).await;
+        stage.picture(&format!("rollout-{name}-{width}-{scheme}")).await;
     }
     stage.browser.size(1280, 900).await;
 }

@@ -52,8 +52,7 @@ async fn each_role_sees_its_name_and_which_actions_it_may_not_use() {
         assert_eq!(told, (true, "This requires the role operator. Your role is viewer."), "{name}");
     }
     assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
-    let picture = stage.picture("viewer");
-    stage.browser.picture(&picture).await;
+    stage.picture("viewer").await;
     stage.browser.js("document.querySelector('main button[aria-disabled=true]').focus()").await;
     stage.browser.press("Enter").await;
     let notice = "document.getElementById('notices').textContent";

@@ -187,10 +187,11 @@ impl Stage {
         pages.into_iter().map(|(name, address)| (name, format!("#/{address}"))).collect()
     }
 
-    /// Path of a picture, in the folder named by `VIBRISSA_PICTURES` if that is set.
-    pub(crate) fn picture(&self, name: &str) -> PathBuf {
-        let folder = std::env::var_os("VIBRISSA_PICTURES").map_or_else(|| self.folder.path().to_owned(), PathBuf::from);
-        folder.join(format!("{name}.png"))
+    /// Writes a picture of the whole page into the folder named by `VIBRISSA_PICTURES`, if that is set.
+    pub(crate) async fn picture(&mut self, name: &str) {
+        if let Some(folder) = std::env::var_os("VIBRISSA_PICTURES") {
+            self.browser.picture(&PathBuf::from(folder).join(format!("{name}.png"))).await;
+        }
     }
 
     /// Asserts that the page had no errors and sent requests only to the service.

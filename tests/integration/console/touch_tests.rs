@@ -51,8 +51,7 @@ async fn a_test_is_requested_followed_and_its_length_shown() {
     stage.robot.touch_on_request(&test, (4, 60.0), (1, 69.5)).await;
     row_says(&mut stage, "5 of 10, 1 missed").await;
     row_says(&mut stage, "running").await;
-    let picture = stage.picture("touch-test");
-    stage.browser.picture(&picture).await;
+    stage.picture("touch-test").await;
     stage.robot.answer_test(&test, TouchTestOutcome::Done, None).await;
     row_says(&mut stage, "done").await;
     row_says(&mut stage, "length ").await;
@@ -97,8 +96,7 @@ async fn a_proposed_test_is_shown_and_started_by_an_operator() {
     stage.robot.send(vec![Contact { ratio: None, distance_mm: Some(60.0), ..contact }]).await;
     let shown = "document.body.innerText.includes('Measure whisker left 1 by touches')";
     stage.browser.until("the proposal", shown).await;
-    let picture = stage.picture("proposed-test");
-    stage.browser.picture(&picture).await;
+    stage.picture("proposed-test").await;
     let proposed = listed(&stage, "&state=PROPOSED").await;
     assert_eq!((&proposed[0]["reason"], &proposed[0]["ended_at"]), (&"SCHEDULE".into(), &Value::Null));
     stage.open(WHISKER).await;
@@ -127,8 +125,7 @@ async fn a_proposed_test_is_refused_where_it_is_listed() {
     stage.robot.send(vec![Contact { ratio: None, distance_mm: Some(60.0), ..contact }]).await;
     stage.browser.until("the proposal", "document.body.innerText.includes('Refuse the test')").await;
     let first = listed(&stage, "&state=PROPOSED").await[0]["test_id"].clone();
-    let picture = stage.picture("refused-test");
-    stage.browser.picture(&picture).await;
+    stage.picture("refused-test").await;
     press(&mut stage, "Refuse the test", "the wall is hot").await;
     stage.open(WHISKER).await;
     row_says(&mut stage, "refused by an operator").await;

@@ -50,13 +50,11 @@ async fn a_webhook_is_created_tested_and_its_dead_letters_are_delivered_again() 
         stage.browser.type_text(&value).await;
     }
     assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
-    let picture = stage.picture("webhook-create");
-    stage.browser.picture(&picture).await;
+    stage.picture("webhook-create").await;
     submit(&mut stage).await;
     let secret = "document.querySelector('dialog .secret')?.textContent.startsWith('whsec_')";
     stage.browser.until("the secret is shown", secret).await;
-    let picture = stage.picture("webhook-secret");
-    stage.browser.picture(&picture).await;
+    stage.picture("webhook-secret").await;
     stage.browser.js("[...document.querySelectorAll('dialog button')].pop().click()").await;
     let row = "document.querySelector(\"tr[data-key='webhook-1']\")?.innerText";
     stage.browser.until("the row", &format!("{row}?.includes('nothing sent yet')")).await;
@@ -77,8 +75,7 @@ async fn a_webhook_is_created_tested_and_its_dead_letters_are_delivered_again() 
         stage.open("#/webhooks/1").await;
         assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{scheme}");
         assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{width}");
-        let picture = stage.picture(&format!("webhook-{scheme}-{width}"));
-        stage.browser.picture(&picture).await;
+        stage.picture(&format!("webhook-{scheme}-{width}")).await;
     }
     stage.browser.size(1280, 900).await;
     status.store(204, Ordering::SeqCst);
@@ -89,8 +86,7 @@ async fn a_webhook_is_created_tested_and_its_dead_letters_are_delivered_again() 
     assert!(requests.load(Ordering::SeqCst) >= before + 3);
     stage.open("#/webhooks").await;
     stage.browser.until("it works", &format!("{row}?.includes('working')")).await;
-    let picture = stage.picture("webhooks-working");
-    stage.browser.picture(&picture).await;
+    stage.picture("webhooks-working").await;
     assert_eq!(stage.browser.js("document.querySelector('h1').textContent").await, json!("Webhooks"));
     stage.is_clean();
     stage.stop().await;

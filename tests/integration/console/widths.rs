@@ -29,8 +29,7 @@ async fn nothing_scrolls_sideways_at_any_width() {
             assert_eq!(sideways(&mut stage.browser).await, Vec::<String>::new(), "{name} at {width} px");
             assert_eq!(overflow(&mut stage.browser).await, Vec::<String>::new(), "{name} at {width} px");
             if [390, 1920].contains(&width) {
-                let picture = stage.picture(&format!("{name}-{width}"));
-                stage.browser.picture(&picture).await;
+                stage.picture(&format!("{name}-{width}")).await;
             }
         }
     }
