@@ -5,17 +5,14 @@ use std::net::SocketAddr;
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::wait::{PATIENCE, until};
+use crate::wait::{PATIENCE, found_within, until};
 use crate::web::ask;
-
-const PAUSE: Duration = Duration::from_millis(100);
 
 /// A running demo without its scripted part; killed on drop.
 #[derive(Debug)]
@@ -85,24 +82,18 @@ impl LiveDemo {
     /// share its processors with a thousand robots and a browser.
     ///
     /// # Panics
-    /// There is no such item in time; the message contains the list and all whiskers of the demo's own robots.
+    /// There is no such item in time; the message contains the list and the whiskers of crawler-1.
     pub async fn item(&self, path: &str, is_it: impl Fn(&Value) -> bool) -> Value {
         let asked = async |path: &str| ask(self.http, "GET", path, &[]).await.map(|answer| answer.body);
         let look = async || {
             let items: Value = serde_json::from_str(&asked(path).await.ok()?).ok()?;
             items["items"].as_array()?.iter().find(|item| is_it(item)).cloned()
         };
-        let deadline = Instant::now() + 2 * PATIENCE;
-        loop {
-            if let Some(found) = look().await {
-                return found;
-            }
-            if Instant::now() > deadline {
-                let whiskers = asked("/v1/whiskers?robot=crawler-").await;
-                panic!("timed out waiting for: {path}: {:?}; whiskers: {whiskers:?}", asked(path).await);
-            }
-            tokio::time::sleep(PAUSE).await;
+        if let Some(found) = found_within(2 * PATIENCE, look).await {
+            return found;
         }
+        let whiskers = asked("/v1/whiskers?robot=crawler-1").await;
+        panic!("timed out waiting for: {path}: {:?}; whiskers of crawler-1: {whiskers:?}", asked(path).await);
     }
 
     /// Sends SIGINT, as Ctrl-C does.

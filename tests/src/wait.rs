@@ -18,13 +18,20 @@ pub async fn until<T>(what: &str, look: impl AsyncFnMut() -> Option<T>) -> T {
 ///
 /// # Panics
 /// `look` returns no value within `patience`; the message contains `what`.
-pub async fn until_within<T>(patience: Duration, what: &str, mut look: impl AsyncFnMut() -> Option<T>) -> T {
+pub async fn until_within<T>(patience: Duration, what: &str, look: impl AsyncFnMut() -> Option<T>) -> T {
+    found_within(patience, look).await.unwrap_or_else(|| panic!("timed out waiting for: {what}"))
+}
+
+/// Calls `look` until it returns a value; `None` after the time limit.
+pub async fn found_within<T>(patience: Duration, mut look: impl AsyncFnMut() -> Option<T>) -> Option<T> {
     let deadline = Instant::now() + patience;
     loop {
         if let Some(found) = look().await {
-            return found;
+            return Some(found);
         }
-        assert!(Instant::now() < deadline, "timed out waiting for: {what}");
+        if Instant::now() > deadline {
+            return None;
+        }
         tokio::time::sleep(PAUSE).await;
     }
 }

@@ -7,8 +7,8 @@ use serde_json::json;
 use crate::stage::Stage;
 
 /// Names of all usable elements. A name stays the same when news draw the element again.
-const USABLE: &str = "(() => { const seen = new Map(); \
-    window.named = () => { seen.clear(); return [...document.querySelectorAll('a[href], button, input, select, textarea, summary')] \
+const USABLE: &str = "(() => { \
+    window.named = () => { const seen = new Map(); return [...document.querySelectorAll('a[href], button, input, select, textarea, summary')] \
     .filter((one) => one.getClientRects().length && one.checkVisibility() && !one.disabled) \
     .map((one) => { const kind = [one.localName, one.getAttribute('href'), one.name, one.type].join(' '); \
         seen.set(kind, (seen.get(kind) ?? 0) + 1); return [`${kind} ${seen.get(kind)}`, one]; }); }; \

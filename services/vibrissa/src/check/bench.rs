@@ -47,8 +47,8 @@ pub(super) struct Bench {
     pub(super) is_away: bool,
     /// Actions of the helper that restore what others have changed, and whose effect was not seen yet.
     pub(super) owed: Vec<Action>,
-    /// The whisker of which the robot was told another length.
-    pub(super) told_lengths: Option<Touched>,
+    /// The whisker whose length is wrong in the estimates sent last; `None` if they are right or withdrawn.
+    pub(super) wrong_length: Option<Touched>,
     /// Period of statuses without requests, once it is measured.
     pub(super) period: Option<Duration>,
     /// Whether the robot sends contacts again that are not receipted.
@@ -70,7 +70,7 @@ impl Bench {
             trial: None,
             is_away: false,
             owed: Vec::new(),
-            told_lengths: None,
+            wrong_length: None,
             period: None,
             is_resending: false,
             boot_id,

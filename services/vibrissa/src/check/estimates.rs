@@ -78,7 +78,7 @@ impl Bench {
             return Ok(divisor);
         }
         let limit = self.timings().contacts;
-        self.told_lengths = Some(touched.clone());
+        self.wrong_length = Some(touched.clone());
         let older = self.tell_lengths(factsheet, touched, Some(one_mm)).await?;
         if self.heard.was_born(boot) && reader.knows_that_none_was_retained().await {
             divisor.first = First::WithoutEstimate(before);
@@ -107,15 +107,15 @@ impl Bench {
         Ok(divisor)
     }
 
-    /// Withdraws the lengths that the robot was told, if it was told any.
+    /// Withdraws the estimates with a wrong length, if the check has sent any.
     pub(super) async fn withdraw_lengths(&mut self) -> anyhow::Result<()> {
-        let (Some(touched), Some(factsheet)) = (self.told_lengths.clone(), self.heard.factsheet.clone()) else {
+        let (Some(touched), Some(factsheet)) = (self.wrong_length.clone(), self.heard.factsheet.clone()) else {
             return Ok(());
         };
         // A robot that overlooks the withdrawal keeps the length of its factsheet.
         self.tell_lengths(&factsheet, &touched, Some(touched.length_mm)).await?;
         self.tell_lengths(&factsheet, &touched, None).await?;
-        self.told_lengths = None;
+        self.wrong_length = None;
         Ok(())
     }
 

@@ -225,7 +225,8 @@ fn tell_trial(bench: &mut Bench, trial: &Trial) {
     ));
 }
 
-/// Restores the lengths and the chamber's first setpoint, whatever has happened. Returns and notes what the helper may not have restored.
+/// Restores the lengths and the chamber's first setpoint, whatever has happened. Returns and notes the changes that the
+/// helper may not have undone.
 async fn put_back(bench: &mut Bench) -> Vec<String> {
     let owed = std::mem::take(&mut bench.owed).into_iter().map(|action| format!("THIS MAY STILL BE TO DO: {action}"));
     let owed: Vec<String> = owed.collect();
