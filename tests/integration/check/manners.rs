@@ -7,10 +7,13 @@ use vibrissa_protocol::{
     BootId, Connection as Told, ConnectionState, RobotTopic, Rule, SupervisorPresence, Timestamp, encode,
 };
 use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::places::Places;
+use vibrissa_simulator::{Broker, Fleet};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::observer::Observer;
+use vibrissa_tests::wait::until_true;
 
-use super::{EPOCH, connection, options, robot, setpoint, supervisor, topic};
+use super::{EPOCH, FLEET, connection, options, robot, scenario_of, setpoint, supervisor, topic};
 
 /// The reason why a check of robot `r` ends before it has begun.
 async fn refusal(broker: &Mosquitto) -> String {
@@ -65,13 +68,39 @@ async fn an_interrupted_check_puts_the_pressure_back() {
     let (fleet, robot) = robot(&broker, "r", None).await;
     let target_mpa = || robot.with(|robot| robot.whiskers()[0].regulator().target_mpa());
     // Stops the check as soon as the chamber has another setpoint.
-    let stop = vibrissa_tests::wait::until_true("a setpoint", async || target_mpa() > 0.105);
+    let stop = until_true("a setpoint", async || target_mpa() > 0.105);
     let report = check(&connection(&broker, "r"), options("r"), &mut |_: Progress| {}, stop).await.unwrap();
     assert!(report.is_interrupted);
     assert_eq!(target_mpa(), 0.1);
     assert!(report.notes.iter().any(|note| note.contains("0.1000 MPa was restored")), "{report}");
     assert_eq!(report.count(Outcome::Fail), 0, "{report}");
     assert!(report.rules(Outcome::Skipped).contains(&Rule::Supersede), "{report}");
+    fleet.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_interrupted_check_withdraws_the_lengths_that_it_told() {
+    let broker = Mosquitto::start();
+    supervisor(&broker, SupervisorPresence::Offline).await;
+    let mut scenario = scenario_of(FLEET, "r", None);
+    scenario.behaviour.places = Places::EstimatedRatio;
+    let fleet = Fleet::start(&scenario, &Broker::new("127.0.0.1", broker.port())).unwrap();
+    let robot = fleet.robots()[0].clone();
+    until_true("a connected robot", async || robot.with(|robot| robot.is_connected())).await;
+    let told_mm = || robot.with(|robot| [0, 1].map(|index| robot.whiskers()[index].estimated_length_mm()));
+    // Stops the check as soon as it has told a wrong length.
+    let is_wrong = |told: &Option<f64>| told.is_some_and(|length_mm| length_mm != 70.0);
+    let stop = until_true("a wrong length", async || told_mm().iter().any(is_wrong));
+    // The help that this rule needs is there already; the other rules do not wait long for theirs.
+    robot.with(|robot| {
+        let array = robot.whiskers()[0].array().clone();
+        [0, 1].iter().for_each(|&number| robot.touch_at_place(&array, number, Some(0.7)));
+    });
+    let mut options = CheckOptions { help: Help::All, ..options("r") };
+    (options.timings.help, options.timings.fill) = (Duration::from_secs(2), Duration::from_secs(2));
+    let report = check(&connection(&broker, "r"), options, &mut |_: Progress| {}, stop).await.unwrap();
+    assert!(report.is_interrupted, "{report}");
+    until_true("no estimates", async || told_mm() == [None; 2]).await;
     fleet.stop().await;
 }
 
