@@ -83,10 +83,10 @@ impl HttpProgram {
         format!("sqlite:{}", self.folder.path().join("v.sqlite3").display())
     }
 
-    /// Resident memory in bytes.
+    /// Resident memory in bytes, without the pages of mapped files: a debug build maps its code as it runs.
     pub(crate) fn resident_bytes(&self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.process.id())).unwrap();
-        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix("RssAnon:")).unwrap();
         1024 * line.trim().trim_end_matches(" kB").parse::<u64>().unwrap()
     }
 

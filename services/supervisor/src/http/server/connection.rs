@@ -112,7 +112,7 @@ async fn requests(
         Some(slow) => End::Closed(slow),
         None => {
             let parts = connection.into_parts();
-            End::Answered(parts.io.into_inner().behind(parts.read_buf))
+            End::Answered(parts.io.into_inner().behind(&parts.read_buf))
         }
     }
 }

@@ -169,9 +169,10 @@ impl Followed {
         Self { stream, unread: Bytes::new(), progress }
     }
 
-    /// Puts bytes that were already read from the stream before the rest.
-    pub(super) fn behind(self, read: Bytes) -> Self {
-        let unread = if self.unread.is_empty() { read } else { [read, self.unread].concat().into() };
+    /// Puts bytes that were already read from the stream before the rest. Copies them: they may be part of a read buffer,
+    /// which would stay allocated while the connection is idle, even if no byte of it is left.
+    pub(super) fn behind(self, read: &[u8]) -> Self {
+        let unread = [read, &self.unread].concat().into();
         Self { unread, ..self }
     }
 
