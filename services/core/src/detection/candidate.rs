@@ -280,6 +280,13 @@ impl Evidence {
         ((prior * supposed.size + self.gw) / precision, 1.0 / precision)
     }
 
+    /// Sums over the contacts before a later step, whose signature is nearly the same since then.
+    #[must_use]
+    pub(super) fn before(&self, later: &Self) -> Self {
+        let contacts = self.contacts.saturating_sub(later.contacts);
+        Self { contacts, gg: self.gg - later.gg, gw: self.gw - later.gw }
+    }
+
     /// Contacts since the most likely start.
     #[must_use]
     pub fn contacts(&self) -> u32 {

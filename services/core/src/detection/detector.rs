@@ -214,6 +214,13 @@ impl Detector {
         best(&self.candidates, kind, 0.0, 1).map(|one| one.fit)
     }
 
+    /// The step of [`Self::felt`], as a change.
+    #[must_use]
+    pub fn felt_change(&self, like: f64) -> Option<Change> {
+        let kind = if like < 0.0 { Kind::Shorter } else { Kind::LessSensitive };
+        best(&self.candidates, kind, 0.0, 1).map(|one| Change::of(&self.candidates, &one))
+    }
+
     /// Mixture of the Shiryaev-Roberts statistics. An alarm is raised where it reaches `THRESHOLD_SHARE` times the
     /// configured mean number of contacts between false alarms.
     #[must_use]
@@ -292,36 +299,59 @@ impl Detector {
         verdict
     }
 
-    /// A larger step that began after the suspected change, if it would raise an alarm by itself.
-    ///
-    /// The suspected change, of which the state lacks e, explains a share q (2 - q) of the log likelihood that a step of
-    /// size s gains, with q = e / s; the rest must reach the threshold. The size of the later step contains what the state
-    /// lacks of the earlier one, so that a jump by it takes out both.
+    /// A larger step that began after the suspected change and would raise an alarm by itself. Its size contains the rest of
+    /// the suspected change that the state lacks, so that a jump by it takes out both.
     fn larger(&self, params: &DetectionParams, suspicion: &Suspicion) -> Option<Suspicion> {
         let suspected = usize::from(suspicion.candidate);
         let since = self.candidates.contacts(suspected);
         let is_drift = ALL[suspected].kind == Kind::Drifting;
-        let fitted = self.candidates.evidence(suspected).fit((f64::NEG_INFINITY, f64::INFINITY));
-        let lacks = |index: usize, size: f64| size * self.candidates.lacking(index)[LENGTH];
-        let earlier = if is_drift { 0.0 } else { fitted.map_or(0.0, |fit| lacks(suspected, fit.size)) };
         let threshold = (THRESHOLD_SHARE * params.contacts_between_false_alarms).ln();
         let steps = ALL.iter().enumerate().filter(|(_, supposed)| !supposed.kind.is_gradual());
         let larger = steps.filter_map(|(index, supposed)| {
             let contacts = self.candidates.contacts(index);
-            let log_ratio = self.candidates.log_ratio(index);
-            if contacts == 0 || contacts >= since.min(SUDDEN_CONTACTS) || log_ratio < threshold {
+            if contacts == 0 || contacts >= since.min(SUDDEN_CONTACTS) || self.candidates.log_ratio(index) < threshold {
                 return None;
             }
             let fit = self.candidates.evidence(index).fit(limits(supposed.kind, 0.0))?;
-            let step = lacks(index, fit.size);
+            let step = self.lacks(index, fit.size);
+            let (earlier, rest) = self.beside(suspected, index, step);
             let is_larger = step.abs() >= LARGER * earlier.abs() && (!is_drift || step.abs() >= LARGER_THAN_DRIFT);
-            let rest = (1.0 - (earlier / step).max(0.0)).powi(2) * log_ratio;
             let takes_over = is_larger && rest + supposed.weight.ln() >= threshold;
             takes_over.then_some((index, fit, contacts, rest))
         });
         let (index, fit, contacts_at_alarm, _) = larger.max_by(|a, b| a.3.total_cmp(&b.3))?;
         let candidate = index as u8;
         Some(Suspicion { candidate, size: fit.size, contacts_at_alarm, contacts_since: 0, fresh_log_ratio: 0.0 })
+    }
+
+    /// The part of a suspected change that the state lacks, ln length, and the log likelihood that a later step of `step` gains
+    /// beside it.
+    ///
+    /// A suspected step of size e, fitted to the contacts before the later one, explains those after it with an error of
+    /// s - e. Two steps gain half of (s - e)^2 a b / (a + b) over one, with a and b the information of the two parts. A
+    /// suspected gradual change explains a share q (2 - q) of what the step gains, with q = e / s.
+    fn beside(&self, suspected: usize, later: usize, step: f64) -> (f64, f64) {
+        let (all, after) = (self.candidates.evidence(suspected), self.candidates.evidence(later));
+        let before = all.before(&after);
+        match ALL[suspected].kind {
+            Kind::Drifting => (0.0, self.candidates.log_ratio(later)),
+            Kind::Eroding => {
+                let fitted = all.fit((f64::NEG_INFINITY, f64::INFINITY));
+                let earlier = fitted.map_or(0.0, |fit| self.lacks(suspected, fit.size));
+                (earlier, (1.0 - (earlier / step).max(0.0)).powi(2) * self.candidates.log_ratio(later))
+            }
+            Kind::Shorter | Kind::LessSensitive => {
+                let fitted = before.fit((f64::NEG_INFINITY, f64::INFINITY));
+                let earlier = fitted.map_or(0.0, |fit| self.lacks(suspected, fit.size));
+                let (a, b) = (before.sums().0, after.sums().0);
+                (earlier, 0.5 * (step - earlier).powi(2) * a * b / (a + b))
+            }
+        }
+    }
+
+    /// The part of a change of ln length that the state lacks.
+    fn lacks(&self, index: usize, size: f64) -> f64 {
+        size * self.candidates.lacking(index)[LENGTH]
     }
 
     /// Ends the alarm. Gradual changes keep their starts: one dismissed too early would look like a step the next

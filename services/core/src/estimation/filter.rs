@@ -396,17 +396,17 @@ impl LengthFilter {
 
     /// Applies a detected change of sensitivity that is no change of length: takes back what the states have absorbed of
     /// it as a change of `size` in log length, of which they lack `lacking` per unit, and moves the offset instead.
-    /// `log_shift` is the change of log sensitivity. The offset becomes uncertain by that much; the length does not.
+    /// `log_shift` is the change of log sensitivity. The offset becomes uncertain by `log_sd`; the length does not.
     ///
     /// Returns false and changes nothing if the state would leave its bounds.
-    pub fn rescaled(&mut self, size: f64, lacking: [f64; STATES], log_shift: f64) -> bool {
+    pub fn rescaled(&mut self, size: f64, lacking: [f64; STATES], log_shift: f64, log_sd: f64) -> bool {
         let mut after = self.clone();
         for (state, (mean, lacks)) in after.mean.iter_mut().zip(lacking).enumerate() {
             let unit = if state == LENGTH { 1.0 } else { 0.0 };
             *mean = (f64::from(*mean) - (unit - lacks) * size) as f32;
         }
         after.mean[0] = (f64::from(after.mean[0]) + log_shift) as f32;
-        after.shared_shift(log_shift);
+        after.shared_shift(log_sd);
         self.become_if_sound(after)
     }
 

@@ -76,6 +76,39 @@ fn property_what_all_whiskers_feel_is_a_shift() {
     }
 }
 
+/// A step of 3 % looks like 1 mm, which the length of a cut lacks if the cut is called before the step. A cut of 3 mm may take
+/// longer if the supervisor finds the step just then.
+#[test]
+fn property_a_cut_soon_after_a_step_of_all_whiskers_is_called_with_its_length() {
+    let mut late = Vec::new();
+    for seed in 0..SEEDS {
+        for (gap, lost_mm) in [0, 10, 20, 30, 40].into_iter().flat_map(|gap| [(gap, 3.0), (gap, 8.0)]) {
+            let mut rig = Rig::new(1600 + seed, WHISKERS);
+            rig.run(BEFORE);
+            rig.whiskers.iter_mut().for_each(|one| one.gain = 1.03);
+            rig.run(gap);
+            rig.whiskers[2].length_mm -= lost_mm;
+            rig.run(150);
+            let trims = rig.trims();
+            assert!(
+                trims.iter().all(|(_, trim)| trim.whisker == 2),
+                "seed {seed}, {gap} contacts, {lost_mm} mm: {trims:?}"
+            );
+            let Some((_, trim)) = trims.first() else {
+                late.push((seed, gap, lost_mm));
+                continue;
+            };
+            let (length, truth_mm) = (trim.length_after, rig.whiskers[2].length_mm);
+            let limit_mm = 1.0 + 2.0 * length.sd_mm;
+            assert!(
+                (length.length.mm() - truth_mm).abs() <= limit_mm,
+                "seed {seed}, {gap} contacts, {lost_mm} mm: {length:?}"
+            );
+        }
+    }
+    assert!(late.len() <= 1, "of 80 cuts: {late:?}");
+}
+
 /// In an array of three of which one is cut and one erodes, the third still has witnesses.
 #[test]
 fn regress_a_shift_is_no_trim_beside_a_cut_and_an_eroding_whisker() {

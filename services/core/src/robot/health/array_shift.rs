@@ -8,7 +8,7 @@
 
 use smallvec::SmallVec;
 
-use crate::detection::{Change, Fit, Others};
+use crate::detection::{Change, Detector, Fit, Others};
 use crate::estimation::filter::LENGTH;
 use crate::mechanics::Model;
 use crate::robot::Robot;
@@ -164,11 +164,16 @@ impl Robot {
         effects: &mut Vec<Effect>,
     ) {
         let shift = self.median_shift(index, change);
+        let median = Fit { size: shift, variance: change.variance, gain: 0.0 };
         for member in self.group_of(index) {
             let whisker = &mut self.whiskers[member];
             let Some(model) = whisker.model(params) else { continue };
             let log_shift = shift * whisker.log_slope_with_length(model);
-            whisker.take_out(log_shift);
+            let feels = whisker.detector.felt(shift).is_some_and(|felt| feels(&median, &felt));
+            match whisker.detector.felt_change(shift).filter(|_| feels) {
+                Some(felt) => whisker.take_out_felt(model, &felt, log_shift),
+                None => whisker.take_out(log_shift),
+            }
             self.shift_measured(member, log_shift);
             if self.whiskers[member].condition == Condition::Suspected {
                 self.set_condition(member, Condition::Healthy, effects);
@@ -271,10 +276,25 @@ impl Whisker {
 
     fn take_out(&mut self, log_shift: f64) {
         self.filter.shared_shift(log_shift);
+        self.follow_shift(log_shift);
+        self.detector = Detector::default();
+    }
+
+    /// Takes a shift out of a whisker that feels it as this change: its offset moves by as much and is surer than that of
+    /// others, so that a cut soon afterwards stays plain.
+    fn take_out_felt(&mut self, model: &Model, felt: &Change, log_shift: f64) {
+        let slope = self.log_slope_with_length(model);
+        let log_sd = (felt.variance.sqrt() * slope).abs().min(log_shift.abs());
+        self.filter.rescaled(felt.size, felt.lacking, felt.size * slope, log_sd);
+        self.follow_shift(log_shift);
+        self.detector = Detector::default();
+    }
+
+    /// The shift may go on, and belongs to earlier measurements, too.
+    fn follow_shift(&mut self, log_shift: f64) {
         self.rare.get_or_insert().unsteady =
             Some(Unsteady { log_shift: log_shift.abs(), contacts_left: UNSTEADY_CONTACTS });
         self.shift_reference(log_shift);
-        self.detector = crate::detection::Detector::default();
     }
 
     /// Brings the response while whole to another scale.

@@ -142,7 +142,7 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         let Some(model) = whisker.model(params) else { return };
         let log_shift = change.size * whisker.log_slope_with_length(model);
-        whisker.filter.rescaled(change.size, change.lacking, log_shift);
+        whisker.filter.rescaled(change.size, change.lacking, log_shift, log_shift);
         if whisker.is_at_nominal_pressure() {
             let now = whisker.filter.offset();
             let before = Offset { level: now.level - log_shift, ..now };
