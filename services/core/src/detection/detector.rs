@@ -299,8 +299,8 @@ impl Detector {
         verdict
     }
 
-    /// A larger step that began after the suspected change and would raise an alarm by itself. Its size contains the rest of
-    /// the suspected change that the state lacks, so that a jump by it takes out both.
+    /// A larger step after the suspected change, with evidence enough for its own alarm. Its size contains the part of the
+    /// suspected change that the state lacks, so that a jump by it takes out both.
     fn larger(&self, params: &DetectionParams, suspicion: &Suspicion) -> Option<Suspicion> {
         let suspected = usize::from(suspicion.candidate);
         let since = self.candidates.contacts(suspected);

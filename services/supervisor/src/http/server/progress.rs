@@ -169,8 +169,8 @@ impl Followed {
         Self { stream, unread: Bytes::new(), progress }
     }
 
-    /// Puts bytes that were already read from the stream before the rest. Copies them: they may be part of a read buffer,
-    /// which would stay allocated while the connection is idle, even if no byte of it is left.
+    /// Puts bytes that were already read from the stream before the rest. Copies them: a slice of a read buffer, even an
+    /// empty one, keeps the whole buffer allocated while the connection is idle.
     pub(super) fn behind(self, read: &[u8]) -> Self {
         let unread = [read, &self.unread].concat().into();
         Self { unread, ..self }
