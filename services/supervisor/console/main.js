@@ -111,6 +111,8 @@ async function start() {
   live.start();
 }
 
+const pageOf = (url) => pathOf(new URL(url).hash);
+
 document.getElementById("sign-out").addEventListener("click", async () => {
   const place = await signOut(isSession());
   document.getElementById("notices").replaceChildren();
@@ -124,9 +126,9 @@ document.getElementById("skip").addEventListener("click", (event) => {
   event.preventDefault();
   main.focus();
 });
-addEventListener("hashchange", () => {
-  // A dialog belongs to the page on which it was opened.
-  document.querySelector("dialog")?.close();
+addEventListener("hashchange", ({ oldURL, newURL }) => {
+  // A dialog belongs to the page on which it was opened. A search or a filter changes the address but not the page.
+  if (pageOf(oldURL) !== pageOf(newURL)) document.querySelector("dialog")?.close();
   show(true);
 });
 startShortcuts(document.getElementById("shortcuts"));
