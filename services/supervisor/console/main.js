@@ -31,16 +31,18 @@ const live = new Live(
   (state) => document.getElementById("connection").replaceChildren(mark(...STATES[state])),
 );
 
-/** Whether the page of the address is shown, in whatever state (search, order). */
-const isShown = () => main.dataset.address !== undefined && pathOf(main.dataset.address) === pathOf(location.hash);
+/** Whether the page of an address is shown, in whatever state (search, order). */
+const isShown = (address) => main.dataset.address !== undefined && pathOf(main.dataset.address) === pathOf(address);
 
 async function show(isNavigation) {
-  const { page, parts, state } = find(location.hash);
+  // The browser's address can be the next page's when the answer comes, before the event that tells its change.
+  const address = location.hash;
+  const { page, parts, state } = find(address);
   const number = isNavigation ? shown.number + 1 : shown.number;
   if (isNavigation) {
     shown = { number, page, parts };
-    document.getElementById("nav").replaceChildren(navigation(location.hash));
-    if (!isShown()) main.setAttribute("aria-busy", "true");
+    document.getElementById("nav").replaceChildren(navigation(address));
+    if (!isShown(address)) main.setAttribute("aria-busy", "true");
   }
   let content;
   try {
@@ -53,7 +55,7 @@ async function show(isNavigation) {
     live.told(!problem.isSilence);
     content = await failed(problem, isNavigation);
   }
-  if (number === shown.number && content) put(content, isNavigation);
+  if (number === shown.number && content) put(content, address, isNavigation);
 }
 
 async function failed(problem, isNavigation) {
@@ -69,9 +71,9 @@ async function failed(problem, isNavigation) {
   return [h("h1", { tabindex: "-1" }, "Cannot show this page"), problemPanel(problem, () => show(true))];
 }
 
-function put(content, isNavigation) {
+function put(content, address, isNavigation) {
   const next = h("main", {}, content);
-  const isSameAddress = isShown();
+  const isSameAddress = isShown(address);
   const hadFocus = main.contains(document.activeElement);
   if (isSameAddress) morphChildren(main, next);
   else main.replaceChildren(...next.childNodes);
@@ -88,7 +90,7 @@ function put(content, isNavigation) {
     // The focused element has disappeared.
     heading?.focus({ preventScroll: true });
   }
-  main.dataset.address = location.hash;
+  main.dataset.address = address;
   main.dataset.shows = String(Number(main.dataset.shows ?? 0) + 1);
 }
 

@@ -71,7 +71,7 @@ async fn a_hundred_and_twenty_silent_robots_are_one_row_that_unfolds_and_is_ackn
     assert_eq!((status, words.contains("ROBOT_SILENT")), (200, true), "{words}");
 
     // Unfolded, it shows a bounded number of alarms, and a reload keeps it unfolded.
-    stage.browser.js("document.querySelector('.storm a[aria-expanded]').click()").await;
+    stage.browser.click("document.querySelector('.storm a[aria-expanded]')").await;
     stage.browser.until("its alarms", "document.querySelectorAll('.members > li').length === 50").await;
     stage.browser.js("void (window.old = true)").await;
     stage.browser.call("Page.reload", json!({})).await;
@@ -82,7 +82,7 @@ async fn a_hundred_and_twenty_silent_robots_are_one_row_that_unfolds_and_is_ackn
     stage.browser.size(1280, 900).await;
     stage.open("#/alarms").await;
     let button = "[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('Acknowledge all 120'))";
-    stage.browser.js(&format!("{button}.click()")).await;
+    stage.browser.click(button).await;
     stage.browser.until("the list", "document.querySelectorAll('dialog[open] .concerned li').length === 120").await;
     assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
     stage.picture("storm-dialog").await;

@@ -165,6 +165,11 @@ impl Browser {
         self.js(&promise).await
     }
 
+    /// Clicks an element as soon as the page has it; `element` is a JavaScript expression.
+    pub(crate) async fn click(&mut self, element: &str) {
+        self.until(element, &format!("((found) => found && (found.click(), true))({element})")).await;
+    }
+
     /// Presses a key: "Tab", "Enter", "Escape", an arrow key, "Home", "End", or a character.
     pub(crate) async fn press(&mut self, key: &str) {
         let code = match key {

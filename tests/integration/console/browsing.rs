@@ -35,7 +35,7 @@ async fn robots_are_searched_sorted_and_paged_and_a_reload_keeps_it() {
     let mut stage = crowded().await;
     stage.open("#/fleets/f?sort=robot").await;
     assert_eq!(stage.browser.js(NAMES).await, json!(numbered(0..ROWS)), "the first page");
-    stage.browser.js("[...document.querySelectorAll('.pager a')].at(-1).click()").await;
+    stage.browser.click("[...document.querySelectorAll('.pager a')].at(-1)").await;
     let mut last = numbered(ROWS..ROBOTS - 1);
     last.push("r".to_owned());
     stage.browser.until("the last page", &format!("JSON.stringify({NAMES}) === '{}'", json!(last))).await;
@@ -54,7 +54,7 @@ async fn robots_are_searched_sorted_and_paged_and_a_reload_keeps_it() {
     // The heading turns the order round and says so to screen readers.
     let heading = "[...document.querySelectorAll('main thead th')].find((one) => one.textContent.startsWith('Robot'))";
     assert_eq!(stage.browser.js(&format!("{heading}.getAttribute('aria-sort')")).await, "ascending");
-    stage.browser.js(&format!("{heading}.querySelector('a').click()")).await;
+    stage.browser.click(&format!("{heading}?.querySelector('a')")).await;
     let reversed: Vec<String> = numbered(10..20).into_iter().rev().collect();
     let reversed = json!(reversed);
     stage.browser.until("the other order", &format!("JSON.stringify({NAMES}) === '{reversed}'")).await;
@@ -70,7 +70,7 @@ async fn robots_are_searched_sorted_and_paged_and_a_reload_keeps_it() {
     stage.open("#/fleets/f?q=nobody").await;
     let nothing = "[...document.querySelectorAll('main .empty')].at(-1).textContent";
     assert_eq!(stage.browser.js(nothing).await, "No robots match.");
-    stage.browser.js("document.querySelector('.tools a').click()").await;
+    stage.browser.click("document.querySelector('.tools a')").await;
     stage.browser.until("all robots", &format!("{NAMES}.length === {ROWS}")).await;
     stage.is_clean();
     stage.stop().await;
@@ -96,10 +96,10 @@ async fn whiskers_are_filtered_by_condition_and_views_are_saved() {
     stage.browser.until("the view is saved", &format!("{saved} === 'Cut ones'")).await;
     stage.open("#/whiskers").await;
     stage.browser.until("all whiskers", &format!("{NAMES}.length === 3")).await;
-    stage.browser.js("document.querySelector('.views a').click()").await;
+    stage.browser.click("document.querySelector('.views a')").await;
     stage.browser.until("the view", &format!("JSON.stringify({NAMES}) === '[\"left 0\"]'")).await;
     assert_eq!(stage.browser.js("document.getElementById('filter-condition').value").await, "TRIMMED");
-    stage.browser.js("document.querySelector('.views button').click()").await;
+    stage.browser.click("document.querySelector('.views button')").await;
     stage.browser.until("the view is deleted", "!document.querySelector('.views a')").await;
     stage.is_clean();
     stage.stop().await;

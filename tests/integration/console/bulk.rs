@@ -32,8 +32,7 @@ async fn many() -> (Stage, Vec<HandRobot>) {
 async fn press(stage: &mut Stage, button: &str) {
     let find =
         format!("[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('{button}'))");
-    stage.browser.until("the button", &format!("!!{find}")).await;
-    stage.browser.js(&format!("{find}.click()")).await;
+    stage.browser.click(&find).await;
     stage.browser.until("a dialog", DIALOG).await;
 }
 
@@ -83,10 +82,10 @@ async fn all_24_robots_shown_are_held_after_a_dry_run_and_their_progress_is_show
     stage.browser.until("they are refused", &format!("{notice}.includes('0 of 2 done, 2 refused: ROBOT_HELD')")).await;
     looks_right(&mut stage, "whiskers").await;
     stage.open("#/audit").await;
-    stage.browser.js("document.querySelector('main .links a').click()").await;
+    stage.browser.click("document.querySelector('main .links a')").await;
     stage.browser.until("the list", "document.querySelectorAll('main tbody tr').length === 2").await;
     looks_right(&mut stage, "list").await;
-    stage.browser.js("document.querySelector('main tbody a').click()").await;
+    stage.browser.click("document.querySelector('main tbody a')").await;
     stage.browser.until("the request", "document.querySelector('h1').textContent.startsWith('Action ')").await;
     stage.browser.until("its subjects", "document.querySelectorAll('main tbody tr').length === 3").await;
     let told = words(&mut stage, "document.querySelector('main')").await;

@@ -61,10 +61,9 @@ async fn a_range_is_chosen_zoomed_and_reset_and_is_part_of_the_address() {
     stage.browser.until("the shortest range", &pressed("1 hour")).await;
     assert_eq!(query(&mut stage).await, "");
     for (words, name) in [("24 hours", "24h"), ("7 days", "7d"), ("30 days", "30d"), ("1 hour", "1h")] {
-        let click = format!(
-            "[...document.querySelectorAll('.toolbar button')].find((one) => one.textContent === '{words}').click()"
-        );
-        stage.browser.js(&click).await;
+        let button =
+            format!("[...document.querySelectorAll('.toolbar button')].find((one) => one.textContent === '{words}')");
+        stage.browser.click(&button).await;
         stage.browser.until(words, &pressed(words)).await;
         assert_eq!(query(&mut stage).await, format!("range={name}"));
     }
@@ -90,7 +89,7 @@ async fn a_range_is_chosen_zoomed_and_reset_and_is_part_of_the_address() {
     assert_eq!(query(&mut stage).await, "");
     stage.browser.js("history.back()").await;
     stage.browser.until("the zoom again", &format!("{STATUS}.includes('chosen range')")).await;
-    stage.browser.js("document.querySelector('[aria-label=\"Reset the range\"]').click()").await;
+    stage.browser.click("document.querySelector('[aria-label=\"Reset the range\"]')").await;
     stage.browser.until("no zoom again", &pressed("1 hour")).await;
     stage.is_clean();
     stage.stop().await;
@@ -168,7 +167,7 @@ async fn the_cursor_tells_the_values_with_the_mouse_and_with_the_keyboard() {
     stage.browser.press("0").await;
     stage.browser.until("no zoom", &format!("{STATUS}.includes('follows new data')")).await;
     // The same values in a table.
-    stage.browser.js("document.querySelector('.value-tables summary').click()").await;
+    stage.browser.click("document.querySelector('.value-tables summary')").await;
     let newest = "document.querySelector('.value-tables tbody tr')?.innerText";
     stage.browser.until("a table", newest).await;
     assert!(stage.browser.js(newest).await.as_str().unwrap().contains(&told(lengths.last().unwrap())));
@@ -225,7 +224,7 @@ async fn events_are_marked_and_lead_to_their_decision_and_alarm() {
     assert_eq!(stage.browser.js(pressed).await, true, "the mark keeps the focus");
     let decisions = ask(stage.service.http, "GET", "/v1/compensations", &[]).await.unwrap().json();
     let decision = &decisions["items"][0]["compensation_id"];
-    stage.browser.js("[...document.querySelectorAll('.told li')].find((one) => one.innerText.includes('trim')).querySelector('a').click()").await;
+    stage.browser.click("[...document.querySelectorAll('.told li')].find((one) => one.innerText.includes('trim'))?.querySelector('a')").await;
     let heading = format!("location.hash === '#/compensations/{decision}'");
     stage.browser.until("the decision", &heading).await;
     stage.is_clean();

@@ -15,7 +15,7 @@ fn says(words: &str) -> String {
 
 /// Sets the pressure in the dialog.
 async fn set_pressure(stage: &mut Stage, pressure_mpa: f64) {
-    stage.browser.js(&format!("{}.click()", button("Set the pressure"))).await;
+    stage.browser.click(&button("Set the pressure")).await;
     stage.browser.js(&format!("document.querySelector('dialog input').value = '{pressure_mpa}'")).await;
     stage.browser.js("document.querySelector('dialog form').requestSubmit()").await;
     let sent =

@@ -66,6 +66,44 @@ async fn enter_follows_a_link_and_the_focus_moves_to_where_it_led() {
     stage.stop().await;
 }
 
+/// Holds the answers to a refresh until `window.release()`. Then they arrive without a pause between them.
+const HOLD: &str = "(() => { \
+    const [real, gate] = [window.fetch, Promise.withResolvers()]; \
+    const seen = document.body.dataset; \
+    [seen.asked, seen.held] = [0, 0]; \
+    window.release = () => { window.fetch = real; gate.resolve(); }; \
+    window.fetch = async (...asked) => { \
+        seen.asked = Number(seen.asked) + 1; \
+        const answer = await real(...asked); \
+        const told = await answer.json(); \
+        seen.held = Number(seen.held) + 1; \
+        await gate.promise; \
+        return { ok: answer.ok, status: answer.status, headers: answer.headers, json: async () => told }; }; \
+    document.getElementById('zone').dispatchEvent(new Event('change')); })()";
+
+/// The address changes before its event. An answer between the two was shown under the name of the next page, which then
+/// did not get the focus.
+#[tokio::test]
+async fn regress_a_late_answer_of_the_last_page_does_not_take_the_focus_from_the_next() {
+    let mut stage = Stage::start().await;
+    stage.open("#/fleets").await;
+    stage.browser.js(HOLD).await;
+    let held = "document.body.dataset.held !== '0' && document.body.dataset.held === document.body.dataset.asked";
+    stage.browser.until("the answers are held", held).await;
+    let shows = "Number(document.querySelector('main').dataset.shows)";
+    let before = stage.browser.js(shows).await.as_i64().unwrap();
+    let follow = format!(
+        "new Promise((done) => {{ \
+            addEventListener('hashchange', () => done({shows}), {{ capture: true, once: true }}); \
+            location.hash = '#/whiskers'; window.release(); }})"
+    );
+    assert_eq!(stage.browser.js(&follow).await, before + 1, "the late answer came before the event");
+    let led = "document.activeElement.localName === 'h1' && document.activeElement.textContent === 'Whiskers'";
+    stage.browser.until("the focus on the heading", led).await;
+    stage.is_clean();
+    stage.stop().await;
+}
+
 #[tokio::test]
 async fn the_skip_link_leads_past_the_navigation() {
     let mut stage = Stage::start().await;

@@ -10,8 +10,7 @@ const DIALOG: &str = "document.querySelector('dialog[open]')";
 async fn press(stage: &mut Stage, button: &str) {
     let find =
         format!("[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('{button}'))");
-    stage.browser.until("the button", &format!("!!{find}")).await;
-    stage.browser.js(&format!("{find}.click()")).await;
+    stage.browser.click(&find).await;
     stage.browser.until("a dialog", DIALOG).await;
 }
 

@@ -12,8 +12,7 @@ const NOTES: &str = "document.querySelectorAll('[aria-labelledby=part-notes] tbo
 pub(crate) async fn press(stage: &mut Stage, button: &str) {
     let find =
         format!("[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('{button}'))");
-    stage.browser.until("the button", &format!("!!{find}")).await;
-    stage.browser.js(&format!("{find}.click()")).await;
+    stage.browser.click(&find).await;
     stage.browser.until("a dialog", DIALOG).await;
 }
 

@@ -79,7 +79,7 @@ async fn the_overview_shows_arrays_errors_and_changes_with_links() {
 async fn a_question_what_if_is_in_the_address_and_shows_candidates_and_curve() {
     let mut stage = with_a_compensation().await;
     stage.open("#/fleets/f/robots/r/arrays/left/whiskers/0").await;
-    stage.browser.js("document.querySelector('main a[href*=what-if]').click()").await;
+    stage.browser.click("document.querySelector('main a[href*=what-if]')").await;
     stage.browser.until("the question", "document.querySelector('h1').textContent === 'What if'").await;
     stage.open(CUT).await;
     let path = "/v1/fleets/f/robots/r/arrays/left/whiskers/0/what-if?length_mm=64";
@@ -147,10 +147,10 @@ async fn a_calibration_is_uploaded_activated_and_the_previous_one_restored() {
 
 /// Presses the button of the fleet, and then the one of its dialog.
 async fn press(stage: &mut Stage, words: &str) {
-    stage.browser.js("document.querySelector('tr[data-key=use-f] button').click()").await;
+    stage.browser.click("document.querySelector('tr[data-key=use-f] button')").await;
     let title = format!("document.querySelector('dialog h2')?.textContent.startsWith('{words}')");
     stage.browser.until("the dialog", &title).await;
-    stage.browser.js("document.querySelector('dialog button[type=submit]').click()").await;
+    stage.browser.click("document.querySelector('dialog button[type=submit]')").await;
 }
 
 #[tokio::test]
@@ -181,12 +181,12 @@ async fn keys_lead_to_pages_and_to_the_search_but_not_while_typing() {
     assert_eq!(stage.browser.js("document.querySelectorAll('dialog .shortcuts').length").await, json!(1));
     assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
     // Switched off, they do nothing; the button still shows the list.
-    stage.browser.js("document.querySelector('dialog input').click()").await;
+    stage.browser.click("document.querySelector('dialog input')").await;
     stage.browser.press("Escape").await;
     stage.browser.until("closed", "!document.querySelector('dialog')").await;
     stage.browser.press("?").await;
     assert_eq!(stage.browser.js("document.querySelector('dialog')").await, json!(null));
-    stage.browser.js("document.getElementById('shortcuts').click()").await;
+    stage.browser.click("document.getElementById('shortcuts')").await;
     stage.browser.until("the list again", "document.querySelector('dialog .shortcuts')").await;
     stage.is_clean();
     stage.stop().await;

@@ -33,13 +33,13 @@ const ASKED: &str = "document.getElementById('kc-login') && document.getElementB
 /// Follows the console's link, and signs in at the provider.
 async fn sign_in(stage: &mut Stage, user: &str) {
     comes(stage, "the sign-in is offered", OFFERED).await;
-    stage.browser.js("document.querySelector('#sign-in a').click()").await;
+    stage.browser.click("document.querySelector('#sign-in a')").await;
     comes(stage, "the provider asks for the password", ASKED).await;
     for (field, value) in [("username", user.to_owned()), ("password", format!("{user}-of-this-test"))] {
         stage.browser.js(&format!("document.getElementById('{field}').focus()")).await;
         stage.browser.type_text(&value).await;
     }
-    stage.browser.js("document.getElementById('kc-login').click()").await;
+    stage.browser.click("document.getElementById('kc-login')").await;
 }
 
 /// Status and JSON of a request that the console's page sends.
@@ -131,7 +131,7 @@ async fn people_sign_in_with_keycloak_and_out_again() {
     }
 
     // Signed out: here and at the provider, which asks for a password again.
-    stage.browser.js("document.getElementById('sign-out').click()").await;
+    stage.browser.click("document.getElementById('sign-out')").await;
     comes(&mut stage, "it is offered again", OFFERED).await;
     assert_eq!(cookies(&mut stage).await, Vec::<Value>::new());
     let headers = [("Cookie", cookie.as_str())];

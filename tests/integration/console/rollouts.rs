@@ -11,8 +11,7 @@ const DIALOG: &str = "document.querySelector('dialog[open]')";
 async fn press(stage: &mut Stage, button: &str) {
     let find =
         format!("[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('{button}'))");
-    stage.browser.until("the button", &format!("!!{find}")).await;
-    stage.browser.js(&format!("{find}.click()")).await;
+    stage.browser.click(&find).await;
     stage.browser.until("a dialog", DIALOG).await;
 }
 
@@ -47,11 +46,11 @@ async fn a_policy_is_rolled_out_in_stages_and_each_event_is_shown() {
     stage.browser.js(&format!("{DIALOG}.querySelector('[name=mode]').value = 'ADVISE'")).await;
     send(&mut stage, "people shall look first").await;
     stage.browser.until("it has begun", "document.getElementById('notices').textContent.includes('done')").await;
-    stage.browser.js("document.querySelector('main .links a').click()").await;
+    stage.browser.click("document.querySelector('main .links a')").await;
     shows(&mut stage, "5 % of the robots").await;
     shows(&mut stage, "policy: advise").await;
     looks_right(&mut stage, "list").await;
-    stage.browser.js("document.querySelector('main tbody a').click()").await;
+    stage.browser.click("document.querySelector('main tbody a')").await;
     shows(&mut stage, "people shall look first").await;
     press(&mut stage, "Pause").await;
     send(&mut stage, "not at night").await;

@@ -38,7 +38,7 @@ async fn a_list_is_saved_as_csv_with_its_filter_with_and_without_a_token() {
         stage.browser.shown().await;
         let filter = hash.split_once('?').unwrap().1;
         stage.browser.until("the link", &format!("{link}?.href.includes('{filter}')")).await;
-        stage.browser.js(&format!("{link}.click()")).await;
+        stage.browser.click(link).await;
         let until = "new Promise((done) => { const look = () => window.saved ? done(window.saved) : setTimeout(look, 20); look(); })";
         let csv = stage.browser.js(until).await.as_str().unwrap().to_owned();
         assert!(csv.starts_with("action_id,") && csv.contains(present) && !csv.contains(absent), "{hash}: {csv}");

@@ -62,7 +62,7 @@ async fn each_role_sees_its_name_and_which_actions_it_may_not_use() {
         .await;
     assert_eq!(stage.browser.js("document.querySelector('dialog')").await, Value::Null);
 
-    stage.browser.js("document.getElementById('sign-out').click()").await;
+    stage.browser.click("document.getElementById('sign-out')").await;
     stage.browser.until("it asks for a token", "document.getElementById('token')").await;
     assert_eq!(stage.browser.js(user).await, "");
     let soon = vibrissa_edge::clock::wall_clock().0 as i64 + 86_400_000_000;
@@ -94,7 +94,7 @@ async fn a_token_is_asked_for_kept_in_the_tab_and_forgotten_again() {
     sign_in(&mut stage, &token).await;
     stage.browser.until("the fleet is shown", &format!("{heading} === 'Fleet f'")).await;
     assert_eq!(stage.browser.js("localStorage.length + document.cookie.length").await, json!(0));
-    stage.browser.js("document.getElementById('sign-out').click()").await;
+    stage.browser.click("document.getElementById('sign-out')").await;
     stage.browser.until("it asks for a token again", &format!("{heading} === 'Sign in'")).await;
     assert_eq!(stage.browser.js("sessionStorage.length").await, json!(0));
     stage.stop().await;

@@ -196,8 +196,7 @@ async fn patiently<T>(what: &str, look: impl AsyncFn() -> Option<T>) -> T {
 async fn save(browser: &mut Browser, url: &str, of: &Value) {
     browser.open(url).await;
     let link = format!("document.querySelector('a[download=\"black-box-{}.jsonl\"]')", of["black_box_id"]);
-    browser.until("the link to the black box", &link).await;
-    browser.js(&format!("{link}.click()")).await;
+    browser.click(&link).await;
 }
 
 /// The saved file of a black box.
@@ -242,7 +241,7 @@ async fn axe_finds_nothing_on_any_page() {
     // The dialogs of the actions are parts of pages.
     stage.open("#/fleets/f/robots/r").await;
     stage.browser.until("a button", &button("Hold")).await;
-    stage.browser.js(&format!("{}.click()", button("Hold"))).await;
+    stage.browser.click(&button("Hold")).await;
     let found = axe::violations(&mut stage.browser, &script).await;
     assert_eq!(found, Vec::<String>::new(), "dialog");
     // The rules do find something if there is something.

@@ -31,11 +31,11 @@ async fn receiver(status: Arc<AtomicU16>) -> (u16, Arc<AtomicUsize>) {
 const BUTTON: &str = "[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith";
 
 async fn press(stage: &mut Stage, words: &str) {
-    stage.browser.js(&format!("{BUTTON}('{words}')).click()")).await;
+    stage.browser.click(&format!("{BUTTON}('{words}'))")).await;
 }
 
 async fn submit(stage: &mut Stage) {
-    stage.browser.js("document.querySelector('dialog button[type=submit]').click()").await;
+    stage.browser.click("document.querySelector('dialog button[type=submit]')").await;
 }
 
 #[tokio::test]
@@ -55,7 +55,7 @@ async fn a_webhook_is_created_tested_and_its_dead_letters_are_delivered_again() 
     let secret = "document.querySelector('dialog .secret')?.textContent.startsWith('whsec_')";
     stage.browser.until("the secret is shown", secret).await;
     stage.picture("webhook-secret").await;
-    stage.browser.js("[...document.querySelectorAll('dialog button')].pop().click()").await;
+    stage.browser.click("[...document.querySelectorAll('dialog button')].pop()").await;
     let row = "document.querySelector(\"tr[data-key='webhook-1']\")?.innerText";
     stage.browser.until("the row", &format!("{row}?.includes('nothing sent yet')")).await;
     press(&mut stage, "Send a test").await;

@@ -109,7 +109,7 @@ async fn an_alarm_is_shelved_until_a_time_in_the_zone() {
     stage.open("#/alarms").await;
     choose(&mut stage, "Asia/Tokyo").await;
     stage.browser.until("an alarm", &button("Shelve")).await;
-    stage.browser.js(&format!("{}.click()", button("Shelve"))).await;
+    stage.browser.click(&button("Shelve")).await;
     let field = "document.querySelector('dialog[open] input[type=datetime-local]')";
     stage.browser.until("the field", field).await;
     let hint = "document.querySelector('dialog[open]').innerText.includes('Asia/Tokyo')";
