@@ -82,7 +82,8 @@ impl LiveDemo {
     /// share its processors with a thousand robots and a browser.
     ///
     /// # Panics
-    /// There is no such item in time; the message contains the list and the whiskers of crawler-1.
+    /// There is no such item in time; the message contains the list, the losses that the metrics count, and the
+    /// whiskers of crawler-1.
     pub async fn item(&self, path: &str, is_it: impl Fn(&Value) -> bool) -> Value {
         let asked = async |path: &str| ask(self.http, "GET", path, &[]).await.map(|answer| answer.body);
         let look = async || {
@@ -93,7 +94,12 @@ impl LiveDemo {
             return found;
         }
         let whiskers = asked("/v1/whiskers?robot=crawler-1").await;
-        panic!("timed out waiting for: {path}: {:?}; whiskers of crawler-1: {whiskers:?}", asked(path).await);
+        let metrics = asked("/metrics").await.unwrap_or_default();
+        let losses: Vec<_> = metrics.lines().filter(|line| line.contains("lost") && !line.starts_with('#')).collect();
+        panic!(
+            "timed out waiting for: {path}: {:?}; {losses:?}; whiskers of crawler-1: {whiskers:?}",
+            asked(path).await
+        );
     }
 
     /// Sends SIGINT, as Ctrl-C does.

@@ -22,7 +22,7 @@ use crate::stage::Stage;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
 const ROBOTS: usize = 1000;
-const WHISKERS: usize = 24;
+const WHISKERS: usize = 6;
 const CRAWLER: &str = "#/fleets/demo/robots/crawler-1";
 const TARGET: &str = "#/fleets/demo/robots/crawler-1/arrays/left/whiskers/2";
 const ALARMS: &str = "#/alarms?robot=crawler-2";
@@ -53,7 +53,7 @@ async fn crowd(demo: &LiveDemo) -> Crowd {
         "--whiskers",
         &whiskers,
         "--array-whiskers",
-        "12",
+        "6",
         "--rate",
         "100",
         "--messages",
@@ -180,9 +180,9 @@ async fn from_the_cut_on_the_page_to_the_replay_of_its_black_box() {
     assert!(demo.ended().await.success());
 }
 
-/// Waits for a value for a minute: a thousand robots and their browser share two cores with other tests.
+/// Waits for a value for five minutes: a thousand robots and their browser share two cores with other tests.
 async fn patiently<T>(what: &str, look: impl AsyncFn() -> Option<T>) -> T {
-    let deadline = Instant::now() + Duration::from_secs(60);
+    let deadline = Instant::now() + Duration::from_secs(300);
     loop {
         if let Some(found) = look().await {
             return found;

@@ -68,10 +68,16 @@ impl Intake {
     /// sent again until they are answered, and births and factsheets are requested again, see [`Self::take_wanted`]. The
     /// message is in the inbox after the next [`Self::hand_over`], which must follow before the task waits.
     pub(crate) fn take(&mut self, topic: Bytes, payload: Bytes) {
+        // The engine reads its clock before it locks: its ticks must not be later than a message that is stamped earlier.
+        let mut waiting = self.shared.waiting();
         if self.together.is_empty() {
             self.received = after(self.received, wall_clock());
         }
-        let place = self.shared.waiting().messages.reserve(&topic, &payload, &self.bounds);
+        let place = waiting.messages.reserve(&topic, &payload, &self.bounds);
+        if place.is_ok() {
+            waiting.received.get_or_insert(self.received);
+        }
+        drop(waiting);
         match place {
             Ok(at) => self.together.push((topic, payload, at)),
             Err(why) => self.shed(&topic, why),
@@ -107,6 +113,7 @@ impl Intake {
                 }
             }
         }
+        waiting.received = None;
         drop(waiting);
         self.shared.arrived.notify_one();
         if is_abandoned {

@@ -44,6 +44,8 @@ struct Shared {
 #[derive(Debug, Default)]
 struct Waiting {
     messages: FairQueues,
+    /// Receipt time of the first message that is received but not handed over yet.
+    received: Option<Micros>,
     /// Births and factsheets are to be requested again, for this cause.
     wants_births: Option<BirthCause>,
     /// The receiving end has gone: no more messages can arrive.
@@ -119,10 +121,12 @@ impl Inbox {
         self.shared.waiting().messages.is_throttling()
     }
 
-    /// Receipt time of the oldest waiting message, without those that wait because their own robot sends too much.
+    /// Receipt time of the oldest message that waits or is not handed over yet, without those that wait because their own
+    /// robot sends too much.
     #[must_use]
     pub fn oldest(&self) -> Option<Micros> {
-        self.shared.waiting().messages.oldest()
+        let waiting = self.shared.waiting();
+        waiting.messages.oldest().into_iter().chain(waiting.received).min()
     }
 
     /// The robots whose messages were shed since the last call because they sent more than their share, and the number

@@ -108,6 +108,25 @@ async fn a_message_does_not_keep_the_buffer_alive_that_it_came_in() {
     assert_eq!(inbox.recv().await.unwrap().payload.len(), 10);
 }
 
+/// A tick between the receipt and the hand-over was later than the message. It found whiskers silent that were not.
+#[tokio::test]
+async fn regress_a_message_that_is_not_handed_over_yet_is_the_oldest() {
+    let (mut intake, mut inbox) = inbox(counted());
+    assert_eq!(inbox.oldest(), None);
+    let before = wall_clock();
+    intake.take(topic("contacts"), Bytes::from_static(b"1"));
+    let oldest = inbox.oldest();
+    assert!(oldest.is_some_and(|oldest| (before..=wall_clock()).contains(&oldest)), "{oldest:?}");
+    intake.hand_over();
+    assert_eq!(inbox.oldest(), oldest);
+    intake.take(topic("contacts"), Bytes::from_static(b"2"));
+    assert_eq!(inbox.recv().await.map(|message| message.received), oldest);
+    assert!(inbox.oldest() > oldest, "the second is received, but not handed over");
+    intake.hand_over();
+    drain(&mut inbox).await;
+    assert_eq!(inbox.oldest(), None);
+}
+
 #[tokio::test]
 async fn what_came_together_is_given_in_order_and_as_it_came() {
     let (mut intake, mut inbox) = bounded(BOUNDS, counted());
