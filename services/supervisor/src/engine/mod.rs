@@ -189,7 +189,7 @@ impl Engine {
                 inbox.want_births(BirthCause::Allowed);
             }
             if is_ticking && self.shards.has_room() {
-                is_ticking = !self.shards.tick(now(&inbox));
+                is_ticking = !self.shards.tick(now(&inbox), &inbox.delayed());
                 self.pipeline.stepped(0, &self.shards);
             }
             if self.pipeline.is_due(&self.shards) {

@@ -23,6 +23,7 @@ use super::robot::retention::ContactRetention;
 use super::shard::shards::Shards;
 use super::shard::stepper::Stepper;
 use super::shard::{Receipts, Shard};
+use crate::inbox::Delayed;
 use crate::metrics::Metrics;
 use vibrissa_store::batch::Batch;
 use vibrissa_store::{Resolution, StoredRobot};
@@ -156,7 +157,7 @@ impl World {
         let robot_id = 1 + self.random.below(shard.robots().len()) as i64;
         match self.random.below(40) {
             // At least one whisker per tick: a tick with many effects is continued with the next one.
-            0 => drop(shard.tick(self.now, 1)),
+            0 => drop(shard.tick(self.now, &Delayed::new(), 1)),
             1..=3 => self.status(shard, robot_id),
             4 if self.now.0 > 40_000_000 => {
                 let whisker = self.random.below(usize::from(WHISKERS)) as u16;
@@ -322,7 +323,7 @@ fn what_befalls_all_robots_at_once_is_written_in_several_transactions() {
     let mut written = Vec::new();
     for round in 0.. {
         let now = Micros(silent + round);
-        let is_done = shard.tick(now, usize::from(WHISKERS) + 1);
+        let is_done = shard.tick(now, &Delayed::new(), usize::from(WHISKERS) + 1);
         let rows = seal(&mut shard, now, &mut rate);
         assert!(rows.robots.len() <= 2, "two robots are enough for a transaction");
         assert_eq!(rows.records.is_empty(), rows.robots.is_empty(), "silence must lead to a fault");
@@ -332,6 +333,24 @@ fn what_befalls_all_robots_at_once_is_written_in_several_transactions() {
         }
     }
     assert_eq!(written, [1, 2, 3, 4, 5], "each robot once, in order");
+}
+
+/// Messages of a robot that sends too much wait. Its whiskers were found silent meanwhile.
+#[test]
+fn regress_a_robot_whose_messages_wait_is_not_silent() {
+    let mut shard = shard(3);
+    let silent = Micros(shard.parts().1.params_of(&Name::robot("r1").unwrap()).health.stale_after.0 + 2);
+    let mut rate = CheckpointRate::new(Micros(1));
+    seal(&mut shard, Micros(1), &mut rate);
+    let faulty = |shard: &mut Shard, rate: &mut CheckpointRate| -> Vec<i64> {
+        seal(shard, silent, rate).robots.iter().map(|row| row.robot_id).collect()
+    };
+    let delayed = Delayed::from([(b"r2".to_vec(), Micros(3)), (b"unknown".to_vec(), Micros(3))]);
+    assert!(shard.tick(silent, &delayed, usize::MAX));
+    assert_eq!(faulty(&mut shard, &mut rate), [1, 3]);
+    // Once nothing of it waits, it has the time of all.
+    assert!(shard.tick(silent, &Delayed::new(), usize::MAX));
+    assert_eq!(faulty(&mut shard, &mut rate), [2]);
 }
 
 #[test]
@@ -400,11 +419,11 @@ fn a_robot_has_some_new_boots_at_once_and_the_last_one_that_was_refused_later() 
     assert_eq!(known.robot.connection_state().0, Some("new-10"));
     assert_eq!(known.refused_boot.as_ref().map(BootId::as_str), Some("new-12"));
     assert_eq!(shard.metrics().messages_refused.of(["too_many_boots"]).get(), 2);
-    shard.tick(Micros(2), 1000);
+    shard.tick(Micros(2), &Delayed::new(), 1000);
     assert_eq!(shard.robots()["r1"].robot.connection_state().0, Some("new-10"), "the limit does not allow it yet");
     // A full bucket, as after a minute.
     shard.robots_mut()["r1"].new_boots = Bucket::new(1, 1);
-    shard.tick(Micros(3), 1000);
+    shard.tick(Micros(3), &Delayed::new(), 1000);
     let known = &shard.robots()["r1"];
     assert_eq!((known.robot.connection_state().0, &known.refused_boot), (Some("new-12"), &None));
 }
@@ -431,7 +450,7 @@ fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
     assert!(shard.robots().is_empty() && shard.batch().is_empty(), "nothing is written for a birth");
     assert!(shard.factsheet(&factsheet("r5000")).is_some());
     assert!(shard.factsheet(&factsheet("r1")).is_none(), "its announcement must be forgotten");
-    shard.tick(Micros(5_000_000), 1000);
+    shard.tick(Micros(5_000_000), &Delayed::new(), 1000);
     let asked = shard.batch_mut().take_publications().len();
     assert!((1000..=1024).contains(&asked), "their factsheets must be requested: {asked}");
 }

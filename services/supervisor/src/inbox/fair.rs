@@ -332,6 +332,13 @@ impl FairQueues {
         own_pace.filter_map(|queue| queue.messages.front()).map(|message| message.received).min()
     }
 
+    /// Robots whose messages wait because they send too much, by their level of the topic, and the receipt times of their
+    /// oldest messages.
+    pub(super) fn delayed(&self) -> impl Iterator<Item = (&[u8], Micros)> {
+        let throttled = self.turns.iter().map(|&at| &self.queues[at]).filter(|queue| queue.is_throttled);
+        throttled.filter_map(|queue| queue.messages.front()).map(|first| (robot_of(&first.topic), first.received))
+    }
+
     /// Drops all messages, because the receiver has gone.
     pub(super) fn clear(&mut self) {
         *self = Self { report: self.report, round: self.round, ..Self::default() };

@@ -6,6 +6,7 @@
 mod fair;
 mod intake;
 
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bytes::Bytes;
@@ -32,6 +33,10 @@ pub struct Incoming {
 /// Enough for a burst of 100,000 messages per second during a commit of half a second, without shedding.
 const BOUNDS: Bounds =
     Bounds { messages: 100_000, messages_reserved: 10_000, bytes: 64 * 1024 * 1024, bytes_reserved: 8 * 1024 * 1024 };
+
+/// Robots whose messages wait because they send too much: their levels of the topic, and the receipt times of their oldest
+/// messages.
+pub(crate) type Delayed = HashMap<Vec<u8>, Micros>;
 
 /// State shared by both ends.
 #[derive(Debug, Default)]
@@ -127,6 +132,16 @@ impl Inbox {
     pub fn oldest(&self) -> Option<Micros> {
         let waiting = self.shared.waiting();
         waiting.messages.oldest().into_iter().chain(waiting.received).min()
+    }
+
+    /// Robots whose messages wait because they send too much.
+    #[must_use]
+    pub(crate) fn delayed(&self) -> Delayed {
+        let waiting = self.shared.waiting();
+        if !waiting.messages.is_throttling() {
+            return Delayed::new();
+        }
+        waiting.messages.delayed().map(|(robot, oldest)| (robot.to_vec(), oldest)).collect()
     }
 
     /// The robots whose messages were shed since the last call because they sent more than their share, and the number

@@ -33,6 +33,7 @@ use crate::engine::commit::journal::Part;
 use crate::engine::commit::transaction::SealedTransaction;
 use crate::engine::message::RawMessage;
 use crate::engine::robot::Robots;
+use crate::inbox::Delayed;
 
 use announced::Announced;
 use stepper::Stepper;
@@ -179,7 +180,15 @@ impl Shard {
     /// Steps a tick through the robots, beginning with the first that has not got it yet, until so many whiskers need a
     /// checkpoint. The limit keeps an event that affects a whole fleet from blocking everything else with one long
     /// transaction. Returns false if the tick is interrupted.
-    pub(crate) fn tick(&mut self, now: Micros, whiskers_max: usize) -> bool {
+    ///
+    /// The tick of a delayed robot is not later than its oldest message that waits. Otherwise the robot would seem silent.
+    /// With a partitioned log all robots have the same time, because the journal has one entry for the tick of all.
+    pub(crate) fn tick(&mut self, now: Micros, delayed: &Delayed, whiskers_max: usize) -> bool {
+        let is_one_for_all = self.part.is_some();
+        let time_of = |name: &Name| match delayed.get(name.as_str().as_bytes()) {
+            Some(oldest) if !is_one_for_all => now.min(*oldest),
+            Some(_) | None => now,
+        };
         let first = self.tick_resumes_at.take().unwrap_or_default();
         let journal_before = self.stepper.batch.journal_bytes();
         if first == 0 {
@@ -189,11 +198,12 @@ impl Shard {
             if known.rests {
                 continue;
             }
-            self.stepper.accept_refused_boot(known, now);
-            self.stepper.step(known, now, &Event::Tick, None);
+            let own = time_of(&known.name);
+            self.stepper.accept_refused_boot(known, own);
+            self.stepper.step(known, own, &Event::Tick, None);
             let whose = Whose { robot_id: known.robot_id, name: &known.name };
             if let Some(recorder) = &mut known.recorder {
-                recorder.tick(&known.robot, whose, now);
+                recorder.tick(&known.robot, whose, own);
             }
             if self.stepper.batch.decided_whiskers() >= whiskers_max {
                 self.tick_resumes_at = Some(index + 1);

@@ -18,6 +18,7 @@ use crate::engine::message::RawMessage;
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::retention::ContactRetention;
 use crate::engine::rollout::TrialParams;
+use crate::inbox::Delayed;
 use crate::outbox::Publication;
 use crate::trace::{PendingSpans, TracedAction};
 use vibrissa_store::allowed::TurnedAwayReading;
@@ -173,14 +174,14 @@ impl Shards {
 
     /// Steps the tick through all robots. Returns false if it stopped because the batches are full; then it must
     /// continue later.
-    pub(crate) fn tick(&mut self, now: Micros) -> bool {
+    pub(crate) fn tick(&mut self, now: Micros, delayed: &Delayed) -> bool {
         let whiskers_max = DECIDED_MAX / self.shards.len();
         let is_under_way = self.shards.iter().any(Shard::is_tick_under_way);
         let mut is_done = true;
         for shard in &mut self.shards {
             // A shard that is done waits for the others.
             if !is_under_way || shard.is_tick_under_way() {
-                is_done &= shard.tick(now, whiskers_max);
+                is_done &= shard.tick(now, delayed, whiskers_max);
             }
         }
         is_done

@@ -131,6 +131,8 @@ fn a_robot_gives_no_more_than_its_bytes_for_a_round_and_goes_on_in_the_next() {
     assert!(given(&mut fair, 1_000).is_empty(), "the rest waits for another round");
     assert!(!fair.is_empty() && fair.is_throttling());
     assert_eq!(fair.oldest(), None, "throttled messages do not count");
+    let next = first.iter().filter(|one| robot(one) == 0).map(|one| one.received.0 + 1).max().unwrap();
+    assert_eq!(fair.delayed().collect::<Vec<_>>(), [(&b"r0"[..], Micros(next))]);
     put(&mut fair, message(2, "status", 2_000, 10));
     assert_eq!(fair.oldest(), Some(Micros(2_000)));
     assert_eq!(given(&mut fair, 1_000).len(), 1);
@@ -141,6 +143,7 @@ fn a_robot_gives_no_more_than_its_bytes_for_a_round_and_goes_on_in_the_next() {
         given(&mut fair, 1_000);
     }
     assert!(fair.is_empty() && !fair.is_throttling());
+    assert_eq!(fair.delayed().count(), 0);
 }
 
 #[test]
