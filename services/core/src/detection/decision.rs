@@ -4,6 +4,7 @@ use super::detector::{DetectionParams, Detector, Others, Situation, Suspicion, V
 use super::hypothesis::{ALL, Kind};
 use super::kinds::{Change, Explanation, best};
 use crate::estimation::gain_walk::Wandering;
+use crate::estimation::noise::NoiseScale;
 
 /// Log likelihood that a step must gain over any gradual change to be reported. A wrong trim changes pressures; a
 /// late one can wait.
@@ -37,10 +38,6 @@ const SURELY_EROSION: f64 = 2e-5;
 /// (6.3 to 1.8 in a million contacts), and nearly all reports of 0.5 mm, which is 1.7 % of the sensitivity.
 const LONG_AGO_CONTACTS: f64 = 500.0;
 const CONTACTS_PER_LOG_RATIO: f64 = 50.0;
-/// Noise from which a whisker counts as unsteady, as a multiple of the variance that its robot states. Creep, loops and
-/// habits make such noise, and they also add up to slow changes and to steps that are no change of the whisker. Independent
-/// noise as stated gives 0.9 to 1.1, strong correlated noise 1.2 to 4, all nuisances together 2.9 to 16.
-const UNSTEADY_NOISE: f64 = 2.5;
 /// Loss of log length from which erosion of an unsteady whisker is reported: 4 mm of 70, which is 12 % of the sensitivity.
 /// With 3.5 mm the mix of nuisances gives 1.4 false reports of erosion in a million contacts, and with 4 mm it gives 0.8.
 const EROSION_LOSS_MIN: f64 = 0.06;
@@ -60,7 +57,7 @@ impl Detector {
     /// Verdict on a confirmed suspicion: `Looking` while its kind cannot be determined.
     pub(super) fn decided(&self, params: &DetectionParams, suspicion: &Suspicion, situation: &Situation) -> Verdict {
         let Situation { eroding, others, wandering, noise, inflation } = *situation;
-        let unsteady = noise > UNSTEADY_NOISE;
+        let unsteady = noise > NoiseScale::UNSTEADY_MIN;
         let lasting = unsteady && inflation > LASTING_INFLATION;
         let kind = ALL[usize::from(suspicion.candidate)].kind;
         let impatient = suspicion.contacts_since > PATIENCE.0 * suspicion.contacts_at_alarm + PATIENCE.1;

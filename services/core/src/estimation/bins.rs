@@ -262,6 +262,12 @@ impl ResponseBins {
         }
     }
 
+    /// The common level of all means becomes uncertain by this standard deviation, log sensitivity.
+    pub fn doubt_level(&mut self, log_sd: f64) {
+        let felt = self.felt().count() as f64;
+        self.bins.iter_mut().for_each(|bin| bin.widen(felt * log_sd.powi(2)));
+    }
+
     /// The bin around `CONTACT_RATIOS[index]`.
     #[must_use]
     pub fn bin(&self, index: usize) -> Bin {
@@ -298,6 +304,18 @@ mod tests {
         }
         assert_eq!(bins.contacts(), 24);
         assert_eq!(bins.bin(11).mean(), 0.125 * 11.5);
+    }
+
+    #[test]
+    fn property_the_doubt_of_the_level_adds_to_the_variance_of_its_estimate() {
+        let mut bins = ResponseBins::default();
+        for (ratio, variance) in [(0.5, 4e-6), (0.7, 4e-6), (0.9, 4e-6)] {
+            bins.add(ContactRatio::known(ratio), 0.0, variance, 0.0);
+        }
+        let of_level = |bins: &ResponseBins| 1.0 / bins.felt().map(|bin| 1.0 / bin.variance()).sum::<f64>();
+        let before = of_level(&bins);
+        bins.doubt_level(0.003);
+        assert!((of_level(&bins) / (before + 9e-6) - 1.0).abs() < 1e-6, "{before} {}", of_level(&bins));
     }
 
     /// The closed form of a random walk's filter in the long run: gain (sqrt(q^2 + 4 q) - q) / 2, with q the walk's variance

@@ -29,6 +29,10 @@ const SHIFT_MAX: f64 = 0.095;
 /// follows, by a random walk of this share of the shift found; that costs sensitivity to small cuts meanwhile.
 const UNSTEADY_CONTACTS: u32 = 1000;
 pub(in crate::robot) const UNSTEADY_SHARE: f64 = 0.02;
+/// Standard deviation of the share of a shift that is a whisker's own change: whiskers age together, and one that tells nothing
+/// is taken to shift with the others. With 0 the 95 % interval of a measured error holds the truth in 91 % of the cases
+/// if whiskers age by 10 % in 10,000 contacts, with 0.3 in 96 %.
+const OWN_SHARE_SD: f64 = 0.4;
 /// Changes of one whisker up to this many times the shift are attributed to it meanwhile.
 const REST_MAX: f64 = 1.5;
 /// Relative difference that one shift may have between whiskers: their curves differ a little.
@@ -300,6 +304,7 @@ impl Whisker {
     /// Brings the response while whole to another scale.
     pub(in crate::robot) fn shift_reference(&mut self, log_shift: f64) {
         self.whole.shift(log_shift);
+        self.whole.doubt_level(OWN_SHARE_SD * log_shift);
         if let Some(offset) = self.rare.get_mut().and_then(|rare| rare.whole_offset.as_mut()) {
             offset.level += log_shift;
         }
