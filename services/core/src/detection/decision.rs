@@ -14,10 +14,6 @@ const STEP_LOG_RATIO: f64 = 9.0;
 /// With 9 the mix of nuisances gives 0.74 false trims in a million contacts, and with 22 it gives 0.33. It costs a tenth of
 /// the reports of 3 mm, a third of those of 2 mm, and none of larger cuts.
 const LASTING_STEP_LOG_RATIO: f64 = 22.0;
-/// Inflation by correlation from which noise counts as lasting. Without this condition the mix gives 0.05 false trims, but
-/// whiskers with independent noise of more than their robot states pay for it: 2 mm take 211 contacts instead of 82. One in
-/// six of them is above this value by chance.
-const LASTING_INFLATION: f64 = 1.05;
 /// Log likelihood that erosion must gain over a step.
 const GRADUAL_LOG_RATIO: f64 = 3.0;
 /// Log likelihood that a baseline drift must gain over a step.
@@ -58,7 +54,7 @@ impl Detector {
     pub(super) fn decided(&self, params: &DetectionParams, suspicion: &Suspicion, situation: &Situation) -> Verdict {
         let Situation { eroding, others, wandering, noise, inflation } = *situation;
         let unsteady = noise > NoiseScale::UNSTEADY_MIN;
-        let lasting = unsteady && inflation > LASTING_INFLATION;
+        let lasting = unsteady && inflation > NoiseScale::LASTING_INFLATION_MIN;
         let kind = ALL[usize::from(suspicion.candidate)].kind;
         let impatient = suspicion.contacts_since > PATIENCE.0 * suspicion.contacts_at_alarm + PATIENCE.1;
         match (kind, others) {

@@ -153,6 +153,20 @@ impl Figures {
         mean(self.found.iter().filter_map(|one| one.worn_reading.or_else(|| one.compensated?.reading)))
     }
 
+    /// Mean error of the readings with gain 300 contacts after the first setpoint, as a ratio.
+    #[must_use]
+    pub fn soon_reading_error(&self) -> Option<f64> {
+        mean(self.found.iter().filter_map(|one| one.soon?.reading))
+    }
+
+    /// Errors measured 300 contacts after the first setpoint whose 95 % interval contains the truth.
+    #[must_use]
+    pub fn soon_measured_covered(&self) -> Share {
+        let soon = self.found.iter().filter_map(|one| one.soon);
+        let errors = soon.filter_map(|one| one.measured.map(|(mean, sd)| (mean - one.truth, sd)));
+        Share::among(errors, |&error| Found::is_covered(error))
+    }
+
     /// Measured errors whose 95 % interval contains the truth over all contact ratios.
     #[must_use]
     pub fn measured_covered(&self) -> Share {

@@ -1,10 +1,14 @@
 //! Robots on which something is cut or wears off: how soon and how well the core deals with it.
 
+mod compensated;
+
 use rand::Rng;
 use vibrissa_core::mechanics::{ByRatio, CONTACT_RATIOS};
 use vibrissa_core::robot::effect::{Condition, Effect, EndReason, Reason};
 use vibrissa_edge::words::Z95;
 
+pub use self::compensated::Compensated;
+use self::compensated::{Prediction, SOON_ROUNDS};
 use super::healthy::Healthy;
 use super::robot::{Layout, Robot, WHISKERS};
 use super::row::Incident;
@@ -29,19 +33,6 @@ const UNTIL_SUSPECTED_MAX: u64 = 1500;
 /// Rounds between two looks at the readings of a whisker that wears.
 const LOOK_ROUNDS: u64 = 50;
 
-/// Measured, predicted and true error of a compensation, as ratios.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Compensated {
-    /// Prediction of the decision, its 95 % interval, and the truth at the pressure that was decided.
-    pub predicted: (f64, (f64, f64), f64),
-    /// Last measurement, with its standard deviation.
-    pub measured: Option<(f64, f64)>,
-    /// Truth at the pressure that is held at the end.
-    pub truth: f64,
-    /// Mean error of the readings with the last published gain.
-    pub reading: Option<f64>,
-}
-
 /// Result of one whisker that was cut or worn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
@@ -57,6 +48,8 @@ pub struct Found {
     pub length: Option<(f64, f64)>,
     /// The same at the end.
     pub length_end: (f64, f64),
+    /// Its compensation 300 contacts after the first setpoint, if one is in force then.
+    pub soon: Option<Compensated>,
     /// Compensation in force at the end.
     pub compensated: Option<Compensated>,
     /// Compensations that ended without cause.
@@ -79,21 +72,11 @@ struct Case {
     setpoint: Option<u64>,
     length: Option<(f64, f64)>,
     predicted: Option<Prediction>,
+    soon: Option<Compensated>,
     gain: Option<[f64; CONTACT_RATIOS.len()]>,
     compensations: Vec<u32>,
     lost: u64,
     wrong: u64,
-}
-
-/// Predicted error of a compensation, at the decision of the core.
-#[derive(Clone, Copy)]
-struct Prediction {
-    compensator: usize,
-    error: f64,
-    interval: (f64, f64),
-    /// The true error at the time of the decision.
-    truth: f64,
-    reference: Reference,
 }
 
 /// Runs one trial: the whiskers that were cut or worn, and reports about the others.
@@ -180,6 +163,12 @@ impl Trial {
             for (_, effect) in std::mem::take(&mut self.robot.told) {
                 self.hear(&effect);
             }
+            for at in 0..self.cases.len() {
+                let case = &self.cases[at];
+                if case.setpoint.is_some_and(|since| case.changed + since + SOON_ROUNDS == self.round) {
+                    self.cases[at].soon = self.compensated(case);
+                }
+            }
         }
     }
 
@@ -201,6 +190,7 @@ impl Trial {
             setpoint: None,
             length: None,
             predicted: None,
+            soon: None,
             gain: None,
             compensations: Vec::new(),
             lost: 0,
@@ -210,16 +200,6 @@ impl Trial {
 
     fn is_suspected(&self, whisker: usize) -> bool {
         self.robot.core.whisker(whisker).is_some_and(|view| view.condition == Condition::Suspected)
-    }
-
-    /// Mean error of the readings in the place of a whisker: of its compensator with the gain in force, else its own.
-    fn present_reading_error(&self, at: usize) -> f64 {
-        let case = &self.cases[at];
-        let running = self.robot.core.compensations().iter().find(|one| one.target() == case.whisker);
-        let server = running.map_or(case.whisker, |one| one.compensator());
-        let gain = case.gain.filter(|_| running.is_some()).unwrap_or([1.0; CONTACT_RATIOS.len()]);
-        let (one, held_mpa) = (&self.robot.whiskers[server], self.robot.air[server].target_mpa());
-        Reference::new(case.whole, one).reading_error(one, held_mpa, &gain)
     }
 
     fn hear(&mut self, effect: &Effect) {
@@ -295,20 +275,6 @@ impl Trial {
 
     fn found(&self, at: usize) -> Found {
         let (case, worn) = (&self.cases[at], &self.worn_readings);
-        let core = &self.robot.core;
-        let running = core.compensations().iter().find(|one| one.target() == case.whisker && !one.is_proposed());
-        let decided = running.zip(case.predicted).filter(|(running, made)| running.compensator() == made.compensator);
-        let compensated = decided.map(|(running, decided)| {
-            let one = &self.robot.whiskers[running.compensator()];
-            let held_mpa = self.robot.air[running.compensator()].target_mpa();
-            let measured = core.error(&self.robot.params, running);
-            Compensated {
-                predicted: (decided.error, decided.interval, decided.truth),
-                measured: measured.map(|error| (error.mean, error.sd)),
-                truth: decided.reference.error(one, held_mpa),
-                reading: case.gain.map(|gain| decided.reference.reading_error(one, held_mpa, &gain)),
-            }
-        });
         Found {
             size_mm: case.size_mm,
             alarm: case.alarm,
@@ -316,7 +282,8 @@ impl Trial {
             setpoint: case.setpoint,
             length: case.length,
             length_end: estimate(&self.robot, case.whisker),
-            compensated,
+            soon: case.soon,
+            compensated: self.compensated(case),
             lost: case.lost,
             wrong: case.wrong,
             worn_reading: (!worn.is_empty()).then(|| worn.iter().sum::<f64>() / worn.len() as f64),

@@ -3,7 +3,6 @@
 //! Each contact-ratio bin has an error of its own. The mean comes from the smooth responses of [`super::responses`], with the
 //! uncertainty due to noise, the walk of the gain, the length, and places where the robot does not touch.
 
-use crate::estimation::noise::NoiseScale;
 use crate::estimation::{Bin, Innovation, ResponseBins};
 use crate::mechanics::{CONTACT_RATIOS, ErrorProfile, Model, Offset, compensation_error};
 use crate::robot::Robot;
@@ -18,7 +17,7 @@ use crate::units::{ContactRatio, Megapascal, Millimetre};
 /// Relative standard deviation that a modelled response is taken to have: that of a learned offset.
 const MODEL_SD: f64 = 0.01;
 
-/// Standard deviation of the level of an unsteady whisker's response, log sensitivity, however many contacts tell it: another
+/// Standard deviation of the level of the response of a whisker with lasting noise, log sensitivity, however many contacts tell it: another
 /// room or scale moves all readings of a robot by 3 % half of the time, and hides in such noise. It belongs to no whisker.
 /// In the mix of nuisances the 95 % interval of the measured error holds the truth in 85 % of the cases without it, and in 92 % with
 /// it.
@@ -172,7 +171,7 @@ impl Robot {
         }
         let mut felt =
             self.measured_responses(params, running, &running.refining.carried, &running.after, LevelFrom::Filter)?;
-        if self.whiskers[running.compensator()].noise.of_mean(&params.noise) > NoiseScale::UNSTEADY_MIN {
+        if self.whiskers[running.compensator()].noise.is_lasting(&params.noise) {
             felt.responses.moves(&[[UNNOTICED_SHIFT_SD; CONTACT_RATIOS.len()]], &[AFTER]);
         }
         let (mean, sd) = felt.expected_error(&params.cubature);

@@ -98,13 +98,14 @@ wrong          reports of erosion or loss of sensitivity of cut whiskers, or of 
 susp. ...      false suspicions, trims, and other conditions or faults in a million contacts of healthy whiskers
 length error   at the report, mm: median and standard deviation; how often the 95 % interval contains the truth, in %
 compensation   mean of eq. 35 in %: true, measured, predicted; how often a 95 % interval contains the truth, in %
-read, lost     error of a reading with the published gain, in %; compensations that ended without cause
+read, lost     error of a reading with the published gain, in %: 300 contacts after the first setpoint, and at the end;
+               compensations that ended without cause
 ",
         plan.place.word()
     )?;
     writeln!(
         out,
-        "{:<15}{:>7} {:>5}{:>9}{:>10}{:>10}{:>6} |{:>7}{:>7}{:>7} |{:>12}{:>5} |{:>6}{:>6}{:>5}{:>6}{:>5}{:>6}{:>5}",
+        "{:<15}{:>7} {:>5}{:>9}{:>10}{:>10}{:>6} |{:>7}{:>7}{:>7} |{:>12}{:>5} |{:>6}{:>6}{:>5}{:>6}{:>5}{:>10}{:>4}",
         "row",
         "found",
         ">=2mm",
@@ -159,7 +160,7 @@ fn print_row(one: &Figures, out: &mut dyn Write) -> Result<()> {
     let length = one.length_error_mm().map_or("-".to_owned(), |(median, sd)| format!("{median:+.2} {sd:.2}"));
     writeln!(
         out,
-        "{:<15}{:>7} {:>5}{:>9}{:>10}{:>10}{:>6} |{:>7}{:>7}{:>7} |{length:>12}{:>5} |{:>6}{:>6}{:>5}{:>6}{:>5}{:>6}{:>5}",
+        "{:<15}{:>7} {:>5}{:>9}{:>10}{:>10}{:>6} |{:>7}{:>7}{:>7} |{length:>12}{:>5} |{:>6}{:>6}{:>5}{:>6}{:>5}{:>10}{:>4}",
         name(one),
         format!("{}/{}", found.count, found.of),
         share(one.found_from_2_mm()),
@@ -176,7 +177,7 @@ fn print_row(one: &Figures, out: &mut dyn Write) -> Result<()> {
         share(one.measured_covered()),
         per_cent(one.error_predicted()),
         share(one.predicted_covered()),
-        per_cent(one.reading_error()),
+        format!("{} {}", per_cent(one.soon_reading_error()), per_cent(one.reading_error())),
         one.lost(),
     )?;
     Ok(())
@@ -231,6 +232,8 @@ fn row_json(one: &Figures) -> Value {
         "error_measured_covered": share(one.measured_covered()),
         "error_predicted": one.error_predicted(),
         "error_predicted_covered": share(one.predicted_covered()),
+        "reading_error_after_300_contacts": one.soon_reading_error(),
+        "error_measured_covered_after_300_contacts": share(one.soon_measured_covered()),
         "reading_error": one.reading_error(),
         "compensations_lost": one.lost(),
         "cuts": one.found.iter().map(cut_json).collect::<Vec<_>>(),
@@ -253,6 +256,10 @@ fn cut_json(cut: &Found) -> Value {
         "error_predicted": cut.compensated.map(|one| one.predicted.0),
         "error_predicted_interval": cut.compensated.map(|one| one.predicted.1),
         "error_true_as_decided": cut.compensated.map(|one| one.predicted.2),
+        "reading_error_after_300_contacts": cut.soon.and_then(|one| one.reading),
+        "error_true_after_300_contacts": cut.soon.map(|one| one.truth),
+        "error_measured_after_300_contacts": cut.soon.and_then(|one| one.measured.map(|(mean, _)| mean)),
+        "error_measured_sd_after_300_contacts": cut.soon.and_then(|one| one.measured.map(|(_, sd)| sd)),
         "reading_error": cut.compensated.and_then(|one| one.reading),
         "compensations_lost": cut.lost,
         "wrong_reports": cut.wrong,
@@ -303,6 +310,7 @@ mod tests {
                 "error_predicted",
                 "error_predicted_covered",
                 "reading_error",
+                "reading_error_after_300_contacts",
                 "compensations_lost",
             ] {
                 assert!(row.get(column).is_some(), "{column}");
