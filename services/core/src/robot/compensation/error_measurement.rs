@@ -17,10 +17,10 @@ use crate::units::{ContactRatio, Megapascal, Millimetre};
 /// Relative standard deviation that a modelled response is taken to have: that of a learned offset.
 const MODEL_SD: f64 = 0.01;
 
-/// Standard deviation of the level of the response of a whisker with lasting noise, log sensitivity, however many contacts tell it: another
+/// Standard deviation of the level of a response with lasting noise, log sensitivity, however many contacts tell it. Another
 /// room or scale moves all readings of a robot by 3 % half of the time, and hides in such noise. It belongs to no whisker.
-/// In the mix of nuisances the 95 % interval of the measured error holds the truth in 85 % of the cases without it, and in 92 % with
-/// it.
+/// In the mix of nuisances the 95 % interval of the measured error holds the truth in 85 % of the cases without it, and in
+/// 92 % with it.
 const UNNOTICED_SHIFT_SD: f64 = 0.02;
 
 /// Responses that deviate from the model by more than this, in log sensitivity, are invalid and ignored: e^20 is 5e8.

@@ -20,9 +20,9 @@ use crate::units::{ContactRatio, Megapascal, Micros};
 
 /// Largest step of an eroding whisker's pressure that leaves its offset as certain as it was.
 const EROSION_STEP_MAX_MPA: f64 = 0.01;
-/// Standard deviation of the level before a cut of a whisker with lasting noise, log sensitivity, beside that of its walk: creep and
-/// habits move the level for some hundred contacts. In the mix of nuisances the 95 % interval of the length holds the truth in
-/// 91 % of the cases without it.
+/// Standard deviation of the level before a cut, log sensitivity, on a whisker with lasting noise: creep and habits move it for
+/// some hundred contacts, beside the walk of the gain. In the mix of nuisances the 95 % interval of the length holds the truth
+/// in 91 % of the cases without it.
 const LASTING_LEVEL_SD: f64 = 0.01;
 /// Relative difference between a loss of sensitivity and its end: a gauge hardly sits as before.
 const REGAINED_WITHIN: f64 = 0.25;

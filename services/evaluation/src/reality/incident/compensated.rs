@@ -4,6 +4,7 @@ use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::Compensation;
 
 use super::{Case, Trial};
+use crate::reality::row::Incident;
 use crate::reality::truth::Reference;
 use crate::reality::whisker::Whisker;
 
@@ -35,7 +36,7 @@ pub(super) struct Prediction {
 }
 
 impl Trial {
-    /// The compensation of a case that is in force, with what was predicted for it.
+    /// The compensation of a case that is in force, and its prediction.
     fn in_force(&self, case: &Case) -> Option<(&Compensation, Prediction)> {
         let all = self.robot.core.compensations();
         let running = all.iter().find(|one| one.target() == case.whisker && !one.is_proposed())?;
@@ -54,11 +55,14 @@ impl Trial {
         self.in_force(case).map(|(running, decided)| {
             let (one, held_mpa) = self.server(running);
             let measured = self.robot.core.error(&self.robot.params, running);
+            // A worn whisker has lost more than at the decision.
+            let is_worn = matches!(self.incident, Incident::Erosion(_));
+            let reference = if is_worn { Reference::new(case.whole, one) } else { decided.reference };
             Compensated {
                 predicted: (decided.error, decided.interval, decided.truth),
                 measured: measured.map(|error| (error.mean, error.sd)),
-                truth: decided.reference.error(one, held_mpa),
-                reading: case.gain.map(|gain| decided.reference.reading_error(one, held_mpa, &gain)),
+                truth: reference.error(one, held_mpa),
+                reading: case.gain.map(|gain| reference.reading_error(one, held_mpa, &gain)),
             }
         })
     }

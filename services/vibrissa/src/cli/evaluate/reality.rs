@@ -105,7 +105,7 @@ read, lost     error of a reading with the published gain, in %: 300 contacts af
     )?;
     writeln!(
         out,
-        "{:<15}{:>7} {:>5}{:>9}{:>10}{:>10}{:>6} |{:>7}{:>7}{:>7} |{:>12}{:>5} |{:>6}{:>6}{:>5}{:>6}{:>5}{:>10}{:>4}",
+        "{:<15}{:>7} {:>5}{:>9}{:>10}{:>10}{:>6} |{:>7}{:>7}{:>7} |{:>12}{:>5} |{:>6}{:>6}{:>5}{:>6}{:>5}{:>9}{:>5}",
         "row",
         "found",
         ">=2mm",
@@ -160,7 +160,7 @@ fn print_row(one: &Figures, out: &mut dyn Write) -> Result<()> {
     let length = one.length_error_mm().map_or("-".to_owned(), |(median, sd)| format!("{median:+.2} {sd:.2}"));
     writeln!(
         out,
-        "{:<15}{:>7} {:>5}{:>9}{:>10}{:>10}{:>6} |{:>7}{:>7}{:>7} |{length:>12}{:>5} |{:>6}{:>6}{:>5}{:>6}{:>5}{:>10}{:>4}",
+        "{:<15}{:>7} {:>5}{:>9}{:>10}{:>10}{:>6} |{:>7}{:>7}{:>7} |{length:>12}{:>5} |{:>6}{:>6}{:>5}{:>6}{:>5}{:>9}{:>5}",
         name(one),
         format!("{}/{}", found.count, found.of),
         share(one.found_from_2_mm()),
