@@ -11,14 +11,14 @@ use crate::reality::whisker::Whisker;
 /// Rounds of contacts from the first setpoint to the first look at readings and errors.
 pub(super) const SOON_ROUNDS: u64 = 300;
 
-/// Measured, predicted and true error of a compensation, as ratios.
+/// Measured, predicted and true error of a compensation at one time, as ratios.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compensated {
     /// Prediction of the decision, its 95 % interval, and the truth at the pressure that was decided.
     pub predicted: (f64, (f64, f64), f64),
     /// Last measurement, with its standard deviation.
     pub measured: Option<(f64, f64)>,
-    /// Truth at the pressure that is held at the end.
+    /// Truth at the pressure that is held.
     pub truth: f64,
     /// Mean error of the readings with the last published gain.
     pub reading: Option<f64>,
