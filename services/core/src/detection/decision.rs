@@ -52,9 +52,8 @@ const PATIENCE: (u32, u32) = (4, 400);
 impl Detector {
     /// Verdict on a confirmed suspicion: `Looking` while its kind cannot be determined.
     pub(super) fn decided(&self, params: &DetectionParams, suspicion: &Suspicion, situation: &Situation) -> Verdict {
-        let Situation { eroding, others, wandering, noise, inflation } = *situation;
+        let Situation { eroding, others, wandering, noise, lasting } = *situation;
         let unsteady = noise > NoiseScale::UNSTEADY_MIN;
-        let lasting = unsteady && inflation > NoiseScale::LASTING_INFLATION_MIN;
         let kind = ALL[usize::from(suspicion.candidate)].kind;
         let impatient = suspicion.contacts_since > PATIENCE.0 * suspicion.contacts_at_alarm + PATIENCE.1;
         match (kind, others) {

@@ -120,8 +120,8 @@ pub struct Situation {
     pub wandering: Wandering,
     /// Noise of a mean of contacts, as a multiple of the variance that the robot states.
     pub noise: f64,
-    /// Factor of that multiple by the correlation between contacts, at least 1.
-    pub inflation: f64,
+    /// The noise lasts from contact to contact ([`NoiseScale::is_lasting`](crate::estimation::NoiseScale::is_lasting)).
+    pub lasting: bool,
 }
 
 /// Result of one contact.

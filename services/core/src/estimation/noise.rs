@@ -125,7 +125,7 @@ impl NoiseScale {
     /// Inflation by correlation from which noise counts as lasting. Without this condition the mix gives 0.05 false trims, but
     /// whiskers with independent noise of more than their robot states pay for it: 2 mm take 211 contacts instead of 82. One in
     /// six of them is above this value by chance.
-    pub const LASTING_INFLATION_MIN: f64 = 1.05;
+    const LASTING_INFLATION_MIN: f64 = 1.05;
 
     /// Factor on the configured variance, dimensionless, between 1/16 and 16.
     #[must_use]

@@ -192,7 +192,7 @@ impl Whisker {
                 others,
                 wandering: self.walks.evidence(),
                 noise: self.noise.of_mean(&params.noise),
-                inflation: self.noise.inflation(),
+                lasting: self.noise.is_lasting(&params.noise),
             };
             return self.detector.update(detection, seen, &situation);
         }
