@@ -109,13 +109,27 @@ pub enum Others {
     NotYet,
 }
 
+/// Sources besides the whisker's own contacts that a confirmed suspicion is checked with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Checks {
+    /// Evidence of the array's other whiskers.
+    pub others: Others,
+    /// A touch test of the whisker is under way, or can begin now.
+    pub touch_test: bool,
+}
+
+impl Checks {
+    /// There are none.
+    pub const NONE: Self = Self { others: Others::Not, touch_test: false };
+}
+
 /// Everything beside its contacts that decides about a suspected change of a whisker.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Situation {
     /// The whisker is known to erode.
     pub eroding: bool,
-    /// Evidence of the array's other whiskers. It matters only once a suspicion is confirmed.
-    pub others: Others,
+    /// Other sources about a confirmed suspicion.
+    pub checks: Checks,
     /// Evidence that the gain wanders instead.
     pub wandering: Wandering,
     /// Noise of a mean of contacts, as a multiple of the variance that the robot states.
@@ -133,6 +147,8 @@ pub enum Verdict {
     Alarm,
     /// The test has not decided yet.
     Looking,
+    /// The contacts show a cut, but noise that lasts can look the same: a touch test is to confirm it.
+    Unconfirmed,
     /// The test has dismissed the alarm.
     Dismissed,
     /// The gain has wandered, which is no change of the whisker.
@@ -291,7 +307,7 @@ impl Detector {
         }
         let confirmed = suspicion.fresh_log_ratio >= FRESH_LOOK_LOG_RATIO;
         let verdict = if confirmed { self.decided(params, &suspicion, situation) } else { Verdict::Looking };
-        if verdict == Verdict::Looking {
+        if matches!(verdict, Verdict::Looking | Verdict::Unconfirmed) {
             self.suspicion = Some(Box::new(suspicion));
         } else {
             *self = Self::default();

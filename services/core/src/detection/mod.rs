@@ -13,7 +13,7 @@ pub mod kinds;
 pub mod start;
 
 pub use candidate::{Candidates, Evidence, Fit};
-pub use detector::{DetectionParams, Detector, Others, Situation, Verdict};
+pub use detector::{Checks, DetectionParams, Detector, Others, Situation, Verdict};
 pub use hypothesis::Kind;
 pub use kinds::Change;
 pub use start::Stored;

@@ -1,5 +1,6 @@
 //! Nuisances of real robots and real silicone: none of them is a cut, and none may hide or forget one.
 
+mod confirmed;
 mod curvature;
 mod leaks;
 mod learning;
@@ -9,6 +10,7 @@ mod rig;
 mod scrapes;
 mod second_cuts;
 mod temperature;
+mod touches;
 mod wandering;
 mod wear;
 mod zones;

@@ -7,7 +7,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use vibrissa_core::mechanics::{CONTACT_RATIOS, Calibration, Formulation, Geometry, Model};
-use vibrissa_core::robot::effect::{AlarmKind, Command, Condition, Effect, Trim};
+use vibrissa_core::robot::effect::{AlarmKind, Command, Condition, Effect, TouchTest, Trim};
 use vibrissa_core::robot::event::{
     ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, SetpointReport, Task,
     TouchTests, WhiskerSheet, WhiskerStatus,
@@ -15,8 +15,8 @@ use vibrissa_core::robot::event::{
 use vibrissa_core::robot::{Event, Numbers, Params, Robot, WhiskerView};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 
-const ARRAY: &str = "a";
-const BOOT: &str = "b";
+pub(super) const ARRAY: &str = "a";
+pub(super) const BOOT: &str = "b";
 const CONTACT_US: u64 = 20_000;
 const START_US: u64 = 1_000_000_000_000;
 /// Rounds between two statuses.
@@ -93,13 +93,33 @@ pub(crate) struct Rig {
     pub effects: Vec<(u64, Effect)>,
     /// Rounds so far: contacts of each whisker.
     pub rounds: u64,
+    /// What the robot does about touch tests.
+    pub(super) tests: Tests,
     under_way: Vec<Command>,
-    random: ChaCha8Rng,
+    requested: Vec<TouchTest>,
+    pub(super) random: ChaCha8Rng,
+}
+
+/// A robot's answer to a request of a touch test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Tests {
+    /// Its factsheet offers none.
+    NotOffered,
+    /// It presses against a wall.
+    Does,
+    Rejects,
+    /// It never answers.
+    Ignores,
 }
 
 impl Rig {
-    /// Whiskers of 70 mm, each with a calibration up to 3 % off.
+    /// Whiskers of 70 mm, each with a calibration up to 3 % off. The robot offers no touch tests.
     pub(crate) fn new(seed: u64, whiskers: usize) -> Self {
+        Self::with_tests(seed, whiskers, Tests::NotOffered)
+    }
+
+    /// The same with a robot that offers touch tests.
+    pub(crate) fn with_tests(seed: u64, whiskers: usize, tests: Tests) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let whiskers: Vec<Rubber> = (0..whiskers).map(|_| Rubber::new(&mut random)).collect();
         let params = Params::nguyen_2021(Formulation::Published);
@@ -113,7 +133,9 @@ impl Rig {
             temperature_c: COOL_C,
             effects,
             rounds: 0,
+            tests,
             under_way,
+            requested: Vec::new(),
             random,
         };
         rig.step(&Event::Connection { boot_id: BOOT, link: Link::Online });
@@ -131,22 +153,28 @@ impl Rig {
         let array = ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type2, task: Task::Ratio, whiskers };
         rig.step(&Event::Factsheet {
             boot_id: BOOT,
-            factsheet: &Factsheet { arrays: vec![array], touch_tests: TouchTests::default() },
+            factsheet: &Factsheet {
+                arrays: vec![array],
+                touch_tests: TouchTests { tip: false, wall: tests != Tests::NotOffered },
+            },
         });
         rig.status();
         rig
     }
 
-    fn now(&self) -> Micros {
+    pub(super) fn now(&self) -> Micros {
         Micros(START_US + CONTACT_US * self.rounds)
     }
 
-    fn step(&mut self, event: &Event<'_>) {
+    pub(super) fn step(&mut self, event: &Event<'_>) {
         let mut effects = Vec::new();
         self.core.step(&self.params, self.now(), event, &mut effects);
         for effect in effects {
             if let Effect::Command(command) | Effect::Resend(command) = &effect {
                 self.under_way.push((**command).clone());
+            }
+            if let Effect::Test(test) = &effect {
+                self.requested.push((**test).clone());
             }
             if !matches!(effect, Effect::Contact(_) | Effect::Response(_)) {
                 self.effects.push((self.rounds, effect));
@@ -192,6 +220,9 @@ impl Rig {
                 let (command, report) = (command.key, SetpointReport::Applied(command.pressure));
                 self.step(&Event::Setpoint { boot_id: BOOT, command, report, robot_time: self.now() });
             }
+            for test in std::mem::take(&mut self.requested) {
+                self.answer(&test);
+            }
             if self.rounds.is_multiple_of(STATUS_ROUNDS) {
                 self.status();
             }
@@ -204,11 +235,17 @@ impl Rig {
     }
 
     fn contact(&mut self, index: usize) -> Contact<'static> {
+        self.contact_at(index, None)
+    }
+
+    /// A contact at a true ratio to the present length, or where the robot's habit has it.
+    pub(super) fn contact_at(&mut self, index: usize, ratio: Option<f64>) -> Contact<'static> {
         let Self { noise, random, whiskers, temperature_c, .. } = self;
         let one = &mut whiskers[index];
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let [strain_noise, deflection_noise, ratio_noise, fresh] = std::array::from_fn(|_| normal());
-        let ratio = random.random_range(noise.ratios.0..=noise.ratios.1);
+        let usual = random.random_range(noise.ratios.0..=noise.ratios.1);
+        let ratio = ratio.unwrap_or(usual);
         let deflection_mm = random.random_range(noise.deflections_mm.0..=noise.deflections_mm.1);
         let outlier = if random.random::<f64>() < noise.outliers { 10.0 } else { 1.0 };
         let (keeps, size) = noise.correlated;

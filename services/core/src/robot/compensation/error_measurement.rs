@@ -21,7 +21,7 @@ const MODEL_SD: f64 = 0.01;
 /// room or scale moves all readings of a robot by 3 % half of the time, and hides in such noise. It belongs to no whisker.
 /// In the mix of nuisances the 95 % interval of the measured error holds the truth in 85 % of the cases without it, and in
 /// 92 % with it.
-const UNNOTICED_SHIFT_SD: f64 = 0.02;
+pub(super) const UNNOTICED_SHIFT_SD: f64 = 0.02;
 
 /// Responses that deviate from the model by more than this, in log sensitivity, are invalid and ignored: e^20 is 5e8.
 const LOG_DEVIATION_MAX: f64 = 20.0;

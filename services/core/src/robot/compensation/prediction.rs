@@ -10,6 +10,7 @@ use crate::estimation::{Belief, Smooth};
 use crate::mechanics::{CONTACT_RATIOS, Offset, Setpoint};
 use crate::policy::Fitness;
 use crate::robot::Robot;
+use crate::robot::compensation::error_measurement::UNNOTICED_SHIFT_SD;
 use crate::robot::compensation::responses::{AFTER, BEFORE, TARGET, by_length, curve, log_curve, sum};
 use crate::robot::effect::WhiskerIndex;
 use crate::robot::params::Params;
@@ -66,6 +67,9 @@ impl Robot {
         responses.moves(&belief.causes(&from, &to), &[AFTER]);
         let sd_mm = one.filter.length().sd_mm;
         responses.moves(&[by_length(model, fitness.length, fitness.pressure, sd_mm)], &[AFTER, BEFORE]);
+        if one.noise.is_lasting(&params.noise) {
+            responses.moves(&[[UNNOTICED_SHIFT_SD; CONTACT_RATIOS.len()]], &[AFTER, BEFORE]);
+        }
         let of = |[after, before, target]: &[Curve; 3]| mean_error(after, before, target, &known);
         let errors = responses.some_cases(&params.cubature, cases, of);
         let (low, high) = interval95(errors);

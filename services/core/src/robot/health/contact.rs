@@ -1,6 +1,6 @@
 //! Contacts, and the consequences of the detector's verdicts for a whisker.
 
-use crate::detection::{Change, Kind, Others, Verdict};
+use crate::detection::{Change, Checks, Kind, Verdict};
 use crate::estimation::LengthEstimate;
 use crate::mechanics::Offset;
 use crate::robot::Robot;
@@ -24,14 +24,18 @@ impl Robot {
             return;
         };
         let suspicious = self.whiskers[index].detector.is_suspicious();
-        let others = if suspicious { self.others_feel(params, index) } else { Others::Not };
+        let checks = if suspicious {
+            Checks { others: self.others_feel(params, index), touch_test: self.can_confirm(params, now, index) }
+        } else {
+            Checks::NONE
+        };
         let whisker = &mut self.whiskers[index];
         let Some(model) = whisker.model(params) else {
             effects.push(Effect::UnknownWhisker { position });
             return;
         };
         whisker.heard = Some(now);
-        let felt = whisker.feel(params, model, contact, others);
+        let felt = whisker.feel(params, model, contact, checks);
         effects.push(Effect::Contact(ContactRecord {
             position,
             whisker: index,
@@ -61,7 +65,7 @@ impl Robot {
             Verdict::Quiet if whisker.condition == Condition::Learning && learned => {
                 self.set_condition(index, Condition::Healthy, effects);
             }
-            Verdict::Quiet | Verdict::Looking => {}
+            Verdict::Quiet | Verdict::Looking | Verdict::Unconfirmed => {}
             Verdict::Alarm => {
                 self.ask_others(index);
                 if self.whiskers[index].condition == Condition::Healthy {
@@ -153,7 +157,7 @@ impl Robot {
     }
 
     /// A whisker's gain has wandered. If it compensates, the published gain is renewed.
-    fn gain_wandered(&mut self, params: &Params, index: WhiskerIndex, log_shift: f64) {
+    pub(in crate::robot) fn gain_wandered(&mut self, params: &Params, index: WhiskerIndex, log_shift: f64) {
         if log_shift.abs() < params.refinement.gain_margin {
             return;
         }

@@ -1,6 +1,6 @@
 //! Evaluation of a whisker's contacts: from place and strain to an innovation and the detector's verdict.
 
-use crate::detection::{Detector, Others, Situation, Verdict};
+use crate::detection::{Checks, Detector, Situation, Verdict};
 use crate::estimation::filter::{LENGTH, NoInformation, Observation, Wander};
 use crate::estimation::leak::Source;
 use crate::estimation::spread::Deviation;
@@ -38,10 +38,10 @@ impl Whisker {
         params: &Params,
         model: &Model,
         contact: &Contact<'_>,
-        others: Others,
+        checks: Checks,
     ) -> ContactResult {
         let placed = Placed::on(&self.filter.length(), contact.place);
-        let result = self.feel_at(params, model, contact, placed, others);
+        let result = self.feel_at(params, model, contact, placed, checks);
         ContactResult { ratio: placed.ok().map(|placed| placed.ratio), ..result }
     }
 
@@ -51,7 +51,7 @@ impl Whisker {
         model: &Model,
         contact: &Contact<'_>,
         placed: Result<Placed, ContactUse>,
-        others: Others,
+        checks: Checks,
     ) -> ContactResult {
         self.air.measure(contact.pressure);
         let off_by_mpa = (contact.pressure.mpa() - self.air.setpoint.mpa()).abs();
@@ -87,7 +87,7 @@ impl Whisker {
             Err(NoInformation::Implausible) => ContactResult::unused(ContactUse::Implausible),
             Ok(seen) => {
                 self.learn_places(placed.ratio, stated_sd, &seen);
-                self.take(params, &placed, &seen, others)
+                self.take(params, &placed, &seen, checks)
             }
         }
     }
@@ -108,7 +108,7 @@ impl Whisker {
         self.temperatures.get_or_insert(Temperatures::of(temperature_c as f32)).feel(temperature_c)
     }
 
-    fn take(&mut self, params: &Params, placed: &Placed, seen: &Innovation, others: Others) -> ContactResult {
+    fn take(&mut self, params: &Params, placed: &Placed, seen: &Innovation, checks: Checks) -> ContactResult {
         self.contacts += 1;
         self.tell(seen);
         let learning = self.condition == Condition::Learning;
@@ -140,16 +140,16 @@ impl Whisker {
         if self.contacts > params.detection.followed_from.into() && self.condition != Condition::Eroding {
             self.walks.see(seen);
         }
-        let mut verdict = self.judge(params, seen, learning, others);
+        let mut verdict = self.judge(params, seen, learning, checks);
         if !self.filter.learn(seen, self.wander(params)) {
             return ContactResult::unused(ContactUse::Implausible);
         }
         let wandered = self.follow_gain(verdict);
         // After another verdict the detector starts anew, and its caller moves the state first.
-        if matches!(verdict, Verdict::Quiet | Verdict::Looking)
+        if matches!(verdict, Verdict::Quiet | Verdict::Looking | Verdict::Unconfirmed)
             && let Some(length) = placed.tip.and_then(|tip| self.filter.observe_length(&self.noise, tip.at, tip.sd_mm))
         {
-            verdict = self.judge(params, &length, learning, others);
+            verdict = self.judge(params, &length, learning, checks);
             // The random walk of this contact is in the state already. An implausible length changes nothing.
             let _ = self.filter.learn(&length, Wander { length_mm: 0.0, baseline_strain: 0.0, offset: 0.0 });
         }
@@ -183,13 +183,13 @@ impl Whisker {
     }
 
     /// Verdict on an innovation; none while learning.
-    fn judge(&mut self, params: &Params, seen: &Innovation, learning: bool, others: Others) -> Verdict {
+    fn judge(&mut self, params: &Params, seen: &Innovation, learning: bool, checks: Checks) -> Verdict {
         let detection = &params.detection;
         if !learning {
             let eroding = self.condition == Condition::Eroding;
             let situation = Situation {
                 eroding,
-                others,
+                checks,
                 wandering: self.walks.evidence(),
                 noise: self.noise.of_mean(&params.noise),
                 lasting: self.noise.is_lasting(&params.noise),
@@ -204,7 +204,7 @@ impl Whisker {
 
     /// Takes the rate at which the gain wanders from the contacts that show no change. Returns the change of the gain that was
     /// found with it, log sensitivity.
-    fn follow_gain(&mut self, verdict: Verdict) -> f64 {
+    pub(in crate::robot) fn follow_gain(&mut self, verdict: Verdict) -> f64 {
         let moved = match verdict {
             Verdict::Changed(_) | Verdict::Shared(_) => {
                 self.walks.changed();
@@ -215,7 +215,7 @@ impl Whisker {
             Verdict::Quiet if !matches!(self.condition, Condition::Learning | Condition::Eroding) => {
                 self.walks.quiet(self.detector.is_calm(), self.detector.log_ratio_max())
             }
-            Verdict::Quiet | Verdict::Looking | Verdict::Alarm | Verdict::Dismissed => None,
+            Verdict::Quiet | Verdict::Looking | Verdict::Unconfirmed | Verdict::Alarm | Verdict::Dismissed => None,
         };
         let Some(moved) = moved else { return 0.0 };
         let is_moved = self.filter.wandered(moved);

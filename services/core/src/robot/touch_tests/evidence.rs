@@ -145,6 +145,9 @@ impl Robot {
                 effects,
             );
         } else if posterior.unchanged > UNCHANGED_MIN && test.contacts >= CONTACTS_MIN && may_refute {
+            if test.is_for_change() {
+                self.refute_cut(params, index);
+            }
             let whisker = &mut self.whiskers[index];
             // Silence that is refuted was a change of habits.
             if whisker.is_reach_silent() {

@@ -118,6 +118,12 @@ impl LengthTest {
         self.wanted == Some(TestReason::Change)
     }
 
+    /// Whether a test of the length is under way for this measurement.
+    fn is_measuring(&self) -> bool {
+        let is_of_length = self.wanted.is_some_and(|reason| reason != TestReason::Setpoint);
+        is_of_length && self.under_way().is_some() && !self.is_only_followed()
+    }
+
     /// Whether an operator has refused the wanted test.
     fn is_refused(&self) -> bool {
         self.in_flight.is_some_and(|test| test.state == TestState::Refused && self.wanted == Some(test.reason))

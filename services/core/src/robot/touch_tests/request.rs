@@ -57,7 +57,7 @@ impl Robot {
         let Some(reason) = test.wanted.filter(|_| test.under_way().is_none()) else { return false };
         let waits = now < test.not_before && test.not_before.since(now) <= params.touch_tests.pause;
         let waits = (waits || test.is_refused()) && asking == Asking::ByItself;
-        if waits || self.holds(index) || whisker.command.is_some() || !self.can_be_told(params, now) {
+        if waits || !self.can_begin_test(params, now, index) {
             return false;
         }
         let kind = match (reason, self.head.touch_tests.tip, self.head.touch_tests.wall) {
@@ -114,6 +114,11 @@ impl Robot {
             reason,
         })));
         true
+    }
+
+    /// Whether nothing keeps the robot from a touch test of a whisker now.
+    pub(super) fn can_begin_test(&self, params: &Params, now: Micros, index: WhiskerIndex) -> bool {
+        !self.holds(index) && self.whiskers[index].command.is_none() && self.can_be_told(params, now)
     }
 
     fn next_key(&mut self) -> CommandKey {
