@@ -119,7 +119,7 @@ pub struct Checks {
 }
 
 impl Checks {
-    /// There are none.
+    /// Neither witnesses nor a test.
     pub const NONE: Self = Self { others: Others::Not, touch_test: false };
 }
 

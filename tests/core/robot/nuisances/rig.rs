@@ -93,7 +93,7 @@ pub(crate) struct Rig {
     pub effects: Vec<(u64, Effect)>,
     /// Rounds so far: contacts of each whisker.
     pub rounds: u64,
-    /// What the robot does about touch tests.
+    /// The robot's answer to touch tests.
     pub(super) tests: Tests,
     under_way: Vec<Command>,
     requested: Vec<TouchTest>,
