@@ -44,6 +44,7 @@ pages! {
     "VibrissaInboxShedding.md",
     "VibrissaKafkaBehind.md",
     "VibrissaKafkaDisconnected.md",
+    "VibrissaKafkaEventsMissing.md",
     "VibrissaKafkaEventsWaiting.md",
     "VibrissaLeaseFlapping.md",
     "VibrissaMessagesLost.md",
