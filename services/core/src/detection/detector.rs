@@ -147,7 +147,7 @@ pub enum Verdict {
     Alarm,
     /// The test has not decided yet.
     Looking,
-    /// The contacts show a cut, but noise that lasts can look the same: a touch test is to confirm it.
+    /// The contacts show a cut, but other causes can look the same: a touch test is to confirm it.
     Unconfirmed,
     /// The test has dismissed the alarm.
     Dismissed,
