@@ -1,4 +1,4 @@
-//! A robot that is asked for touch tests: it presses a whisker against a wall at distances that it knows to 0.5 mm.
+//! A robot that does touch tests on request: it presses a whisker against a wall at distances that it knows to 0.5 mm.
 
 use super::rig::{ARRAY, BOOT, Rig, Tests};
 use rand_distr::{Distribution, StandardNormal};

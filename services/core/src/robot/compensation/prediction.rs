@@ -1,8 +1,8 @@
 //! Uncertainty of a candidate's predicted error, before the setpoint is tried.
 //!
 //! Causes: the change of this chamber's rubber with the pressure (10 %, and the choice of formulation), the deviations
-//! of the whole target and compensator from the model at their nominal pressures, and the compensator's length. All
-//! causes vary together; 95 % of the cases lie in the interval.
+//! of the whole target and compensator from the model at their nominal pressures, the compensator's length, and a step of the
+//! robot that hides in lasting noise. All causes vary together; 95 % of the cases lie in the interval.
 
 use crate::estimation::cubature::CASES;
 use crate::estimation::uncertainty::{Curve, Uncertain, interval95, mean_error};
