@@ -81,6 +81,9 @@ struct Arguments {
     /// With --cluster: the broker. One Mosquitto needs no RMQTT, and has no other node to go to.
     #[arg(long, value_enum, default_value_t = cluster::Kind::Rmqtt)]
     broker: cluster::Kind,
+    /// With --cluster: strike the broker, each supervisor and the database at the same time, instead of one after the other.
+    #[arg(long, requires = "cluster")]
+    overlapping: bool,
     /// Number of simulated robots, hostile ones included.
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=999))]
     robots: u32,
@@ -182,6 +185,7 @@ async fn run_cluster(
         rate: arguments.rate.unwrap_or(CLUSTER_RATE),
         control: arguments.control,
         broker: arguments.broker,
+        overlapping: arguments.overlapping,
     };
     cluster::run(&settings, &program(arguments)?, logs).await
 }

@@ -61,6 +61,7 @@ impl Rmqtt {
         for (at, place) in places.iter().enumerate() {
             let home = home(&folder, at);
             configure(&home, at, &nodes, rules);
+            configure_cluster(&home, 0, &nodes);
             let arguments = ["-f".to_owned(), home.join("rmqtt.toml").display().to_string()];
             processes.push(Process::start(place.launch(Launch {
                 program: program.to_owned(),
@@ -104,21 +105,31 @@ impl Rmqtt {
         self.processes[node].signal(if is_frozen { Signal::SIGSTOP } else { Signal::SIGCONT });
     }
 
-    /// Starts a killed node again.
+    /// Starts a killed node again. It joins the others; if none runs, it founds a cluster.
     pub fn restart(&mut self, node: usize) {
+        let other = (0..self.nodes.len()).find(|&at| at != node && self.processes[at].is_running());
+        configure_cluster(&home(&self.folder, node), other.unwrap_or(node), &self.nodes);
         self.processes[node].restart();
+    }
+
+    /// Ends all nodes and starts them again. Two of three nodes must not be away while the third one runs: it has no majority
+    /// then, and nobody can join it.
+    pub fn restart_all(&mut self) {
+        for process in &mut self.processes {
+            if process.ended_already().is_none() && process.is_running() {
+                process.kill();
+            }
+        }
+        (0..self.nodes.len()).for_each(|node| self.restart(node));
     }
 
     /// Starts nodes again that have ended on their own; their number.
     pub fn revive(&mut self) -> u64 {
-        let mut ended = 0;
-        for process in &mut self.processes {
-            if process.ended_already().is_some() {
-                process.restart();
-                ended += 1;
-            }
-        }
-        ended
+        // All are looked at first, because a start depends on the other nodes that run.
+        let ended = |(at, process): (usize, &mut Process)| process.ended_already().map(|_| at);
+        let ended: Vec<usize> = self.processes.iter_mut().enumerate().filter_map(ended).collect();
+        ended.iter().for_each(|&node| self.restart(node));
+        ended.len() as u64
     }
 }
 
@@ -160,18 +171,27 @@ nodelay = true
     let access = format!("disconnect_if_pub_rejected = false\nrules = [{rules}]\n");
     write(plugins.join("rmqtt-acl.toml"), &access);
     write(plugins.join("rmqtt-retainer.toml"), "max_retained_messages = 0\n");
-    if is_cluster {
-        let list = |port: fn(&Node) -> u16| {
-            let one = |(at, node): (usize, &Node)| format!("\"{}@{}:{}\"", at + 1, node.host, port(node));
-            nodes.iter().enumerate().map(one).collect::<Vec<_>>().join(", ")
-        };
-        let cluster = format!(
-            // Without a leader, nodes that start at once found a cluster each. A node asks the last node of a client to end its
-            // session before it accepts the client: with the default of 10 s, clients of a node that is cut off give up first.
-            "leader_id = 1\nnode_grpc_client_timeout = \"1s\"\nnode_grpc_addrs = [{}]\nraft_peer_addrs = [{}]\n",
-            list(|node| node.grpc),
-            list(|node| node.raft)
-        );
-        write(plugins.join("rmqtt-cluster-raft.toml"), &cluster);
+}
+
+/// Writes the settings of a node of a cluster, and the node that it joins; its own number if it may found a cluster.
+fn configure_cluster(home: &Path, leader: usize, nodes: &[Node]) {
+    if nodes.len() < 2 {
+        return;
     }
+    let list = |port: fn(&Node) -> u16| {
+        let one = |(at, node): (usize, &Node)| format!("\"{}@{}:{}\"", at + 1, node.host, port(node));
+        nodes.iter().enumerate().map(one).collect::<Vec<_>>().join(", ")
+    };
+    // Without a leader, nodes that start at once found a cluster each. Without a setting of `raft`, a killed node cannot use its
+    // port for Raft again for 60 s. A node asks the last node of a client to end its session before it accepts the client:
+    // with the default of 10 s, clients of a node that is cut off give up first.
+    let settings = format!(
+        "leader_id = {}\nraft.grpc_reuseaddr = true\nnode_grpc_client_timeout = \"1s\"\nnode_grpc_addrs = [{}]\n\
+         raft_peer_addrs = [{}]\n",
+        leader + 1,
+        list(|node| node.grpc),
+        list(|node| node.raft)
+    );
+    let file = home.join("plugins/rmqtt-cluster-raft.toml");
+    fs::write(file, settings).expect("a folder of ours");
 }

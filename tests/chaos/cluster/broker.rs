@@ -85,6 +85,17 @@ impl Broker {
         }
     }
 
+    /// Ends all nodes and starts them again.
+    pub fn restart_all(&mut self) {
+        match self {
+            Self::Rmqtt(nodes) => nodes.restart_all(),
+            Self::Mosquitto { process, .. } => {
+                process.kill();
+                process.restart();
+            }
+        }
+    }
+
     /// Stops a node with SIGSTOP, or continues it.
     pub fn freeze(&self, node: usize, is_frozen: bool) {
         match self {

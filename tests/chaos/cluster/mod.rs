@@ -3,10 +3,14 @@
 //!
 //! Unlike the run with one broker, a fault strikes when everything works again after the last one, not at a given time.
 //!
-//! Read in this order: [`plan`] (the faults), [`stage`] (the setup), [`strike`] (injection, repair, waits), [`watch`] (the
-//! leases), [`probe`] (the broker without the product), [`report`].
+//! With `--overlapping`, each part has faults of its own, which meet those of the others.
+//!
+//! Read in this order: [`plan`] (the faults), [`stage`] (the setup), [`parts`] (injection and repair), [`strike`] and
+//! [`overlap`] (the run of faults, and waits), [`watch`] (the leases), [`probe`] (the broker without the product), [`report`].
 
 mod broker;
+mod overlap;
+mod parts;
 mod plan;
 mod probe;
 mod report;
@@ -30,6 +34,7 @@ use crate::plan::Control;
 use crate::replay::Replay;
 use crate::scenario;
 use crate::stage::{Program, panics_of};
+use overlap::Happened;
 use plan::Plan;
 use stage::{CLIENT, SHARDS, SUPERVISORS, Stage};
 use strike::{Striker, Surprises};
@@ -37,6 +42,10 @@ use watch::Watch;
 
 /// Time without faults at the start, in which robots learn their whiskers, and at the end.
 const CALM: Duration = Duration::from_secs(5);
+/// Interval of looks at the robots, the leases and the engines.
+const PAUSE: Duration = Duration::from_millis(20);
+/// Time limit for the robots' recovery, and for the recovery of each engine's redundancy.
+const PATIENCE: Duration = Duration::from_secs(90);
 
 /// Seed, length, number of robots and their contacts per second, and the defect to plant.
 pub struct Settings {
@@ -46,6 +55,8 @@ pub struct Settings {
     pub rate: f64,
     pub control: Control,
     pub broker: Kind,
+    /// Faults of different parts overlap, instead of one at a time.
+    pub overlapping: bool,
 }
 
 /// Runs the cluster under faults. `Ok(Err)` says what is not installed or not allowed here.
@@ -85,12 +96,19 @@ pub async fn run(settings: &Settings, program: &Program, logs: &Path) -> anyhow:
     let begun = Instant::now();
     let end = begun + Duration::from_secs_f64(seconds);
     sleep(CALM).await;
-    let mut plan = Plan::new(seed, control, groups);
-    while Instant::now() + CALM < end {
-        striker.strike(plan.next()).await;
-    }
+    let happened = if settings.overlapping {
+        overlap::strike(&mut striker, seed, end - CALM).await
+    } else {
+        let mut plan = Plan::new(seed, control, groups);
+        while Instant::now() + CALM < end {
+            striker.strike(plan.next()).await;
+        }
+        Happened { struck: std::mem::take(&mut striker.struck), ..Happened::default() }
+    };
     sleep(CALM).await;
-    let Striker { struck, mut surprises, .. } = striker;
+    let mut surprises = striker.surprises;
+    surprises.ended += happened.surprises.ended;
+    surprises.engines += happened.surprises.engines;
     surprises.ended += stage.revive();
     let run_s = begun.elapsed().as_secs_f64();
 
@@ -115,6 +133,6 @@ pub async fn run(settings: &Settings, program: &Program, logs: &Path) -> anyhow:
         run_s,
         drain_s: drain.as_secs_f64(),
         panics: panics_of(logs, &SUPERVISORS) - panics_before,
-        ..Report::new(truth.ledger.verdict(), setpoints, surprises, &struck, started)
+        ..Report::new(truth.ledger.verdict(), setpoints, surprises, &happened, started)
     }))
 }

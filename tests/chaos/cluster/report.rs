@@ -7,6 +7,7 @@ use std::time::Instant;
 use serde::Serialize;
 use vibrissa_tests::oracle::{ledger, obedience};
 
+use super::overlap::Happened;
 use super::strike::{Struck, Surprises};
 
 /// All counts of a run. Most of them must be 0; see `forbidden`.
@@ -43,7 +44,11 @@ pub struct Report {
     pub ended_by_themselves: u64,
     pub stuck: u64,
     pub panics: u64,
-    /// Faults after which not every robot was heard again, and after which redundancy did not come back.
+    /// If faults of different parts overlapped: times in seconds, ascending, from the end of a round of faults until
+    /// everything worked again.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rounds_s: Vec<f64>,
+    /// Faults, or rounds of them, after which not every robot was heard again, and faults after which redundancy did not come back.
     pub unrecovered: u64,
     pub not_whole: u64,
     /// Nodes of engines that ended on their own or had to be started again: no fault of the product.
@@ -104,9 +109,15 @@ impl Report {
         contacts: ledger::Verdict,
         setpoints: obedience::Verdict,
         surprises: Surprises,
-        struck: &[Struck],
+        happened: &Happened,
         started: Instant,
     ) -> Self {
+        let struck = &happened.struck;
+        let is_overlapping = !happened.rounds.is_empty();
+        let mut rounds_s: Vec<f64> = happened.rounds.iter().flatten().copied().collect();
+        rounds_s.sort_by(f64::total_cmp);
+        let unheard = struck.iter().filter(|one| !is_overlapping && one.recovered_s.is_none()).count();
+        let unrecovered = unheard + happened.rounds.iter().filter(|one| one.is_none()).count();
         Self {
             sent: contacts.felt,
             recorded: contacts.recorded,
@@ -122,9 +133,10 @@ impl Report {
             ended_by_themselves: surprises.ended,
             stuck: surprises.stuck,
             engine_restarts: surprises.engines,
-            unrecovered: struck.iter().filter(|one| one.recovered_s.is_none()).count() as u64,
+            unrecovered: unrecovered as u64,
             not_whole: struck.iter().filter(|one| one.whole_s.is_none()).count() as u64,
             faults: struck.iter().map(|one| FaultReport::new(one, started)).collect(),
+            rounds_s,
             ..Self::default()
         }
     }
@@ -144,7 +156,7 @@ impl Report {
             ("supervisors ended unexpectedly", self.ended_by_themselves),
             ("brokers that forgot nothing", self.stuck),
             ("panics of supervisors", self.panics),
-            ("faults after which a robot stayed unheard", self.unrecovered),
+            ("faults or rounds after which a robot stayed unheard", self.unrecovered),
             ("faults after which something stayed missing", self.not_whole),
         ]
     }
@@ -218,7 +230,16 @@ impl fmt::Display for Report {
         })?;
         self.fmt_times(f, "hit to the engine's own failover, s", |one| one.engine_s)?;
         self.fmt_times(f, "engine's failover to a new receipt for every robot, s", FaultReport::after_engine_s)?;
-        self.fmt_times(f, "hit to a new receipt for every robot, s", |one| one.recovered_s)
+        self.fmt_times(f, "hit to a new receipt for every robot, s", |one| one.recovered_s)?;
+        self.fmt_times(f, "hit until everything, or its part, worked again, s", |one| one.whole_s)?;
+        if let Some(max) = self.rounds_s.last() {
+            let (count, median) = (self.rounds_s.len(), self.rounds_s[self.rounds_s.len() / 2]);
+            writeln!(
+                f,
+                "\nuntil everything worked again after each of {count} rounds: median {median:.1} s, max {max:.1} s"
+            )?;
+        }
+        Ok(())
     }
 }
 

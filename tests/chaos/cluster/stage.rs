@@ -10,6 +10,7 @@ use vibrissa_tests::patroni::Patroni;
 use vibrissa_tests::process::{Launch, Process};
 
 use super::broker::{Broker, Kind};
+use super::parts::{Brokers, Database, Supervisor};
 use super::plan::SUPERVISORS_COUNT;
 use crate::plan::{Control, LEASE_S};
 use crate::scenario::{FLEET, fleet, robot_name};
@@ -24,10 +25,10 @@ pub const SUPERVISORS: [&str; SUPERVISORS_COUNT] = ["a", "b", "c"];
 /// Contacts until a whisker counts as learned; few, so that trims are detected from the start.
 const LEARNED: u32 = 20;
 /// Numbers of the namespaces of the first broker node, supervisor and database node, and of etcd.
-const BROKERS: usize = 0;
-const SUPERVISOR: usize = BROKERS + 3;
-const DATABASES: usize = SUPERVISOR + SUPERVISORS_COUNT;
-const ETCD: usize = DATABASES + 2;
+pub const BROKERS: usize = 0;
+pub const SUPERVISOR: usize = BROKERS + 3;
+pub const DATABASES: usize = SUPERVISOR + SUPERVISORS_COUNT;
+pub const ETCD: usize = DATABASES + 2;
 
 /// All programs except the robots. The network comes last: it is deleted after the programs have ended.
 pub struct Stage {
@@ -86,29 +87,27 @@ impl Stage {
         vibrissa_simulator::Broker { credentials: Some((CLIENT.0.to_owned(), CLIENT.1.to_owned())), ..broker }
     }
 
-    /// Cuts a broker node off, or connects it again.
-    pub fn cut_broker(&self, node: usize, is_cut: bool) {
-        self.network.cut(BROKERS + node, is_cut);
+    /// The broker's nodes, to fail.
+    pub fn brokers(&mut self) -> Brokers<'_> {
+        Brokers { nodes: &mut self.broker, network: &self.network }
     }
 
-    /// Cuts a supervisor off, or connects it again.
-    pub fn cut_supervisor(&self, at: usize, is_cut: bool) {
-        self.network.cut(SUPERVISOR + at, is_cut);
+    /// A supervisor, to fail.
+    pub fn supervisor(&mut self, at: usize) -> Supervisor<'_> {
+        Supervisor { at, process: &mut self.supervisors[at], network: &self.network }
     }
 
-    /// Cuts a database node off, or connects it again.
-    pub fn cut_database(&self, node: usize, is_cut: bool) {
-        self.network.cut(DATABASES + node, is_cut);
+    /// The databases and etcd, to fail.
+    pub fn database_part(&mut self) -> Database<'_> {
+        Database { pair: &mut self.database, network: &self.network }
     }
 
-    /// Cuts etcd off, or connects it again.
-    pub fn cut_etcd(&self, is_cut: bool) {
-        self.network.cut(ETCD, is_cut);
-    }
-
-    /// Separates a database node from the other one and from etcd, or connects it again.
-    pub fn separate_database(&self, node: usize, is_separate: bool) {
-        self.network.separate(DATABASES + node, &[DATABASES + 1 - node, ETCD], is_separate);
+    /// All parts, to fail at the same time.
+    pub fn parts(&mut self) -> (Brokers<'_>, Vec<Supervisor<'_>>, Database<'_>) {
+        let Self { broker, supervisors, database, network, .. } = self;
+        let network = &*network;
+        let supervisors = supervisors.iter_mut().enumerate().map(|(at, process)| Supervisor { at, process, network });
+        (Brokers { nodes: broker, network }, supervisors.collect(), Database { pair: database, network })
     }
 
     /// Restarts supervisors that have ended unexpectedly, and returns their number.

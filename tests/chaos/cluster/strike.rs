@@ -3,23 +3,17 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use nix::sys::signal::Signal;
 use tokio::task::JoinHandle;
 use tokio::time::sleep;
 use vibrissa_protocol::Name;
 use vibrissa_tests::oracle::robots::Robots;
 
-use super::plan::{Deed, Fault, Hold, LONGEST, SEPARATED, Strike, Victim};
-use super::probe;
+use super::plan::{Deed, Fault, Hold, LONGEST, Strike, Victim};
 use super::stage::{CLIENT, SUPERVISORS, Stage};
 use super::watch::Watch;
+use super::{PATIENCE, PAUSE, probe};
 use crate::forget::forget;
 use crate::plan::Control;
-
-/// Interval of looks at the robots and the leases.
-const PAUSE: Duration = Duration::from_millis(20);
-/// Time limit for the robots' recovery, and for the recovery of each engine's redundancy.
-const PATIENCE: Duration = Duration::from_secs(90);
 
 /// A fault that has struck, with times in seconds from the hit.
 #[derive(Debug, Clone)]
@@ -39,8 +33,34 @@ pub struct Struck {
     pub repaired_s: f64,
     /// Time at which every robot had a receipt for a message made after the hit.
     pub recovered_s: Option<f64>,
-    /// Time at which all redundancy was back.
+    /// Time at which all redundancy was back; if faults overlap, at which the part worked again.
     pub whole_s: Option<f64>,
+}
+
+impl Struck {
+    /// A fault that strikes now.
+    pub fn new(fault: Fault) -> Self {
+        Self {
+            fault,
+            at: Instant::now(),
+            owned_s: None,
+            takeover: None,
+            engine_s: None,
+            repaired_s: 0.0,
+            recovered_s: None,
+            whole_s: None,
+        }
+    }
+
+    /// Notes the time of the repair.
+    pub fn is_repaired(&mut self) {
+        self.repaired_s = self.at.elapsed().as_secs_f64();
+    }
+
+    /// Notes that all redundancy is back.
+    pub fn is_whole(&mut self) {
+        self.whole_s = Some(self.at.elapsed().as_secs_f64());
+    }
 }
 
 /// Counts of unintended events.
@@ -76,18 +96,9 @@ impl Striker<'_> {
             Victim::Broker(_) | Victim::Leader | Victim::Standby | Victim::Etcd => BTreeMap::new(),
         };
         let marks = self.robots.marks();
-        let hit = Instant::now();
+        let mut struck = Struck::new(fault);
+        let hit = struck.at;
         self.hit(fault, leader).await;
-        let mut struck = Struck {
-            fault,
-            at: hit,
-            owned_s: None,
-            takeover: None,
-            engine_s: None,
-            repaired_s: 0.0,
-            recovered_s: None,
-            whole_s: None,
-        };
         let is_taken_for_good = hold == Hold::UntilTaken;
         let engine = self.engine_watch(fault, hold, leader, hit);
         let mut is_repaired = false;
@@ -113,8 +124,8 @@ impl Striker<'_> {
                 Hold::UntilRecovered => struck.recovered_s.is_some(),
             };
             if !is_repaired && (is_due || elapsed > LONGEST) {
-                self.repair(fault, leader);
-                struck.repaired_s = hit.elapsed().as_secs_f64();
+                self.repair(fault, leader, elapsed);
+                struck.is_repaired();
                 is_repaired = true;
             }
             if is_repaired && struck.recovered_s.is_some() || elapsed > PATIENCE {
@@ -131,80 +142,46 @@ impl Striker<'_> {
             None => None,
         };
         if self.until_whole().await {
-            struck.whole_s = Some(hit.elapsed().as_secs_f64());
+            struck.is_whole();
         }
         tell(&struck, hold);
         self.struck.push(struck);
     }
 
     async fn hit(&mut self, Fault { victim, deed }: Fault, leader: usize) {
-        let stage = &mut *self.stage;
-        match (victim, deed) {
-            (Victim::Broker(at), Deed::Killed) => stage.broker.kill(at),
-            (Victim::Broker(at), Deed::Frozen) => stage.broker.freeze(at, true),
-            (Victim::Broker(at), _) => stage.cut_broker(at, true),
-            (Victim::Supervisor(at), Deed::Killed) => stage.supervisors[at].kill(),
-            (Victim::Supervisor(at), Deed::Frozen) => stage.supervisors[at].signal(Signal::SIGSTOP),
-            (Victim::Supervisor(at), Deed::KilledAndForgotten) => {
-                stage.supervisors[at].kill();
-                // Before another supervisor takes over, so that only robots can tell it who they are.
-                for (host, port) in stage.broker.addresses() {
-                    // Once more on a busy machine.
-                    let node = (host.as_str(), port);
-                    if !forget(node, CLIENT, self.names).await && !forget(node, CLIENT, self.names).await {
-                        eprintln!("chaos: the broker did not forget its retained messages");
-                        self.surprises.stuck += 1;
-                    }
+        match victim {
+            Victim::Broker(at) => self.stage.brokers().hit(at, deed),
+            Victim::Supervisor(at) => {
+                self.stage.supervisor(at).hit(deed);
+                if deed == Deed::KilledAndForgotten {
+                    self.forget_all().await;
                 }
             }
-            (Victim::Supervisor(at), _) => stage.cut_supervisor(at, true),
-            (Victim::Leader, Deed::SeparatedThenKilled) => {
-                stage.separate_database(leader, true);
-                sleep(SEPARATED).await;
-                stage.database.kill(leader);
+            Victim::Leader | Victim::Standby | Victim::Etcd => {
+                self.stage.database_part().hit(victim, deed, leader).await;
             }
-            (Victim::Leader | Victim::Standby, deed) => {
-                let node = if victim == Victim::Leader { leader } else { 1 - leader };
-                match deed {
-                    Deed::Killed => stage.database.kill(node),
-                    Deed::Frozen => stage.database.freeze(node, true),
-                    _ => stage.cut_database(node, true),
-                }
-            }
-            (Victim::Etcd, Deed::Killed) => stage.database.kill_etcd(),
-            (Victim::Etcd, Deed::Frozen) => stage.database.freeze_etcd(true),
-            (Victim::Etcd, _) => stage.cut_etcd(true),
         }
     }
 
-    fn repair(&mut self, Fault { victim, deed }: Fault, leader: usize) {
-        let stage = &mut *self.stage;
-        match (victim, deed) {
-            (Victim::Broker(at), Deed::Killed) => stage.broker.restart(at),
-            (Victim::Broker(at), Deed::Frozen) => stage.broker.freeze(at, false),
-            (Victim::Broker(at), _) => stage.cut_broker(at, false),
-            (Victim::Supervisor(at), Deed::Killed | Deed::KilledAndForgotten) => stage.supervisors[at].restart(),
-            (Victim::Supervisor(at), Deed::Frozen) => stage.supervisors[at].signal(Signal::SIGCONT),
-            (Victim::Supervisor(at), _) => stage.cut_supervisor(at, false),
-            (Victim::Leader, Deed::SeparatedThenKilled) => {
-                stage.separate_database(leader, false);
-                stage.database.restart(leader);
+    /// Before another supervisor takes over, so that only robots can tell it who they are.
+    async fn forget_all(&mut self) {
+        for (host, port) in self.stage.broker.addresses() {
+            let node = (host.as_str(), port);
+            // Once more on a busy machine.
+            if !forget(node, CLIENT, self.names).await && !forget(node, CLIENT, self.names).await {
+                eprintln!("chaos: the broker did not forget its retained messages");
+                self.surprises.stuck += 1;
             }
-            (Victim::Leader | Victim::Standby, deed) => {
-                let node = if victim == Victim::Leader { leader } else { 1 - leader };
-                match deed {
-                    Deed::Killed => stage.database.restart(node),
-                    // Patroni 3.0.2 may take the lock back when it is continued: docs/postgresql.md.
-                    Deed::Frozen => {
-                        stage.database.kill_patroni(node);
-                        stage.database.restart(node);
-                    }
-                    _ => stage.cut_database(node, false),
-                }
+        }
+    }
+
+    fn repair(&mut self, Fault { victim, deed }: Fault, leader: usize, length: Duration) {
+        match victim {
+            Victim::Broker(at) => self.stage.brokers().repair(at, deed),
+            Victim::Supervisor(at) => self.stage.supervisor(at).repair(deed),
+            Victim::Leader | Victim::Standby | Victim::Etcd => {
+                self.stage.database_part().repair(victim, deed, leader, length);
             }
-            (Victim::Etcd, Deed::Killed) => stage.database.restart_etcd(),
-            (Victim::Etcd, Deed::Frozen) => stage.database.freeze_etcd(false),
-            (Victim::Etcd, _) => stage.cut_etcd(false),
         }
     }
 
@@ -245,11 +222,7 @@ impl Striker<'_> {
         let mut nodes_again = false;
         loop {
             let is_shared = self.watch.is_shared_evenly();
-            let database = &self.stage.database;
-            let is_replicated = is_shared
-                && database.is_replicated().await
-                && database.has_reached_etcd_since(begun_s).await
-                && database.may_promote().await;
+            let is_replicated = is_shared && self.stage.database_part().is_redundant(begun_s).await;
             if is_replicated && probe::pass(&self.stage.broker.addresses()).await {
                 return true;
             }
@@ -260,10 +233,7 @@ impl Striker<'_> {
                 nodes_again = true;
                 self.surprises.engines += 1;
                 eprintln!("chaos: the broker's nodes do not find each other: all are started again");
-                for node in 0..self.stage.broker.addresses().len() {
-                    self.stage.broker.kill(node);
-                    self.stage.broker.restart(node);
-                }
+                self.stage.broker.restart_all();
             }
             if begun.elapsed() > PATIENCE {
                 eprintln!("chaos: not whole in time: shared evenly {is_shared}, replicated {is_replicated}");

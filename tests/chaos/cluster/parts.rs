@@ -1,0 +1,163 @@
+//! The parts of the cluster that fail: each one borrows what it needs, so that several can fail at the same time.
+
+use std::time::Duration;
+
+use nix::sys::signal::Signal;
+use tokio::time::sleep;
+use vibrissa_tests::network::Network;
+use vibrissa_tests::patroni::{Patroni, TTL_S};
+use vibrissa_tests::process::Process;
+
+use super::broker::Broker;
+use super::plan::{Deed, SEPARATED, Victim};
+use super::stage::{BROKERS, DATABASES, ETCD, SUPERVISOR};
+
+/// A leader that stands still for a shorter time still has its lock.
+const KEEPS_LOCK: Duration = Duration::from_secs(TTL_S - 2);
+
+/// The broker's nodes.
+pub struct Brokers<'a> {
+    pub nodes: &'a mut Broker,
+    pub network: &'a Network,
+}
+
+impl Brokers<'_> {
+    pub fn hit(&mut self, at: usize, deed: Deed) {
+        match deed {
+            Deed::Killed => self.nodes.kill(at),
+            Deed::Frozen => self.nodes.freeze(at, true),
+            _ => self.network.cut(BROKERS + at, true),
+        }
+    }
+
+    pub fn repair(&mut self, at: usize, deed: Deed) {
+        match deed {
+            Deed::Killed => self.nodes.restart(at),
+            Deed::Frozen => self.nodes.freeze(at, false),
+            _ => self.network.cut(BROKERS + at, false),
+        }
+    }
+}
+
+/// One of the supervisors.
+pub struct Supervisor<'a> {
+    /// Its number.
+    pub at: usize,
+    pub process: &'a mut Process,
+    pub network: &'a Network,
+}
+
+impl Supervisor<'_> {
+    pub fn hit(&mut self, deed: Deed) {
+        match deed {
+            Deed::Killed | Deed::KilledAndForgotten => self.process.kill(),
+            Deed::Frozen => self.process.signal(Signal::SIGSTOP),
+            _ => self.network.cut(SUPERVISOR + self.at, true),
+        }
+    }
+
+    pub fn repair(&mut self, deed: Deed) {
+        match deed {
+            Deed::Killed | Deed::KilledAndForgotten => self.process.restart(),
+            Deed::Frozen => self.process.signal(Signal::SIGCONT),
+            _ => self.network.cut(SUPERVISOR + self.at, false),
+        }
+    }
+}
+
+/// The pair of databases and etcd.
+pub struct Database<'a> {
+    pub pair: &'a mut Patroni,
+    pub network: &'a Network,
+}
+
+impl Database<'_> {
+    /// `leader` is the number of the server that leads.
+    pub async fn hit(&mut self, victim: Victim, deed: Deed, leader: usize) {
+        match (victim, deed) {
+            (Victim::Leader, Deed::SeparatedThenKilled) => {
+                self.separate(leader, true);
+                sleep(SEPARATED).await;
+                self.pair.kill(leader);
+            }
+            (Victim::Etcd, Deed::Killed) => self.pair.kill_etcd(),
+            (Victim::Etcd, Deed::Frozen) => self.pair.freeze_etcd(true),
+            (Victim::Etcd, _) => self.network.cut(ETCD, true),
+            (victim, deed) => {
+                let node = server(victim, leader);
+                match deed {
+                    Deed::Killed => self.pair.kill(node),
+                    Deed::Frozen => self.pair.freeze(node, true),
+                    _ => self.network.cut(DATABASES + node, true),
+                }
+            }
+        }
+    }
+
+    /// `leader` is the number of the server that led at the hit, `length` the time since then.
+    pub fn repair(&mut self, victim: Victim, deed: Deed, leader: usize, length: Duration) {
+        match (victim, deed) {
+            (Victim::Leader, Deed::SeparatedThenKilled) => {
+                self.separate(leader, false);
+                self.pair.restart(leader);
+            }
+            (Victim::Etcd, Deed::Killed) => self.pair.restart_etcd(),
+            (Victim::Etcd, Deed::Frozen) => self.pair.freeze_etcd(false),
+            (Victim::Etcd, _) => self.network.cut(ETCD, false),
+            (victim, deed) => {
+                let node = server(victim, leader);
+                match deed {
+                    Deed::Killed => self.pair.restart(node),
+                    Deed::Frozen if length < KEEPS_LOCK => self.pair.freeze(node, false),
+                    // Patroni 3.0.2 may take the lock back when it is continued: docs/postgresql.md.
+                    Deed::Frozen => {
+                        self.pair.kill_patroni(node);
+                        self.pair.restart(node);
+                    }
+                    _ => self.network.cut(DATABASES + node, false),
+                }
+            }
+        }
+    }
+
+    /// From the other server and from etcd, but not from supervisors.
+    fn separate(&self, node: usize, is_separate: bool) {
+        self.network.separate(DATABASES + node, &[DATABASES + 1 - node, ETCD], is_separate);
+    }
+
+    /// Whether each commit waits for a standby that may be promoted, and the leader has reached etcd since this time
+    /// in seconds since 1970.
+    pub async fn is_redundant(&self, since_s: f64) -> bool {
+        let pair = &*self.pair;
+        pair.is_replicated().await && pair.has_reached_etcd_since(since_s).await && pair.may_promote().await
+    }
+
+    /// The server that leads, once the pair is redundant; `None` after this time.
+    pub async fn until_redundant(&self, patience: Duration) -> Option<usize> {
+        let since_s = vibrissa_simulator::fleet::now_us() as f64 / 1e6;
+        let wait = async {
+            loop {
+                if self.is_redundant(since_s).await
+                    && let Some(leader) = self.pair.leader().await
+                {
+                    return leader;
+                }
+                sleep(super::PAUSE).await;
+            }
+        };
+        tokio::time::timeout(patience, wait).await.ok()
+    }
+
+    /// Starts the standby again. Patroni 3.0.2 may forget the standby at a start of its own beside a running leader, and notes
+    /// it again when it returns: docs/postgresql.md.
+    pub async fn restart_standby(&mut self) {
+        if let Some(leader) = self.pair.leader().await {
+            self.pair.kill(1 - leader);
+            self.pair.restart(1 - leader);
+        }
+    }
+}
+
+fn server(victim: Victim, leader: usize) -> usize {
+    if victim == Victim::Leader { leader } else { 1 - leader }
+}
