@@ -7,9 +7,13 @@
 //! In a burst a probe may be late, because it waits in the broker's queue, or may be lost, because the queue is full. A
 //! missing probe therefore means deafness at once only at low traffic. At high traffic it is sent again, and a filter
 //! counts as lost if nothing arrives through it for longer than a queue can explain.
+//!
+//! Each shard of a divided fleet receives the probes of all shards, so many shards must not probe all the time. Between two
+//! full rounds they have light rounds: one publication to a topic that no shard receives, which the broker must acknowledge.
 
 use std::time::{Duration, Instant};
 
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{Name, RobotTopic};
 
 use super::identity::random_hex;
@@ -20,6 +24,9 @@ pub(super) const PERIOD: Duration = Duration::from_secs(3);
 pub(super) const PATIENCE: Duration = Duration::from_secs(2);
 /// Interval between two judgements of an overdue probe in a burst.
 const LOOK: Duration = Duration::from_millis(500);
+/// Number of shards of a fleet up to which each round is full. Of 64 shards, each one has a full round every 48 s, and receives
+/// a probe about every second.
+const SHARDS_PER_ROUND: u32 = 4;
 /// How long a burst can explain that nothing arrives through a filter.
 const QUEUE_MAX: Duration = Duration::from_secs(15);
 /// Rate from which on it is a burst, messages per second.
@@ -86,6 +93,14 @@ pub(super) struct Hearing {
     /// Common prefix of the probes' topics.
     prefix: String,
     probes: Vec<Probe>,
+    /// Topic of light rounds.
+    light_topic: String,
+    /// One of this many rounds is full.
+    full_every: u32,
+    /// Counts rounds, for each shard from another number, so that shards have their full rounds at different times.
+    number: u32,
+    /// This round is light.
+    is_light: bool,
     due: Instant,
     /// Time at which this round was sent; `None` before the first.
     sent: Option<Instant>,
@@ -102,7 +117,8 @@ pub(super) struct Hearing {
 
 impl Hearing {
     /// Starts without a probe; the first is due at [`Self::subscribed`].
-    pub(super) fn new(fleet: &Name, kinds: impl Iterator<Item = RobotTopic>, now: Instant) -> Self {
+    pub(super) fn new(shard: &FleetShard, kinds: impl Iterator<Item = RobotTopic>, now: Instant) -> Self {
+        let fleet = shard.fleet();
         let probe = |kind: RobotTopic| Probe {
             kind,
             topic: kind.probe_topic(fleet),
@@ -116,6 +132,10 @@ impl Hearing {
         Self {
             prefix,
             probes,
+            light_topic: RobotTopic::Status.probe_topic(fleet),
+            full_every: shard.count().div_ceil(SHARDS_PER_ROUND),
+            number: shard.number(),
+            is_light: false,
             due: now + NEVER,
             sent: None,
             came: None,
@@ -150,7 +170,11 @@ impl Hearing {
 
     /// Topics and payloads of the probes to publish.
     pub(super) fn probes(&self) -> impl Iterator<Item = (&str, &[u8])> {
-        self.probes.iter().map(|probe| (probe.topic.as_str(), probe.payload.as_slice()))
+        let count = if self.is_light { 1 } else { self.probes.len() };
+        self.probes.iter().take(count).map(|probe| {
+            let topic = if self.is_light { &self.light_topic } else { &probe.topic };
+            (topic.as_str(), probe.payload.as_slice())
+        })
     }
 
     /// Records that the broker has rejected a probe. This says nothing about the right to read topics.
@@ -161,9 +185,14 @@ impl Hearing {
         }
     }
 
-    /// Records that the broker has acknowledged a probe, which shows that it is alive.
+    /// Records that the broker has acknowledged a probe, which shows that it is alive, and completes a light round.
     pub(super) fn acknowledged(&mut self) {
         self.is_alive = true;
+        if self.is_light && !self.is_proven() {
+            self.probes.iter_mut().for_each(|probe| probe.came = true);
+            self.came = Some(Instant::now());
+            self.finish();
+        }
     }
 
     /// Records a message. Returns true for probes of any supervisor, which do not go to the inbox.
@@ -240,7 +269,10 @@ impl Hearing {
         Tick::Deaf { topics: missing, is_silent: self.came.is_none() && !self.is_alive }
     }
 
+    /// A light round follows only a complete one.
     fn begin(&mut self, now: Instant) {
+        self.number = self.number.wrapping_add(1);
+        self.is_light = self.is_proven() && !self.number.is_multiple_of(self.full_every);
         for probe in &mut self.probes {
             if self.sent.is_none() || !probe.is_missing() || self.is_refused {
                 probe.unproven_since = now;
@@ -264,7 +296,7 @@ mod tests {
     /// A state whose first probes were sent, and the time of that.
     fn probing() -> (Hearing, Instant) {
         let now = Instant::now();
-        let mut hearing = Hearing::new(&Name::new("f").unwrap(), kinds(), now);
+        let mut hearing = Hearing::new(&FleetShard::whole(Name::new("f").unwrap()), kinds(), now);
         assert_eq!(hearing.tick(now + PERIOD), Tick::Wait, "no probe before the subscription");
         hearing.subscribed(now);
         assert_eq!(hearing.tick(now), Tick::Probe);
@@ -393,6 +425,69 @@ mod tests {
         assert_eq!(hearing.tick(late), Tick::Wait);
         deliver(&mut hearing, |_| true);
         assert_eq!(hearing.tick(late + PATIENCE), Tick::Probe);
+    }
+
+    /// A shard whose first round is complete, and the time of that.
+    fn shard(number: u32, count: u32) -> (Hearing, Instant) {
+        let now = Instant::now();
+        let shard = FleetShard::new(Name::new("f").unwrap(), number, count).unwrap();
+        let mut hearing = Hearing::new(&shard, [RobotTopic::Connection].into_iter(), now);
+        hearing.subscribed(now);
+        assert_eq!(hearing.tick(now), Tick::Probe);
+        hearing.acknowledged();
+        assert!(!hearing.is_proven(), "the first round is full: its probe must come back");
+        deliver(&mut hearing, |_| true);
+        assert!(hearing.is_proven());
+        (hearing, now)
+    }
+
+    #[test]
+    fn many_shards_share_the_rounds_in_which_all_receive_a_probe() {
+        for (count, full) in [(1, 64), (4, 64), (16, 16), (64, 4)] {
+            let mut of_shards = std::collections::BTreeMap::<usize, u32>::new();
+            for number in 0..count {
+                let (mut hearing, _) = shard(number, count);
+                let mut full_rounds = 0;
+                for round in 0..64 {
+                    assert_eq!(until_done(&mut hearing, |_| {}).0, Tick::Probe);
+                    if hearing.is_light {
+                        hearing.acknowledged();
+                    } else {
+                        full_rounds += 1;
+                        *of_shards.entry(round).or_default() += 1;
+                        deliver(&mut hearing, |_| true);
+                    }
+                    assert!(hearing.is_proven());
+                }
+                assert_eq!(full_rounds, full, "shard {number} of {count}");
+            }
+            assert!(of_shards.len() == 64 && of_shards.values().all(|&shards| shards == count.min(4)), "{of_shards:?}");
+        }
+    }
+
+    #[test]
+    fn a_light_round_needs_an_acknowledgement_and_a_lost_filter_is_found_in_the_next_full_one() {
+        let (mut hearing, sent) = shard(1, 64);
+        assert_eq!(until_done(&mut hearing, |_| {}), (Tick::Probe, sent + PERIOD));
+        let published: Vec<_> = hearing.probes().map(|(topic, _)| topic.to_owned()).collect();
+        assert_eq!(published, ["whisker/v1/f/supervisor/status"]);
+        let silent = Tick::Deaf { topics: vec![RobotTopic::Connection], is_silent: true };
+        assert_eq!(until_done(&mut hearing, |_| {}), (silent, sent + PERIOD + PATIENCE));
+
+        let (mut hearing, sent) = shard(1, 64);
+        let (done, at) = until_done(&mut hearing, Hearing::acknowledged);
+        assert_eq!((done, at), (Tick::Probe, sent + PERIOD));
+        let mut rounds = 0;
+        let (done, at) = loop {
+            hearing.acknowledged();
+            rounds += 1;
+            match until_done(&mut hearing, |_| {}) {
+                (Tick::Probe, _) => assert!(rounds < 64),
+                done => break done,
+            }
+        };
+        assert_eq!(done, Tick::Deaf { topics: vec![RobotTopic::Connection], is_silent: false });
+        assert!(at <= sent + 16 * PERIOD + PATIENCE, "{:?}", at - sent);
     }
 
     #[test]

@@ -92,7 +92,7 @@ impl Receiver {
         let (client, events) = AsyncClient::builder(options).capacity(64 + self.subscriptions.packets_max()).build();
         let mut poller = Poller::new(events, &self.connection, reached);
         let mut coalescing = PollCoalescing::new(Instant::now());
-        let mut hearing = Hearing::new(self.connection.fleet(), self.subscriptions.probed(), Instant::now());
+        let mut hearing = Hearing::new(&self.connection.shard, self.subscriptions.probed(), Instant::now());
         let mut is_subscribed = false;
         loop {
             let event = match poller.ready() {

@@ -49,7 +49,7 @@ async fn prove_at(connection: &Connection) -> Result<(), Problem> {
     let (options, reached) = connection.options("trial");
     let (client, events) = AsyncClient::builder(options).capacity(64).build();
     let mut poller = Poller::new(events, connection, reached);
-    let mut hearing = Hearing::new(fleet, subscriptions.probed(), Instant::now());
+    let mut hearing = Hearing::new(&connection.shard, subscriptions.probed(), Instant::now());
     while !hearing.is_proven() {
         let event = poller.next_while(&mut hearing, |hearing| judge(&client, hearing, connection, |_| {})).await?;
         match event {
