@@ -125,7 +125,7 @@ impl Rmqtt {
 
     /// Starts nodes again that have ended on their own; their number.
     pub fn revive(&mut self) -> u64 {
-        // All are looked at first, because a start depends on the other nodes that run.
+        // First find all nodes that have ended, because a start depends on the nodes that run.
         let ended = |(at, process): (usize, &mut Process)| process.ended_already().map(|_| at);
         let ended: Vec<usize> = self.processes.iter_mut().enumerate().filter_map(ended).collect();
         ended.iter().for_each(|&node| self.restart(node));

@@ -36,7 +36,7 @@ const ROUND: Duration = Duration::from_secs(60);
 /// Time limit until everything works again after a round. A robot without receipts for a minute repeats its messages every 30 s.
 const ROUND_PATIENCE: Duration = Duration::from_secs(180);
 
-/// What happened.
+/// The faults of a run, and unintended events.
 #[derive(Debug, Default)]
 pub struct Happened {
     /// The faults by their time.
@@ -96,6 +96,13 @@ async fn round(stage: &mut Stage, watch: &Watch, seed: u64, end: Instant) -> [Ha
         lane(4).of_database(database),
     );
     [brokers, a, b, c, database]
+}
+
+/// An operator's remedies for a standby that does not follow.
+#[derive(Debug, Clone, Copy)]
+enum Remedy {
+    Restart,
+    Rebuild,
 }
 
 /// The faults of one part.
@@ -165,16 +172,24 @@ impl Lane {
         self.happened
     }
 
-    /// The server that leads once the pair is redundant. If this takes long, the standby is started again.
+    /// The server that leads once the pair is redundant. If this takes long, the standby is started again, then made anew.
     async fn until_redundant(&mut self, database: &mut Database<'_>) -> Option<usize> {
-        let leader = database.until_redundant(PATIENCE / 3).await;
-        if leader.is_some() {
-            return leader;
+        for remedy in [None, Some(Remedy::Restart), Some(Remedy::Rebuild)] {
+            if let Some(remedy) = remedy {
+                eprintln!("chaos: the database is not redundant: {remedy:?} of the standby");
+                self.happened.surprises.engines += 1;
+            }
+            match remedy {
+                None => {}
+                Some(Remedy::Restart) => database.restart_standby().await,
+                Some(Remedy::Rebuild) => database.rebuild_standby().await,
+            }
+            let leader = database.until_redundant(PATIENCE / 3).await;
+            if leader.is_some() {
+                return leader;
+            }
         }
-        eprintln!("chaos: the database's standby is started again");
-        self.happened.surprises.engines += 1;
-        database.restart_standby().await;
-        database.until_redundant(PATIENCE).await
+        None
     }
 
     /// Draws the next fault after a pause; `None` at the end of the run.

@@ -1,4 +1,4 @@
-//! The parts of the cluster that fail: each one borrows what it needs, so that several can fail at the same time.
+//! The parts of the cluster that fail. Each one borrows only its own processes, so several can fail at the same time.
 
 use std::time::Duration;
 
@@ -41,7 +41,7 @@ impl Brokers<'_> {
 
 /// One of the supervisors.
 pub struct Supervisor<'a> {
-    /// Its number.
+    /// Number of the supervisor, from 0.
     pub at: usize,
     pub process: &'a mut Process,
     pub network: &'a Network,
@@ -154,6 +154,13 @@ impl Database<'_> {
         if let Some(leader) = self.pair.leader().await {
             self.pair.kill(1 - leader);
             self.pair.restart(1 - leader);
+        }
+    }
+
+    /// Makes a new standby, as `patronictl reinit` does: one that crashed while it followed a former leader may be unable to start.
+    pub async fn rebuild_standby(&mut self) {
+        if let Some(leader) = self.pair.leader().await {
+            self.pair.rebuild(1 - leader);
         }
     }
 }

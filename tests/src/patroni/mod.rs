@@ -208,6 +208,13 @@ impl Patroni {
         self.nodes[node].restart();
     }
 
+    /// Ends a server and starts it again without its data, which it copies from the leader.
+    pub fn rebuild(&mut self, node: usize) {
+        self.nodes[node].kill();
+        self.nodes[node].remove_data();
+        self.nodes[node].restart();
+    }
+
     /// Stops all processes of a node with SIGSTOP, or continues them.
     pub fn freeze(&self, node: usize, is_frozen: bool) {
         self.nodes[node].freeze(is_frozen);

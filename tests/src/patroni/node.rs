@@ -63,6 +63,11 @@ impl Node {
         self.patroni = Some(Process::start(self.launch.clone()));
     }
 
+    /// Removes the data of the server, which has ended.
+    pub(super) fn remove_data(&self) {
+        std::fs::remove_dir_all(self.folder.join("data")).expect("a folder of ours");
+    }
+
     pub(super) fn address(&self) -> String {
         format!("{}:{}", self.host, self.port)
     }
