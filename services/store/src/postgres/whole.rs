@@ -46,8 +46,8 @@ static ORDINARY: LazyLock<String> = LazyLock::new(|| {
     Whole::empty(&batch).ordinary(Text::new(), NOWHERE, &[]).counting(&["counted"])
 });
 
-/// Statement of a transaction that contains checkpoints, too. Most transactions of a quiet fleet are of this kind; [`WHOLE`]
-/// costs the server several times as much even if its other parts write nothing.
+/// Statement of a transaction that contains checkpoints, too: nearly half of those of a quiet fleet. [`WHOLE`] takes the server
+/// twice as long for them (5.6 instead of 2.6 ms in a run with 64 shards).
 static CHECKPOINTS: LazyLock<String> = LazyLock::new(|| {
     let batch = Batch::default();
     let whole = Whole::empty(&batch);

@@ -158,7 +158,7 @@ impl Hearing {
         self.due
     }
 
-    /// Whether a message or probe has come through each filter in this round.
+    /// Whether a message or probe has come through each filter in this round, or the broker has acknowledged a light round.
     pub(super) fn is_proven(&self) -> bool {
         self.sent.is_some() && !self.is_refused && !self.probes.iter().any(Probe::is_missing)
     }
