@@ -52,7 +52,9 @@ fn a_cluster_loses_nothing_and_its_controls_are_caught() {
     assert_eq!(code, 0);
     assert_eq!((count(&result, "shards"), count(&result, "robots")), (64, 100));
     assert!(!result["faults"].as_array().expect("faults").is_empty());
-    let (code, result) = cluster(&["--seed", "2", "--seconds", "30", "--overlapping"]).expect("it ran before");
+    // More contacts per second: whiskers must be learned, and trims detected, between faults.
+    let overlapping = ["--seed", "2", "--seconds", "30", "--overlapping", "--rate", "800"];
+    let (code, result) = cluster(&overlapping).expect("it ran before");
     assert_eq!(code, 0);
     assert!(result["faults"].as_array().expect("faults").len() >= 5, "each of five parts fails");
     assert_eq!(result["rounds_s"].as_array().expect("a round").len(), 1);

@@ -46,6 +46,8 @@ const CALM: Duration = Duration::from_secs(5);
 const PAUSE: Duration = Duration::from_millis(20);
 /// Time limit for the robots' recovery, and for the recovery of each engine's redundancy.
 const PATIENCE: Duration = Duration::from_secs(90);
+/// Time limit until messages pass between the nodes of the broker. Then all are started again, as an operator would do.
+const NODES_PATIENCE: Duration = Duration::from_secs(30);
 
 /// Seed, length, number of robots and their contacts per second, and the defect to plant.
 pub struct Settings {

@@ -16,7 +16,7 @@ use super::plan::{Deed, Fault, SUPERVISORS_COUNT, Victim};
 use super::stage::{SUPERVISORS, Stage};
 use super::strike::{Striker, Struck, Surprises};
 use super::watch::Watch;
-use super::{PATIENCE, PAUSE, probe};
+use super::{NODES_PATIENCE, PATIENCE, PAUSE, probe};
 
 /// Length in seconds of a short fault: nothing takes over.
 const SHORT_S: Range<f64> = 0.3..1.5;
@@ -123,7 +123,13 @@ impl Lane {
             self.hold(BROKER_S).await;
             brokers.repair(at, deed);
             struck.is_repaired();
-            if until(PATIENCE, async || probe::pass(&addresses).await).await {
+            let mut passes = until(NODES_PATIENCE, async || probe::pass(&addresses).await).await;
+            if !passes {
+                self.happened.surprises.engines += 1;
+                brokers.restart_all();
+                passes = until(PATIENCE, async || probe::pass(&addresses).await).await;
+            }
+            if passes {
                 struck.is_whole();
             }
             self.tell(struck);

@@ -37,6 +37,12 @@ impl Brokers<'_> {
             _ => self.network.cut(BROKERS + at, false),
         }
     }
+
+    /// Ends all nodes and starts them again, because they run but messages do not pass.
+    pub fn restart_all(&mut self) {
+        eprintln!("chaos: messages do not pass between the broker's nodes: all are started again");
+        self.nodes.restart_all();
+    }
 }
 
 /// One of the supervisors.
