@@ -84,6 +84,10 @@ struct Arguments {
     /// With --cluster: strike the broker, each supervisor and the database at the same time, instead of one after the other.
     #[arg(long, requires = "cluster")]
     overlapping: bool,
+    /// With --cluster: number of Kafka brokers between the broker and the supervisors, with a bridge of the harness; 0 for
+    /// none. Needs Kafka (tests/kafka); ends with code 77 without it.
+    #[arg(long, requires = "cluster", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=5))]
+    kafka: u8,
     /// Number of simulated robots, hostile ones included.
     #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=999))]
     robots: u32,
@@ -125,6 +129,10 @@ fn main() -> anyhow::Result<ExitCode> {
     ensure!(
         arguments.control != Control::Asynchronous || arguments.cluster,
         "--control asynchronous needs --cluster: one PostgreSQL has no standby"
+    );
+    ensure!(
+        arguments.control != Control::OffsetBeforeState || arguments.kafka > 0,
+        "--control offset-before-state needs --kafka: other contacts have no offset"
     );
     ensure!(
         arguments.cluster || arguments.seconds >= shortest_s,
@@ -186,6 +194,7 @@ async fn run_cluster(
         control: arguments.control,
         broker: arguments.broker,
         overlapping: arguments.overlapping,
+        kafka: arguments.kafka.into(),
     };
     cluster::run(&settings, &program(arguments)?, logs).await
 }

@@ -147,18 +147,31 @@ pub enum Control {
     NoRobotBuffer,
     /// PostgreSQL's commits do not wait for the standby. Only with `--cluster`.
     Asynchronous,
+    /// Supervisors commit the position in Kafka before the effects of its records. Only with `--kafka`.
+    OffsetBeforeState,
 }
 
 impl Control {
     /// The faults that reveal the defect; each round contains all of them.
     fn faults(self) -> &'static [Fault] {
         match self {
-            Self::None | Self::Asynchronous => &Fault::ALL,
+            Self::None | Self::Asynchronous | Self::OffsetBeforeState => &Fault::ALL,
             Self::ReceiptBeforeCommit => &[Fault::DatabaseAwayOwnerKilled],
             Self::NoFence => &[Fault::OwnerFrozen],
             Self::RobotIgnoresEpochs => &[Fault::OwnerTerminated],
             Self::NoRobotBuffer => &[Fault::OwnerKilled, Fault::BrokerKilled],
         }
+    }
+
+    /// The environment variable of a supervisor with this defect.
+    pub fn environment(self) -> Option<(String, String)> {
+        let fault = match self {
+            Self::ReceiptBeforeCommit => "receipt_before_commit",
+            Self::NoFence => "no_fence",
+            Self::OffsetBeforeState => "offset_before_state",
+            Self::None | Self::RobotIgnoresEpochs | Self::NoRobotBuffer | Self::Asynchronous => return None,
+        };
+        Some(("VIBRISSA_TEST_FAULT".to_owned(), fault.to_owned()))
     }
 
     /// Length in seconds of the shortest run in which each of these faults strikes.

@@ -14,7 +14,7 @@ use crate::plan::Control;
 pub const FLEET: &str = "f";
 const ARRAY: &str = "left";
 /// Number of whiskers of a robot.
-const WHISKERS: u16 = 2;
+pub const WHISKERS: u16 = 2;
 /// Contacts per message: one message in 0.2 s from each robot at 20 contacts per second.
 const CONTACTS_PER_MESSAGE: usize = 4;
 /// Number of messages that a robot keeps without a receipt, enough for more than an hour. Faults last only seconds.
@@ -53,7 +53,11 @@ pub fn scenarios(seed: u64, seconds: f64, names: &[Name], rate: f64, control: Co
         misbehaviour: match control {
             Control::NoRobotBuffer => Some(Misbehaviour::SendsOnce),
             Control::RobotIgnoresEpochs => Some(Misbehaviour::TakesAnySetpoint),
-            Control::None | Control::ReceiptBeforeCommit | Control::NoFence | Control::Asynchronous => None,
+            Control::None
+            | Control::ReceiptBeforeCommit
+            | Control::NoFence
+            | Control::Asynchronous
+            | Control::OffsetBeforeState => None,
         },
         ..Behaviour::default()
     };

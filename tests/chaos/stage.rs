@@ -170,17 +170,11 @@ async fn supervisor(
     arguments.extend(["--mqtt-url".to_owned(), format!("mqtt://127.0.0.1:{}", broker_link.port())]);
     arguments.extend(["--lease-time-to-live-s".to_owned(), LEASE_S.to_string()]);
     arguments.extend(["--detection-cold-start-contacts".to_owned(), LEARNED.to_string()]);
-    let fault = match control {
-        Control::ReceiptBeforeCommit => Some("receipt_before_commit"),
-        Control::NoFence => Some("no_fence"),
-        Control::None | Control::RobotIgnoresEpochs | Control::NoRobotBuffer | Control::Asynchronous => None,
-    };
-    let fault = fault.map(|fault| ("VIBRISSA_TEST_FAULT".to_owned(), fault.to_owned()));
     let level = ("RUST_LOG".to_owned(), "info,rumqttc=warn".to_owned());
     let process = Process::start(Launch {
         program: program.path.clone(),
         arguments,
-        environment: [level].into_iter().chain(fault).collect(),
+        environment: [level].into_iter().chain(control.environment()).collect(),
         log: log_of(logs, name),
     });
     Supervisor { name, process, broker_link, database_link, http }

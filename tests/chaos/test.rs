@@ -54,9 +54,11 @@ fn a_cluster_loses_nothing_and_its_controls_are_caught() {
     assert!(!result["faults"].as_array().expect("faults").is_empty());
     // More contacts per second: whiskers must be learned, and trims detected, between faults.
     let overlapping = ["--seed", "2", "--seconds", "30", "--overlapping", "--rate", "800"];
-    let (code, result) = cluster(&overlapping).expect("it ran before");
+    let through_kafka = cluster(&[&overlapping[..], &["--kafka", "3"]].concat());
+    let has_kafka = through_kafka.is_some();
+    let (code, result) = through_kafka.unwrap_or_else(|| cluster(&overlapping).expect("it ran before"));
     assert_eq!(code, 0);
-    assert!(result["faults"].as_array().expect("faults").len() >= 5, "each of five parts fails");
+    assert!(result["faults"].as_array().expect("faults").len() >= 5, "each part fails");
     assert_eq!(result["rounds_s"].as_array().expect("a round").len(), 1);
     let control = |name: &str, seconds: &str| {
         let (code, result) = cluster(&["--seed", "1", "--seconds", seconds, "--control", name]).expect("it ran before");
@@ -65,6 +67,12 @@ fn a_cluster_loses_nothing_and_its_controls_are_caught() {
     };
     assert!(count(&control("asynchronous", "40"), "missing") > 0);
     assert!(count(&control("no-fence", "30"), "duplicate") > 0);
+    if has_kafka {
+        let early = ["--kafka", "1", "--seed", "1", "--seconds", "20", "--control", "offset-before-state"];
+        let (code, result) = cluster(&early).expect("it ran before");
+        assert_eq!(code, 1, "offset-before-state is not detected");
+        assert!(count(&result, "missing") > 0);
+    }
 }
 
 /// The runs follow one another, because each needs the whole machine.

@@ -3,11 +3,14 @@
 //!
 //! Unlike the run with one broker, a fault strikes when everything works again after the last one, not at a given time.
 //!
-//! With `--overlapping`, each part has faults of its own, which meet those of the others.
+//! With `--overlapping`, each part has faults of its own, which meet those of the others. With `--kafka`, contacts go
+//! through Kafka, whose brokers fail, too.
 //!
-//! Read in this order: [`plan`] (the faults), [`stage`] (the setup), [`parts`] (injection and repair), [`strike`] and
-//! [`overlap`] (the run of faults, and waits), [`watch`] (the leases), [`probe`] (the broker without the product), [`report`].
+//! Read in this order: [`plan`] (the faults), [`stage`] (the setup), [`bridge`] (from the broker to Kafka), [`parts`]
+//! (injection and repair), [`strike`] and [`overlap`] (the run of faults, and waits), [`watch`] (the leases), [`probe`]
+//! (the broker without the product), [`report`].
 
+mod bridge;
 mod broker;
 mod overlap;
 mod parts;
@@ -34,8 +37,9 @@ use crate::plan::Control;
 use crate::replay::Replay;
 use crate::scenario;
 use crate::stage::{Program, panics_of};
+use bridge::Bridge;
 use overlap::Happened;
-use plan::Plan;
+use plan::{Nodes, Plan};
 use stage::{CLIENT, SHARDS, SUPERVISORS, Stage};
 use strike::{Striker, Surprises};
 use watch::Watch;
@@ -59,6 +63,8 @@ pub struct Settings {
     pub broker: Kind,
     /// Faults of different parts overlap, instead of one at a time.
     pub overlapping: bool,
+    /// Number of brokers of Kafka, through which contacts go; 0 for none.
+    pub kafka: usize,
 }
 
 /// Runs the cluster under faults. `Ok(Err)` says what is not installed or not allowed here.
@@ -67,14 +73,15 @@ pub async fn run(settings: &Settings, program: &Program, logs: &Path) -> anyhow:
     let names = stage::robot_names(settings.robots);
     // The folder may contain logs of an earlier run.
     let panics_before = panics_of(logs, &SUPERVISORS);
-    let mut stage = match Stage::set(program, control, settings.broker, logs).await {
+    let nodes = Nodes { broker: settings.broker.nodes(), kafka: settings.kafka };
+    let mut stage = match Stage::set(program, control, (settings.broker, nodes), logs).await {
         Ok(stage) => stage,
         Err(missing) => return Ok(Err(missing)),
     };
     let watch = Watch::start([0, 1].map(|node| stage.database.connect(node)));
-    let groups = settings.broker.nodes();
-    let scenarios = scenario::scenarios(seed, seconds, &names, rate, control, groups);
-    let brokers: Vec<_> = (0..groups).map(|group| stage.broker_of(group)).collect();
+    let scenarios = scenario::scenarios(seed, seconds, &names, rate, control, nodes.broker);
+    let brokers: Vec<_> = (0..nodes.broker).map(|group| stage.broker_of(group)).collect();
+    let bridge = stage.kafka.as_ref().map(|kafka| Bridge::start(stage.broker.addresses(), &kafka.addresses(), seed));
     let robots = Robots::start(&scenarios, &brokers)?;
     let addresses = stage.broker.addresses();
     let replays: Vec<Replay> =
@@ -90,6 +97,11 @@ pub async fn run(settings: &Settings, program: &Program, logs: &Path) -> anyhow:
         surprises: Surprises::default(),
     };
     ensure!(striker.until_whole().await, "the cluster does not start: see the logs in {logs:?}");
+    if let Some(bridge) = &bridge {
+        let whiskers = names.len() * usize::from(scenario::WHISKERS);
+        ensure!(striker.until_known(whiskers).await, "not every robot is known: see the logs in {logs:?}");
+        bridge.open();
+    }
     while robots.receipted_beyond(&marks) < names.len() {
         ensure!(started.elapsed() < Duration::from_secs(60), "not every robot is heard: see the logs in {logs:?}");
         sleep(Duration::from_millis(50)).await;
@@ -101,7 +113,7 @@ pub async fn run(settings: &Settings, program: &Program, logs: &Path) -> anyhow:
     let happened = if settings.overlapping {
         overlap::strike(&mut striker, seed, end - CALM).await
     } else {
-        let mut plan = Plan::new(seed, control, groups);
+        let mut plan = Plan::new(seed, control, nodes);
         while Instant::now() + CALM < end {
             striker.strike(plan.next()).await;
         }
@@ -127,6 +139,8 @@ pub async fn run(settings: &Settings, program: &Program, logs: &Path) -> anyhow:
     Ok(Ok(Report {
         seed,
         broker: settings.broker.as_str(),
+        kafka: settings.kafka,
+        records_repeated: bridge.as_ref().map_or(0, Bridge::repeated),
         shards: SHARDS,
         robots: names.len(),
         repeated: replays.iter().map(Replay::count).sum(),

@@ -1,5 +1,5 @@
-//! Faults of several parts at the same time: the broker, each supervisor, and the databases with etcd are struck again
-//! and again, whether or not the other parts work. Within a part, one fault follows the other.
+//! Faults of several parts at the same time: the broker, each supervisor, the databases with etcd, and Kafka are struck
+//! again and again, whether or not the other parts work. Within a part, one fault follows the other.
 //!
 //! Far more faults fit into an hour than one at a time, and a fault meets the recovery from others. In return no time of
 //! recovery belongs to one fault. After each round of faults the run waits until everything works again.
@@ -11,9 +11,9 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tokio::time::sleep;
 
-use super::parts::{Brokers, Database, Supervisor};
+use super::parts::{Brokers, Database, KafkaBrokers, Supervisor};
 use super::plan::{Deed, Fault, SUPERVISORS_COUNT, Victim};
-use super::stage::{SUPERVISORS, Stage};
+use super::stage::{Parts, SUPERVISORS, Stage};
 use super::strike::{Striker, Struck, Surprises};
 use super::watch::Watch;
 use super::{NODES_PATIENCE, PATIENCE, PAUSE, probe};
@@ -26,10 +26,13 @@ const BROKER_S: Range<f64> = 1.5..4.0;
 /// The other server leads after some 5 to 8 s.
 const LEADER_S: Range<f64> = 1.5..9.0;
 const STANDBY_AND_ETCD_S: Range<f64> = 1.5..3.0;
+/// Another broker leads the partitions after some 3 to 5 s.
+const KAFKA_S: Range<f64> = 1.5..6.0;
 /// Pauses between two faults of a part. Robots connect again after pauses of up to 10 s.
 const SUPERVISOR_PAUSE_S: Range<f64> = 0.2..1.0;
 const BROKER_PAUSE_S: Range<f64> = 1.0..5.0;
 const DATABASE_PAUSE_S: Range<f64> = 0.2..1.0;
+const KAFKA_PAUSE_S: Range<f64> = 1.0..3.0;
 
 /// Length of a round.
 const ROUND: Duration = Duration::from_secs(60);
@@ -78,24 +81,32 @@ pub async fn strike(striker: &mut Striker<'_>, seed: u64, end: Instant) -> Happe
 }
 
 /// Strikes all parts until the end of a round.
-async fn round(stage: &mut Stage, watch: &Watch, seed: u64, end: Instant) -> [Happened; 5] {
-    let (brokers, supervisors, database) = stage.parts();
+async fn round(stage: &mut Stage, watch: &Watch, seed: u64, end: Instant) -> [Happened; 6] {
+    let Parts { brokers, supervisors, database, kafka } = stage.parts();
+    let has_kafka = kafka.is_some();
     let Ok([a, b, c]) = <[Supervisor<'_>; SUPERVISORS_COUNT]>::try_from(supervisors) else {
         unreachable!("the stage has {SUPERVISORS_COUNT} supervisors")
     };
     let lane = |number: u64| Lane {
+        has_kafka,
         random: ChaCha8Rng::seed_from_u64(seed.wrapping_mul(8).wrapping_add(number)),
         end,
         happened: Happened::default(),
     };
-    let (brokers, a, b, c, database) = tokio::join!(
+    let (brokers, a, b, c, database, kafka) = tokio::join!(
         lane(0).of_brokers(brokers),
         lane(1).of_supervisor(a, watch),
         lane(2).of_supervisor(b, watch),
         lane(3).of_supervisor(c, watch),
         lane(4).of_database(database),
+        async {
+            match kafka {
+                Some(kafka) => lane(5).of_kafka(kafka).await,
+                None => Happened::default(),
+            }
+        },
     );
-    [brokers, a, b, c, database]
+    [brokers, a, b, c, database, kafka]
 }
 
 /// An operator's remedies for a standby that does not follow.
@@ -107,6 +118,8 @@ enum Remedy {
 
 /// The faults of one part.
 struct Lane {
+    /// Contacts come from Kafka.
+    has_kafka: bool,
     random: ChaCha8Rng,
     end: Instant,
     happened: Happened,
@@ -139,14 +152,17 @@ impl Lane {
 
     async fn of_supervisor(mut self, mut supervisor: Supervisor<'_>, watch: &Watch) -> Happened {
         let at = supervisor.at;
-        while let Some(deed) = self.next_deed(SUPERVISOR_PAUSE_S).await {
+        while let Some(mut deed) = self.next_deed(SUPERVISOR_PAUSE_S).await {
+            if self.has_kafka && deed == Deed::Killed && self.random.random_bool(0.25) {
+                deed = Deed::KilledAndSetBack;
+            }
             if let Some(status) = supervisor.process.ended_already() {
                 eprintln!("chaos: supervisor {} has ended unexpectedly: {status}", SUPERVISORS[at]);
                 self.happened.surprises.ended += 1;
                 supervisor.process.restart();
             }
             let mut struck = Struck::new(Fault { victim: Victim::Supervisor(at), deed });
-            supervisor.hit(deed);
+            supervisor.hit(deed).await;
             self.hold(SUPERVISOR_S).await;
             supervisor.repair(deed);
             struck.is_repaired();
@@ -171,6 +187,22 @@ impl Lane {
             database.repair(victim, deed, leader, struck.at.elapsed());
             struck.is_repaired();
             if self.until_redundant(&mut database).await.is_some() {
+                struck.is_whole();
+            }
+            self.tell(struck);
+        }
+        self.happened
+    }
+
+    async fn of_kafka(mut self, mut brokers: KafkaBrokers<'_>) -> Happened {
+        while let Some(deed) = self.next_deed(KAFKA_PAUSE_S).await {
+            let at = self.random.random_range(0..brokers.nodes.count());
+            let mut struck = Struck::new(Fault { victim: Victim::Kafka(at), deed });
+            brokers.hit(at, deed);
+            self.hold(KAFKA_S).await;
+            brokers.repair(at, deed);
+            struck.is_repaired();
+            if until(PATIENCE, async || brokers.nodes.all_answer().await).await {
                 struck.is_whole();
             }
             self.tell(struck);

@@ -3,17 +3,25 @@
 use std::time::Duration;
 
 use nix::sys::signal::Signal;
-use tokio::time::sleep;
+use sqlx::ConnectOptions;
+use sqlx::postgres::PgConnectOptions;
+use tokio::time::{sleep, timeout};
+use vibrissa_tests::kafka::Kafka;
 use vibrissa_tests::network::Network;
 use vibrissa_tests::patroni::{Patroni, TTL_S};
 use vibrissa_tests::process::Process;
 
 use super::broker::Broker;
 use super::plan::{Deed, SEPARATED, Victim};
-use super::stage::{BROKERS, DATABASES, ETCD, SUPERVISOR};
+use super::stage::{BROKERS, DATABASES, ETCD, KAFKA, SHARDS, SUPERVISOR};
+use crate::scenario::FLEET;
 
 /// A leader that stands still for a shorter time still has its lock.
 const KEEPS_LOCK: Duration = Duration::from_secs(TTL_S - 2);
+/// Number of records by which a position in Kafka is set back: about half a minute.
+const SET_BACK: i64 = 50;
+/// Time limit for that: then the shards have other owners.
+const SET_BACK_PATIENCE: Duration = Duration::from_secs(2);
 
 /// The broker's nodes.
 pub struct Brokers<'a> {
@@ -51,12 +59,18 @@ pub struct Supervisor<'a> {
     pub at: usize,
     pub process: &'a mut Process,
     pub network: &'a Network,
+    /// The databases with the leases.
+    pub servers: [PgConnectOptions; 2],
 }
 
 impl Supervisor<'_> {
-    pub fn hit(&mut self, deed: Deed) {
+    pub async fn hit(&mut self, deed: Deed) {
         match deed {
             Deed::Killed | Deed::KilledAndForgotten => self.process.kill(),
+            Deed::KilledAndSetBack => {
+                self.process.kill();
+                self.set_back().await;
+            }
             Deed::Frozen => self.process.signal(Signal::SIGSTOP),
             _ => self.network.cut(SUPERVISOR + self.at, true),
         }
@@ -64,9 +78,58 @@ impl Supervisor<'_> {
 
     pub fn repair(&mut self, deed: Deed) {
         match deed {
-            Deed::Killed | Deed::KilledAndForgotten => self.process.restart(),
+            Deed::Killed | Deed::KilledAndForgotten | Deed::KilledAndSetBack => self.process.restart(),
             Deed::Frozen => self.process.signal(Signal::SIGCONT),
             _ => self.network.cut(SUPERVISOR + self.at, false),
+        }
+    }
+
+    /// Sets the positions of all shards back. Living owners of shards write theirs again with the next commit.
+    async fn set_back(&self) {
+        const SQL: &str = "UPDATE leases SET log_next = greatest(log_next - $1, 0) WHERE fleet = $2 AND shard = $3";
+        let set_back = async {
+            for server in &self.servers {
+                let Ok(mut connection) = server.connect().await else { continue };
+                let mut changed = 0;
+                // One by one: together they could wait for a supervisor that waits for them.
+                for shard in 0..i64::from(SHARDS) {
+                    let update = sqlx::query(SQL).bind(SET_BACK).bind(FLEET).bind(shard);
+                    // The standby refuses it.
+                    let Ok(done) = update.execute(&mut connection).await else { break };
+                    changed += done.rows_affected();
+                }
+                if changed > 0 {
+                    return;
+                }
+            }
+            eprintln!("chaos: no database took the positions in Kafka");
+        };
+        if timeout(SET_BACK_PATIENCE, set_back).await.is_err() {
+            eprintln!("chaos: the positions in Kafka were not set back in time");
+        }
+    }
+}
+
+/// The brokers of Kafka.
+pub struct KafkaBrokers<'a> {
+    pub nodes: &'a mut Kafka,
+    pub network: &'a Network,
+}
+
+impl KafkaBrokers<'_> {
+    pub fn hit(&mut self, at: usize, deed: Deed) {
+        match deed {
+            Deed::Killed => self.nodes.kill(at),
+            Deed::Frozen => self.nodes.freeze(at, true),
+            _ => self.network.cut(KAFKA + at, true),
+        }
+    }
+
+    pub fn repair(&mut self, at: usize, deed: Deed) {
+        match deed {
+            Deed::Killed => self.nodes.begin_restart(at),
+            Deed::Frozen => self.nodes.freeze(at, false),
+            _ => self.network.cut(KAFKA + at, false),
         }
     }
 }

@@ -13,6 +13,15 @@ use crate::plan::{Control, LEASE_S};
 /// Number of supervisors.
 pub const SUPERVISORS_COUNT: usize = 3;
 
+/// Numbers of nodes of the engines that may have more than one, or none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Nodes {
+    /// Of the broker.
+    pub broker: usize,
+    /// Of Kafka.
+    pub kafka: usize,
+}
+
 /// A part of the cluster that fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Victim {
@@ -26,6 +35,8 @@ pub enum Victim {
     Standby,
     /// The only node of etcd.
     Etcd,
+    /// A broker of Kafka, by its number.
+    Kafka(usize),
 }
 
 /// What happens to it.
@@ -41,6 +52,8 @@ pub enum Deed {
     SeparatedThenKilled,
     /// A supervisor is killed, and the broker forgets all retained messages before another one takes over.
     KilledAndForgotten,
+    /// A supervisor is killed, and its shards' positions in Kafka are set back before another one takes over.
+    KilledAndSetBack,
 }
 
 /// A kind of fault: victims of one role count together.
@@ -53,16 +66,20 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// Every fault for every node, with this number of nodes of the broker.
-    pub fn all(broker_nodes: usize) -> Vec<Self> {
+    /// Every fault for every node.
+    pub fn all(nodes: Nodes) -> Vec<Self> {
         let each = [Deed::Killed, Deed::Frozen, Deed::CutOff];
         let supervisors = (0..SUPERVISORS_COUNT).map(Victim::Supervisor);
-        let nodes = (0..broker_nodes).map(Victim::Broker).chain(supervisors);
-        let victims = nodes.chain([Victim::Leader, Victim::Standby, Victim::Etcd]);
+        let brokers = (0..nodes.broker).map(Victim::Broker).chain((0..nodes.kafka).map(Victim::Kafka));
+        let victims = brokers.chain(supervisors).chain([Victim::Leader, Victim::Standby, Victim::Etcd]);
         let mut all: Vec<Self> = victims.flat_map(|victim| each.map(|deed| Self { victim, deed })).collect();
         all.push(Self { victim: Victim::Leader, deed: Deed::SeparatedThenKilled });
-        let forgotten = |node| Self { victim: Victim::Supervisor(node), deed: Deed::KilledAndForgotten };
-        all.extend((0..SUPERVISORS_COUNT).map(forgotten));
+        let mut of_each_supervisor =
+            |deed| all.extend((0..SUPERVISORS_COUNT).map(|node| Self { victim: Victim::Supervisor(node), deed }));
+        of_each_supervisor(Deed::KilledAndForgotten);
+        if nodes.kafka > 0 {
+            of_each_supervisor(Deed::KilledAndSetBack);
+        }
         all
     }
 }
@@ -75,6 +92,7 @@ impl fmt::Display for Fault {
             Victim::Leader => "database leader",
             Victim::Standby => "database standby",
             Victim::Etcd => "etcd",
+            Victim::Kafka(_) => "Kafka broker",
         };
         let deed = match self.deed {
             Deed::Killed => "killed",
@@ -82,6 +100,7 @@ impl fmt::Display for Fault {
             Deed::CutOff => "cut off",
             Deed::SeparatedThenKilled => "separated, then killed",
             Deed::KilledAndForgotten => "killed, retained messages forgotten",
+            Deed::KilledAndSetBack => "killed, positions in Kafka set back",
         };
         f.pad(&format!("{victim} {deed}"))
     }
@@ -120,16 +139,16 @@ pub struct Strike {
 pub struct Plan {
     random: ChaCha8Rng,
     control: Control,
-    broker_nodes: usize,
+    nodes: Nodes,
     round: Vec<Fault>,
     is_first: bool,
 }
 
 impl Plan {
     /// Begins with a seed.
-    pub fn new(seed: u64, control: Control, broker_nodes: usize) -> Self {
+    pub fn new(seed: u64, control: Control, nodes: Nodes) -> Self {
         let random = ChaCha8Rng::seed_from_u64(seed);
-        Self { random, control, broker_nodes, round: Vec::new(), is_first: true }
+        Self { random, control, nodes, round: Vec::new(), is_first: true }
     }
 
     /// The next fault.
@@ -148,18 +167,21 @@ impl Plan {
             |deed| (0..SUPERVISORS_COUNT).map(move |node| Fault { victim: Victim::Supervisor(node), deed });
         match self.control {
             Control::NoFence => of_supervisors(Deed::Frozen).collect(),
+            Control::OffsetBeforeState => of_supervisors(Deed::Killed).collect(),
             Control::Asynchronous => vec![Fault { victim: Victim::Leader, deed: Deed::SeparatedThenKilled }],
             Control::None | Control::ReceiptBeforeCommit | Control::RobotIgnoresEpochs | Control::NoRobotBuffer => {
-                let mut all = Fault::all(self.broker_nodes);
+                let mut all = Fault::all(self.nodes);
                 if is_first {
                     all.shuffle(&mut self.random);
                     let role = |fault: &Fault| match (fault.victim, fault.deed) {
                         (_, Deed::KilledAndForgotten) => 0,
+                        (_, Deed::KilledAndSetBack) => 7,
                         (Victim::Broker(_), _) => 1,
                         (Victim::Supervisor(_), _) => 2,
                         (Victim::Leader, _) => 3,
                         (Victim::Standby, _) => 4,
                         (Victim::Etcd, _) => 5,
+                        (Victim::Kafka(_), _) => 6,
                     };
                     all.sort_by_key(role);
                     all.dedup_by_key(|fault| role(fault));
@@ -175,14 +197,17 @@ impl Plan {
         let (short, long) = (seconds(0.3..1.5), seconds(1.5..6.0));
         let is_short = self.random.random_bool(0.5);
         match (fault.victim, fault.deed) {
-            (Victim::Supervisor(_), Deed::Killed | Deed::KilledAndForgotten) => Hold::UntilTaken,
+            (Victim::Supervisor(_), Deed::Killed | Deed::KilledAndForgotten | Deed::KilledAndSetBack) => {
+                Hold::UntilTaken
+            }
             (Victim::Supervisor(_), _) if self.control == Control::None && is_short => short,
             (Victim::Supervisor(_), _) => Hold::UntilTaken,
             (Victim::Leader, Deed::Killed | Deed::SeparatedThenKilled) => Hold::UntilLed,
             (Victim::Leader, _) if is_short => short,
             (Victim::Leader, _) => Hold::UntilLed,
-            (Victim::Broker(_), _) if is_short || self.broker_nodes == 1 => long,
-            (Victim::Broker(_), _) => Hold::UntilRecovered,
+            (Victim::Broker(_), _) if is_short || self.nodes.broker == 1 => long,
+            (Victim::Kafka(_), _) if is_short || self.nodes.kafka == 1 => long,
+            (Victim::Broker(_) | Victim::Kafka(_), _) => Hold::UntilRecovered,
             (Victim::Standby | Victim::Etcd, _) => long,
         }
     }
@@ -202,19 +227,21 @@ mod tests {
 
     use super::*;
 
+    const NODES: Nodes = Nodes { broker: 3, kafka: 3 };
+
     fn faults(seed: u64, control: Control, count: usize) -> Vec<Fault> {
-        let mut plan = Plan::new(seed, control, 3);
+        let mut plan = Plan::new(seed, control, NODES);
         (0..count).map(|_| plan.next().fault).collect()
     }
 
     #[test]
     fn the_first_round_strikes_each_role_once_and_the_second_each_node_in_each_way() {
         for seed in 0..50 {
-            let faults = faults(seed, Control::None, 6 + Fault::all(3).len());
-            let (first, second) = faults.split_at(6);
+            let faults = faults(seed, Control::None, 8 + Fault::all(NODES).len());
+            let (first, second) = faults.split_at(8);
             let roles: BTreeSet<String> = first.iter().map(ToString::to_string).collect();
-            assert_eq!(roles.len(), 6, "{roles:?}");
-            assert_eq!(BTreeSet::from_iter(second), BTreeSet::from_iter(&Fault::all(3)), "seed {seed}");
+            assert_eq!(roles.len(), 8, "{roles:?}");
+            assert_eq!(BTreeSet::from_iter(second), BTreeSet::from_iter(&Fault::all(NODES)), "seed {seed}");
         }
     }
 
@@ -232,7 +259,7 @@ mod tests {
                 .iter()
                 .all(|one| one.deed == Deed::Frozen && matches!(one.victim, Victim::Supervisor(_)))
         );
-        let mut plan = Plan::new(1, Control::NoFence, 3);
+        let mut plan = Plan::new(1, Control::NoFence, NODES);
         assert!((0..20).all(|_| plan.next().hold == Hold::UntilTaken), "longer than a lease");
     }
 }

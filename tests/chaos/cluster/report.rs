@@ -17,6 +17,9 @@ pub struct Report {
     pub seed: u64,
     /// The broker and the number of its nodes.
     pub broker: &'static str,
+    /// Number of brokers of Kafka, if contacts went through it, and records that the bridge wrote twice.
+    pub kafka: usize,
+    pub records_repeated: u64,
     /// Numbers of shards and of robots.
     pub shards: u32,
     pub robots: usize,
@@ -202,10 +205,11 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { seed, broker, shards, robots, run_s, drain_s, .. } = self;
+        let Self { seed, broker, kafka, shards, robots, run_s, drain_s, .. } = self;
+        let kafka = if *kafka > 0 { format!(", Kafka, {kafka} nodes") } else { String::new() };
         writeln!(
             f,
-            "seed {seed}: {} faults in {run_s:.0} s, {broker}, {shards} shards, {robots} robots; then {drain_s:.1} s until everything \
+            "seed {seed}: {} faults in {run_s:.0} s, {broker}{kafka}, {shards} shards, {robots} robots; then {drain_s:.1} s until everything \
              was recorded\n",
             self.faults.len()
         )?;
@@ -215,6 +219,7 @@ impl fmt::Display for Report {
             ("setpoints decided", self.decided),
             ("setpoints applied", self.applied),
             ("setpoints repeated by the harness", self.repeated),
+            ("records written twice by the bridge", self.records_repeated),
             ("engines' nodes started again", self.engine_restarts),
         ] {
             writeln!(f, "{name:<58}{count:>9}")?;

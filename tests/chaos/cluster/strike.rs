@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
+use sqlx::ConnectOptions;
 use tokio::task::JoinHandle;
 use tokio::time::sleep;
 use vibrissa_protocol::Name;
@@ -93,7 +94,7 @@ impl Striker<'_> {
         let Some(leader) = self.stage.database.leader().await else { return };
         let shards = match fault.victim {
             Victim::Supervisor(at) => self.watch.owned_by(SUPERVISORS[at]),
-            Victim::Broker(_) | Victim::Leader | Victim::Standby | Victim::Etcd => BTreeMap::new(),
+            Victim::Broker(_) | Victim::Leader | Victim::Standby | Victim::Etcd | Victim::Kafka(_) => BTreeMap::new(),
         };
         let marks = self.robots.marks();
         let mut struck = Struck::new(fault);
@@ -152,13 +153,18 @@ impl Striker<'_> {
         match victim {
             Victim::Broker(at) => self.stage.brokers().hit(at, deed),
             Victim::Supervisor(at) => {
-                self.stage.supervisor(at).hit(deed);
+                self.stage.supervisor(at).hit(deed).await;
                 if deed == Deed::KilledAndForgotten {
                     self.forget_all().await;
                 }
             }
             Victim::Leader | Victim::Standby | Victim::Etcd => {
                 self.stage.database_part().hit(victim, deed, leader).await;
+            }
+            Victim::Kafka(at) => {
+                if let Some(mut kafka) = self.stage.kafka_brokers() {
+                    kafka.hit(at, deed);
+                }
             }
         }
     }
@@ -181,6 +187,11 @@ impl Striker<'_> {
             Victim::Supervisor(at) => self.stage.supervisor(at).repair(deed),
             Victim::Leader | Victim::Standby | Victim::Etcd => {
                 self.stage.database_part().repair(victim, deed, leader, length);
+            }
+            Victim::Kafka(at) => {
+                if let Some(mut kafka) = self.stage.kafka_brokers() {
+                    kafka.repair(at, deed);
+                }
             }
         }
     }
@@ -210,12 +221,27 @@ impl Striker<'_> {
                     hit.elapsed().as_secs_f64()
                 }))
             }
-            Victim::Leader | Victim::Supervisor(_) | Victim::Standby | Victim::Etcd => None,
+            Victim::Leader | Victim::Supervisor(_) | Victim::Standby | Victim::Etcd | Victim::Kafka(_) => None,
         }
     }
 
-    /// Waits until all supervisors have their share, each commit waits for a standby, and messages pass between all
-    /// nodes of the broker. Returns false after [`PATIENCE`].
+    /// Waits until the database has so many whiskers. Returns false after [`PATIENCE`].
+    pub async fn until_known(&self, whiskers: usize) -> bool {
+        let count = async || {
+            let leader = self.stage.database.leader().await?;
+            let mut connection = self.stage.database.connect(leader).connect().await.ok()?;
+            sqlx::query_scalar("SELECT count(*) FROM whiskers").fetch_one(&mut connection).await.ok()
+        };
+        let known = async {
+            while count().await != Some(whiskers as i64) {
+                sleep(PAUSE).await;
+            }
+        };
+        tokio::time::timeout(PATIENCE, known).await.is_ok()
+    }
+
+    /// Waits until all supervisors have their share, each commit waits for a standby, messages pass between all nodes of
+    /// the broker, and all brokers of Kafka answer. Returns false after [`PATIENCE`].
     pub async fn until_whole(&mut self) -> bool {
         let begun = Instant::now();
         let begun_s = vibrissa_simulator::fleet::now_us() as f64 / 1e6;
@@ -226,7 +252,7 @@ impl Striker<'_> {
             // Supervisors that wait for the broker do not share evenly, so in the end the broker is asked in any case.
             let is_late = begun.elapsed() > NODES_PATIENCE;
             let passes = (is_replicated || is_late) && probe::pass(&self.stage.broker.addresses()).await;
-            if is_replicated && passes {
+            if is_replicated && passes && self.stage.kafka_answers().await {
                 return true;
             }
             self.surprises.engines += self.stage.broker.revive();
@@ -247,7 +273,7 @@ impl Striker<'_> {
 fn tell(struck: &Struck, hold: Hold) {
     let seconds = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"));
     let node = match struck.fault.victim {
-        Victim::Broker(at) | Victim::Supervisor(at) => format!(" {at}"),
+        Victim::Broker(at) | Victim::Supervisor(at) | Victim::Kafka(at) => format!(" {at}"),
         Victim::Leader | Victim::Standby | Victim::Etcd => String::new(),
     };
     eprintln!(

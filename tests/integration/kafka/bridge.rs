@@ -1,29 +1,17 @@
 //! A bridge from MQTT to the log, as brokers have them, and records that it would write.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use rskafka::chrono::Utc;
 use rskafka::record::Record;
 use tokio::sync::oneshot;
 use vibrissa_edge::shard::robot_hash;
 use vibrissa_protocol::{Contacts, Message, RobotTopic, encode};
-use vibrissa_tests::kafka::Kafka;
+use vibrissa_tests::kafka::{Kafka, record};
 use vibrissa_tests::observer::Observer;
 
 pub(crate) const MESSAGES: &str = "vibrissa.messages";
-
-/// A record with the MQTT topic in a header.
-pub(crate) fn record(robot: &str, topic: &str, value: Vec<u8>) -> Record {
-    Record {
-        key: Some(format!("f/{robot}").into_bytes()),
-        value: Some(value),
-        headers: BTreeMap::from([("topic".to_owned(), topic.as_bytes().to_vec())]),
-        timestamp: Utc::now(),
-    }
-}
 
 /// The record of a robot's message.
 pub(crate) fn record_of(robot: &str, kind: RobotTopic, value: Vec<u8>) -> Record {

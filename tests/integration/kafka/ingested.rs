@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use vibrissa_protocol::{ArrayType, Contacts, RobotTopic, SetpointOutcome};
-use vibrissa_tests::kafka::Kafka;
+use vibrissa_tests::kafka::{Kafka, record};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
 
-use crate::bridge::{Bridge, MESSAGES, record, record_of, records};
+use crate::bridge::{Bridge, MESSAGES, record_of, records};
 use crate::stage::{LEARNED, Program};
 
 /// Arguments of a supervisor whose contacts come from the log.

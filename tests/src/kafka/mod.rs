@@ -1,48 +1,66 @@
-//! Brokers of Apache Kafka, which `tests/kafka` installs, and a reader of a topic.
+//! Brokers of Apache Kafka, which `tests/kafka` installs, and clients of them.
 
-use std::collections::BTreeMap;
+mod clients;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use rskafka::BackoffConfig;
-use rskafka::client::partition::{Compression, PartitionClient, UnknownTopicHandling};
-use rskafka::client::{Client, ClientBuilder};
-use rskafka::record::{Record, RecordAndOffset};
+use nix::sys::signal::Signal;
+use rskafka::client::Client;
+use rskafka::client::partition::Compression;
+use rskafka::record::Record;
 use tempfile::TempDir;
 
 use crate::mosquitto::free_port;
+use crate::network::Place;
 use crate::process::{Launch, Process};
 use crate::wait::until_within;
+
+pub use clients::{Names, Reader, Writer, record};
+use clients::{connect, partition_client};
 
 /// Time limit of a start, and of an election. Java takes some seconds on a busy machine.
 const START: Duration = Duration::from_secs(90);
 /// Time in which one answer of a broker must come.
 const ANSWER: Duration = Duration::from_secs(5);
-/// Bytes of one read.
-const READ_BYTES: i32 = 8 * 1024 * 1024;
 
-/// Ports of a broker: clients, and the controllers' votes.
-#[derive(Debug, Clone, Copy)]
-struct Ports {
+/// A broker: its address, and its ports for clients and for the controllers' votes.
+#[derive(Debug, Clone)]
+struct Node {
+    host: String,
     clients: u16,
     votes: u16,
+}
+
+impl Node {
+    fn address(&self) -> String {
+        format!("{}:{}", self.host, self.clients)
+    }
 }
 
 /// Running brokers, each also a controller; killed on drop.
 pub struct Kafka {
     brokers: Vec<Process>,
-    ports: Vec<Ports>,
+    nodes: Vec<Node>,
     _folder: TempDir,
 }
 
 impl Kafka {
-    /// Starts so many brokers; `None`, with a line on standard error, if Kafka is not installed.
+    /// Starts so many brokers on 127.0.0.1; `None`, with a line on standard error, if Kafka is not installed.
     ///
     /// # Panics
     /// They do not start.
     pub async fn start(count: usize) -> Option<Self> {
+        Self::start_at(&vec![Place::here(); count]).await
+    }
+
+    /// Starts a broker at each of these places.
+    ///
+    /// # Panics
+    /// They do not start.
+    pub async fn start_at(places: &[Place]) -> Option<Self> {
         let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("kafka");
         let output = Command::new(script).arg("--if-installed").output().expect("tests/kafka");
         if !output.status.success() {
@@ -51,11 +69,14 @@ impl Kafka {
         }
         let home = PathBuf::from(String::from_utf8(output.stdout).expect("a path").trim());
         let folder = tempfile::tempdir().expect("a folder");
-        let ports: Vec<Ports> = (0..count).map(|_| Ports { clients: free_port(), votes: free_port() }).collect();
-        let brokers = (0..count).map(|at| Process::start(launch(&home, folder.path(), at, &ports))).collect();
-        let started = Self { brokers, ports, _folder: folder };
-        for at in 0..count {
-            started.answers(at).await;
+        let node = |place: &Place| Node { host: place.host.clone(), clients: free_port(), votes: free_port() };
+        let nodes: Vec<Node> = places.iter().map(node).collect();
+        let start =
+            |(at, place): (usize, &Place)| Process::start(place.launch(launch(&home, folder.path(), at, &nodes)));
+        let brokers = places.iter().enumerate().map(start).collect();
+        let started = Self { brokers, nodes, _folder: folder };
+        for at in 0..places.len() {
+            started.until_answers(at).await;
         }
         Some(started)
     }
@@ -66,8 +87,10 @@ impl Kafka {
         format!("kafka://{}", self.addresses().join(","))
     }
 
-    fn addresses(&self) -> Vec<String> {
-        self.ports.iter().map(|ports| format!("127.0.0.1:{}", ports.clients)).collect()
+    /// Hosts and ports of all brokers.
+    #[must_use]
+    pub fn addresses(&self) -> Vec<String> {
+        self.nodes.iter().map(Node::address).collect()
     }
 
     /// Kills a broker without any cleanup.
@@ -77,8 +100,18 @@ impl Kafka {
 
     /// Starts a killed broker again, and waits until it answers.
     pub async fn restart(&mut self, at: usize) {
+        self.begin_restart(at);
+        self.until_answers(at).await;
+    }
+
+    /// Starts a killed broker again, without waiting.
+    pub fn begin_restart(&mut self, at: usize) {
         self.brokers[at].restart();
-        self.answers(at).await;
+    }
+
+    /// Stops a broker with SIGSTOP, or continues it.
+    pub fn freeze(&self, at: usize, is_frozen: bool) {
+        self.brokers[at].signal(if is_frozen { Signal::SIGSTOP } else { Signal::SIGCONT });
     }
 
     /// The process of a broker.
@@ -87,13 +120,30 @@ impl Kafka {
         &self.brokers[at]
     }
 
-    async fn answers(&self, at: usize) {
-        let address = format!("127.0.0.1:{}", self.ports[at].clients);
-        until_within(START, "a broker that answers", async || {
-            let client = connect(vec![address.clone()]).await?;
-            tokio::time::timeout(ANSWER, client.list_topics()).await.ok()?.ok()
-        })
-        .await;
+    async fn until_answers(&self, at: usize) {
+        until_within(START, "a broker that answers", async || self.answers(at).await.then_some(())).await;
+    }
+
+    /// Whether a broker answers a client.
+    pub async fn answers(&self, at: usize) -> bool {
+        let Some(client) = connect(vec![self.nodes[at].address()]).await else { return false };
+        tokio::time::timeout(ANSWER, client.list_topics()).await.is_ok_and(|listed| listed.is_ok())
+    }
+
+    /// Number of brokers.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether every broker answers a client.
+    pub async fn all_answer(&self) -> bool {
+        for at in 0..self.count() {
+            if !self.answers(at).await {
+                return false;
+            }
+        }
+        true
     }
 
     /// A client of all brokers.
@@ -109,7 +159,7 @@ impl Kafka {
     /// # Panics
     /// The brokers do not create it.
     pub async fn create_topic(&self, name: &str, partitions: u32) {
-        let replicas = self.ports.len() as i16;
+        let replicas = self.nodes.len() as i16;
         until_within(START, "a new topic", async || {
             let client = self.client().await;
             let controller = client.controller_client().ok()?;
@@ -140,110 +190,27 @@ impl Kafka {
 
     /// A reader of all partitions of a topic, from the beginning.
     pub async fn reader(&self, topic: &str, partitions: u32) -> Reader {
-        Reader {
-            addresses: self.addresses(),
-            topic: topic.to_owned(),
-            client: None,
-            next: vec![0; partitions as usize],
-        }
+        Reader::new(self.addresses(), topic, partitions)
     }
 }
 
-async fn connect(addresses: Vec<String>) -> Option<Client> {
-    let backoff = BackoffConfig { deadline: Some(ANSWER / 2), ..BackoffConfig::default() };
-    let building = ClientBuilder::new(addresses).backoff_config(backoff).build();
-    tokio::time::timeout(ANSWER, building).await.ok()?.ok()
-}
-
-async fn partition_client(client: &Client, topic: &str, partition: u32) -> Option<PartitionClient> {
-    let opening = client.partition_client(topic, partition as i32, UnknownTopicHandling::Error);
-    tokio::time::timeout(ANSWER, opening).await.ok()?.ok()
-}
-
-/// Reads a topic, each partition in order.
-pub struct Reader {
-    addresses: Vec<String>,
-    topic: String,
-    client: Option<Client>,
-    /// Next offset by partition.
-    next: Vec<i64>,
-}
-
-impl Reader {
-    /// The records that came since the last call, by partition; some if a broker does not answer.
-    pub async fn read(&mut self) -> Vec<(u32, RecordAndOffset)> {
-        let mut all = Vec::new();
-        for partition in 0..self.next.len() {
-            while let Some(records) = self.read_some(partition).await {
-                let Some(last) = records.last() else { break };
-                self.next[partition] = last.offset + 1;
-                all.extend(records.into_iter().map(|record| (partition as u32, record)));
-            }
-        }
-        all
-    }
-
-    async fn read_some(&mut self, partition: usize) -> Option<Vec<RecordAndOffset>> {
-        if self.client.is_none() {
-            self.client = connect(self.addresses.clone()).await;
-        }
-        let read = async {
-            let client = partition_client(self.client.as_ref()?, &self.topic, partition as u32).await?;
-            let fetching = client.fetch_records(self.next[partition], 1..READ_BYTES, 100);
-            tokio::time::timeout(ANSWER, fetching).await.ok()?.ok()
-        };
-        let read = read.await;
-        if read.is_none() {
-            self.client = None;
-        }
-        read.map(|(records, _)| records)
-    }
-}
-
-/// Recognises events that were written twice: the names of a shard's events rise within a partition.
-#[derive(Debug, Default)]
-pub struct Names {
-    last: BTreeMap<(u32, i64), (i64, i64, i64)>,
-    /// Number of events that were read before.
-    pub repeated: usize,
-}
-
-impl Names {
-    /// Whether an event of a partition is new.
-    ///
-    /// # Panics
-    /// It has no name.
-    pub fn is_new(&mut self, partition: u32, event: &serde_json::Value) -> bool {
-        let part = |name: &str| event["id"][name].as_i64().unwrap_or_else(|| panic!("no {name}: {event}"));
-        let name = (part("epoch"), part("number"), part("index"));
-        let last = self.last.entry((partition, part("shard"))).or_insert((-1, -1, -1));
-        let is_new = name > *last;
-        if is_new {
-            *last = name;
-        } else {
-            self.repeated += 1;
-        }
-        is_new
-    }
-}
-
-fn launch(home: &Path, folder: &Path, at: usize, ports: &[Ports]) -> Launch {
+fn launch(home: &Path, folder: &Path, at: usize, nodes: &[Node]) -> Launch {
     let own = folder.join(at.to_string());
     fs::create_dir_all(&own).expect("a folder");
     let write = |name: &str, text: &str| {
         fs::write(own.join(name), text).expect("a file");
         own.join(name).display().to_string()
     };
-    let Ports { clients, votes } = ports[at];
-    let voters = ports.iter().zip(1..).map(|(ports, id)| format!("{id}@127.0.0.1:{}", ports.votes));
+    let Node { host, clients, votes } = &nodes[at];
+    let voters = nodes.iter().zip(1..).map(|(node, id)| format!("{id}@{}:{}", node.host, node.votes));
     let voters = voters.collect::<Vec<_>>().join(",");
-    let (id, copies, data) = (at + 1, ports.len(), own.join("data"));
+    let (id, copies, data) = (at + 1, nodes.len(), own.join("data"));
     let in_sync = copies / 2 + 1;
     let properties = write(
         "server.properties",
         &format!(
             "process.roles=broker,controller\nnode.id={id}\ncontroller.quorum.voters={voters}\n\
-             listeners=PLAINTEXT://127.0.0.1:{clients},CONTROLLER://127.0.0.1:{votes}\n\
+             listeners=PLAINTEXT://{host}:{clients},CONTROLLER://{host}:{votes}\n\
              controller.listener.names=CONTROLLER\nlog.dirs={}\nauto.create.topics.enable=false\n\
              offsets.topic.replication.factor={copies}\nmin.insync.replicas={in_sync}\n\
              broker.session.timeout.ms=3000\nbroker.heartbeat.interval.ms=500\n\
