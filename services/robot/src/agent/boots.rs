@@ -76,12 +76,12 @@ impl Agent {
     }
 
     /// Takes a receipt for this boot or an earlier one.
-    pub(super) fn receipt(&mut self, receipt: &Receipt, out: &mut Vec<Output>) {
+    pub(super) fn receipt(&mut self, receipt: &Receipt, now_us: u64, out: &mut Vec<Output>) {
         if receipt.robot_boot_id == *self.voice.boot_id() {
-            self.outbox.receipt(receipt);
+            self.outbox.receipt(receipt, now_us);
         } else if let Some(boot) = self.earlier.iter_mut().find(|boot| *boot.voice.boot_id() == receipt.robot_boot_id) {
             boot.is_known = true;
-            boot.outbox.receipt(receipt);
+            boot.outbox.receipt(receipt, now_us);
             self.earlier.retain(|boot| !boot.outbox.is_empty());
         } else {
             return;

@@ -267,7 +267,7 @@ impl Agent {
             return;
         };
         match message {
-            Message::Receipt(receipt) => self.receipt(&receipt, out),
+            Message::Receipt(receipt) => self.receipt(&receipt, now_us, out),
             Message::Setpoint(setpoint) => self.setpoint(&setpoint, now_us, out),
             Message::Estimate(estimate) => self.estimate(&estimate, out),
             Message::Request(request) => match (request.request, request.touch_test) {

@@ -1,7 +1,10 @@
 //! Contacts messages without a receipt.
 //!
 //! A limited number is stored until a receipt covers them. Uncovered messages are sent again, oldest first, in
-//! windows. The pause between windows doubles while no receipt arrives, and starts over with the next one.
+//! windows: those that are lost, and in silence all others. A message is lost if a receipt covers one that was sent after
+//! it, because messages arrive in order. Others may still be on their way: to repeat them while receipts arrive would fill a
+//! slow network, broker or supervisor with repetitions. The pause between windows doubles while no receipt arrives, and
+//! starts over with the next one.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -28,6 +31,10 @@ pub struct Outbox {
     backoff_us: u64,
     /// Time of the last window, if no receipt has covered anything since.
     unanswered_since_us: Option<u64>,
+    /// Time of the last receipt that covered anything.
+    answered_us: u64,
+    /// Everything sent before has arrived or is lost: the latest first transmission of a covered message.
+    settled_us: u64,
     dropped: u64,
     /// Highest sequence number that a receipt has covered.
     newest_covered: Option<u64>,
@@ -36,6 +43,8 @@ pub struct Outbox {
 #[derive(Debug)]
 struct Kept {
     payload: Vec<u8>,
+    /// Times of the first and the last transmission; 0 if there was none, or if the message is due at once.
+    first_sent_us: u64,
     sent_us: u64,
 }
 
@@ -58,6 +67,8 @@ impl Outbox {
             bytes: 0,
             backoff_us: BACKOFF_START_US,
             unanswered_since_us: None,
+            answered_us: 0,
+            settled_us: 0,
             dropped: 0,
             newest_covered: None,
         }
@@ -67,7 +78,7 @@ impl Outbox {
     pub fn keep(&mut self, seq: u64, payload: Vec<u8>, sent_us: Option<u64>) {
         let sent_us = sent_us.unwrap_or(0);
         self.bytes += payload.len();
-        self.messages.insert(seq, Kept { payload, sent_us });
+        self.messages.insert(seq, Kept { payload, first_sent_us: sent_us, sent_us });
         self.by_sent.insert((sent_us, seq));
         while self.messages.len() > self.most {
             self.drop_oldest();
@@ -86,7 +97,7 @@ impl Outbox {
     }
 
     /// Removes the messages that a receipt covers.
-    pub fn receipt(&mut self, receipt: &Receipt) {
+    pub fn receipt(&mut self, receipt: &Receipt, now_us: u64) {
         let before = self.messages.len();
         let kept_on = self.messages.split_off(&receipt.next);
         let mut covered = std::mem::replace(&mut self.messages, kept_on);
@@ -98,10 +109,13 @@ impl Outbox {
             self.by_sent.remove(&(kept.sent_us, seq));
             self.bytes -= kept.payload.len();
             self.newest_covered = self.newest_covered.max(Some(seq));
+            // Which transmission has arrived is not known.
+            self.settled_us = self.settled_us.max(kept.first_sent_us);
         }
         if self.messages.len() < before {
             self.backoff_us = BACKOFF_START_US;
             self.unanswered_since_us = None;
+            self.answered_us = now_us;
         }
     }
 
@@ -119,8 +133,17 @@ impl Outbox {
     #[must_use]
     pub fn resend_at_us(&self) -> Option<u64> {
         let &(sent_us, _) = self.by_sent.first()?;
-        let due_us = if sent_us == 0 { 0 } else { sent_us + self.backoff_us };
+        let due_us = match sent_us {
+            0 => 0,
+            _ if sent_us < self.settled_us => sent_us + BACKOFF_START_US,
+            _ => (sent_us + BACKOFF_START_US).max(self.silent_at_us()),
+        };
         Some(due_us.max(self.unanswered_since_us.map_or(0, |since_us| since_us + self.backoff_us)))
+    }
+
+    /// Time at which receipts have been absent for a pause.
+    fn silent_at_us(&self) -> u64 {
+        self.answered_us + self.backoff_us
     }
 
     /// The messages to send again now, oldest first.
@@ -128,7 +151,10 @@ impl Outbox {
         if self.unanswered_since_us.is_some() {
             self.backoff_us = (self.backoff_us * 2).min(self.backoff_max_us);
         }
-        let due = |&&(sent_us, _): &&(u64, u64)| sent_us == 0 || sent_us + BACKOFF_START_US <= now_us;
+        let is_silent = now_us >= self.silent_at_us();
+        let due = |&&(sent_us, _): &&(u64, u64)| {
+            sent_us == 0 || sent_us + BACKOFF_START_US <= now_us && (is_silent || sent_us < self.settled_us)
+        };
         let mut window: Vec<(u64, u64)> = self.by_sent.iter().take_while(due).copied().collect();
         window.sort_unstable_by_key(|&(_, seq)| seq);
         window.truncate(WINDOW);
@@ -137,6 +163,9 @@ impl Outbox {
             self.by_sent.remove(&(sent_us, seq));
             self.by_sent.insert((now_us, seq));
             if let Some(kept) = self.messages.get_mut(&seq) {
+                if kept.first_sent_us == 0 {
+                    kept.first_sent_us = now_us;
+                }
                 kept.sent_us = now_us;
                 payloads.push(kept.payload.clone());
             }
@@ -214,18 +243,18 @@ mod tests {
     #[test]
     fn a_receipt_covers_what_is_below_next_and_what_is_held() {
         let mut outbox = outbox(10, 100);
-        outbox.receipt(&receipt(3, &[(5, 6), (9, 20)]));
+        outbox.receipt(&receipt(3, &[(5, 6), (9, 20)]), 100 * S);
         assert_eq!(outbox.messages.keys().copied().collect::<Vec<_>>(), [3, 4, 7, 8]);
         assert_eq!(outbox.by_sent.len(), 4);
         assert_eq!(outbox.newest_covered(), Some(9));
-        outbox.receipt(&receipt(10, &[]));
+        outbox.receipt(&receipt(10, &[]), 100 * S);
         assert_eq!((outbox.len(), outbox.resend_at_us()), (0, None));
     }
 
     #[test]
     fn uncovered_messages_are_sent_again_oldest_first() {
         let mut outbox = outbox(5, 100);
-        outbox.receipt(&receipt(0, &[(1, 2)]));
+        outbox.receipt(&receipt(0, &[(1, 2)]), 100 * S);
         assert_eq!(outbox.resend_at_us(), Some(101 * S));
         assert_eq!(numbers(&outbox.resend(101 * S)), [0, 3, 4]);
     }
@@ -248,18 +277,18 @@ mod tests {
         for at_s in [101, 102, 104, 108] {
             outbox.resend(at_s * S);
         }
-        outbox.receipt(&receipt(1, &[]));
+        outbox.receipt(&receipt(1, &[]), 108 * S);
         assert_eq!(outbox.resend_at_us(), Some(109 * S));
     }
 
     #[test]
     fn a_gap_is_filled_although_receipts_keep_coming() {
         let mut outbox = outbox(2, 100);
-        outbox.receipt(&receipt(0, &[(1, 1)]));
+        outbox.receipt(&receipt(0, &[(1, 1)]), 100 * S);
         for seq in 2..12 {
             let at_us = 100 * S + seq * 100_000;
             outbox.keep(seq, vec![seq as u8], Some(at_us));
-            outbox.receipt(&receipt(0, &[(1, seq)]));
+            outbox.receipt(&receipt(0, &[(1, seq)]), at_us);
         }
         assert_eq!(outbox.resend_at_us(), Some(101 * S));
         assert_eq!(numbers(&outbox.resend(101 * S + 100_000)), [0]);
@@ -272,9 +301,49 @@ mod tests {
         assert_eq!(outbox.resend_at_us(), Some(0));
         assert_eq!(numbers(&outbox.resend(200 * S)), (0..64).collect::<Vec<u8>>());
         assert_eq!(outbox.resend_at_us(), Some(201 * S), "not more before a receipt or a pause");
-        outbox.receipt(&receipt(10, &[]));
+        outbox.receipt(&receipt(10, &[]), 200 * S);
         assert_eq!(outbox.resend_at_us(), Some(0));
         assert_eq!(numbers(&outbox.resend(200 * S)), (64..128).collect::<Vec<u8>>());
+    }
+
+    #[test]
+    fn regress_a_slow_supervisor_gets_no_repetitions_while_its_receipts_arrive() {
+        let mut outbox = outbox(0, 1000);
+        (0..200).for_each(|seq| outbox.keep(seq, vec![seq as u8], Some(100 * S)));
+        // Four messages in a second, so that the last receipt comes after 50 s.
+        let mut sent_again = 0;
+        for quarter in 1..=200 {
+            let now_us = 100 * S + quarter * S / 4;
+            if outbox.resend_at_us().is_some_and(|at_us| at_us <= now_us) {
+                sent_again += outbox.resend(now_us).len();
+            }
+            outbox.receipt(&receipt(quarter, &[]), now_us);
+        }
+        assert_eq!((outbox.len(), sent_again), (0, 0));
+    }
+
+    #[test]
+    fn a_lost_message_is_sent_again_while_receipts_for_others_arrive() {
+        let (mut outbox, mut again) = (outbox(0, 1000), 0);
+        for seq in 0..40 {
+            let now_us = 100 * S + seq * S / 4;
+            outbox.keep(seq, vec![seq as u8], Some(now_us));
+            // Number 5 never arrives; the others have a receipt 2 s later.
+            if let Some(arrived) = seq.checked_sub(8) {
+                let held = if arrived > 5 { vec![(6, arrived)] } else { Vec::new() };
+                outbox.receipt(&receipt(arrived.min(5), &held), now_us);
+            }
+            // Then a receipt for number 6 has shown the loss.
+            if seq >= 14 && outbox.resend_at_us().is_some_and(|at_us| at_us <= now_us) {
+                assert_eq!(numbers(&outbox.resend(now_us)), [5]);
+                again += 1;
+            }
+        }
+        assert_eq!(
+            (outbox.len(), again),
+            (9, 3),
+            "number 5 after each time that messages need, and eight on their way"
+        );
     }
 
     #[test]

@@ -225,7 +225,7 @@ impl Robot {
         }
         self.supervision.heard(now_us);
         match message {
-            Message::Receipt(receipt) => self.receipt(&receipt),
+            Message::Receipt(receipt) => self.receipt(&receipt, now_us),
             Message::Setpoint(setpoint) => self.setpoint(&setpoint, now_us, &mut out),
             Message::Request(protocol::Request { touch_test: Some(test), .. }) => {
                 self.touch_test(test, now_us, &mut out)
@@ -252,9 +252,9 @@ impl Robot {
         out
     }
 
-    fn receipt(&mut self, receipt: &Receipt) {
+    fn receipt(&mut self, receipt: &Receipt, now_us: u64) {
         if receipt.robot_boot_id == *self.boot_id() || self.breaks(Misbehaviour::TakesAnyReceipt) {
-            self.outbox.receipt(&self.receipt_as_read(receipt));
+            self.outbox.receipt(&self.receipt_as_read(receipt), now_us);
         }
     }
 
