@@ -141,27 +141,50 @@ impl Writer {
         supervisor: &Supervisor,
         shard: &FleetShard,
     ) -> Result<Option<Lease>, StoreError> {
-        const WHAT: &str = "acquire a lease";
+        Ok(self.acquire_shards(supervisor, std::slice::from_ref(shard)).await?.pop())
+    }
+
+    /// As [`Self::acquire_shard`] for several shards in one transaction, because each commit waits for the disk and for
+    /// a standby. Returns the leases of those that were free.
+    ///
+    /// # Errors
+    /// The database does not answer within the time to live.
+    pub async fn acquire_shards(
+        &mut self,
+        supervisor: &Supervisor,
+        shards: &[FleetShard],
+    ) -> Result<Vec<Lease>, StoreError> {
+        const WHAT: &str = "acquire leases";
         let asked = Instant::now();
-        // A robot may have been in another shard before.
-        let known = self.highest_epochs.get(shard.fleet()).copied().unwrap_or_default();
-        let (epoch, is_shared) = self
+        let before = self.highest_epochs.clone();
+        let (epochs, is_shared) = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
                 let mut tx = link.begin().await.map_err(failed(WHAT))?;
                 let sql = if matches!(tx, Either::Postgres(_)) { ACQUIRE_POSTGRES } else { ACQUIRE_SQLITE };
-                let epoch = raise_epoch(&mut tx, sql, supervisor, shard, known).await.map_err(failed(WHAT))?;
+                let (mut epochs, mut highest) = (Vec::new(), before.clone());
+                for shard in shards {
+                    // A robot may have been in another shard before.
+                    let known = highest.entry(shard.fleet().clone()).or_default();
+                    let epoch = raise_epoch(&mut tx, sql, supervisor, shard, *known).await.map_err(failed(WHAT))?;
+                    *known = (*known).max(epoch.unwrap_or_default() as u64);
+                    epochs.push(epoch);
+                }
                 let is_shared = matches!(tx, Either::Postgres(_));
                 if let Either::Postgres(tx) = &mut tx {
                     forget_the_gone(&mut *tx).await.map_err(failed(WHAT))?;
                 }
                 tx.commit().await.map_err(failed(WHAT))?;
-                Ok((epoch, is_shared))
+                Ok((epochs, is_shared))
             })
             .await?;
-        if let Some(epoch) = epoch {
-            self.know_epoch(shard, epoch as u64);
+        let mut leases = Vec::new();
+        for (shard, epoch) in shards.iter().zip(epochs) {
+            if let Some(epoch) = epoch {
+                self.know_epoch(shard, epoch as u64);
+                leases.push(Lease::taken(supervisor, shard, epoch, asked, is_shared));
+            }
         }
-        Ok(epoch.map(|epoch| Lease::taken(supervisor, shard, epoch, asked, is_shared)))
+        Ok(leases)
     }
 
     fn know_epoch(&mut self, shard: &FleetShard, epoch: u64) {

@@ -25,6 +25,9 @@ const TURNS_A_TIME_TO_LIVE: u32 = 8;
 /// Shortest pause between two turns: an owner may be renewing at this moment.
 const SHORTEST_PAUSE: Duration = Duration::from_millis(20);
 
+/// Largest number of leases that are acquired in one transaction, which locks their rows.
+const SHARDS_AT_ONCE: usize = 64;
+
 /// Name of this part in the service's readiness.
 const PART: &str = "ownership";
 
@@ -173,14 +176,9 @@ impl Ownership {
             }
             self.end(&shard);
         }
-        for shard in missing {
-            if let Some(lease) = self.writer.acquire_shard(&self.supervisor, &shard).await? {
-                info!(fleet = %shard, epoch = lease.epoch(), "fleet lease acquired");
-                let metrics = self.shared.metrics.of_shard(&shard);
-                metrics.lease_held.set(1);
-                metrics.lease_epoch.set(lease.epoch() as i64);
-                metrics.lease_changes.count([TAKEN]);
-                self.shards.insert(shard, Fleet::start(lease, &self.shared));
+        for some in missing.chunks(SHARDS_AT_ONCE) {
+            for lease in self.writer.acquire_shards(&self.supervisor, some).await? {
+                self.begin(lease);
             }
         }
         for (fleet, count) in divided_here {
@@ -194,6 +192,17 @@ impl Ownership {
             .filter_map(|lease| lease.free_in)
             .min();
         Ok(soonest.map_or(self.pause(), |soonest| soonest.clamp(SHORTEST_PAUSE, self.pause())))
+    }
+
+    /// Starts the supervision of a shard.
+    fn begin(&mut self, lease: Lease) {
+        let shard = lease.shard().clone();
+        info!(fleet = %shard, epoch = lease.epoch(), "fleet lease acquired");
+        let metrics = self.shared.metrics.of_shard(&shard);
+        metrics.lease_held.set(1);
+        metrics.lease_epoch.set(lease.epoch() as i64);
+        metrics.lease_changes.count([TAKEN]);
+        self.shards.insert(shard, Fleet::start(lease, &self.shared));
     }
 
     /// Acquires all shards of a fleet, and changes their number in the background. Does nothing while a shard has an
