@@ -1,6 +1,6 @@
 //! Group commit: when the open batches, and receipts with them, become a transaction. Few messages are committed in
 //! rounds of 500 ms; a setpoint is committed at once; more messages are committed after 20 ms or with the next
-//! receipts. Batching matters because each commit waits for the disk, each receipt wakes a robot, and in a quiet fleet
+//! receipts. The first messages of a new owner are committed, with receipts, after 20 ms: robots have waited. Batching matters because each commit waits for the disk, each receipt wakes a robot, and in a quiet fleet
 //! each wake-up finds cold caches.
 
 use std::time::Duration;
@@ -39,6 +39,8 @@ pub(crate) struct Schedule {
     number: u64,
     /// How long a batch collects messages at a high message rate.
     gather: Duration,
+    /// No message has been committed yet.
+    is_first: bool,
 }
 
 impl Schedule {
@@ -54,6 +56,7 @@ impl Schedule {
             passed_over: 0,
             number: 0,
             gather: GATHER,
+            is_first: true,
         }
     }
 
@@ -87,7 +90,14 @@ impl Schedule {
     /// Schedules a commit of the open batches: with the round at a low message rate, otherwise after 20 ms.
     pub(crate) fn has_gathered(&mut self, now: Instant) {
         let are_few = self.gathered <= FEW * TICKS_A_ROUND as usize;
-        let window = if are_few { TICK * TICKS_A_ROUND } else { self.gather };
+        let window = if self.is_first {
+            GATHER
+        } else if are_few {
+            TICK * TICKS_A_ROUND
+        } else {
+            self.gather
+        };
+        self.receipts_due |= self.is_first;
         let since = *self.since.get_or_insert(now);
         self.due_by(since + window);
     }
@@ -130,6 +140,7 @@ impl Schedule {
     /// Begins a commit. Returns whether it includes receipts. A commit that `passes_over` due receipts leaves them to
     /// the next one, which is then due at once.
     pub(crate) fn begin(&mut self, passes_over: bool, now: Instant) -> bool {
+        self.is_first &= self.since.is_none();
         (self.due, self.since, self.gathered) = (None, None, 0);
         self.number += 1;
         let receipts = self.receipts_due && !passes_over;
@@ -148,9 +159,10 @@ mod tests {
 
     const MS: Duration = Duration::from_millis(1);
 
-    /// A schedule after its first commit.
+    /// A schedule after its first commit of a message.
     fn begun(now: Instant) -> Schedule {
         let mut schedule = Schedule::new(now);
+        schedule.has_gathered(now);
         schedule.begin(false, now);
         schedule
     }
@@ -208,6 +220,20 @@ mod tests {
         assert_eq!(schedule.due(), Some(now + 2 * MS));
         schedule.begin(false, now + 2 * MS);
         assert_eq!(schedule.due(), None, "the next batch starts empty");
+    }
+
+    #[test]
+    fn the_first_message_of_an_owner_is_committed_after_20_ms_with_its_receipt() {
+        let now = Instant::now();
+        let mut schedule = Schedule::new(now);
+        assert!(!schedule.begin(false, now), "nothing has come yet");
+        schedule.count(1);
+        schedule.has_gathered(now + MS);
+        assert_eq!(schedule.due(), Some(now + MS + GATHER));
+        assert!(schedule.begin(false, now + MS + GATHER));
+        schedule.count(1);
+        schedule.has_gathered(now + 2 * MS);
+        assert_eq!(schedule.due(), Some(now + 2 * MS + TICK * TICKS_A_ROUND));
     }
 
     #[test]
