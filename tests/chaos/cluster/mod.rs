@@ -127,7 +127,8 @@ pub async fn run(settings: &Settings, program: &Program, logs: &Path) -> anyhow:
     let run_s = begun.elapsed().as_secs_f64();
 
     robots.rest();
-    let leader = stage.database.leader().await.context("a leader of the database at the end")?;
+    let leader =
+        stage.database_part().until_redundant(PATIENCE).await.context("a leader of the database at the end")?;
     let mut connection = stage.database.connect(leader).connect().await?;
     let drain = crate::drain(&robots, &mut connection, &[]).await?;
     surprises.ended += stage.revive();

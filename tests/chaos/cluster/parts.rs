@@ -178,9 +178,10 @@ impl Database<'_> {
                 match deed {
                     Deed::Killed => self.pair.restart(node),
                     Deed::Frozen if length < KEEPS_LOCK => self.pair.freeze(node, false),
-                    // Patroni 3.0.2 may take the lock back when it is continued: docs/postgresql.md.
+                    // A watchdog resets such a machine before it continues. Patroni 3.0.2 loses commits without one:
+                    // docs/postgresql.md.
                     Deed::Frozen => {
-                        self.pair.kill_patroni(node);
+                        self.pair.kill(node);
                         self.pair.restart(node);
                     }
                     _ => self.network.cut(DATABASES + node, false),

@@ -161,7 +161,10 @@ fn two_for_one(decided: &[Decided]) -> u64 {
                 Some(_) => rows[..at].iter().rev().find(|earlier| earlier.has_the_purpose_of(row)),
                 None => rows[..at].last().filter(|earlier| earlier.has_the_purpose_of(row)),
             };
-            count += u64::from(before.is_some_and(|earlier| !earlier.came_to_nothing()));
+            if let Some(earlier) = before.filter(|earlier| !earlier.came_to_nothing()) {
+                eprintln!("two setpoints for one decision: {earlier:?} and {row:?}; all of the whisker: {rows:?}");
+                count += 1;
+            }
         }
     }
     count

@@ -1,10 +1,11 @@
 //! Contacts messages without a receipt.
 //!
 //! A limited number is stored until a receipt covers them. Uncovered messages are sent again, oldest first, in
-//! windows: those that are lost, and in silence all others. A message is lost if a receipt covers one that was sent after
-//! it, because messages arrive in order. Others may still be on their way: to repeat them while receipts arrive would fill a
-//! slow network, broker or supervisor with repetitions. The pause between windows doubles while no receipt arrives, and
-//! starts over with the next one.
+//! windows. The pause between windows doubles while no receipt arrives, and starts over with the next one.
+//!
+//! A message is lost if a receipt covers one that was sent after it, because messages arrive in order. Others may still be on
+//! their way: while receipts arrive, they are sent again only after twice the time that messages need at present. Otherwise
+//! repetitions would fill a slow network, broker or supervisor, and make it slower.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -35,6 +36,10 @@ pub struct Outbox {
     answered_us: u64,
     /// Everything sent before has arrived or is lost: the latest first transmission of a covered message.
     settled_us: u64,
+    /// Time from the first transmission of recent messages to their receipts; it rises at once, and falls slowly.
+    delay_us: u64,
+    /// Time of the last window in silence. Messages sent before it do not tell how long messages need.
+    silent_us: u64,
     dropped: u64,
     /// Highest sequence number that a receipt has covered.
     newest_covered: Option<u64>,
@@ -69,6 +74,8 @@ impl Outbox {
             unanswered_since_us: None,
             answered_us: 0,
             settled_us: 0,
+            delay_us: 0,
+            silent_us: 0,
             dropped: 0,
             newest_covered: None,
         }
@@ -111,6 +118,10 @@ impl Outbox {
             self.newest_covered = self.newest_covered.max(Some(seq));
             // Which transmission has arrived is not known.
             self.settled_us = self.settled_us.max(kept.first_sent_us);
+            if kept.first_sent_us > self.silent_us {
+                let delay_us = now_us.saturating_sub(kept.first_sent_us);
+                self.delay_us = delay_us.max((7 * self.delay_us + delay_us) / 8);
+            }
         }
         if self.messages.len() < before {
             self.backoff_us = BACKOFF_START_US;
@@ -136,9 +147,14 @@ impl Outbox {
         let due_us = match sent_us {
             0 => 0,
             _ if sent_us < self.settled_us => sent_us + BACKOFF_START_US,
-            _ => (sent_us + BACKOFF_START_US).max(self.silent_at_us()),
+            _ => (sent_us + self.patience_us()).min((sent_us + BACKOFF_START_US).max(self.silent_at_us())),
         };
         Some(due_us.max(self.unanswered_since_us.map_or(0, |since_us| since_us + self.backoff_us)))
+    }
+
+    /// Time after which a message that may be on its way is sent again although receipts arrive.
+    fn patience_us(&self) -> u64 {
+        (2 * self.delay_us).clamp(BACKOFF_START_US, BACKOFF_MAX_US)
     }
 
     /// Time at which receipts have been absent for a pause.
@@ -152,8 +168,11 @@ impl Outbox {
             self.backoff_us = (self.backoff_us * 2).min(self.backoff_max_us);
         }
         let is_silent = now_us >= self.silent_at_us();
+        let patience_us = self.patience_us();
+        // True up to some time of transmission.
         let due = |&&(sent_us, _): &&(u64, u64)| {
-            sent_us == 0 || sent_us + BACKOFF_START_US <= now_us && (is_silent || sent_us < self.settled_us)
+            let pause_us = if is_silent || sent_us < self.settled_us { BACKOFF_START_US } else { patience_us };
+            sent_us == 0 || sent_us + pause_us <= now_us
         };
         let mut window: Vec<(u64, u64)> = self.by_sent.iter().take_while(due).copied().collect();
         window.sort_unstable_by_key(|&(_, seq)| seq);
@@ -171,6 +190,9 @@ impl Outbox {
             }
         }
         self.unanswered_since_us = Some(now_us);
+        if is_silent {
+            self.silent_us = now_us;
+        }
         payloads
     }
 
@@ -310,14 +332,14 @@ mod tests {
     fn regress_a_slow_supervisor_gets_no_repetitions_while_its_receipts_arrive() {
         let mut outbox = outbox(0, 1000);
         (0..200).for_each(|seq| outbox.keep(seq, vec![seq as u8], Some(100 * S)));
-        // Four messages in a second, so that the last receipt comes after 50 s.
+        // Eight messages in a second, so that the last receipt comes after 25 s.
         let mut sent_again = 0;
-        for quarter in 1..=200 {
-            let now_us = 100 * S + quarter * S / 4;
+        for arrived in 1..=200 {
+            let now_us = 100 * S + arrived * S / 8;
             if outbox.resend_at_us().is_some_and(|at_us| at_us <= now_us) {
                 sent_again += outbox.resend(now_us).len();
             }
-            outbox.receipt(&receipt(quarter, &[]), now_us);
+            outbox.receipt(&receipt(arrived, &[]), now_us);
         }
         assert_eq!((outbox.len(), sent_again), (0, 0));
     }
