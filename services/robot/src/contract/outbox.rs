@@ -164,10 +164,10 @@ impl Outbox {
 
     /// The messages to send again now, oldest first.
     pub fn resend(&mut self, now_us: u64) -> Vec<Vec<u8>> {
+        let is_silent = now_us >= self.silent_at_us();
         if self.unanswered_since_us.is_some() {
             self.backoff_us = (self.backoff_us * 2).min(self.backoff_max_us);
         }
-        let is_silent = now_us >= self.silent_at_us();
         let patience_us = self.patience_us();
         // True up to some time of transmission.
         let due = |&&(sent_us, _): &&(u64, u64)| {
@@ -366,6 +366,26 @@ mod tests {
             (9, 3),
             "number 5 after each time that messages need, and eight on their way"
         );
+    }
+
+    #[test]
+    fn regress_the_oldest_come_again_a_second_after_a_receipt_for_the_newest_on_a_slow_network() {
+        let mut outbox = outbox(1, 1000);
+        // Messages need 20 s.
+        outbox.receipt(&receipt(1, &[]), 120 * S);
+        (1..=200).for_each(|seq| outbox.keep(seq, vec![seq as u8], Some(120 * S)));
+        for _ in 0..5 {
+            let at_us = outbox.resend_at_us().unwrap();
+            assert_eq!(numbers(&outbox.resend(at_us))[0], 1);
+        }
+        let mut at_us = 155 * S;
+        outbox.receipt(&receipt(1, &[(200, 200)]), at_us);
+        let mut sent = Vec::new();
+        while at_us <= 156 * S {
+            sent.extend(numbers(&outbox.resend(at_us)));
+            at_us = outbox.resend_at_us().unwrap().max(at_us + 1);
+        }
+        assert!(sent.contains(&1), "{sent:?}");
     }
 
     #[test]
