@@ -25,10 +25,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 use clap::Parser;
 use sqlx::ConnectOptions;
 use sqlx::postgres::PgConnection;
+use tokio::signal::unix::{SignalKind, signal};
 use tokio::time::sleep;
 use vibrissa_protocol::Name;
 use vibrissa_tests::oracle::recorded;
@@ -146,7 +147,7 @@ fn main() -> anyhow::Result<ExitCode> {
     let logs = arguments.logs.clone().unwrap_or_else(|| folder.path().to_owned());
     std::fs::create_dir_all(&logs).context("the folder for logs")?;
     let violations = if arguments.cluster {
-        match runtime.block_on(run_cluster(&arguments, &logs))? {
+        match runtime.block_on(unless_interrupted(run_cluster(&arguments, &logs)))? {
             Ok(report) => shown(&report, arguments.json)?.violations(),
             Err(missing) => {
                 eprintln!("skipped: chaos in a cluster: {missing}");
@@ -154,7 +155,7 @@ fn main() -> anyhow::Result<ExitCode> {
             }
         }
     } else {
-        shown(&runtime.block_on(run(&arguments, &logs))?, arguments.json)?.violations()
+        shown(&runtime.block_on(unless_interrupted(run(&arguments, &logs)))?, arguments.json)?.violations()
     };
     if violations.is_empty() {
         return Ok(ExitCode::SUCCESS);
@@ -164,6 +165,16 @@ fn main() -> anyhow::Result<ExitCode> {
         eprintln!("chaos: logs are in {}", folder.keep().display());
     }
     Ok(ExitCode::FAILURE)
+}
+
+/// Ends a run at SIGINT or SIGTERM, so that its programs are ended and its namespaces deleted.
+async fn unless_interrupted<T>(run: impl Future<Output = anyhow::Result<T>>) -> anyhow::Result<T> {
+    let mut terminated = signal(SignalKind::terminate())?;
+    tokio::select! {
+        result = run => result,
+        _ = tokio::signal::ctrl_c() => bail!("interrupted"),
+        _ = terminated.recv() => bail!("terminated"),
+    }
 }
 
 /// Prints a report.

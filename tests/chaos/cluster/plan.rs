@@ -13,12 +13,12 @@ use crate::plan::{Control, LEASE_S};
 /// Number of supervisors.
 pub const SUPERVISORS_COUNT: usize = 3;
 
-/// Numbers of nodes of the engines that may have more than one, or none.
+/// Sizes of the engines that may have more than one node, or none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Nodes {
-    /// Of the broker.
+    /// Number of nodes of the broker.
     pub broker: usize,
-    /// Of Kafka.
+    /// Number of brokers of Kafka; 0 for none.
     pub kafka: usize,
 }
 

@@ -249,7 +249,7 @@ impl Striker<'_> {
         loop {
             let is_shared = self.watch.is_shared_evenly();
             let is_replicated = is_shared && self.stage.database_part().is_redundant(begun_s).await;
-            // Supervisors that wait for the broker do not share evenly, so in the end the broker is asked in any case.
+            // Supervisors without a broker do not share evenly, so a late look probes the broker first.
             let is_late = begun.elapsed() > NODES_PATIENCE;
             let passes = (is_replicated || is_late) && probe::pass(&self.stage.broker.addresses()).await;
             if is_replicated && passes && self.stage.kafka_answers().await {
