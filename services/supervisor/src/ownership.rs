@@ -213,13 +213,8 @@ impl Ownership {
         if is_ending || self.divisions.contains_key(fleet) || !leases.iter().all(|lease| lease.free) {
             return Ok(());
         }
-        let mut held = Vec::new();
-        for lease in &leases {
-            match self.writer.acquire_shard(&self.supervisor, &lease.shard).await? {
-                Some(lease) => held.push(lease),
-                None => break,
-            }
-        }
+        let all: Vec<FleetShard> = leases.iter().map(|lease| lease.shard.clone()).collect();
+        let held = self.writer.acquire_shards(&self.supervisor, &all).await?;
         if held.len() < leases.len() {
             // Another supervisor is faster.
             for lease in &held {

@@ -88,6 +88,35 @@ async fn in_postgresql_robots_and_actions_follow_their_shards() {
     robots_and_actions_follow_their_shards(&Fresh::postgres().await).await;
 }
 
+/// One transaction acquires the shards that are free, and leaves the others to their owner.
+#[tokio::test]
+async fn in_postgresql_the_free_shards_are_acquired_together() {
+    let database = Fresh::postgres().await;
+    let (a, b) = (supervisor("a"), supervisor("b"));
+    let (mut first, mut second) = (database.store.writer(), database.store.writer());
+    first.sign_in(&a, &[]).await.unwrap();
+    let whole = first.acquire(&a, &fleet()).await.unwrap().unwrap();
+    first.want_shards(&fleet(), 5).await.unwrap();
+    assert_eq!(first.divide(std::slice::from_ref(&whole), 5).await.unwrap(), Ok(()));
+    let all: Vec<FleetShard> = FleetShard::all(&fleet(), 5).collect();
+    let of_a = first.acquire_shards(&a, &all[1..3]).await.unwrap();
+    assert_eq!(of_a.len(), 2);
+    second.sign_in(&b, &[]).await.unwrap();
+    let of_b = second.acquire_shards(&b, &all).await.unwrap();
+    assert_eq!(of_b.iter().map(|lease| lease.shard().number()).collect::<Vec<_>>(), [0, 3, 4]);
+    // A robot may move to any shard: no two leases of a fleet have the same epoch.
+    let mut epochs: Vec<u64> = of_a.iter().chain(&of_b).map(Lease::epoch).collect();
+    assert!(of_b.windows(2).all(|pair| pair[0].epoch() < pair[1].epoch()), "{epochs:?}");
+    epochs.sort_unstable();
+    epochs.dedup();
+    assert_eq!(epochs.len(), 5);
+    assert!(second.acquire_shards(&b, &all[1..3]).await.unwrap().is_empty(), "they have an owner");
+    let membership = first.sign_in(&a, &of_a).await.unwrap();
+    let owned_by =
+        |id: &str| membership.leases.iter().filter(|lease| !lease.free && lease.owner.as_deref() == Some(id)).count();
+    assert_eq!((owned_by(&a.id), owned_by(&b.id)), (2, 3));
+}
+
 /// Twelve robots with 600 contacts per second.
 fn crowd(broker_port: u16, names: std::ops::Range<u32>) -> Fleet {
     let mut scenario = "fleet = \"f\"\nseed = 7\n[behaviour]\ncontacts_per_second = 25.0\ncontacts_per_message = 5\n\
