@@ -1,7 +1,9 @@
 //! Group commit: when the open batches, and receipts with them, become a transaction. Few messages are committed in
 //! rounds of 500 ms; a setpoint is committed at once; more messages are committed after 20 ms or with the next
-//! receipts. The first messages of a new owner are committed, with receipts, after 20 ms: robots have waited. Batching matters because each commit waits for the disk, each receipt wakes a robot, and in a quiet fleet
-//! each wake-up finds cold caches.
+//! receipts. The first messages of a new owner are committed, with receipts, after 20 ms: their robots have waited.
+//!
+//! Batching matters because each commit waits for the disk, each receipt wakes a robot, and in a quiet fleet each
+//! wake-up finds cold caches.
 
 use std::time::Duration;
 
