@@ -154,7 +154,7 @@ impl Outbox {
 
     /// Time after which a message that may be on its way is sent again although receipts arrive.
     fn patience_us(&self) -> u64 {
-        (2 * self.delay_us).clamp(BACKOFF_START_US, BACKOFF_MAX_US)
+        (2 * self.delay_us).clamp(BACKOFF_START_US, self.backoff_max_us)
     }
 
     /// Time at which receipts have been absent for a pause.
