@@ -11,6 +11,7 @@ mod false_alarms;
 mod faults;
 mod formats;
 mod health;
+mod late_status;
 mod leak;
 mod nuisances;
 mod odd_values;

@@ -9,20 +9,20 @@ use vibrissa_core::robot::event::{
 use vibrissa_core::robot::{Event, Numbers, OperatorAction, Params, Place, Robot, Scope};
 use vibrissa_core::units::{Megapascal, Micros, Millimetre};
 
-const NOMINAL_MPA: f64 = 0.1;
+pub(crate) const NOMINAL_MPA: f64 = 0.1;
 /// As a compensation would have it.
 const STRAY_MPA: f64 = 0.0472;
 
 /// A robot with one whisker, and its supervisor's clock.
-struct Taken {
+pub(crate) struct Taken {
     robot: Robot,
     params: Params,
-    now: Micros,
+    pub(crate) now: Micros,
 }
 
 impl Taken {
     /// Met for the first time, in epoch 1.
-    fn first_met() -> Self {
+    pub(crate) fn first_met() -> Self {
         let sheet = WhiskerSheet {
             number: 0,
             x_mm: 0.0,
@@ -51,7 +51,7 @@ impl Taken {
         self
     }
 
-    fn step(&mut self, event: &Event<'_>) -> Vec<Effect> {
+    pub(crate) fn step(&mut self, event: &Event<'_>) -> Vec<Effect> {
         let mut effects = Vec::new();
         self.now = self.now.after(Micros::from_s(1.0));
         self.robot.step(&self.params, self.now, event, &mut effects);
@@ -59,7 +59,7 @@ impl Taken {
     }
 
     /// Reports its setpoint; returns the setpoints that follow.
-    fn holds(&mut self, mpa: f64) -> Vec<Command> {
+    pub(crate) fn holds(&mut self, mpa: f64) -> Vec<Command> {
         let pressure = Megapascal::known(mpa);
         let status = WhiskerStatus {
             array: "left",
@@ -75,16 +75,16 @@ impl Taken {
         commands(effects)
     }
 
-    fn reports(&mut self, command: &Command, report: SetpointReport) -> Vec<Effect> {
+    pub(crate) fn reports(&mut self, command: &Command, report: SetpointReport) -> Vec<Effect> {
         self.step(&Event::Setpoint { boot_id: "b1", command: command.key, report, robot_time: self.now })
     }
 
-    fn setpoint_mpa(&self) -> f64 {
+    pub(crate) fn setpoint_mpa(&self) -> f64 {
         self.robot.whisker(0).unwrap().setpoint.mpa()
     }
 }
 
-fn commands(effects: Vec<Effect>) -> Vec<Command> {
+pub(crate) fn commands(effects: Vec<Effect>) -> Vec<Command> {
     let command = |effect| if let Effect::Command(command) = effect { Some(*command) } else { None };
     effects.into_iter().filter_map(command).collect()
 }

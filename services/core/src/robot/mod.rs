@@ -172,9 +172,8 @@ impl Robot {
                 if self.is_old(boot_id) {
                     return Outcome::OldBoot;
                 }
-                // Nothing but the clock's estimate rests on the time of an answer.
                 self.head.clock.hear(now, robot_time, TimeKind::Live);
-                self.setpoint_reported(params, now, command, report, effects);
+                self.setpoint_reported(params, now, (command, robot_time), report, effects);
                 Outcome::Taken
             }
             Event::TouchTest { boot_id, test, report, robot_time } => {

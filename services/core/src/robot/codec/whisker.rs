@@ -14,7 +14,7 @@ use crate::robot::state::whisker::{Air, Whisker};
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 9;
+const VERSION: u32 = 10;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
 const FIRST_MARKED: u32 = 6;
 /// Added to the version; the flags of an older whisker are less than this.
@@ -41,7 +41,7 @@ impl Whisker {
     }
 
     /// Presence of the parts that few whiskers have, in stored order.
-    fn has(&self) -> [bool; 11] {
+    fn has(&self) -> [bool; 12] {
         [
             self.rare.pending_trim.is_some(),
             self.rare.whole_offset.is_some(),
@@ -54,6 +54,7 @@ impl Whisker {
             self.rare.attempts != 0 || self.rare.not_before != Micros::default(),
             self.rare.reach.is_some(),
             self.rare.length_test.is_some(),
+            self.rare.set_at != Micros::default(),
         ]
     }
 }
@@ -82,7 +83,7 @@ impl BorshSerialize for Whisker {
         self.rare.unsteady.iter().try_for_each(|one| one.serialize(writer))?;
         self.desired.iter().try_for_each(|one| one.serialize(writer))?;
         self.command.iter().try_for_each(|one| one.serialize(writer))?;
-        let [.., refused, waits, _, _] = self.has();
+        let [.., refused, waits, _, _, set] = self.has();
         if refused {
             write_numbers(&self.refused_servers, writer)?;
         }
@@ -90,7 +91,11 @@ impl BorshSerialize for Whisker {
             (self.rare.attempts, self.rare.not_before).serialize(writer)?;
         }
         self.rare.reach.iter().try_for_each(|one| one.serialize(writer))?;
-        self.rare.length_test.iter().try_for_each(|one| one.serialize(writer))
+        self.rare.length_test.iter().try_for_each(|one| one.serialize(writer))?;
+        if set {
+            self.rare.set_at.serialize(writer)?;
+        }
+        Ok(())
     }
 }
 
@@ -107,8 +112,21 @@ impl BorshDeserialize for Whisker {
         let [given_up, drifting, drift_told, undecided, unserved, shift_told, held, fault, untold] =
             encoding::unpack_flags(bits_of(flags))?;
         let has = encoding::unpack_flags(bits_of(encoding::read_u32(reader)?))?;
-        let [pending_trim, whole_offset, own, erosion, desired, command, unsteady, refused, waits, reach, length_test] =
-            has;
+        let [
+            pending_trim,
+            whole_offset,
+            own,
+            erosion,
+            desired,
+            command,
+            unsteady,
+            refused,
+            waits,
+            reach,
+            length_test,
+            // Not before version 10.
+            set,
+        ] = has;
         let array =
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
         let sheet = Sheet::deserialize_reader(reader)?;
@@ -159,6 +177,7 @@ impl BorshDeserialize for Whisker {
                 length_test: None,
                 attempts: 0,
                 not_before: Micros::default(),
+                set_at: Micros::default(),
             }),
             desired: of(desired, reader)?,
             command: of(command, reader)?,
@@ -171,6 +190,9 @@ impl BorshDeserialize for Whisker {
         if reach || length_test {
             let rare = read.rare.get_or_insert();
             (rare.reach, rare.length_test) = (of(reach, reader)?, of(length_test, reader)?);
+        }
+        if set {
+            read.rare.get_or_insert().set_at = BorshDeserialize::deserialize_reader(reader)?;
         }
         Ok(read)
     }

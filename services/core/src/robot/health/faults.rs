@@ -24,13 +24,21 @@ impl Robot {
         whisker.air.regulator = entry.regulator;
         whisker.gauge.reported = entry.gauge;
         // While a setpoint is under way its own reports say where it goes.
-        if whisker.command.is_none() {
+        if whisker.command.is_none() && !self.is_from_before_setpoint(now, robot_time, index) {
             self.pressure_told(params, index, entry.setpoint);
         }
         let whisker = &mut self.whiskers[index];
         whisker.watch_leak(params, robot_time, entry);
         whisker.watch_pressure(params, now);
         self.refresh_fault(params, now, index, effects);
+    }
+
+    /// Whether a status was sent before the robot reported its last setpoint, and arrived after that report: brokers and
+    /// logs keep the order of messages only within a topic. The pressure that it reports is a former one. A clock that has
+    /// gone back meanwhile says nothing of the order.
+    fn is_from_before_setpoint(&self, now: Micros, robot_time: Micros, index: WhiskerIndex) -> bool {
+        let set_at = self.whiskers[index].rare.set_at;
+        robot_time < set_at && self.head.clock.robot_time(now).is_some_and(|at_present| at_present >= set_at)
     }
 
     /// Follows the setpoint that a robot reports, except a stray pressure, which is undone first. At the nominal

@@ -200,12 +200,13 @@ impl Robot {
         self.end_as_compensator(index, EndReason::SetpointFailed, |_| true, effects);
     }
 
-    /// Takes a robot's report on a setpoint in.
+    /// Takes a robot's report on a setpoint in. `robot_time` is the time of sending by the robot's clock; 0 if it is
+    /// unknown.
     pub(in crate::robot) fn setpoint_reported(
         &mut self,
         params: &Params,
         now: Micros,
-        key: CommandKey,
+        (key, robot_time): (CommandKey, Micros),
         report: SetpointReport,
         effects: &mut Vec<Effect>,
     ) {
@@ -214,6 +215,9 @@ impl Robot {
         whisker.heard = Some(now);
         let Some(flight) = &mut whisker.command else { return };
         let pressure = flight.command.pressure;
+        if matches!(report, SetpointReport::Applying | SetpointReport::Applied(_)) {
+            whisker.rare.get_or_insert().set_at = robot_time;
+        }
         match report {
             SetpointReport::Received => {
                 if flight.state == CommandState::Pending {

@@ -30,6 +30,9 @@ pub(in crate::robot) struct RareState {
     pub attempts: u8,
     /// No new setpoint before this, by the supervisor's clock.
     pub not_before: Micros,
+    /// When the robot sent its last report that it moves to a setpoint or holds it, by its own clock; 0 before the
+    /// first.
+    pub set_at: Micros,
 }
 
 static NONE: RareState = RareState {
@@ -42,6 +45,7 @@ static NONE: RareState = RareState {
     length_test: None,
     attempts: 0,
     not_before: Micros(0),
+    set_at: Micros(0),
 };
 
 /// The rare state of a whisker. It reads as [`NONE`] until something is put into it.
