@@ -16,8 +16,8 @@ pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Resu
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
     if let Either::Postgres(link) = link
         && !fault::is(Fault::NoFence)
-        && let Some(whole) = Whole::of(batch)
-        && whole.write(link, lease, now_us).await?
+        && let Some(whole) = Whole::of(&[(lease, batch)], now_us)
+        && whole.write(link).await?
     {
         lease.committed(Some(asked));
         return Ok(());
@@ -25,6 +25,26 @@ pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Resu
     let is_new = write_in_steps(link, lease, batch, now_us).await?;
     lease.committed(is_new.then_some(asked));
     Ok(())
+}
+
+/// Writes batches, each of another shard of this supervisor, in one transaction. Returns false, and writes nothing, if
+/// they must be written one by one: a lease is not as expected, a batch needs statements of its own, or the database is
+/// not shared.
+pub(super) async fn write_together(link: &mut Link, batches: &[(&Lease, &Batch)]) -> Result<bool, StoreError> {
+    let asked = Instant::now();
+    let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
+    let Either::Postgres(link) = link else { return Ok(false) };
+    if fault::is(Fault::NoFence) {
+        return Ok(false);
+    }
+    let Some(whole) = Whole::of(batches, now_us) else { return Ok(false) };
+    if !whole.write(link).await? {
+        return Ok(false);
+    }
+    for (lease, _) in batches {
+        lease.committed(Some(asked));
+    }
+    Ok(true)
 }
 
 /// Writes a batch with one statement for each kind of row, or for each row. Returns false if it was written before.
@@ -55,7 +75,7 @@ async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i
 /// Writes the contacts that are stored as single rows.
 pub(super) async fn write_contacts(tx: &mut Tx<'_>, contacts: &[ContactRow]) -> Result<(), StoreError> {
     let written = match tx {
-        Either::Postgres(tx) if postgres::are_copied(contacts) => postgres::copy_contacts(tx, contacts).await,
+        Either::Postgres(tx) if postgres::are_copied(contacts.len()) => postgres::copy_contacts(tx, contacts).await,
         Either::Postgres(_) | Either::Sqlite(_) => CONTACTS.write(tx, contacts).await.map(drop),
     };
     written.map_err(failed("append contacts"))

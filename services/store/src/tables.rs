@@ -36,6 +36,24 @@ columns! {
     InShard<'b> { fleet: &'b str, shard: i64, }
 }
 
+/// The number of a shard's row in the journal or in the intent log.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ShardNumber<'b> {
+    pub(crate) fleet: &'b str,
+    pub(crate) shard: i64,
+    pub(crate) number: i64,
+}
+
+impl<'b> ShardNumber<'b> {
+    pub(crate) fn new(at: InShard<'b>, number: i64) -> Self {
+        Self { fleet: at.fleet, shard: at.shard, number }
+    }
+}
+
+columns! {
+    ShardNumber<'b> { fleet: &'b str, shard: i64, number: i64, }
+}
+
 /// The events of a transaction.
 #[derive(Debug, Clone)]
 pub(crate) struct OutboxRow<'b> {
@@ -105,6 +123,16 @@ pub(crate) static ROBOT_HASHES: Statement<RobotHash> = Statement::update("robots
 pub(crate) static CONTACTS: Statement<ContactRow> = Statement::insert("contacts");
 pub(crate) static RESPONSES: Statement<ResponseRow> = Statement::insert("compensation_responses");
 pub(crate) static JOURNAL: Statement<(InShard<'static>, &JournalRow)> = Statement::insert("journal");
+/// Deletes the journal's rows up to a number.
+pub(crate) static JOURNAL_DONE: Statement<ShardNumber<'static>> = Statement::custom(
+    "journal",
+    "DELETE FROM journal AS t USING ROWS WHERE t.fleet = n.fleet AND t.shard = n.shard AND t.number <= n.number AND OWNED",
+);
+/// Deletes intents.
+pub(crate) static REDO_DONE: Statement<ShardNumber<'static>> = Statement::custom(
+    "redo",
+    "DELETE FROM redo AS t USING ROWS WHERE t.fleet = n.fleet AND t.shard = n.shard AND t.number = n.number AND OWNED",
+);
 pub(crate) static CHANGES: Statement<(InFleet<'static>, NewChange<'static>)> = Statement::insert("changes");
 pub(crate) static OUTBOX: Statement<OutboxRow<'static>> = Statement::insert("event_outbox");
 pub(crate) static HEALTH: Statement<HealthRow> = Statement::insert("health_changes");

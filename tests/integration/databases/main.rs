@@ -9,6 +9,7 @@ mod contract;
 mod formats;
 mod history;
 mod intent_log;
+mod joint;
 mod leases;
 mod opened;
 mod plans;

@@ -118,7 +118,7 @@ async fn in_postgresql_the_free_shards_are_acquired_together() {
 }
 
 /// Twelve robots with 600 contacts per second.
-fn crowd(broker_port: u16, names: std::ops::Range<u32>) -> Fleet {
+pub(crate) fn crowd(broker_port: u16, names: std::ops::Range<u32>) -> Fleet {
     let mut scenario = "fleet = \"f\"\nseed = 7\n[behaviour]\ncontacts_per_second = 25.0\ncontacts_per_message = 5\n\
          message_after_s = 0.2\n"
         .to_owned();

@@ -1,5 +1,7 @@
 //! Writes many contacts at once, in the binary format of `COPY`. It costs the server half of the work of an `INSERT`.
 
+use std::borrow::Borrow;
+
 use sqlx::postgres::PgConnection;
 
 use crate::batch::ContactRow;
@@ -9,22 +11,25 @@ use crate::row::{Row, Value};
 /// without TCP_NODELAY. The end waits for the acknowledgement of the rows, which the operating system delays by 40 ms.
 const COPIED: usize = 2000;
 
-/// Whether there are enough contacts for `COPY`.
-pub(in super::super) fn are_copied(contacts: &[ContactRow]) -> bool {
-    contacts.len() >= COPIED
+/// Whether so many contacts are written by `COPY`.
+pub(in super::super) fn are_copied(contacts: usize) -> bool {
+    contacts >= COPIED
 }
 
 /// Appends contacts.
-pub(in super::super) async fn copy_contacts(tx: &mut PgConnection, contacts: &[ContactRow]) -> sqlx::Result<()> {
+pub(in super::super) async fn copy_contacts<R: Borrow<ContactRow>>(
+    tx: &mut PgConnection,
+    contacts: &[R],
+) -> sqlx::Result<()> {
     let names: Vec<&str> = ContactRow::columns().iter().map(|column| column.name).collect();
     let sql = format!("COPY contacts ({}) FROM STDIN (FORMAT BINARY)", names.join(", "));
     let mut copy = tx.copy_in_raw(&sql).await?;
-    copy.send(copy_of(contacts, names.len())).await?;
+    copy.send(copy_of::<ContactRow>(contacts, names.len())).await?;
     copy.finish().await.map(drop)
 }
 
 /// Rows in the binary format of `COPY`.
-fn copy_of<R: Row>(rows: &[R], columns: usize) -> Vec<u8> {
+fn copy_of<R: Row>(rows: &[impl Borrow<R>], columns: usize) -> Vec<u8> {
     // A value has at most 8 bytes, with its length in front; few are longer.
     let row_bytes = 2 + columns * (4 + 8) + 8;
     // Signature, flags, and the length of the header extension, which is empty.
@@ -33,7 +38,7 @@ fn copy_of<R: Row>(rows: &[R], columns: usize) -> Vec<u8> {
     copy.extend([0; 8]);
     for row in rows {
         copy.extend((columns as u16).to_be_bytes());
-        row.put(&mut |value| push(&mut copy, value));
+        row.borrow().put(&mut |value| push(&mut copy, value));
     }
     copy.extend((-1_i16).to_be_bytes());
     copy

@@ -1,4 +1,4 @@
-//! Sorts a batch's records by kind, if one statement can write them all.
+//! Sorts the records of batches by kind, if one statement can write them all.
 
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -10,7 +10,7 @@ use crate::batch::{
 };
 use crate::tables::{BinKey, CandidateKey};
 
-/// The records of a batch by kind, each kind in its order.
+/// The records of batches by kind, each kind in its order.
 #[derive(Default)]
 pub(super) struct Sorted<'b> {
     pub(super) health: Vec<&'b HealthRow>,
@@ -49,7 +49,7 @@ enum Touched<'b> {
 
 impl<'b> Sorted<'b> {
     /// Sorts the records; `None` if a kind is too rare to be part of the statement, or a row is touched twice.
-    pub(super) fn of(records: &'b [Record]) -> Option<Self> {
+    pub(super) fn of(records: impl IntoIterator<Item = &'b Record>) -> Option<Self> {
         let (mut sorted, mut touched) = (Self::default(), HashSet::new());
         for record in records {
             let is_first = match record {

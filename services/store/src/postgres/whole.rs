@@ -1,106 +1,141 @@
 //! Writes a whole transaction as one statement: a single round trip to the server.
 //!
-//! The first part advances the commit counter in the fleet's lease; the other parts write nothing if it did not
-//! advance. No part sees the rows that other parts write; foreign keys are checked at the end of the statement.
+//! The first part advances the commit counter in the lease of each shard; the other parts write nothing if it did not
+//! advance all of them. No part sees the rows that other parts write; foreign keys are checked at the end of the
+//! statement.
 
 use std::sync::LazyLock;
 
 use sqlx::postgres::PgConnection;
 use sqlx::{Connection, Row};
 
-use super::Query;
 use super::copy::{are_copied, copy_contacts};
 use super::parts::{Parts, Text};
 use super::sorted::Sorted;
-use crate::batch::{ContactRow, RollupRow};
+use crate::batch::{ContactRow, JournalRow, ResponseRow, RobotRow, RollupRow, WhiskerRow};
+use crate::changes::NewChange;
 use crate::records::tell_of_rollups;
 use crate::tables::{
-    ALARMS, ANSWERED, BINS, CANDIDATES, CHANGES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, HEALTH, InShard, JOURNAL,
-    OUTBOX, OutboxRow, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS, STATES,
-    TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
+    ALARMS, ANSWERED, BINS, CANDIDATES, CHANGES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, HEALTH, InFleet, InShard,
+    JOURNAL, JOURNAL_DONE, OUTBOX, OutboxRow, REDO_DONE, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS,
+    SETPOINTS, STATES, ShardNumber, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
 };
 use crate::{Batch, Lease, Resolution, StoreError, changes, failed, outbox, tables};
-
-const JOURNAL_DONE: &str = "DELETE FROM journal WHERE fleet = $1 AND shard = $2 AND number <= $3 AND OWNED";
 
 const REDO: &str = "INSERT INTO redo (fleet, shard, number, rows) SELECT $1::text, $2::bigint, $3::bigint, $4::bytea \
     WHERE OWNED";
 
-const REDO_DONE: &str = "DELETE FROM redo WHERE fleet = $1 AND shard = $2 AND number = $3 AND OWNED";
-
-/// The shard while only the text of a statement is made.
-const NOWHERE: InShard<'static> = InShard { fleet: "", shard: 0 };
-
 /// Statement of a transaction that writes only an intent.
 static INTENT: LazyLock<String> =
-    LazyLock::new(|| Text::new().sql("intent", REDO, |statement| statement).counting(&["counted"]));
+    LazyLock::new(|| Text::of_one().sql("intent", REDO, |statement| statement).counting(&["counted"]));
 
 /// The statement that writes an intent; its parameters are those of the lease, then fleet, shard, number and bytes.
 pub(in super::super) fn intent() -> &'static str {
     &INTENT
 }
 
-/// Statement of a transaction that contains only contacts and journal entries.
-static ORDINARY: LazyLock<String> = LazyLock::new(|| {
-    let batch = Batch::default();
-    Whole::empty(&batch).ordinary(Text::new(), NOWHERE, &[]).counting(&["counted"])
-});
+/// Statements of the transactions of one shard, and of several shards together.
+static OF_ONE: LazyLock<Statements> = LazyLock::new(|| Statements::beginning_with(Text::of_one));
+static OF_SEVERAL: LazyLock<Statements> = LazyLock::new(|| Statements::beginning_with(Text::of_several));
 
-/// Statement of a transaction that contains checkpoints, too: nearly half of those of a quiet fleet. [`WHOLE`] takes the server
-/// twice as long for them (5.6 instead of 2.6 ms in a run with 64 shards).
-static CHECKPOINTS: LazyLock<String> = LazyLock::new(|| {
-    let batch = Batch::default();
-    let whole = Whole::empty(&batch);
-    whole.checkpoints(whole.ordinary(Text::new(), NOWHERE, &[])).counting(&["counted"])
-});
+/// The texts of the statements.
+struct Statements {
+    /// For a transaction that contains only contacts and journal entries.
+    ordinary: String,
+    /// For one that contains checkpoints, too: nearly half of those of a quiet fleet. `whole` takes the server twice as
+    /// long for them (5.6 instead of 2.6 ms in a run with 64 shards).
+    checkpoints: String,
+    /// For one with all kinds of rows; most of its parts usually write nothing.
+    whole: String,
+}
 
-/// Statement of a transaction with all kinds of rows; most of its parts usually write nothing.
-static WHOLE: LazyLock<String> = LazyLock::new(|| {
-    let batch = Batch::default();
-    let whole = Whole::empty(&batch);
-    let checkpoints = whole.checkpoints(whole.ordinary(Text::new(), NOWHERE, &[]));
-    let text = whole.rest(checkpoints, NOWHERE, (&[], 0));
-    text.counting(&["counted", "minutes_new", "hours_new"])
-});
+impl Statements {
+    fn beginning_with(begin: fn() -> Text) -> Self {
+        let rows = Whole::default();
+        Self {
+            ordinary: rows.ordinary(begin()).counting(&["counted"]),
+            checkpoints: rows.checkpoints(rows.ordinary(begin())).counting(&["counted"]),
+            whole: rows.rest(rows.checkpoints(rows.ordinary(begin()))).counting(&[
+                "counted",
+                "minutes_new",
+                "hours_new",
+            ]),
+        }
+    }
+}
 
-/// A batch that one statement can write.
+/// Whether one statement can write a batch.
+pub(in super::super) fn fits(batch: &Batch) -> bool {
+    batch.layouts.is_empty() && Sorted::of(&batch.records).is_some()
+}
+
+/// The rows of one statement: those of a batch, or of the batches of several shards.
+#[derive(Default)]
 pub(in super::super) struct Whole<'b> {
-    batch: &'b Batch,
+    leases: Vec<(&'b Lease, Option<i64>)>,
+    contacts: Vec<&'b ContactRow>,
+    journal: Vec<(InShard<'b>, &'b JournalRow)>,
+    journal_done: Vec<ShardNumber<'b>>,
+    robots: Vec<&'b RobotRow>,
+    whiskers: Vec<&'b WhiskerRow>,
     sorted: Sorted<'b>,
+    redo_done: Vec<ShardNumber<'b>>,
+    responses: Vec<&'b ResponseRow>,
+    outbox: Vec<OutboxRow<'b>>,
+    changes: Vec<(InFleet<'b>, NewChange<'b>)>,
+    minutes: Vec<&'b RollupRow>,
+    hours: Vec<&'b RollupRow>,
 }
 
 impl<'b> Whole<'b> {
-    fn empty(batch: &'b Batch) -> Self {
-        Self { batch, sorted: Sorted::default() }
-    }
-
-    /// `None` if the batch has layouts or rare records, which need statements of their own.
-    pub(in super::super) fn of(batch: &'b Batch) -> Option<Self> {
-        if !batch.layouts.is_empty() {
-            return None;
+    /// The rows of batches, each of another shard. `None` if a batch has layouts or rare records, which need statements
+    /// of their own.
+    pub(in super::super) fn of(batches: &[(&'b Lease, &'b Batch)], now_us: i64) -> Option<Self> {
+        let mut rows =
+            Self { sorted: Sorted::of(batches.iter().flat_map(|(_, batch)| &batch.records))?, ..Self::default() };
+        for (lease, batch) in batches {
+            if !batch.layouts.is_empty() {
+                return None;
+            }
+            rows.add(lease, batch, now_us);
         }
-        Some(Self { batch, sorted: Sorted::of(&batch.records)? })
+        Some(rows)
     }
 
-    /// Writes the whole batch and advances the commit counter. Returns false, and writes nothing, if the counter did
-    /// not advance.
+    fn add(&mut self, lease: &'b Lease, batch: &'b Batch, now_us: i64) {
+        let at = InShard::of(lease);
+        self.leases.push((lease, batch.log_next));
+        self.contacts.extend(&batch.contacts);
+        self.journal.extend(batch.journal.iter().map(|row| (at, row)));
+        self.journal_done.extend(batch.journal_done.map(|number| ShardNumber::new(at, number)));
+        self.robots.extend(&batch.robots);
+        self.whiskers.extend(&batch.whiskers);
+        self.redo_done.extend(batch.redo_done.map(|number| ShardNumber::new(at, number)));
+        self.responses.extend(&batch.responses);
+        self.outbox.extend(outbox::row(lease, &batch.events));
+        self.changes.extend(changes::of(at.fleet, &batch.records, now_us));
+        for row in &batch.rollups {
+            match row.resolution {
+                Resolution::Minute => self.minutes.push(row),
+                Resolution::Hour => self.hours.push(row),
+            }
+        }
+    }
+
+    /// Writes all rows and advances the commit counters. Returns false, and writes nothing, if a counter did not
+    /// advance.
     ///
     /// Many contacts are written by `COPY`, which needs a transaction around both. They are written before the
-    /// lease's row is locked: a `COPY` lasts as long as its bytes take to arrive, and a supervisor that freezes in it
+    /// leases' rows are locked: a `COPY` lasts as long as its bytes take to arrive, and a supervisor that freezes in it
     /// must not block others from acquiring the fleet.
-    pub(in super::super) async fn write(
-        &self,
-        link: &mut PgConnection,
-        lease: &Lease,
-        now_us: i64,
-    ) -> Result<bool, StoreError> {
-        let contacts = self.batch.contacts.as_slice();
-        if !are_copied(contacts) {
-            return self.write_rows(link, lease, contacts, now_us).await.map_err(failed("commit"));
+    pub(in super::super) async fn write(mut self, link: &mut PgConnection) -> Result<bool, StoreError> {
+        if !are_copied(self.contacts.len()) {
+            return self.write_rows(link).await.map_err(failed("commit"));
         }
+        let contacts = std::mem::take(&mut self.contacts);
         let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
-        copy_contacts(&mut tx, contacts).await.map_err(failed("append contacts"))?;
-        if !self.write_rows(&mut tx, lease, &[], now_us).await.map_err(failed("write rows"))? {
+        copy_contacts(&mut tx, &contacts).await.map_err(failed("append contacts"))?;
+        if !self.write_rows(&mut tx).await.map_err(failed("write rows"))? {
             tx.rollback().await.map_err(failed("roll back"))?;
             return Ok(false);
         }
@@ -108,73 +143,61 @@ impl<'b> Whole<'b> {
         Ok(true)
     }
 
-    async fn write_rows(
-        &self,
-        link: &mut PgConnection,
-        lease: &Lease,
-        contacts: &[ContactRow],
-        now_us: i64,
-    ) -> sqlx::Result<bool> {
-        let batch = self.batch;
-        let has_checkpoints = !batch.robots.is_empty() || !batch.whiskers.is_empty();
-        let has_rest = !(batch.records.is_empty()
-            && batch.events.is_empty()
-            && batch.responses.is_empty()
-            && batch.redo_done.is_none()
-            && batch.rollups.is_empty());
-        let at = InShard::of(lease);
-        let sql: &'static str = match (has_rest, has_checkpoints) {
-            (true, _) => &WHOLE,
-            (false, true) => &CHECKPOINTS,
-            (false, false) => &ORDINARY,
+    async fn write_rows(&self, link: &mut PgConnection) -> sqlx::Result<bool> {
+        let has_rest = !(self.changes.is_empty()
+            && self.outbox.is_empty()
+            && self.responses.is_empty()
+            && self.redo_done.is_empty()
+            && self.minutes.is_empty()
+            && self.hours.is_empty());
+        let statements = if self.leases.len() == 1 { &*OF_ONE } else { &*OF_SEVERAL };
+        let sql: &'static str = match (has_rest, self.robots.is_empty() && self.whiskers.is_empty()) {
+            (true, _) => &statements.whole,
+            (false, false) => &statements.checkpoints,
+            (false, true) => &statements.ordinary,
         };
-        let mut statement = self.ordinary(lease.bind(sqlx::query(sql), batch.log_next), at, contacts);
-        if has_rest || has_checkpoints {
+        let statement = match self.leases.as_slice() {
+            [(lease, log_next)] => lease.bind(sqlx::query(sql), *log_next),
+            several => Lease::bind_several(several, sqlx::query(sql)),
+        };
+        let mut statement = self.ordinary(statement);
+        if has_rest || !self.robots.is_empty() || !self.whiskers.is_empty() {
             statement = self.checkpoints(statement);
         }
         if has_rest {
-            let outbox: Vec<OutboxRow<'_>> = outbox::row(lease, &batch.events).into_iter().collect();
-            statement = self.rest(statement, at, (&outbox, now_us));
+            statement = self.rest(statement);
         }
         let written = statement.fetch_one(link).await?;
         if written.try_get::<i64, _>(0)? == 0 {
             return Ok(false);
         }
         if has_rest {
-            for (resolution, at) in [(Resolution::Minute, 1), (Resolution::Hour, 2)] {
-                tell_of_rollups(resolution, self.rollups(resolution).len(), written.try_get::<i64, _>(at)? as u64);
+            for (resolution, rows, at) in [(Resolution::Minute, &self.minutes, 1), (Resolution::Hour, &self.hours, 2)] {
+                tell_of_rollups(resolution, rows.len(), written.try_get::<i64, _>(at)? as u64);
             }
         }
         Ok(true)
     }
 
-    fn rollups(&self, resolution: Resolution) -> Vec<&'b RollupRow> {
-        self.batch.rollups.iter().filter(|row| row.resolution == resolution).collect()
-    }
-
     /// The parts of all three statements.
-    fn ordinary<P: Parts>(&self, parts: P, at: InShard<'_>, contacts: &[ContactRow]) -> P {
-        let journal: Vec<_> = self.batch.journal.iter().map(|row| (at, row)).collect();
-        let journal_done = self.batch.journal_done.unwrap_or(-1);
-        parts
-            .rows("journal_new", &JOURNAL, &journal)
-            .sql("journal_done", JOURNAL_DONE, |statement: Query| {
-                statement.bind(at.fleet).bind(at.shard).bind(journal_done)
-            })
-            .rows("contacts_new", &CONTACTS, contacts)
+    fn ordinary<P: Parts>(&self, parts: P) -> P {
+        parts.rows("journal_new", &JOURNAL, &self.journal).rows("journal_done", &JOURNAL_DONE, &self.journal_done).rows(
+            "contacts_new",
+            &CONTACTS,
+            &self.contacts,
+        )
     }
 
     /// The parts of the two statements with checkpoints.
     fn checkpoints<P: Parts>(&self, parts: P) -> P {
-        parts.rows("robots_now", &ROBOTS, &self.batch.robots).rows("whiskers_now", &WHISKERS, &self.batch.whiskers)
+        parts.rows("robots_now", &ROBOTS, &self.robots).rows("whiskers_now", &WHISKERS, &self.whiskers)
     }
 
     /// The further parts of the statement with all kinds of rows.
-    fn rest<P: Parts>(&self, parts: P, at: InShard<'_>, (outbox, now_us): (&[OutboxRow<'_>], i64)) -> P {
-        let (batch, sorted) = (self.batch, &self.sorted);
-        let redo_done = batch.redo_done.unwrap_or(-1);
+    fn rest<P: Parts>(&self, parts: P) -> P {
+        let sorted = &self.sorted;
         parts
-            .sql("redo_done", REDO_DONE, |statement: Query| statement.bind(at.fleet).bind(at.shard).bind(redo_done))
+            .rows("redo_done", &REDO_DONE, &self.redo_done)
             .rows("health_new", &HEALTH, &sorted.health)
             .rows("trims_new", &TRIMS, &sorted.trims)
             .rows("compensations_new", &DECISIONS, &sorted.decisions)
@@ -192,11 +215,11 @@ impl<'b> Whole<'b> {
             .rows("robot_alarms_cleared", &ROBOT_CLEARED, &sorted.robot_cleared)
             .rows("touch_tests_new", &TOUCH_TESTS, &sorted.tests)
             .rows("touch_tests_now", &TOUCH_TEST_PROGRESS, &sorted.test_progress)
-            .rows("responses_new", &RESPONSES, &batch.responses)
-            .rows("outbox_new", &OUTBOX, outbox)
-            .rows("changes_new", &CHANGES, &changes::of(at.fleet, &batch.records, now_us))
-            .rows("minutes_new", tables::rollups(Resolution::Minute), &self.rollups(Resolution::Minute))
-            .rows("hours_new", tables::rollups(Resolution::Hour), &self.rollups(Resolution::Hour))
+            .rows("responses_new", &RESPONSES, &self.responses)
+            .rows("outbox_new", &OUTBOX, &self.outbox)
+            .rows("changes_new", &CHANGES, &self.changes)
+            .rows("minutes_new", tables::rollups(Resolution::Minute), &self.minutes)
+            .rows("hours_new", tables::rollups(Resolution::Hour), &self.hours)
     }
 }
 
@@ -206,14 +229,14 @@ mod tests {
 
     #[test]
     fn no_part_is_written_without_the_lease() {
-        for sql in [&*INTENT, &*ORDINARY, &*CHECKPOINTS, &*WHOLE] {
-            let (parts, gates) = (
-                sql.matches(" AS (INSERT").count()
-                    + sql.matches(" AS (UPDATE").count()
-                    + sql.matches(" AS (DELETE").count(),
-                sql.matches("EXISTS (SELECT FROM counted)").count(),
-            );
-            assert!(parts > 1 && gates == parts - 1, "{parts} parts, {gates} conditions");
+        let statements = [&*OF_ONE, &*OF_SEVERAL];
+        let texts = statements.into_iter().flat_map(|of| [&of.ordinary, &of.checkpoints, &of.whole]);
+        for sql in texts.chain([&*INTENT]) {
+            let parts: usize =
+                [" AS (INSERT", " AS (UPDATE", " AS (DELETE"].map(|begin| sql.matches(begin).count()).iter().sum();
+            let counted = usize::from(!sql.contains("counted AS (UPDATE"));
+            let gates = sql.matches("EXISTS (SELECT FROM counted)").count();
+            assert!(parts > 1 && gates == parts - 1 + counted, "{parts} parts, {gates} conditions: {sql}");
         }
     }
 }
