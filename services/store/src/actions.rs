@@ -139,7 +139,33 @@ impl Action {
     }
 }
 
+from_row! {
+    /// A fleet whose engines have something to read.
+    #[derive(Debug, Clone, PartialEq, Eq)]
+    pub struct FleetWork {
+        /// Name of the fleet.
+        pub fleet: String,
+        /// Whether there are pending actions whose time has come.
+        pub has_actions: bool,
+        /// Version of the list of allowed robots; 0 without one.
+        pub allowed_version: i64,
+    }
+}
+
 impl Store {
+    /// The fleets that have pending actions whose time has come at `now_us`, or a list of allowed robots.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn fleets_with_work(&self, now_us: i64) -> Result<Vec<FleetWork>, StoreError> {
+        const SQL: &str = "SELECT fleet, max(pending) > 0 AS has_actions, max(version) AS allowed_version FROM (\
+             SELECT fleet, 1 AS pending, CAST(0 AS BIGINT) AS version FROM actions \
+             WHERE state = 'PENDING' AND not_before_us <= $1 AND fleet IS NOT NULL \
+             UNION ALL SELECT fleet, 0, version FROM allowed_robots) w GROUP BY fleet";
+        on!(&self.pool, |pool| sqlx::query_as(SQL).bind(now_us).fetch_all(pool).await)
+            .map_err(failed("read the fleets with pending actions"))
+    }
+
     /// Requests an action. It stays pending until the fleet's owner, here or at another supervisor, answers it.
     ///
     /// # Errors

@@ -6,12 +6,17 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::{Notify, broadcast, watch};
-use tokio::time::{Duration, Instant, sleep_until};
+use tokio::time::{Duration, Instant, sleep, sleep_until};
+use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
-use vibrissa_store::actions::Action;
+use crate::ending::stopped;
+use vibrissa_store::actions::{Action, FleetWork};
 use vibrissa_store::{Store, StoreError};
+
+/// Polling interval for actions that came over other supervisors, or whose time has come.
+const LOOK: Duration = Duration::from_secs(1);
 
 /// Polling interval for answers that another supervisor may give.
 const POLL: Duration = Duration::from_millis(250);
@@ -46,6 +51,28 @@ impl ActionNotifier {
     pub fn notify(&self, fleet: &Name) {
         for (_, waiting) in self.waiting().iter().filter(|(shard, _)| shard.fleet() == fleet) {
             waiting.notify_one();
+        }
+    }
+
+    /// Until `stop`, looks for pending actions, and for new lists of allowed robots, and wakes the engines of their fleets. One
+    /// query for all shards of this supervisor replaces one of each.
+    pub(crate) async fn watch(self, store: Store, mut stop: watch::Receiver<bool>) {
+        let mut lists = BTreeMap::new();
+        loop {
+            // The engines report if the database is unreachable.
+            if let Ok(fleets) = store.fleets_with_work(wall_clock().0 as i64).await {
+                for FleetWork { fleet, has_actions, allowed_version } in fleets {
+                    let Ok(fleet) = Name::new(&fleet) else { continue };
+                    let has_new_list = lists.insert(fleet.clone(), allowed_version) != Some(allowed_version);
+                    if has_actions || has_new_list {
+                        self.notify(&fleet);
+                    }
+                }
+            }
+            tokio::select! {
+                () = sleep(LOOK) => {}
+                () = stopped(&mut stop) => return,
+            }
         }
     }
 

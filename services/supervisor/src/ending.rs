@@ -1,4 +1,6 @@
-//! The end of a fleet's engine.
+//! The end of a fleet's engine, and of other work.
+
+use tokio::sync::watch;
 
 /// Reason why an engine has ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -7,4 +9,9 @@ pub(crate) enum Ending {
     Stopped,
     /// Another supervisor has acquired the fleet's lease.
     LeaseLost,
+}
+
+/// Returns when the flag is set, or when its sender is gone.
+pub(crate) async fn stopped(stop: &mut watch::Receiver<bool>) {
+    let _ = stop.wait_for(|&stop| stop).await;
 }

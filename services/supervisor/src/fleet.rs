@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use tokio::sync::{mpsc, watch};
-use tokio::task::JoinHandle;
+use tokio::task::{JoinHandle, JoinSet};
 use tokio::time::{Duration, Instant, timeout_at};
 use tracing::{error, info, warn};
 use vibrissa_core::robot::Params;
@@ -12,16 +12,16 @@ use vibrissa_protocol::BootId;
 use crate::action_notifier::ActionNotifier;
 use crate::archive::Archive;
 use crate::black_box::BlackBoxes;
-use crate::ending::Ending;
-use crate::engine::{ContactRetention, Engine, EngineOptions, Limits};
+use crate::ending::{Ending, stopped};
+use crate::engine::{ContactRetention, Engine, EngineOptions, JointCommits, Limits};
 use crate::events::EventSink;
 use crate::kafka::{Kafka, LogReader};
 use crate::metrics::{FleetMetrics, Metrics};
-use crate::mqtt::{self, BrokerAddress, Connection, FleetBirths, LinkState, Prepared, stopped};
+use crate::mqtt::{self, BrokerAddress, Connection, FleetBirths, LinkState, Prepared};
 use crate::outbox::Losses;
 use crate::readiness::{Readiness, Standing};
 use crate::robots_file::RobotsFile;
-use crate::thread;
+use crate::thread::{Place, Threads};
 use crate::trace::Traces;
 use vibrissa_store::{Lease, Store, StoreError};
 
@@ -63,6 +63,10 @@ pub(crate) struct Shared {
     pub(crate) boxes: BlackBoxes,
     /// Allow list of robots from a file, if one is configured.
     pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
+    /// Threads in which the shards work.
+    pub(crate) threads: Threads,
+    /// Commits of several shards together.
+    pub(crate) joint: JointCommits,
     /// Identifier of this start of this supervisor; the owner in the leases.
     pub(crate) supervisor: Arc<str>,
 }
@@ -125,12 +129,15 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         engine = take_up(&lease, &shared, events.as_ref()) => engine,
         () = stopped(&mut stop) => None,
     };
-    if let Some((engine, boot_id)) = engine {
+    let place = shared.threads.place();
+    let place = place.inspect_err(|problem| error!(%problem, fleet = %shard, "cannot start a thread for the fleet"));
+    if let Some(((engine, boot_id), place)) = engine.zip(place.ok()) {
         let connection = Connection {
             robots: engine.robots().cloned().collect(),
             births: shared.births.of(shard.fleet()),
             epoch: lease.epoch(),
             hears_contacts: engine.log_from().is_none(),
+            occupancy: place.occupancy(),
             link: heard.get_or_init(LinkState::default).clone(),
             ..Connection::new(shared.broker.clone(), shared.prepared.clone(), shard.clone(), boot_id)
         };
@@ -149,7 +156,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
             _ => None,
         };
         let log = shared.kafka.as_ref().and_then(|kafka| kafka.reader(&shard, &metrics));
-        run(engine, &connection, &metrics, log, stop).await;
+        run((engine, place), &connection, &metrics, log, stop).await;
         if let Some(task) = archiving {
             // The next owner writes an unfinished file again.
             task.abort();
@@ -188,6 +195,7 @@ pub(crate) fn engine_options(
             .and_then(|kafka| kafka.reader(lease.shard(), &shared.metrics.of_shard(lease.shard()))),
         boxes: shared.boxes.clone(),
         is_archived: shared.archive.is_some(),
+        joint: shared.joint.clone(),
         traces: shared.traces.clone(),
     }
 }
@@ -226,7 +234,7 @@ async fn take_up(lease: &Lease, shared: &Shared, events: Option<&EventSink>) -> 
 
 /// Runs the engine until `stop`, or until another supervisor acquires the lease.
 async fn run(
-    engine: Engine,
+    (engine, place): (Engine, Place),
     connection: &Connection,
     metrics: &FleetMetrics,
     log: Option<LogReader>,
@@ -236,21 +244,25 @@ async fn run(
     let (inbox, receiving) = mqtt::receive(connection, metrics.clone(), hanging_up);
     let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
     let losses = Losses::default();
-    let mut publisher = mqtt::publish(connection, metrics.clone(), publications, losses.clone());
+    let mut publisher = {
+        // A shard of many has few publications, so its publisher need not run at the same time as its engine.
+        let _here = (!connection.shard.is_whole()).then(|| place.enter());
+        mqtt::publish(connection, metrics.clone(), publications, losses.clone())
+    };
     let (cut_off, cutting_off) = watch::channel(false);
     // Receiver and engine share a thread, so that a message of a quiet fleet wakes only one.
     let working = async move {
-        let receiver = tokio::spawn(receiving);
+        // Ends with the engine.
+        let mut beside = JoinSet::new();
+        beside.spawn(receiving);
         let batches = log.zip(engine.log_from()).map(|(log, start)| {
             let (sender, batches) = mpsc::channel(LOG_BATCHES);
-            tokio::spawn(log.run(start, sender));
+            beside.spawn(log.run(start, sender));
             batches
         });
-        let ending = engine.run((inbox, batches), outbox, losses).await;
-        receiver.abort();
-        ending
+        engine.run((inbox, batches), outbox, losses).await
     };
-    let mut engine = thread::spawn("fleet", working, cutting_off);
+    let mut engine = place.spawn(working, cutting_off);
     tokio::select! {
         () = stopped(&mut stop) => {}
         ended = &mut engine => {

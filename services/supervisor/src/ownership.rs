@@ -11,10 +11,10 @@ use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use crate::division::divide;
+use crate::ending::stopped;
 use crate::fleet::{Fleet, Shared};
 use crate::hearing_trials::HearingTrials;
 use crate::metrics::{LOST, TAKEN};
-use crate::mqtt::stopped;
 use crate::readiness::Standing;
 use crate::sharing::shares;
 use vibrissa_store::{Lease, Membership, StoreError, Supervisor, Writer};
@@ -230,9 +230,13 @@ impl Ownership {
 
     /// Shows this supervisor's role in each shard.
     fn show(&self, membership: &Membership) {
+        // The metrics of a fleet are hundreds of series to look up.
+        let counts: BTreeMap<&Name, u32> =
+            membership.leases.iter().map(|lease| (lease.shard.fleet(), lease.shard.count())).collect();
+        for (fleet, count) in counts {
+            self.shared.metrics.of_fleet(fleet).fleet_shards.set(i64::from(count));
+        }
         for lease in &membership.leases {
-            let metrics = self.shared.metrics.of_fleet(lease.shard.fleet());
-            metrics.fleet_shards.set(i64::from(lease.shard.count()));
             if !self.shards.contains_key(&lease.shard) {
                 let holder = lease.holder.clone().filter(|_| !lease.free);
                 self.shared.readiness.stands(&lease.shard, Standing::Standby { holder });

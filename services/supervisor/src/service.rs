@@ -19,7 +19,7 @@ pub use crate::archive_options::ArchiveOptions;
 pub use crate::black_box::BlackBoxOptions;
 use crate::black_box::BlackBoxes;
 use crate::broker::Broker;
-use crate::engine::{ContactRetention, Limits};
+use crate::engine::{ContactRetention, JointCommits, Limits};
 use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
 use crate::http::{App, FurtherRoutes, HttpOptions, Serving};
@@ -31,6 +31,7 @@ use crate::ownership::Ownership;
 use crate::readiness::Readiness;
 use crate::replication;
 use crate::robots_file;
+use crate::thread::Threads;
 use crate::trace::{TraceOptions, Traces};
 use crate::upkeep;
 use crate::webhooks::{WebhookOptions, Webhooks};
@@ -197,6 +198,8 @@ impl Service {
             kafka: Kafka::new(&options.kafka)?,
             boxes: BlackBoxes::start(options.black_boxes, store.writer(), &mut database_tasks),
             robots_file: robots_file.clone(),
+            threads: Threads::of_all_cores(),
+            joint: JointCommits::start(store.writer()),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };
         let supervisor = Supervisor {
@@ -230,6 +233,7 @@ impl Service {
         .delivering(webhooks.clone());
         let Serving { address: http, monitoring, task: http_task } =
             crate::http::serve(&options.http, app, stopped.clone()).await?;
+        database_tasks.spawn(action_notifier.clone().watch(store.clone(), stopped.clone()));
         database_tasks.spawn(forget_changes(store.clone(), stopped.clone()));
         let retention = options.history.retention;
         database_tasks.spawn(upkeep::run(store.clone(), retention, archived, metrics.clone(), stopped.clone()));

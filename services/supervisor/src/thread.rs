@@ -1,53 +1,183 @@
-//! Dedicated threads for work that each message wakes.
+//! Threads for the work of shards that each message wakes.
 //!
-//! Threads of a shared runtime wake each other to look for work, and each wake-up finds cold caches: in a fleet with
-//! little traffic, that is most of a message's cost.
+//! The threads of the program's own runtime wake each other to look for work, and each wake-up finds cold caches: in a fleet
+//! with little traffic, that is most of a message's cost. So a shard works in one thread with an event loop of its own. There
+//! are as many of these threads as cores; further shards share them, so that a tick wakes few threads, however many
+//! shards there are. Measured benefit: docs/performance.md, "Shards and supervisors".
 
 use std::future::Future;
+use std::io;
+use std::num::NonZero;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use tokio::runtime::Builder;
+use tokio::runtime::{Builder, EnterGuard, Handle};
 use tokio::sync::watch;
-use tokio::task::{JoinHandle, spawn_blocking};
-use tracing::error;
+use tokio::task::JoinHandle;
 
-use crate::mqtt::stopped;
+use crate::ending::stopped;
 
-/// Runs `work` in a dedicated thread until it ends or `stop` is set. `None` if it was stopped, or if the thread could
-/// not be started.
-pub(crate) fn spawn<T: Send + 'static>(
-    name: &'static str,
-    work: impl Future<Output = T> + Send + 'static,
-    mut stop: watch::Receiver<bool>,
-) -> JoinHandle<Option<T>> {
-    spawn_blocking(move || {
-        let runtime = Builder::new_current_thread().enable_all().build();
-        let runtime = runtime.inspect_err(|problem| error!(%problem, thread = name, "cannot start the thread")).ok()?;
-        let ended = runtime.block_on(async {
+/// The threads. They end when the last clone is dropped.
+#[derive(Debug, Clone)]
+pub(crate) struct Threads(Arc<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    most: usize,
+    threads: Mutex<Vec<Thread>>,
+    /// Dropped at the end.
+    alive: watch::Sender<()>,
+}
+
+#[derive(Debug)]
+struct Thread {
+    runtime: Handle,
+    occupancy: Occupancy,
+}
+
+/// Number of those who work in a thread.
+#[derive(Debug, Clone, Default)]
+pub struct Occupancy(Arc<AtomicUsize>);
+
+impl Occupancy {
+    /// Whether several work in the thread, so that none may block it.
+    pub(crate) fn is_shared(&self) -> bool {
+        self.0.load(Ordering::Relaxed) > 1
+    }
+}
+
+/// A place in a thread, until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Place {
+    runtime: Handle,
+    occupancy: Occupancy,
+}
+
+impl Threads {
+    /// As many threads as there are cores, each started when it is needed.
+    pub(crate) fn of_all_cores() -> Self {
+        Self::new(std::thread::available_parallelism().map_or(1, NonZero::get))
+    }
+
+    fn new(most: usize) -> Self {
+        Self(Arc::new(Inner { most, threads: Mutex::default(), alive: watch::Sender::new(()) }))
+    }
+
+    /// A place in a new thread, or in the one with the fewest places taken.
+    ///
+    /// # Errors
+    /// The thread cannot be started.
+    pub(crate) fn place(&self) -> io::Result<Place> {
+        let mut threads = self.0.threads.lock().unwrap_or_else(PoisonError::into_inner);
+        let taken = |thread: &Thread| thread.occupancy.0.load(Ordering::Relaxed);
+        let has_free = threads.iter().any(|thread| taken(thread) == 0);
+        if !has_free && threads.len() < self.0.most {
+            threads.push(Thread::start(self.0.alive.subscribe())?);
+        }
+        let least = threads.iter().min_by_key(|thread| taken(thread));
+        let thread = least.ok_or_else(|| io::Error::other("no thread is allowed"))?;
+        thread.occupancy.0.fetch_add(1, Ordering::Relaxed);
+        Ok(Place { runtime: thread.runtime.clone(), occupancy: thread.occupancy.clone() })
+    }
+}
+
+impl Thread {
+    fn start(mut alive: watch::Receiver<()>) -> io::Result<Self> {
+        let runtime = Builder::new_current_thread().enable_all().build()?;
+        let handle = runtime.handle().clone();
+        std::thread::Builder::new().name("fleet".to_owned()).spawn(move || {
+            // Nothing is ever sent: this is the end of the sender.
+            let _ = runtime.block_on(alive.changed());
+            // Does not wait for blocking tasks such as a DNS lookup.
+            runtime.shutdown_background();
+        })?;
+        Ok(Self { runtime: handle, occupancy: Occupancy::default() })
+    }
+}
+
+impl Place {
+    /// Number of those who work in this thread.
+    pub(crate) fn occupancy(&self) -> Occupancy {
+        self.occupancy.clone()
+    }
+
+    /// Until the result is dropped, new tasks are run here.
+    pub(crate) fn enter(&self) -> EnterGuard<'_> {
+        self.runtime.enter()
+    }
+
+    /// Runs `work` here until it ends or `stop` is set. `None` if it was stopped.
+    pub(crate) fn spawn<T: Send + 'static>(
+        self,
+        work: impl Future<Output = T> + Send + 'static,
+        mut stop: watch::Receiver<bool>,
+    ) -> JoinHandle<Option<T>> {
+        self.runtime.clone().spawn(async move {
+            let _place = self;
             tokio::select! {
                 ended = work => Some(ended),
                 () = stopped(&mut stop) => None,
             }
-        });
-        // Does not wait for blocking tasks such as a DNS lookup.
-        runtime.shutdown_background();
-        ended
-    })
+        })
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.occupancy.0.fetch_sub(1, Ordering::Relaxed);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use std::future::pending;
+    use std::thread::{ThreadId, current};
 
     use super::*;
+
+    async fn thread_of(place: Place) -> ThreadId {
+        let (_stop, stopping) = watch::channel(false);
+        place.spawn(async { current().id() }, stopping).await.unwrap().unwrap()
+    }
 
     #[tokio::test]
     async fn work_ends_by_itself_or_is_stopped() {
         let (stop, stopping) = watch::channel(false);
-        let here = std::thread::current().id();
-        let elsewhere = spawn("test", async move { std::thread::current().id() != here }, stopping.clone());
+        let threads = Threads::new(1);
+        let here = current().id();
+        let elsewhere = threads.place().unwrap().spawn(async move { current().id() != here }, stopping.clone());
         assert_eq!(elsewhere.await.unwrap(), Some(true));
-        let endless = spawn("test", pending::<()>(), stopping);
+        let endless = threads.place().unwrap().spawn(pending::<()>(), stopping);
         stop.send(true).unwrap();
         assert_eq!(endless.await.unwrap(), None);
+    }
+
+    #[tokio::test]
+    async fn places_are_shared_only_when_all_threads_have_one() {
+        let threads = Threads::new(2);
+        let places: Vec<Place> = (0..3).map(|_| threads.place().unwrap()).collect();
+        assert_eq!(places.iter().map(|place| place.occupancy().is_shared()).collect::<Vec<_>>(), [true, false, true]);
+        let [first, second, third] = <[Place; 3]>::try_from(places).unwrap();
+        let free = second.occupancy();
+        let (first, second) = (thread_of(first).await, thread_of(second).await);
+        assert_ne!(first, second);
+        assert_eq!((thread_of(third).await, free.0.load(Ordering::Relaxed)), (first, 0));
+        let again = threads.place().unwrap();
+        assert!(!again.occupancy().is_shared(), "a place is free again at the end of its work");
+    }
+
+    #[tokio::test]
+    async fn a_thread_ends_with_the_last_clone_and_drops_its_work() {
+        let (held, mut released) = watch::channel(());
+        let (_stop, stopping) = watch::channel(false);
+        let threads = Threads::new(1);
+        let work = async move {
+            let _held = held;
+            pending::<()>().await;
+        };
+        let ended = threads.clone().place().unwrap().spawn(work, stopping);
+        drop(threads);
+        assert!(released.changed().await.is_err());
+        assert!(ended.await.unwrap_err().is_cancelled());
     }
 }

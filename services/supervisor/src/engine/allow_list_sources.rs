@@ -21,6 +21,8 @@ pub(crate) struct AllowListSources {
     /// Version of the list that was set over HTTP; 0 before the first.
     version: i64,
     list: AllowList,
+    /// The list that was set over HTTP may have changed.
+    may_be_outdated: bool,
     /// The lists have changed, so that refused robots may be allowed now.
     has_changed: bool,
 }
@@ -33,7 +35,8 @@ impl AllowListSources {
         file: Option<watch::Receiver<Arc<RobotsFile>>>,
         shards: &mut Shards,
     ) -> Self {
-        let mut sources = Self { fleet, file, version: 0, list: AllowList::default(), has_changed: false };
+        let (version, list) = (0, AllowList::default());
+        let mut sources = Self { fleet, file, version, list, may_be_outdated: false, has_changed: false };
         if let Some(set) = set {
             sources.set(set, shards);
         }
@@ -76,16 +79,24 @@ impl AllowListSources {
     /// Reads the list that was set over HTTP if it has changed, and writes the refused robots. If the database is
     /// unreachable, this does not wait.
     pub(crate) async fn refresh(&mut self, committer: &mut Committer, shards: &mut Shards) {
-        let (writer, lease) = committer.database();
-        match writer.allowed_robots(lease, self.version).await {
-            Ok(None) => {}
-            Ok(Some(reading)) => {
-                self.set(&reading, shards);
-                self.has_changed = true;
+        if self.may_be_outdated {
+            let (writer, lease) = committer.database();
+            match writer.allowed_robots(lease, self.version).await {
+                Ok(None) => {}
+                Ok(Some(reading)) => {
+                    self.set(&reading, shards);
+                    self.has_changed = true;
+                }
+                Err(problem) => return committer.failed(&problem, "cannot read the allow list"),
             }
-            Err(problem) => return committer.failed(&problem, "cannot read the allow list"),
+            self.may_be_outdated = false;
         }
         self.write_refused_robots(committer, shards).await;
+    }
+
+    /// Makes the next refresh read the list: it may have changed.
+    pub(crate) fn expect_change(&mut self) {
+        self.may_be_outdated = true;
     }
 
     async fn write_refused_robots(&self, committer: &mut Committer, shards: &mut Shards) {

@@ -27,6 +27,7 @@ mod rollout;
 mod shard;
 mod start;
 
+pub(crate) use commit::joint::JointCommits;
 pub use robot::limits::Limits;
 pub use robot::retention::ContactRetention;
 pub use robot::rollup;
@@ -38,7 +39,7 @@ use std::sync::Arc;
 use tokio::runtime::Handle;
 use tokio::sync::{Notify, mpsc};
 use tokio::task::yield_now;
-use tokio::time::{Instant, MissedTickBehavior, interval, sleep_until};
+use tokio::time::{Instant, sleep_until};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
@@ -75,8 +76,7 @@ const TICKS_PER_REVIEW: u32 = 20;
 const TICKS_PER_HORIZON: u32 = 20;
 /// Age of the archive's horizon, µs. Contacts that take longer from their receipt to the batch get its time instead.
 const HORIZON_AGE_US: i64 = 5_000_000;
-/// Ticks between two reads of the actions sent to other supervisors, and between two surveys of all robots for the
-/// metrics (1 s).
+/// Ticks between two surveys of all robots for the metrics (1 s).
 const TICKS_PER_SURVEY: u32 = 4;
 /// A survey takes at most one part in this many of the time; otherwise surveys are less frequent.
 const SURVEY_SHARE: u32 = 50;
@@ -114,6 +114,8 @@ pub(crate) struct Engine {
     survey_from: Instant,
     /// Whether the contacts are archived.
     is_archived: bool,
+    /// Ticks and commits together with the other shards of this supervisor.
+    joint: JointCommits,
 }
 
 impl Engine {
@@ -135,13 +137,8 @@ impl Engine {
     }
 
     async fn work(&mut self, mut inbox: Inbox, mut log: Option<mpsc::Receiver<LogBatch>>) -> Result<(), LeaseLost> {
-        let every = |period| {
-            let mut ticks = interval(period);
-            ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
-            ticks
-        };
         let between_receipts = if self.log_from.is_some() { TICK } else { RECEIPTS };
-        let (mut ticks, mut receipts) = (every(TICK), every(between_receipts));
+        let (mut ticks, mut receipts) = (self.joint.ticks(TICK), self.joint.ticks(between_receipts));
         let action_sent = self.action_sent.clone();
         let mut messages = Vec::with_capacity(MESSAGES_AT_A_TIME);
         let mut is_ticking = false;
@@ -178,6 +175,7 @@ impl Engine {
                 }
                 () = action_sent.notified() => {
                     self.handle_actions(now(&inbox)).await?;
+                    self.allow_list.expect_change();
                     self.refresh_allow_list().await?;
                 }
                 _ = receipts.tick(), if !are_few => self.check_receipts(),
@@ -204,7 +202,10 @@ impl Engine {
     async fn at_tick(&mut self, inbox: &Inbox) -> Result<(), LeaseLost> {
         self.settle().await?;
         self.restart_silence_timers_if_deaf(inbox);
-        let (number, is_round) = self.pipeline.schedule().tick();
+        let number = self.joint.tick_number(TICK);
+        let is_round = self.pipeline.schedule().tick(number);
+        // Shards do their other periodic work at different ticks.
+        let number = number.wrapping_add(self.place.number());
         if is_round {
             self.publish_estimates();
             self.check_receipts();
@@ -219,8 +220,6 @@ impl Engine {
             self.state_horizon().await?;
         }
         if number.is_multiple_of(TICKS_PER_SURVEY) {
-            // Actions may have been sent to another supervisor.
-            self.handle_actions(now(inbox)).await?;
             self.watch_births(inbox);
             fleet_metrics::show_queues(&self.metrics, inbox, self.pipeline.outbox_filling());
             if self.survey_from <= Instant::now() {

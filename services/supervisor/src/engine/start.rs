@@ -13,6 +13,7 @@ use super::actions::ParamsInForce;
 use super::allow_list_sources::AllowListSources;
 use super::birth_watch::BirthWatch;
 use super::commit::committer::Committer;
+use super::commit::joint::JointCommits;
 use super::commit::pipeline::Pipeline;
 use super::commit::recovery::{recover, write_intents};
 use super::quarantine::suspects::Suspects;
@@ -67,6 +68,8 @@ pub(crate) struct EngineOptions {
     pub(crate) boxes: BlackBoxes,
     /// Whether the contacts are archived.
     pub(crate) is_archived: bool,
+    /// Commits together with the other shards of this supervisor.
+    pub(crate) joint: JointCommits,
     /// Traces, if there is a collector; those of setpoints under way are continued.
     pub(crate) traces: Option<Traces>,
 }
@@ -84,6 +87,8 @@ impl EngineOptions {
     pub(crate) async fn start(self) -> Result<Engine, StoreError> {
         let Self { lease, boot_id, mut writer, metrics: program, readiness, action_notifier, .. } = self;
         let (fleet, epoch) = (lease.fleet().clone(), lease.epoch());
+        // Before anything is read, so that no change is missed.
+        let action_sent = action_notifier.subscribe(lease.shard());
         // A policy, calibration or roll-out may be among them.
         write_intents(&mut writer, &lease).await?;
         let policy = writer.policy(&lease).await?;
@@ -125,7 +130,8 @@ impl EngineOptions {
         info!(fleet = %lease.shard(), epoch, robots = shards.robot_count(), "fleet loaded, supervision starts");
         // As if a contact had just arrived, so that a silent fleet counts as silent from now on.
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
-        let committer = Committer::new(lease.clone(), writer, (program.clone(), readiness.clone()), self.log.clone());
+        let parts = (program.clone(), readiness.clone());
+        let committer = Committer::new(lease.clone(), writer, parts, self.log.clone(), self.joint.join());
         let workers = Handle::current();
         let mut pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
         pipeline.set_contacts_from(contacts_from_us);
@@ -139,7 +145,6 @@ impl EngineOptions {
             trace(&mut shards, &fleet, traces);
         }
         let new_robots_per_minute = self.limits.new_robots_per_minute;
-        let action_sent = action_notifier.subscribe(lease.shard());
         Ok(Engine {
             allow_list: AllowListSources::new(fleet.clone(), allowed.as_ref(), self.robots_file, &mut shards),
             place: lease.shard().clone(),
@@ -150,6 +155,7 @@ impl EngineOptions {
             action_notifier,
             birth_watch: BirthWatch::new(),
             limits: self.limits,
+            joint: self.joint,
             new_robots: Bucket::new(new_robots_per_minute, new_robots_per_minute),
             survey_from: Instant::now(),
             is_archived: self.is_archived,

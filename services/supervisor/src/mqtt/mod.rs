@@ -39,9 +39,10 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use rumqttc::{MqttOptions, TlsConfiguration, Transport};
-use tokio::sync::watch;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{BootId, Name};
+
+use crate::thread::Occupancy;
 
 pub(crate) use births::{FleetBirths, SharedBirths};
 
@@ -86,6 +87,8 @@ pub struct Connection {
     pub hears_contacts: bool,
     /// Receives the state of the connections.
     pub link: LinkState,
+    /// Number of shards in the thread that receives.
+    pub occupancy: Occupancy,
 }
 
 impl Connection {
@@ -93,7 +96,8 @@ impl Connection {
     #[must_use]
     pub fn new(broker: BrokerAddress, prepared: Prepared, shard: FleetShard, boot_id: BootId) -> Self {
         let (robots, births, link) = (Vec::new(), SharedBirths::default(), LinkState::default());
-        Self { broker, prepared, shard, robots, births, boot_id, epoch: 0, hears_contacts: true, link }
+        let occupancy = Occupancy::default();
+        Self { broker, prepared, shard, robots, births, boot_id, epoch: 0, hears_contacts: true, link, occupancy }
     }
 
     /// Name of the fleet.
@@ -160,9 +164,4 @@ impl Connection {
         self.link.secrets(problem);
         renewed
     }
-}
-
-/// Returns when the flag is set, or when its sender is gone.
-pub async fn stopped(stop: &mut watch::Receiver<bool>) {
-    let _ = stop.wait_for(|&stop| stop).await;
 }

@@ -18,8 +18,9 @@ use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
 use super::publish::is_failure;
 use super::subscriptions::{self, Receipt, Subscriptions, inputs};
-use super::{Connection, limits, stopped};
+use super::{Connection, limits};
 use crate::births::BirthCause;
+use crate::ending::stopped;
 use crate::inbox::{Inbox, Intake, inbox};
 use crate::metrics::{FleetMetrics, RECEIVING};
 
@@ -29,8 +30,8 @@ const IN_FLIGHT: u16 = 8;
 /// MQTT message expiry of a probe and of a request for births, s. Robots that connect later announce themselves.
 const EXPIRY_S: u32 = 15;
 
-/// Returns the inbox, and the future that fills it until `stop`. The future needs a thread of its own, which it may
-/// share only with the engine, because it sleeps between two reads ([`super::coalescing`]).
+/// Returns the inbox, and the future that fills it until `stop`. Alone with its engine in a thread, it sleeps between two
+/// reads ([`super::coalescing`]).
 pub fn receive(
     connection: &Connection,
     metrics: FleetMetrics,
@@ -114,7 +115,7 @@ impl Receiver {
                         self.subscribe(&client, retained)?;
                     }
                     let now = Instant::now();
-                    if coalescing.pauses(now, messages) {
+                    if !self.connection.occupancy.is_shared() && coalescing.pauses(now, messages) {
                         // Blocks the thread, because in an asynchronous sleep each arriving message would wake the
                         // runtime.
                         std::thread::sleep(PAUSE);

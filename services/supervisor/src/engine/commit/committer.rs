@@ -11,6 +11,7 @@ use crate::readiness::Readiness;
 use vibrissa_store::batch::Owner;
 use vibrissa_store::{Batch, Lease, LossCause, Refused, Rejection, StoreError, StoredRobot, Writer};
 
+use crate::engine::commit::joint::Member;
 use crate::engine::commit::journal;
 use crate::engine::commit::recovery::{LogRecords, records_of};
 use crate::engine::commit::transaction::{SealedTransaction, Stage};
@@ -29,6 +30,8 @@ pub(crate) struct Committer {
     readiness: Readiness,
     /// The partitioned log that contacts come from, if there is one.
     log: Option<LogReader>,
+    /// Commits together with other shards.
+    joint: Member,
 }
 
 /// The part of a transaction that was written.
@@ -93,10 +96,11 @@ impl Committer {
         writer: Writer,
         (program, readiness): (Metrics, Readiness),
         log: Option<LogReader>,
+        joint: Member,
     ) -> Self {
         let fleet = lease.fleet().clone();
         let metrics = program.of_shard(lease.shard());
-        Self { fleet, lease, writer, program, metrics, readiness, log }
+        Self { fleet, lease, writer, program, metrics, readiness, log, joint }
     }
 
     /// The lease under which this supervisor writes.
@@ -142,7 +146,11 @@ impl Committer {
         let mut outage = Outage::default();
         let first = Instant::now();
         let (mut refused, mut is_apart) = (Vec::new(), false);
-        while !batch.is_empty() {
+        let is_done = self.joint.commit(&self.lease, batch).await;
+        if is_done {
+            self.metrics.database_commit_seconds.observe(first.elapsed().as_secs_f64());
+        }
+        while !is_done && !batch.is_empty() {
             let begun = Instant::now();
             let written = if is_apart {
                 self.writer.commit_apart(&self.lease, batch, journal::by_robot, &mut refused).await

@@ -7,6 +7,7 @@
 //! - [`transaction`]: a sealed transaction on its way to the database.
 //! - [`pipeline`]: sealed transactions, one after the other, and the publications that wait for them.
 //! - [`committer`]: one transaction in the database, with retries while the database is unreachable.
+//! - [`joint`]: small transactions of several shards of a supervisor become one.
 //! - [`recovery`]: intents become rows, checkpoints are loaded, and the journal is replayed through the core.
 //!
 //! A transaction, with the states of [`transaction::Stage`]:
@@ -36,6 +37,7 @@
 pub(crate) mod batch;
 pub(crate) mod checkpoint;
 pub(crate) mod committer;
+pub(crate) mod joint;
 pub(crate) mod journal;
 pub(crate) mod pipeline;
 pub(crate) mod recovery;

@@ -31,8 +31,6 @@ pub(crate) struct Schedule {
     gathered: usize,
     /// Number of messages since the last tick, and between the last two ticks.
     messages: [usize; 2],
-    /// Number of ticks so far.
-    ticks: u32,
     /// Receipts and waiting checkpoints go with the next commit.
     receipts_due: bool,
     /// Number of consecutive commits that have left them to the next one.
@@ -53,7 +51,6 @@ impl Schedule {
             since: None,
             gathered: 0,
             messages: [0; 2],
-            ticks: 0,
             receipts_due: false,
             passed_over: 0,
             number: 0,
@@ -119,13 +116,11 @@ impl Schedule {
         self.messages.iter().all(|&messages| messages <= FEW)
     }
 
-    /// Counts a tick. Returns its number, and whether receipts are to be checked now.
-    pub(crate) fn tick(&mut self) -> (u32, bool) {
-        let number = self.ticks;
+    /// Counts a tick with this number. Returns whether receipts are to be checked now.
+    pub(crate) fn tick(&mut self, number: u32) -> bool {
         let is_round = number.is_multiple_of(TICKS_A_ROUND) || !self.are_few();
         self.messages = [0, self.messages[0]];
-        self.ticks = number.wrapping_add(1);
-        (number, is_round)
+        is_round
     }
 
     /// Makes receipts part of the next commit, which is due at `now`.
@@ -182,7 +177,7 @@ mod tests {
                 schedule.has_gathered(now);
                 oldest_ms.get_or_insert(ms);
             }
-            let is_round = ms.is_multiple_of(250) && schedule.tick().1;
+            let is_round = ms.is_multiple_of(250) && schedule.tick((ms / 250) as u32);
             let is_look = is_round || ms.is_multiple_of(100) && !schedule.are_few();
             if is_look && oldest_ms.is_some() {
                 schedule.receipts_are_due(now);

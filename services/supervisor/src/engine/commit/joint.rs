@@ -1,0 +1,130 @@
+//! Joint commits: small batches of several shards of one supervisor become one transaction.
+//!
+//! A transaction costs PostgreSQL some 2.5 ms of processor time, however few rows it has, and a divided fleet with little
+//! to do has two for each shard and second. Measured benefit: docs/performance.md, "Shards and supervisors". If a joint
+//! commit fails, each shard commits its batch on its own, so that no shard can stop another for longer than that.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use tokio::sync::{mpsc, oneshot};
+use tokio::time::{Duration, Instant, Interval, MissedTickBehavior, interval_at, sleep};
+use tracing::debug;
+use vibrissa_store::{Batch, Lease, Writer};
+
+/// How long a transaction waits for the batches of further shards. All shards tick at the same times.
+const GATHER: Duration = Duration::from_millis(3);
+/// Largest number of contacts and checkpoints in a batch that is committed together with others. A larger one is worth
+/// its own transaction, which runs at the same time as those of other shards.
+const ROWS_OF_BATCH_MAX: usize = 500;
+/// Number of contacts and checkpoints from which on no further batch is added. A larger transaction would use `COPY`, which
+/// takes longer.
+const ROWS_ENOUGH: usize = 1400;
+/// Number of batches that may wait.
+const WAITING: usize = 64;
+
+/// Commits batches of the shards of this supervisor together.
+#[derive(Debug, Clone)]
+pub(crate) struct JointCommits {
+    requests: mpsc::Sender<Request>,
+    members: Arc<AtomicUsize>,
+    /// Ticks are multiples of their periods after this time, for all shards.
+    origin: Instant,
+}
+
+#[derive(Debug)]
+struct Request {
+    lease: Lease,
+    batch: Arc<Batch>,
+    /// Gets whether the batch was committed.
+    answer: oneshot::Sender<bool>,
+}
+
+/// Takes part in joint commits until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Member(JointCommits);
+
+impl JointCommits {
+    /// Starts a task that writes over its own connection, until all members are gone.
+    pub(crate) fn start(writer: Writer) -> Self {
+        let (requests, received) = mpsc::channel(WAITING);
+        tokio::spawn(commit_all(writer, received));
+        Self { requests, members: Arc::default(), origin: Instant::now() }
+    }
+
+    /// Adds a shard.
+    pub(crate) fn join(&self) -> Member {
+        self.members.fetch_add(1, Ordering::Relaxed);
+        Member(self.clone())
+    }
+
+    /// Ticks at the same times as those of all other shards.
+    pub(crate) fn ticks(&self, period: Duration) -> Interval {
+        let passed = self.origin.elapsed().div_duration_f64(period).floor() as u32;
+        let mut ticks = interval_at(self.origin + period * (passed + 1), period);
+        ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+        ticks
+    }
+
+    /// Number of ticks with this period until now. Rounded, because a timer may be late by a millisecond, and the clock of
+    /// a test early.
+    pub(crate) fn tick_number(&self, period: Duration) -> u32 {
+        self.origin.elapsed().div_duration_f64(period).round() as u32
+    }
+}
+
+impl Member {
+    /// Commits a batch together with those of other shards. Returns false if it must be committed on its own: because it
+    /// is large, because no other shard is here, or because the attempt failed. Such an attempt may have been committed;
+    /// [`Writer::commit`] recognises that.
+    pub(super) async fn commit(&self, lease: &Lease, batch: &mut Batch) -> bool {
+        let is_alone = self.0.members.load(Ordering::Relaxed) < 2;
+        if is_alone || batch.is_empty() || !batch.fits_one_statement() || rows(batch) > ROWS_OF_BATCH_MAX {
+            return false;
+        }
+        let shared = Arc::new(std::mem::take(batch));
+        let (answer, answered) = oneshot::channel();
+        let request = Request { lease: lease.clone(), batch: shared.clone(), answer };
+        let is_sent = self.0.requests.send(request).await.is_ok();
+        let is_committed = is_sent && answered.await.unwrap_or(false);
+        *batch = Arc::into_inner(shared).expect("dropped before the answer");
+        is_committed
+    }
+}
+
+impl Drop for Member {
+    fn drop(&mut self) {
+        self.0.members.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Number of a batch's rows that count for its size.
+fn rows(batch: &Batch) -> usize {
+    batch.contacts.len() + batch.whiskers.len()
+}
+
+async fn commit_all(mut writer: Writer, mut requests: mpsc::Receiver<Request>) {
+    while let Some(first) = requests.recv().await {
+        if requests.is_empty() {
+            sleep(GATHER).await;
+        }
+        let mut size = rows(&first.batch);
+        let mut together = vec![first];
+        while size < ROWS_ENOUGH
+            && let Ok(next) = requests.try_recv()
+        {
+            size += rows(&next.batch);
+            together.push(next);
+        }
+        let batches: Vec<_> = together.iter().map(|request| (&request.lease, &*request.batch)).collect();
+        let is_committed = writer.commit_together(&batches).await.unwrap_or_else(|problem| {
+            debug!(%problem, batches = batches.len(), "a joint commit failed, each shard commits on its own");
+            false
+        });
+        for Request { batch, answer, .. } in together {
+            drop(batch);
+            // An error means that the shard has ended.
+            let _ = answer.send(is_committed);
+        }
+    }
+}
