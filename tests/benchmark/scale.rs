@@ -24,6 +24,13 @@ const ROBOTS: usize = 256;
 const WHISKERS: usize = 10;
 const CONTACTS: usize = 20;
 const RATE: f64 = 500.0;
+/// Time with this load before the measurement, s, and after it.
+const WARM_UP_S: f64 = 6.0;
+const AFTER_S: f64 = 2.0;
+/// Measured time, as a multiple of the pace's.
+const MEASURED: f64 = 1.5;
+/// The load may take longer than planned by this factor.
+const LATE: f64 = 1.05;
 /// Whiskers of a robot in the takeover.
 const OF_ROBOT: usize = 100;
 /// Time limit until all shards are heard.
@@ -58,7 +65,8 @@ impl Case {
         let fleet = format!("{PART}-{}-{}-{round}", self.shards, self.supervisors);
         let supervisors = start(&bench.stage, broker, &store, &fleet, self.shards, self.supervisors).await?;
         let pids: Vec<u32> = supervisors.iter().map(Supervisor::pid).collect();
-        let messages = (RATE * bench.pace.latency_s) as u64;
+        let measured_s = MEASURED * bench.pace.latency_s;
+        let messages = (RATE * (WARM_UP_S + measured_s + AFTER_S)) as u64;
         let arguments = [
             ("robots", ROBOTS.to_string()),
             ("whiskers", WHISKERS.to_string()),
@@ -67,17 +75,35 @@ impl Case {
             ("messages", messages.to_string()),
             ("rate", RATE.to_string()),
         ];
-        // Usage counts from the first contact on; the log also has the rows of the robots and whiskers that are new.
         let names = ["supervisor 1", "supervisor 2", "supervisor 3", "supervisor 4"];
         let mut watched: Vec<(&'static str, u32)> = names.into_iter().zip(pids).collect();
         watched.push(("broker", broker.pid()));
         watched.extend(store.pid().map(|pid| ("postgresql", pid)));
-        let before = wal(&store).await?;
-        let loaded = load(broker.port(), &fleet, &arguments, &watched, None).await?;
-        let wal = wal(&store).await? - before;
+        let sample = async || {
+            let cpu: BTreeMap<_, _> = watched.iter().map(|&(name, pid)| (name, usage::of_tree(pid).cpu_s)).collect();
+            Ok::<_, anyhow::Error>((cpu, wal(&store).await?))
+        };
+        // First the robots and whiskers get their rows, and each shard opens its connections and prepares its statements.
+        let sampled = async {
+            tokio::time::sleep(Duration::from_secs_f64(WARM_UP_S)).await;
+            let before = sample().await?;
+            tokio::time::sleep(Duration::from_secs_f64(measured_s)).await;
+            Ok::<_, anyhow::Error>((before, sample().await?))
+        };
+        let (loaded, sampled) = tokio::join!(load(broker.port(), &fleet, &arguments, &[], None), sampled);
+        let (loaded, ((before, wal_before), (after, wal_after))) = (loaded?, sampled?);
+        let planned_s = messages as f64 / RATE;
+        ensure!(
+            loaded.report.seconds < LATE * planned_s,
+            "the load took {:.1} s, not {planned_s:.1}",
+            loaded.report.seconds
+        );
+        let contacts = RATE * measured_s * CONTACTS as f64;
+        let wal = wal_after - wal_before;
+        let us = |name: &str| {
+            after.get(name).zip(before.get(name)).map_or(0.0, |(after, before)| (after - before) * 1e6 / contacts)
+        };
         let recorded = store.recorded(&loaded.report.boot_id).await?;
-        let contacts = loaded.report.contacts_in_all as f64;
-        let us = |name: &str| loaded.usages.get(name).map_or(0.0, |usage| usage.cpu_s * 1e6 / contacts);
         let supervisor_us: f64 = names.into_iter().map(us).sum();
         self.supervisor_us.push(supervisor_us);
         self.postgres_us.push(us("postgresql"));
