@@ -128,7 +128,7 @@ pub(crate) static JOURNAL_DONE: Statement<ShardNumber<'static>> = Statement::cus
     "journal",
     "DELETE FROM journal AS t USING ROWS WHERE t.fleet = n.fleet AND t.shard = n.shard AND t.number <= n.number AND OWNED",
 );
-/// Deletes intents.
+/// Deletes rows of the intent log by their number.
 pub(crate) static REDO_DONE: Statement<ShardNumber<'static>> = Statement::custom(
     "redo",
     "DELETE FROM redo AS t USING ROWS WHERE t.fleet = n.fleet AND t.shard = n.shard AND t.number = n.number AND OWNED",
