@@ -4,5 +4,6 @@ mod bridge;
 mod ingested;
 mod left_out;
 mod published;
+mod secured;
 mod shared;
 mod stage;

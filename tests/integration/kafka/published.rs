@@ -11,7 +11,7 @@ use vibrissa_tests::wait::until_true;
 
 use crate::stage::{CONTACTS, EVENTS, Events, LEARNED, PARTITIONS, Program};
 
-async fn topics(kafka: &Kafka) {
+pub(crate) async fn topics(kafka: &Kafka) {
     for topic in [EVENTS, CONTACTS] {
         kafka.create_topic(topic, PARTITIONS).await;
     }

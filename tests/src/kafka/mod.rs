@@ -26,12 +26,19 @@ const START: Duration = Duration::from_secs(90);
 /// Time in which one answer of a broker must come.
 const ANSWER: Duration = Duration::from_secs(5);
 
+/// Credentials of the one user whom a secured broker knows.
+pub const USER: &str = "vibrissa";
+/// Password of [`USER`].
+pub const PASSWORD: &str = "secret";
+
 /// A broker: its address, and its ports for clients and for the controllers' votes.
 #[derive(Debug, Clone)]
 struct Node {
     host: String,
     clients: u16,
     votes: u16,
+    /// Port with TLS and credentials, and the PEM file with the key and the certificate.
+    secured: Option<(u16, PathBuf)>,
 }
 
 impl Node {
@@ -56,11 +63,24 @@ impl Kafka {
         Self::start_at(&vec![Place::here(); count]).await
     }
 
+    /// Starts one broker that also listens with TLS, and asks there for the credentials of [`USER`]. `identity` is the PEM file
+    /// with its key and certificate.
+    ///
+    /// # Panics
+    /// It does not start.
+    pub async fn start_secured(identity: PathBuf) -> Option<Self> {
+        Self::start_with(&[Place::here()], Some(identity)).await
+    }
+
     /// Starts a broker at each of these places.
     ///
     /// # Panics
     /// They do not start.
     pub async fn start_at(places: &[Place]) -> Option<Self> {
+        Self::start_with(places, None).await
+    }
+
+    async fn start_with(places: &[Place], identity: Option<PathBuf>) -> Option<Self> {
         let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("kafka");
         let output = Command::new(script).arg("--if-installed").output().expect("tests/kafka");
         if !output.status.success() {
@@ -69,7 +89,10 @@ impl Kafka {
         }
         let home = PathBuf::from(String::from_utf8(output.stdout).expect("a path").trim());
         let folder = tempfile::tempdir().expect("a folder");
-        let node = |place: &Place| Node { host: place.host.clone(), clients: free_port(), votes: free_port() };
+        let node = |place: &Place| {
+            let secured = identity.clone().map(|identity| (free_port(), identity));
+            Node { host: place.host.clone(), clients: free_port(), votes: free_port(), secured }
+        };
         let nodes: Vec<Node> = places.iter().map(node).collect();
         let start =
             |(at, place): (usize, &Place)| Process::start(place.launch(launch(&home, folder.path(), at, &nodes)));
@@ -85,6 +108,16 @@ impl Kafka {
     #[must_use]
     pub fn url(&self) -> String {
         format!("kafka://{}", self.addresses().join(","))
+    }
+
+    /// URL of the port with TLS.
+    ///
+    /// # Panics
+    /// The broker has none.
+    #[must_use]
+    pub fn secured_url(&self) -> String {
+        let (port, _) = self.nodes[0].secured.as_ref().expect("a secured broker");
+        format!("kafkas://{}:{port}", self.nodes[0].host)
     }
 
     /// Hosts and ports of all brokers.
@@ -194,6 +227,23 @@ impl Kafka {
     }
 }
 
+/// Settings of the port with TLS and credentials.
+fn secured_settings(identity: &Path) -> String {
+    let login = |mechanism: &str, module: &str, rest: &str| {
+        let class = format!("org.apache.kafka.common.security.{module}LoginModule required{rest};");
+        format!("listener.name.secured.{mechanism}.sasl.jaas.config={class}\n")
+    };
+    [
+        "listener.security.protocol.map=PLAINTEXT:PLAINTEXT,CONTROLLER:PLAINTEXT,SECURED:SASL_SSL\n",
+        "sasl.enabled.mechanisms=SCRAM-SHA-512,SCRAM-SHA-256,PLAIN\n",
+        &login("scram-sha-512", "scram.Scram", ""),
+        &login("scram-sha-256", "scram.Scram", ""),
+        &login("plain", "plain.Plain", &format!(" user_{USER}=\"{PASSWORD}\"")),
+        &format!("ssl.keystore.type=PEM\nssl.keystore.location={}\n", identity.display()),
+    ]
+    .concat()
+}
+
 fn launch(home: &Path, folder: &Path, at: usize, nodes: &[Node]) -> Launch {
     let own = folder.join(at.to_string());
     fs::create_dir_all(&own).expect("a folder");
@@ -201,7 +251,7 @@ fn launch(home: &Path, folder: &Path, at: usize, nodes: &[Node]) -> Launch {
         fs::write(own.join(name), text).expect("a file");
         own.join(name).display().to_string()
     };
-    let Node { host, clients, votes } = &nodes[at];
+    let Node { host, clients, votes, secured } = &nodes[at];
     let voters = nodes.iter().zip(1..).map(|(node, id)| format!("{id}@{}:{}", node.host, node.votes));
     let voters = voters.collect::<Vec<_>>().join(",");
     let (id, copies, data) = (at + 1, nodes.len(), own.join("data"));
@@ -210,12 +260,14 @@ fn launch(home: &Path, folder: &Path, at: usize, nodes: &[Node]) -> Launch {
         "server.properties",
         &format!(
             "process.roles=broker,controller\nnode.id={id}\ncontroller.quorum.voters={voters}\n\
-             listeners=PLAINTEXT://{host}:{clients},CONTROLLER://{host}:{votes}\n\
+             listeners=PLAINTEXT://{host}:{clients},CONTROLLER://{host}:{votes}{}\n\
              controller.listener.names=CONTROLLER\nlog.dirs={}\nauto.create.topics.enable=false\n\
              offsets.topic.replication.factor={copies}\nmin.insync.replicas={in_sync}\n\
              broker.session.timeout.ms=3000\nbroker.heartbeat.interval.ms=500\n\
-             controller.quorum.election.timeout.ms=1000\ncontroller.quorum.fetch.timeout.ms=2000\n",
-            data.display()
+             controller.quorum.election.timeout.ms=1000\ncontroller.quorum.fetch.timeout.ms=2000\n{}",
+            secured.as_ref().map(|(port, _)| format!(",SECURED://{host}:{port}")).unwrap_or_default(),
+            data.display(),
+            secured.as_ref().map(|(_, identity)| secured_settings(identity)).unwrap_or_default(),
         ),
     );
     let log = write(
@@ -238,7 +290,13 @@ fn launch(home: &Path, folder: &Path, at: usize, nodes: &[Node]) -> Launch {
         arguments.extend(rest.iter().map(|&text| text.to_owned()));
         arguments
     };
-    let format = java("kafka.tools.StorageTool", &["format", "-t", "AAAAAAAAQACAAAAAAAAAAQ", "-c", &properties]);
+    let user = |mechanism: &str| format!("{mechanism}=[name={USER},password={PASSWORD}]");
+    let (sha_512, sha_256) = (user("SCRAM-SHA-512"), user("SCRAM-SHA-256"));
+    let mut format = vec!["format", "-t", "AAAAAAAAQACAAAAAAAAAAQ", "-c", &properties];
+    if secured.is_some() {
+        format.extend(["--add-scram", &sha_512, "--add-scram", &sha_256]);
+    }
+    let format = java("kafka.tools.StorageTool", &format);
     let formatted = Command::new("java").args(format).output().expect("java");
     assert!(formatted.status.success(), "{}", String::from_utf8_lossy(&formatted.stderr));
     Launch {

@@ -59,9 +59,29 @@ pub enum KafkaError {
     /// No broker has answered in time.
     #[error("the log does not answer within {} s", PATIENCE.as_secs())]
     NoAnswer,
+    /// The brokers refuse the credentials.
+    #[error("the brokers refuse the credentials: check kafka.username, kafka.password_file and kafka.sasl")]
+    Credentials,
+    /// The certificate of a broker is not trusted.
+    #[error("the certificate of a broker cannot be trusted, check kafka.ca_file and the host in kafka.url: {0}")]
+    NotTrusted(Error),
     /// The log answers with an error, or the connection fails.
     #[error("{0}")]
-    Failed(#[from] Error),
+    Failed(Error),
+}
+
+impl From<Error> for KafkaError {
+    fn from(error: Error) -> Self {
+        // The library's error has no type for these.
+        let text = error.to_string();
+        if text.contains("SaslAuthenticationFailed") {
+            Self::Credentials
+        } else if text.contains("invalid peer certificate") {
+            Self::NotTrusted(error)
+        } else {
+            Self::Failed(error)
+        }
+    }
 }
 
 impl KafkaError {
@@ -94,7 +114,8 @@ impl Connector {
             init_backoff: Duration::from_millis(50),
             max_backoff: Duration::from_secs(1),
             base: 2.0,
-            deadline: Some(PATIENCE / 2),
+            // Counts the pauses only, not the attempts between them; the reason must be known before the time limit.
+            deadline: Some(PATIENCE / 5),
         };
         let mut builder = ClientBuilder::new(self.options.brokers.clone())
             .client_id("vibrissa")
