@@ -56,7 +56,7 @@ fn regress_a_status_from_before_a_setpoint_does_not_make_the_setpoint_go_out_aga
     world.step(&Event::Tick);
     assert_eq!(world.core.whisker(0).unwrap().setpoint, sent.pressure);
     assert_eq!(commands_of(&world), 1, "the robot holds the pressure already");
-    // A later status counts: the robot has left the pressure by itself.
+    // A later status counts: the robot has left the pressure.
     world.step(&Event::Status { boot_id, robot_time: applied_at.after(Micros::from_s(0.5)), whiskers });
     world.step(&Event::Tick);
     assert_eq!(commands_of(&world), 2, "the compensation is still in force");
