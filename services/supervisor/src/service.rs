@@ -199,7 +199,7 @@ impl Service {
             boxes: BlackBoxes::start(options.black_boxes, store.writer(), &mut database_tasks),
             robots_file: robots_file.clone(),
             threads: Threads::of_all_cores(),
-            joint: JointCommits::start(store.writer()),
+            joint: JointCommits::start(&store),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };
         let supervisor = Supervisor {

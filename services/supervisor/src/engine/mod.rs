@@ -169,8 +169,8 @@ impl Engine {
                         yield_now().await;
                     }
                 }
-                _ = ticks.tick() => {
-                    self.at_tick(&inbox).await?;
+                due = ticks.tick() => {
+                    self.at_tick(&inbox, due).await?;
                     is_ticking = true;
                 }
                 () = action_sent.notified() => {
@@ -199,10 +199,10 @@ impl Engine {
 
     /// Periodic work besides the core's ticks. It is done together, because each wake-up finds cold caches and costs
     /// far more than a message.
-    async fn at_tick(&mut self, inbox: &Inbox) -> Result<(), LeaseLost> {
+    async fn at_tick(&mut self, inbox: &Inbox, due: Instant) -> Result<(), LeaseLost> {
         self.settle().await?;
         self.restart_silence_timers_if_deaf(inbox);
-        let number = self.joint.tick_number(TICK);
+        let number = self.joint.tick_number(TICK, due);
         let is_round = self.pipeline.schedule().tick(number);
         // Shards do their other periodic work at different ticks.
         let number = number.wrapping_add(self.place.number());

@@ -10,16 +10,17 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use tokio::sync::{mpsc, oneshot};
 use tokio::time::{Duration, Instant, Interval, MissedTickBehavior, interval_at, sleep};
 use tracing::debug;
-use vibrissa_store::{Batch, Lease, Writer};
+use vibrissa_store::{Batch, Lease, Store, Writer};
 
 /// How long a transaction waits for the batches of further shards. All shards tick at the same times.
 const GATHER: Duration = Duration::from_millis(3);
-/// Largest number of contacts and checkpoints in a batch that is committed together with others. A larger one is worth
-/// its own transaction, which runs at the same time as those of other shards.
-const ROWS_OF_BATCH_MAX: usize = 500;
-/// Number of contacts and checkpoints from which on no further batch is added. A larger transaction would use `COPY`, which
-/// takes longer.
-const ROWS_ENOUGH: usize = 1400;
+/// Largest size of a batch that is committed together with others. A larger one is worth its own transaction, which runs
+/// at the same time as those of other shards.
+const SIZE_OF_BATCH_MAX: usize = 500;
+/// Size from which on no further batch is added. A larger transaction would use `COPY`, which takes longer.
+const SIZE_ENOUGH: usize = 1400;
+/// Bytes of a contact in the journal, on average.
+const JOURNAL_BYTES_A_CONTACT: usize = 75;
 /// Number of batches that may wait.
 const WAITING: usize = 64;
 
@@ -28,6 +29,8 @@ const WAITING: usize = 64;
 pub(crate) struct JointCommits {
     requests: mpsc::Sender<Request>,
     members: Arc<AtomicUsize>,
+    /// Whether the database gains by it: SQLite writes to one file, one transaction after the other.
+    is_useful: bool,
     /// Ticks are multiples of their periods after this time, for all shards.
     origin: Instant,
 }
@@ -46,10 +49,10 @@ pub(crate) struct Member(JointCommits);
 
 impl JointCommits {
     /// Starts a task that writes over its own connection, until all members are gone.
-    pub(crate) fn start(writer: Writer) -> Self {
+    pub(crate) fn start(store: &Store) -> Self {
         let (requests, received) = mpsc::channel(WAITING);
-        tokio::spawn(commit_all(writer, received));
-        Self { requests, members: Arc::default(), origin: Instant::now() }
+        tokio::spawn(commit_all(store.writer(), received));
+        Self { requests, members: Arc::default(), is_useful: store.is_shared(), origin: Instant::now() }
     }
 
     /// Adds a shard.
@@ -66,10 +69,9 @@ impl JointCommits {
         ticks
     }
 
-    /// Number of ticks with this period until now. Rounded, because a timer may be late by a millisecond, and the clock of
-    /// a test early.
-    pub(crate) fn tick_number(&self, period: Duration) -> u32 {
-        self.origin.elapsed().div_duration_f64(period).round() as u32
+    /// Number of the tick with this period that was due at `due`; the same for all shards.
+    pub(crate) fn tick_number(&self, period: Duration, due: Instant) -> u32 {
+        due.saturating_duration_since(self.origin).div_duration_f64(period).round() as u32
     }
 }
 
@@ -79,7 +81,8 @@ impl Member {
     /// [`Writer::commit`] recognises that.
     pub(super) async fn commit(&self, lease: &Lease, batch: &mut Batch) -> bool {
         let is_alone = self.0.members.load(Ordering::Relaxed) < 2;
-        if is_alone || batch.is_empty() || !batch.fits_one_statement() || rows(batch) > ROWS_OF_BATCH_MAX {
+        let has_others = self.0.is_useful && !is_alone;
+        if !has_others || batch.is_empty() || !batch.fits_one_statement() || size(batch) > SIZE_OF_BATCH_MAX {
             return false;
         }
         let shared = Arc::new(std::mem::take(batch));
@@ -98,9 +101,12 @@ impl Drop for Member {
     }
 }
 
-/// Number of a batch's rows that count for its size.
-fn rows(batch: &Batch) -> usize {
-    batch.contacts.len() + batch.whiskers.len()
+/// Size of a batch: its rows, or its contacts in the journal if they have no rows.
+fn size(batch: &Batch) -> usize {
+    let journal_bytes = batch.journal.as_ref().map_or(0, |row| row.entries.len());
+    let contacts = batch.contacts.len().max(journal_bytes / JOURNAL_BYTES_A_CONTACT);
+    let others = batch.whiskers.len() + batch.records.len() + batch.responses.len();
+    contacts + others + batch.rollups.len() + batch.events.len()
 }
 
 async fn commit_all(mut writer: Writer, mut requests: mpsc::Receiver<Request>) {
@@ -108,12 +114,12 @@ async fn commit_all(mut writer: Writer, mut requests: mpsc::Receiver<Request>) {
         if requests.is_empty() {
             sleep(GATHER).await;
         }
-        let mut size = rows(&first.batch);
+        let mut taken = size(&first.batch);
         let mut together = vec![first];
-        while size < ROWS_ENOUGH
+        while taken < SIZE_ENOUGH
             && let Ok(next) = requests.try_recv()
         {
-            size += rows(&next.batch);
+            taken += size(&next.batch);
             together.push(next);
         }
         let batches: Vec<_> = together.iter().map(|request| (&request.lease, &*request.batch)).collect();
