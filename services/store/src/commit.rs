@@ -12,23 +12,18 @@ use crate::fault::{self, Fault};
 /// Writes a batch in one transaction. If an earlier attempt was committed and only its answer was lost, nothing is
 /// written.
 pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
-    let asked = Instant::now();
-    let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
-    if let Either::Postgres(link) = link
-        && !fault::is(Fault::NoFence)
-        && let Some(whole) = Whole::of(&[(lease, batch)], now_us)
-        && whole.write(link).await?
-    {
-        lease.committed(Some(asked));
+    if write_together(link, &[(lease, batch)]).await? {
         return Ok(());
     }
+    let asked = Instant::now();
+    let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
     let is_new = write_in_steps(link, lease, batch, now_us).await?;
     lease.committed(is_new.then_some(asked));
     Ok(())
 }
 
-/// Writes batches, each of another shard of this supervisor, in one transaction. Returns false, and writes nothing, if
-/// they must be written one by one: a lease is not as expected, a batch needs statements of its own, or the database is
+/// Writes one or more batches, each of another shard of this supervisor, as one statement. Returns false, and writes nothing, if
+/// they must be written one by one, in steps: a lease is not as expected, a batch needs statements of its own, or the database is
 /// not shared.
 pub(super) async fn write_together(link: &mut Link, batches: &[(&Lease, &Batch)]) -> Result<bool, StoreError> {
     let asked = Instant::now();
