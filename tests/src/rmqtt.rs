@@ -23,6 +23,12 @@ struct Node {
     raft: u16,
 }
 
+/// Settings of the plugins: the lines of the access list, and the file of the bridge to Kafka.
+struct Plugins<'a> {
+    rules: &'a str,
+    bridge: Option<&'a str>,
+}
+
 /// Running nodes; killed on drop.
 #[derive(Debug)]
 pub struct Rmqtt {
@@ -41,18 +47,31 @@ impl Rmqtt {
         Self::start_at(&vec![Place::here(); count], rules)
     }
 
+    /// Starts one node on 127.0.0.1 whose bridge to Kafka has these settings; `None` if RMQTT is not installed.
+    ///
+    /// # Panics
+    /// It does not start.
+    #[must_use]
+    pub fn start_with_bridge(rules: &str, bridge: &str) -> Option<Self> {
+        Self::start_with(&[Place::here()], &Plugins { rules, bridge: Some(bridge) })
+    }
+
     /// Starts a node at each of these places.
     ///
     /// # Panics
     /// It does not start.
     #[must_use]
     pub fn start_at(places: &[Place], rules: &str) -> Option<Self> {
+        Self::start_with(places, &Plugins { rules, bridge: None })
+    }
+
+    fn start_with(places: &[Place], plugins: &Plugins<'_>) -> Option<Self> {
         let program = installed("rmqtt", Some("--if-installed"))?;
-        let started = (0..ATTEMPTS).find_map(|_| Self::try_start(&program, places, rules));
+        let started = (0..ATTEMPTS).find_map(|_| Self::try_start(&program, places, plugins));
         Some(started.expect("RMQTT starts"))
     }
 
-    fn try_start(program: &Path, places: &[Place], rules: &str) -> Option<Self> {
+    fn try_start(program: &Path, places: &[Place], plugins: &Plugins<'_>) -> Option<Self> {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let node =
             |place: &Place| Node { host: place.host.clone(), mqtt: free_port(), grpc: free_port(), raft: free_port() };
@@ -60,7 +79,7 @@ impl Rmqtt {
         let mut processes = Vec::new();
         for (at, place) in places.iter().enumerate() {
             let home = home(&folder, at);
-            configure(&home, at, &nodes, rules);
+            configure(&home, at, &nodes, plugins);
             configure_cluster(&home, 0, &nodes);
             let arguments = ["-f".to_owned(), home.join("rmqtt.toml").display().to_string()];
             processes.push(Process::start(place.launch(Launch {
@@ -137,12 +156,19 @@ fn home(folder: &TempDir, at: usize) -> PathBuf {
     folder.path().join((at + 1).to_string())
 }
 
-fn configure(home: &Path, at: usize, nodes: &[Node], rules: &str) {
+fn configure(home: &Path, at: usize, nodes: &[Node], Plugins { rules, bridge }: &Plugins<'_>) {
     let write = |path: PathBuf, text: &str| fs::write(path, text).expect("a folder of ours");
     let plugins = home.join("plugins");
     fs::create_dir_all(&plugins).expect("a folder of ours");
     let is_cluster = nodes.len() > 1;
-    let raft = if is_cluster { "\"rmqtt-cluster-raft\", " } else { "" };
+    let mut started = vec!["rmqtt-retainer", "rmqtt-acl"];
+    if is_cluster {
+        started.insert(0, "rmqtt-cluster-raft");
+    }
+    if let Some(settings) = bridge {
+        started.push("rmqtt-bridge-egress-kafka");
+        write(plugins.join("rmqtt-bridge-egress-kafka.toml"), settings);
+    }
     let (id, Node { host, mqtt, grpc, .. }) = (at + 1, &nodes[at]);
     let settings = format!(
         r#"
@@ -155,7 +181,7 @@ to = "console"
 level = "warn"
 [plugins]
 dir = "{}/"
-default_startups = [{raft}"rmqtt-retainer", "rmqtt-acl"]
+default_startups = {started:?}
 disabled_default_startups = ["rmqtt-http-api", "rmqtt-counter"]
 [listener.tcp.external]
 addr = "{host}:{mqtt}"

@@ -20,7 +20,7 @@ fn from_log(kafka: &Kafka) -> Vec<String> {
 async fn program(kafka: &Kafka, broker: &Mosquitto, more: &[&str]) -> Program {
     let arguments = from_log(kafka);
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).chain(more.iter().copied()).collect();
-    Program::start(broker, &arguments).await
+    Program::start(broker.port(), &arguments).await
 }
 
 /// A robot that has connected, and whose factsheet is known.

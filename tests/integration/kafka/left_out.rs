@@ -45,7 +45,7 @@ async fn contacts_beyond_the_limit_are_left_out_and_told_and_all_else_is_kept() 
     }
     let broker = Mosquitto::start();
     let arguments = ["--publish", "kafka", "--kafka-url", &kafka.url(), "--kafka-waiting-mib-max", "1"];
-    let mut program = Program::start(&broker, &arguments).await;
+    let mut program = Program::start(broker.port(), &arguments).await;
     let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type1, &[70.0, 68.0, 65.0])).await;
     for whisker in 0..3 {
         robot.touch(whisker, LEARNED + 20).await;

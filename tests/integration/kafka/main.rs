@@ -4,6 +4,7 @@ mod bridge;
 mod ingested;
 mod left_out;
 mod published;
+mod rmqtt_bridge;
 mod secured;
 mod shared;
 mod stage;

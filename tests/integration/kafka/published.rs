@@ -78,7 +78,7 @@ async fn a_cut_is_told_from_its_contacts_to_its_setpoint_once_and_as_the_schema_
     let Some(kafka) = Kafka::start(1).await else { return };
     topics(&kafka).await;
     let broker = Mosquitto::start();
-    let program = Program::start(&broker, &["--publish", "kafka", "--kafka-url", &kafka.url()]).await;
+    let program = Program::start(broker.port(), &["--publish", "kafka", "--kafka-url", &kafka.url()]).await;
     cut(&mut robot(&broker).await).await;
     let mut events = Events::of(&kafka).await;
     complete(&program, &mut events).await;
@@ -108,7 +108,7 @@ async fn chaos_kills_of_the_supervisor_and_of_the_broker_lose_no_event_and_repea
     let Some(mut kafka) = Kafka::start(1).await else { return };
     topics(&kafka).await;
     let broker = Mosquitto::start();
-    let mut program = Program::start(&broker, &["--publish", "kafka", "--kafka-url", &kafka.url()]).await;
+    let mut program = Program::start(broker.port(), &["--publish", "kafka", "--kafka-url", &kafka.url()]).await;
     let mut robot = robot(&broker).await;
     let mut events = Events::of(&kafka).await;
     for round in 0..6 {
@@ -145,7 +145,7 @@ async fn a_reader_recognises_events_whose_acknowledgement_was_lost() {
     let Some(kafka) = Kafka::start(1).await else { return };
     topics(&kafka).await;
     let broker = Mosquitto::start();
-    let mut program = Program::start(&broker, &["--publish", "kafka", "--kafka-url", &kafka.url()]).await;
+    let mut program = Program::start(broker.port(), &["--publish", "kafka", "--kafka-url", &kafka.url()]).await;
     // Keeps each row of the outbox, as if its deletion had failed.
     let mut database = program.database().await;
     for sql in [
@@ -181,7 +181,7 @@ async fn events_wait_for_a_log_without_their_topic() {
     let Some(kafka) = Kafka::start(1).await else { return };
     kafka.create_topic(EVENTS, PARTITIONS).await;
     let broker = Mosquitto::start();
-    let program = Program::start(&broker, &["--publish", "kafka", "--kafka-url", &kafka.url()]).await;
+    let program = Program::start(broker.port(), &["--publish", "kafka", "--kafka-url", &kafka.url()]).await;
     let mut robot = robot(&broker).await;
     robot.touch(0, 60).await;
     robot.receipted().await;

@@ -36,7 +36,7 @@ async fn program(broker: &Mosquitto, kafka: &Kafka, folder: &TempDir, [ca, passw
         ["--kafka-password-file", &password],
         ["--kafka-sasl", sasl],
     ];
-    Program::start(broker, arguments.as_flattened()).await
+    Program::start(broker.port(), arguments.as_flattened()).await
 }
 
 #[tokio::test]

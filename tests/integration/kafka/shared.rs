@@ -58,7 +58,7 @@ impl Rig {
         let database = Postgres::supervisor_url(self.server.port());
         let url = self.kafka.url();
         let own = ["--name", name, "--database-url", &database, "--ingest", "kafka", "--kafka-url", &url];
-        Program::of_database(&self.broker, &[&own, more].concat()).await
+        Program::of_database(self.broker.port(), &[&own, more].concat()).await
     }
 
     /// Connects the robots, and waits until all are known.

@@ -8,7 +8,7 @@ use sqlx::ConnectOptions;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use tempfile::TempDir;
 use vibrissa_tests::kafka::{Kafka, Names, Reader};
-use vibrissa_tests::mosquitto::{Mosquitto, free_port};
+use vibrissa_tests::mosquitto::free_port;
 use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::try_get;
@@ -29,20 +29,20 @@ pub(crate) struct Program {
 
 impl Program {
     /// Starts it with further arguments, and waits until it answers.
-    pub(crate) async fn start(broker: &Mosquitto, arguments: &[&str]) -> Self {
+    pub(crate) async fn start(mqtt_port: u16, arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let database = format!("sqlite:{}", folder.path().join("v.sqlite3").display());
-        Self::on(folder, broker, &[&["--database-url", &database], arguments].concat()).await
+        Self::on(folder, mqtt_port, &[&["--database-url", &database], arguments].concat()).await
     }
 
     /// Starts it with the database that the arguments name.
-    pub(crate) async fn of_database(broker: &Mosquitto, arguments: &[&str]) -> Self {
-        Self::on(tempfile::tempdir().unwrap(), broker, arguments).await
+    pub(crate) async fn of_database(mqtt_port: u16, arguments: &[&str]) -> Self {
+        Self::on(tempfile::tempdir().unwrap(), mqtt_port, arguments).await
     }
 
-    async fn on(folder: TempDir, broker: &Mosquitto, arguments: &[&str]) -> Self {
+    async fn on(folder: TempDir, mqtt_port: u16, arguments: &[&str]) -> Self {
         let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
-        let (listen, mqtt) = (http.to_string(), format!("mqtt://127.0.0.1:{}", broker.port()));
+        let (listen, mqtt) = (http.to_string(), format!("mqtt://127.0.0.1:{mqtt_port}"));
         let learned = LEARNED.to_string();
         let own = [
             "run",
