@@ -85,9 +85,7 @@ impl Rig {
         let name = Name::robot(robot).unwrap();
         let trim = Change::Trim { length_mm: 65.0 };
         let robot_handle = self.fleet.robot(&name).unwrap();
-        robot_handle
-            .with(|one| one.happen_soon(Some(Name::new("left").unwrap()), Some(0), trim, now_us()))
-            .unwrap();
+        robot_handle.with(|one| one.happen_soon(Some(Name::new("left").unwrap()), Some(0), trim, now_us())).unwrap();
         until_true("an applied setpoint", async || {
             self.program.list("setpoints").await.iter().any(|one| one["robot"] == robot && one["state"] == "APPLIED")
         })
