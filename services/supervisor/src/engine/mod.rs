@@ -6,7 +6,7 @@
 //! - [`commit`]: the open batches of some milliseconds become one transaction, while the next messages are stepped; then
 //!   setpoints and receipts are published.
 //! - [`quarantine`]: robots whose rows the database rejects.
-//! - [`actions`], [`allow_list_sources`]: changes by operators.
+//! - [`changes`], [`actions`], [`allow_list_sources`]: changes by operators.
 //! - [`rollout`]: changes that only some robots have so far.
 //! - [`birth_watch`]: robots whose births were not received.
 //! - [`start`]: loads a fleet.
@@ -17,6 +17,7 @@ mod actions;
 mod allow_list;
 mod allow_list_sources;
 mod birth_watch;
+mod changes;
 mod commit;
 mod dispatch;
 mod fleet_metrics;
@@ -55,7 +56,7 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::fault::{self, Fault};
 
 use crate::births::BirthCause;
-use actions::{ACTIONS_MAX, Execution, ParamsInForce};
+use actions::ParamsInForce;
 use allow_list_sources::AllowListSources;
 use birth_watch::BirthWatch;
 use commit::committer::{LeaseLost, Written};
@@ -326,36 +327,6 @@ impl Engine {
         Ok(())
     }
 
-    /// Executes the pending actions. If the database is unreachable, this does not wait: the actions stay pending.
-    ///
-    /// The answers so far are committed first, because actions without a committed answer would be read again.
-    async fn handle_actions(&mut self, now: Micros) -> Result<(), LeaseLost> {
-        self.settle().await?;
-        if self.pipeline.has_answers() {
-            return Ok(());
-        }
-        let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
-        let (writer, lease) = committer.database();
-        let pending = match writer.pending(lease, ACTIONS_MAX).await {
-            Ok(pending) => pending,
-            Err(problem) => {
-                committer.failed(&problem, "cannot read operator actions");
-                return Ok(());
-            }
-        };
-        if pending.len() as i64 == ACTIONS_MAX {
-            self.action_sent.notify_one();
-        }
-        let Self { place, shards, in_force, rollout, metrics, suspects, pipeline, .. } = self;
-        let mut execution = Execution { place, shards, in_force, rollout, metrics, now };
-        for action in &pending {
-            execution.handle(action, suspects, pipeline);
-        }
-        self.show_rollout();
-        self.pipeline.stepped(0, &self.shards);
-        Ok(())
-    }
-
     /// States up to which time of receipt all contacts are committed. If the database is unreachable, this does not wait.
     ///
     /// All sealed transactions are written by then, and later ones get contacts from the horizon on only.
@@ -372,41 +343,6 @@ impl Engine {
         let (writer, lease) = committer.database();
         if let Err(problem) = writer.state_horizon(lease, horizon_us).await {
             committer.failed(&problem, "cannot state the archive's horizon");
-        }
-        Ok(())
-    }
-
-    /// Compares the errors of a roll-out. If the database is unreachable, this does not wait.
-    async fn review_rollout(&mut self, now: Micros) -> Result<(), LeaseLost> {
-        let Some(since_us) = self.rollout.as_ref().and_then(Rollout::compares_since) else { return Ok(()) };
-        self.settle().await?;
-        let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
-        let (writer, lease) = committer.database();
-        let errors = match writer.errors_since(lease, since_us).await {
-            Ok(errors) => errors,
-            Err(problem) => {
-                committer.failed(&problem, "cannot read the errors of a roll-out");
-                return Ok(());
-            }
-        };
-        let Self { place, shards, in_force, rollout, metrics, .. } = self;
-        Execution { place, shards, in_force, rollout, metrics, now }.review_rollout(&errors);
-        self.show_rollout();
-        self.pipeline.stepped(0, &self.shards);
-        Ok(())
-    }
-
-    fn show_rollout(&self) {
-        self.metrics.rollout_stage.set(self.rollout.as_ref().map_or(0, Rollout::stage_number));
-    }
-
-    /// Reads the allow lists if they have changed, and writes the refused robots. If the database is unreachable, this
-    /// does not wait.
-    async fn refresh_allow_list(&mut self) -> Result<(), LeaseLost> {
-        self.allow_list.read_changed_file(&mut self.shards);
-        self.settle().await?;
-        if let Some(committer) = self.pipeline.idle_committer() {
-            self.allow_list.refresh(committer, &mut self.shards).await;
         }
         Ok(())
     }

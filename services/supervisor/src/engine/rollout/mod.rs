@@ -4,13 +4,13 @@
 //! in the transaction in which robots change, so a roll-out survives its owner. The changed robots have parameters of their
 //! own ([`TrialParams`]); those of the fleet stay until the last stage.
 
+mod change;
+
 use std::sync::Arc;
 
 use tracing::{error, info};
-use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::{Event, OperatorAction, Params, Place};
 use vibrissa_core::rollout::{Look, Rules, Stage, Verdict, limit, place, review};
-use vibrissa_edge::actions::{self, Request, Subject};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::words::{Word as _, named};
 use vibrissa_protocol::Name;
@@ -18,8 +18,8 @@ use vibrissa_store::actions::Action;
 use vibrissa_store::batch::Record;
 use vibrissa_store::rollouts::{Compared, RobotError, RolloutChange, RolloutEvent, RolloutRow};
 
-use super::actions::{Activation, Execution, Problem};
-use crate::params::with_model;
+use super::actions::{Execution, Problem};
+use change::Change;
 
 /// Actor of events that follow from the errors alone.
 const SUPERVISOR: &str = "supervisor";
@@ -36,38 +36,6 @@ impl TrialParams {
     /// Whether the roll-out has changed a robot.
     pub(crate) fn has(&self, robot: &Name) -> bool {
         place(self.seed, robot.as_str()) <= self.place_max
-    }
-}
-
-/// The change of a roll-out.
-#[derive(Debug, Clone)]
-enum Change {
-    Policy(PolicyParams),
-    Calibration(Box<Activation>),
-}
-
-impl Change {
-    /// Reads a change. The base is the policy in force, whose values stay where the change has none.
-    fn read(kind: &str, json: &str, base: &Params) -> Result<Self, Problem> {
-        let malformed = |problem: &dyn std::fmt::Display| format!("MALFORMED: {problem}");
-        match kind {
-            "POLICY" => match actions::request("POLICY", json, Subject::default()) {
-                Ok(Request::Policy(change)) => Ok(Self::Policy(change.over(base.policy))),
-                Ok(Request::Operator(_)) => Err(malformed(&"no policy")),
-                Err(problem) => Err(malformed(&problem)),
-            },
-            _ => serde_json::from_str(json).map(|one| Self::Calibration(Box::new(one))).map_err(|one| malformed(&one)),
-        }
-    }
-
-    /// The parameters of changed robots.
-    fn over(&self, base: &Arc<Params>) -> Result<Arc<Params>, Problem> {
-        match self {
-            Self::Policy(policy) => Ok(Arc::new(Params { policy: *policy, ..(**base).clone() })),
-            Self::Calibration(activation) => {
-                with_model(base, &activation.calibration).map_err(|problem| format!("MALFORMED: {problem}"))
-            }
-        }
     }
 }
 

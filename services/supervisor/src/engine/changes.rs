@@ -1,0 +1,75 @@
+//! Reads what operators change between two batches: actions, allow lists, and the errors that decide about a roll-out.
+
+use vibrissa_core::units::Micros;
+
+use super::Engine;
+use super::actions::{ACTIONS_MAX, Execution};
+use super::commit::committer::LeaseLost;
+use super::rollout::Rollout;
+
+impl Engine {
+    /// Executes the pending actions. If the database is unreachable, this does not wait: the actions stay pending.
+    ///
+    /// The answers so far are committed first, because actions without a committed answer would be read again.
+    pub(super) async fn handle_actions(&mut self, now: Micros) -> Result<(), LeaseLost> {
+        self.settle().await?;
+        if self.pipeline.has_answers() {
+            return Ok(());
+        }
+        let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
+        let (writer, lease) = committer.database();
+        let pending = match writer.pending(lease, ACTIONS_MAX).await {
+            Ok(pending) => pending,
+            Err(problem) => {
+                committer.failed(&problem, "cannot read operator actions");
+                return Ok(());
+            }
+        };
+        if pending.len() as i64 == ACTIONS_MAX {
+            self.action_sent.notify_one();
+        }
+        let Self { place, shards, in_force, rollout, metrics, suspects, pipeline, .. } = self;
+        let mut execution = Execution { place, shards, in_force, rollout, metrics, now };
+        for action in &pending {
+            execution.handle(action, suspects, pipeline);
+        }
+        self.show_rollout();
+        self.pipeline.stepped(0, &self.shards);
+        Ok(())
+    }
+
+    /// Compares the errors of a roll-out. If the database is unreachable, this does not wait.
+    pub(super) async fn review_rollout(&mut self, now: Micros) -> Result<(), LeaseLost> {
+        let Some(since_us) = self.rollout.as_ref().and_then(Rollout::compares_since) else { return Ok(()) };
+        self.settle().await?;
+        let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
+        let (writer, lease) = committer.database();
+        let errors = match writer.errors_since(lease, since_us).await {
+            Ok(errors) => errors,
+            Err(problem) => {
+                committer.failed(&problem, "cannot read the errors of a roll-out");
+                return Ok(());
+            }
+        };
+        let Self { place, shards, in_force, rollout, metrics, .. } = self;
+        Execution { place, shards, in_force, rollout, metrics, now }.review_rollout(&errors);
+        self.show_rollout();
+        self.pipeline.stepped(0, &self.shards);
+        Ok(())
+    }
+
+    fn show_rollout(&self) {
+        self.metrics.rollout_stage.set(self.rollout.as_ref().map_or(0, Rollout::stage_number));
+    }
+
+    /// Reads the allow lists if they have changed, and writes the refused robots. If the database is unreachable, this
+    /// does not wait.
+    pub(super) async fn refresh_allow_list(&mut self) -> Result<(), LeaseLost> {
+        self.allow_list.read_changed_file(&mut self.shards);
+        self.settle().await?;
+        if let Some(committer) = self.pipeline.idle_committer() {
+            self.allow_list.refresh(committer, &mut self.shards).await;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,42 @@
+//! The change of a roll-out, and the parameters that follow from it.
+
+use std::sync::Arc;
+
+use vibrissa_core::policy::PolicyParams;
+use vibrissa_core::robot::Params;
+use vibrissa_edge::actions::{self, Request, Subject};
+
+use crate::engine::actions::{Activation, Problem};
+use crate::params::with_model;
+
+/// The change of a roll-out.
+#[derive(Debug, Clone)]
+pub(super) enum Change {
+    Policy(PolicyParams),
+    Calibration(Box<Activation>),
+}
+
+impl Change {
+    /// Reads a change. The base is the policy in force, whose values stay where the change has none.
+    pub(super) fn read(kind: &str, json: &str, base: &Params) -> Result<Self, Problem> {
+        let malformed = |problem: &dyn std::fmt::Display| format!("MALFORMED: {problem}");
+        match kind {
+            "POLICY" => match actions::request("POLICY", json, Subject::default()) {
+                Ok(Request::Policy(change)) => Ok(Self::Policy(change.over(base.policy))),
+                Ok(Request::Operator(_)) => Err(malformed(&"no policy")),
+                Err(problem) => Err(malformed(&problem)),
+            },
+            _ => serde_json::from_str(json).map(|one| Self::Calibration(Box::new(one))).map_err(|one| malformed(&one)),
+        }
+    }
+
+    /// The parameters of changed robots.
+    pub(super) fn over(&self, base: &Arc<Params>) -> Result<Arc<Params>, Problem> {
+        match self {
+            Self::Policy(policy) => Ok(Arc::new(Params { policy: *policy, ..(**base).clone() })),
+            Self::Calibration(activation) => {
+                with_model(base, &activation.calibration).map_err(|problem| format!("MALFORMED: {problem}"))
+            }
+        }
+    }
+}
