@@ -2,9 +2,11 @@
 
 use std::net::SocketAddr;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use sqlx::{PgConnection, SqliteConnection};
+use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::rollout::place;
+use vibrissa_core::units::Megapascal;
 use vibrissa_simulator::fleet::now_us;
 
 use crate::wait::until;
@@ -68,6 +70,26 @@ pub fn in_order(id: &Value, names: &[String]) -> Vec<String> {
     let mut names = names.to_vec();
     names.sort_by_key(|name| place(seed, name));
     names
+}
+
+/// A calibration with the numbers of the paper's whiskers, as another version; its number.
+///
+/// # Panics
+/// The service refuses it.
+pub async fn uploaded(http: SocketAddr) -> Value {
+    let model = Model::nguyen_2021(Formulation::Published);
+    let truth = *model.calibration();
+    let row = |pressure_mpa: f64| {
+        let k2 = truth.c + truth.a * (-truth.b_per_mpa * pressure_mpa).exp();
+        let pressure = Megapascal::new(pressure_mpa).expect("a pressure");
+        json!({ "pressure_mpa": pressure_mpa, "strain": model.axial_strain(pressure).ratio(),
+                "elongation_mm": truth.elongation_gain_mm * pressure_mpa / (k2 * truth.youngs_modulus_mpa) })
+    };
+    let rows: Vec<Value> = [0.02, 0.05, 0.08, 0.12, 0.16, 0.2].into_iter().map(row).collect();
+    let body = json!({ "model": "nguyen-2021", "youngs_modulus_mpa": truth.youngs_modulus_mpa, "rows": rows });
+    let (status, told) = ask(http, "POST", "/v1/calibrations", body).await;
+    assert_eq!(status, 201, "{told}");
+    told["calibration_id"].clone()
 }
 
 /// A connection to the database of the service.

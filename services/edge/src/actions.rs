@@ -108,6 +108,8 @@ pub enum RecordedKind {
     RolloutAdvance,
     /// Takes the change of a roll-out back.
     RolloutBack,
+    /// Applies a stage of a roll-out to the robots of a further shard of the fleet; the supervisor requests it.
+    RolloutStage,
     /// Creates an API token.
     TokenCreate,
     /// Revokes an API token.
@@ -134,13 +136,14 @@ pub enum RecordedKind {
 
 impl RecordedKind {
     /// The kinds that the engine of a fleet executes.
-    pub const OF_ENGINE: [Self; 6] = [
+    pub const OF_ENGINE: [Self; 7] = [
         Self::Calibration,
         Self::RolloutStart,
         Self::RolloutPause,
         Self::RolloutResume,
         Self::RolloutAdvance,
         Self::RolloutBack,
+        Self::RolloutStage,
     ];
 }
 

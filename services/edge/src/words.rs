@@ -297,6 +297,7 @@ words! {
         RolloutResume => "ROLLOUT_RESUME" "resume a roll-out",
         RolloutAdvance => "ROLLOUT_ADVANCE" "advance a roll-out",
         RolloutBack => "ROLLOUT_ROLL_BACK" "roll a change back",
+        RolloutStage => "ROLLOUT_STAGE" "apply a stage of a roll-out in a further shard",
         TokenCreate => "TOKEN_CREATE" "create a token",
         TokenRevoke => "TOKEN_REVOKE" "revoke a token",
         WebhookCreate => "WEBHOOK_CREATE" "create a webhook",

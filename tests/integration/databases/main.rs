@@ -6,6 +6,7 @@ mod actions;
 mod backup;
 mod black_boxes;
 mod contract;
+mod divided_rollouts;
 mod formats;
 mod history;
 mod intent_log;

@@ -80,7 +80,17 @@ impl Stage {
         sqlx::query_scalar(sql).fetch_one(&mut self.link().await).await.unwrap()
     }
 
-    async fn link(&self) -> PgConnection {
+    /// The texts that a query selects.
+    pub(crate) async fn texts(&self, sql: &'static str) -> Vec<String> {
+        sqlx::query_scalar(sql).fetch_all(&mut self.link().await).await.unwrap()
+    }
+
+    /// Executes statements.
+    pub(crate) async fn execute(&self, sql: &'static str) {
+        sqlx::raw_sql(sql).execute(&mut self.link().await).await.unwrap();
+    }
+
+    pub(crate) async fn link(&self) -> PgConnection {
         self.server.connect().connect().await.unwrap()
     }
 
@@ -197,6 +207,11 @@ impl Replica {
             log: folder.join(name),
         };
         Self { process: Process::start(launch), http }
+    }
+
+    /// Starts it again after a kill.
+    pub(crate) fn restart(&mut self) {
+        self.process.restart();
     }
 
     /// Kills the process, as a power failure would.

@@ -1,7 +1,5 @@
 //! Staged roll-outs: which robots get the change, and what follows from the errors of changed and unchanged robots.
 
-use std::net::SocketAddr;
-
 use serde_json::{Value, json};
 use sqlx::ConnectOptions;
 use sqlx::sqlite::SqliteConnectOptions;
@@ -10,7 +8,7 @@ use vibrissa_protocol::{ArrayType, SetpointReason};
 use vibrissa_tests::actions::policy_body;
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::robot::{HandRobot, array};
-use vibrissa_tests::rollouts::{Errors, Link, ask, done, events, in_order, reaches, read};
+use vibrissa_tests::rollouts::{Errors, Link, ask, done, events, in_order, reaches, read, uploaded};
 use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::{send, try_get};
 
@@ -173,23 +171,6 @@ async fn a_roll_out_survives_the_death_of_its_supervisor() {
 async fn link(running: &Running) -> Link {
     let options = SqliteConnectOptions::new().filename(database_in(running.folder()));
     Link::Sqlite(Box::new(options.busy_timeout(std::time::Duration::from_secs(10)).connect().await.unwrap()))
-}
-
-/// A calibration with the numbers of the paper's whiskers, as another version.
-async fn uploaded(http: SocketAddr) -> Value {
-    let model = vibrissa_core::mechanics::Model::nguyen_2021(vibrissa_core::mechanics::Formulation::Published);
-    let truth = *model.calibration();
-    let row = |pressure_mpa: f64| {
-        let k2 = truth.c + truth.a * (-truth.b_per_mpa * pressure_mpa).exp();
-        let pressure = vibrissa_core::units::Megapascal::new(pressure_mpa).unwrap();
-        json!({ "pressure_mpa": pressure_mpa, "strain": model.axial_strain(pressure).ratio(),
-                "elongation_mm": truth.elongation_gain_mm * pressure_mpa / (k2 * truth.youngs_modulus_mpa) })
-    };
-    let rows: Vec<Value> = [0.02, 0.05, 0.08, 0.12, 0.16, 0.2].into_iter().map(row).collect();
-    let body = json!({ "model": "nguyen-2021", "youngs_modulus_mpa": truth.youngs_modulus_mpa, "rows": rows });
-    let (status, told) = ask(http, "POST", "/v1/calibrations", body).await;
-    assert_eq!(status, 201, "{told}");
-    told["calibration_id"].clone()
 }
 
 #[tokio::test]

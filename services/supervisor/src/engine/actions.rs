@@ -45,8 +45,10 @@ pub(super) struct Execution<'a> {
     pub(super) place: &'a FleetShard,
     pub(super) shards: &'a mut Shards,
     pub(super) in_force: &'a mut ParamsInForce,
-    /// Roll-out that is running or paused.
+    /// Roll-out that is running or paused; always `None` in further shards of a fleet.
     pub(super) rollout: &'a mut Option<Rollout>,
+    /// Names of all robots of a fleet with several shards; empty if they are not needed, or all are in this shard.
+    pub(super) robots_of_fleet: &'a [String],
     pub(super) metrics: &'a FleetMetrics,
     /// Time for the core.
     pub(super) now: Micros,
@@ -86,7 +88,7 @@ impl Execution<'_> {
     }
 
     /// Sets the parameters for all robots.
-    fn set_params(&mut self, params: Arc<Params>) {
+    pub(super) fn set_params(&mut self, params: Arc<Params>) {
         self.shards.set_params(&params);
         self.in_force.params = params;
     }
@@ -116,6 +118,7 @@ impl Execution<'_> {
             RecordedKind::RolloutResume => self.order_rollout(action, Order::Resume),
             RecordedKind::RolloutAdvance => self.order_rollout(action, Order::Advance),
             RecordedKind::RolloutBack => self.order_rollout(action, Order::RollBack),
+            RecordedKind::RolloutStage => self.follow_rollout(action),
             _ => Err(format!("UNKNOWN_KIND: {} needs no engine", kind.word())),
         }
     }
@@ -234,7 +237,7 @@ impl Execution<'_> {
         self.shards.record(Record::Policy(Box::new(PolicyRow::new(policy, changed))));
     }
 
-    fn put_in_force(&mut self, policy: &PolicyParams, version: i64) {
+    pub(super) fn put_in_force(&mut self, policy: &PolicyParams, version: i64) {
         self.set_params(Arc::new(Params { policy: *policy, ..(*self.in_force.params).clone() }));
         self.in_force.policy_version = version;
         fleet_metrics::show_params(self.metrics, &self.in_force.params, version);

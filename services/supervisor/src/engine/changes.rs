@@ -1,11 +1,18 @@
 //! Reads what operators change between two batches: actions, allow lists, and the errors that decide about a roll-out.
 
+use vibrissa_core::rollout::Verdict;
 use vibrissa_core::units::Micros;
+use vibrissa_edge::actions::RecordedKind;
+use vibrissa_edge::words::Word as _;
+use vibrissa_store::actions::Action;
 
 use super::Engine;
 use super::actions::{ACTIONS_MAX, Execution};
 use super::commit::committer::LeaseLost;
 use super::rollout::Rollout;
+
+/// Actions by which a roll-out enters a stage.
+const ENTERING: [RecordedKind; 2] = [RecordedKind::RolloutStart, RecordedKind::RolloutAdvance];
 
 impl Engine {
     /// Executes the pending actions. If the database is unreachable, this does not wait: the actions stay pending.
@@ -28,8 +35,15 @@ impl Engine {
         if pending.len() as i64 == ACTIONS_MAX {
             self.action_sent.notify_one();
         }
+        let enters_stage = |action: &Action| ENTERING.iter().any(|kind| action.kind == kind.word());
+        let mut robots_of_fleet = Vec::new();
+        if pending.iter().any(enters_stage) {
+            let Some(robots) = committer.robots_of_fleet().await else { return Ok(()) };
+            robots_of_fleet = robots;
+        }
+        let robots_of_fleet = &robots_of_fleet;
         let Self { place, shards, in_force, rollout, metrics, suspects, pipeline, .. } = self;
-        let mut execution = Execution { place, shards, in_force, rollout, metrics, now };
+        let mut execution = Execution { place, shards, in_force, rollout, robots_of_fleet, metrics, now };
         for action in &pending {
             execution.handle(action, suspects, pipeline);
         }
@@ -51,8 +65,16 @@ impl Engine {
                 return Ok(());
             }
         };
+        let Some(rollout) = self.rollout.as_mut() else { return Ok(()) };
+        let comparison = rollout.compare(&errors);
+        let mut robots_of_fleet = Vec::new();
+        if matches!(comparison.verdict, Verdict::Advance(_)) {
+            let Some(robots) = committer.robots_of_fleet().await else { return Ok(()) };
+            robots_of_fleet = robots;
+        }
+        let robots_of_fleet = &robots_of_fleet;
         let Self { place, shards, in_force, rollout, metrics, .. } = self;
-        Execution { place, shards, in_force, rollout, metrics, now }.review_rollout(&errors);
+        Execution { place, shards, in_force, rollout, robots_of_fleet, metrics, now }.review_rollout(comparison);
         self.show_rollout();
         self.pipeline.stepped(0, &self.shards);
         Ok(())

@@ -109,6 +109,8 @@ impl EngineOptions {
         }
         let rollout = open_rollout(&mut writer, &lease, &params).await?;
         shards.set_trial(rollout.as_ref().map(Rollout::trial).as_ref());
+        // The first shard compares and decides; the others follow it.
+        let rollout = rollout.filter(|_| lease.shard().is_first());
         let allowed = writer.allowed_robots(&lease, 0).await?;
         let last = recover(&mut writer, &lease, &mut shards, self.log.as_ref()).await?;
         // Also without an archive here: the last owner may have had one.

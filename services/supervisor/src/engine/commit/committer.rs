@@ -113,6 +113,16 @@ impl Committer {
         (&mut self.writer, &self.lease)
     }
 
+    /// Names of the robots in all shards of the fleet, for a stage of a roll-out; none for a fleet with one shard, whose robots
+    /// the engine has. `None` if the database cannot be read now.
+    pub(crate) async fn robots_of_fleet(&mut self) -> Option<Vec<String>> {
+        if self.lease.shard().is_whole() {
+            return Some(Vec::new());
+        }
+        let robots = self.writer.robots_of_fleet(&self.lease).await;
+        robots.inspect_err(|problem| self.failed(problem, "cannot read the robots of the fleet")).ok()
+    }
+
     /// Counts and logs a failed read or write that is not waited for.
     pub(crate) fn failed(&self, problem: &StoreError, what: &str) {
         self.program.database_failed();

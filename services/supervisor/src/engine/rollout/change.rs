@@ -12,7 +12,8 @@ use crate::params::with_model;
 /// The change of a roll-out.
 #[derive(Debug, Clone)]
 pub(super) enum Change {
-    Policy(PolicyParams),
+    /// A policy, and its version once it is in force.
+    Policy(PolicyParams, i64),
     Calibration(Box<Activation>),
 }
 
@@ -22,7 +23,7 @@ impl Change {
         let malformed = |problem: &dyn std::fmt::Display| format!("MALFORMED: {problem}");
         match kind {
             "POLICY" => match actions::request("POLICY", json, Subject::default()) {
-                Ok(Request::Policy(change)) => Ok(Self::Policy(change.over(base.policy))),
+                Ok(Request::Policy(change)) => Ok(Self::Policy(change.over(base.policy), change.expected_version + 1)),
                 Ok(Request::Operator(_)) => Err(malformed(&"no policy")),
                 Err(problem) => Err(malformed(&problem)),
             },
@@ -33,7 +34,7 @@ impl Change {
     /// The parameters of changed robots.
     pub(super) fn over(&self, base: &Arc<Params>) -> Result<Arc<Params>, Problem> {
         match self {
-            Self::Policy(policy) => Ok(Arc::new(Params { policy: *policy, ..(**base).clone() })),
+            Self::Policy(policy, _) => Ok(Arc::new(Params { policy: *policy, ..(**base).clone() })),
             Self::Calibration(activation) => {
                 with_model(base, &activation.calibration).map_err(|problem| format!("MALFORMED: {problem}"))
             }

@@ -5,21 +5,24 @@
 //! own ([`TrialParams`]); those of the fleet stay until the last stage.
 
 mod change;
+mod compare;
+mod follow;
 
 use std::sync::Arc;
 
 use tracing::{error, info};
 use vibrissa_core::robot::{Event, OperatorAction, Params, Place};
-use vibrissa_core::rollout::{Look, Rules, Stage, Verdict, limit, place, review};
+use vibrissa_core::rollout::{Look, Stage, Verdict, limit, place};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::words::{Word as _, named};
 use vibrissa_protocol::Name;
 use vibrissa_store::actions::Action;
 use vibrissa_store::batch::Record;
-use vibrissa_store::rollouts::{Compared, RobotError, RolloutChange, RolloutEvent, RolloutRow};
+use vibrissa_store::rollouts::{Compared, RolloutChange, RolloutEvent, RolloutRow};
 
 use super::actions::{Execution, Problem};
 use change::Change;
+use compare::{Comparison, told};
 
 /// Actor of events that follow from the errors alone.
 const SUPERVISOR: &str = "supervisor";
@@ -100,26 +103,9 @@ pub(super) enum Order {
     RollBack,
 }
 
-fn median(values: &mut [f64]) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() {
-        0 => None,
-        count if count % 2 == 1 => Some(values[middle]),
-        _ => Some(f64::midpoint(values[middle - 1], values[middle])),
-    }
-}
-
 impl Execution<'_> {
     /// Begins a roll-out with its first stage.
     pub(super) fn start_rollout(&mut self, action: &Action) -> Result<(), Problem> {
-        if !self.place.is_whole() {
-            let shards = self.place.count();
-            return Err(format!(
-                "SHARDS: the fleet has {shards} shards, and a staged roll-out needs all its robots in one: change the policy or \
-                 the calibration of the whole fleet instead"
-            ));
-        }
         if let Some(open) = self.rollout {
             return Err(format!("ROLLOUT_OPEN: roll-out {} has not ended yet", open.row.rollout_id));
         }
@@ -179,28 +165,12 @@ impl Execution<'_> {
         Ok(())
     }
 
-    /// Compares the errors of changed and unchanged robots, then waits, goes on or rolls back.
-    pub(super) fn review_rollout(&mut self, errors: &[RobotError]) {
+    /// After a comparison, waits, goes on or rolls back.
+    pub(super) fn review_rollout(&mut self, Comparison { verdict, is_new }: Comparison) {
         let Some(open) = self.rollout.as_mut() else { return };
-        let trial = open.trial();
-        let of = |is_changed: bool| -> Vec<f64> {
-            let names = errors.iter().filter_map(|one| Some((Name::robot(&one.robot).ok()?, one.error)));
-            names.filter(|(name, _)| trial.has(name) == is_changed).map(|(_, error)| error).collect()
-        };
-        let (mut changed, mut unchanged) = (of(true), of(false));
-        let rules = Rules { level: open.row.level, robots: open.row.robots as u32 };
-        let verdict = review(rules, open.row.looks as u32, &changed, &unchanged);
-        let before = open.row.compared;
-        open.row.compared = Compared {
-            probability: before.probability,
-            changed_robots: changed.len() as i64,
-            unchanged_robots: unchanged.len() as i64,
-            changed_error: median(&mut changed),
-            unchanged_error: median(&mut unchanged),
-        };
         let look = match verdict {
             Verdict::Wait => {
-                if open.row.compared != before {
+                if is_new {
                     open.row.updated_us = wall_clock().0 as i64;
                     let row = open.row.clone();
                     self.shards.record(Record::Rollout(Box::new(RolloutChange { row, event: None })));
@@ -211,7 +181,7 @@ impl Execution<'_> {
         };
         open.row.looks = i64::from(look.looks);
         open.row.compared.probability = Some(look.probability);
-        let (stage, told) = (open.stage(), told(look, rules, &open.row.compared));
+        let (stage, told) = (open.stage(), told(look, open.rules(), &open.row.compared));
         match verdict {
             Verdict::Wait => {}
             Verdict::Continue(_) => self.note(("LOOKED", SUPERVISOR, told), "RUNNING"),
@@ -237,7 +207,10 @@ impl Execution<'_> {
         let Some(open) = self.rollout.as_mut() else { return };
         let before = (event.0 != "STARTED").then(|| open.trial());
         let seed = open.row.rollout_id as u64;
-        let mut places: Vec<u32> = self.shards.robots().map(|known| place(seed, known.name.as_str())).collect();
+        let mut places: Vec<u32> = match self.place.is_whole() {
+            true => self.shards.robots().map(|known| place(seed, known.name.as_str())).collect(),
+            false => self.robots_of_fleet.iter().map(|name| place(seed, name)).collect(),
+        };
         let last = before.as_ref().map_or(0, |trial| trial.place_max);
         open.row.place_max = i64::from(limit(stage, &mut places, last));
         open.row.stage = stage.word().to_owned();
@@ -252,7 +225,7 @@ impl Execution<'_> {
             *self.rollout = None;
             self.shards.set_trial(None);
             match &change {
-                Change::Policy(policy) => {
+                Change::Policy(policy, _) => {
                     self.set_policy(policy, (&row.started_by, row.reason.clone(), row.rollout_id))
                 }
                 Change::Calibration(activation) => {
@@ -286,7 +259,7 @@ impl Execution<'_> {
     /// Tells robots that their parameters have changed.
     fn apply(&mut self, change: &Change, robots: &[Name]) {
         match change {
-            Change::Policy(_) => {
+            Change::Policy(..) => {
                 for name in robots {
                     self.shards.step(name, self.now, &Event::PolicyChanged);
                 }
@@ -308,19 +281,4 @@ impl Execution<'_> {
             }
         }
     }
-}
-
-/// The result of a look, in words.
-fn told(look: Look, rules: Rules, compared: &Compared) -> String {
-    let percent = |error: Option<f64>| error.map_or_else(|| "-".to_owned(), |error| format!("{:.1} %", 100.0 * error));
-    format!(
-        "median error {} of {} changed robots, {} of {} unchanged ones; chance alone looks so much worse with probability {:.4}, \
-         and the limit is {:.4}",
-        percent(compared.changed_error),
-        compared.changed_robots,
-        percent(compared.unchanged_error),
-        compared.unchanged_robots,
-        look.probability,
-        rules.threshold()
-    )
 }

@@ -1,11 +1,15 @@
 //! Staged roll-outs: their state, which the fleet's owner writes, and the errors that they compare.
 
+mod write;
+
+pub(super) use write::write;
+
 use borsh::{BorshDeserialize, BorshSerialize};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tokio::time::Duration;
 use utoipa::ToSchema;
 
-use super::database::{Tx, on};
+use super::database::on;
 use super::from_row::from_row;
 use super::time::Time;
 use super::{Lease, Store, StoreError, Writer, failed};
@@ -87,6 +91,24 @@ pub struct RolloutChange {
     pub row: RolloutRow,
     /// The event that led to it; `None` for new numbers alone.
     pub event: Option<RolloutEvent>,
+}
+
+/// Parameters of the action `ROLLOUT_STAGE`, by which a further shard of the fleet follows a roll-out.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StageOfShard {
+    /// Number of the roll-out.
+    pub rollout_id: i64,
+    /// `POLICY` or `CALIBRATION`.
+    pub kind: String,
+    /// The change, as JSON.
+    pub change: String,
+    /// `STARTED`, `ADVANCED`, `COMPLETED` or `ROLLED_BACK`.
+    pub event: String,
+    /// Greatest place of the robots that the stages before have changed; `None` if none were, and for `ROLLED_BACK`.
+    pub place_before: Option<i64>,
+    /// Greatest place of the robots that change now.
+    pub place_max: i64,
 }
 
 from_row! {
@@ -211,6 +233,22 @@ impl Writer {
     }
 }
 
+impl Writer {
+    /// The names of all robots of the lease's fleet, in all its shards.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn robots_of_fleet(&mut self, lease: &Lease) -> Result<Vec<String>, StoreError> {
+        const WHAT: &str = "read the robots of a fleet";
+        const SQL: &str = "SELECT robot FROM robots WHERE fleet = $1";
+        let fleet = lease.fleet().as_str();
+        self.attempt(WHAT, PATIENCE, async |link| {
+            on!(link, |link| sqlx::query_scalar(SQL).bind(fleet).fetch_all(link).await).map_err(failed(WHAT))
+        })
+        .await
+    }
+}
+
 impl Store {
     /// The events of a roll-out, the newest first.
     ///
@@ -224,55 +262,4 @@ impl Store {
         on!(&self.pool, |pool| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(rollout_id).fetch_all(pool).await)
             .map_err(failed("read the events of a roll-out"))
     }
-}
-
-/// Writes the state of a roll-out, and its event.
-pub(super) async fn write(tx: &mut Tx<'_>, change: &RolloutChange) -> sqlx::Result<()> {
-    const STATE: &str = "INSERT INTO rollouts (rollout_id, fleet, kind, change, state, stage, place_max, level, robots, looks, \
-         probability, changed_robots, unchanged_robots, changed_error, unchanged_error, started_us, stage_us, updated_us, \
-         started_by, reason) \
-         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20) \
-         ON CONFLICT (rollout_id) DO UPDATE SET state = excluded.state, stage = excluded.stage, \
-         place_max = excluded.place_max, looks = excluded.looks, probability = excluded.probability, \
-         changed_robots = excluded.changed_robots, unchanged_robots = excluded.unchanged_robots, \
-         changed_error = excluded.changed_error, unchanged_error = excluded.unchanged_error, \
-         stage_us = excluded.stage_us, updated_us = excluded.updated_us";
-    const EVENT: &str = "INSERT INTO rollout_events (rollout_id, recorded_us, event, stage, actor, detail) \
-         VALUES ($1, $2, $3, $4, $5, $6)";
-    let RolloutChange { row, event } = change;
-    on!(&mut *tx, |tx| sqlx::query(STATE)
-        .bind(row.rollout_id)
-        .bind(&row.fleet)
-        .bind(&row.kind)
-        .bind(&row.change)
-        .bind(&row.state)
-        .bind(&row.stage)
-        .bind(row.place_max)
-        .bind(row.level)
-        .bind(row.robots)
-        .bind(row.looks)
-        .bind(row.compared.probability)
-        .bind(row.compared.changed_robots)
-        .bind(row.compared.unchanged_robots)
-        .bind(row.compared.changed_error)
-        .bind(row.compared.unchanged_error)
-        .bind(row.started_us)
-        .bind(row.stage_us)
-        .bind(row.updated_us)
-        .bind(&row.started_by)
-        .bind(&row.reason)
-        .execute(&mut **tx)
-        .await
-        .map(drop))?;
-    let Some(event) = event else { return Ok(()) };
-    on!(tx, |tx| sqlx::query(EVENT)
-        .bind(row.rollout_id)
-        .bind(row.updated_us)
-        .bind(&event.event)
-        .bind(&row.stage)
-        .bind(&event.actor)
-        .bind(&event.detail)
-        .execute(&mut **tx)
-        .await
-        .map(drop))
 }
