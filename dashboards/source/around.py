@@ -2,7 +2,7 @@
 
 from .grafana import by_name, heatmap, hidden, promql, sql, table, timeseries
 from .rows import time
-from .series import any_of, buckets, largest, lately, mean, of_all, of_fleet, per_second, quantile, rate, shares, total
+from .series import any_of, buckets, largest, lately, least, mean, of_all, of_fleet, per_second, quantile, rate, shares, total
 
 
 def database():
@@ -49,7 +49,9 @@ def database():
 
 
 def engines():
-    behind = f"time() - {largest(of_fleet('vibrissa_archive_position_timestamp_seconds') + ' > 0', 'fleet')}"
+    # The newest position of each shard, which its last owners have, too; of these the oldest.
+    by_shard = largest(of_fleet("vibrissa_archive_position_timestamp_seconds") + " > 0", "fleet, shard")
+    behind = f"time() - {least(by_shard, 'fleet')}"
     skipped = total(lately(of_fleet("vibrissa_kafka_records_skipped_total")), "fleet, reason")
     published = per_second("vibrissa_kafka_events_published_total", "fleet")
     return [

@@ -11,6 +11,7 @@ use vibrissa_protocol::BootId;
 
 use crate::action_notifier::ActionNotifier;
 use crate::archive::Archive;
+use crate::archive_options::ArchiveSource;
 use crate::black_box::BlackBoxes;
 use crate::ending::{Ending, stopped};
 use crate::engine::{ContactRetention, Engine, EngineOptions, JointCommits, Limits};
@@ -146,16 +147,18 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         }
         shared.readiness.listens(&shard, connection.link.clone());
         shared.readiness.set_of(&shard, TAKING_UP, None);
-        // The owner of the first shard archives the whole fleet.
-        let archive = shared.archive.as_ref().filter(|_| shard.number() == 0);
-        let archiving = archive
-            .map(|archive| tokio::spawn(archive.clone().run(lease.clone(), shared.store.clone(), metrics.clone())));
+        let log = shared.kafka.as_ref().and_then(|kafka| kafka.reader(&shard, &metrics));
+        // From the database, the owner of the first shard archives the whole fleet.
+        let archive =
+            shared.archive.as_ref().filter(|archive| archive.source() == ArchiveSource::Log || shard.is_first());
+        let archiving = archive.map(|archive| {
+            tokio::spawn(archive.clone().run(lease.clone(), shared.store.clone(), metrics.clone(), log.clone()))
+        });
         // Dropped at the end of supervision: what is not published yet waits in the outbox.
         let _publishing = match (&shared.kafka, events) {
             (Some(kafka), Some(sink)) => kafka.publish(&shared.store, &shard, &metrics, sink),
             _ => None,
         };
-        let log = shared.kafka.as_ref().and_then(|kafka| kafka.reader(&shard, &metrics));
         run((engine, place), &connection, &metrics, log, stop).await;
         if let Some(task) = archiving {
             // The next owner writes an unfinished file again.
@@ -194,7 +197,7 @@ pub(crate) fn engine_options(
             .as_ref()
             .and_then(|kafka| kafka.reader(lease.shard(), &shared.metrics.of_shard(lease.shard()))),
         boxes: shared.boxes.clone(),
-        is_archived: shared.archive.is_some(),
+        is_archived: shared.archive.as_ref().is_some_and(|archive| archive.source() == ArchiveSource::Database),
         joint: shared.joint.clone(),
         traces: shared.traces.clone(),
     }

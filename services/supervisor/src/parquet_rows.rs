@@ -9,7 +9,7 @@ use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{ColumnPath, Type, TypePtr};
-use vibrissa_store::export::{Cell, ExportColumn, ExportKind, ExportTable};
+use vibrissa_store::export::{Cell, ExportColumn, ExportKind};
 
 /// Number of rows in a row group. They are held in memory until the group is full: some 20 MB.
 const GROUP_ROWS: usize = 65_536;
@@ -27,9 +27,9 @@ impl<W: Write + Send> ParquetRows<W> {
     ///
     /// # Errors
     /// `W` cannot be written.
-    pub fn begin(sink: W, table: &ExportTable) -> anyhow::Result<Self> {
-        let writer = SerializedFileWriter::new(sink, schema(table)?, Arc::new(properties(table)))?;
-        Ok(Self { writer, columns: table.columns, group: vec![Vec::new(); table.columns.len()] })
+    pub fn begin(sink: W, name: &str, columns: &'static [ExportColumn]) -> anyhow::Result<Self> {
+        let writer = SerializedFileWriter::new(sink, schema(name, columns)?, Arc::new(properties(columns)))?;
+        Ok(Self { writer, columns, group: vec![Vec::new(); columns.len()] })
     }
 
     /// Adds a row.
@@ -71,9 +71,9 @@ impl<W: Write + Send> ParquetRows<W> {
 
 /// Differences of whole numbers are small, and of measurements only the first bytes repeat: without these encodings a contact
 /// takes twice as many bytes.
-fn properties(table: &ExportTable) -> WriterProperties {
+fn properties(columns: &[ExportColumn]) -> WriterProperties {
     let plain = WriterProperties::builder().set_compression(Compression::SNAPPY);
-    let columns = table.columns.iter().filter_map(|column| {
+    let encodings = columns.iter().filter_map(|column| {
         let encoding = match column.kind {
             ExportKind::Text => return None,
             ExportKind::Whole | ExportKind::Time => Encoding::DELTA_BINARY_PACKED,
@@ -81,15 +81,15 @@ fn properties(table: &ExportTable) -> WriterProperties {
         };
         Some((ColumnPath::from(column.name), encoding))
     });
-    columns
+    encodings
         .fold(plain, |all, (column, encoding)| {
             all.set_column_dictionary_enabled(column.clone(), false).set_column_encoding(column, encoding)
         })
         .build()
 }
 
-fn schema(table: &ExportTable) -> anyhow::Result<TypePtr> {
-    let fields = table.columns.iter().map(|column| {
+fn schema(name: &str, columns: &[ExportColumn]) -> anyhow::Result<TypePtr> {
+    let fields = columns.iter().map(|column| {
         let (physical, logical) = match column.kind {
             ExportKind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
             ExportKind::Whole => (Physical::INT64, None),
@@ -101,7 +101,7 @@ fn schema(table: &ExportTable) -> anyhow::Result<TypePtr> {
         Ok(Arc::new(field.with_logical_type(logical).with_repetition(repetition).build()?))
     });
     let fields: anyhow::Result<Vec<TypePtr>> = fields.collect();
-    Ok(Arc::new(Type::group_type_builder(table.name).with_fields(fields?).build()?))
+    Ok(Arc::new(Type::group_type_builder(name).with_fields(fields?).build()?))
 }
 
 /// Writes the values of a column, and which rows have one.

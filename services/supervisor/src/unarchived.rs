@@ -2,7 +2,8 @@
 
 use vibrissa_store::{Lease, Store};
 
-use crate::archive_options::ArchiveOptions;
+use crate::archive_options::{ArchiveOptions, ArchiveSource};
+use crate::kafka::LogReader;
 use crate::metrics::FleetMetrics;
 
 /// The archive, which does not exist.
@@ -20,7 +21,11 @@ impl Archive {
         )
     }
 
-    pub(crate) async fn run(self, _: Lease, _: Store, _: FleetMetrics) {
+    pub(crate) fn source(&self) -> ArchiveSource {
+        match *self {}
+    }
+
+    pub(crate) async fn run(self, _: Lease, _: Store, _: FleetMetrics, _: Option<LogReader>) {
         match self {}
     }
 }

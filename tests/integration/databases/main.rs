@@ -12,6 +12,7 @@ mod history;
 mod intent_log;
 mod joint;
 mod leases;
+mod log_archives;
 mod opened;
 mod plans;
 mod refused;

@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use vibrissa_protocol::{ArrayType, Contacts, RobotTopic, SetpointOutcome};
-use vibrissa_tests::kafka::{Kafka, record};
+use vibrissa_tests::kafka::{Bridge, BridgeOptions, Kafka, record};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
 
-use crate::bridge::{Bridge, MESSAGES, record_of, records};
+use crate::bridge::{MESSAGES, record_of, records};
 use crate::stage::{LEARNED, Program};
 
 /// Arguments of a supervisor whose contacts come from the log.
@@ -82,7 +82,15 @@ async fn a_fleet_whose_contacts_come_from_the_log_is_compensated_as_over_mqtt() 
     let mut robot = robot(&broker, &program).await;
     // Without the bridge nothing is heard.
     robot.touch(0, 20).await;
-    let bridge = Bridge::start(broker.port(), &kafka, "r", 1).await;
+    let options = BridgeOptions {
+        mqtt: broker.port(),
+        topic: MESSAGES,
+        partitions: 1,
+        fleet: "f",
+        robots: vec!["r".to_owned()],
+        repeats: false,
+    };
+    let bridge = Bridge::start(&kafka, options).await;
     robot.status().await;
     for whisker in 0..3 {
         robot.touch(whisker, LEARNED + 20).await;

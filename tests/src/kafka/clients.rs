@@ -8,6 +8,8 @@ use rskafka::client::partition::{Compression, PartitionClient, UnknownTopicHandl
 use rskafka::client::{Client, ClientBuilder};
 use rskafka::record::{Record, RecordAndOffset};
 
+use vibrissa_protocol::RobotTopic;
+
 use super::ANSWER;
 
 /// Bytes of one read.
@@ -22,6 +24,13 @@ pub fn record(robot: &str, topic: &str, value: Vec<u8>) -> Record {
         headers: BTreeMap::from([("topic".to_owned(), topic.as_bytes().to_vec())]),
         timestamp: Utc::now(),
     }
+}
+
+/// The record of a robot's message as a bridge writes it.
+#[must_use]
+pub fn record_of(fleet: &str, robot: &str, kind: RobotTopic, value: Vec<u8>) -> Record {
+    let topic = format!("whisker/v1/{fleet}/{robot}/{kind}");
+    Record { key: Some(format!("{fleet}/{robot}").into_bytes()), ..record(robot, &topic, value) }
 }
 
 /// Writes to a partition.

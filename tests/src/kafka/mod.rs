@@ -1,5 +1,6 @@
 //! Brokers of Apache Kafka, which `tests/kafka` installs, and clients of them.
 
+mod bridge;
 mod clients;
 
 use std::fs;
@@ -18,7 +19,8 @@ use crate::network::Place;
 use crate::process::{Launch, Process};
 use crate::wait::until_within;
 
-pub use clients::{Names, Reader, Writer, record};
+pub use bridge::{Bridge, BridgeOptions};
+pub use clients::{Names, Reader, Writer, record, record_of};
 use clients::{connect, partition_client};
 
 /// Time limit of a start, and of an election. Java takes some seconds on a busy machine.

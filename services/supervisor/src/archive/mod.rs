@@ -1,16 +1,18 @@
 //! The archive of contacts: Parquet files on an object store, by fleet and day.
 //!
-//! The owner of a fleet's first shard writes one file after the other. The database has the position, and the span of the file
+//! From the database, the owner of a fleet's first shard writes one file after the other ([`from_log`] tells of the log). The database has the position, and the span of the file
 //! that is being written (`vibrissa_store::archive`). The name of a file follows from its span, so an attempt that was
 //! interrupted at any moment is repeated under the same name with the same contacts. Failures delay the archive, and nothing
 //! else.
 
+mod file;
+mod from_log;
 mod object;
+mod seen;
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::io::AsyncWriteExt as _;
 use tokio::sync::mpsc;
 use tokio::time::sleep;
 use tracing::{debug, error, info, warn};
@@ -21,11 +23,13 @@ use vibrissa_store::export::CONTACTS;
 use vibrissa_store::fault::{self, Fault};
 use vibrissa_store::{Lease, Store, StoreError, Writer};
 
-use crate::archive_options::ArchiveOptions;
+use crate::archive_options::{ArchiveOptions, ArchiveSource};
 use crate::backoff::Backoff;
+use crate::kafka::LogReader;
 use crate::metrics::FleetMetrics;
-use crate::parquet_rows::ParquetRows;
-use object::{Objects, Piece};
+use file::File;
+use from_log::FromLog;
+use object::Objects;
 
 /// Longest pause between two looks for a span that is complete.
 const LOOK_EVERY: Duration = Duration::from_secs(5);
@@ -37,7 +41,8 @@ const GROUPS: usize = 4;
 #[derive(Debug, Clone)]
 pub(crate) struct Archive {
     objects: Arc<Objects>,
-    every_us: i64,
+    every: Duration,
+    source: ArchiveSource,
 }
 
 impl Archive {
@@ -46,21 +51,30 @@ impl Archive {
     /// # Errors
     /// The URL is not one of a folder or bucket, or the folder or the file of the secret cannot be read.
     pub(crate) fn open(options: &ArchiveOptions) -> anyhow::Result<Self> {
-        let every_us = i64::try_from(options.every.as_micros()).unwrap_or(i64::MAX);
-        Ok(Self { objects: Arc::new(Objects::open(options)?), every_us })
+        Ok(Self { objects: Arc::new(Objects::open(options)?), every: options.every, source: options.source })
     }
 
-    /// Archives the contacts of the lease's fleet until the lease is lost.
-    pub(crate) async fn run(self, lease: Lease, store: Store, metrics: FleetMetrics) {
+    /// Where the contacts come from.
+    pub(crate) fn source(&self) -> ArchiveSource {
+        self.source
+    }
+
+    /// Archives until the lease is lost: from the log the contacts of the lease's shard, otherwise those of its fleet.
+    pub(crate) async fn run(self, lease: Lease, store: Store, metrics: FleetMetrics, log: Option<LogReader>) {
         let mut writer = store.writer();
         let mut backoff = Backoff::default();
-        let fleet = lease.fleet().clone();
+        let fleet = lease.shard().clone();
+        let mut from_log = log.filter(|_| self.source == ArchiveSource::Log).map(FromLog::new);
         loop {
-            match self.next(&lease, &store, &mut writer, &metrics).await {
+            let done = match &mut from_log {
+                Some(from_log) => from_log.next(&self, &lease, &mut writer, &metrics).await,
+                None => self.next(&lease, &store, &mut writer, &metrics).await,
+            };
+            match done {
                 Ok(is_more) => {
                     backoff = Backoff::default();
                     if !is_more {
-                        sleep(LOOK_EVERY.min(Duration::from_micros(self.every_us.unsigned_abs()))).await;
+                        sleep(LOOK_EVERY.min(self.every)).await;
                     }
                 }
                 Err(problem) if is_lease_lost(&problem) => return debug!(%fleet, "archiving ends with the lease"),
@@ -83,14 +97,10 @@ impl Archive {
     ) -> anyhow::Result<bool> {
         let fleet = lease.fleet();
         store.begin_archives(std::slice::from_ref(fleet), wall_clock().0 as i64).await?;
-        let planned = writer.plan_archive(lease, self.every_us).await?;
+        let planned = writer.plan_archive(lease, i64::try_from(self.every.as_micros()).unwrap_or(i64::MAX)).await?;
         if let Some(span) = planned {
             let archived = self.write(lease, store, writer, span).await?;
-            if fault::is(Fault::DeathAfterUpload) && archived.bytes > 0 {
-                // A fault planted by a test.
-                error!("a test ends the process");
-                std::process::abort();
-            }
+            strike(archived);
             writer.advance_archive(lease, span, archived).await?;
             metrics.archive_contacts.inc_by(archived.contacts);
             metrics.archive_bytes.inc_by(archived.bytes);
@@ -108,45 +118,44 @@ impl Archive {
     /// Writes the file of a span; none if there are no contacts.
     async fn write(&self, lease: &Lease, store: &Store, writer: &mut Writer, span: Span) -> anyhow::Result<Archived> {
         let fleet = lease.fleet();
-        let path = path(fleet, span);
-        let mut object = self.objects.writer(&path)?;
+        let mut file = File::begin(&self.objects, path(fleet, span), CONTACTS.columns)?;
         let (found, mut read) = mpsc::channel(GROUPS);
         let reading = async { store.read_span(fleet, span, found).await.map_err(anyhow::Error::from) };
         let writing = async {
-            let piece = Piece::default();
-            let mut rows = ParquetRows::begin(piece.clone(), &CONTACTS)?;
-            let mut archived = Archived::default();
             while let Some(group) = read.recv().await {
-                archived.contacts += group.len() as u64;
                 for cells in group {
-                    rows.push(cells)?;
+                    file.push(cells).await?;
                 }
-                let bytes = piece.take();
-                archived.bytes += bytes.len() as u64;
-                object.write_all(&bytes).await?;
             }
-            rows.finish()?;
-            let bytes = piece.take();
-            archived.bytes += bytes.len() as u64;
-            object.write_all(&bytes).await?;
-            anyhow::Ok(archived)
+            anyhow::Ok(())
         };
-        let ((), archived) = tokio::try_join!(reading, writing)?;
-        if archived.contacts == 0 {
+        tokio::try_join!(reading, writing)?;
+        if file.contacts() == 0 {
             return Ok(Archived::default());
         }
         // Otherwise another supervisor has archived the span, and some of its contacts may have been deleted meanwhile.
         anyhow::ensure!(writer.is_archive_planned(lease, span).await?, "another supervisor has archived this span");
-        object.shutdown().await?;
-        self.objects.settle(&path).await?;
-        Ok(archived)
+        file.complete(&self.objects).await
     }
 }
 
-/// Name of the file of a span, in the form by which readers recognise the fleet and the day.
+/// Dies if a test has planted that fault, and a file has been written.
+fn strike(archived: Archived) {
+    if fault::is(Fault::DeathAfterUpload) && archived.bytes > 0 {
+        error!("a test ends the process");
+        std::process::abort();
+    }
+}
+
+/// Folder of a fleet's contacts of a day, in the form by which readers recognise both.
+fn folder(fleet: &Name, us: i64) -> String {
+    let day: String = Timestamp(us.unsigned_abs()).to_string().chars().take(10).collect();
+    format!("fleet={fleet}/day={day}")
+}
+
+/// Name of the file of a span.
 fn path(fleet: &Name, span: Span) -> String {
-    let day: String = Timestamp(span.from_us.unsigned_abs()).to_string().chars().take(10).collect();
-    format!("fleet={fleet}/day={day}/contacts-{}-{}.parquet", span.from_us, span.to_us)
+    format!("{}/contacts-{}-{}.parquet", folder(fleet, span.from_us), span.from_us, span.to_us)
 }
 
 fn is_lease_lost(problem: &anyhow::Error) -> bool {

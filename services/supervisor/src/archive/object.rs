@@ -92,6 +92,11 @@ fn s3(bucket: &str, options: &S3Options) -> anyhow::Result<object_store::aws::Am
 pub(super) struct Piece(Arc<Mutex<Vec<u8>>>);
 
 impl Piece {
+    /// Number of bytes.
+    pub(super) fn len(&self) -> usize {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
     /// Removes and returns the bytes.
     pub(super) fn take(&self) -> Vec<u8> {
         std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))

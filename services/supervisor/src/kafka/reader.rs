@@ -20,9 +20,9 @@ use crate::log_inbox::{LogBatch, LogRecord, LogStart, Skipped};
 use crate::metrics::FleetMetrics;
 
 /// Bytes of one read.
-const READ_BYTES: i32 = 1024 * 1024;
+pub(super) const READ_BYTES: i32 = 1024 * 1024;
 /// Time for which a broker waits for new records, ms. It bounds the delay after a change of the leader, not that of records.
-const WAIT_MS: i32 = 500;
+pub(super) const WAIT_MS: i32 = 500;
 /// Most records that the engine steps at a time.
 const RECORDS_AT_A_TIME: usize = 512;
 /// Headers with the MQTT topic, as bridges name them.
@@ -35,7 +35,7 @@ const MISCONFIGURED: Duration = Duration::from_secs(2);
 pub(crate) struct LogReader {
     connector: Connector,
     topic: Arc<str>,
-    shard: FleetShard,
+    pub(super) shard: FleetShard,
     metrics: FleetMetrics,
     again: Arc<Mutex<Option<Again>>>,
 }
@@ -73,7 +73,7 @@ impl LogReader {
     ///
     /// # Errors
     /// The log does not answer, or the topic has not as many partitions as the fleet has shards.
-    async fn open(&self) -> Result<Arc<PartitionClient>, KafkaError> {
+    pub(super) async fn open(&self) -> Result<Arc<PartitionClient>, KafkaError> {
         let mut log = self.connector.connect().await?;
         let (partitions, shards) = (log.partitions(&self.topic)?, self.shard.count());
         if partitions != shards {
@@ -219,12 +219,12 @@ impl LogReader {
         }
     }
 
-    fn skipped(&self, reason: Skipped, count: u64) {
+    pub(super) fn skipped(&self, reason: Skipped, count: u64) {
         self.metrics.log_skipped.of([reason.word()]).inc_by(count);
     }
 
     /// The message of a record.
-    fn message(&self, record: RecordAndOffset) -> Result<LogRecord, Skipped> {
+    pub(super) fn message(&self, record: RecordAndOffset) -> Result<LogRecord, Skipped> {
         let RecordAndOffset { record, offset } = record;
         let header = TOPIC_HEADERS.iter().find_map(|&name| record.headers.get(name));
         let text = header.or(record.key.as_ref()).and_then(|text| std::str::from_utf8(text).ok());

@@ -146,7 +146,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
         queries: &[
             (
                 "Seconds by which the archive is behind",
-                "time() - max by (fleet) (vibrissa_archive_position_timestamp_seconds > 0)",
+                "time() - min by (fleet) (max by (fleet, shard) (vibrissa_archive_position_timestamp_seconds > 0))",
             ),
             (
                 "Bytes per archived contact",

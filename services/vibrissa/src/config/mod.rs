@@ -139,7 +139,6 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let lease = reader.number(Key::LeaseTimeToLiveS);
     let keep = reader.word::<KeepArg>(Key::ContactsKeep);
     let keep = keep.map(ContactRetention::from);
-    let archive = archive::archive(reader, keep);
     let (contacts_days, minutes_days) = (reader.whole(Key::ContactsDays), reader.whole(Key::RollupsMinutesDays));
     let black_box_days = reader.whole(Key::BlackBoxDays);
     let black_boxes = black_boxes(reader);
@@ -149,6 +148,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let http = http::listeners(reader);
     let access = http::access(reader);
     let kafka = kafka::kafka(reader);
+    let archive = archive::archive(reader, keep, kafka.as_ref().is_none_or(|kafka| kafka.ingest.is_some()));
     let allowed_hosts = reader.texts(Key::WebhooksAllowedHosts);
     let series = reader.word::<SeriesArg>(Key::MetricsSeries);
     let traces = traces::traces(reader);

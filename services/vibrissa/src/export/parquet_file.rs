@@ -17,7 +17,7 @@ impl ParquetFile {
     /// # Errors
     /// The file cannot be created.
     pub fn create(path: &Path, table: &ExportTable) -> anyhow::Result<Self> {
-        ParquetRows::begin(NewFile::create(path)?, table).map(Self)
+        ParquetRows::begin(NewFile::create(path)?, table.name, table.columns).map(Self)
     }
 }
 
