@@ -2,7 +2,7 @@
 
 -- The records of `topic` before `next_offset` are archived. `planned_to` is the offset after the last record of the files that
 -- are being written; NULL between files. `seen` has the messages that the files up to `next_offset` contain, as JSON, because
--- the log may have a message twice. `files`, `contacts` and `bytes` count what was archived.
+-- the log may have a message twice. `files`, `contacts` and `bytes` count the archived ones.
 CREATE TABLE log_archives (
     fleet       TEXT   NOT NULL,
     shard       BIGINT NOT NULL,

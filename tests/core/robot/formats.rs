@@ -34,6 +34,11 @@ const WHISKERS_10: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-10-1.bin"),
     include_bytes!("../../data/formats/whisker-10-2.bin"),
 ];
+const WHISKERS_11: [&[u8]; 3] = [
+    include_bytes!("../../data/formats/whisker-11-0.bin"),
+    include_bytes!("../../data/formats/whisker-11-1.bin"),
+    include_bytes!("../../data/formats/whisker-11-2.bin"),
+];
 const WHISKERS_6: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-6-0.bin"),
     include_bytes!("../../data/formats/whisker-6-1.bin"),
@@ -45,19 +50,19 @@ fn restored(whiskers: [&[u8]; 3]) -> Result<Robot, RestoreError> {
 }
 
 #[test]
-fn golden_whiskers_of_older_versions_are_read_and_become_version_10() {
+fn golden_whiskers_of_older_versions_are_read_and_become_version_11() {
     let robot = restored(WHISKERS_5).unwrap();
     if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        for index in 0..WHISKERS_10.len() {
+        for index in 0..WHISKERS_11.len() {
             let bytes = robot.whisker_to_bytes(index).unwrap();
-            std::fs::write(format!("../data/formats/whisker-10-{index}.bin"), bytes).unwrap();
+            std::fs::write(format!("../data/formats/whisker-11-{index}.bin"), bytes).unwrap();
         }
     }
-    for older in [WHISKERS_6, WHISKERS_7, WHISKERS_8, WHISKERS_9, WHISKERS_10] {
+    for older in [WHISKERS_6, WHISKERS_7, WHISKERS_8, WHISKERS_9, WHISKERS_10, WHISKERS_11] {
         assert_eq!(robot, restored(older).unwrap());
     }
     assert_eq!(robot.to_bytes().unwrap(), ROBOT_8);
-    for (index, bytes) in WHISKERS_10.into_iter().enumerate() {
+    for (index, bytes) in WHISKERS_11.into_iter().enumerate() {
         assert_eq!(robot.whisker_to_bytes(index).unwrap(), bytes, "whisker {index}");
     }
     // A trimmed whisker in the middle of its compensation.
@@ -81,8 +86,8 @@ fn golden_robots_of_older_versions_become_version_8() {
 
 #[test]
 fn a_whisker_of_a_later_version_is_refused() {
-    let mut later = WHISKERS_10[0].to_vec();
+    let mut later = WHISKERS_11[0].to_vec();
     later[0] += 1;
-    let refused = restored([&later, WHISKERS_10[1], WHISKERS_10[2]]);
+    let refused = restored([&later, WHISKERS_11[1], WHISKERS_11[2]]);
     assert_eq!(refused.err(), Some(RestoreError::Whisker(0)));
 }

@@ -71,7 +71,7 @@ impl Rig {
         Some(Self { kafka, server, folder, stage, _bridge: bridge })
     }
 
-    /// Stops the contacts, waits until all are archived, and compares the files with what robots made.
+    /// Stops the contacts, waits until all are archived, and compares the files with the robots' record.
     async fn end(self) -> (Verdict, Archive, Postgres) {
         self.stage.robots.rest();
         let undelivered = async || (self.stage.robots.undelivered() == 0).then_some(());

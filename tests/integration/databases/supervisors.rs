@@ -85,7 +85,7 @@ impl Stage {
         sqlx::query_scalar(sql).fetch_all(&mut self.link().await).await.unwrap()
     }
 
-    /// Executes statements.
+    /// Executes statements that return no rows.
     pub(crate) async fn execute(&self, sql: &'static str) {
         sqlx::raw_sql(sql).execute(&mut self.link().await).await.unwrap();
     }

@@ -21,9 +21,9 @@ pub struct BridgeOptions {
     pub topic: &'static str,
     /// Number of its partitions.
     pub partitions: u32,
-    /// The fleet.
+    /// Name of the robots' fleet.
     pub fleet: &'static str,
-    /// Its robots.
+    /// Names of the robots whose messages it carries.
     pub robots: Vec<String>,
     /// Whether each record is written twice, as after a lost confirmation.
     pub repeats: bool,

@@ -34,7 +34,7 @@ pub(super) struct FromLog {
     log: LogReader,
     /// The connection, while it works.
     open: Option<OpenLog>,
-    /// What the database knows, once it was read.
+    /// Position in the database; `None` before it is read.
     position: Option<Position>,
     /// Begin of the time that the next files cover.
     since: Instant,
@@ -80,7 +80,7 @@ impl FromLog {
         asked_at: Micros,
         (archive, lease, writer, metrics): (&Archive, &Lease, &mut Writer, &FleetMetrics),
     ) -> anyhow::Result<bool> {
-        // After a failure the database is asked again: the transaction may have been committed.
+        // After a failure the position is unknown: the transaction may be committed.
         let mut position = match self.position.take() {
             Some(position) => position,
             None => self.read(lease, writer, log).await?,

@@ -14,7 +14,7 @@ use crate::robot::state::whisker::{Air, Whisker};
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 10;
+const VERSION: u32 = 11;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
 const FIRST_MARKED: u32 = 6;
 /// Added to the version; the flags of an older whisker are less than this.
@@ -93,7 +93,7 @@ impl BorshSerialize for Whisker {
         self.rare.reach.iter().try_for_each(|one| one.serialize(writer))?;
         self.rare.length_test.iter().try_for_each(|one| one.serialize(writer))?;
         if set {
-            self.rare.set_at.serialize(writer)?;
+            (self.rare.set_at, self.rare.set_heard).serialize(writer)?;
         }
         Ok(())
     }
@@ -178,6 +178,7 @@ impl BorshDeserialize for Whisker {
                 attempts: 0,
                 not_before: Micros::default(),
                 set_at: Micros::default(),
+                set_heard: Micros::default(),
             }),
             desired: of(desired, reader)?,
             command: of(command, reader)?,
@@ -192,7 +193,11 @@ impl BorshDeserialize for Whisker {
             (rare.reach, rare.length_test) = (of(reach, reader)?, of(length_test, reader)?);
         }
         if set {
-            read.rare.get_or_insert().set_at = BorshDeserialize::deserialize_reader(reader)?;
+            let rare = read.rare.get_or_insert();
+            rare.set_at = BorshDeserialize::deserialize_reader(reader)?;
+            if version >= 11 {
+                rare.set_heard = BorshDeserialize::deserialize_reader(reader)?;
+            }
         }
         Ok(read)
     }

@@ -5,8 +5,13 @@ use crate::robot::Robot;
 use crate::robot::effect::{Effect, Fault, Reason, WhiskerIndex};
 use crate::robot::event::{GaugeState, Link, RegulatorState, WhiskerStatus};
 use crate::robot::params::Params;
+use crate::robot::state::rare_state::RareState;
 use crate::robot::state::whisker::{Holds, Whisker};
 use crate::units::{Megapascal, Micros};
+
+/// Time after a report of a setpoint in which a status from before it is taken for a late one. A log is read again within
+/// seconds after an outage; robots send a status every 10 s.
+const LATE_FOR: Micros = Micros(60_000_000);
 
 impl Robot {
     pub(in crate::robot) fn status(
@@ -34,11 +39,15 @@ impl Robot {
     }
 
     /// Whether a status was sent before the robot reported its last setpoint, and arrived after that report: brokers and
-    /// logs keep the order of messages only within a topic. The pressure that it reports is a former one. A clock that has
-    /// gone back meanwhile says nothing of the order.
+    /// logs keep the order of messages only within a topic. The pressure that it reports is a former one.
+    ///
+    /// A robot's clock that has gone back meanwhile says nothing of the order. But statuses that come late from a log make
+    /// the clock seem to have gone back, too. So the estimate of the clock counts only some time after the report.
     fn is_from_before_setpoint(&self, now: Micros, robot_time: Micros, index: WhiskerIndex) -> bool {
-        let set_at = self.whiskers[index].rare.set_at;
-        robot_time < set_at && self.head.clock.robot_time(now).is_some_and(|at_present| at_present >= set_at)
+        let rare: &RareState = &self.whiskers[index].rare;
+        let is_recent = now.since(rare.set_heard) < LATE_FOR;
+        let present = self.head.clock.robot_time(now);
+        robot_time < rare.set_at && (is_recent || present.is_some_and(|at_present| at_present >= rare.set_at))
     }
 
     /// Follows the setpoint that a robot reports, except a stray pressure, which is undone first. At the nominal

@@ -216,7 +216,8 @@ impl Robot {
         let Some(flight) = &mut whisker.command else { return };
         let pressure = flight.command.pressure;
         if matches!(report, SetpointReport::Applying | SetpointReport::Applied(_)) {
-            whisker.rare.get_or_insert().set_at = robot_time;
+            let rare = whisker.rare.get_or_insert();
+            (rare.set_at, rare.set_heard) = (robot_time, now);
         }
         match report {
             SetpointReport::Received => {

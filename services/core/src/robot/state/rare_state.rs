@@ -33,6 +33,8 @@ pub(in crate::robot) struct RareState {
     /// When the robot sent its last report that it moves to a setpoint or holds it, by its own clock; 0 before the
     /// first.
     pub set_at: Micros,
+    /// When that report was received, by the supervisor's clock.
+    pub set_heard: Micros,
 }
 
 static NONE: RareState = RareState {
@@ -46,6 +48,7 @@ static NONE: RareState = RareState {
     attempts: 0,
     not_before: Micros(0),
     set_at: Micros(0),
+    set_heard: Micros(0),
 };
 
 /// The rare state of a whisker. It reads as [`NONE`] until something is put into it.
