@@ -36,11 +36,14 @@ from_row! {
         pub planned_to: Option<i64>,
         /// Messages in the files up to the position, as JSON.
         pub seen: String,
+        /// Time before which all received records are archived, µs since 1970 UTC.
+        pub archived_to_us: i64,
     }
 }
 
 async fn position(tx: &mut Tx<'_>, lease: &Lease) -> sqlx::Result<Option<LogArchive>> {
-    const SQL: &str = "SELECT topic, next_offset, planned_to, seen FROM log_archives WHERE fleet = $1 AND shard = $2";
+    const SQL: &str =
+        "SELECT topic, next_offset, planned_to, seen, archived_to_us FROM log_archives WHERE fleet = $1 AND shard = $2";
     let (fleet, shard) = (lease.fleet().as_str(), lease.shard_number());
     on!(tx, |tx| sqlx::query_as(SQL).bind(fleet).bind(shard).fetch_optional(&mut **tx).await)
 }
@@ -62,15 +65,21 @@ impl Writer {
         .await
     }
 
-    /// Writes down the records of the next files, and the messages in the files before them.
+    /// Writes down the records of the next files, the messages in the files before them, and the time up to which these reach.
     ///
     /// # Errors
     /// The database cannot be written, or the lease is lost.
-    pub async fn plan_log_archive(&mut self, lease: &Lease, span: &LogSpan, seen: &str) -> Result<(), StoreError> {
+    pub async fn plan_log_archive(
+        &mut self,
+        lease: &Lease,
+        span: &LogSpan,
+        (seen, archived_to_us): (&str, i64),
+    ) -> Result<(), StoreError> {
         const WHAT: &str = "plan files of the archive from the log";
-        const SQL: &str = "INSERT INTO log_archives (fleet, shard, topic, next_offset, planned_to, seen) \
-             VALUES ($1, $2, $3, $4, $5, $6) ON CONFLICT (fleet, shard) DO UPDATE SET topic = excluded.topic, \
-             next_offset = excluded.next_offset, planned_to = excluded.planned_to, seen = excluded.seen";
+        const SQL: &str = "INSERT INTO log_archives (fleet, shard, topic, next_offset, planned_to, seen, archived_to_us) \
+             VALUES ($1, $2, $3, $4, $5, $6, $7) ON CONFLICT (fleet, shard) DO UPDATE SET topic = excluded.topic, \
+             next_offset = excluded.next_offset, planned_to = excluded.planned_to, seen = excluded.seen, \
+             archived_to_us = excluded.archived_to_us";
         self.attempt(WHAT, PATIENCE, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
@@ -81,6 +90,7 @@ impl Writer {
                 .bind(span.from)
                 .bind(span.to)
                 .bind(seen)
+                .bind(archived_to_us)
                 .execute(&mut **tx)
                 .await
                 .map(drop))
@@ -99,11 +109,12 @@ impl Writer {
         &mut self,
         lease: &Lease,
         span: &LogSpan,
-        (seen, files, archived): (&str, u64, Archived),
+        (seen, archived_to_us): (&str, i64),
+        (files, archived): (u64, Archived),
     ) -> Result<(), StoreError> {
         const WHAT: &str = "advance the archive's position in the log";
         const SQL: &str = "UPDATE log_archives SET next_offset = $4, planned_to = NULL, seen = $5, files = files + $6, \
-             contacts = contacts + $7, bytes = bytes + $8 \
+             contacts = contacts + $7, bytes = bytes + $8, archived_to_us = $9 \
              WHERE fleet = $1 AND shard = $2 AND next_offset = $3 AND planned_to = $4";
         self.attempt(WHAT, PATIENCE, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
@@ -117,6 +128,7 @@ impl Writer {
                 .bind(files as i64)
                 .bind(archived.contacts as i64)
                 .bind(archived.bytes as i64)
+                .bind(archived_to_us)
                 .execute(&mut **tx)
                 .await
                 .map(drop))

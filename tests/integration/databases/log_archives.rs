@@ -14,26 +14,27 @@ async fn a_position_advances_over_its_plan_only(database: &Fresh) {
     assert_eq!(writer.log_archive(&lease).await.unwrap(), None);
     let span = |from, to| LogSpan { topic: "t".to_owned(), from, to };
     let at = |next_offset, planned_to, seen: &str| {
-        Some(LogArchive { topic: "t".to_owned(), next_offset, planned_to, seen: seen.to_owned() })
+        let archived_to_us = if seen == "none" { 100 } else { 200 };
+        Some(LogArchive { topic: "t".to_owned(), next_offset, planned_to, seen: seen.to_owned(), archived_to_us })
     };
-    writer.plan_log_archive(&lease, &span(5, 9), "none").await.unwrap();
+    writer.plan_log_archive(&lease, &span(5, 9), ("none", 100)).await.unwrap();
     assert_eq!(writer.log_archive(&lease).await.unwrap(), at(5, Some(9), "none"));
 
     let archived = Archived { contacts: 7, bytes: 700 };
     for other in [span(4, 9), span(5, 8)] {
-        writer.advance_log_archive(&lease, &other, ("some", 1, archived)).await.unwrap();
+        writer.advance_log_archive(&lease, &other, ("some", 200), (1, archived)).await.unwrap();
         assert_eq!(writer.log_archive(&lease).await.unwrap(), at(5, Some(9), "none"), "{other:?} is not the plan");
     }
     // The second time changes nothing: the first answer was lost.
     for _ in 0..2 {
-        writer.advance_log_archive(&lease, &span(5, 9), ("some", 1, archived)).await.unwrap();
+        writer.advance_log_archive(&lease, &span(5, 9), ("some", 200), (1, archived)).await.unwrap();
         assert_eq!(writer.log_archive(&lease).await.unwrap(), at(9, None, "some"));
     }
 
     // A lease that was lost writes nothing.
     writer.release(&lease).await.unwrap();
     let next = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
-    let refused = writer.plan_log_archive(&lease, &span(9, 12), "other").await.unwrap_err();
+    let refused = writer.plan_log_archive(&lease, &span(9, 12), ("other", 300)).await.unwrap_err();
     assert!(matches!(refused, StoreError::LeaseLost { .. }), "{refused}");
     assert_eq!(writer.log_archive(&next).await.unwrap(), at(9, None, "some"));
 }

@@ -44,6 +44,8 @@ struct Position {
     next: i64,
     planned: Option<LogSpan>,
     seen: Seen,
+    /// Time before which all received records are archived, µs since 1970 UTC.
+    archived_to_us: i64,
 }
 
 impl FromLog {
@@ -83,13 +85,18 @@ impl FromLog {
         // After a failure the position is unknown: the transaction may be committed.
         let mut position = match self.position.take() {
             Some(position) => position,
-            None => self.read(lease, writer, log).await?,
+            None => {
+                let position = self.read(lease, writer, log).await?;
+                metrics.archive_position_timestamp_seconds.set(position.archived_to_us as f64 / 1e6);
+                position
+            }
         };
         let span = match position.planned.take() {
             Some(span) => span,
             None => {
                 let (from, waiting) = (position.next, log.latest - position.next);
                 if waiting == 0 {
+                    position.archived_to_us = asked_at.0 as i64;
                     metrics.archive_position_timestamp_seconds.set(asked_at.as_s());
                 }
                 if waiting == 0 || (waiting < RECORDS_MAX && self.since.elapsed() < archive.every) {
@@ -97,50 +104,52 @@ impl FromLog {
                     return Ok(false);
                 }
                 let span = LogSpan { topic: self.log.topic().to_owned(), from, to: log.latest.min(from + RECORDS_MAX) };
-                writer.plan_log_archive(lease, &span, &position.seen.to_json()?).await?;
+                let seen = position.seen.to_json()?;
+                writer.plan_log_archive(lease, &span, (&seen, position.archived_to_us)).await?;
                 span
             }
         };
         let written = write(archive, lease, writer, log, &span, &mut position.seen).await?;
         strike(written.archived);
         let seen = position.seen.to_json()?;
-        writer.advance_log_archive(lease, &span, (&seen, written.files, written.archived)).await?;
+        let is_more = log.latest > span.to;
+        // The newest record in the log, when its end was read; else that of the span.
+        let reached_us = if is_more { written.newest_us } else { Some(asked_at.0 as i64) };
+        let archived_to_us = reached_us.unwrap_or(position.archived_to_us);
+        let advanced = (written.files, written.archived);
+        writer.advance_log_archive(lease, &span, (&seen, archived_to_us), advanced).await?;
         let Archived { contacts, bytes } = written.archived;
         metrics.archive_contacts.inc_by(contacts);
         metrics.archive_bytes.inc_by(bytes);
         let LogSpan { topic, from, to } = &span;
         info!(fleet = %lease.shard(), topic, from, to, files = written.files, contacts, bytes, "contacts archived from the log");
-        let is_more = log.latest > span.to;
-        if !is_more {
-            metrics.archive_position_timestamp_seconds.set(asked_at.as_s());
-        } else if let Some(newest_us) = written.newest_us {
-            metrics.archive_position_timestamp_seconds.set(newest_us as f64 / 1e6);
-        }
+        metrics.archive_position_timestamp_seconds.set(archived_to_us as f64 / 1e6);
         self.since = Instant::now();
-        self.position = Some(Position { next: span.to, planned: None, seen: position.seen });
+        self.position = Some(Position { next: span.to, planned: None, seen: position.seen, archived_to_us });
         Ok(is_more)
     }
 
     /// Reads the position from the database. A partition without one is archived from its first record.
     async fn read(&self, lease: &Lease, writer: &mut Writer, log: &OpenLog) -> anyhow::Result<Position> {
         let Some(known) = writer.log_archive(lease).await? else {
-            return Ok(Position { next: log.earliest, planned: None, seen: Seen::default() });
+            let archived_to_us = wall_clock().0 as i64;
+            return Ok(Position { next: log.earliest, planned: None, seen: Seen::default(), archived_to_us });
         };
-        let seen = Seen::from_json(&known.seen)?;
+        let (seen, archived_to_us) = (Seen::from_json(&known.seen)?, known.archived_to_us);
         if known.topic != self.log.topic() || known.next_offset > log.latest {
             error!(
                 fleet = %lease.shard(), archived_topic = known.topic, topic = self.log.topic(), at = known.next_offset,
                 latest = log.latest,
                 "the archive was written from another topic, or the topic was created anew: archiving from its first record"
             );
-            return Ok(Position { next: log.earliest, planned: None, seen });
+            return Ok(Position { next: log.earliest, planned: None, seen, archived_to_us });
         }
         let next = known.next_offset;
         let planned = known.planned_to.map(|to| LogSpan { topic: known.topic, from: next, to });
         if next < log.earliest {
             log.tell_deleted(next);
         }
-        Ok(Position { next: next.max(log.earliest), planned, seen })
+        Ok(Position { next: next.max(log.earliest), planned, seen, archived_to_us })
     }
 }
 

@@ -1,9 +1,9 @@
 //! The archive of contacts: Parquet files on an object store, by fleet and day.
 //!
-//! From the database, the owner of a fleet's first shard writes one file after the other ([`from_log`] tells of the log). The database has the position, and the span of the file
-//! that is being written (`vibrissa_store::archive`). The name of a file follows from its span, so an attempt that was
-//! interrupted at any moment is repeated under the same name with the same contacts. Failures delay the archive, and nothing
-//! else.
+//! From the database, the owner of a fleet's first shard writes one file after the other; [`from_log`] tells of the log. The
+//! database has the position, and the span of the file that is being written (`vibrissa_store::archive`). The name of a file
+//! follows from its span, so an attempt that was interrupted at any moment is repeated under the same name with the same
+//! contacts. Failures delay the archive, and nothing else.
 
 mod file;
 mod from_log;
