@@ -101,7 +101,7 @@ impl Writer {
     }
 
     /// Advances the position over records whose files are on the object store. `seen` has their messages, too. Does nothing if
-    /// that has happened already.
+    /// the position has advanced already.
     ///
     /// # Errors
     /// The database cannot be written, or the lease is lost.

@@ -222,7 +222,7 @@ impl Writer {
 /// Kinds of actions on a whole fleet whose effects reach all its robots.
 const OF_ALL_SHARDS: [&str; 2] = ["POLICY", "CALIBRATION"];
 /// Time for which the action of a shard waits for the shard's owner, beyond the expiry of the fleet's action, µs: a year.
-const SHARD_WAITS_US: i64 = 365 * 86_400 * 1_000_000;
+pub(super) const SHARD_WAITS_US: i64 = 365 * 86_400 * 1_000_000;
 
 /// Adds the actions of a fleet's other shards to an action on the whole fleet. Holds the first lease's row, so that the number
 /// of shards does not change meanwhile.

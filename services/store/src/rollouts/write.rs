@@ -2,11 +2,10 @@
 
 use super::{RolloutChange, RolloutEvent, RolloutRow, StageOfShard};
 use crate::database::{Tx, on};
+use crate::shards::SHARD_WAITS_US;
 
 /// Events by which robots change.
 const CHANGING: [&str; 4] = ["STARTED", "ADVANCED", "COMPLETED", "ROLLED_BACK"];
-/// Time for which a stage waits for the owner of a shard, µs: a year.
-const SHARD_WAITS_US: i64 = 365 * 86_400 * 1_000_000;
 
 /// Writes the state of a roll-out, and its event.
 pub(crate) async fn write(tx: &mut Tx<'_>, change: &RolloutChange) -> sqlx::Result<()> {

@@ -94,6 +94,14 @@ impl FromLog {
         let span = match position.planned.take() {
             Some(span) => span,
             None => {
+                if position.next > log.latest {
+                    // The topic was created anew: the position is read again, and tells it.
+                    return Ok(true);
+                }
+                if position.next < log.earliest {
+                    log.tell_deleted(position.next);
+                    position.next = log.earliest;
+                }
                 let (from, waiting) = (position.next, log.latest - position.next);
                 if waiting == 0 {
                     position.archived_to_us = asked_at.0 as i64;
@@ -146,10 +154,10 @@ impl FromLog {
         }
         let next = known.next_offset;
         let planned = known.planned_to.map(|to| LogSpan { topic: known.topic, from: next, to });
-        if next < log.earliest {
+        if planned.is_some() && next < log.earliest {
             log.tell_deleted(next);
         }
-        Ok(Position { next: next.max(log.earliest), planned, seen, archived_to_us })
+        Ok(Position { next, planned, seen, archived_to_us })
     }
 }
 
