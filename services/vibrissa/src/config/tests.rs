@@ -67,7 +67,7 @@ fn an_archive_comes_from_the_database_with_all_contacts_or_from_kafka() {
     let line = one_wrong(&from_file(&format!("{archive}source = \"kafka\"\n")));
     assert!(line.contains("archive.source") && line.contains("needs ingest = \"kafka\""), "{line}");
     let text = format!(
-        "ingest = \"kafka\"\nkafka.url = \"kafka://k\"\ncontacts.keep = \"none\"\n{archive}source = \"kafka\"\n"
+        "ingest = \"kafka\"\nkafka.url = \"kafka://k:9092\"\ncontacts.keep = \"none\"\n{archive}source = \"kafka\"\n"
     );
     let told = read(&from_file(&text)).config.unwrap().history.archive.unwrap();
     assert_eq!((told.source, told.url.as_str()), (ArchiveSource::Log, "file:///srv/a"));
