@@ -1,4 +1,4 @@
-//! The archive from Kafka: two shards, repeated records, and supervisors that are killed.
+//! The archive from Kafka: two shards, repeated records, supervisors that are killed, and a log that loses records.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::wait::until_within;
 
 use crate::reading::Archive;
-use crate::stage::{FLEET, LONG, Stage};
+use crate::stage::{FLEET, LONG, Stage, Supervisor};
 
 const TOPIC: &str = "vibrissa.messages";
 const SHARDS: u32 = 2;
@@ -133,4 +133,45 @@ async fn an_archive_waits_for_kafka_and_nothing_else_does() {
     until_position(&database, "files after the outage", |at| at.files > before + 2).await;
     let (verdict, ..) = rig.end().await;
     assert_eq!((verdict.missing, verdict.duplicate, verdict.wrong), (0, 0, 0), "{verdict:?}\n{}", supervisor.log());
+}
+
+/// Waits until the archive has written further files after a loss, then ends. The archive may lack contacts, but has none
+/// twice; the database has all of them.
+async fn only_the_archive_lacks_contacts(rig: Rig, supervisor: Supervisor) {
+    let database = rig.server.connect();
+    let before = positions(&database).await.unwrap().files;
+    until_position(&database, "files after the loss", |at| at.files > before + 2).await;
+    let log = supervisor.log();
+    let (verdict, _, server) = rig.end().await;
+    println!("{verdict:?}");
+    assert_eq!((verdict.duplicate, verdict.wrong), (0, 0), "{verdict:?}\n{log}");
+    assert!(verdict.missing < verdict.felt / 2, "{verdict:?}\n{log}");
+    let mut connection = server.connect().connect().await.unwrap();
+    assert_eq!(recorded::count(&mut connection, &[]).await.unwrap() as u64, verdict.felt, "the database has all");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn records_that_the_log_deletes_too_early_are_told_and_the_archive_goes_on() {
+    let Some(rig) = Rig::start("all").await else { return };
+    let supervisor = rig.stage.supervisor("one", None);
+    until_position(&rig.server.connect(), "files of both shards", |at| at.files > 2).await;
+    const TOLD: &str = "deleted records before they were archived";
+    // A file is written once a second, so some of the records wait most of the time.
+    until_within(LONG, "a gap in the archive", async || {
+        rig.kafka.delete_records(TOPIC, 0).await;
+        supervisor.log().contains(TOLD).then_some(())
+    })
+    .await;
+    only_the_archive_lacks_contacts(rig, supervisor).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_topic_that_is_created_anew_is_told_and_archived_from_its_first_record() {
+    let Some(rig) = Rig::start("all").await else { return };
+    let supervisor = rig.stage.supervisor("one", None);
+    until_position(&rig.server.connect(), "files of both shards", |at| at.files > 20).await;
+    rig.kafka.create_topic_anew(TOPIC, SHARDS).await;
+    const TOLD: &str = "the topic was created anew: archiving from its first record";
+    until_within(LONG, "a line about the topic", async || supervisor.log().contains(TOLD).then_some(())).await;
+    only_the_archive_lacks_contacts(rig, supervisor).await;
 }

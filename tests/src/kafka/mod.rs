@@ -2,6 +2,7 @@
 
 mod bridge;
 mod clients;
+mod losses;
 
 use std::fs;
 use std::path::{Path, PathBuf};
