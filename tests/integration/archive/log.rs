@@ -4,10 +4,13 @@ use std::sync::Arc;
 
 use sqlx::ConnectOptions;
 use sqlx::postgres::PgConnectOptions;
-use vibrissa_tests::kafka::{Bridge, BridgeOptions, Kafka};
+use vibrissa_edge::shard::robot_hash;
+use vibrissa_protocol::{ArrayType, RobotTopic, encode};
+use vibrissa_tests::kafka::{Bridge, BridgeOptions, Kafka, record_of};
 use vibrissa_tests::oracle::ledger::Verdict;
 use vibrissa_tests::oracle::recorded;
 use vibrissa_tests::postgres::Postgres;
+use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_within;
 
 use crate::reading::Archive;
@@ -40,7 +43,7 @@ async fn until_position(database: &PgConnectOptions, what: &str, holds: impl Fn(
 
 struct Rig {
     // Dropped before the broker and Kafka, which it uses.
-    _bridge: Bridge,
+    bridge: Option<Bridge>,
     kafka: Arc<Kafka>,
     server: Postgres,
     folder: tempfile::TempDir,
@@ -59,16 +62,22 @@ impl Rig {
         let further = ["--ingest", "kafka", "--kafka-url", &url, "--fleet-shards", &shards, "--contacts-keep"];
         let archive = [contacts_keep, "--archive-source", "kafka", "--archive-url", &archive];
         let stage = Stage::start(Some(Postgres::supervisor_url(server.port())), &[&further[..], &archive[..]].concat());
+        Some(Self { kafka, server, folder, stage, bridge: None })
+    }
+
+    /// The same with a bridge for all robots.
+    async fn start_with_bridge(contacts_keep: &str) -> Option<Self> {
+        let mut rig = Self::start(contacts_keep).await?;
         let options = BridgeOptions {
-            mqtt: stage.broker.port(),
+            mqtt: rig.stage.broker.port(),
             topic: TOPIC,
             partitions: SHARDS,
             fleet: FLEET,
             robots: (0..4).map(|robot| format!("r{robot}")).collect(),
             repeats: true,
         };
-        let bridge = Bridge::start(&kafka, options).await;
-        Some(Self { kafka, server, folder, stage, _bridge: bridge })
+        rig.bridge = Some(Bridge::start(&rig.kafka, options).await);
+        Some(rig)
     }
 
     /// Stops the contacts, waits until all are archived, and compares the files with the robots' record.
@@ -87,7 +96,7 @@ impl Rig {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn supervisors_are_killed_while_they_archive_the_log_and_each_contact_is_in_one_file() {
-    let Some(rig) = Rig::start("none").await else { return };
+    let Some(rig) = Rig::start_with_bridge("none").await else { return };
     let database = rig.server.connect();
 
     // The first one dies when its first file is written, and the position not yet advanced.
@@ -120,7 +129,7 @@ async fn supervisors_are_killed_while_they_archive_the_log_and_each_contact_is_i
 
 #[tokio::test(flavor = "multi_thread")]
 async fn an_archive_waits_for_kafka_and_nothing_else_does() {
-    let Some(rig) = Rig::start("all").await else { return };
+    let Some(rig) = Rig::start_with_bridge("all").await else { return };
     let database = rig.server.connect();
     let supervisor = rig.stage.supervisor("one", None);
     let before = until_position(&database, "files of both shards", |at| at.files > 2).await.files;
@@ -152,7 +161,7 @@ async fn only_the_archive_lacks_contacts(rig: Rig, supervisor: Supervisor) {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn records_that_the_log_deletes_too_early_are_told_and_the_archive_goes_on() {
-    let Some(rig) = Rig::start("all").await else { return };
+    let Some(rig) = Rig::start_with_bridge("all").await else { return };
     let supervisor = rig.stage.supervisor("one", None);
     until_position(&rig.server.connect(), "files of both shards", |at| at.files > 2).await;
     const TOLD: &str = "deleted records before they were archived";
@@ -167,11 +176,31 @@ async fn records_that_the_log_deletes_too_early_are_told_and_the_archive_goes_on
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_topic_that_is_created_anew_is_told_and_archived_from_its_first_record() {
-    let Some(rig) = Rig::start("all").await else { return };
+    let Some(rig) = Rig::start_with_bridge("all").await else { return };
     let supervisor = rig.stage.supervisor("one", None);
     until_position(&rig.server.connect(), "files of both shards", |at| at.files > 20).await;
     rig.kafka.create_topic_anew(TOPIC, SHARDS).await;
     const TOLD: &str = "the topic was created anew: archiving from its first record";
     until_within(LONG, "a line about the topic", async || supervisor.log().contains(TOLD).then_some(())).await;
     only_the_archive_lacks_contacts(rig, supervisor).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn regress_a_new_topic_with_the_same_offsets_overwrites_no_file() {
+    let Some(rig) = Rig::start("all").await else { return };
+    let database = rig.server.connect();
+    let _supervisor = rig.stage.supervisor("one", None);
+    let mut robot = HandRobot::connect(rig.stage.broker.port(), "hand", array(ArrayType::Type2, &[70.0])).await;
+    let partition = robot_hash(FLEET, "hand") % SHARDS;
+    for files in 1..=3 {
+        if files == 3 {
+            rig.kafka.create_topic_anew(TOPIC, SHARDS).await;
+        }
+        let contact = robot.contact(0);
+        let message = encode(&robot.message(vec![contact]));
+        rig.kafka.write(TOPIC, partition, vec![record_of(FLEET, "hand", RobotTopic::Contacts, message)]).await;
+        until_position(&database, "a file with one contact", |at| at.files == files).await;
+    }
+    let archive = Archive::read(rig.folder.path());
+    assert_eq!((archive.files, archive.contacts()), (3, 3), "the third has the offsets of the first");
 }

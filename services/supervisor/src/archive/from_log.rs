@@ -117,7 +117,7 @@ impl FromLog {
                 span
             }
         };
-        let written = write(archive, lease, writer, log, &span, &mut position.seen).await?;
+        let written = write(archive, lease, writer, log, (&span, position.archived_to_us), &mut position.seen).await?;
         strike(written.archived);
         let seen = position.seen.to_json()?;
         let is_more = log.latest > span.to;
@@ -169,13 +169,14 @@ struct Written {
     newest_us: Option<i64>,
 }
 
-/// Writes the files of a span, one for each day; none if it has no new contacts.
+/// Writes the files of a span, one for each day; none if it has no new contacts. Their names have the time up to which
+/// everything was archived, because a topic that is created anew has the same offsets again.
 async fn write(
     archive: &Archive,
     lease: &Lease,
     writer: &mut Writer,
     log: &OpenLog,
-    span: &LogSpan,
+    (span, since_us): (&LogSpan, i64),
     seen: &mut Seen,
 ) -> anyhow::Result<Written> {
     let mut files: BTreeMap<i64, File> = BTreeMap::new();
@@ -202,7 +203,7 @@ async fn write(
                 Entry::Vacant(place) => {
                     let folder = folder(lease.fleet(), day * DAY_US);
                     let (shard, LogSpan { from, to, .. }) = (lease.shard().number(), span);
-                    let path = format!("{folder}/contacts-log-{shard}-{from}-{to}.parquet");
+                    let path = format!("{folder}/contacts-log-{shard}-{from}-{to}-{since_us}.parquet");
                     place.insert(File::begin(&archive.objects, path, RAW_CONTACTS)?)
                 }
             };
