@@ -154,7 +154,11 @@ async fn a_webhook_gets_what_its_filters_name_and_nothing_from_before() {
     let mut raw = stage.raw().await;
     raw.trim(1).await;
     let alarm = |kind: &str| {
-        format!("INSERT INTO alarms (whisker_id, raised_us, kind) SELECT min(whisker_id), 1, '{kind}' FROM whiskers")
+        // Old events are removed at the start.
+        let now_us = vibrissa_edge::clock::wall_clock().0;
+        format!(
+            "INSERT INTO alarms (whisker_id, raised_us, kind) SELECT min(whisker_id), {now_us}, '{kind}' FROM whiskers"
+        )
     };
     let url = receiver.url();
     let create = async |name: &str, more: Value| {
