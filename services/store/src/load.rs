@@ -100,13 +100,15 @@ from_row! {
 }
 
 impl Writer {
-    /// All robots of the lease's shard. While the lease holds, no other supervisor writes them.
+    /// At most `most` robots of the lease's shard with numbers above `after`, in the order of their numbers. While the lease
+    /// holds, no other supervisor writes them.
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn robots(&mut self, lease: &Lease) -> Result<Vec<StoredRobot>, StoreError> {
+    pub async fn robots(&mut self, lease: &Lease, after: i64, most: i64) -> Result<Vec<StoredRobot>, StoreError> {
         const WHAT: &str = "load the robots";
-        self.attempt(WHAT, LOAD_PATIENCE, async |link| robots(link, lease, None).await.map_err(failed(WHAT))).await
+        let load = async |link: &mut Link| robots(link, lease, after, most).await.map_err(failed(WHAT));
+        self.attempt(WHAT, LOAD_PATIENCE, load).await
     }
 
     /// The robot of this number in the lease's shard; `None` if there is no such robot.
@@ -115,8 +117,9 @@ impl Writer {
     /// The database cannot be read.
     pub async fn robot(&mut self, lease: &Lease, robot_id: i64) -> Result<Option<StoredRobot>, StoreError> {
         const WHAT: &str = "load a robot";
-        let load = async |link: &mut Link| robots(link, lease, Some(robot_id)).await.map_err(failed(WHAT));
-        Ok(self.attempt(WHAT, NUMBER_PATIENCE, load).await?.pop())
+        let load = async |link: &mut Link| robots(link, lease, robot_id - 1, 1).await.map_err(failed(WHAT));
+        let next = self.attempt(WHAT, NUMBER_PATIENCE, load).await?.pop();
+        Ok(next.filter(|robot| robot.robot_id == robot_id))
     }
 
     /// At most `most` rows of the shard's journal after number `after`, in order, each with its number.
@@ -214,43 +217,38 @@ async fn held<'c>(link: &'c mut Link, lease: &Lease, what: &'static str) -> Resu
     Ok(tx)
 }
 
-/// All robots of a shard, or one of them. The statements differ because one generic plan would not suit both cases.
-async fn robots(link: &mut Link, lease: &Lease, only: Option<i64>) -> sqlx::Result<Vec<StoredRobot>> {
-    macro_rules! of_all_or_one {
-        ($select:literal, $order:literal) => {
-            if only.is_some() {
-                concat!($select, " WHERE fleet = $1 AND ", of_shard!("r", "$2", "$3"), " AND r.robot_id = $4", $order)
-            } else {
-                concat!($select, " WHERE fleet = $1 AND ", of_shard!("r", "$2", "$3"), $order)
-            }
-        };
-    }
-    let robots_sql: &'static str = of_all_or_one!(
+/// At most `most` robots of a shard with numbers above `after`.
+async fn robots(link: &mut Link, lease: &Lease, after: i64, most: i64) -> sqlx::Result<Vec<StoredRobot>> {
+    const ROBOTS: &str = concat!(
         "SELECT robot_id, robot, state, journal_number, \
          CASE WHEN r.held OR EXISTS (SELECT 1 FROM whiskers w WHERE w.robot_id = r.robot_id AND w.held) \
          THEN 1 ELSE 0 END AS is_held, \
          (SELECT max(trim_id) FROM trims t WHERE t.robot_id = r.robot_id) AS last_trim, \
          (SELECT max(compensation_id) FROM compensations c WHERE c.robot_id = r.robot_id) AS last_compensation \
-         FROM robots r",
-        ""
+         FROM robots r WHERE fleet = $1 AND ",
+        of_shard!("r", "$2", "$3"),
+        " AND r.robot_id > $4 ORDER BY r.robot_id LIMIT $5"
     );
-    let whiskers_sql: &'static str = of_all_or_one!(
+    const WHISKERS: &str = concat!(
         "SELECT w.robot_id, whisker_id, w.state, w.rollup FROM whiskers w \
-         JOIN robots r ON r.robot_id = w.robot_id AND position IS NOT NULL AND w.state IS NOT NULL",
-        " ORDER BY w.robot_id, position"
+         JOIN robots r ON r.robot_id = w.robot_id AND position IS NOT NULL AND w.state IS NOT NULL WHERE fleet = $1 AND ",
+        of_shard!("r", "$2", "$3"),
+        " AND w.robot_id BETWEEN $4 AND $5 ORDER BY w.robot_id, position"
     );
-    let boots_sql: &'static str =
-        of_all_or_one!("SELECT b.robot_id, boot, b.boot_id FROM boots b JOIN robots r ON r.robot_id = b.robot_id", "");
+    const BOOTS: &str = concat!(
+        "SELECT b.robot_id, boot, b.boot_id FROM boots b JOIN robots r ON r.robot_id = b.robot_id WHERE fleet = $1 AND ",
+        of_shard!("r", "$2", "$3"),
+        " AND b.robot_id BETWEEN $4 AND $5"
+    );
     let count = i64::from(lease.shard().count());
     macro_rules! rows {
-        ($link:expr, $sql:expr) => {{
+        ($link:expr, $sql:expr, $from:expr, $to:expr) => {{
             let query = sqlx::query($sql).bind(lease.fleet().as_str()).bind(lease.shard_number()).bind(count);
-            let query = if let Some(robot_id) = only { query.bind(robot_id) } else { query };
-            query.fetch_all($link).await?
+            query.bind($from).bind($to).fetch_all($link).await?
         }};
     }
     let mut robots: BTreeMap<i64, StoredRobot> = BTreeMap::new();
-    on!(&mut *link, |link| for row in rows!(&mut *link, robots_sql) {
+    on!(&mut *link, |link| for row in rows!(&mut *link, ROBOTS, after, most) {
         let robot = StoredRobot {
             robot_id: row.get("robot_id"),
             robot: row.get("robot"),
@@ -268,14 +266,15 @@ async fn robots(link: &mut Link, lease: &Lease, only: Option<i64>) -> sqlx::Resu
         };
         robots.insert(robot.robot_id, robot);
     });
-    on!(&mut *link, |link| for row in rows!(&mut *link, whiskers_sql) {
+    let (Some(&first), Some(&last)) = (robots.keys().next(), robots.keys().next_back()) else { return Ok(Vec::new()) };
+    on!(&mut *link, |link| for row in rows!(&mut *link, WHISKERS, first, last) {
         if let Some(robot) = robots.get_mut(&row.get("robot_id")) {
             robot.whisker_ids.push(row.get("whisker_id"));
             robot.whisker_states.push(row.get("state"));
             robot.rollups.push(row.get("rollup"));
         }
     });
-    on!(link, |link| for row in rows!(link, boots_sql) {
+    on!(link, |link| for row in rows!(link, BOOTS, first, last) {
         if let Some(robot) = robots.get_mut(&row.get("robot_id")) {
             robot.boots.insert(row.get("boot_id"), row.get("boot"));
         }

@@ -296,7 +296,7 @@ pub(crate) async fn written_and_read(database: &Fresh, together: usize) -> Value
         store.all::<ActionRow>(&ACTIONS, Vec::new()).await.unwrap().into_iter().map(|row| row.test_id).collect();
     let lengths = store.lengths("r", "left", 0, 500).await.unwrap();
     let changes = store.changes_after(Mark { tx: 0, change_id: 0 }).await.unwrap();
-    let stored = writer.robots(&lease).await.unwrap();
+    let stored = writer.robots(&lease, 0, i64::MAX).await.unwrap();
     let stored = stored.iter().map(|robot| {
         json!([
             robot.robot,

@@ -45,13 +45,25 @@ async fn robots_and_actions_follow_their_shards(database: &Fresh) {
     assert_eq!(membership.leases.len(), 3);
     assert!(membership.leases.iter().all(|lease| !lease.free && lease.shard.count() == 3), "{membership:?}");
 
-    // Each robot is in the shard of its name's hash.
+    // Each robot is in the shard of its name's hash. Robots come in any portions.
     let mut found = 0;
-    for lease in &leases {
-        for robot in writer.robots(lease).await.unwrap() {
-            assert_eq!(robot_hash("f", &robot.robot) % 3, lease.shard().number(), "{}", robot.robot);
-            assert_eq!(robot.whisker_states.len(), 2);
-            found += 1;
+    for (lease, portion) in leases.iter().zip([1, 2, 100]) {
+        let mut after = 0;
+        loop {
+            let some = writer.robots(lease, after, portion).await.unwrap();
+            assert!(some.len() <= portion as usize && some.is_sorted_by_key(|robot| robot.robot_id));
+            let Some(last) = some.last() else { break };
+            after = last.robot_id;
+            for robot in some {
+                assert_eq!(robot_hash("f", &robot.robot) % 3, lease.shard().number(), "{}", robot.robot);
+                assert_eq!((robot.whisker_states.len(), robot.boots.len()), (2, 1));
+                let alone = writer.robot(lease, robot.robot_id).await.unwrap().unwrap();
+                assert_eq!((alone.robot, alone.whisker_ids), (robot.robot, robot.whisker_ids));
+                for other in leases.iter().filter(|other| other.shard() != lease.shard()) {
+                    assert!(writer.robot(other, robot.robot_id).await.unwrap().is_none(), "not its next robot either");
+                }
+                found += 1;
+            }
         }
     }
     assert_eq!(found, names.len());

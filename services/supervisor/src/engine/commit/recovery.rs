@@ -20,6 +20,9 @@ use vibrissa_store::StoredRobot;
 use vibrissa_store::batch::Batch;
 use vibrissa_store::{Lease, Refused, StoreError, Writer};
 
+/// Robots that are loaded by one query: the memory for their stored states, at most some 60 KB each, serves the next ones.
+const ROBOTS_AT_A_TIME: i64 = 100;
+
 /// Facts about a robot that the replay needs.
 struct ReplayedRobot {
     name: Name,
@@ -70,10 +73,16 @@ pub(crate) async fn recover(
 ) -> Result<i64, StoreError> {
     write_intents(writer, lease).await?;
     let (mut replay, mut last) = (Replay::default(), 0);
-    for stored in writer.robots(lease).await? {
-        last = last.max(stored.journal_number);
-        if let Ok(name) = Name::robot(&stored.robot) {
-            replay.load(stored, name, lease.epoch(), shards);
+    let mut after = -1;
+    loop {
+        let some = writer.robots(lease, after, ROBOTS_AT_A_TIME).await?;
+        let Some(newest) = some.last() else { break };
+        after = newest.robot_id;
+        for stored in some {
+            last = last.max(stored.journal_number);
+            if let Ok(name) = Name::robot(&stored.robot) {
+                replay.load(stored, name, lease.epoch(), shards);
+            }
         }
     }
     let (begun, mut entries) = (Instant::now(), 0);
