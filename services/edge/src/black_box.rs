@@ -80,11 +80,17 @@ pub enum StateError {
 }
 
 impl StateBytes {
-    /// The state of a robot; `None` if it cannot be encoded.
+    /// The state of a robot; `None` if it has more than `bytes_max` bytes, or cannot be encoded.
     #[must_use]
-    pub fn of(robot: &Robot) -> Option<Self> {
-        let whiskers = (0..robot.whisker_count()).map(|index| robot.whisker_to_bytes(index));
-        Some(Self { head: robot.to_bytes()?, whiskers: whiskers.collect::<Option<_>>()? })
+    pub fn within(robot: &Robot, bytes_max: usize) -> Option<Self> {
+        let mut state = Self { head: robot.to_bytes()?, whiskers: Vec::with_capacity(robot.whisker_count()) };
+        let mut rest = bytes_max.checked_sub(state.head.len())?;
+        for index in 0..robot.whisker_count() {
+            let bytes = robot.whisker_to_bytes(index)?;
+            rest = rest.checked_sub(bytes.len())?;
+            state.whiskers.push(bytes);
+        }
+        Some(state)
     }
 
     /// Number of bytes.
@@ -154,7 +160,7 @@ mod tests {
     #[test]
     fn a_state_comes_back_and_another_format_is_named() {
         let robot = Robot::new(7, Numbers::default());
-        let line = StateBytes::of(&robot).unwrap().line(Micros(5), "lab", "crawler");
+        let line = StateBytes::within(&robot, 1000).unwrap().line(Micros(5), "lab", "crawler");
         let Some(Special::State { fleet, robot: name, state: Ok(again) }) = Special::of(&line) else {
             panic!("{line:?}")
         };
@@ -166,6 +172,13 @@ mod tests {
             panic!("another format is refused")
         };
         assert!(problem.to_string().contains("format 9"), "{problem}");
+    }
+
+    #[test]
+    fn a_state_above_the_limit_is_left_out() {
+        let robot = Robot::new(7, Numbers::default());
+        let bytes = StateBytes::within(&robot, usize::MAX).unwrap().bytes();
+        assert!(StateBytes::within(&robot, bytes).is_some() && StateBytes::within(&robot, bytes - 1).is_none());
     }
 
     #[test]

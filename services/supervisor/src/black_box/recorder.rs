@@ -81,7 +81,7 @@ impl Recorder {
         if !self.reel.is_state_due(now, limits) {
             return;
         }
-        let state = StateBytes::of(robot);
+        let state = StateBytes::within(robot, limits.state_max());
         let bytes = state.as_ref().map_or(usize::MAX, StateBytes::bytes);
         if self.reel.takes_state(now, bytes, limits)
             && let Some(StateBytes { head, whiskers }) = state

@@ -29,6 +29,11 @@ impl Limits {
     fn before(self) -> usize {
         self.share / 3 * 2
     }
+
+    /// Most bytes of a state.
+    pub(super) fn state_max(self) -> usize {
+        self.share / STATE_PART
+    }
 }
 
 /// A tape, and what has been removed from it.
@@ -192,21 +197,21 @@ impl Reel {
         self.from = next.unwrap_or(self.from);
     }
 
-    /// Whether the robot's state is due. Without messages the state has hardly changed.
+    /// Whether the robot's state is due. Without messages the state has hardly changed. One that was too large is tried again
+    /// after a span, because its encoding costs as much as many messages.
     pub(super) fn is_state_due(&self, now: Micros, limits: Limits) -> bool {
         let passed = now.since(self.state_at);
         let has_many = |part: usize| self.since_state >= limits.share / part;
         self.since_state > 0
             && (passed >= limits.span
-                || passed >= STATE_PAUSE && has_many(STATE_EVERY)
-                || has_many(STATE_AT_LEAST)
-                || self.lacks_state && self.states_fit)
+                || self.states_fit
+                    && (passed >= STATE_PAUSE && has_many(STATE_EVERY) || has_many(STATE_AT_LEAST) || self.lacks_state))
     }
 
     /// Notes that the state was due, and returns whether one of so many bytes has its place on the tape.
     pub(super) fn takes_state(&mut self, now: Micros, bytes: usize, limits: Limits) -> bool {
         (self.state_at, self.since_state) = (now, 0);
-        self.states_fit = bytes <= limits.share / STATE_PART;
+        self.states_fit = bytes <= limits.state_max();
         self.states_fit
     }
 }
@@ -245,6 +250,20 @@ mod tests {
         assert_eq!((kind, first, reel.from()), (Kind::State, 300, seconds(300)), "states at 60, 120, ... 360");
         let base = reel.base().clone().map(|one| String::from_utf8(one.unwrap()).unwrap());
         assert_eq!(base, ["birth", "sheet"], "older than the tape, and kept");
+    }
+
+    #[test]
+    fn regress_a_state_that_is_too_large_is_tried_once_per_span() {
+        let mut reel = Reel::new(seconds(0), seconds(0));
+        let mut tried = Vec::new();
+        for at in 1..=180 {
+            reel.push(seconds(at), CONTACTS, &[b' '; 30_000], LIMITS);
+            if reel.is_state_due(seconds(at), LIMITS) {
+                tried.push(at);
+                assert!(!reel.takes_state(seconds(at), LIMITS.share, LIMITS));
+            }
+        }
+        assert_eq!(tried, [1, 61, 121]);
     }
 
     #[test]
