@@ -5,14 +5,16 @@
 //! each figure.
 //!
 //! Read in this order: [`stage`] (the programs under test), [`child`] (the load and other processes), `burst`, `batch`,
-//! `flat`, `latency`, `idle`, [`crowd`] `pages` and [`scale`] (the parts), [`report`].
+//! `flat`, `latency`, `idle`, [`crowd`] `pages`, [`scale`], [`takeover`] and [`kafka`] (the parts), [`report`].
 
 mod batch;
 mod burst;
 mod child;
+mod cost;
 mod crowd;
 mod flat;
 mod idle;
+mod kafka;
 mod latency;
 mod null;
 mod pages;
@@ -20,6 +22,7 @@ mod pingpong;
 mod report;
 mod scale;
 mod stage;
+mod takeover;
 mod unnest;
 mod usage;
 
@@ -103,6 +106,10 @@ enum Part {
     Pages,
     /// Many shards and several supervisors; only if it is named
     Scale,
+    /// A takeover of a hundred thousand and of a million whiskers; only if it is named
+    Takeover,
+    /// Contacts that come through Kafka, and their archive; only if it is named. Needs tests/kafka
+    Kafka,
 }
 
 /// Durations and sizes of the measurements.
@@ -134,7 +141,7 @@ impl Part {
             // Seven requests for each page.
             Self::Pages => 60.0,
             // Not part of a run of everything.
-            Self::Scale => 900.0,
+            Self::Scale | Self::Takeover | Self::Kafka => 900.0,
         }
     }
 }
@@ -244,9 +251,9 @@ async fn until_interrupted(bench: &mut Bench, only: &[Part]) -> anyhow::Result<(
     }
 }
 
-/// Whether a part is run. `scale` takes so long that it must be named.
+/// Whether a part is run. Some take so long that they must be named.
 fn is_run(part: Part, only: &[Part]) -> bool {
-    if only.is_empty() { part != Part::Scale } else { only.contains(&part) }
+    if only.is_empty() { !matches!(part, Part::Scale | Part::Takeover | Part::Kafka) } else { only.contains(&part) }
 }
 
 async fn parts(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
@@ -263,6 +270,8 @@ async fn parts(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
             Part::Core => crowd::run(bench).await,
             Part::Pages => pages::run(bench).await,
             Part::Scale => scale::run(bench).await,
+            Part::Takeover => takeover::run(bench).await,
+            Part::Kafka => kafka::run(bench).await,
         }
         .with_context(|| format!("{part:?}"))?;
         bench.say(&format!("{part:?} took {:.0} s", begun.elapsed().as_secs_f64()));

@@ -1,0 +1,178 @@
+//! Measures the cost of a contact that comes through Kafka, and that of its archive.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Context, bail, ensure};
+use rskafka::record::Record;
+use rumqttc::{AsyncClient, Event, MqttOptions, Packet, Publish, QoS};
+use serde_json::json;
+use tokio::time::{Instant, timeout_at};
+use vibrissa_edge::shard::robot_hash;
+use vibrissa_protocol::RobotTopic;
+use vibrissa_tests::kafka::{Kafka, Writer, record_of};
+use vibrissa_tests::mosquitto::Mosquitto;
+
+use crate::Bench;
+use crate::cost::{CONTACTS, Costs, Loading};
+use crate::report::{Figure, Target, median};
+use crate::scale::start;
+use crate::stage::{self, Store};
+
+const PART: &str = "kafka";
+const TOPIC: &str = "vibrissa.messages";
+const SHARDS: u32 = 4;
+/// Messages per second of all robots: 20,000 contacts per second.
+const RATE: f64 = 1000.0;
+/// Time with this load before the measurement, s: Java compiles the most frequent functions in it.
+const WARM_UP_S: f64 = 20.0;
+/// Measured time, as a multiple of the pace's.
+const MEASURED: f64 = 2.0;
+/// The bridge writes what it has after this time.
+const GATHER: Duration = Duration::from_millis(50);
+
+/// Where contacts come from, and what becomes of them.
+struct Case {
+    name: &'static str,
+    /// Number of brokers of Kafka; 0 for contacts over MQTT.
+    brokers: usize,
+    keep: &'static str,
+    is_archived: bool,
+    costs: Vec<Costs>,
+}
+
+fn cases() -> [Case; 5] {
+    let case = |name, brokers, keep, is_archived| Case { name, brokers, keep, is_archived, costs: Vec::new() };
+    [
+        case("MQTT", 0, "all", false),
+        case("Kafka", 1, "all", false),
+        case("Kafka, no contact kept", 1, "none", false),
+        case("Kafka, no contact kept, archive", 1, "none", true),
+        case("three brokers of Kafka, no contact kept", 3, "none", false),
+    ]
+}
+
+impl Case {
+    /// Runs the load once, with new servers.
+    async fn round(&mut self, bench: &mut Bench, broker: &Mosquitto, round: usize) -> anyhow::Result<()> {
+        let (store, folder) = (Store::postgres().await, tempfile::tempdir()?);
+        let archived = if self.is_archived { "archived" } else { "only" };
+        let fleet = format!("{PART}-{}-{}-{archived}-{round}", self.brokers, self.keep);
+        let kafka = match self.brokers {
+            0 => None,
+            count => Some(Kafka::start(count).await.context("Kafka is not installed: run tests/kafka")?),
+        };
+        let (mut further, mut bridge) = (vec!["--contacts-keep", self.keep], None);
+        let (kafka_url, archive) = (kafka.as_ref().map(Kafka::url), format!("file://{}", folder.path().display()));
+        if let (Some(kafka), Some(url)) = (&kafka, &kafka_url) {
+            kafka.create_topic(TOPIC, SHARDS).await;
+            further.extend(["--ingest", "kafka", "--kafka-url", url]);
+            bridge = Some(tokio::spawn(carry(broker.port(), fleet.clone(), kafka.addresses())));
+        }
+        if self.is_archived {
+            further.extend(["--archive-url", &archive, "--archive-source", "kafka", "--archive-every-s", "2"]);
+        }
+        let supervisors = start(&bench.stage, broker, &store, &fleet, (SHARDS, 1), &further).await?;
+        let mut watched: Vec<_> = supervisors.iter().map(|one| ("supervisor", one.pid())).collect();
+        watched.push(("broker", broker.pid()));
+        watched.extend(store.pid().map(|pid| ("postgresql", pid)));
+        let brokers = kafka.iter().flat_map(|kafka| (0..self.brokers).map(|at| kafka.broker(at).pid()));
+        watched.extend(brokers.map(|pid| ("kafka", pid)));
+        let measured_s = MEASURED * bench.pace.latency_s;
+        let (rate, warm_up_s) = (RATE, WARM_UP_S);
+        let loading = Loading { broker, store: &store, fleet: &fleet, rate, warm_up_s, measured_s, watched };
+        let costs = loading.costs().await?;
+        ensure!(costs.report.receipted == costs.report.sent, "messages without a receipt");
+        ensure!(!self.is_archived || archived_bytes(folder.path())? > 0, "nothing was archived");
+        if let Some(bridge) = bridge {
+            // It has not ended by itself, which would be a failure.
+            ensure!(!bridge.is_finished(), "the bridge has failed: {:?}", bridge.await);
+            bridge.abort();
+        }
+        for supervisor in supervisors {
+            supervisor.stop().await?;
+        }
+        let line = json!({
+            "subject": self.name, "messages_per_s": RATE, "contacts": costs.contacts, "us_per_contact": costs.us,
+            "wal_bytes_per_contact": costs.wal_bytes,
+        });
+        bench.line(PART, round, line)?;
+        bench.say(&format!("{PART}, round {}: {}: {:.1?} us per contact", round + 1, self.name, costs.us));
+        self.costs.push(costs);
+        Ok(())
+    }
+
+    fn median(&self, of: impl Fn(&Costs) -> f64) -> f64 {
+        median(self.costs.iter().map(of))
+    }
+}
+
+fn archived_bytes(folder: &Path) -> anyhow::Result<u64> {
+    let mut bytes = 0;
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        bytes += if entry.file_type()?.is_dir() { archived_bytes(&entry.path())? } else { entry.metadata()?.len() };
+    }
+    Ok(bytes)
+}
+
+/// Carries contacts and statuses of a fleet from the MQTT broker to Kafka until it fails or is dropped.
+async fn carry(mqtt: u16, fleet: String, addresses: Vec<String>) -> anyhow::Result<()> {
+    let mut options = MqttOptions::new("bench-bridge", ("127.0.0.1".to_owned(), mqtt));
+    options.set_max_packet_size(Some(2 * 1024 * 1024)).set_keep_alive(30);
+    let (client, mut events) = AsyncClient::builder(options).capacity(64).build();
+    for kind in [RobotTopic::Contacts, RobotTopic::Status] {
+        client.try_subscribe(format!("whisker/v1/{fleet}/+/{kind}"), QoS::AtLeastOnce)?;
+    }
+    let mut writers: Vec<_> = (0..SHARDS).map(|shard| Writer::new(addresses.clone(), TOPIC, shard)).collect();
+    let mut waiting: BTreeMap<u32, Vec<Record>> = BTreeMap::new();
+    loop {
+        let until = Instant::now() + GATHER;
+        while let Ok(event) = timeout_at(until, events.poll()).await {
+            let Event::Incoming(Packet::Publish(publish)) = event? else { continue };
+            let (shard, record) = of_message(&fleet, &publish)?;
+            waiting.entry(shard).or_default().push(record);
+        }
+        for (shard, records) in std::mem::take(&mut waiting) {
+            if !writers[shard as usize].write(records).await {
+                bail!("Kafka does not take records");
+            }
+        }
+    }
+}
+
+/// A message as a record, and its partition.
+fn of_message(fleet: &str, publish: &Publish) -> anyhow::Result<(u32, Record)> {
+    let topic = std::str::from_utf8(&publish.topic)?;
+    let (rest, kind) = topic.rsplit_once('/').context("a topic")?;
+    let robot = rest.rsplit_once('/').context("a topic")?.1;
+    let kind = if kind == "contacts" { RobotTopic::Contacts } else { RobotTopic::Status };
+    Ok((robot_hash(fleet, robot) % SHARDS, record_of(fleet, robot, kind, publish.payload.to_vec())))
+}
+
+/// Runs this part of the benchmark.
+pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
+    let broker = stage::broker();
+    let mut cases = cases();
+    let mut round = 0;
+    while bench.has_time_for(round) {
+        for case in &mut cases {
+            case.round(bench, &broker, round).await?;
+        }
+        round += 1;
+    }
+    for case in &cases {
+        let us = |kind: &str| Figure(case.median(|costs| costs.us(kind)), "us");
+        let beside = format!(
+            "Kafka {}, PostgreSQL {}, broker {}; WAL {}",
+            us("kafka"),
+            us("postgresql"),
+            us("broker"),
+            Figure(case.median(|costs| costs.wal_bytes), "bytes")
+        );
+        let what = format!("{}: CPU of the supervisor per contact at {} contacts/s", case.name, RATE * CONTACTS as f64);
+        bench.row(PART, &what, Target::None, us("supervisor"), beside)?;
+    }
+    Ok(())
+}
