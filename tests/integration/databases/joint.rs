@@ -18,6 +18,8 @@ use crate::{Fresh, fleet, supervisor};
 
 /// Number of shards.
 const SHARDS: u32 = 3;
+/// Contacts of each shard that make a joint batch so large that `COPY` writes them. One shard's are not.
+const COPIED: i64 = 700;
 
 /// A robot in each shard of a fleet that `a` owns.
 async fn robots(writer: &mut Writer, a: &Supervisor) -> Vec<(Lease, Numbered)> {
@@ -41,7 +43,7 @@ fn steps(robot: &Numbered) -> Vec<Batch> {
     let states = Batch { layouts: Vec::new(), ..rows::states(robot) };
     let journal = |number| Some(JournalRow { number, entries: vec![number as u8; 5] });
     let mut steps = vec![
-        Batch { journal: journal(1), ..contacts(robot, 0..10) },
+        Batch { journal: journal(1), ..contacts(robot, 0..COPIED) },
         Batch { journal: journal(2), journal_done: Some(1), ..states },
     ];
     steps.extend(records(robot).into_iter().map(|record| Batch { records: vec![record], ..Batch::default() }));
@@ -111,8 +113,8 @@ async fn property_batches_written_together_leave_the_rows_of_batches_written_one
     }
 }
 
-#[tokio::test]
-async fn nothing_is_written_together_if_one_shard_has_another_owner() {
+/// `each` is the number of contacts of each batch.
+async fn nothing_is_written_together(each: i64) {
     let database = Fresh::postgres().await;
     let (a, b) = (supervisor("a"), supervisor("b"));
     let (mut writer, mut other) = (database.store.writer(), database.store.writer());
@@ -122,7 +124,7 @@ async fn nothing_is_written_together_if_one_shard_has_another_owner() {
     other.sign_in(&b, &[]).await.unwrap();
     other.acquire_shard(&b, leases[1].shard()).await.unwrap().unwrap();
 
-    let batches: Vec<Batch> = robots.iter().map(|(_, robot)| contacts(robot, 0..3)).collect();
+    let batches: Vec<Batch> = robots.iter().map(|(_, robot)| contacts(robot, 0..each)).collect();
     let all: Vec<_> = leases.iter().zip(&batches).collect();
     assert!(!writer.commit_together(&all).await.unwrap());
     assert_eq!(database.store.contact_count().await.unwrap(), 0);
@@ -133,18 +135,27 @@ async fn nothing_is_written_together_if_one_shard_has_another_owner() {
             _ => written.unwrap(),
         }
     }
-    assert_eq!(database.store.contact_count().await.unwrap(), 6);
+    assert_eq!(database.store.contact_count().await.unwrap(), 2 * each);
     let owned = [all[0], all[2]];
-    let next: Vec<Batch> = [0, 2].iter().map(|&at| contacts(&robots[at].1, 3..5)).collect();
+    let next: Vec<Batch> = [0, 2].iter().map(|&at| contacts(&robots[at].1, each..each + 2)).collect();
     let next: Vec<_> = owned.iter().zip(&next).map(|((lease, _), batch)| (*lease, batch)).collect();
     assert!(writer.commit_together(&next).await.unwrap(), "the others still write together");
-    assert_eq!(database.store.contact_count().await.unwrap(), 10);
+    assert_eq!(database.store.contact_count().await.unwrap(), 2 * each + 4);
+}
+
+#[tokio::test]
+async fn nothing_is_written_together_if_one_shard_has_another_owner() {
+    nothing_is_written_together(3).await;
+}
+
+#[tokio::test]
+async fn nothing_is_copied_together_if_one_shard_has_another_owner() {
+    nothing_is_written_together(COPIED).await;
 }
 
 /// The answer to a joint commit is lost at every moment of it. Then each shard commits on its own, and each batch is stored
-/// once.
-#[tokio::test]
-async fn batches_written_together_without_an_answer_are_written_once() {
+/// once. `each` is the number of contacts of each batch; a commit takes up to 150 times `step`.
+async fn without_an_answer(each: i64, step: Duration) {
     let database = Fresh::postgres().await;
     let proxy = Proxy::to(database.server.as_ref().unwrap().port()).await;
     let address = Postgres::url(proxy.port()).parse().unwrap();
@@ -158,11 +169,12 @@ async fn batches_written_together_without_an_answer_are_written_once() {
         if seq >= 150 && written_before > 0 {
             break;
         }
-        let batches: Vec<Batch> = robots.iter().map(|(_, robot)| contacts(robot, seq..seq + 1)).collect();
+        let batches: Vec<Batch> =
+            robots.iter().map(|(_, robot)| contacts(robot, seq * each..(seq + 1) * each)).collect();
         let all: Vec<_> = robots.iter().map(|(lease, _)| lease).zip(&batches).collect();
         // The link is cut at a different moment of each commit.
         let cut = async {
-            tokio::time::sleep(Duration::from_micros(seq as u64 % 150 * 60)).await;
+            tokio::time::sleep(step * (seq as u32 % 150)).await;
             proxy.cut();
         };
         let (tried, ()) = tokio::join!(writer.commit_together(&all), cut);
@@ -170,14 +182,24 @@ async fn batches_written_together_without_an_answer_are_written_once() {
             failures += 1;
             for (at, (lease, batch)) in all.iter().enumerate() {
                 while writer.commit(lease, batch).await.is_err() {}
-                let is_whole = database.store.contact_count().await.unwrap() == (seq + 1) * i64::from(SHARDS);
+                let is_whole = database.store.contact_count().await.unwrap() == (seq + 1) * each * i64::from(SHARDS);
                 written_before += usize::from(at == 0 && is_whole);
             }
         }
-        assert_eq!(database.store.contact_count().await.unwrap(), (seq + 1) * i64::from(SHARDS));
+        assert_eq!(database.store.contact_count().await.unwrap(), (seq + 1) * each * i64::from(SHARDS));
     }
     assert!(failures >= 20, "the link was cut during only {failures} commits");
     assert!(written_before > 0, "no joint commit of {failures} was written although its answer was lost");
+}
+
+#[tokio::test]
+async fn batches_written_together_without_an_answer_are_written_once() {
+    without_an_answer(1, Duration::from_micros(60)).await;
+}
+
+#[tokio::test]
+async fn batches_copied_together_without_an_answer_are_written_once() {
+    without_an_answer(COPIED, Duration::from_micros(300)).await;
 }
 
 #[tokio::test]
