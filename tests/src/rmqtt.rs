@@ -174,6 +174,7 @@ fn configure(home: &Path, at: usize, nodes: &[Node], Plugins { rules, bridge }: 
         r#"
 [node]
 id = {id}
+busy.check_enable = false
 [rpc]
 server_addr = "{host}:{grpc}"
 [log]
