@@ -37,7 +37,7 @@ pub struct Loading<'a> {
     pub watched: Vec<(&'static str, u32)>,
 }
 
-/// What a contact cost.
+/// Cost of a contact.
 pub struct Costs {
     /// Number of contacts that were measured.
     pub contacts: f64,
@@ -50,7 +50,7 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// Processor time per contact of a kind, us; 0 if there is none.
+    /// Processor time per contact of a kind, us; 0 for a kind without processes.
     pub fn us(&self, kind: &str) -> f64 {
         self.us.get(kind).copied().unwrap_or_default()
     }

@@ -29,7 +29,7 @@ const RATE: f64 = 1000.0;
 const WARM_UP_S: f64 = 20.0;
 /// Measured time, as a multiple of the pace's.
 const MEASURED: f64 = 2.0;
-/// The bridge writes what it has after this time.
+/// Time between two writes of the bridge.
 const GATHER: Duration = Duration::from_millis(50);
 
 /// Where contacts come from, and what becomes of them.
@@ -86,7 +86,7 @@ impl Case {
         ensure!(costs.report.receipted == costs.report.sent, "messages without a receipt");
         ensure!(!self.is_archived || archived_bytes(folder.path())? > 0, "nothing was archived");
         if let Some(bridge) = bridge {
-            // It has not ended by itself, which would be a failure.
+            // It ends by itself only if it fails.
             ensure!(!bridge.is_finished(), "the bridge has failed: {:?}", bridge.await);
             bridge.abort();
         }

@@ -14,8 +14,8 @@ use vibrissa_store::{Batch, Lease, Store, Writer};
 
 /// How long a transaction waits for the batches of further shards. All shards tick at the same times.
 const GATHER: Duration = Duration::from_millis(3);
-/// Largest size of a batch that is committed together with others. A larger one is worth its own transaction, which runs
-/// at the same time as those of other shards, and uses `COPY` by itself.
+/// Largest size of a batch that is committed together with others. A larger one gets a transaction of its own: it is
+/// large enough for `COPY`, and runs at the same time as those of other shards.
 const SIZE_OF_BATCH_MAX: usize = 2000;
 /// Size from which on no further batch is added: enough for `COPY`, which halves PostgreSQL's work, and not more than an
 /// undivided fleet commits at once.
