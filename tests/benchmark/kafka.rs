@@ -86,7 +86,7 @@ impl Case {
         ensure!(costs.report.receipted == costs.report.sent, "messages without a receipt");
         ensure!(!self.is_archived || archived_bytes(folder.path())? > 0, "nothing was archived");
         if let Some(bridge) = bridge {
-            // It ends by itself only if it fails.
+            // A bridge that has ended has failed.
             ensure!(!bridge.is_finished(), "the bridge has failed: {:?}", bridge.await);
             bridge.abort();
         }
