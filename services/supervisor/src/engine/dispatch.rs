@@ -17,11 +17,16 @@ use vibrissa_core::units::Micros;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::fault::{self, Fault};
 
+/// Number of whiskers whose robots have sent messages at which these are stepped, and the batches' room is looked at:
+/// each message can need a checkpoint of all its robot's whiskers. A transaction with 20,000 of them takes half a second.
+const WHISKERS_AT_A_TIME: usize = 16_384;
+
 impl Engine {
     /// Steps messages through the core, those of each robot in order.
     pub(super) async fn take_in(&mut self, incoming: &mut Vec<Incoming>) -> Result<(), LeaseLost> {
         let count = incoming.len();
         let mut messages: Vec<Vec<RawMessage>> = self.shards.iter().map(|_| Vec::new()).collect();
+        let mut whiskers = 0;
         for incoming in incoming.drain(..) {
             let Some(raw) = self.address(incoming) else { continue };
             let Some(raw) = self.suspects.pass(raw) else { continue };
@@ -29,11 +34,26 @@ impl Engine {
                 self.shards.handle(&mut messages, false, &self.workers).await;
                 self.take_factsheet(raw).await?;
             } else {
+                whiskers += self.shards.robot(&raw.robot).map_or(0, |known| known.whisker_ids.len());
                 messages[index_of(&raw.robot, self.shards.count())].push(raw);
+            }
+            if whiskers >= WHISKERS_AT_A_TIME {
+                whiskers = 0;
+                self.shards.handle(&mut messages, false, &self.workers).await;
+                self.make_room().await?;
             }
         }
         self.shards.handle(&mut messages, false, &self.workers).await;
         self.pipeline.stepped(count, &self.shards);
+        Ok(())
+    }
+
+    /// Begins a commit of full batches, after the one that is being written.
+    async fn make_room(&mut self) -> Result<(), LeaseLost> {
+        if !self.shards.has_room() {
+            self.settle().await?;
+            self.begin_commit();
+        }
         Ok(())
     }
 

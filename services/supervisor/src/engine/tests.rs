@@ -152,6 +152,16 @@ struct World {
 }
 
 impl World {
+    fn new(seed: u64) -> Self {
+        Self {
+            random: Random(seed),
+            model: Model::nguyen_2021(Formulation::default()),
+            lengths_mm: BTreeMap::new(),
+            seqs: BTreeMap::new(),
+            now: Micros(1_000_000),
+        }
+    }
+
     fn happen(&mut self, shard: &mut Shard) {
         self.now = Micros(self.now.0 + 20_000);
         let robot_id = 1 + self.random.below(shard.robots().len()) as i64;
@@ -159,6 +169,15 @@ impl World {
             // At least one whisker per tick: a tick with many effects is continued with the next one.
             0 => drop(shard.tick(self.now, &Delayed::new(), 1)),
             1..=3 => self.status(shard, robot_id),
+            // An outage that began two whole spans of silence ago, as far as the robots were not heard.
+            5 if self.random.below(20) == 0 => {
+                let stale_after = shard.parts().1.params_of(&Name::robot("r1").unwrap()).health.stale_after;
+                self.now = self.now.after(stale_after).after(stale_after);
+                shard.restart_silence_timers(self.now);
+            }
+            6 if self.random.below(20) == 0 => {
+                shard.restart_silence_timer(&Name::robot(&format!("r{robot_id}")).unwrap(), self.now);
+            }
             4 if self.now.0 > 40_000_000 => {
                 let whisker = self.random.below(usize::from(WHISKERS)) as u16;
                 let cut_mm = 10.0 * self.random.unit();
@@ -288,13 +307,7 @@ fn crash(tables: &Tables, live: &Shard) -> usize {
 fn property_states_and_journal_are_the_robots_at_each_commit() {
     for seed in 1..=6 {
         let mut shard = shard(3);
-        let mut world = World {
-            random: Random(seed),
-            model: Model::nguyen_2021(Formulation::default()),
-            lengths_mm: BTreeMap::new(),
-            seqs: BTreeMap::new(),
-            now: Micros(1_000_000),
-        };
+        let mut world = World::new(seed);
         let (mut tables, mut rate) = (Tables::default(), CheckpointRate::new(world.now));
         let (mut replayed, mut decided) = (0, 0);
         for round in 0..1500 {
@@ -333,6 +346,43 @@ fn what_befalls_all_robots_at_once_is_written_in_several_transactions() {
         }
     }
     assert_eq!(written, [1, 2, 3, 4, 5], "each robot once, in order");
+}
+
+/// All robots of a large fleet were written at once, which the database refused for ever: it took too long.
+#[test]
+fn regress_after_an_outage_only_robots_that_would_become_silent_are_written_and_not_all_at_once() {
+    let mut shard = shard(5);
+    let stale_after = shard.parts().1.params_of(&Name::robot("r1").unwrap()).health.stale_after;
+    let mut rate = CheckpointRate::new(Micros(1));
+    seal(&mut shard, Micros(1), &mut rate);
+    let back = Micros(stale_after.0 - 1);
+    shard.restart_silence_timers(back);
+    let rows = seal(&mut shard, back, &mut rate);
+    assert!(rows.robots.is_empty(), "nobody is silent yet");
+    // The second robot is heard before it would become silent.
+    let mut world = World::new(1);
+    world.now = Micros(stale_after.0);
+    world.status(&mut shard, 2);
+    shard.batch_mut().checkpoints().make_due();
+    seal(&mut shard, world.now, &mut rate);
+
+    let mut written = Vec::new();
+    for round in 0.. {
+        let now = Micros(stale_after.0 + 2 + round);
+        let is_done = shard.tick(now, &Delayed::new(), usize::from(WHISKERS) + 1);
+        let rows = seal(&mut shard, now, &mut rate);
+        assert!(rows.robots.len() <= 2 && rows.records.is_empty(), "nobody is silent: {:?}", rows.records);
+        written.extend(rows.robots.iter().map(|row| row.robot_id));
+        if is_done {
+            break;
+        }
+    }
+    assert_eq!(written, [1, 3, 4, 5], "those that were not heard, once, in order");
+
+    let late = back.after(stale_after).after(Micros(1));
+    assert!(shard.tick(late, &Delayed::new(), usize::MAX));
+    let silent: BTreeSet<i64> = seal(&mut shard, late, &mut rate).robots.iter().map(|row| row.robot_id).collect();
+    assert_eq!(silent, BTreeSet::from([1, 3, 4, 5]), "silence after the outage counts");
 }
 
 /// Messages of a robot that sends too much wait. Its whiskers were found silent meanwhile.

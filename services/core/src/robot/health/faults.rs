@@ -127,10 +127,14 @@ impl Whisker {
         }
     }
 
+    /// Whether it was heard once, and then not for too long a time in which it could be heard.
+    pub(in crate::robot) fn is_silent(&self, params: &Params, now: Micros, listening_since: Micros) -> bool {
+        self.heard.is_some_and(|heard| now.since(heard.max(listening_since)) > params.health.stale_after)
+    }
+
     /// The worst that is known now; the cause before the symptom.
     fn present_fault(&self, params: &Params, now: Micros, online: bool, listening_since: Micros) -> Option<Fault> {
-        let silent = self.heard.is_some_and(|heard| now.since(heard.max(listening_since)) > params.health.stale_after);
-        if silent || !online {
+        if self.is_silent(params, now, listening_since) || !online {
             return Some(Fault::Stale);
         }
         if self.gauge.state() != GaugeState::Ok {

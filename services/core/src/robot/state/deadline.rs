@@ -33,7 +33,8 @@ impl TickDeadline {
         self.0 = self.0.zip(until).map(|((from, known), until)| (from, until.min(known)));
     }
 
-    fn holds(self, now: Micros) -> bool {
+    /// Whether a tick at `now` has nothing to do for any whisker.
+    pub(in crate::robot) fn holds(self, now: Micros) -> bool {
         self.0.is_some_and(|(from, until)| from <= now && now <= until)
     }
 }

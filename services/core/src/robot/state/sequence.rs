@@ -216,6 +216,11 @@ impl Sequences {
         sequence.map_or(Admission::UnknownBoot, |sequence| sequence.admit(seq, now))
     }
 
+    /// Whether the oldest gap of a boot has stood since before `time`.
+    pub(in crate::robot) fn have_stood_before(&self, time: Micros) -> bool {
+        self.boots.iter().any(|sequence| sequence.standing_since.is_some_and(|since| since < time))
+    }
+
     /// Nothing could be heard meanwhile: no gap was left open by the robot until now.
     pub(in crate::robot) fn wait_anew(&mut self) {
         for sequence in &mut self.boots {

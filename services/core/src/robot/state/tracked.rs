@@ -50,6 +50,11 @@ impl<T> Tracked<T> {
         &mut self.value
     }
 
+    /// Marks the value as changed.
+    pub(in crate::robot) fn mark(&mut self) {
+        self.is_marked = true;
+    }
+
     pub(in crate::robot) fn is_marked(&self) -> bool {
         self.is_marked
     }

@@ -11,8 +11,6 @@ pub(crate) mod retention;
 pub mod rollup;
 pub(crate) mod seqs;
 
-use std::time::Instant;
-
 use indexmap::IndexMap;
 use smallvec::SmallVec;
 use tracing::error;
@@ -20,6 +18,7 @@ use vibrissa_core::policy::Case;
 use vibrissa_core::robot::event::Factsheet;
 use vibrissa_core::robot::{Event, OperatorAction, Params, Robot, Scope};
 use vibrissa_core::text::ShortText;
+use vibrissa_core::units::Micros;
 use vibrissa_protocol::{BootId, Name};
 
 use crate::black_box::Recorder;
@@ -52,8 +51,8 @@ pub(crate) struct KnownRobot {
     pub(crate) new_boots: Bucket,
     /// Limits the rate of new layouts.
     pub(crate) new_layouts: Bucket,
-    /// Last time that its silence timer was restarted because its messages were shed.
-    pub(crate) silence_restarted: Option<Instant>,
+    /// Until when its messages were shed.
+    pub(crate) deaf_until: Micros,
     /// The last boot refused by the rate limit; it is accepted once the limit allows it.
     pub(crate) refused_boot: Option<BootId>,
     /// Next `seq` of each topic to this robot.
@@ -103,7 +102,7 @@ impl KnownRobot {
             is_heard: false,
             new_boots: Bucket::new(BOOTS_AT_ONCE, BOOTS_PER_MINUTE),
             new_layouts: Bucket::new(BOOTS_AT_ONCE, BOOTS_PER_MINUTE),
-            silence_restarted: None,
+            deaf_until: Micros::default(),
             refused_boot: None,
             seqs: Seqs::default(),
             estimates: Estimates::default(),

@@ -19,7 +19,6 @@ pub(crate) mod stepper;
 mod touch_tests;
 
 use std::hash::RandomState;
-use std::time::{Duration, Instant};
 
 use vibrissa_core::robot::{Event, Outcome};
 use vibrissa_core::units::Micros;
@@ -37,10 +36,6 @@ use crate::inbox::Delayed;
 
 use announced::Announced;
 use stepper::Stepper;
-
-/// Shortest interval between two restarts of a robot's silence timer after its messages were shed: a third of the time
-/// after which the robot counts as silent.
-const RESTART_INTERVAL: Duration = Duration::from_secs(5);
 
 /// Receipts and waiting checkpoints are part of a transaction.
 #[derive(Debug, Clone, Copy)]
@@ -216,23 +211,16 @@ impl Shard {
         true
     }
 
-    /// Restarts the silence timers of all robots, because this supervisor was deaf.
+    /// Restarts the silence timers of all robots, because this supervisor was deaf. Each robot's is restarted before a
+    /// step that would need it: a checkpoint of all robots at once would be a transaction too large for the database.
     pub(crate) fn restart_silence_timers(&mut self, now: Micros) {
-        for known in self.robots.values_mut() {
-            known.robot.listen_from(now);
-            // A journal entry may be replayed only after a checkpoint that contains this change.
-            self.stepper.batch.checkpoint(known);
-        }
+        self.stepper.excuse_silence_until(now);
     }
 
-    /// Restarts the robot's silence timer after its messages were shed. Each restart needs a checkpoint, so they are
-    /// limited.
+    /// Restarts the robot's silence timer after its messages were shed, likewise.
     pub(crate) fn restart_silence_timer(&mut self, name: &Name, now: Micros) {
-        let Some(known) = self.robots.get_mut(name) else { return };
-        if known.silence_restarted.is_none_or(|last| last.elapsed() >= RESTART_INTERVAL) {
-            known.silence_restarted = Some(Instant::now());
-            known.robot.listen_from(now);
-            self.stepper.batch.checkpoint(known);
+        if let Some(known) = self.robots.get_mut(name) {
+            known.deaf_until = now;
         }
     }
 

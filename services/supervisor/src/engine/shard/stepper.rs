@@ -68,6 +68,8 @@ pub(crate) struct Stepper {
     pub(super) events: Option<EventMaker>,
     /// Black boxes, if they are wanted.
     boxes: Option<FleetBoxes>,
+    /// Until when nothing could be received, by the last outage.
+    deaf_until: Micros,
     /// Effects of the current step; the allocation is reused.
     effects: Vec<Effect>,
     /// Time of the last warning of each reason.
@@ -91,6 +93,7 @@ impl Stepper {
             traces: None,
             events: None,
             boxes: None,
+            deaf_until: Micros::default(),
             effects: Vec::new(),
             warned: BTreeMap::new(),
         }
@@ -169,6 +172,11 @@ impl Stepper {
         &mut self.batch
     }
 
+    /// Excuses the silence of all robots until `time`, because nothing could be received.
+    pub(super) fn excuse_silence_until(&mut self, time: Micros) {
+        self.deaf_until = self.deaf_until.max(time);
+    }
+
     /// Steps the core, and adds the effects to the batch. `source` is the message of a contacts event.
     pub(crate) fn step(
         &mut self,
@@ -177,6 +185,10 @@ impl Stepper {
         event: &Event<'_>,
         source: Option<Source<'_>>,
     ) -> Outcome {
+        let deaf_until = self.deaf_until.max(known.deaf_until);
+        if known.robot.excuse_silence(self.params_of(&known.name), now, deaf_until) {
+            self.batch.checkpoint(known);
+        }
         let mut effects = std::mem::take(&mut self.effects);
         let outcome = known.robot.step(self.params_of(&known.name), now, event, &mut effects);
         known.is_heard |= is_of_newest_boot(event, outcome);
