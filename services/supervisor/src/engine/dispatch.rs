@@ -17,7 +17,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::fault::{self, Fault};
 
-/// Number of whiskers whose robots have sent messages at which these are stepped, and the batches' room is looked at:
+/// Messages are stepped, and the room of the batches is checked, when their robots have this many whiskers together:
 /// each message can need a checkpoint of all its robot's whiskers. A transaction with 20,000 of them takes half a second.
 const WHISKERS_AT_A_TIME: usize = 16_384;
 

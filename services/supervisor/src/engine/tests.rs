@@ -348,7 +348,7 @@ fn what_befalls_all_robots_at_once_is_written_in_several_transactions() {
     assert_eq!(written, [1, 2, 3, 4, 5], "each robot once, in order");
 }
 
-/// All robots of a large fleet were written at once, which the database refused for ever: it took too long.
+/// All robots of a large fleet were written at once. That took too long for the database, which refused it each time.
 #[test]
 fn regress_after_an_outage_only_robots_that_would_become_silent_are_written_and_not_all_at_once() {
     let mut shard = shard(5);

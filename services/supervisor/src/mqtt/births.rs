@@ -15,6 +15,9 @@ const INTERVAL_MIN: Duration = Duration::from_secs(2);
 /// Limit of requests per minute, because each makes the whole fleet answer.
 const PER_MINUTE: usize = 10;
 const MINUTE: Duration = Duration::from_secs(60);
+/// Longest pause after a request because births or factsheets were shed. The pause doubles, because the answers of a large
+/// fleet can fill the inbox again: without it, 10,000 robots with 100 whiskers each answered 450,000 times in six minutes.
+const SHED_PAUSE_MAX: Duration = Duration::from_secs(600);
 
 /// The requests for one fleet, shared by its shards at this supervisor: one request serves all of them.
 pub(crate) type SharedBirths = Arc<Mutex<BirthRequests>>;
@@ -36,6 +39,8 @@ pub(crate) struct BirthRequests {
     /// `seq` of the next request.
     seq: u64,
     wanted: Option<BirthCause>,
+    /// Time of the last request because messages were shed, and the pause after it.
+    shed: Option<(Instant, Duration)>,
     /// Times of the requests of the last minute.
     sent: VecDeque<Instant>,
 }
@@ -43,12 +48,17 @@ pub(crate) struct BirthRequests {
 impl BirthRequests {
     /// Wants a request as soon as the limits allow it. Requests wanted before it are served by the same one.
     pub(super) fn want(&mut self, cause: BirthCause) {
-        self.wanted.get_or_insert(cause);
+        if self.wanted.is_none_or(|wanted| wanted == BirthCause::Shed) {
+            self.wanted = Some(cause);
+        }
     }
 
     /// The cause of a request that must be published now.
     pub(super) fn take_due(&mut self, now: Instant) -> Option<BirthCause> {
-        self.wanted?;
+        let is_shed = self.wanted? == BirthCause::Shed;
+        if is_shed && self.shed.is_some_and(|(last, pause)| now.saturating_duration_since(last) < pause) {
+            return None;
+        }
         while self.sent.front().is_some_and(|sent| now.saturating_duration_since(*sent) >= MINUTE) {
             self.sent.pop_front();
         }
@@ -57,7 +67,18 @@ impl BirthRequests {
             return None;
         }
         self.sent.push_back(now);
+        if is_shed {
+            self.shed = Some((now, self.pause_after_shed(now)));
+        }
         self.wanted.take()
+    }
+
+    /// Pause after a request at `now` because messages were shed: twice the last one, if that ended not long ago.
+    fn pause_after_shed(&self, now: Instant) -> Duration {
+        match self.shed {
+            Some((last, pause)) if now.saturating_duration_since(last) < 4 * pause => (2 * pause).min(SHED_PAUSE_MAX),
+            Some(_) | None => 2 * INTERVAL_MIN,
+        }
     }
 
     /// Topic and payload of the next request.
@@ -95,6 +116,34 @@ mod tests {
             assert!(window[PER_MINUTE] - window[0] >= 60_000, "{window:?}");
         }
         assert_eq!(sent_ms.len(), 5 * PER_MINUTE);
+    }
+
+    /// The answers of a large fleet filled the inbox, which shed some of them, which led to the next request.
+    #[test]
+    fn regress_requests_after_shed_answers_become_rare_and_others_do_not_wait_for_them() {
+        let begin = Instant::now();
+        let mut requests = BirthRequests::default();
+        let mut sent_s = Vec::new();
+        for s in 0..3_600 {
+            requests.want(BirthCause::Shed);
+            if requests.take_due(begin + Duration::from_secs(s)).is_some() {
+                sent_s.push(s);
+            }
+        }
+        assert_eq!(sent_s[..8], [0, 4, 12, 28, 60, 124, 252, 508]);
+        assert!(sent_s.len() <= 8 + 6, "{sent_s:?}");
+
+        let next = begin + Duration::from_secs(3_600);
+        requests.want(BirthCause::Shed);
+        requests.want(BirthCause::Connected);
+        assert_eq!(requests.take_due(next), Some(BirthCause::Connected));
+
+        // After a time without, the first is sent at once.
+        let later = next + 5 * SHED_PAUSE_MAX;
+        for s in [0, 4] {
+            requests.want(BirthCause::Shed);
+            assert_eq!(requests.take_due(later + Duration::from_secs(s)), Some(BirthCause::Shed));
+        }
     }
 
     #[test]
