@@ -16,7 +16,7 @@ const INTERVAL_MIN: Duration = Duration::from_secs(2);
 const PER_MINUTE: usize = 10;
 const MINUTE: Duration = Duration::from_secs(60);
 /// Longest pause after a request because births or factsheets were shed. The pause doubles, because the answers of a large
-/// fleet can fill the inbox again: without it, 10,000 robots with 100 whiskers each answered 450,000 times in six minutes.
+/// fleet can fill the inbox again: without it, 10,000 robots with 100 whiskers each sent 450,000 factsheets in six minutes.
 const SHED_PAUSE_MAX: Duration = Duration::from_secs(600);
 
 /// The requests for one fleet, shared by its shards at this supervisor: one request serves all of them.
@@ -38,6 +38,13 @@ impl FleetBirths {
 pub(crate) struct BirthRequests {
     /// `seq` of the next request.
     seq: u64,
+    /// When they are published.
+    pub(super) pace: Pace,
+}
+
+/// Limits how often all births and factsheets are requested, from the robots or from the broker.
+#[derive(Debug, Default)]
+pub(crate) struct Pace {
     wanted: Option<BirthCause>,
     /// Time of the last request because messages were shed, and the pause after it.
     shed: Option<(Instant, Duration)>,
@@ -45,7 +52,7 @@ pub(crate) struct BirthRequests {
     sent: VecDeque<Instant>,
 }
 
-impl BirthRequests {
+impl Pace {
     /// Wants a request as soon as the limits allow it. Requests wanted before it are served by the same one.
     pub(super) fn want(&mut self, cause: BirthCause) {
         if self.wanted.is_none_or(|wanted| wanted == BirthCause::Shed) {
@@ -53,7 +60,7 @@ impl BirthRequests {
         }
     }
 
-    /// The cause of a request that must be published now.
+    /// The cause of a request that must be made now.
     pub(super) fn take_due(&mut self, now: Instant) -> Option<BirthCause> {
         let is_shed = self.wanted? == BirthCause::Shed;
         if is_shed && self.shed.is_some_and(|(last, pause)| now.saturating_duration_since(last) < pause) {
@@ -80,7 +87,9 @@ impl BirthRequests {
             Some(_) | None => 2 * INTERVAL_MIN,
         }
     }
+}
 
+impl BirthRequests {
     /// Topic and payload of the next request.
     pub(super) fn message(&mut self, connection: &Connection) -> (String, Vec<u8>) {
         let request = SupervisorRequest {
@@ -102,7 +111,7 @@ mod tests {
     #[test]
     fn requests_are_at_least_two_seconds_apart_and_at_most_ten_a_minute() {
         let begin = Instant::now();
-        let mut requests = BirthRequests::default();
+        let mut requests = Pace::default();
         assert_eq!(requests.take_due(begin), None, "none is wanted");
         let mut sent_ms = Vec::new();
         for ms in (0..300_000).step_by(100) {
@@ -122,7 +131,7 @@ mod tests {
     #[test]
     fn regress_requests_after_shed_answers_become_rare_and_others_do_not_wait_for_them() {
         let begin = Instant::now();
-        let mut requests = BirthRequests::default();
+        let mut requests = Pace::default();
         let mut sent_s = Vec::new();
         for s in 0..3_600 {
             requests.want(BirthCause::Shed);
@@ -149,7 +158,7 @@ mod tests {
     #[test]
     fn one_request_serves_all_that_were_wanted_before_it_and_a_late_one_is_kept() {
         let begin = Instant::now();
-        let mut requests = BirthRequests::default();
+        let mut requests = Pace::default();
         requests.want(BirthCause::Connected);
         requests.want(BirthCause::Unheard);
         assert_eq!(requests.take_due(begin), Some(BirthCause::Connected));

@@ -9,7 +9,7 @@ use tokio::sync::watch;
 use tokio::task::yield_now;
 use vibrissa_protocol::RobotTopic;
 
-use super::births::BirthRequests;
+use super::births::{BirthRequests, Pace};
 use super::coalescing::{PAUSE, PollCoalescing};
 use super::hearing::{Hearing, Tick};
 use super::link::Side;
@@ -94,7 +94,7 @@ impl Receiver {
         let mut poller = Poller::new(events, &self.connection, reached);
         let mut coalescing = PollCoalescing::new(Instant::now());
         let mut hearing = Hearing::new(&self.connection.shard, self.subscriptions.probed(), Instant::now());
-        let mut is_subscribed = false;
+        let (mut is_subscribed, mut retained) = (false, Pace::default());
         loop {
             let event = match poller.ready() {
                 Some(event) => event,
@@ -108,13 +108,16 @@ impl Receiver {
                         self.request_births(&client)?;
                     }
                     if let Some(cause) = self.intake.take_wanted() {
-                        self.births().want(cause);
-                        // A new subscription makes the broker send its retained messages again: for robots that do not
-                        // know the request.
-                        let retained = self.subscriptions.retained();
-                        self.subscribe(&client, retained)?;
+                        self.births().pace.want(cause);
+                        retained.want(cause);
                     }
                     let now = Instant::now();
+                    if retained.take_due(now).is_some() {
+                        // A new subscription makes the broker send its retained messages again: for robots that do not
+                        // know the request.
+                        let again = self.subscriptions.retained();
+                        self.subscribe(&client, again)?;
+                    }
                     if !self.connection.occupancy.is_shared() && coalescing.pauses(now, messages) {
                         // Blocks the thread, because in an asynchronous sleep each arriving message would wake the
                         // runtime.
@@ -155,7 +158,7 @@ impl Receiver {
                     }
                     if self.subscriptions.are_complete() {
                         if !std::mem::replace(&mut is_subscribed, true) {
-                            self.births().want(BirthCause::Connected);
+                            self.births().pace.want(BirthCause::Connected);
                         }
                         hearing.subscribed(Instant::now());
                     }
@@ -200,7 +203,7 @@ impl Receiver {
 
     /// Publishes a request for births, if one is due.
     fn request_births(&mut self, client: &AsyncClient) -> Result<(), Problem> {
-        let Some(cause) = self.births().take_due(Instant::now()) else { return Ok(()) };
+        let Some(cause) = self.births().pace.take_due(Instant::now()) else { return Ok(()) };
         let (topic, payload) = self.births().message(&self.connection);
         client.try_publish(topic, payload, expiring()).map_err(|error| self.lost(&error))?;
         self.metrics.birth_requests.count([cause.word()]);
