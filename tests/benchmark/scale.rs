@@ -18,6 +18,8 @@ const PART: &str = "scale";
 const SHARDS: [u32; 4] = [1, 4, 16, 64];
 const SUPERVISORS: [usize; 2] = [2, 4];
 const SHARED: u32 = 16;
+/// Shards of each of several supervisors that have the same load each.
+const OWN: u32 = 4;
 /// Messages per second of all robots: 10,000 and 50,000 contacts per second. The fixed cost of a shard counts less at more.
 const RATES: [f64; 2] = [500.0, 2500.0];
 /// Time with this load before the measurement, s.
@@ -34,6 +36,8 @@ struct Case {
     supervisors: usize,
     /// Messages per second.
     rate: f64,
+    /// Shards and messages per second of the case with one supervisor that this one is compared with.
+    base: (u32, f64),
     /// Processor time per contact, us: of the supervisors together, of PostgreSQL, and of the broker.
     supervisor_us: Vec<f64>,
     postgres_us: Vec<f64>,
@@ -43,9 +47,9 @@ struct Case {
 }
 
 impl Case {
-    fn new(shards: u32, supervisors: usize, rate: f64) -> Self {
+    fn new((shards, supervisors, rate): (u32, usize, f64), base: (u32, f64)) -> Self {
         let (supervisor_us, postgres_us, broker_us, wal_bytes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { shards, supervisors, rate, supervisor_us, postgres_us, broker_us, wal_bytes, wrong: 0 }
+        Self { shards, supervisors, rate, base, supervisor_us, postgres_us, broker_us, wal_bytes, wrong: 0 }
     }
 
     fn name(&self) -> String {
@@ -134,9 +138,13 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     let broker = stage::broker();
     let mut cases = Vec::new();
     for rate in RATES {
-        cases.extend(SHARDS.map(|shards| Case::new(shards, 1, rate)));
-        cases.extend(SUPERVISORS.map(|supervisors| Case::new(SHARED, supervisors, rate)));
+        let base = (SHARDS[0], rate);
+        cases.extend(SHARDS.map(|shards| Case::new((shards, 1, rate), base)));
+        cases.extend(SUPERVISORS.map(|supervisors| Case::new((SHARED, supervisors, rate), base)));
     }
+    // As much more load as supervisors, like in a fleet that has grown.
+    let loaded = |count: usize| (OWN * count as u32, count, RATES[0] * count as f64);
+    cases.extend(SUPERVISORS.map(|count| Case::new(loaded(count), (OWN, RATES[0]))));
     let mut round = 0;
     while bench.has_time_for(round) {
         for case in &mut cases {
@@ -145,7 +153,10 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
         round += 1;
     }
     for case in &cases {
-        let first = cases.iter().find(|first| first.rate == case.rate).expect("the case itself at the latest");
+        let first = cases
+            .iter()
+            .find(|first| first.supervisors == 1 && (first.shards, first.rate) == case.base)
+            .expect("a case above");
         // The share is formed within a round.
         let share = median(case.supervisor_us.iter().zip(&first.supervisor_us).map(|(us, first)| us / first));
         let of = |values: &[f64]| median(values.iter().copied());
@@ -157,7 +168,7 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
             Figure(of(&case.broker_us), ""),
             Figure(of(&case.wal_bytes), "bytes")
         );
-        let what = format!("{}: CPU per contact, relative to one shard", case.name());
+        let what = format!("{}: CPU per contact, relative to {}", case.name(), first.name());
         bench.row(PART, &what, Target::AtMost(1.1), Figure(share, ""), beside)?;
     }
     let wrong = cases.iter().map(|case| case.wrong).sum::<i64>() as f64;

@@ -27,7 +27,7 @@ fn message(contacts: usize) -> Contacts {
 }
 
 fn decoding(c: &mut Criterion) {
-    for contacts in [1, 20, 100] {
+    for contacts in [1, 2, 5, 20, 100] {
         let message = message(contacts);
         let mut group = c.benchmark_group(format!("{contacts} contacts"));
         group.throughput(Throughput::Elements(contacts as u64));
