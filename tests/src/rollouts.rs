@@ -121,26 +121,28 @@ impl Errors {
         Self { link, next: 9_000_000_000_000_000 }
     }
 
-    /// Writes an error of each robot.
+    /// Writes an error of each robot, all in one transaction: a comparison meanwhile must not see a part of them.
     ///
     /// # Panics
     /// The database refuses it.
     pub async fn write(&mut self, robots: &[String], error: impl Fn(usize) -> f64) {
         let now_us = now_us() as i64;
-        for (at, robot) in robots.iter().enumerate() {
-            self.next += 1;
-            macro_rules! insert {
-                ($link:expr) => {{
+        macro_rules! insert {
+            ($link:expr, $begin:literal) => {{
+                sqlx::query($begin).execute(&mut **$link).await.expect("a transaction");
+                for (at, robot) in robots.iter().enumerate() {
+                    self.next += 1;
                     let decision = sqlx::query(DECISION).bind(self.next).bind(now_us).bind(robot);
                     decision.execute(&mut **$link).await.expect("a decision");
                     let error = sqlx::query(ERROR).bind(self.next).bind(now_us).bind(error(at));
                     error.execute(&mut **$link).await.expect("an error");
-                }};
-            }
-            match &mut self.link {
-                Link::Sqlite(link) => insert!(link),
-                Link::Postgres(link) => insert!(link),
-            }
+                }
+                sqlx::query("COMMIT").execute(&mut **$link).await.expect("a commit");
+            }};
+        }
+        match &mut self.link {
+            Link::Sqlite(link) => insert!(link, "BEGIN IMMEDIATE"),
+            Link::Postgres(link) => insert!(link, "BEGIN"),
         }
     }
 }

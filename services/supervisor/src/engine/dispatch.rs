@@ -18,7 +18,7 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::fault::{self, Fault};
 
 /// Messages are stepped, and the room of the batches is checked, when their robots have this many whiskers together:
-/// each message can need a checkpoint of all its robot's whiskers. A transaction with 20,000 of them takes half a second.
+/// each message can need a checkpoint of all its robot's whiskers. Commits of 95,000 states took up to 4 s.
 const WHISKERS_AT_A_TIME: usize = 16_384;
 
 impl Engine {
