@@ -161,8 +161,11 @@ mod tests {
         assert!(futures_util::poll!(&mut copying).is_pending());
         assert!(beside(&to, ".part").exists(), "it has begun");
         drop(copying);
-        let left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|one| one.unwrap().file_name()).collect();
-        assert_eq!(left, ["from"]);
-        std::fs::remove_dir_all(&folder).unwrap();
+        // SQLite's thread may still open the database, which has temporary files beside it.
+        let names = std::fs::read_dir(&folder).unwrap().map(|one| one.unwrap().file_name().into_string().unwrap());
+        let left: Vec<String> = names.filter(|name| name.starts_with("to")).collect();
+        assert!(left.is_empty(), "{left:?}");
+        // The thread may add a file meanwhile.
+        let _ = std::fs::remove_dir_all(&folder);
     }
 }
