@@ -1,0 +1,105 @@
+//! Receipts of many robots, and robots that announce themselves.
+
+use super::*;
+
+#[test]
+fn receipts_of_many_robots_go_out_in_turn() {
+    let mut shard = shard(12);
+    let (robots, stepper) = shard.parts();
+    for known in robots.values_mut() {
+        stepper.receipt(known, "b");
+    }
+    let mut sent = |most| {
+        shard.publish_receipts(most);
+        shard.batch_mut().take_publications().into_iter().map(|one| one.topic).collect::<Vec<_>>()
+    };
+    let (first, second, rest) = (sent(1), sent(4), sent(usize::MAX));
+    assert_eq!([first.len(), second.len(), rest.len()], [3, 4, 5], "at least a quarter, at most the limit, all");
+    let all: std::collections::BTreeSet<_> = [first, second, rest].concat().into_iter().collect();
+    assert_eq!(all.len(), 12, "each robot once");
+    assert!(sent(usize::MAX).is_empty());
+}
+
+#[test]
+fn a_robot_that_was_only_announced_is_not_taken_up() {
+    let (mut shards, mut replay) = (Shards::new(vec![shard(0)]), Replay::default());
+    let stored = |robot_id: i64, held: bool| StoredRobot {
+        robot_id,
+        robot: format!("r{robot_id}"),
+        state: None,
+        whisker_ids: Vec::new(),
+        whisker_states: Vec::new(),
+        boots: BTreeMap::new(),
+        rollups: Vec::new(),
+        journal_number: 0,
+        held,
+        numbers: Numbers::default(),
+    };
+    for (robot_id, held) in [(1, false), (2, true)] {
+        replay.load(stored(robot_id, held), Name::robot(&format!("r{robot_id}")).unwrap(), 7, &mut shards);
+    }
+    let names: Vec<&str> = shards.robots().map(|known| known.name.as_str()).collect();
+    assert_eq!(names, ["r2"], "a held robot must be kept");
+}
+
+fn raw_message(robot: &str, kind: RobotTopic, payload: Vec<u8>) -> RawMessage {
+    let robot = Name::robot(robot).unwrap();
+    let topic = kind.of(&Name::new("f").unwrap(), &robot);
+    RawMessage { topic, robot, kind, payload: payload.into(), received: Micros(1) }
+}
+
+fn birth(robot: &str, boot_id: &str) -> RawMessage {
+    let connection = protocol::Connection {
+        boot_id: BootId::new(boot_id).unwrap(),
+        seq: 0,
+        timestamp: protocol::Timestamp(0),
+        state: protocol::ConnectionState::Online,
+    };
+    raw_message(robot, RobotTopic::Connection, protocol::encode(&connection))
+}
+
+#[test]
+fn a_robot_has_some_new_boots_at_once_and_the_last_one_that_was_refused_later() {
+    let mut shard = shard(1);
+    for number in 1..=BOOTS_AT_ONCE + 2 {
+        shard.handle(&birth("r1", &format!("new-{number}")));
+    }
+    let known = &shard.robots()["r1"];
+    assert_eq!(known.robot.connection_state().0, Some("new-10"));
+    assert_eq!(known.refused_boot.as_ref().map(BootId::as_str), Some("new-12"));
+    assert_eq!(shard.metrics().messages_refused.of(["too_many_boots"]).get(), 2);
+    shard.tick(Micros(2), &Delayed::new(), 1000);
+    assert_eq!(shard.robots()["r1"].robot.connection_state().0, Some("new-10"), "the limit does not allow it yet");
+    // A full bucket, as after a minute.
+    shard.robots_mut()["r1"].new_boots = Bucket::new(1, 1);
+    shard.tick(Micros(3), &Delayed::new(), 1000);
+    let known = &shard.robots()["r1"];
+    assert_eq!((known.robot.connection_state().0, &known.refused_boot), (Some("new-12"), &None));
+}
+
+#[test]
+fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
+    let mut shard = shard(0);
+    let factsheet = |robot: &str| {
+        let facts = protocol::Factsheet {
+            boot_id: BootId::new("b").unwrap(),
+            seq: 0,
+            timestamp: protocol::Timestamp(0),
+            model: "m".to_owned(),
+            on_supervisor_loss: protocol::OnSupervisorLoss::Hold,
+            arrays: Vec::new(),
+            touch_tests: Vec::new(),
+        };
+        raw_message(robot, RobotTopic::Factsheet, protocol::encode(&facts))
+    };
+    assert!(shard.factsheet(&factsheet("r1")).is_none(), "refused without a birth");
+    for number in 1..=5000 {
+        shard.handle(&birth(&format!("r{number}"), "b"));
+    }
+    assert!(shard.robots().is_empty() && shard.batch().is_empty(), "nothing is written for a birth");
+    assert!(shard.factsheet(&factsheet("r5000")).is_some());
+    assert!(shard.factsheet(&factsheet("r1")).is_none(), "its announcement must be forgotten");
+    shard.tick(Micros(5_000_000), &Delayed::new(), 1000);
+    let asked = shard.batch_mut().take_publications().len();
+    assert!((1000..=1024).contains(&asked), "their factsheets must be requested: {asked}");
+}
