@@ -139,10 +139,7 @@ impl Engine {
                     self.restart_silence_timers();
                 }
                 self.shards.of(&raw.robot).batch_mut().push_message(raw);
-                if !self.shards.has_room() {
-                    self.begin_commit();
-                }
-                return Ok(());
+                return self.make_room().await;
             };
             if let Some(rejection) = problem.rejection() {
                 error!(%problem, fleet = %self.fleet, robot = %raw.robot, "database rejects this message for good");
