@@ -60,11 +60,11 @@ def now():
             missing,
         ),
         stat(
-            "Database",
-            "Whether the last database access of every supervisor succeeded.",
-            "bool_yes_no",
-            promql(least(of_all("vibrissa_database_up")), "up"),
-            missing,
+            "Recorded",
+            "Time for which the oldest message has waited for its commit.",
+            "s",
+            promql(largest(of_fleet("vibrissa_promise_age_seconds", 'promise="COMMITTED"')), "oldest"),
+            [(None, "green"), (10, "orange"), (60, "red")],
         ),
         stat(
             "Broker",

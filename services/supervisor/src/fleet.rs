@@ -145,7 +145,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         for node in shared.broker.nodes() {
             metrics.mqtt_node_failures.know(&node.to_string());
         }
-        shared.readiness.listens(&shard, connection.link.clone());
+        shared.readiness.listens(&shard, connection.link.clone(), metrics.promises.clone());
         shared.readiness.set_of(&shard, TAKING_UP, None);
         let log = shared.kafka.as_ref().and_then(|kafka| kafka.reader(&shard, &metrics));
         // From the database, the owner of the first shard archives the whole fleet.

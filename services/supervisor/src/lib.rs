@@ -14,6 +14,7 @@ pub mod events;
 mod fleet;
 mod hearing_trials;
 mod ownership;
+pub mod promises;
 pub mod readiness;
 mod sharing;
 mod thread;

@@ -30,6 +30,14 @@ pub struct Publication {
     pub stopwatch: Option<Stopwatch>,
 }
 
+impl Publication {
+    /// Whether it only states what a transaction has recorded. Such a message stays true after the lease has expired.
+    #[must_use]
+    pub fn states_a_commit(&self) -> bool {
+        matches!(self.robot, Some((_, RobotTopic::Receipt)))
+    }
+}
+
 /// Measures the time from the event that led to a setpoint, as a metric.
 #[derive(Debug, Clone)]
 pub struct Stopwatch {

@@ -100,7 +100,10 @@ impl Ownership {
                 () = stopped(&mut stop) => break,
             };
             match &turn {
-                Ok(_) => self.shared.metrics.database_up.set(1),
+                Ok(_) => {
+                    self.shared.metrics.database_up.set(1);
+                    self.shared.readiness.database_answered();
+                }
                 Err(_) => self.shared.metrics.database_failed(),
             }
             self.outage.note(turn.as_ref().err());

@@ -3,11 +3,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use vibrissa_edge::shard::FleetShard;
 
 use crate::mqtt::{LinkState, NodesInUse};
+use crate::promises::{Ages, PATIENCE, Promises};
 
 /// Shared by all parts that can have a problem.
 #[derive(Debug, Clone, Default)]
@@ -17,7 +19,9 @@ pub struct Readiness(Arc<Mutex<Parts>>);
 struct Parts {
     problems: BTreeMap<String, String>,
     shards: BTreeMap<FleetShard, Standing>,
-    links: BTreeMap<FleetShard, LinkState>,
+    links: BTreeMap<FleetShard, (LinkState, Promises)>,
+    /// Time of the last answer of the database, by the renewal of the leases; `None` before the first.
+    answered: Option<Instant>,
 }
 
 /// This supervisor's role in a fleet, or in a shard of it.
@@ -62,9 +66,14 @@ impl Readiness {
         self.set(format!("{}{part}", prefix(shard)), problem.map(|problem| format!("fleet {shard}: {problem}")));
     }
 
-    /// Registers the link of a shard, whose problems are then included.
-    pub(crate) fn listens(&self, shard: &FleetShard, link: LinkState) {
-        self.parts().links.insert(shard.clone(), link);
+    /// Registers the link and the promises of a shard, whose problems are then included.
+    pub(crate) fn listens(&self, shard: &FleetShard, link: LinkState, promises: Promises) {
+        self.parts().links.insert(shard.clone(), (link, promises));
+    }
+
+    /// Notes that the database has answered.
+    pub(crate) fn database_answered(&self) {
+        self.parts().answered = Some(Instant::now());
     }
 
     /// Removes the problems and the link of a shard that is no longer supervised here.
@@ -78,13 +87,25 @@ impl Readiness {
     #[must_use]
     pub fn problems(&self) -> BTreeSet<String> {
         let parts = self.parts();
-        parts.problems.values().cloned().chain(parts.links.values().flat_map(LinkState::problems)).collect()
+        let mut problems: BTreeSet<String> = parts.problems.values().cloned().collect();
+        for (shard, (link, promises)) in &parts.links {
+            problems.extend(link.problems());
+            problems.extend(promises.problems().iter().map(|problem| format!("fleet {shard}: {problem}")));
+        }
+        problems.extend(parts.database_problem(Instant::now()));
+        problems
+    }
+
+    /// Ages of the open promises of each shard that is supervised here.
+    #[must_use]
+    pub fn promises(&self) -> BTreeMap<FleetShard, Ages> {
+        self.parts().links.iter().map(|(shard, (_, promises))| (shard.clone(), promises.ages())).collect()
     }
 
     /// Nodes of the broker that the connections of each shard use.
     #[must_use]
     pub fn nodes(&self) -> BTreeMap<FleetShard, NodesInUse> {
-        self.parts().links.iter().map(|(shard, link)| (shard.clone(), link.nodes())).collect()
+        self.parts().links.iter().map(|(shard, (link, _))| (shard.clone(), link.nodes())).collect()
     }
 
     /// This supervisor's role in each shard.
@@ -95,6 +116,15 @@ impl Readiness {
 
     fn parts(&self) -> MutexGuard<'_, Parts> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Parts {
+    /// The database has not answered for too long, and has not refused anything either.
+    fn database_problem(&self, now: Instant) -> Option<String> {
+        let silent = now.saturating_duration_since(self.answered?);
+        let told = |silent: Duration| format!("the database has not answered for {} s", silent.as_secs());
+        (silent > PATIENCE).then(|| told(silent))
     }
 }
 
@@ -114,9 +144,29 @@ mod tests {
         let [a, ab] = ["a", "ab"].map(|fleet| FleetShard::whole(Name::new(fleet).unwrap()));
         readiness.set_of(&a, "database", Some("nothing is recorded".to_owned()));
         readiness.set_of(&ab, "database", Some("nothing is recorded".to_owned()));
-        readiness.listens(&a, LinkState::default());
+        readiness.listens(&a, LinkState::default(), Promises::default());
         assert_eq!(readiness.problems().len(), 3);
         readiness.forget(&a);
         assert_eq!(readiness.problems(), BTreeSet::from(["fleet ab: nothing is recorded".to_owned()]));
+    }
+
+    #[test]
+    fn a_promise_that_is_not_kept_names_its_fleet_and_goes_with_it() {
+        let (readiness, promises) = (Readiness::default(), Promises::default());
+        let shard = FleetShard::whole(Name::new("a").unwrap());
+        readiness.listens(&shard, LinkState::default(), promises.clone());
+        promises.failed("nothing is recorded: the disk is full".to_owned());
+        assert!(readiness.problems().contains("fleet a: nothing is recorded: the disk is full"));
+        readiness.forget(&shard);
+        assert_eq!((readiness.problems(), readiness.promises()), (BTreeSet::new(), BTreeMap::new()));
+    }
+
+    #[test]
+    fn regress_a_database_that_hangs_is_a_problem_without_a_failed_attempt() {
+        let now = Instant::now();
+        let parts = Parts { answered: Some(now), ..Parts::default() };
+        assert_eq!(parts.database_problem(now + PATIENCE), None);
+        let told = parts.database_problem(now + PATIENCE * 2).unwrap();
+        assert_eq!(told, "the database has not answered for 20 s");
     }
 }

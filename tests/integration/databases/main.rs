@@ -23,6 +23,7 @@ mod rollouts;
 mod rows;
 mod schema;
 mod shards;
+mod slow_disk;
 mod supervisors;
 mod versions;
 

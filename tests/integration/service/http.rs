@@ -23,6 +23,8 @@ async fn a_service_that_runs_is_alive_and_ready() {
     let nodes = ready.as_object_mut().and_then(|ready| ready.remove("mqtt_nodes")).unwrap();
     let node = format!("{}:{}", running.service.broker.host, running.service.broker.port);
     assert_eq!(nodes["f"]["receiving"], node, "{nodes}");
+    let open = ready.as_object_mut().and_then(|ready| ready.remove("oldest_open_s")).unwrap();
+    assert!(open["f"]["COMMITTED"].is_null() && open["f"]["RECEIVED"].is_null(), "{open}");
     let epoch = running.database.number("SELECT epoch FROM leases").await;
     let fleets = serde_json::json!({ "f": { "standing": "OWNED", "epoch": epoch } });
     assert_eq!(ready, serde_json::json!({ "ready": true, "reasons": [], "fleets": fleets }));

@@ -56,6 +56,12 @@ impl Robot {
         self.sequence(boot_id).is_some_and(|sequence| !sequence.held().is_empty())
     }
 
+    /// Since when the oldest missing contacts message of the newest boot is waited for; `None` if none is missing.
+    #[must_use]
+    pub fn gap_since(&self) -> Option<Micros> {
+        self.sequence(self.connection_state().0?)?.gap_since()
+    }
+
     /// Names of its arrays, in the order of the factsheet.
     pub fn arrays(&self) -> impl Iterator<Item = &str> {
         self.head.arrays.iter().map(|array| array.name.as_str())

@@ -69,6 +69,7 @@ impl Engine {
             }
         }
         let (count, received) = (records.len(), wall_clock());
+        self.metrics.promises.received(count as u64);
         let mut messages: Vec<Vec<RawMessage>> = self.shards.iter().map(|_| Vec::new()).collect();
         let mut except = Vec::new();
         for LogRecord { offset, topic, robot, kind, payload } in records {
@@ -90,6 +91,7 @@ impl Engine {
         }
         self.pipeline.set_log_next(to);
         self.pipeline.stepped(count, &self.shards);
+        self.pipeline.took(count as u64, &self.shards);
         Ok(())
     }
 

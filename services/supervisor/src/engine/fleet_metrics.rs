@@ -1,6 +1,7 @@
 //! Metrics of the fleet as a whole: counts of robots, whiskers and alarms, and latencies. No decision depends on them.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use tracing::debug;
 use vibrissa_core::robot::{Params, Robot, WhiskerView};
@@ -61,6 +62,9 @@ struct Survey {
     alarms: BTreeMap<Label, i64>,
     cases: BTreeMap<Label, CaseSurvey>,
     setpoints_under_way: i64,
+    /// Time of the oldest gap in a robot's numbers, and of the oldest setpoint under way.
+    gap_since: Option<Micros>,
+    issued: Option<Micros>,
 }
 
 impl Survey {
@@ -76,7 +80,12 @@ impl Survey {
                 *self.alarms.entry(kind.word()).or_default() += 1;
             }
         }
-        self.setpoints_under_way += known.robot.commands_under_way().count() as i64;
+        let oldest = |one: Option<Micros>, other: Option<Micros>| one.into_iter().chain(other).min();
+        self.gap_since = oldest(self.gap_since, known.robot.gap_since());
+        for command in known.robot.commands_under_way() {
+            self.setpoints_under_way += 1;
+            self.issued = oldest(self.issued, Some(command.issued));
+        }
         let in_force = known.robot.compensations().iter().filter(|one| !one.is_proposed());
         known.errors.retain(|id| in_force.clone().any(|one| one.id() == id));
         for one in in_force {
@@ -114,6 +123,9 @@ pub(super) fn survey_robots(shards: &mut Shards, place: &FleetShard, program: &M
     metrics.whiskers.set_all(|word| count(&survey.whiskers, word));
     metrics.alarms_standing.set_all(|word| count(&survey.alarms, word));
     metrics.setpoints_under_way.set(survey.setpoints_under_way);
+    let now = wall_clock();
+    let age = |since: Micros| Duration::from_micros(now.since(since).0);
+    metrics.promises.surveyed(survey.gap_since.map(age), survey.issued.map(age));
     let cases = &survey.cases;
     metrics.compensations_in_force.set_all(|case| cases.get(case).map_or(0, |one| one.in_force));
     let mean = |which: fn(&CaseSurvey) -> Option<f64>| move |case| cases.get(case).and_then(which);

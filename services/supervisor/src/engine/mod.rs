@@ -156,6 +156,7 @@ impl Engine {
                         break;
                     }
                     self.take_in(&mut messages).await?;
+                    self.pipeline.took(count as u64, &self.shards);
                     if inbox.is_throttling() {
                         self.pipeline.schedule().hurry();
                     }

@@ -132,8 +132,7 @@ impl EngineOptions {
         info!(fleet = %lease.shard(), epoch, robots = shards.robot_count(), "fleet loaded, supervision starts");
         // As if a contact had just arrived, so that a silent fleet counts as silent from now on.
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
-        let parts = (program.clone(), readiness.clone());
-        let committer = Committer::new(lease.clone(), writer, parts, self.log.clone(), self.joint.join());
+        let committer = Committer::new(lease.clone(), writer, program.clone(), self.log.clone(), self.joint.join());
         let workers = Handle::current();
         let mut pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
         pipeline.set_contacts_from(contacts_from_us);

@@ -44,7 +44,7 @@ use std::sync::Arc;
 
 use axum::Router;
 use axum::body::Bytes;
-use axum::extract::DefaultBodyLimit;
+use axum::extract::{DefaultBodyLimit, FromRef};
 use axum::http::header;
 use axum::middleware::{from_fn, from_fn_with_state, map_response};
 use axum::response::IntoResponse;
@@ -98,6 +98,12 @@ pub struct App {
     pub runbooks_url: Arc<str>,
     /// Routes beside those of the API.
     pub further_routes: FurtherRoutes,
+}
+
+impl FromRef<App> for Readiness {
+    fn from_ref(app: &App) -> Self {
+        app.readiness.clone()
+    }
 }
 
 impl App {

@@ -115,6 +115,9 @@ impl Intake {
         }
         waiting.received = None;
         drop(waiting);
+        if !is_abandoned {
+            self.metrics.promises.received(together.len() as u64);
+        }
         self.shared.arrived.notify_one();
         if is_abandoned {
             together.iter().for_each(|(topic, _, _)| self.shed(topic, ShedReason::Full));

@@ -5,6 +5,7 @@ use prometheus::{Gauge, Histogram, IntCounter, IntGauge, Registry, Result};
 use super::kinds::{At, Buckets, Counters, Gauges, Histograms, OfFleet, Quantities};
 use super::labels;
 use super::nodes::{NodeFailures, NodeInUse};
+use crate::promises::Promises;
 
 /// Buckets of compensation errors. 0.20385 and 0.3618 are the errors that the paper measured in its cases 1 and 2.
 const ERROR_RATIOS: Buckets = &[0.02, 0.05, 0.1, 0.15, 0.20385, 0.25, 0.3, 0.3618, 0.5, 0.75, 1.0];
@@ -96,6 +97,10 @@ of_fleet! {
     /// UTC; 0 if the fleet is supervised elsewhere.
     last_contact_timestamp_seconds: Gauge = "vibrissa_last_contact_timestamp_seconds",
         "Time of receipt of the last contacts message, or else of the lease's acquisition; 0 if supervised elsewhere.";
+    /// What the robots are promised, and for how long each promise has been open.
+    promises: Promises = "vibrissa_promise_age_seconds",
+        "Age of the oldest item for which a promise to robots is open: that a message is received, committed, receipted, \
+         that a setpoint is answered; 0 if none is open.";
     /// Waiting messages, by queue.
     queue_messages: Gauges = "vibrissa_queue_messages", "Waiting messages, by queue.", labels::QUEUE;
     /// Capacity in messages, by queue.
@@ -290,6 +295,7 @@ impl FleetMetrics {
 
     /// Resets the gauges, because this supervisor does not own the fleet any more.
     pub fn forget(&self) {
+        self.promises.end();
         let none = |_| 0;
         for gauges in [
             &self.robots,

@@ -12,6 +12,7 @@ mod labels;
 mod nodes;
 #[cfg(target_os = "linux")]
 mod process;
+mod promises;
 mod subjects;
 mod webhooks;
 mod whiskers;

@@ -95,6 +95,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
         title: "Messages and the broker",
         begins: &[
             "vibrissa_messages_",
+            "vibrissa_promise_",
             "vibrissa_mqtt_",
             "vibrissa_broker_",
             "vibrissa_birth_requests_",
@@ -110,6 +111,10 @@ pub(super) const SUBJECTS: &[Subject] = &[
             (
                 "Refused messages by reason",
                 "sum by (fleet, reason) (increase(vibrissa_messages_refused_total[1h])) > 0",
+            ),
+            (
+                "Seconds that the oldest message has waited for its commit",
+                r#"max by (fleet) (vibrissa_promise_age_seconds{promise="COMMITTED"})"#,
             ),
             (
                 "How full the queues are",

@@ -45,6 +45,7 @@ pub fn publish(
 ) -> JoinHandle<()> {
     let connection = &Attempts::first(connection);
     let (expired, dropped) = (metrics.setpoints_expired_unsent.clone(), metrics.publications_dropped.clone());
+    let promises = metrics.promises.clone();
     let (topic, offline) = presence(connection, SupervisorPresence::Offline, 1);
     let (mut options, reached) = connection.options(ROLE);
     let is_present = connection.shard.is_first();
@@ -78,6 +79,7 @@ pub fn publish(
             if !connection_stands(&mut is_connected, &outbox).await {
                 break;
             }
+            let receipts = u64::from(publication.states_a_commit());
             let Some(options) = options_of(&publication, Instant::now(), flags.retains()) else {
                 if publication.is_retained {
                     dropped.inc();
@@ -91,6 +93,7 @@ pub fn publish(
             if client.publish(topic, payload, options).await.is_err() {
                 break;
             }
+            promises.receipted(receipts);
             if let Some(stopwatch) = stopwatch {
                 stopwatch.stop();
             }

@@ -68,6 +68,7 @@ impl Receiver {
         loop {
             let problem = self.listen().await;
             self.metrics.broker_connected.set(0);
+            self.metrics.promises.heard(false);
             self.metrics.mqtt_node.forget(RECEIVING);
             self.metrics.mqtt_node_failures.count(&problem.node().to_string());
             if problem.is_takeover() {
@@ -166,6 +167,7 @@ impl Receiver {
                 Event::Incoming(Packet::PubAck(ack)) if is_failure(&ack) => {
                     hearing.refused();
                     self.metrics.broker_connected.set(0);
+                    self.metrics.promises.heard(false);
                     let (fleet, why) = (self.connection.fleet().clone(), format!("{:?}", ack.reason));
                     let problem = self.problem(Cause::ProbeRefused { fleet, why });
                     self.connection.link.broken(Side::Receiving, &problem);
@@ -220,6 +222,7 @@ impl Receiver {
             self.metrics.broker_connections.inc();
         }
         self.metrics.broker_connected.set(1);
+        self.metrics.promises.heard(true);
         let node = self.connection.broker.node();
         self.metrics.mqtt_node.set(RECEIVING, &node.to_string());
         if self.connection.link.connected(Side::Receiving, &node) {

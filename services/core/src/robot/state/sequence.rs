@@ -82,6 +82,12 @@ impl Sequence {
         self.held.last().map_or(self.next, |&(_, last)| last + 1)
     }
 
+    /// Since when a gap is waited for; `None` without one.
+    #[must_use]
+    pub fn gap_since(&self) -> Option<Micros> {
+        self.standing_since.filter(|_| !self.held.is_empty())
+    }
+
     /// Messages that were never received, and are not waited for any more.
     #[must_use]
     pub fn given_up(&self) -> u64 {

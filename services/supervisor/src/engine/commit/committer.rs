@@ -7,7 +7,6 @@ use vibrissa_protocol::Name;
 
 use crate::backoff::Backoff;
 use crate::metrics::{FleetMetrics, Metrics};
-use crate::readiness::Readiness;
 use vibrissa_store::batch::Owner;
 use vibrissa_store::{Batch, Lease, LossCause, Refused, Rejection, StoreError, StoredRobot, Writer};
 
@@ -17,9 +16,6 @@ use crate::engine::commit::recovery::{LogRecords, records_of};
 use crate::engine::commit::transaction::{SealedTransaction, Stage};
 use crate::kafka::LogReader;
 
-/// Name of this part in the service's readiness.
-const PART: &str = "database";
-
 /// Writes the transactions of a fleet.
 pub(crate) struct Committer {
     fleet: Name,
@@ -27,7 +23,6 @@ pub(crate) struct Committer {
     writer: Writer,
     program: Metrics,
     metrics: FleetMetrics,
-    readiness: Readiness,
     /// The partitioned log that contacts come from, if there is one.
     log: Option<LogReader>,
     /// Commits together with other shards.
@@ -91,16 +86,10 @@ type Loaded = (Option<StoredRobot>, Vec<(i64, Vec<u8>)>, Vec<LogRecords>);
 pub(crate) struct LeaseLost;
 
 impl Committer {
-    pub(crate) fn new(
-        lease: Lease,
-        writer: Writer,
-        (program, readiness): (Metrics, Readiness),
-        log: Option<LogReader>,
-        joint: Member,
-    ) -> Self {
+    pub(crate) fn new(lease: Lease, writer: Writer, program: Metrics, log: Option<LogReader>, joint: Member) -> Self {
         let fleet = lease.fleet().clone();
         let metrics = program.of_shard(lease.shard());
-        Self { fleet, lease, writer, program, metrics, readiness, log, joint }
+        Self { fleet, lease, writer, program, metrics, log, joint }
     }
 
     /// The lease under which this supervisor writes.
@@ -261,7 +250,7 @@ impl Committer {
         }
         self.program.database_failed();
         error!(%problem, fleet = %self.fleet, "{so}, retrying");
-        self.readiness.set_of(self.lease.shard(), PART, Some(format!("{so}: {}", problem.told())));
+        self.metrics.promises.failed(format!("{so}: {}", problem.told()));
         outage.since.get_or_insert_with(Instant::now);
         tokio::select! {
             () = outage.backoff.wait() => {}
@@ -274,7 +263,7 @@ impl Committer {
     pub(crate) fn end_of(&self, outage: &Outage) -> bool {
         let Some(since) = outage.since else { return false };
         info!(fleet = %self.fleet, seconds = since.elapsed().as_secs(), "database available again");
-        self.readiness.set_of(self.lease.shard(), PART, None);
+        self.metrics.promises.recorded();
         true
     }
 }

@@ -68,6 +68,8 @@ pub(crate) struct Pipeline {
     rate: CheckpointRate,
     /// Actions whose answers are in the open batches.
     answered: Vec<i64>,
+    /// Number of received messages whose effects are in the open batches.
+    received: u64,
     /// Limit of the robots that get receipts with one transaction.
     receipts_max: usize,
     /// No contact is recorded as received before this time, µs since 1970 UTC: earlier ones may be archived.
@@ -94,6 +96,7 @@ impl Pipeline {
             journal: JournalIndex::recovered(last),
             rate: CheckpointRate::new(wall_clock()),
             answered: Vec::new(),
+            received: 0,
             receipts_max: RECEIPTS_AT_ONCE,
             contacts_from_us: 0,
             log_next: None,
@@ -152,6 +155,15 @@ impl Pipeline {
             self.schedule.due_by(now);
         } else if !shards.is_empty() {
             self.schedule.has_gathered(now);
+        }
+    }
+
+    /// Notes that `count` received messages are handled: they wait for the commit of the open batches, unless these are
+    /// empty.
+    pub(crate) fn took(&mut self, count: u64, shards: &Shards) {
+        self.received += count;
+        if shards.is_empty() {
+            self.metrics.promises.committed(std::mem::take(&mut self.received));
         }
     }
 
@@ -223,6 +235,7 @@ impl Pipeline {
         }
         let mut transaction = self.seal(shards, is_intent, holds_journal);
         if transaction.is_empty() {
+            self.metrics.promises.committed(transaction.received);
             return None;
         }
         if is_intent && let Some(bytes) = transaction.rows.to_bytes() {
@@ -250,6 +263,7 @@ impl Pipeline {
         let has_receipts = self.schedule.begin(is_intent, Instant::now());
         self.rate.refill(now, self.journal.contacts());
         let mut transaction = SealedTransaction::new(self.journal.next(), std::mem::take(&mut self.answered));
+        transaction.received = std::mem::take(&mut self.received);
         shards.set_checkpoints_after(due_after(self.log_next.is_some(), self.journal.contacts()));
         let receipts = has_receipts.then(|| Receipts { now, robots_max: self.receipts_max / shards.count() });
         shards.seal_into(&mut transaction, &mut self.rate, receipts);
@@ -276,8 +290,10 @@ impl Pipeline {
 
     /// Takes the result of a write. The transaction must be given to [`Self::publish_committed`].
     pub(crate) fn committed(&mut self, written: Written) -> Result<CommittedTransaction, LeaseLost> {
-        let Written { committer, transaction, part, result } = written;
+        let Written { committer, mut transaction, part, result } = written;
         let committed = result?;
+        self.metrics.promises.committed(std::mem::take(&mut transaction.received));
+        self.metrics.promises.recorded();
         self.committer = Some(committer);
         Ok(CommittedTransaction { transaction, committed, part })
     }
@@ -311,23 +327,24 @@ impl Pipeline {
     /// Publishes; returns false if messages were dropped. Nothing is lost if the broker is unreachable or the lease may
     /// have expired: setpoints are sent again until they are answered, receipts with the next message, and estimates
     /// after each loss. A retained message must not replace one of the next owner, so it goes out only while the lease
-    /// holds. `note` gets each one that goes out.
+    /// holds. A receipt goes out also after that: the commit was fenced, so that the next owner, too, has the contacts.
+    /// Otherwise a disk that needs longer than the lease's time to live would stop the fleet. `note` gets each one that
+    /// goes out.
     pub(crate) fn publish(&self, publications: Vec<Publication>, mut note: impl FnMut(&Publication)) -> bool {
         let Some(outbox) = &self.outbox else { return true };
         let mut dropped = publications.len();
-        if self.lease.is_fresh() {
-            let fresh_until = self.lease.fresh_until().map(Instant::into_std);
-            let bounded = publications.into_iter().map(|one| match one.is_retained {
-                true => Publication { until: fresh_until, ..one },
-                false => one,
-            });
-            for one in bounded {
-                // Noted before the robot may answer.
-                let Ok(place) = outbox.try_reserve() else { continue };
-                note(&one);
-                place.send(one);
-                dropped -= 1;
+        let (is_fresh, fresh_until) = (self.lease.is_fresh(), self.lease.fresh_until().map(Instant::into_std));
+        for one in publications {
+            if !is_fresh && !one.states_a_commit() {
+                continue;
             }
+            let one = if one.is_retained { Publication { until: fresh_until, ..one } } else { one };
+            // Noted before the robot may answer.
+            let Ok(place) = outbox.try_reserve() else { continue };
+            self.metrics.promises.receipts_due(u64::from(one.states_a_commit()));
+            note(&one);
+            place.send(one);
+            dropped -= 1;
         }
         if dropped > 0 {
             self.losses.note();

@@ -40,6 +40,8 @@ pub(crate) struct SealedTransaction {
     pub(super) answered: Vec<i64>,
     /// Number of contacts in the journal entries.
     pub(super) journal_contacts: usize,
+    /// Number of received messages that wait for its commit.
+    pub(super) received: u64,
 }
 
 impl SealedTransaction {
