@@ -51,10 +51,11 @@ pub struct Guidance {
 }
 
 /// All kinds of alarms, the most urgent first: by level, then by the cost of waiting.
-pub const BY_URGENCY: [AlarmKind; 17] = [
+pub const BY_URGENCY: [AlarmKind; 18] = [
     AlarmKind::SetpointFailed,
     AlarmKind::Uncompensated,
     AlarmKind::RobotSilent,
+    AlarmKind::ReceiptsUnheard,
     AlarmKind::Fault(Fault::Leak),
     AlarmKind::Fault(Fault::Regulator),
     AlarmKind::Fault(Fault::SupplyLow),
@@ -119,6 +120,17 @@ pub fn of(kind: AlarmKind) -> Guidance {
                 "its program has stopped sending status and contacts",
             ],
             runbook: "VibrissaRobotSilent.md",
+        },
+        AlarmKind::ReceiptsUnheard => Guidance {
+            level: Level::Urgent,
+            hint: "Let the robot's user read its topic receipt in the broker's access list. Its contacts are recorded, but it \
+                   sends them again until its memory is full, and then loses new ones.",
+            causes: &[
+                "the broker does not let the robot's user read whisker/v1/FLEET/ROBOT/receipt",
+                "the broker refuses the supervisor's publications on this topic",
+                "the robot's program does not subscribe to the topic, or cannot read receipts",
+            ],
+            runbook: "VibrissaReceiptsUnheard.md",
         },
         AlarmKind::Fault(fault) => of_fault(fault),
         AlarmKind::Proposed => Guidance {

@@ -226,7 +226,8 @@ words! {
         BaselineDrift => "BASELINE_DRIFT" "baseline drift of the gauge",
         Proposed => "PROPOSED" "a compensation waits for approval",
         ReachLost => "REACH_LOST" "no contacts near the tip any more",
-        RobotSilent => "ROBOT_SILENT" "the robot is silent or not connected";
+        RobotSilent => "ROBOT_SILENT" "the robot is silent or not connected",
+        ReceiptsUnheard => "RECEIPTS_UNHEARD" "the robot does not hear its receipts";
         Fault(Fault)
     }
     Level {

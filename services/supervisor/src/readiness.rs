@@ -18,6 +18,7 @@ pub struct Readiness(Arc<Mutex<Parts>>);
 #[derive(Debug, Default)]
 struct Parts {
     problems: BTreeMap<String, String>,
+    notices: BTreeMap<String, String>,
     shards: BTreeMap<FleetShard, Standing>,
     links: BTreeMap<FleetShard, (LinkState, Promises)>,
     /// Time of the last answer of the database, by the renewal of the leases; `None` before the first.
@@ -66,6 +67,21 @@ impl Readiness {
         self.set(format!("{}{part}", prefix(shard)), problem.map(|problem| format!("fleet {shard}: {problem}")));
     }
 
+    /// Sets what people must know about a part of a shard's supervision although it works; `None` clears it.
+    pub(crate) fn notice_of(&self, shard: &FleetShard, part: &str, notice: Option<String>) {
+        let (part, mut parts) = (format!("{}{part}", prefix(shard)), self.parts());
+        match notice {
+            Some(notice) => drop(parts.notices.insert(part, format!("fleet {shard}: {notice}"))),
+            None => drop(parts.notices.remove(&part)),
+        }
+    }
+
+    /// What people must know although the service works.
+    #[must_use]
+    pub fn notices(&self) -> Vec<String> {
+        self.parts().notices.values().cloned().collect()
+    }
+
     /// Registers the link and the promises of a shard, whose problems are then included.
     pub(crate) fn listens(&self, shard: &FleetShard, link: LinkState, promises: Promises) {
         self.parts().links.insert(shard.clone(), (link, promises));
@@ -81,6 +97,7 @@ impl Readiness {
         let mut parts = self.parts();
         parts.links.remove(shard);
         parts.problems.retain(|part, _| !part.starts_with(&prefix(shard)));
+        parts.notices.retain(|part, _| !part.starts_with(&prefix(shard)));
     }
 
     /// All problems, without duplicates.

@@ -27,7 +27,7 @@ async fn a_service_that_runs_is_alive_and_ready() {
     assert!(open["f"]["COMMITTED"].is_null() && open["f"]["RECEIVED"].is_null(), "{open}");
     let epoch = running.database.number("SELECT epoch FROM leases").await;
     let fleets = serde_json::json!({ "f": { "standing": "OWNED", "epoch": epoch } });
-    assert_eq!(ready, serde_json::json!({ "ready": true, "reasons": [], "fleets": fleets }));
+    assert_eq!(ready, serde_json::json!({ "ready": true, "reasons": [], "notices": [], "fleets": fleets }));
     assert_eq!(web::get(running.service.http, "/v1/nothing").await.0, 404);
     running.service.stop().await;
 }

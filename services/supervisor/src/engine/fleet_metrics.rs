@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use tracing::debug;
+use vibrissa_core::robot::effect::AlarmKind;
 use vibrissa_core::robot::{Params, Robot, WhiskerView};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::shard::FleetShard;
@@ -71,7 +72,8 @@ impl Survey {
     fn add(&mut self, known: &mut KnownRobot) {
         let (_, link) = known.robot.connection_state();
         *self.robots.entry(link.word()).or_default() += 1;
-        for kind in known.robot.standing() {
+        let receipts = known.repeats.stands().then_some(AlarmKind::ReceiptsUnheard);
+        for kind in known.robot.standing().chain(receipts) {
             *self.alarms.entry(kind.word()).or_default() += 1;
         }
         for view in views(&known.robot) {

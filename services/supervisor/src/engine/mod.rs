@@ -36,6 +36,7 @@ pub(crate) use start::EngineOptions;
 
 use std::future::pending;
 use std::sync::Arc;
+use std::time::Duration;
 
 use tokio::runtime::Handle;
 use tokio::sync::{Notify, mpsc};
@@ -43,7 +44,7 @@ use tokio::task::yield_now;
 use tokio::time::{Instant, sleep_until};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::shard::FleetShard;
-use vibrissa_protocol::Name;
+use vibrissa_protocol::{Name, RobotTopic};
 
 use crate::action_notifier::ActionNotifier;
 use crate::black_box::FleetBoxes;
@@ -52,6 +53,8 @@ use crate::inbox::Inbox;
 use crate::log_inbox::{LogBatch, LogStart};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::outbox::{Losses, Publication};
+use crate::promises::Promise;
+use crate::readiness::Readiness;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::fault::{self, Fault};
 
@@ -79,6 +82,10 @@ const TICKS_PER_HORIZON: u32 = 20;
 const HORIZON_AGE_US: i64 = 5_000_000;
 /// Ticks between two surveys of all robots for the metrics (1 s).
 const TICKS_PER_SURVEY: u32 = 4;
+/// Receipts that have waited for longer have not reached the robots, which therefore send again.
+const RECEIPTS_LATE: Duration = Duration::from_secs(2);
+/// Name of this part in the service's readiness.
+const PART: &str = "engine";
 /// A survey takes at most one part in this many of the time; otherwise surveys are less frequent.
 const SURVEY_SHARE: u32 = 50;
 
@@ -110,6 +117,7 @@ pub(crate) struct Engine {
     events: Option<Arc<Notify>>,
     /// Metrics shared by all fleets.
     program: Metrics,
+    readiness: Readiness,
     metrics: FleetMetrics,
     /// Time of the next survey of the robots, at the earliest.
     survey_from: Instant,
@@ -229,10 +237,32 @@ impl Engine {
                 fleet_metrics::survey_robots(&mut self.shards, &self.place, &self.program, &self.metrics);
                 self.survey_from = begun + begun.elapsed() * SURVEY_SHARE;
             }
+            self.judge_hearing(now(inbox));
             self.shards.close_history(now(inbox));
             self.pipeline.stepped(0, &self.shards);
         }
         Ok(())
+    }
+
+    /// Judges whether robots hear their receipts, and whether factsheets arrive.
+    fn judge_hearing(&mut self, now: Micros) {
+        let is_late = self.metrics.promises.age(Promise::Receipted).is_some_and(|age| age > RECEIPTS_LATE);
+        let (mut missing, mut one) = (0, None);
+        for shard in self.shards.iter_mut() {
+            shard.judge_receipts(now, is_late);
+            let (count, name) = shard.without_factsheet(Instant::now().into_std());
+            missing += count;
+            one = one.or(name);
+        }
+        self.metrics.robots_without_factsheet.set(missing);
+        let notice = one.map(|robot| {
+            let topic = RobotTopic::Factsheet.of(&self.fleet, &robot);
+            format!(
+                "{missing} robot(s) announced themselves, and no factsheet has arrived: let them publish topics such as \
+                 {topic} in the broker's access list, and check its limit of the size of packets"
+            )
+        });
+        self.readiness.notice_of(&self.place, PART, notice);
     }
 
     /// Requests births that were not received.

@@ -7,6 +7,7 @@ use tokio::sync::watch;
 use tokio::time::Instant;
 use tracing::{error, info};
 use vibrissa_core::robot::Params;
+use vibrissa_core::robot::effect::AlarmKind;
 use vibrissa_protocol::{BootId, Name};
 
 use super::actions::ParamsInForce;
@@ -35,6 +36,7 @@ use crate::readiness::Readiness;
 use crate::robots_file::RobotsFile;
 use crate::trace::{OpenTraces, Traces};
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::words::Word as _;
 use vibrissa_store::{Lease, StoreError, Writer};
 
 /// Largest number of shards per fleet.
@@ -126,6 +128,10 @@ impl EngineOptions {
         shards.set_retention(self.retention);
         let boxes = self.boxes.of_fleet(&lease, &metrics.black_boxes_lost);
         writer.end_black_boxes(&lease).await?;
+        let unheard = writer.robots_with_alarm(&lease, AlarmKind::ReceiptsUnheard.word()).await?;
+        for known in shards.robots_mut().filter(|known| unheard.contains(&known.robot_id)) {
+            known.repeats.take_up(wall_clock());
+        }
         for shard in shards.iter_mut() {
             shard.stepper_mut().set_boxes(boxes.clone());
         }
@@ -149,7 +155,8 @@ impl EngineOptions {
         Ok(Engine {
             allow_list: AllowListSources::new(fleet.clone(), allowed.as_ref(), self.robots_file, &mut shards),
             place: lease.shard().clone(),
-            suspects: Suspects::new(lease, metrics.clone(), readiness),
+            suspects: Suspects::new(lease, metrics.clone(), readiness.clone()),
+            readiness,
             in_force: ParamsInForce { params, policy_version },
             rollout,
             action_sent,

@@ -56,6 +56,7 @@ pages! {
     "VibrissaQueueNearlyFull.md",
     "VibrissaReadingsShifted.md",
     "VibrissaReceiptsMissing.md",
+    "VibrissaReceiptsUnheard.md",
     "VibrissaRestarting.md",
     "VibrissaRobotNotTaken.md",
     "VibrissaRobotSilent.md",

@@ -113,6 +113,9 @@ of_fleet! {
 
     /// Robots, by connection state.
     robots: Gauges = "vibrissa_robots", "Robots, by connection state.", labels::CONNECTION;
+    /// Robots that have announced themselves, and whose factsheets have not arrived for 30 s.
+    robots_without_factsheet: IntGauge = "vibrissa_robots_without_factsheet",
+        "Robots that announced themselves, and whose factsheets have not arrived for 30 s.";
     /// Whiskers, by fault, or by condition if they have no fault.
     whiskers: Gauges = "vibrissa_whiskers",
         "Whiskers, by fault, or by condition if they have no fault.", labels::HEALTH;
@@ -315,6 +318,7 @@ impl FleetMetrics {
             &self.inbox_bytes,
             &self.broker_connected,
             &self.robots_suspect,
+            &self.robots_without_factsheet,
             &self.outbox_transactions,
             &self.outbox_bytes,
             &self.log_connected,

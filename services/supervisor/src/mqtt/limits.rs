@@ -3,8 +3,14 @@
 use rumqttc::ConnAck;
 use vibrissa_protocol::PAYLOAD_MAX_BYTES;
 
+use super::link::LowLimit;
+
 /// Size of the largest packet of the contract, in bytes: the largest payload, a topic and properties.
 const PACKET_BYTES: u32 = PAYLOAD_MAX_BYTES as u32 + 1024;
+
+/// Packets of fewer bytes are too small for ordinary messages: a factsheet of some two hundred whiskers, or the contacts that
+/// a robot sends after an outage.
+const ORDINARY_BYTES: u32 = 64 * 1024;
 
 /// Why no fleet can work with this broker.
 pub(super) fn unusable(ack: &ConnAck) -> Option<&'static str> {
@@ -23,12 +29,13 @@ pub(super) fn unusable(ack: &ConnAck) -> Option<&'static str> {
 }
 
 /// A limit that larger robots will exceed.
-pub(super) fn low(ack: &ConnAck) -> Option<String> {
+pub(super) fn low(ack: &ConnAck) -> Option<LowLimit> {
     let limit = ack.properties.as_ref()?.max_packet_size.filter(|&limit| limit < PACKET_BYTES)?;
-    Some(format!(
+    let what = format!(
         "it accepts packets of at most {limit} bytes, so larger messages are lost; the contract allows {PACKET_BYTES}: raise \
          its limit (Mosquitto: max_packet_size and message_size_limit; RMQTT: max_packet_size; Artemis: maximumPacketSize)"
-    ))
+    );
+    Some(LowLimit { what, is_too_low: limit < ORDINARY_BYTES })
 }
 
 #[cfg(test)]
@@ -74,6 +81,7 @@ mod tests {
     fn a_limit_below_the_largest_message_is_told_with_its_value() {
         assert_eq!(low(&ack(|it| it.max_packet_size = Some(270_336))), None);
         let told = low(&ack(|it| it.max_packet_size = Some(100_000))).unwrap();
-        assert!(told.contains("100000") && told.contains("max_packet_size"), "{told}");
+        assert!(told.what.contains("100000") && told.what.contains("max_packet_size"), "{told:?}");
+        assert!(!told.is_too_low && low(&ack(|it| it.max_packet_size = Some(4096))).unwrap().is_too_low);
     }
 }

@@ -82,6 +82,28 @@ const TAKEOVERS_LOGGED_EVERY: Duration = Duration::from_secs(60);
 /// Limit of the remembered problems of one outage. Texts of a broker may differ each time.
 const LOGGED_MAX: usize = 64;
 
+/// Limit of the topics whose refusals are remembered, by the topics of robots.
+const REFUSED_MAX: usize = 64;
+
+/// How long a refusal is remembered if nothing more is published on the topic.
+const REFUSAL_KEPT: Duration = Duration::from_secs(600);
+
+/// The broker has refused the last publication on a topic.
+#[derive(Debug)]
+struct Refused {
+    why: String,
+    at: Instant,
+}
+
+/// A limit of a node.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct LowLimit {
+    /// The limit, and what to do.
+    pub(super) what: String,
+    /// Ordinary messages exceed it.
+    pub(super) is_too_low: bool,
+}
+
 /// State of a fleet's broker connections: why its robots cannot be heard or answered. Shared by both connections.
 #[derive(Debug, Clone, Default)]
 pub struct LinkState(Arc<Mutex<Link>>);
@@ -103,8 +125,10 @@ struct Link {
     logged: BTreeSet<String>,
     /// Last failures of nodes that have not worked since.
     failed: BTreeMap<Node, Failure>,
-    /// Limits that were logged, by node.
-    limits: BTreeMap<Node, String>,
+    /// Limits of the nodes that are too low, and whether a fleet cannot work with them.
+    limits: BTreeMap<Node, LowLimit>,
+    /// Topics on which the broker has refused the last publication.
+    refused: BTreeMap<String, Refused>,
     /// Problem with a file of secrets, if there is one.
     secrets: Option<String>,
 }
@@ -122,6 +146,7 @@ impl Default for Link {
             logged: BTreeSet::new(),
             failed: BTreeMap::new(),
             limits: BTreeMap::new(),
+            refused: BTreeMap::new(),
             secrets: None,
         }
     }
@@ -134,6 +159,21 @@ impl Link {
             Side::Receiving => (&mut self.receiving, &self.publishing),
             Side::Publishing => (&mut self.publishing, &self.receiving),
         }
+    }
+
+    /// The refused topics, one of each kind.
+    fn refusals(&self, now: Instant) -> Vec<String> {
+        let mut kinds: BTreeMap<&str, (&str, usize)> = BTreeMap::new();
+        let is_kept = |refused: &Refused| now.saturating_duration_since(refused.at) < REFUSAL_KEPT;
+        for (topic, refused) in self.refused.iter().filter(|(_, refused)| is_kept(refused)) {
+            let kind = topic.rsplit('/').next().unwrap_or(topic);
+            kinds.entry(kind).or_insert((refused.why.as_str(), 0)).1 += 1;
+        }
+        let told = |(why, topics): (&str, usize)| match topics {
+            1 => String::from(why),
+            more => format!("{why}; the same on {} more topics", more - 1),
+        };
+        kinds.into_values().map(told).collect()
     }
 
     /// Number of takeovers to log now; `None` if one was logged a short time ago.
@@ -159,7 +199,40 @@ impl LinkState {
     #[must_use]
     pub fn problems(&self) -> Vec<String> {
         let link = self.link();
-        [&link.receiving, &link.publishing].into_iter().flat_map(State::problems).collect()
+        let states = [&link.receiving, &link.publishing];
+        let limits = link
+            .limits
+            .iter()
+            .filter(|(node, limit)| limit.is_too_low && states.iter().any(|state| state.node() == Some(*node)));
+        let limits = limits.map(|(node, limit)| format!("MQTT broker {node}: {}", limit.what));
+        states.into_iter().flat_map(State::problems).chain(link.refusals(Instant::now())).chain(limits).collect()
+    }
+
+    /// Notes that the broker has refused a publication on a topic.
+    pub(super) fn refused(&self, topic: &str, problem: &Problem) {
+        let (why, mut link) = (problem.to_string(), self.link());
+        let now = Instant::now();
+        link.refused.retain(|_, refused| now.saturating_duration_since(refused.at) < REFUSAL_KEPT);
+        let is_news = !link.refused.contains_key(topic);
+        if link.refused.len() < REFUSED_MAX || !is_news {
+            if is_news {
+                warn!("{why}");
+            }
+            link.refused.insert(topic.to_owned(), Refused { why, at: now });
+        }
+    }
+
+    /// Notes that the broker has accepted a publication on a topic.
+    pub(super) fn accepted(&self, topic: &str) {
+        let mut link = self.link();
+        if !link.refused.is_empty() && link.refused.remove(topic).is_some() {
+            info!(topic, "the MQTT broker accepts publications on this topic again");
+        }
+    }
+
+    /// Whether the broker has refused the last publication on a topic.
+    pub(super) fn has_refused(&self, topic: &str) -> bool {
+        self.link().refused.contains_key(topic)
     }
 
     /// Nodes that the connections use.
@@ -244,11 +317,15 @@ impl LinkState {
         }
     }
 
-    /// Logs a limit of this node, once.
-    pub(super) fn limited(&self, node: &Node, limit: String) {
+    /// Notes a limit of this node that is too low; `None` if there is none. Changes are logged.
+    pub(super) fn limited(&self, node: &Node, limit: Option<LowLimit>) {
         let mut link = self.link();
-        if link.limits.insert(node.clone(), limit.clone()).as_ref() != Some(&limit) {
-            warn!("MQTT broker {node}: {limit}");
+        let before = match &limit {
+            Some(limit) => link.limits.insert(node.clone(), limit.clone()),
+            None => link.limits.remove(node),
+        };
+        if let Some(LowLimit { what, .. }) = limit.filter(|limit| before.as_ref() != Some(limit)) {
+            warn!("MQTT broker {node}: {what}");
         }
     }
 
@@ -396,6 +473,57 @@ mod tests {
             link.broken(side, &refused);
             assert!(!link.connected(side, &node()));
         }
+    }
+
+    fn refusal(topic: &str) -> Problem {
+        let (topic, why) = (topic.to_owned(), "NotAuthorized".to_owned());
+        Problem::new(&BrokerAddress::new("h", 1), Cause::Publication { topic, why })
+    }
+
+    /// The supervisor's own state was accepted every five seconds, which cleared the refusal of a setpoint.
+    #[test]
+    fn regress_a_refusal_lasts_until_its_own_topic_is_accepted() {
+        let link = LinkState::default();
+        link.connected(Side::Receiving, &node());
+        link.connected(Side::Publishing, &node());
+        let (first, second) = ("whisker/v1/f/r1/setpoint", "whisker/v1/f/r2/setpoint");
+        link.refused(first, &refusal(first));
+        for _ in 0..3 {
+            link.connected(Side::Publishing, &node());
+            link.accepted("whisker/v1/f/supervisor/state");
+            link.accepted(second);
+            assert!(link.problem().is_some_and(|problem| problem.contains(first)), "{:?}", link.problems());
+        }
+        link.refused(second, &refusal(second));
+        assert!(link.problems().len() == 1 && link.problems()[0].ends_with("the same on 1 more topics"));
+        link.accepted(first);
+        link.accepted(second);
+        assert_eq!(link.problem(), None);
+    }
+
+    #[test]
+    fn refusals_are_bounded_and_forgotten_once_nothing_more_is_published() {
+        let link = LinkState::default();
+        (0..1000)
+            .map(|robot| format!("whisker/v1/f/r{robot}/receipt"))
+            .for_each(|topic| link.refused(&topic, &refusal(&topic)));
+        let link = link.link();
+        assert_eq!((link.refused.len(), link.refusals(Instant::now()).len()), (REFUSED_MAX, 1));
+        assert!(link.refusals(Instant::now() + REFUSAL_KEPT).is_empty());
+    }
+
+    #[test]
+    fn a_limit_that_ordinary_messages_exceed_is_a_problem_of_the_node_in_use() {
+        let link = LinkState::default();
+        link.connected(Side::Receiving, &node());
+        link.connected(Side::Publishing, &node());
+        let limit = |is_too_low| Some(LowLimit { what: "packets of 100 bytes".to_owned(), is_too_low });
+        link.limited(&node(), limit(false));
+        assert_eq!(link.problem(), None);
+        link.limited(&node(), limit(true));
+        assert_eq!(link.problem().as_deref(), Some("MQTT broker h:1: packets of 100 bytes"));
+        link.limited(&node(), None);
+        assert_eq!(link.problem(), None);
     }
 
     #[test]

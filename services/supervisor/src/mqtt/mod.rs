@@ -17,6 +17,7 @@ mod subscriptions;
 
 mod hearing;
 
+mod proofs;
 mod publish;
 
 mod recorder;

@@ -63,7 +63,7 @@ pub(super) enum Cause {
     /// The broker rejects a subscription.
     Subscription(String),
     /// The broker rejects a publication.
-    Publication(String),
+    Publication { topic: String, why: String },
     /// An established connection broke.
     Lost(String),
     /// An established connection has gone silent.
@@ -284,10 +284,10 @@ impl fmt::Display for Problem {
                  not heard",
                 self.user()
             ),
-            Cause::Publication(why) => write!(
+            Cause::Publication { topic, why } => write!(
                 f,
-                "it rejects publications of {} ({why}): allow setpoint, receipt, request and supervisor/state in \
-                 the broker's access list",
+                "it rejects publications of {} on {topic} ({why}): allow setpoint, receipt, request, estimate and \
+                 supervisor/state in the broker's access list, and packets that are large enough",
                 self.user()
             ),
             Cause::Lost(why) => write!(f, "the connection broke ({why}); reconnecting"),

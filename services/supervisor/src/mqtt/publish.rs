@@ -1,7 +1,7 @@
 //! The publishing connection: setpoints, receipts, requests, estimates, and the presence of the supervisor.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use rumqttc::{
@@ -18,7 +18,7 @@ use super::identity::client_id;
 use super::link::Side;
 use super::nodes::Attempts;
 use super::poll::{Failure, Poller};
-use super::problem::{Cause, Problem};
+use super::proofs::Proofs;
 use crate::metrics::{FleetMetrics, PUBLISHING};
 use crate::outbox::{Losses, Publication};
 
@@ -46,6 +46,7 @@ pub fn publish(
     let connection = &Attempts::first(connection);
     let (expired, dropped) = (metrics.setpoints_expired_unsent.clone(), metrics.publications_dropped.clone());
     let promises = metrics.promises.clone();
+    let mut proofs = Proofs::new(connection);
     let (topic, offline) = presence(connection, SupervisorPresence::Offline, 1);
     let (mut options, reached) = connection.options(ROLE);
     let is_present = connection.shard.is_first();
@@ -68,9 +69,11 @@ pub fn publish(
                 publication = outbox.recv() => publication,
                 _ = repeats.tick() => {
                     let is_due = is_present && *is_connected.borrow() && !flags.outranked.load(Ordering::Relaxed);
-                    let options = presence_options(flags.retains());
-                    if is_due && client.publish(topic.clone(), online.clone(), options).await.is_err() {
-                        break;
+                    if is_due {
+                        let options = presence_options(flags.retains());
+                        let sent = client.publish_tracked(topic.clone(), online.clone(), options).await;
+                        let Ok(notice) = sent else { break };
+                        proofs.judge(topic.clone(), notice);
                     }
                     continue;
                 }
@@ -80,6 +83,7 @@ pub fn publish(
                 break;
             }
             let receipts = u64::from(publication.states_a_commit());
+            let publication = proofs.ask(publication, Instant::now());
             let Some(options) = options_of(&publication, Instant::now(), flags.retains()) else {
                 if publication.is_retained {
                     dropped.inc();
@@ -89,9 +93,18 @@ pub fn publish(
                 }
                 continue;
             };
-            let Publication { topic, payload, stopwatch, .. } = publication;
-            if client.publish(topic, payload, options).await.is_err() {
-                break;
+            let Publication { topic, payload, stopwatch, qos, .. } = publication;
+            if !proofs.fits(&topic, payload.len(), flags.packet_bytes_max.load(Ordering::Relaxed)) {
+                dropped.inc();
+                continue;
+            }
+            if qos == QualityOfService::AtMostOnce {
+                if client.publish(topic, payload, options).await.is_err() {
+                    break;
+                }
+            } else {
+                let Ok(notice) = client.publish_tracked(topic.clone(), payload, options).await else { break };
+                proofs.judge(topic, notice);
             }
             promises.receipted(receipts);
             if let Some(stopwatch) = stopwatch {
@@ -148,6 +161,8 @@ struct Flags {
     outranked: AtomicBool,
     /// The broker retains no messages.
     forgets: AtomicBool,
+    /// Size of the largest packet that the broker accepts.
+    packet_bytes_max: AtomicU32,
 }
 
 impl Flags {
@@ -171,12 +186,16 @@ async fn keep_up(
 ) {
     let (topic, online) = presence(&connection, SupervisorPresence::Online, 0);
     let mut attempts = Attempts::new();
+    let proofs = Proofs::new(&connection);
     let mut was_broken = false;
     loop {
         match poller.next().await {
             Ok(Event::Incoming(Packet::ConnAck(ack))) => {
                 // With the retain flag, a broker that retains nothing would end the connection (MQTT 5, 3.2.2.3.5).
-                let is_retaining = ack.properties.and_then(|properties| properties.retain_available) != Some(0);
+                let properties = ack.properties.as_ref();
+                let is_retaining = properties.and_then(|properties| properties.retain_available) != Some(0);
+                let packet_bytes_max = properties.and_then(|properties| properties.max_packet_size);
+                flags.packet_bytes_max.store(packet_bytes_max.unwrap_or(u32::MAX), Ordering::Relaxed);
                 flags.forgets.store(!is_retaining, Ordering::Relaxed);
                 poller.set_will_retained(is_retaining);
                 if std::mem::take(&mut was_broken) {
@@ -187,7 +206,7 @@ async fn keep_up(
                     if let Err(problem) = client.try_subscribe(topic.as_str(), QoS::AtLeastOnce) {
                         warn!(%problem, "cannot subscribe to the supervisor's own state");
                     }
-                    say_online(&client, &topic, &online, is_retaining);
+                    say_online(&client, &topic, &online, is_retaining, &proofs);
                 } else {
                     // Without robots it publishes nothing that the broker would acknowledge.
                     note_connected(&connection, &metrics);
@@ -196,15 +215,12 @@ async fn keep_up(
             }
             Ok(Event::Incoming(Packet::Publish(publish))) => match claim(&connection, &publish.payload) {
                 Claim::Outdated if !flags.leaving.load(Ordering::Relaxed) => {
-                    say_online(&client, &topic, &online, flags.retains());
+                    say_online(&client, &topic, &online, flags.retains(), &proofs);
                 }
                 Claim::Higher => flags.outranked.store(true, Ordering::Relaxed),
                 Claim::Outdated | Claim::Own => {}
             },
-            Ok(Event::Incoming(Packet::PubAck(ack))) if is_failure(&ack) => {
-                let problem = Problem::new(&connection.broker, Cause::Publication(format!("{:?}", ack.reason)));
-                connection.link.broken(Side::Publishing, &problem);
-            }
+            // Whether the broker accepts publications is noted by topic: see `proofs`.
             Ok(Event::Incoming(Packet::PubAck(_))) => {
                 attempts.reset();
                 note_connected(&connection, &metrics);
@@ -241,9 +257,10 @@ fn note_connected(connection: &Connection, metrics: &FleetMetrics) {
     }
 }
 
-fn say_online(client: &AsyncClient, topic: &str, online: &[u8], retains: bool) {
-    if let Err(problem) = client.try_publish(topic, online.to_vec(), presence_options(retains)) {
-        warn!(%problem, "cannot announce that the supervisor is online");
+fn say_online(client: &AsyncClient, topic: &str, online: &[u8], retains: bool, proofs: &Proofs) {
+    match client.try_publish_tracked(topic, online.to_vec(), presence_options(retains)) {
+        Ok(notice) => proofs.judge(topic.to_owned(), notice),
+        Err(problem) => warn!(%problem, "cannot announce that the supervisor is online"),
     }
 }
 

@@ -147,9 +147,7 @@ impl Receiver {
                     if let Some(what) = limits::unusable(&ack) {
                         return Err(self.problem(Cause::Lacks(what)));
                     }
-                    if let Some(limit) = limits::low(&ack) {
-                        self.connection.link.limited(&self.connection.broker.node(), limit);
-                    }
+                    self.connection.link.limited(&self.connection.broker.node(), limits::low(&ack));
                     let all = self.subscriptions.begin();
                     self.subscribe(&client, all)?;
                 }

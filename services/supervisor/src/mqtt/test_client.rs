@@ -166,7 +166,8 @@ async fn poll(
     loop {
         let received = match poller.next().await {
             Ok(Event::Incoming(Packet::PubAck(ack))) if is_failure(&ack) => {
-                let cause = Cause::Publication(format!("{:?}", ack.reason));
+                let (topic, why) = ("a topic of the robot".to_owned(), format!("{:?}", ack.reason));
+                let cause = Cause::Publication { topic, why };
                 Err(ConnectionEnded(Problem::new(&broker, cause).to_string()))
             }
             Ok(Event::Incoming(Packet::Publish(publish))) => Ok(ReceivedMessage {

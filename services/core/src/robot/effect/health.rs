@@ -85,4 +85,7 @@ pub enum AlarmKind {
     /// No whisker of the robot is heard, or the robot is not connected: one alarm about the robot, until a whisker is
     /// heard again.
     RobotSilent,
+    /// The robot sends contacts again and again that were receipted long before: one alarm about the robot, until it stops.
+    /// The supervisor raises it, because only it knows when receipts went out.
+    ReceiptsUnheard,
 }

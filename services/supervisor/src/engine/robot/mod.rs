@@ -7,9 +7,12 @@ pub(crate) mod estimates;
 pub(crate) mod fingerprints;
 pub(crate) mod history;
 pub(crate) mod limits;
+pub(crate) mod repeats;
 pub(crate) mod retention;
 pub mod rollup;
 pub(crate) mod seqs;
+
+use std::time::Instant;
 
 use indexmap::IndexMap;
 use smallvec::SmallVec;
@@ -29,6 +32,7 @@ use estimates::Estimates;
 use fingerprints::Fingerprints;
 use history::History;
 use limits::{BOOTS_AT_ONCE, BOOTS_PER_MINUTE, Bucket};
+use repeats::Repeats;
 use retention::ContactRetention;
 use seqs::Seqs;
 use vibrissa_edge::clock::wall_clock;
@@ -71,6 +75,10 @@ pub(crate) struct KnownRobot {
     pub(crate) fingerprints: Fingerprints,
     /// Boots whose contacts are due for a receipt.
     pub(crate) receipts_due: SmallVec<[ShortText; 1]>,
+    /// Contacts that it repeats although they were receipted.
+    pub(crate) repeats: Repeats,
+    /// Since when the factsheet of its boot has been missing.
+    pub(crate) factsheet_missing: Option<Instant>,
     /// The database has repeatedly rejected its rows: it gets no events for a while.
     pub(crate) rests: bool,
     /// Its messages for black boxes; `None` before the first message.
@@ -112,6 +120,8 @@ impl KnownRobot {
             commands: Commands::default(),
             fingerprints: Fingerprints::default(),
             receipts_due: SmallVec::new(),
+            repeats: Repeats::default(),
+            factsheet_missing: None,
             rests: false,
             recorder: None,
         }

@@ -61,6 +61,11 @@ impl Repeats {
         (is != std::mem::replace(&mut self.stands, is)).then_some(is)
     }
 
+    /// Takes over a robot whose alarm stands: it stays until the robot has repeated nothing for a while.
+    pub(crate) fn take_up(&mut self, now: Micros) {
+        (self.stands, self.repeats) = (true, Some((now, now)));
+    }
+
     /// Whether the alarm stands.
     pub(crate) fn stands(&self) -> bool {
         self.stands

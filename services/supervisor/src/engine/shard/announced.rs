@@ -28,6 +28,8 @@ pub(super) struct Announcement {
     pub(super) robot: Robot,
     pub(super) seqs: Seqs,
     since: Instant,
+    /// Time of its first birth, since when the factsheet has been missing.
+    first: Instant,
     /// Receipt time and payload of the last connection message, for the first black box.
     pub(super) birth: (Micros, Bytes),
 }
@@ -62,12 +64,13 @@ impl Announced {
         if known.is_none() && self.robots.len() >= self.most {
             self.robots.shift_remove_index(0);
         }
-        let (robot, seqs) = known.map_or_else(
-            || (Robot::new(epoch, Numbers::default()), Seqs::default()),
-            |known| (known.robot, known.seqs),
+        let since = Instant::now();
+        let (robot, seqs, first) = known.map_or_else(
+            || (Robot::new(epoch, Numbers::default()), Seqs::default(), since),
+            |known| (known.robot, known.seqs, known.first),
         );
         let birth = (now, raw.payload.clone());
-        let mut announcement = Announcement { robot, seqs, since: Instant::now(), birth };
+        let mut announcement = Announcement { robot, seqs, since, first, birth };
         announcement.step(stepper, name, now, event);
         self.robots.insert(name.clone(), announcement);
     }
@@ -103,6 +106,15 @@ impl Announced {
         let (boot_id, link) = announcement.robot.connection_state();
         let Some(boot_id) = boot_id.map(str::to_owned) else { return };
         announcement.step(stepper, name, now, &Event::Connection { boot_id: &boot_id, link });
+    }
+
+    /// Robots that are online, and have been without a factsheet for longer than `patience`.
+    pub(super) fn overdue(&self, now: Instant, patience: Duration) -> impl Iterator<Item = &Name> {
+        let is_overdue = move |announcement: &Announcement| {
+            announcement.robot.connection_state().1 == Link::Online
+                && now.saturating_duration_since(announcement.first) >= patience
+        };
+        self.robots.iter().filter(move |(_, announcement)| is_overdue(announcement)).map(|(name, _)| name)
     }
 
     /// Removes a robot because it becomes known.

@@ -9,6 +9,7 @@
 mod announced;
 mod estimate;
 pub(crate) mod events;
+mod hearing;
 mod messages;
 mod publication;
 mod record;

@@ -133,6 +133,8 @@ impl Stepper {
             held: sequence.held().iter().copied().take(HELD_MAX).collect(),
         };
         let publication = self.publication(&known.name, RobotTopic::Receipt, encode(&receipt));
+        let next = receipt.next;
+        known.repeats.receipted(known.boot(boot_id), next, wall_clock());
         self.batch.publish(publication);
         self.metrics.receipts_sent.inc();
     }

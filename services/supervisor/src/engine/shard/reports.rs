@@ -157,6 +157,7 @@ impl Stepper {
             Outcome::Duplicate => {
                 self.metrics.messages_duplicate.inc();
                 let boot = known.boot(boot_id);
+                known.repeats.repeated(boot, message.seq, now);
                 if content.is_some_and(|content| known.fingerprints.contradict(boot, message.seq, content)) {
                     let problem = "a contacts message with the seq of another one and different content";
                     self.violation("conflicting_duplicate", problem, &known.name);

@@ -1,0 +1,79 @@
+//! Proof that the broker accepts what is published, by topic: a refusal is remembered until a publication on the same topic
+//! is accepted.
+//!
+//! The broker answers publications of QoS 1 only. Receipts have QoS 0, so one of them now and then gets QoS 1.
+
+use std::time::{Duration, Instant};
+
+use rumqttc::{PubAckReason, PublishNotice, PublishResult};
+use vibrissa_protocol::QualityOfService;
+
+use super::Connection;
+use super::address::BrokerAddress;
+use super::link::LinkState;
+use super::problem::{Cause, Problem};
+use crate::outbox::Publication;
+
+/// Interval between two receipts whose acceptance the broker must confirm.
+const RECEIPT_INTERVAL: Duration = Duration::from_secs(5);
+/// Bytes of a packet beside topic and payload: header, properties, and their lengths.
+const PACKET_OVERHEAD: usize = 32;
+
+/// Follows the publications of a connection.
+#[derive(Debug)]
+pub(super) struct Proofs {
+    link: LinkState,
+    broker: BrokerAddress,
+    /// When the next receipt must be confirmed.
+    receipt_due: Instant,
+}
+
+impl Proofs {
+    pub(super) fn new(connection: &Connection) -> Self {
+        let (link, broker) = (connection.link.clone(), connection.broker.clone());
+        Self { link, broker, receipt_due: Instant::now() }
+    }
+
+    /// Raises the quality of service of a receipt if its acceptance must be confirmed now: regularly, and as long as the
+    /// broker has refused the last one on this topic.
+    pub(super) fn ask(&mut self, publication: Publication, now: Instant) -> Publication {
+        let is_due =
+            publication.states_a_commit() && (now >= self.receipt_due || self.link.has_refused(&publication.topic));
+        if !is_due {
+            return publication;
+        }
+        self.receipt_due = now + RECEIPT_INTERVAL;
+        Publication { qos: QualityOfService::AtLeastOnce, ..publication }
+    }
+
+    /// Whether the broker accepts a packet of this size; a larger one would end the connection.
+    pub(super) fn fits(&self, topic: &str, payload_bytes: usize, bytes_max: u32) -> bool {
+        let bytes = topic.len() + payload_bytes + PACKET_OVERHEAD;
+        let fits = bytes_max == 0 || bytes <= bytes_max as usize;
+        if !fits {
+            self.refused(
+                topic,
+                format!("{bytes} bytes, and it accepts packets of at most {bytes_max}: max_packet_size"),
+            );
+        }
+        fits
+    }
+
+    /// Follows a publication until the broker has answered it.
+    pub(super) fn judge(&self, topic: String, notice: PublishNotice) {
+        let proofs = Self { link: self.link.clone(), broker: self.broker.clone(), receipt_due: self.receipt_due };
+        tokio::spawn(async move {
+            // Without an answer the connection has broken.
+            let Ok(PublishResult::Qos1(ack)) = notice.wait_async().await else { return };
+            match ack.reason {
+                PubAckReason::Success | PubAckReason::NoMatchingSubscribers => proofs.link.accepted(&topic),
+                why => proofs.refused(&topic, format!("{why:?}")),
+            }
+        });
+    }
+
+    fn refused(&self, topic: &str, why: String) {
+        let problem = Problem::new(&self.broker, Cause::Publication { topic: topic.to_owned(), why });
+        self.link.refused(topic, &problem);
+    }
+}
