@@ -42,7 +42,7 @@ def now():
         ),
         stat(
             "Robots away",
-            "Robots that are OFFLINE, or whose connection broke.",
+            "Robots that are OFFLINE or SILENT, or whose connection broke.",
             "none",
             promql(total(away), "away"),
             RED_ABOVE_0,
@@ -100,7 +100,7 @@ def whiskers():
         ),
         timeseries(
             "Robots by connection",
-            "ONLINE; OFFLINE after a farewell; CONNECTION_BROKEN by the last will.",
+            "ONLINE; SILENT if connected and not heard; OFFLINE after a farewell; CONNECTION_BROKEN by the last will.",
             "none",
             [promql(any_of(total(of_fleet("vibrissa_robots"), "connection"), "connection"), "{{connection}}")],
             stacked=True,
@@ -257,7 +257,7 @@ def tables():
 
 
 ROBOTS = f"""
-    SELECT r.fleet, r.robot, r.connection, r.model, count(w.whisker_id) AS whiskers,
+    SELECT r.fleet, r.robot, {rows.PRESENCE} AS connection, r.model, count(w.whisker_id) AS whiskers,
         count(*) FILTER (WHERE w.condition = 'HEALTHY' AND w.fault IS NULL) AS healthy,
         count(*) FILTER (WHERE w.condition = 'TRIMMED') AS trimmed,
         count(*) FILTER (WHERE w.fault IS NOT NULL) AS faults,

@@ -38,9 +38,9 @@ def now():
     text = {"textMode": "value"}
     connection = stat(
         "Connection",
-        "ONLINE; OFFLINE after a farewell; CONNECTION_BROKEN by the last will.",
+        "ONLINE; SILENT if connected and not heard; OFFLINE after a farewell; CONNECTION_BROKEN by the last will.",
         "string",
-        sql(f"SELECT r.connection FROM robots r WHERE {ROBOT}"),
+        sql(f"SELECT {rows.PRESENCE} AS connection FROM robots r WHERE {ROBOT}"),
     )
     connection["options"].update(text, reduceOptions={"calcs": ["lastNotNull"], "fields": "/.*/", "values": False})
     return [

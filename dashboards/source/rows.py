@@ -121,3 +121,9 @@ def happenings(place):
         WHERE {place} AND {between("s.issued_us")} ORDER BY s.issued_us DESC LIMIT 200
     """
     return [annotation("Trims", "red", tidy(trims)), annotation("Setpoints", "blue", tidy(setpoints))]
+
+# Connection state of the robot `r`; SILENT is connected, but not heard.
+PRESENCE = (
+    "CASE WHEN r.connection = 'ONLINE' AND EXISTS (SELECT FROM alarms z WHERE z.robot_id = r.robot_id"
+    " AND z.kind = 'ROBOT_SILENT' AND z.cleared_us IS NULL) THEN 'SILENT' ELSE r.connection END"
+)

@@ -8,6 +8,7 @@ pub mod clock;
 pub mod guidance;
 pub mod ids;
 pub mod labels;
+pub mod presence;
 pub mod recording;
 pub mod shard;
 pub mod touch_tests;

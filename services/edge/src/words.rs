@@ -20,6 +20,7 @@ use vibrissa_protocol::{SetpointError, SetpointReason, TouchTestKind, TouchTestR
 
 use crate::actions::{ActionKind, RecordedKind};
 use crate::guidance::Level;
+use crate::presence::Presence;
 use crate::webhooks::EventKind;
 
 /// How urgent a word is for people.
@@ -321,7 +322,13 @@ words! {
         All => "ALL" "all robots",
     }
     Link {
+        Online => "ONLINE",
+        Offline => "OFFLINE",
+        Broken => "CONNECTION_BROKEN",
+    }
+    Presence {
         Online => "ONLINE" "online" (Good),
+        Silent => "SILENT" "connected, but silent" (Bad),
         Offline => "OFFLINE" "offline" (Off),
         Broken => "CONNECTION_BROKEN" "connection broken" (Bad),
     }

@@ -62,7 +62,7 @@ from_row! {
         pub fleet: String,
         /// Name of the robot.
         pub robot: String,
-        /// Connection state: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+        /// Connection state: `ONLINE`, `SILENT`, `OFFLINE` or `CONNECTION_BROKEN`.
         pub connection: String,
         /// Number of things that need attention.
         pub attention: i64,

@@ -36,7 +36,7 @@ export const CONDITIONS = marked(declared.CONDITIONS, { TRIMMED: "stump", ERODIN
 
 export const FAULTS = marked(declared.FAULTS, { STALE: "clock", LEAK: "drop", SUPPLY_LOW: "down" });
 
-export const CONNECTIONS = marked(declared.CONNECTIONS, { CONNECTION_BROKEN: "gap" });
+export const CONNECTIONS = marked(declared.CONNECTIONS, { CONNECTION_BROKEN: "gap", SILENT: "clock" });
 
 export const SETPOINT_STATES = marked(declared.SETPOINT_STATES, { EXPIRED: "clock" });
 

@@ -9,9 +9,9 @@ use utoipa::{PartialSchema, ToSchema};
 use vibrissa_core::mechanics::Objective;
 use vibrissa_core::policy::{Case, LongerForShorter, Mode};
 use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition, EndReason, Reason, TestState};
-use vibrissa_core::robot::event::Link;
 use vibrissa_edge::actions::AuditKind;
 use vibrissa_edge::guidance::Level;
+use vibrissa_edge::presence::Presence;
 use vibrissa_edge::webhooks::EventKind;
 use vibrissa_edge::words::{Word, Words, named};
 
@@ -21,8 +21,8 @@ pub struct OneOf<T>(pub T);
 
 /// Mechanical condition of a whisker.
 pub type ConditionWord = OneOf<Condition>;
-/// Connection state of a robot.
-pub type ConnectionWord = OneOf<Link>;
+/// Whether a robot is connected and heard.
+pub type ConnectionWord = OneOf<Presence>;
 /// Compensation case of the paper.
 pub type CaseWord = OneOf<Case>;
 /// Progress of a setpoint.

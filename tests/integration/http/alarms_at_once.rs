@@ -73,6 +73,12 @@ async fn all_shown_are_shelved_and_unshelved_about_robots_and_whiskers() {
         for list in ["fleets", "robots", "arrays"] {
             assert!(served.items(&format!("/v1/{list}")).await.iter().all(|one| one["alarms"] == 0), "{list}");
         }
+        // What is shelved is still there.
+        let fleets = served.items("/v1/fleets").await;
+        let shelved: i64 = fleets.iter().map(|fleet| fleet["alarms_shelved"].as_i64().unwrap()).sum();
+        assert_eq!(shelved, standing as i64);
+        let silent = served.items("/v1/robots?connection=SILENT").await;
+        assert!(!silent.is_empty() && silent.iter().all(|robot| robot["alarms_shelved"].as_i64() > Some(0)));
         let (status, done) = post(&served, "/v1/alarms/unshelve", &[], json!({})).await;
         assert_eq!((status, &done["alarms"]), (200, &json!(standing)), "{done}");
         assert_eq!(served.items("/v1/alarms?state=UNACKNOWLEDGED&limit=1000").await.len(), standing);

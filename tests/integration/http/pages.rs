@@ -72,8 +72,9 @@ type Filtered = (&'static str, &'static str, Box<dyn Fn(&Value) -> bool>);
 async fn filters_keep_what_they_name(served: &Served) {
     let is = |field: &'static str, value: Value| move |item: &Value| item[field] == value;
     let at = "2026-11-21T08:00:02.000Z";
-    let cases: [Filtered; 18] = [
+    let cases: [Filtered; 19] = [
         ("robots", "fleet=f", Box::new(is("fleet", "f".into()))),
+        ("robots", "connection=SILENT", Box::new(is("connection", "SILENT".into()))),
         ("robots", "connection=OFFLINE", Box::new(is("connection", "OFFLINE".into()))),
         ("arrays", "robot=r2", Box::new(is("robot", "r2".into()))),
         ("whiskers", "faulty=true", Box::new(|item| !item["fault"].is_null())),
@@ -145,6 +146,6 @@ async fn brute_force_counts_are_those_of_the_lists() {
         }
         let fleet = served.json("/v1/fleets/f").await;
         assert_eq!((&fleet["supervised"], &fleet["holder"]), (&true.into(), &"supervisor a".into()));
-        assert_eq!((&fleet["robots"], &fleet["robots_online"]), (&2.into(), &1.into()));
+        assert_eq!([&fleet["robots"], &fleet["robots_online"], &fleet["robots_silent"]], [2, 0, 1], "r1 is silent");
     }
 }

@@ -5,8 +5,8 @@ use vibrissa_core::policy::{Case, PolicyParams, Refused};
 use vibrissa_core::robot::effect::{
     AlarmKind, CommandState, Condition, EndReason, Fault, RefinementOutcome, TestKind, TestReason, TestState,
 };
-use vibrissa_core::robot::event::Link;
 use vibrissa_edge::actions::AuditKind;
+use vibrissa_edge::presence::Presence;
 use vibrissa_edge::words::Words;
 
 use crate::document::Document;
@@ -22,7 +22,7 @@ async fn filters_and_console_have_each_word() {
     let document = Document::of(&served).await;
     let filters = [
         ("/v1/whiskers", "condition", words::<Condition>()),
-        ("/v1/robots", "connection", words::<Link>()),
+        ("/v1/robots", "connection", words::<Presence>()),
         ("/v1/compensations", "case", words::<Case>()),
         ("/v1/setpoints", "state", words::<CommandState>()),
         ("/v1/touch-tests", "state", words::<TestState>()),
@@ -43,7 +43,7 @@ async fn filters_and_console_have_each_word() {
     let lists = [
         ("CONDITIONS", words::<Condition>()),
         ("FAULTS", words::<Fault>()),
-        ("CONNECTIONS", words::<Link>()),
+        ("CONNECTIONS", words::<Presence>()),
         ("CASES", words::<Case>()),
         ("REFUSALS", words::<Refused>()),
         ("END_REASONS", words::<EndReason>()),

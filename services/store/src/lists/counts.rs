@@ -51,17 +51,34 @@ macro_rules! alarms {
 }
 pub(super) use alarms;
 
-/// Subquery that counts the standing alarms that are not shelved, grouped by a column of `robots` or `whiskers`.
+/// Expression for the connection state of the robot with this alias: `SILENT` if it is connected and the alarm about its silence
+/// stands, shelved or not.
+macro_rules! presence {
+    ($robots:literal) => {
+        concat!(
+            "CASE WHEN ",
+            $robots,
+            ".connection = 'ONLINE' AND EXISTS (SELECT 1 FROM alarms z WHERE z.robot_id = ",
+            $robots,
+            ".robot_id AND z.kind = 'ROBOT_SILENT' AND z.cleared_us IS NULL) THEN 'SILENT' ELSE ",
+            $robots,
+            ".connection END"
+        )
+    };
+}
+pub(super) use presence;
+
+/// Subquery that counts the standing alarms, shelved and others, grouped by a column of `robots` or `whiskers`.
 macro_rules! alarm_counts {
     ($key:literal) => {
         concat!(
             "(SELECT ",
             $key,
-            ", count(*) AS alarms FROM ",
+            ", count(*) FILTER (WHERE shelved_until_us IS NULL) AS alarms, \
+             count(*) FILTER (WHERE shelved_until_us IS NOT NULL) AS alarms_shelved FROM ",
             $crate::lists::counts::alarms!("a.cleared_us IS NULL"),
             " s LEFT JOIN whiskers w ON w.whisker_id = s.whisker_id \
-             JOIN robots r ON r.robot_id = coalesce(s.robot_id, w.robot_id) \
-             WHERE shelved_until_us IS NULL GROUP BY ",
+             JOIN robots r ON r.robot_id = coalesce(s.robot_id, w.robot_id) GROUP BY ",
             $key,
             ")"
         )

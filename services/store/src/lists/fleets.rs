@@ -3,7 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::counts::{alarm_counts, need_counts, proposal_counts};
+use super::counts::{alarm_counts, need_counts, presence, proposal_counts};
 use super::sorts;
 use crate::Store;
 use crate::from_row::from_row;
@@ -29,9 +29,12 @@ from_row! {
         /// Number of robots that the fleet has ever had.
         #[schema(minimum = 0)]
         pub robots: i64,
-        /// Number of robots that are connected (`ONLINE`).
+        /// Number of robots that are connected and heard (`ONLINE`).
         #[schema(minimum = 0)]
         pub robots_online: i64,
+        /// Number of robots that are connected, but not heard (`SILENT`).
+        #[schema(minimum = 0)]
+        pub robots_silent: i64,
         /// Number of whiskers on the fleet's robots now.
         #[schema(minimum = 0)]
         pub whiskers: i64,
@@ -62,6 +65,9 @@ from_row! {
         /// Number of standing alarms that are not shelved.
         #[schema(minimum = 0)]
         pub alarms: i64,
+        /// Number of standing alarms that are shelved.
+        #[schema(minimum = 0)]
+        pub alarms_shelved: i64,
         /// Number of things that need attention: `alarms`, plus one if no supervisor holds the fleet. Each thing has one
         /// alarm, such as a silent robot or a proposal.
         #[schema(minimum = 0)]
@@ -89,14 +95,15 @@ macro_rules! fleets {
                  (SELECT row_number() OVER (ORDER BY fleet) AS fleet_id, fleet, \
                  holder, coalesce(epoch, 0) AS epoch, coalesce(held = shards, false) AS supervised, \
                  coalesce(shards, 1) AS shards, coalesce(robots, 0) AS robots, \
-                 coalesce(robots_online, 0) AS robots_online, coalesce(whiskers, 0) AS whiskers, \
+                 coalesce(robots_online, 0) AS robots_online, coalesce(robots_silent, 0) AS robots_silent, \
+                 coalesce(whiskers, 0) AS whiskers, \
                  coalesce(whiskers, 0) - coalesce(whiskers_unsound, 0) AS whiskers_healthy, \
                  coalesce(whiskers_learning, 0) AS whiskers_learning, coalesce(whiskers_worn, 0) AS whiskers_worn, \
                  coalesce(whiskers_compensated, 0) AS whiskers_compensated, \
                  coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
                  coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
                  coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(proposals, 0) AS proposals, \
-                 coalesce(alarms, 0) AS alarms \
+                 coalesce(alarms, 0) AS alarms, coalesce(alarms_shelved, 0) AS alarms_shelved \
                  FROM (SELECT fleet FROM leases UNION SELECT fleet FROM robots) f LEFT JOIN (SELECT fleet, max(epoch) AS epoch, \
                   count(*) AS shards, count(*) FILTER (WHERE ",
                 $holds,
@@ -106,7 +113,10 @@ macro_rules! fleets {
                 $holds,
                 ") AS holder FROM leases l GROUP BY fleet) l USING (fleet) \
                  LEFT JOIN (SELECT fleet, count(*) AS robots, \
-                  count(*) FILTER (WHERE connection = 'ONLINE') AS robots_online FROM robots GROUP BY fleet) r \
+                  count(*) FILTER (WHERE connection = 'ONLINE') AS robots_online, \
+                  count(*) FILTER (WHERE connection = 'SILENT') AS robots_silent FROM (SELECT fleet, ",
+                presence!("b"),
+                " AS connection FROM robots b) b GROUP BY fleet) r \
                   USING (fleet) \
                  LEFT JOIN (SELECT fleet, CAST(sum(whiskers) AS BIGINT) AS whiskers FROM robots JOIN arrays USING (robot_id) \
                   GROUP BY fleet) n USING (fleet) \

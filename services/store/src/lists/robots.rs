@@ -3,7 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::counts::{alarm_counts, need_counts, proposal_counts};
+use super::counts::{alarm_counts, need_counts, presence, proposal_counts};
 use super::sorts;
 use crate::from_row::from_row;
 use crate::labels::RobotLabels;
@@ -20,7 +20,7 @@ from_row! {
         pub robot: String,
         /// Model of the robot, by its factsheet; null before the first factsheet.
         pub model: Option<String>,
-        /// Connection state: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+        /// Connection state: `ONLINE`, `SILENT` (connected, but not heard), `OFFLINE` or `CONNECTION_BROKEN`.
         pub connection: String,
         /// Newest boot of the robot; null before the first.
         pub boot_id: Option<String>,
@@ -57,6 +57,9 @@ from_row! {
         /// Number of standing alarms that are not shelved.
         #[schema(minimum = 0)]
         pub alarms: i64,
+        /// Number of standing alarms that are shelved.
+        #[schema(minimum = 0)]
+        pub alarms_shelved: i64,
         /// Number of compensations that wait for an operator's approval.
         #[schema(minimum = 0)]
         pub proposals: i64,
@@ -81,7 +84,7 @@ from_row! {
         pub array: String,
         /// `TYPE_1` (whiskers compensate for one another) or `TYPE_2` (each whisker compensates only for itself).
         pub array_type: String,
-        /// Connection state of the robot: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+        /// Connection state of the robot: `ONLINE`, `SILENT` (connected, but not heard), `OFFLINE` or `CONNECTION_BROKEN`.
         pub connection: String,
         /// Number of whiskers on the array now.
         #[schema(minimum = 0)]
@@ -110,6 +113,9 @@ from_row! {
         /// Number of standing alarms that are not shelved.
         #[schema(minimum = 0)]
         pub alarms: i64,
+        /// Number of standing alarms that are shelved.
+        #[schema(minimum = 0)]
+        pub alarms_shelved: i64,
         /// Number of things that need attention: `alarms`. An alarm about the whole robot is not among them.
         #[schema(minimum = 0)]
         pub attention: i64,
@@ -150,7 +156,9 @@ sorts! {
 pub static ROBOTS: List = List {
     what: "list the robots",
     select: concat!(
-        "SELECT r.robot_id, r.fleet, r.robot, r.model, r.connection, r.boot_id, \
+        "SELECT r.robot_id, r.fleet, r.robot, r.model, ",
+        presence!("r"),
+        " AS connection, r.boot_id, \
          CASE WHEN updated_us > 0 THEN updated_us END AS updated_at, \
          coalesce(whiskers_unsound, 0) AS whiskers_unsound, \
          coalesce(whiskers_learning, 0) AS whiskers_learning, coalesce(whiskers_worn, 0) AS whiskers_worn, \
@@ -158,7 +166,7 @@ pub static ROBOTS: List = List {
          coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
          coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
          coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(alarms, 0) AS alarms, \
-         coalesce(proposals, 0) AS proposals, r.held, r.labels, \
+         coalesce(alarms_shelved, 0) AS alarms_shelved, coalesce(proposals, 0) AS proposals, r.held, r.labels, \
          coalesce(alarms, 0) AS attention FROM robots r LEFT JOIN ",
         need_counts!("w.robot_id"),
         " w ON w.robot_id = r.robot_id LEFT JOIN ",
@@ -180,7 +188,9 @@ pub static ROBOTS: List = List {
 pub static ARRAYS: List = List {
     what: "list the arrays",
     select: concat!(
-        "SELECT y.array_id, fleet, robot, \"array\", array_type, connection, y.whiskers, \
+        "SELECT y.array_id, fleet, robot, \"array\", array_type, ",
+        presence!("b"),
+        " AS connection, y.whiskers, \
          y.whiskers - coalesce(whiskers_unsound, 0) AS whiskers_healthy, \
          coalesce(whiskers_unsound, 0) AS whiskers_unsound, \
          coalesce(whiskers_learning, 0) AS whiskers_learning, coalesce(whiskers_worn, 0) AS whiskers_worn, \
@@ -188,7 +198,7 @@ pub static ARRAYS: List = List {
          coalesce(whiskers_trimmed, 0) AS whiskers_trimmed, \
          coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
          coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(alarms, 0) AS alarms, \
-         coalesce(alarms, 0) AS attention \
+         coalesce(alarms_shelved, 0) AS alarms_shelved, coalesce(alarms, 0) AS attention \
          FROM arrays y JOIN robots b ON b.robot_id = y.robot_id LEFT JOIN ",
         need_counts!("w.array_id"),
         " w ON w.array_id = y.array_id LEFT JOIN ",

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use super::counts::presence;
 use super::sorts;
 use crate::from_row::from_row;
 use crate::labels::RobotLabels;
@@ -53,7 +54,7 @@ from_row! {
         pub contacts: i64,
         /// Time of the last message about the whisker, by the supervisor's clock; null before the first.
         pub heard_at: Option<Time>,
-        /// Connection state of the robot: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+        /// Connection state of the robot: `ONLINE`, `SILENT`, `OFFLINE` or `CONNECTION_BROKEN`.
         pub connection: String,
         /// Leak rate: relative loss of gauge pressure per second while the pressure is held; null until it can be
         /// estimated.
@@ -110,14 +111,18 @@ sorts! {
 /// All whiskers that are on a robot now.
 pub static WHISKERS: List = List {
     what: "list the whiskers",
-    select: "SELECT w.whisker_id, w.robot_id, w.array_id, fleet, robot, \"array\", array_type, w.whisker, w.model, x_mm, y_mm, whole_length_mm, \
+    select: concat!(
+        "SELECT w.whisker_id, w.robot_id, w.array_id, fleet, robot, \"array\", array_type, w.whisker, w.model, x_mm, y_mm, whole_length_mm, \
              length_mm, length_mm - 1.959963984540054 * length_sd_mm AS length_low_mm, \
              length_mm + 1.959963984540054 * length_sd_mm AS length_high_mm, condition, fault, pressure_mpa, \
-             setpoint_mpa, nominal_pressure_mpa, pressure_max_mpa, contacts, heard_us AS heard_at, connection, r.labels, CASE WHEN w.held OR r.held THEN true ELSE false END AS held, \
+             setpoint_mpa, nominal_pressure_mpa, pressure_max_mpa, contacts, heard_us AS heard_at, ",
+        presence!("r"),
+        " AS connection, r.labels, CASE WHEN w.held OR r.held THEN true ELSE false END AS held, \
              leak_per_s, leak_low_per_s, leak_high_per_s, erosion_mm_per_contact, erosion_low_mm_per_contact, \
              erosion_high_mm_per_contact, contacts_left, contacts_left_low, contacts_left_high \
              FROM whiskers w JOIN arrays USING (array_id) JOIN robots r ON r.robot_id = w.robot_id \
-             WHERE position IS NOT NULL",
+             WHERE position IS NOT NULL"
+    ),
     details: ", (SELECT max(compensation_id) FROM compensations c WHERE c.target_whisker_id = q.whisker_id \
               AND c.ended_us IS NULL AND c.compensator_whisker_id IS NOT NULL AND approval <> 'PROPOSED') AS compensated_by, \
               (SELECT k.whisker FROM compensations c JOIN whiskers k ON k.whisker_id = c.compensator_whisker_id \
@@ -145,8 +150,12 @@ pub static WHISKERS: List = List {
             ],
         },
         Keys {
-            select: "SELECT w.whisker_id, w.robot_id, w.array_id, fleet, robot, w.whisker, w.model, length_mm, condition, fault, \
-                     contacts, connection FROM whiskers w JOIN robots USING (robot_id) WHERE position IS NOT NULL",
+            select: concat!(
+                "SELECT w.whisker_id, w.robot_id, w.array_id, fleet, robot, w.whisker, w.model, length_mm, condition, fault, \
+                 contacts, ",
+                presence!("r"),
+                " AS connection FROM whiskers w JOIN robots r ON r.robot_id = w.robot_id WHERE position IS NOT NULL"
+            ),
             columns: &[
                 "whisker_id",
                 "robot_id",

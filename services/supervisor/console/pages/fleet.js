@@ -13,7 +13,7 @@ import { proposals, proposalsOf } from "../parts/proposals.js";
 import { shards, shardsOf } from "../parts/shards.js";
 import { trail } from "../table.js";
 import { CONNECTIONS } from "../words.js";
-import { health, supervision } from "./fleets.js";
+import { health, present, supervision } from "./fleets.js";
 
 const robots = browser({
   route: "/v1/robots",
@@ -76,7 +76,7 @@ export default {
       h(
         "p",
         {},
-        `${count(about.robots, "robot")}, ${about.robots_online} online; ${count(about.whiskers, "whisker")}, ${about.whiskers_healthy} healthy.`,
+        `${present(about)}; ${count(about.whiskers, "whisker")}, ${about.whiskers_healthy} healthy.`,
       ),
       h(
         "p",

@@ -7,21 +7,24 @@ import { mark } from "../marks.js";
 import { link } from "../places.js";
 import { hasOverview, overview, OVERVIEW } from "../parts/overview.js";
 import { proposals, proposalsOf } from "../parts/proposals.js";
+import { readiness, shortcomings } from "../parts/readiness.js";
 
 export default {
   async load() {
-    const [fleets, waiting, told] = await Promise.all([
+    const [fleets, waiting, told, ready] = await Promise.all([
       list("/v1/fleets", { sort: "attention", order: "descending" }),
       proposalsOf({}),
       hasOverview() ? get(OVERVIEW) : null,
+      readiness(),
     ]);
-    return { fleets, waiting, told };
+    return { fleets, waiting, told, ready };
   },
 
-  view({ fleets, waiting, told }, _, refresh) {
+  view({ fleets, waiting, told, ready }, _, refresh) {
     return [
       h("h1", { tabindex: "-1" }, "Fleets"),
       h("p", { class: "summary" }, summary(fleets)),
+      shortcomings(ready),
       proposals(waiting, refresh),
       fleets.length
         ? h("ul", { class: "cards" }, fleets.map(card))
@@ -40,8 +43,15 @@ function summary(fleets) {
   if (!fleets.length) return "";
   return troubled
     ? `${count(troubled, "fleet")} of ${fleets.length} ${troubled === 1 ? "needs" : "need"} attention.`
-    : "Nothing needs attention.";
+    : `Nothing needs attention.${shelved(fleets.reduce((sum, fleet) => sum + fleet.alarms_shelved, 0), " ", ".")}`;
 }
+
+/** Words for alarms that people have shelved: what they concern is still there. */
+const shelved = (alarms, before, after) => (alarms ? `${before}${count(alarms, "alarm")} ${alarms === 1 ? "is" : "are"} shelved${after}` : "");
+
+/** How many robots are there, in words. */
+export const present = (fleet) =>
+  `${count(fleet.robots, "robot")}, ${fleet.robots_online} online${fleet.robots_silent ? `, ${fleet.robots_silent} silent` : ""}`;
 
 function card(fleet) {
   return h(
@@ -52,7 +62,7 @@ function card(fleet) {
     h(
       "p",
       {},
-      `${count(fleet.robots, "robot")}, ${fleet.robots_online} online. ${count(fleet.whiskers, "whisker")[0].toUpperCase()}${count(fleet.whiskers, "whisker").slice(1)}, ${fleet.whiskers_healthy} healthy.`,
+      `${present(fleet)}. ${count(fleet.whiskers, "whisker")[0].toUpperCase()}${count(fleet.whiskers, "whisker").slice(1)}, ${fleet.whiskers_healthy} healthy.`,
     ),
   );
 }
@@ -74,8 +84,10 @@ export function health(row) {
     row.whiskers_learning && mark(`${row.whiskers_learning} being learned`, "info", "dots"),
     row.proposals && mark(`${count(row.proposals, "proposal")} waiting for approval`, "warn", "diamond"),
     row.alarms && mark(count(row.alarms, "alarm"), "bad", "bell"),
+    row.alarms_shelved && mark(`${count(row.alarms_shelved, "alarm")} shelved`, "off", "clock"),
   ].filter(Boolean);
-  if (row.attention > 0) return marks;
+  const isTroubled = row.whiskers_uncompensated || row.whiskers_faulty || row.alarms_shelved;
+  if (row.attention > 0 || isTroubled) return marks;
   if (isAway(row)) return marks.length ? marks : [mark("nothing is known while it is not connected", "off", "gap")];
   return [...marks, mark("nothing needs attention", "good", "circle")];
 }

@@ -7,6 +7,7 @@ use tracing::debug;
 use vibrissa_core::robot::effect::AlarmKind;
 use vibrissa_core::robot::{Params, Robot, WhiskerView};
 use vibrissa_core::units::Micros;
+use vibrissa_edge::presence::Presence;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_edge::words::Word;
 
@@ -71,7 +72,8 @@ struct Survey {
 impl Survey {
     fn add(&mut self, known: &mut KnownRobot) {
         let (_, link) = known.robot.connection_state();
-        *self.robots.entry(link.word()).or_default() += 1;
+        let is_silent = known.robot.standing().any(|kind| kind == AlarmKind::RobotSilent);
+        *self.robots.entry(Presence::of(link, is_silent).word()).or_default() += 1;
         let receipts = known.repeats.stands().then_some(AlarmKind::ReceiptsUnheard);
         for kind in known.robot.standing().chain(receipts) {
             *self.alarms.entry(kind.word()).or_default() += 1;

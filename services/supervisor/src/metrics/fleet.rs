@@ -111,8 +111,9 @@ of_fleet! {
     /// Capacity of the inbox, bytes.
     inbox_capacity_bytes: IntGauge = "vibrissa_inbox_capacity_bytes", "Capacity of the inbox.";
 
-    /// Robots, by connection state.
-    robots: Gauges = "vibrissa_robots", "Robots, by connection state.", labels::CONNECTION;
+    /// Robots, by connection state; `SILENT` are connected, but not heard.
+    robots: Gauges = "vibrissa_robots", "Robots, by connection state; SILENT are connected, but not heard.",
+        labels::CONNECTION;
     /// Robots that have announced themselves, and whose factsheets have not arrived for 30 s.
     robots_without_factsheet: IntGauge = "vibrissa_robots_without_factsheet",
         "Robots that announced themselves, and whose factsheets have not arrived for 30 s.";

@@ -4,8 +4,9 @@ use vibrissa_core::policy::{Case, Mode};
 use vibrissa_core::robot::effect::{
     AlarmKind, CommandState, Condition, ContactUse, EndReason, Fault, Reason, RefinementOutcome, TestReason, TestState,
 };
-use vibrissa_core::robot::event::{Link, Rejection};
+use vibrissa_core::robot::event::Rejection;
 use vibrissa_edge::actions::ActionKind;
+use vibrissa_edge::presence::Presence;
 use vibrissa_edge::words::{Word as _, Words};
 use vibrissa_protocol::RobotTopic;
 
@@ -85,7 +86,7 @@ pub(super) const REASON: Labels<1> = by_one("reason", || {
     .to_vec()
 });
 pub(super) const USED: Labels<1> = by_one("used", all::<ContactUse>);
-pub(super) const CONNECTION: Labels<1> = by_one("connection", all::<Link>);
+pub(super) const CONNECTION: Labels<1> = by_one("connection", all::<Presence>);
 pub(super) const HEALTH: Labels<1> =
     by_one("health", || all::<Condition>().into_iter().chain(all::<Fault>()).collect());
 pub(super) const CASE: Labels<1> = by_one("case", all::<Case>);

@@ -27,7 +27,10 @@ pub(super) const SUBJECTS: &[Subject] = &[
                 "Share of healthy whiskers by fleet",
                 r#"sum by (fleet) (vibrissa_whiskers{health="HEALTHY"}) / sum by (fleet) (vibrissa_whiskers)"#,
             ),
-            ("Robots that are not connected", r#"sum by (fleet) (vibrissa_robots{connection!="ONLINE"})"#),
+            (
+                "Robots that are not connected, or not heard",
+                r#"sum by (fleet) (vibrissa_robots{connection!="ONLINE"})"#,
+            ),
             (
                 "Share of the contacts that estimates use",
                 r#"sum by (fleet) (rate(vibrissa_contacts_total{used="USED"}[5m])) / sum by (fleet) (rate(vibrissa_contacts_total[5m]))"#,

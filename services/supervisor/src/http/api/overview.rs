@@ -94,7 +94,7 @@ pub struct OverviewRobot {
     pub fleet: String,
     /// Name of the robot.
     pub robot: String,
-    /// Connection state: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+    /// Connection state: `ONLINE`, `SILENT`, `OFFLINE` or `CONNECTION_BROKEN`.
     pub connection: String,
     /// Number of things that need attention, as in the list of robots.
     #[schema(minimum = 0)]

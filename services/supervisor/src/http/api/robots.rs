@@ -152,7 +152,7 @@ pub struct Array {
     pub array: String,
     /// `TYPE_1` (whiskers compensate for one another) or `TYPE_2` (single whiskers, which compensate for themselves).
     pub array_type: String,
-    /// Connection state of its robot: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+    /// Connection state of its robot: `ONLINE`, `SILENT`, `OFFLINE` or `CONNECTION_BROKEN`.
     pub connection: String,
     /// Number of standing alarms.
     #[schema(minimum = 0)]

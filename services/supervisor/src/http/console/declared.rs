@@ -9,10 +9,11 @@ use vibrissa_core::policy::{Case, LongerForShorter, Mode, Refused};
 use vibrissa_core::robot::effect::{
     AlarmKind, CommandState, Condition, EndReason, Fault, Reason, RefinementOutcome, TestKind, TestReason, TestState,
 };
-use vibrissa_core::robot::event::{ArrayKind, Link};
+use vibrissa_core::robot::event::ArrayKind;
 use vibrissa_core::rollout::Stage;
 use vibrissa_edge::actions::AuditKind;
 use vibrissa_edge::guidance::Level;
+use vibrissa_edge::presence::Presence;
 use vibrissa_edge::webhooks::EventKind;
 use vibrissa_edge::words::Words;
 
@@ -24,7 +25,7 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
     let lists = [
         ("CONDITIONS", words::<Condition>()),
         ("FAULTS", words::<Fault>()),
-        ("CONNECTIONS", words::<Link>()),
+        ("CONNECTIONS", words::<Presence>()),
         ("CASES", words::<Case>()),
         ("REFUSALS", words::<Refused>()),
         ("END_REASONS", words::<EndReason>()),

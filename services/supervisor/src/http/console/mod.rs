@@ -99,6 +99,7 @@ files!(
     "parts/notes.js"
     "parts/overview.js"
     "parts/proposals.js"
+    "parts/readiness.js"
     "parts/rollouts.js"
     "parts/shards.js"
     "parts/since.js"
