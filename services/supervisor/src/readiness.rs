@@ -67,7 +67,7 @@ impl Readiness {
         self.set(format!("{}{part}", prefix(shard)), problem.map(|problem| format!("fleet {shard}: {problem}")));
     }
 
-    /// Sets what people must know about a part of a shard's supervision although it works; `None` clears it.
+    /// Sets a finding about a part of a shard's supervision that people must know although it works; `None` clears it.
     pub(crate) fn notice_of(&self, shard: &FleetShard, part: &str, notice: Option<String>) {
         let (part, mut parts) = (format!("{}{part}", prefix(shard)), self.parts());
         match notice {
@@ -76,7 +76,7 @@ impl Readiness {
         }
     }
 
-    /// What people must know although the service works.
+    /// Findings that people must know although the service works.
     #[must_use]
     pub fn notices(&self) -> Vec<String> {
         self.parts().notices.values().cloned().collect()

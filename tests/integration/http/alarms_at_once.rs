@@ -73,7 +73,7 @@ async fn all_shown_are_shelved_and_unshelved_about_robots_and_whiskers() {
         for list in ["fleets", "robots", "arrays"] {
             assert!(served.items(&format!("/v1/{list}")).await.iter().all(|one| one["alarms"] == 0), "{list}");
         }
-        // What is shelved is still there.
+        // Shelved alarms still stand.
         let fleets = served.items("/v1/fleets").await;
         let shelved: i64 = fleets.iter().map(|fleet| fleet["alarms_shelved"].as_i64().unwrap()).sum();
         assert_eq!(shelved, standing as i64);

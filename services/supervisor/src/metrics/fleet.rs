@@ -97,7 +97,7 @@ of_fleet! {
     /// UTC; 0 if the fleet is supervised elsewhere.
     last_contact_timestamp_seconds: Gauge = "vibrissa_last_contact_timestamp_seconds",
         "Time of receipt of the last contacts message, or else of the lease's acquisition; 0 if supervised elsewhere.";
-    /// What the robots are promised, and for how long each promise has been open.
+    /// The promises to the robots, and for how long each has been open.
     promises: Promises = "vibrissa_promise_age_seconds",
         "Age of the oldest item for which a promise to robots is open: that a message is received, committed, receipted, \
          that a setpoint is answered; 0 if none is open.";

@@ -1,4 +1,4 @@
-//! Proof that the broker accepts what is published, by topic: a refusal is remembered until a publication on the same topic
+//! Proof that the broker accepts publications, by topic: a refusal is remembered until a publication on the same topic
 //! is accepted.
 //!
 //! The broker answers publications of QoS 1 only. Receipts have QoS 0, so one of them now and then gets QoS 1.

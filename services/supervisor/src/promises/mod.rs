@@ -1,4 +1,4 @@
-//! What a fleet's robots are promised, and for how long each promise has been open: the one source for readiness, metrics
+//! The promises to a fleet's robots, and for how long each has been open: the one source for readiness, metrics
 //! and alerts about the way of a message.
 //!
 //! ```text
@@ -6,7 +6,7 @@
 //!                                                       setpoint sent ──ANSWERED──▶ answered
 //! ```
 //!
-//! Each part of the service states what it has done. The ages are computed when somebody reads them, so that they grow
+//! Each part of the service states its progress. The ages are computed when somebody reads them, so that they grow
 //! also while a part hangs.
 
 mod watermark;
