@@ -5,13 +5,14 @@
 
 use std::time::{Duration, Instant};
 
-use rumqttc::{PubAckReason, PublishNotice, PublishResult};
+use rumqttc::{PublishNotice, PublishResult};
 use vibrissa_protocol::QualityOfService;
 
 use super::Connection;
 use super::address::BrokerAddress;
 use super::link::LinkState;
 use super::problem::{Cause, Problem};
+use super::publish::is_failure;
 use crate::outbox::Publication;
 
 /// Interval between two receipts whose acceptance the broker must confirm.
@@ -65,9 +66,10 @@ impl Proofs {
         tokio::spawn(async move {
             // Without an answer the connection has broken.
             let Ok(PublishResult::Qos1(ack)) = notice.wait_async().await else { return };
-            match ack.reason {
-                PubAckReason::Success | PubAckReason::NoMatchingSubscribers => proofs.link.accepted(&topic),
-                why => proofs.refused(&topic, format!("{why:?}")),
+            if is_failure(&ack) {
+                proofs.refused(&topic, format!("{:?}", ack.reason));
+            } else {
+                proofs.link.accepted(&topic);
             }
         });
     }

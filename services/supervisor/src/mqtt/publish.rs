@@ -91,11 +91,13 @@ pub fn publish(
                 } else {
                     expired.inc();
                 }
+                promises.receipted(receipts);
                 continue;
             };
             let Publication { topic, payload, stopwatch, qos, .. } = publication;
             if !proofs.fits(&topic, payload.len(), flags.packet_bytes_max.load(Ordering::Relaxed)) {
                 dropped.inc();
+                promises.receipted(receipts);
                 continue;
             }
             if qos == QualityOfService::AtMostOnce {
