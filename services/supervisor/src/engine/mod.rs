@@ -8,7 +8,7 @@
 //! - [`quarantine`]: robots whose rows the database rejects.
 //! - [`changes`], [`actions`], [`allow_list_sources`]: changes by operators.
 //! - [`rollout`]: changes that only some robots have so far.
-//! - [`birth_watch`]: robots whose births were not received.
+//! - [`birth_watch`]: robots whose births were not received; [`hearing`]: receipts and factsheets that do not arrive.
 //! - [`start`]: loads a fleet.
 //!
 //! Everything published is committed, and robots send again whatever is not committed.
@@ -21,6 +21,7 @@ mod changes;
 mod commit;
 mod dispatch;
 mod fleet_metrics;
+mod hearing;
 mod message;
 mod quarantine;
 mod robot;
@@ -36,7 +37,6 @@ pub(crate) use start::EngineOptions;
 
 use std::future::pending;
 use std::sync::Arc;
-use std::time::Duration;
 
 use tokio::runtime::Handle;
 use tokio::sync::{Notify, mpsc};
@@ -44,7 +44,7 @@ use tokio::task::yield_now;
 use tokio::time::{Instant, sleep_until};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::shard::FleetShard;
-use vibrissa_protocol::{Name, RobotTopic};
+use vibrissa_protocol::Name;
 
 use crate::action_notifier::ActionNotifier;
 use crate::black_box::FleetBoxes;
@@ -53,7 +53,6 @@ use crate::inbox::Inbox;
 use crate::log_inbox::{LogBatch, LogStart};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::outbox::{Losses, Publication};
-use crate::promises::Promise;
 use crate::readiness::Readiness;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::fault::{self, Fault};
@@ -82,10 +81,6 @@ const TICKS_PER_HORIZON: u32 = 20;
 const HORIZON_AGE_US: i64 = 5_000_000;
 /// Ticks between two surveys of all robots for the metrics (1 s).
 const TICKS_PER_SURVEY: u32 = 4;
-/// Receipts that have waited for longer have not reached the robots, which therefore send again.
-const RECEIPTS_LATE: Duration = Duration::from_secs(2);
-/// Name of this part in the service's readiness.
-const PART: &str = "engine";
 /// A survey takes at most one part in this many of the time; otherwise surveys are less frequent.
 const SURVEY_SHARE: u32 = 50;
 
@@ -242,27 +237,6 @@ impl Engine {
             self.pipeline.stepped(0, &self.shards);
         }
         Ok(())
-    }
-
-    /// Judges whether robots hear their receipts, and whether factsheets arrive.
-    fn judge_hearing(&mut self, now: Micros) {
-        let is_late = self.metrics.promises.age(Promise::Receipted).is_some_and(|age| age > RECEIPTS_LATE);
-        let (mut missing, mut one) = (0, None);
-        for shard in self.shards.iter_mut() {
-            shard.judge_receipts(now, is_late);
-            let (count, name) = shard.without_factsheet(Instant::now().into_std());
-            missing += count;
-            one = one.or(name);
-        }
-        self.metrics.robots_without_factsheet.set(missing);
-        let notice = one.map(|robot| {
-            let topic = RobotTopic::Factsheet.of(&self.fleet, &robot);
-            format!(
-                "{missing} robot(s) announced themselves, and no factsheet has arrived: let them publish topics such as \
-                 {topic} in the broker's access list, and check its limit of the size of packets"
-            )
-        });
-        self.readiness.notice_of(&self.place, PART, notice);
     }
 
     /// Requests births that were not received.

@@ -19,6 +19,7 @@ mod hearing;
 
 mod proofs;
 mod publish;
+mod refusals;
 
 mod recorder;
 

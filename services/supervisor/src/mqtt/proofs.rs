@@ -5,14 +5,13 @@
 
 use std::time::{Duration, Instant};
 
-use rumqttc::{PublishNotice, PublishResult};
+use rumqttc::{PubAck, PubAckReason, PublishNotice, PublishResult};
 use vibrissa_protocol::QualityOfService;
 
 use super::Connection;
 use super::address::BrokerAddress;
 use super::link::LinkState;
 use super::problem::{Cause, Problem};
-use super::publish::is_failure;
 use crate::outbox::Publication;
 
 /// Interval between two receipts whose acceptance the broker must confirm.
@@ -78,4 +77,9 @@ impl Proofs {
         let problem = Problem::new(&self.broker, Cause::Publication { topic: topic.to_owned(), why });
         self.link.refused(topic, &problem);
     }
+}
+
+/// Whether the broker has rejected a publication.
+pub(super) fn is_failure(ack: &PubAck) -> bool {
+    !matches!(ack.reason, PubAckReason::Success | PubAckReason::NoMatchingSubscribers)
 }

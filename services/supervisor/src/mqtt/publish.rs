@@ -4,9 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-use rumqttc::{
-    AsyncClient, Event, LastWill, Outgoing, Packet, PubAck, PubAckReason, PublishOptions, PublishProperties, QoS,
-};
+use rumqttc::{AsyncClient, Event, LastWill, Outgoing, Packet, PublishOptions, PublishProperties, QoS};
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 use tokio::time::{MissedTickBehavior, interval_at, timeout};
@@ -318,11 +316,6 @@ fn options_of(publication: &Publication, now: Instant, retains: bool) -> Option<
     let left_s = left.as_secs_f64().ceil() as u32;
     let properties = PublishProperties { message_expiry_interval: Some(left_s), ..PublishProperties::default() };
     Some(options.properties(properties))
-}
-
-/// Whether the broker has rejected a publication.
-pub(super) fn is_failure(ack: &PubAck) -> bool {
-    !matches!(ack.reason, PubAckReason::Success | PubAckReason::NoMatchingSubscribers)
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use super::link::Side;
 use super::nodes::Attempts;
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
-use super::publish::is_failure;
+use super::proofs::is_failure;
 use super::subscriptions::{self, Receipt, Subscriptions, inputs};
 use super::{Connection, limits};
 use crate::births::BirthCause;

@@ -15,7 +15,7 @@ use vibrissa_protocol::QualityOfService;
 use super::address::BrokerAddress;
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
-use super::publish::is_failure;
+use super::proofs::is_failure;
 use super::{Connection, limits};
 
 /// Time limit for the disconnect.

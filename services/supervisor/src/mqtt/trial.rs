@@ -9,7 +9,7 @@ use super::Connection;
 use super::hearing::Hearing;
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem};
-use super::publish::is_failure;
+use super::proofs::is_failure;
 use super::receive::judge;
 use super::subscriptions::{Subscriptions, inputs};
 
