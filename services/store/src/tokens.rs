@@ -121,6 +121,23 @@ impl Store {
         .map_err(failed("list the tokens"))
     }
 
+    /// Hashes by which all valid credentials are known: of the secrets of tokens, and of the identifiers of sessions.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn credential_hashes(&self, now_us: i64, hashes_max: u32) -> Result<Vec<[u8; 32]>, StoreError> {
+        let hashes: Vec<Vec<u8>> = on!(&self.pool, |pool| sqlx::query_scalar(
+            "SELECT secret_hash FROM api_tokens WHERE revoked_us IS NULL AND expires_us > $1 \
+             UNION ALL SELECT session_id FROM console_sessions WHERE expires_us > $1 LIMIT $2",
+        )
+        .bind(now_us)
+        .bind(i64::from(hashes_max))
+        .fetch_all(pool)
+        .await)
+        .map_err(failed("read the hashes of credentials"))?;
+        Ok(hashes.into_iter().filter_map(|hash| hash.try_into().ok()).collect())
+    }
+
     /// Revokes a token, and records it in the audit log. Returns false if there is no such token or it was revoked
     /// before.
     ///

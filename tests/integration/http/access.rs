@@ -1,12 +1,17 @@
 //! Authentication and roles of all routes.
 
+use std::collections::BTreeSet;
+
+use futures_util::future::join_all;
 use serde_json::{Value, json};
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+use tokio::net::TcpSocket;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_store::secret::Secret;
 use vibrissa_supervisor::http::access::token::{NewToken, create};
 use vibrissa_supervisor::http::access::{AccessOptions, Role, Scope};
-use vibrissa_tests::web::{Answer, open, send};
+use vibrissa_tests::web::{Answer, ask, open, send};
 
 use crate::served::Served;
 
@@ -232,4 +237,61 @@ async fn bodies_are_of_the_right_kind_and_size_and_name_what_is_wrong() {
     let body = json!({ "pressure_mpa": 0.1 });
     let key = send(served.http, "POST", path, &[("Idempotency-Key", "a b")], Some(&body)).await.unwrap();
     assert_eq!(key.json()["errors"][0]["field"], "Idempotency-Key");
+}
+
+#[tokio::test]
+async fn regress_a_flood_of_wrong_tokens_keeps_no_right_one_out() {
+    let served = closed().await;
+    let old = token(&served, Role::Viewer, None, HOUR_US).await;
+    assert_eq!(asked(&served, "GET", "/v1/me", Some(&old)).await.status, 200);
+    let mut statuses = BTreeSet::new();
+    for _ in 0..30 {
+        let wrong = (0..50).map(|_| asked(&served, "GET", "/v1/me", Some("vbr_0123456789ab_wrong")));
+        statuses.extend(join_all(wrong).await.into_iter().map(|answer| answer.status));
+    }
+    assert_eq!(statuses, BTreeSet::from([401, 429]));
+    let new = token(&served, Role::Viewer, None, HOUR_US).await;
+    for right in [&old, &new, ROOT] {
+        assert_eq!(asked(&served, "GET", "/v1/me", Some(right)).await.status, 200);
+    }
+}
+
+#[tokio::test]
+async fn regress_requests_with_two_meanings_are_refused() {
+    let served = Served::sqlite().await;
+    let own = served.http.to_string();
+    let status =
+        async |target: &str, headers: &[(&str, &str)]| ask(served.http, "GET", target, headers).await.unwrap().status;
+    let absolute = |host: &str| format!("http://{host}/v1/me");
+    assert_eq!(status(&absolute(&own), &[("Host", &own)]).await, 200);
+    assert_eq!(status(&absolute("evil.example"), &[("Host", &own)]).await, 400);
+    assert_eq!(status(&absolute(&own), &[("Host", "evil.example")]).await, 400);
+    assert_eq!(status("/v1/me", &[("Host", &own), ("Host", "evil.example")]).await, 400);
+    assert_eq!(status("/livez", &[("Host", &own), ("Host", &own)]).await, 400);
+    assert_eq!(status("/v1/me", &[("Authorization", "Bearer a"), ("Authorization", "Bearer b")]).await, 400);
+}
+
+/// Status of a request to sign in, from an address of this machine.
+async fn sign_in_from(served: &Served, last: u8) -> u16 {
+    let socket = TcpSocket::new_v4().unwrap();
+    socket.bind(([127, 0, 0, last], 0).into()).unwrap();
+    let mut stream = socket.connect(served.http).await.unwrap();
+    let request = "GET /auth/sign-in HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+    stream.write_all(request.as_bytes()).await.unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).await.unwrap();
+    answer.split(' ').nth(1).unwrap().parse().unwrap()
+}
+
+#[tokio::test]
+async fn regress_a_flood_of_sign_ins_from_one_address_locks_nobody_else_out() {
+    let served = Served::sqlite().await;
+    let mut flood = Vec::new();
+    for _ in 0..500 {
+        flood.push(sign_in_from(&served, 2).await);
+    }
+    assert!(flood.contains(&429) && flood[0] == 404, "without a provider there is no sign-in");
+    for _ in 0..20 {
+        assert_eq!(sign_in_from(&served, 3).await, 404);
+    }
 }

@@ -120,6 +120,7 @@ fn values(key: Key) -> [&'static str; 3] {
             ["c0", "c1", "c2"]
         }
         Key::HttpPublicUrl => ["https://c0.example", "https://c1.example:8443", "http://127.0.0.1:8080"],
+        Key::HttpTrustedProxies => ["10.1.0.0/16", "127.0.0.1", "::1"],
         Key::WebhooksAllowedHosts => ["hooks.lan", "10.0.0.7", "::1"],
         Key::TracesOtlpEndpoint => ["http://h0:4318", "https://h1/otlp", "http://[::1]:4318"],
         Key::TracesSampleRatio => ["0.0", "0.5", "1.0"],

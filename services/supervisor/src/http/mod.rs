@@ -7,8 +7,10 @@
 
 mod accept;
 pub mod access;
+mod ambiguity;
 pub mod api;
 pub mod asking;
+pub mod client_address;
 mod completion;
 mod console;
 pub mod csv_rows;
@@ -63,7 +65,8 @@ use crate::readiness::Readiness;
 use crate::robots_file::RobotsFile;
 use crate::trace::Traces;
 use crate::webhooks::{WebhookOptions, Webhooks};
-use access::{Access, Gate, origin};
+use access::{Access, Gate, guests, origin};
+use client_address::{Network, TrustedProxies};
 pub use further_routes::FurtherRoutes;
 use server::{Limits, Server};
 use streams::{StreamOptions, Streams};
@@ -212,11 +215,14 @@ pub struct HttpOptions {
     pub limits: Limits,
     /// Address of the runbooks; `None` for those of this service.
     pub runbooks_url: Option<String>,
+    /// Proxies whose `X-Forwarded-For` names the client.
+    pub trusted_proxies: Vec<Network>,
 }
 
 impl From<SocketAddr> for HttpOptions {
     fn from(listen: SocketAddr) -> Self {
-        Self { listen, monitoring_listen: None, limits: Limits::default(), runbooks_url: None }
+        let (limits, trusted_proxies) = (Limits::default(), Vec::new());
+        Self { listen, monitoring_listen: None, limits, runbooks_url: None, trusted_proxies }
     }
 }
 
@@ -253,7 +259,8 @@ const MONITORING_LIMITS: Limits = Limits { connections_max: 64, connections_per_
 /// # Errors
 /// An address is in use or cannot be bound.
 pub async fn serve(options: &HttpOptions, app: App, stop: watch::Receiver<bool>) -> Result<Serving, ListenError> {
-    let app = app.with_runbooks(options.runbooks_url.as_deref());
+    let mut app = app.with_runbooks(options.runbooks_url.as_deref());
+    app.access = app.access.behind(TrustedProxies::new(&options.trusted_proxies));
     let limits = server::possible(options.limits, server::descriptors::raise_limit());
     let monitored = match options.monitoring_listen {
         Some(address) => {
@@ -312,7 +319,7 @@ pub fn router(app: App) -> (Router, Document) {
         )
         .route("/problems/{name}", get(problem::explain))
         .merge(runbooks::routes())
-        .merge(sign_in::routes())
+        .merge(sign_in::routes().route_layer(from_fn_with_state(app.access.clone(), guests::limit_sign_ins)))
         .route("/livez", get(health::livez))
         .with_state(app.clone())
         .merge(docs::routes())
@@ -331,6 +338,7 @@ fn around(router: Router, app: &App) -> Router {
     router
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
         .layer(from_fn(origin::refuse_other_sites))
+        .layer(from_fn(ambiguity::refuse))
         .layer(from_fn_with_state((app.metrics.http.clone(), app.traces.clone()), passage::passage))
         .layer(map_response(headers::of_all))
         // Without it each connection would rebuild the routes.

@@ -76,7 +76,6 @@ struct To {
 }
 
 async fn sign_in(State(app): State<App>, Query(To { to }): Query<To>) -> Result<Response, Problem> {
-    app.access.limit("sign-in")?;
     let sign_in = app.access.sign_in().ok_or_else(|| Problem::not_found("sign-in: no client is configured"))?;
     let is_page =
         |to: &String| to.starts_with("#/") && to.chars().count() <= TO_CHARS_MAX && !to.contains(char::is_control);
@@ -103,7 +102,6 @@ async fn callback(
     headers: HeaderMap,
     Query(answer): Query<Answer>,
 ) -> Result<Response, Problem> {
-    app.access.limit("sign-in")?;
     let sign_in = app.access.sign_in().ok_or_else(|| Problem::not_found("sign-in: no client is configured"))?;
     let attempt = cookies::value(&headers, &ATTEMPT, sign_in.is_secure());
     let attempt = attempt.and_then(|value| URL_SAFE_NO_PAD.decode(value).ok());

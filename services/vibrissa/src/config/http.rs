@@ -9,6 +9,7 @@ use vibrissa_supervisor::http::HttpOptions;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::http::access::oidc::OidcOptions;
 use vibrissa_supervisor::http::access::provider::SignInOptions;
+use vibrissa_supervisor::http::client_address::Network;
 use vibrissa_supervisor::http::server::Limits;
 
 /// Minimum length of a token in a file, in characters.
@@ -28,12 +29,20 @@ pub(super) fn listeners(reader: &mut Reader) -> Option<HttpOptions> {
     let limits =
         Limits { connections_max: connections_max?, connections_per_address_max: connections_per_address_max? };
     let runbooks_url = runbooks_url(reader)?;
+    let trusted_proxies = trusted_proxies(reader)?;
     (monitoring_listen.is_some() == is_monitored).then_some(HttpOptions {
         listen: listen?,
         monitoring_listen,
         limits,
         runbooks_url,
+        trusted_proxies,
     })
+}
+
+fn trusted_proxies(reader: &mut Reader) -> Option<Vec<Network>> {
+    let parsed: Result<Vec<Network>, _> =
+        reader.texts(Key::HttpTrustedProxies)?.iter().map(|text| text.parse()).collect();
+    parsed.map_err(|problem| reader.refuse(Key::HttpTrustedProxies, problem.to_string())).ok()
 }
 
 /// Address of the runbooks, if configured; outer `None` after a refusal.

@@ -164,12 +164,12 @@ policy_numbers! { keys {
     MqttPort: "mqtt.port", Kind::Whole { min: 0, max: 65_535 }, Some("1883"),
         "Port of the embedded broker on 127.0.0.1; 0 takes any free port";
     MqttUsername: "mqtt.username", Kind::Text, None,
-        "User name for the external broker";
+        "User name for the external broker, or of the clients of the embedded one: supervisor, robots and tools";
     MqttPassword: "mqtt.password", Kind::Secret, None,
-        "Password for the external broker; better kept in a file. It is refused on the command line, which other users \
+        "Password of that user; better kept in a file. It is refused on the command line, which other users \
          can read";
     MqttPasswordFile: "mqtt.password_file", Kind::File, None,
-        "File with the password for the external broker";
+        "File with the password of that user. The embedded broker needs one as soon as HTTP requires a token";
     MqttCaFile: "mqtt.ca_file", Kind::File, None,
         "CA certificates (PEM) that may sign the broker's certificate; default: the system's";
     MqttClientCertificateFile: "mqtt.client_certificate_file", Kind::File, None,
@@ -188,7 +188,10 @@ policy_numbers! { keys {
         "Maximum number of open connections to http.listen; beyond it, the one that has waited longest for a request \
          is closed. The limit of open files must allow them";
     HttpConnectionsPerAddressMax: "http.connections_per_address_max", Kind::Whole { min: 4, max: 1_000_000 }, Some("512"),
-        "The same per client address; behind a proxy all clients have the proxy's address";
+        "The same per address of a connection; behind a proxy all clients have the proxy's address";
+    HttpTrustedProxies: "http.trusted_proxies", Kind::Texts, Some("[]"),
+        "Addresses or networks of proxies, such as 10.1.0.0/16, whose X-Forwarded-For names the client: limits by address \
+         then count clients, not the proxy";
     HttpTokenFile: "http.token_file", Kind::File, None,
         "File with a token of at least 32 characters that has every right, for programs that set up a supervisor";
     HttpOidcIssuer: "http.oidc_issuer", Kind::Text, None,

@@ -1,7 +1,9 @@
 //! Authentication and authorisation: tokens of this service or of an identity provider, or no token on loopback.
 
 pub mod cookies;
+pub(super) mod guests;
 mod keys;
+mod known;
 pub mod monitoring;
 pub mod oidc;
 pub mod origin;
@@ -25,8 +27,11 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use vibrissa_protocol::Name;
 
+use self::guests::{Guests, client};
+use self::known::{HASHES_MAX, Hash, Known};
 use self::oidc::{Oidc, OidcOptions};
 use self::session::SignIn;
+use super::client_address::TrustedProxies;
 use super::document::Need;
 use super::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;
@@ -186,6 +191,9 @@ pub struct Access {
     oidc: Option<Oidc>,
     sign_in: Option<SignIn>,
     limiter: Arc<DefaultKeyedRateLimiter<String>>,
+    guests: Arc<Guests>,
+    known: Known,
+    proxies: TrustedProxies,
 }
 
 /// Average request rate allowed per caller, in requests per second.
@@ -209,7 +217,16 @@ impl Access {
             oidc,
             sign_in,
             limiter: Arc::new(RateLimiter::keyed(quota)),
+            guests: Arc::default(),
+            known: Known::default(),
+            proxies: TrustedProxies::default(),
         }
+    }
+
+    /// The same access behind these proxies.
+    #[must_use]
+    pub(super) fn behind(self, proxies: TrustedProxies) -> Self {
+        Self { proxies, ..self }
     }
 
     /// Whether a request without a token is let in.
@@ -270,9 +287,11 @@ impl Access {
             Credential::Nothing => return Ok(Caller::local()),
             Credential::Bearer(bearer) => bearer.reveal(),
             Credential::Session(cookie) => {
-                let sign_in = self.sign_in.as_ref();
-                let ended = || Problem::new(Kind::Unauthenticated, "the session has ended: sign in again");
-                return sign_in.ok_or_else(ended)?.caller(store, cookie).await;
+                let (sign_in, hash) = self.sign_in.as_ref().zip(session::hash(cookie)).ok_or_else(session::ended)?;
+                if !self.is_known(store, &hash).await? {
+                    return Err(session::ended());
+                }
+                return sign_in.caller(store, cookie).await;
             }
         };
         // Hashes are compared in constant time.
@@ -282,9 +301,25 @@ impl Access {
         if let Some(oidc) = self.oidc.as_ref().filter(|_| !token::is_ours(bearer)) {
             return oidc.caller(bearer).await;
         }
-        token::caller(store, bearer, wall_clock().0 as i64)
-            .await?
-            .ok_or_else(|| Problem::new(Kind::Unauthenticated, "the token is unknown, expired or revoked"))
+        let unknown = || Problem::new(Kind::Unauthenticated, "the token is unknown, expired or revoked");
+        let (id, hash) = token::parse(bearer).ok_or_else(unknown)?;
+        if !self.is_known(store, &hash).await? {
+            return Err(unknown());
+        }
+        token::caller(store, id, &hash, wall_clock().0 as i64).await?.ok_or_else(unknown)
+    }
+
+    /// Whether a valid credential has this hash. The credential itself is still to be checked.
+    async fn is_known(&self, store: &Store, hash: &Hash) -> Result<bool, Problem> {
+        self.known.holds(hash, || store.credential_hashes(wall_clock().0 as i64, HASHES_MAX)).await
+    }
+
+    /// Counts a request that is refused, and returns the answer to it.
+    fn refused(&self, request: &Parts, problem: Problem) -> Problem {
+        if problem.kind != Kind::Unauthenticated {
+            return problem;
+        }
+        self.guests.wrong(client(&self.proxies, request)).err().unwrap_or(problem)
     }
 
     /// Counts a request of an actor.
@@ -347,8 +382,7 @@ async fn admit(
     };
     let (caller, credential) = match identified.await {
         Ok(identified) => identified,
-        // Failed attempts share one rate limit, so that nobody can guess tokens quickly.
-        Err(problem) => return Err(gate.access.limit("nobody").err().unwrap_or(problem)),
+        Err(problem) => return Err(gate.access.refused(request, problem)),
     };
     gate.access.limit(&caller.actor)?;
     let needed = match gate.roles.needed(&request.method, path) {

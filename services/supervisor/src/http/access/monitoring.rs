@@ -28,7 +28,7 @@ async fn admit(access: &Access, store: &Store, request: &Parts) -> Result<(), Pr
     let identified = async { access.identify(store, &access.credential(request)?).await };
     let caller = match identified.await {
         Ok(caller) => caller,
-        Err(problem) => return Err(access.limit("nobody").err().unwrap_or(problem)),
+        Err(problem) => return Err(access.refused(request, problem)),
     };
     access.limit(&caller.actor)?;
     if caller.scope == Scope::All {

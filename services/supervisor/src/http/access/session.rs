@@ -205,8 +205,14 @@ impl SignIn {
     }
 }
 
-fn ended() -> Problem {
+pub(super) fn ended() -> Problem {
     Problem::new(Kind::Unauthenticated, "the session has ended: sign in again")
+}
+
+/// Hash of the identifier in a cookie, by which the database knows its session; `None` if it has another format.
+pub(super) fn hash(cookie: &Secret) -> Option<[u8; 32]> {
+    let bytes = URL_SAFE_NO_PAD.decode(cookie.reveal()).ok().filter(|bytes| bytes.len() == ID_BYTES + KEY_BYTES)?;
+    Some(*blake3::hash(&bytes[..ID_BYTES]).as_bytes())
 }
 
 /// The session of a cookie with its tokens and its key; `None` if it has ended.

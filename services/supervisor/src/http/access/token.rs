@@ -69,16 +69,26 @@ fn actor(row: &TokenRow) -> String {
     format!("token:{}#{}", row.name, row.token_id)
 }
 
-/// The caller that a token identifies; `None` if the token is unknown, expired or revoked.
+/// ID and hash of the secret of a token; `None` if it has another format.
+pub(super) fn parse(token: &str) -> Option<(&str, [u8; 32])> {
+    let (id, secret) = token.strip_prefix(PREFIX)?.split_once('_')?;
+    let secret = URL_SAFE_NO_PAD.decode(secret).ok()?;
+    Some((id, *blake3::hash(&secret).as_bytes()))
+}
+
+/// The caller that a token with this ID and this hash of its secret identifies; `None` if the token is unknown, expired or
+/// revoked.
 ///
 /// # Errors
 /// The database cannot be read.
-pub async fn caller(store: &Store, token: &str, now_us: i64) -> Result<Option<Caller>, StoreError> {
-    let halves = token.strip_prefix(PREFIX).and_then(|halves| halves.split_once('_'));
-    let Some((id, secret)) = halves else { return Ok(None) };
-    let Ok(secret) = URL_SAFE_NO_PAD.decode(secret) else { return Ok(None) };
+pub(super) async fn caller(
+    store: &Store,
+    id: &str,
+    hash: &[u8; 32],
+    now_us: i64,
+) -> Result<Option<Caller>, StoreError> {
     let Some(row) = store.token(id).await? else { return Ok(None) };
-    let is_right = bool::from(blake3::hash(&secret).as_bytes().ct_eq(&row.secret_hash));
+    let is_right = bool::from(hash.ct_eq(&row.secret_hash));
     if !is_right || row.revoked_us.is_some() || row.expires_us <= now_us {
         return Ok(None);
     }

@@ -5,11 +5,12 @@
 //! end.
 
 use std::collections::{BTreeMap, HashMap};
-use std::net::{IpAddr, Ipv6Addr};
+use std::net::IpAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::oneshot;
 
+use crate::http::client_address::counted;
 use crate::metrics::ConnectionMetrics;
 
 /// How many connections may be open at once.
@@ -99,7 +100,7 @@ impl Registry {
     /// all have requests under way.
     pub(super) fn admit(&self, peer: IpAddr) -> Result<Admitted, Limit> {
         let Shared { limits, metrics, .. } = &*self.0;
-        let address = network(peer);
+        let address = counted(peer);
         let mut open = self.open();
         let mut reached = None;
         let of_address = open.addresses.get(&address).map_or(0, |address| address.open);
@@ -205,17 +206,6 @@ impl Open {
     }
 }
 
-/// The address that counts for the limit: of IPv6, the /64 network.
-fn network(peer: IpAddr) -> IpAddr {
-    match peer.to_canonical() {
-        IpAddr::V6(address) => {
-            let [a, b, c, d, ..] = address.segments();
-            IpAddr::V6(Ipv6Addr::new(a, b, c, d, 0, 0, 0, 0))
-        }
-        address @ IpAddr::V4(_) => address,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -303,14 +293,5 @@ mod tests {
             assert_eq!(parts.waiting.len(), waiting);
             assert_eq!(parts.addresses.values().map(|address| address.waiting.len()).sum::<usize>(), waiting);
         }
-    }
-
-    #[test]
-    fn a_network_of_one_host_is_one_address() {
-        let of = |text: &str| network(text.parse().unwrap());
-        assert_eq!(of("2001:db8:1:2::1"), of("2001:db8:1:2:ffff::9"));
-        assert_ne!(of("2001:db8:1:2::1"), of("2001:db8:1:3::1"));
-        assert_eq!(of("::ffff:10.0.0.1"), of("10.0.0.1"));
-        assert_ne!(of("10.0.0.2"), of("10.0.0.1"));
     }
 }
