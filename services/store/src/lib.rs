@@ -130,6 +130,9 @@ impl Store {
             postgres::check(route, &self.name).await?;
         }
         self.pool.migrate(&self.name).await?;
+        if let Either::Postgres(pool) = &self.pool {
+            postgres::protect_audit_log(pool).await.map_err(failed("protect the audit log"))?;
+        }
         let made = self.make_partitions(vibrissa_edge::clock::wall_clock().0 as i64, &mut |_| {}).await;
         if let Err(problem) = made {
             // The default partitions store the rows meanwhile, and upkeep tries again.

@@ -1,5 +1,6 @@
 //! PostgreSQL's part of the store: sessions, `COPY`, and a statement for a whole transaction.
 
+mod audit_log;
 mod copy;
 mod parts;
 mod pooler;
@@ -16,6 +17,7 @@ use super::address::PostgresAddress;
 use super::database::{Either, Options, Pool};
 use super::error::failed;
 
+pub(super) use audit_log::protect as protect_audit_log;
 pub(super) use copy::{are_copied, copy_contacts};
 pub(super) use parts::COUNTED;
 pub use replication::Replication;
