@@ -68,6 +68,8 @@ impl Objects {
 }
 
 fn s3(bucket: &str, options: &S3Options) -> anyhow::Result<object_store::aws::AmazonS3> {
+    // The HTTP client takes the process's cryptography. An error means that the same one is installed already.
+    let _ = rustls::crypto::ring::default_provider().install_default();
     let backoff = BackoffConfig::default();
     let retry = RetryConfig { backoff, max_retries: 5, retry_timeout: RETRY_TIME };
     let mut builder = AmazonS3Builder::from_env().with_bucket_name(bucket).with_retry(retry);
