@@ -77,7 +77,8 @@ async fn pages_of_csv_are_linked_and_the_header_accept_chooses_the_format() {
         assert_eq!(page.headers["content-disposition"], "attachment; filename=\"whiskers.csv\"");
         rows.extend(parsed(&page).1);
         let Some(link) = page.headers.get("link") else { break };
-        path = link.strip_prefix('<').unwrap().strip_suffix(">; rel=\"next\"").unwrap().to_owned();
+        let query = link.strip_prefix('<').unwrap().strip_suffix(">; rel=\"next\"").unwrap();
+        path = format!("/v1/whiskers{query}");
     }
     assert_eq!(rows.len(), whole.1.len());
     let at = whole.0.iter().position(|name| name == "length_mm").unwrap();

@@ -19,6 +19,7 @@ mod oidc;
 mod overview;
 mod pages;
 mod pictures;
+mod proxies;
 mod rollouts;
 mod rows;
 mod scope;

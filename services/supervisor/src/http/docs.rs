@@ -12,7 +12,7 @@ const POLICY: &str = "default-src 'self'; script-src 'self'; style-src 'self' 'u
 
 /// The page and its files.
 pub(super) fn routes() -> Router {
-    let page = Router::from(SwaggerUi::new("/docs").config(Config::from("/openapi.json")));
+    let page = Router::from(SwaggerUi::new("/docs").config(Config::from("../openapi.json")));
     page.layer(map_response(headers))
 }
 

@@ -23,7 +23,9 @@ const ROLE: &str = "x-required-role";
                        (application/problem+json).",
         license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),
-    components(schemas(ProblemBody, FieldError))
+    components(schemas(ProblemBody, FieldError)),
+    // Relative to the address of the document, which is below a path behind some proxies.
+    servers((url = "."))
 )]
 struct Base;
 

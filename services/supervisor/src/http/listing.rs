@@ -69,7 +69,8 @@ fn next_page(uri: &Uri, cursor: &str) -> String {
     let pairs = url::form_urlencoded::parse(uri.query().unwrap_or_default().as_bytes());
     let mut query = url::form_urlencoded::Serializer::new(String::new());
     query.extend_pairs(pairs.filter(|(key, _)| key != "cursor")).append_pair("cursor", cursor);
-    format!("{}?{}", uri.path(), query.finish())
+    // Without the path, which may be another one behind a proxy: it is relative to the address of the request.
+    format!("?{}", query.finish())
 }
 
 impl Listing {

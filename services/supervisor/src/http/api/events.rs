@@ -3,9 +3,10 @@
 use std::convert::Infallible;
 
 use axum::extract::{Extension, State};
-use axum::http::HeaderMap;
+use axum::http::{HeaderMap, HeaderName, header};
+use axum::response::IntoResponse;
 use axum::response::sse::{Event, KeepAlive, Sse};
-use futures_util::stream::{self, Stream};
+use futures_util::stream::{self, StreamExt as _};
 use tokio::sync::watch;
 use tokio::time::{Duration, Instant, timeout};
 use utoipa::IntoParams;
@@ -30,6 +31,17 @@ const POLL: Duration = Duration::from_secs(1);
 const LIFETIME: Duration = Duration::from_secs(300);
 /// Interval of comment lines, which keep the connection open through proxies.
 const KEEP_ALIVE: Duration = Duration::from_secs(15);
+
+/// Length of the comment at the begin of a stream, bytes. It tells the client at once that the stream is open, and fills the
+/// first buffer of proxies and browsers that wait for one.
+const PADDING_BYTES: usize = 2048;
+/// Headers of a stream. The first makes nginx pass each event on at once. The others keep proxies from compression, which would
+/// hold events back: Caddy ignores `no-transform`, but compresses no answer that names a coding, be it `identity`.
+const UNBUFFERED: [(HeaderName, &str); 3] = [
+    (HeaderName::from_static("x-accel-buffering"), "no"),
+    (header::CACHE_CONTROL, "no-store, no-transform"),
+    (header::CONTENT_ENCODING, "identity"),
+];
 
 /// Filters for events.
 #[derive(Debug, serde::Deserialize, IntoParams)]
@@ -88,7 +100,7 @@ async fn follow(
     Extension(credential): Extension<Credential>,
     Query(query): Query<EventsQuery>,
     headers: HeaderMap,
-) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Problem> {
+) -> Result<impl IntoResponse, Problem> {
     let place = app.streams.open(&caller.actor)?;
     let (changed, stop) = (app.action_notifier.changes(), app.stop.clone());
     let marks = app.store.marks().await?;
@@ -122,7 +134,9 @@ async fn follow(
         let event = follower.next().await?;
         Some((Ok(event), follower))
     });
-    Ok(Sse::new(events).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)))
+    let padding = stream::once(async { Ok::<_, Infallible>(Event::default().comment(" ".repeat(PADDING_BYTES))) });
+    let answer = Sse::new(padding.chain(events)).keep_alive(KeepAlive::new().interval(KEEP_ALIVE));
+    Ok((UNBUFFERED, answer))
 }
 
 impl Follower {

@@ -15,6 +15,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 
 use super::problem::{Kind, Problem};
+use super::version;
 
 /// The page, served at `/` only, because its links are relative to that path.
 const PAGE: &str = "index.html";
@@ -161,7 +162,7 @@ async fn file(extract::Path(path): extract::Path<String>, headers: HeaderMap) ->
 fn answer(path: &str, headers: &HeaderMap) -> Response {
     let Some(content) = content(path) else { return missing() };
     let tag = tag(&content);
-    if headers.get(header::IF_NONE_MATCH).and_then(|tags| tags.to_str().ok()).is_some_and(|tags| has(tags, &tag)) {
+    if version::names(headers, header::IF_NONE_MATCH, &tag) {
         return (StatusCode::NOT_MODIFIED, HEADERS, [(header::ETAG, tag)]).into_response();
     }
     (HEADERS, [(header::ETAG, tag), (header::CONTENT_TYPE, media_type(path).to_owned())], content).into_response()
@@ -174,11 +175,6 @@ fn missing() -> Response {
 /// `ETag` of a file: a hash of its content.
 fn tag(content: &[u8]) -> String {
     format!("\"{}\"", &blake3::hash(content).to_hex()[..32])
-}
-
-/// Whether the list of tags in `If-None-Match` contains the tag.
-fn has(tags: &str, tag: &str) -> bool {
-    tags.split(',').map(|one| one.trim().trim_start_matches("W/")).any(|one| one == tag || one == "*")
 }
 
 fn media_type(path: &str) -> &'static str {
