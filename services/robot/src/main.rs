@@ -1,6 +1,5 @@
 //! The agent of one robot: between its driver and the broker.
 
-use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -8,7 +7,7 @@ use clap::Parser;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 use tracing_subscriber::EnvFilter;
-use vibrissa_robot::{Config, hub};
+use vibrissa_robot::{Config, hub, log};
 
 /// The agent of one robot with soft whiskers: keeps the MQTT contract for a driver that speaks lines of JSON.
 #[derive(Debug, Parser)]
@@ -32,10 +31,8 @@ fn log_filter(text: &str) -> Result<EnvFilter, String> {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    // Colours only on a terminal, and not with NO_COLOR.
-    let has_colours = stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|asked| asked.is_empty());
-    tracing_subscriber::fmt().with_env_filter(arguments.log).with_writer(stderr).with_ansi(has_colours).init();
-    match started(&arguments.config, arguments.check) {
+    let logged = log::start(arguments.log).map_err(anyhow::Error::from);
+    match logged.and_then(|()| started(&arguments.config, arguments.check)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {
             eprintln!("vibrissa-robot: {problem:#}");

@@ -1,7 +1,6 @@
 //! Runs a fleet of simulated robots against a broker until it is stopped.
 
 use std::ffi::OsString;
-use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
 use anyhow::Context;
@@ -102,9 +101,7 @@ fn main() -> anyhow::Result<()> {
 
 async fn simulate(arguments: Arguments) -> anyhow::Result<()> {
     let broker = arguments.broker()?;
-    // Colours only on a terminal, and not with NO_COLOR.
-    let has_colours = stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|asked| asked.is_empty());
-    tracing_subscriber::fmt().with_env_filter(arguments.log).with_writer(stderr).with_ansi(has_colours).init();
+    vibrissa_robot::log::start(arguments.log)?;
     let scenario = arguments.scenario.as_ref().context("--scenario is missing")?;
     let path = scenario.display();
     let text = std::fs::read_to_string(scenario).with_context(|| format!("cannot read {path}"))?;

@@ -18,7 +18,7 @@ use crate::archive::Archive;
 pub use crate::archive_options::{ArchiveOptions, ArchiveSource};
 pub use crate::black_box::BlackBoxOptions;
 use crate::black_box::BlackBoxes;
-use crate::broker::Broker;
+use crate::broker::{Broker, MqttAccess};
 use crate::engine::{ContactRetention, JointCommits, Limits};
 use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
@@ -89,6 +89,8 @@ pub struct ServiceOptions {
     pub broker: Option<BrokerAddress>,
     /// Port of the embedded broker; 0 takes any free one.
     pub mqtt_port: u16,
+    /// The clients that the embedded broker admits.
+    pub mqtt_access: MqttAccess,
     /// Listening address and connection limits of HTTP; port 0 takes any free one.
     pub http: HttpOptions,
     /// Accepted credentials of HTTP, besides the tokens in the database.
@@ -160,12 +162,22 @@ impl Service {
             Err(problem) => return Err(problem.into()),
         };
         let metrics = declare_metrics(&options)?;
+        let access = Access::new(&options.access, options.http.listen.ip());
+        if is_prepared && !access.admits_anybody(&store, wall_clock().0 as i64).await {
+            anyhow::bail!(
+                "HTTP would listen on {}, beyond this machine, but no credentials exist: make a token first with \
+                 `vibrissa token create`, or set http.token_file or http.oidc_issuer, or listen on 127.0.0.1",
+                options.http.listen
+            );
+        }
         let (embedded, broker) = match options.broker {
             Some(address) => (None, address),
             None => {
-                let embedded = Broker::start(options.mqtt_port).await?;
+                let credentials = options.mqtt_access.credentials(access.is_open())?.cloned();
+                let embedded = Broker::guarded(options.mqtt_port, credentials.as_ref()).await?;
                 let address = embedded.address();
-                (Some(embedded), BrokerAddress::new(address.ip().to_string(), address.port()))
+                let address = BrokerAddress::new(address.ip().to_string(), address.port());
+                (Some(embedded), BrokerAddress { credentials, ..address })
             }
         };
         let prepared = mqtt::prepare(&broker)?;
@@ -211,14 +223,6 @@ impl Service {
         };
         let webhooks = Webhooks::new(&options.webhooks, store.clone(), metrics.clone(), shared.supervisor.clone());
         let ownership = Ownership::new(supervisor, shared, options.shards, is_prepared);
-        let access = Access::new(&options.access, options.http.listen.ip());
-        if is_prepared && !access.admits_anybody(&store, wall_clock().0 as i64).await {
-            anyhow::bail!(
-                "HTTP would listen on {}, beyond this machine, but no credentials exist: make a token first with \
-                 `vibrissa token create`, or set http.token_file or http.oidc_issuer, or listen on 127.0.0.1",
-                options.http.listen
-            );
-        }
         let app = App::new(
             store.clone(),
             metrics.clone(),

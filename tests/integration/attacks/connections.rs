@@ -208,6 +208,25 @@ async fn regress_connections_never_take_the_last_file_descriptor() {
     assert_eq!(program.metric("vibrissa_http_accept_errors_total{listener=\"main\"}").await, 0.0);
 }
 
+#[tokio::test(flavor = "multi_thread")]
+async fn regress_connections_of_mqtt_never_take_the_last_file_descriptor_or_fill_the_log() {
+    let _turn = crate::turn().await;
+    let program = HttpProgram::with_descriptors(64);
+    let mut silent = Vec::new();
+    for _ in 0..300 {
+        silent.push(connect(program.mqtt).await);
+    }
+    for _ in 0..20 {
+        for path in ["/livez", "/metrics"] {
+            assert_eq!(try_get(program.monitoring, path).await.unwrap().0, 200, "{path}");
+        }
+    }
+    let log = program.logged();
+    assert!(log.contains("too many connections, one was refused"), "{log}");
+    assert!(log.lines().count() < 400, "{} lines", log.lines().count());
+    drop(silent);
+}
+
 /// Reads the answer until the server closes the connection.
 async fn until_closed(stream: &mut TcpStream) -> String {
     let mut answer = Vec::new();

@@ -22,6 +22,8 @@ pub(crate) struct HttpProgram {
     pub(crate) http: SocketAddr,
     /// Address of the monitoring listener.
     pub(crate) monitoring: SocketAddr,
+    /// Address of the embedded broker.
+    pub(crate) mqtt: SocketAddr,
     log: PathBuf,
     folder: TempDir,
 }
@@ -63,14 +65,17 @@ impl HttpProgram {
         let lines = BufReader::new(process.stdout.take().unwrap()).lines();
         let (said, says) = mpsc::channel();
         std::thread::spawn(move || lines.map_while(Result::ok).try_for_each(|line| said.send(line)));
-        let address = || {
-            let line = says.recv_timeout(2 * PATIENCE).unwrap_or_else(|problem| {
+        let line = || {
+            says.recv_timeout(2 * PATIENCE).unwrap_or_else(|problem| {
                 panic!("the program does not print its address ({problem}): {}", std::fs::read_to_string(&log).unwrap())
-            });
-            line.rsplit_once("http://").unwrap_or_else(|| panic!("no address: {line}")).1.parse().unwrap()
+            })
         };
-        let (http, monitoring) = (address(), address());
-        Self { process, http, monitoring, log, folder }
+        let address =
+            |line: &str| line.rsplit_once("http://").unwrap_or_else(|| panic!("no address: {line}")).1.parse().unwrap();
+        let (first, second) = (line(), line());
+        let mqtt = first.split(['/', ' ', ',']).find_map(|word| word.parse().ok());
+        let mqtt = mqtt.unwrap_or_else(|| panic!("no address of MQTT: {first}"));
+        Self { process, http: address(&first), monitoring: address(&second), mqtt, log, folder }
     }
 
     /// The log so far.

@@ -75,7 +75,9 @@ impl Place {
         let file = self.folder.path().join("token");
         std::fs::write(&file, ROOT).unwrap();
         let file = file.display().to_string();
-        self.start(&[&["--http", "127.0.0.1:0", "--http-token-file", &file], arguments].concat())
+        // The embedded broker needs a password then; here nobody uses it.
+        let mqtt = ["--mqtt-username", "robots", "--mqtt-password-file", &file];
+        self.start(&[&["--http", "127.0.0.1:0", "--http-token-file", &file], &mqtt[..], arguments].concat())
     }
 }
 

@@ -53,6 +53,7 @@ impl Running {
             metrics_per_whisker: false,
             broker: Some(broker),
             mqtt_port: 0,
+            mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
             http: "127.0.0.1:0".parse().unwrap(),
             webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
             traces: None,

@@ -111,6 +111,7 @@ impl Stage {
             metrics_per_whisker: false,
             broker: None,
             mqtt_port: 0,
+            mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
             http,
             webhooks: WebhookOptions { allowed_hosts: vec!["127.0.0.1".to_owned()], pace: FAST },
             traces: None,

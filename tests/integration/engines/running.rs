@@ -79,6 +79,7 @@ impl Running {
             metrics_per_whisker: false,
             broker: Some(BrokerAddress { credentials: Some(credentials), ..broker }),
             mqtt_port: 0,
+            mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
             http: "127.0.0.1:0".parse().unwrap(),
             params,
         })

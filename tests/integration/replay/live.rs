@@ -144,6 +144,7 @@ async fn service(folder: &TempDir, port: u16) -> Service {
         metrics_per_whisker: false,
         broker: Some(BrokerAddress::new("127.0.0.1", port)),
         mqtt_port: 0,
+        mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
         http: "127.0.0.1:0".parse().unwrap(),
         webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,

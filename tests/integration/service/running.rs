@@ -93,6 +93,7 @@ impl Running {
             metrics_per_whisker: false,
             broker: broker.map(|port| BrokerAddress::new("127.0.0.1", port)),
             mqtt_port: 0,
+            mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
             http: "127.0.0.1:0".parse().unwrap(),
             params,
         })

@@ -102,5 +102,8 @@ fn beyond_this_machine_it_does_not_start_where_nobody_could_be_let_in() {
     let listed = std::process::Command::new(PROGRAM).args(["token", "list", "--database-url", &url]).output().unwrap();
     let listed = String::from_utf8(listed.stdout).unwrap();
     assert!(listed.contains("OPERATOR") && !listed.contains(token.trim()), "{listed}");
+    // With a token for HTTP, MQTT must not be open to everyone on this machine.
+    let told = refusal(&database, &exposed);
+    assert!(told.contains("mqtt.password_file") && told.contains("mqtt.url"), "{told}");
     drop(folder);
 }

@@ -128,6 +128,7 @@ impl Stage {
             metrics_per_whisker: false,
             broker: Some(BrokerAddress::new("127.0.0.1", self.broker.port())),
             mqtt_port: 0,
+            mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
             http: ([127, 0, 0, 1], 0).into(),
             webhooks: WebhookOptions { allowed_hosts, pace },
             black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),

@@ -1,6 +1,5 @@
 //! `vibrissa run` and `vibrissa demo`.
 
-use std::io::{IsTerminal, stderr};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -98,12 +97,9 @@ pub(super) fn log(filter: &str) {
         }
         Err(_) => own(),
     };
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(stderr).with_ansi(has_colours()).init();
-}
-
-/// Colours only on a terminal, and only without `NO_COLOR`.
-fn has_colours() -> bool {
-    stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|asked| asked.is_empty())
+    if let Err(problem) = vibrissa_robot::log::start(filter) {
+        eprintln!("vibrissa: no log: {problem}");
+    }
 }
 
 pub(super) fn runtime() -> anyhow::Result<tokio::runtime::Runtime> {

@@ -43,11 +43,12 @@ use self::reader::Reader;
 use choices::{FormulationArg, KeepArg, SeriesArg};
 use vibrissa_store::DatabaseAddress;
 use vibrissa_store::retention::Retention;
+use vibrissa_supervisor::broker::MqttAccess;
 use vibrissa_supervisor::calibration_file::{self, CalibrationFileError};
 use vibrissa_supervisor::engine::{ContactRetention, Limits};
 use vibrissa_supervisor::http::HttpOptions;
 use vibrissa_supervisor::http::access::AccessOptions;
-use vibrissa_supervisor::mqtt::BrokerAddress;
+use vibrissa_supervisor::mqtt::{BrokerAddress, Credentials};
 use vibrissa_supervisor::robots_file::RobotsFile;
 use vibrissa_supervisor::service::{BlackBoxOptions, HistoryOptions, KafkaOptions, LimitOptions, ServiceOptions};
 use vibrissa_supervisor::trace::TraceOptions;
@@ -80,6 +81,8 @@ pub struct Config {
     pub broker: Option<BrokerAddress>,
     /// Port of the embedded broker; 0 takes any free port.
     pub mqtt_port: u16,
+    /// Credentials that clients of the embedded broker need, if there are any.
+    pub mqtt_credentials: Option<Credentials>,
     /// HTTP listeners and connection limits.
     pub http: HttpOptions,
     /// Configured credentials, in addition to the tokens in the database.
@@ -143,7 +146,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let black_box_days = reader.whole(Key::BlackBoxDays);
     let black_boxes = black_boxes(reader);
     let limits = limits(reader);
-    let broker = mqtt::broker(reader);
+    let (broker, mqtt_credentials) = mqtt::broker(reader);
     let mqtt_port = reader.whole(Key::MqttPort).and_then(|port| u16::try_from(port).ok());
     let http = http::listeners(reader);
     let access = http::access(reader);
@@ -177,6 +180,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         limits: limits?,
         broker,
         mqtt_port: mqtt_port?,
+        mqtt_credentials,
         http: http?,
         access: access?,
         kafka: kafka?,
@@ -288,6 +292,7 @@ impl From<Config> for ServiceOptions {
             limits: config.limits,
             broker: config.broker,
             mqtt_port: config.mqtt_port,
+            mqtt_access: MqttAccess::AsHttp(config.mqtt_credentials),
             http: config.http,
             access: config.access,
             kafka: config.kafka,

@@ -9,18 +9,23 @@ use vibrissa_supervisor::mqtt::{BrokerAddress, ClientCertificate, Credentials, T
 
 /// Keys that have an effect only on an encrypted connection.
 const TLS_KEYS: [Key; 3] = [Key::MqttCaFile, Key::MqttClientCertificateFile, Key::MqttClientKeyFile];
-/// Keys that have an effect only with an external broker.
+/// Keys of user name and password: for the external broker, or of the embedded one.
 const CREDENTIAL_KEYS: [Key; 3] = [Key::MqttUsername, Key::MqttPassword, Key::MqttPasswordFile];
 
-/// The external broker, if configured.
-pub(super) fn broker(reader: &mut Reader) -> Option<BrokerAddress> {
+/// The external broker, if configured, and the credentials of the embedded one, if there are any.
+pub(super) fn broker(reader: &mut Reader) -> (Option<BrokerAddress>, Option<Credentials>) {
+    let credentials = credentials(reader);
+    let embedded = if reader.is_explicit(Key::MqttUrl) { None } else { credentials.clone() };
+    (external(reader, credentials), embedded)
+}
+
+fn external(reader: &mut Reader, credentials: Option<Credentials>) -> Option<BrokerAddress> {
     let is_external = reader.is_explicit(Key::MqttUrl);
     let found = reader.parsed(Key::MqttUrl, |text| BrokerAddress::from_str(text).map_err(|bad| bad.to_string()));
-    let credentials = credentials(reader);
     let (ca_file, client) = (reader.file(Key::MqttCaFile), client(reader));
     let deaf_release_after = reader.number(Key::MqttDeafReleaseAfterS).map(Duration::from_secs_f64);
     if !is_external {
-        for key in CREDENTIAL_KEYS.into_iter().chain(TLS_KEYS) {
+        for key in TLS_KEYS {
             if reader.is_explicit(key) {
                 reader.refuse(key, "has no effect without mqtt.url: only an external broker requires it");
             }

@@ -83,6 +83,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
         black_boxes: BlackBoxOptions { seconds: BLACK_BOX_SECONDS, ..BlackBoxOptions::default() },
         broker: None,
         mqtt_port: options.mqtt_port,
+        mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
         http: options.http.into(),
         webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,

@@ -82,6 +82,7 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
         traces: None,
         broker: None,
         mqtt_port: 0,
+        mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
         http: "127.0.0.1:0".parse().unwrap(),
         params,
     })
