@@ -1,5 +1,6 @@
 //! Ranges of the contract's quantities, each defined once for both the check of messages and the schemas.
 
+use crate::messages::Checked;
 use crate::{GAIN_POINTS_MAX, INTEGER_LIMIT, Refusal};
 
 /// Longest free text (name of a model, command id, boot id), in characters.
@@ -125,6 +126,16 @@ pub(crate) fn identifier(path: &str, text: &str) -> Result<(), Refusal> {
 /// Checks each element and adds its index in the list to a refusal's path.
 pub(crate) fn each<T>(list: &str, items: &[T], check: impl Fn(&T) -> Result<(), Refusal>) -> Result<(), Refusal> {
     items.iter().enumerate().try_for_each(|(index, item)| check(item).map_err(|refusal| refusal.within(list, index)))
+}
+
+/// Removes the elements that are wrong, and adds a refusal for each.
+pub(crate) fn keep_valid<T: Checked>(list: &str, items: &mut Vec<T>, refused: &mut Vec<Refusal>) {
+    let mut index = 0;
+    items.retain(|item| {
+        let checked = item.check();
+        index += 1;
+        checked.map_err(|refusal| refused.push(refusal.within(list, index - 1))).is_ok()
+    });
 }
 
 /// Checks pairs of contact ratio and factor.

@@ -1,7 +1,9 @@
 //! Decodes bytes to a checked message or a labelled refusal, and encodes messages.
 
 mod cbor;
+mod parts;
 mod plain;
+mod repair;
 
 use std::borrow::Cow;
 use std::fmt;
@@ -10,7 +12,10 @@ use serde::de::{DeserializeOwned, DeserializeSeed, Error as _, IgnoredAny, MapAc
 use serde::{Deserializer, Serialize};
 use serde_json::error::Category;
 
+pub use parts::Received;
+
 use crate::messages::Checked;
+use crate::shape::{Object, Whole};
 use crate::{
     BootId, Connection, Contact, Contacts, Estimate, Factsheet, INTEGER_LIMIT, PAYLOAD_MAX_BYTES, Receipt, Refusal,
     Request, RobotTopic, Setpoint, SetpointState, Status, SupervisorRequest, SupervisorState, TestState, Topic,
@@ -46,32 +51,44 @@ pub enum Message {
     SupervisorRequest(SupervisorRequest),
 }
 
-/// Decodes and checks the payload received on a topic.
+/// Decodes and checks the payload received on a topic. A message with a wrong entry is refused.
 ///
 /// # Errors
 /// The reason of the refusal. [`envelope`] may still identify the message.
 pub fn decode(topic: &Topic, payload: &[u8]) -> Result<Message, Refusal> {
+    receive(topic, payload)?.complete()
+}
+
+/// Decodes and checks the payload received on a topic. Wrong contacts, missed touches and entries of a status are left out,
+/// each with its own refusal.
+///
+/// # Errors
+/// The reason for refusing the whole message. [`envelope`] may still identify it.
+pub fn receive(topic: &Topic, payload: &[u8]) -> Result<Received<Message>, Refusal> {
     limited(payload)?;
     let is_of_contacts = matches!(topic, Topic::Robot { kind: RobotTopic::Contacts, .. });
     if cbor::is_cbor(payload) && !is_of_contacts {
         return Err(Refusal::NotJson { problem: "it begins like CBOR, which is for `contacts` only".to_owned() });
     }
-    match topic {
-        Topic::SupervisorState { .. } => read(payload).map(Message::SupervisorState),
-        Topic::SupervisorRequest { .. } => read(payload).map(Message::SupervisorRequest),
+    let message = match topic {
+        Topic::SupervisorState { .. } => Message::SupervisorState(read(payload)?),
+        Topic::SupervisorRequest { .. } => Message::SupervisorRequest(read(payload)?),
         Topic::Robot { kind, .. } => match kind {
-            RobotTopic::Connection => read(payload).map(Message::Connection),
-            RobotTopic::Factsheet => read(payload).map(Message::Factsheet),
-            RobotTopic::Contacts => decode_contacts(payload, Vec::new()).map(Message::Contacts),
-            RobotTopic::Status => read(payload).map(Message::Status),
-            RobotTopic::Receipt => read(payload).map(Message::Receipt),
-            RobotTopic::Setpoint => read(payload).map(Message::Setpoint),
-            RobotTopic::SetpointState => read(payload).map(Message::SetpointState),
-            RobotTopic::Request => read(payload).map(Message::Request),
-            RobotTopic::TestState => read(payload).map(Message::TestState),
-            RobotTopic::Estimate => read(payload).map(Message::Estimate),
+            RobotTopic::Contacts => {
+                return receive_contacts(payload, Vec::new()).map(|received| received.map(Message::Contacts));
+            }
+            RobotTopic::Status => return parts::read(payload).map(|received| received.map(Message::Status)),
+            RobotTopic::Connection => Message::Connection(read(payload)?),
+            RobotTopic::Factsheet => Message::Factsheet(read(payload)?),
+            RobotTopic::Receipt => Message::Receipt(read(payload)?),
+            RobotTopic::Setpoint => Message::Setpoint(read(payload)?),
+            RobotTopic::SetpointState => Message::SetpointState(read(payload)?),
+            RobotTopic::Request => Message::Request(read(payload)?),
+            RobotTopic::TestState => Message::TestState(read(payload)?),
+            RobotTopic::Estimate => Message::Estimate(read(payload)?),
         },
-    }
+    };
+    Ok(Received::whole(message))
 }
 
 /// Decodes and checks the payload of a `contacts` message, in JSON or CBOR, like [`decode`], but reuses the allocation of
@@ -79,25 +96,36 @@ pub fn decode(topic: &Topic, payload: &[u8]) -> Result<Message, Refusal> {
 ///
 /// # Errors
 /// Those of [`decode`].
-pub fn decode_contacts(payload: &[u8], mut list: Vec<Contact>) -> Result<Contacts, Refusal> {
-    limited(payload)?;
-    if cbor::is_cbor(payload) {
-        return decode_cbor(payload, &mut list);
-    }
-    let plain = std::str::from_utf8(payload).ok().and_then(|text| plain::contacts(text, &mut list));
-    let Some(message) = plain else { return read(payload) };
-    message.check()?;
-    Ok(message)
+pub fn decode_contacts(payload: &[u8], list: Vec<Contact>) -> Result<Contacts, Refusal> {
+    receive_contacts(payload, list)?.complete()
 }
 
-fn decode_cbor(payload: &[u8], list: &mut Vec<Contact>) -> Result<Contacts, Refusal> {
-    let Some(message) = cbor::contacts(payload, list) else {
-        let text = cbor::json::of(payload).map_err(|problem| Refusal::NotCbor { problem: shortened(&problem) })?;
+/// Decodes and checks the payload of a `contacts` message like [`receive`], but reuses the allocation of `list`, whose
+/// contents are discarded.
+///
+/// # Errors
+/// Those of [`receive`].
+pub fn receive_contacts(payload: &[u8], mut list: Vec<Contact>) -> Result<Received<Contacts>, Refusal> {
+    limited(payload)?;
+    if cbor::is_cbor(payload) {
+        return receive_cbor(payload, &mut list);
+    }
+    let plain = std::str::from_utf8(payload).ok().and_then(|text| plain::contacts(text, &mut list));
+    plain.map_or_else(|| parts::read(payload), parts::sifted)
+}
+
+fn receive_cbor(payload: &[u8], list: &mut Vec<Contact>) -> Result<Received<Contacts>, Refusal> {
+    if let Some(message) = cbor::contacts(payload, list) {
+        return parts::sifted(message);
+    }
+    match cbor::json::of(payload) {
         // Positions in the written text mean nothing to the sender.
-        return read(&text).map_err(Refusal::without_position);
-    };
-    message.check()?;
-    Ok(message)
+        Ok(text) => parts::read(&text).map_err(Refusal::without_position),
+        Err(problem) => {
+            let received = cbor::json::marked(payload).and_then(|text| parts::without_wrong_entries(&text));
+            received.ok_or_else(|| Refusal::NotCbor { problem: shortened(&problem) })
+        }
+    }
 }
 
 /// A message in CBOR as JSON, for tools that know only JSON; every other payload as it is. `None` for CBOR that is not
@@ -130,7 +158,7 @@ pub fn encode(message: &impl Serialize) -> Vec<u8> {
 }
 
 fn read<T: DeserializeOwned + Checked>(payload: &[u8]) -> Result<T, Refusal> {
-    let message: T = serde_json::from_slice(payload).map_err(|_| explain::<T>(payload))?;
+    let Object(message): Object<T> = serde_json::from_slice(payload).map_err(|_| explain::<T>(payload))?;
     message.check()?;
     Ok(message)
 }
@@ -138,7 +166,7 @@ fn read<T: DeserializeOwned + Checked>(payload: &[u8]) -> Result<T, Refusal> {
 /// Decodes an invalid payload again with a slower reader that reports the path of the error.
 fn explain<T: DeserializeOwned>(payload: &[u8]) -> Refusal {
     let mut reader = serde_json::Deserializer::from_slice(payload);
-    let (path, error) = match serde_path_to_error::deserialize::<_, T>(&mut reader) {
+    let (path, error) = match serde_path_to_error::deserialize::<_, Object<T>>(&mut reader) {
         Err(error) => (error.path().to_string(), error.into_inner()),
         // The message itself is valid; other text follows it.
         Ok(_) => {
@@ -214,7 +242,7 @@ impl<'de> Visitor<'de> for &mut Found {
         while let Some(key) = map.next_key::<String>()? {
             match key.as_str() {
                 "boot_id" => self.boot_id = Some(map.next_value()?),
-                "seq" => self.seq = Some(map.next_value()?),
+                "seq" => self.seq = Some(map.next_value::<Whole<u64>>()?.0),
                 _ => {
                     map.next_value::<IgnoredAny>()?;
                 }

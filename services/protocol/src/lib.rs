@@ -5,7 +5,8 @@
 //! message or a labelled [`Refusal`].
 //!
 //! A message is checked once, when it is received. Unknown fields are ignored; a message with a missing or wrong
-//! field is refused, without effect on other messages.
+//! field is refused, without effect on other messages. Contacts, missed touches and the entries of a status are checked
+//! one by one: a wrong one is refused alone.
 
 mod check;
 pub mod decode;
@@ -16,11 +17,16 @@ pub mod refusal;
 pub mod rules;
 #[cfg(feature = "documents")]
 mod schema;
+mod shape;
+pub mod text_file;
 pub mod timestamp;
 pub mod topic;
 pub mod words;
 
-pub use decode::{Envelope, Message, as_json, decode, decode_contacts, encode, encode_cbor, envelope};
+pub use decode::{
+    Envelope, Message, Received, as_json, decode, decode_contacts, encode, encode_cbor, envelope, receive,
+    receive_contacts,
+};
 pub use messages::{
     ArrayFacts, Connection, Contact, ContactPlace, Contacts, Distance, Estimate, Factsheet, MissedTouch, Receipt,
     Request, Setpoint, SetpointState, Status, SupervisorRequest, SupervisorState, TestState, TouchTest,

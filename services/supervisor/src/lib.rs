@@ -59,4 +59,5 @@ mod params;
 pub mod plot;
 mod replication;
 pub mod robots_file;
+mod set_aside;
 pub mod webhooks;

@@ -11,6 +11,9 @@ use vibrissa_edge::shard::FleetShard;
 use crate::mqtt::{LinkState, NodesInUse};
 use crate::promises::{Ages, PATIENCE, Promises};
 
+/// Time for which `/readyz` names items that were set aside.
+const SET_ASIDE_TOLD: Duration = Duration::from_secs(600);
+
 /// Shared by all parts that can have a problem.
 #[derive(Debug, Clone, Default)]
 pub struct Readiness(Arc<Mutex<Parts>>);
@@ -80,6 +83,16 @@ impl Readiness {
     #[must_use]
     pub fn notices(&self) -> Vec<String> {
         self.parts().notices.values().cloned().collect()
+    }
+
+    /// Names unreadable items of a shard, which were set aside, for a while.
+    pub(crate) fn tell_set_aside(&self, shard: &FleetShard, part: &'static str, what: String) {
+        self.notice_of(shard, part, Some(what));
+        let (readiness, shard) = (self.clone(), shard.clone());
+        tokio::spawn(async move {
+            tokio::time::sleep(SET_ASIDE_TOLD).await;
+            readiness.notice_of(&shard, part, None);
+        });
     }
 
     /// Registers the link and the promises of a shard, whose problems are then included.
@@ -154,6 +167,13 @@ fn prefix(shard: &FleetShard) -> String {
 mod tests {
     use super::*;
     use vibrissa_protocol::Name;
+
+    #[tokio::test]
+    async fn what_is_set_aside_is_named() {
+        let (readiness, shard) = (Readiness::default(), FleetShard::whole(Name::new("f").unwrap()));
+        readiness.tell_set_aside(&shard, "stored", "3 items".to_owned());
+        assert_eq!(readiness.notices(), ["fleet f: 3 items"]);
+    }
 
     #[test]
     fn regress_what_was_wrong_with_a_fleet_goes_with_it() {

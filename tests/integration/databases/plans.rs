@@ -8,6 +8,7 @@ use vibrissa_store::lists::alarms::ALARMS;
 use vibrissa_store::lists::compensations::COMPENSATIONS;
 use vibrissa_store::lists::happenings::TRIMS;
 use vibrissa_store::lists::notes::NOTES;
+use vibrissa_store::lists::refusals::REFUSALS;
 use vibrissa_store::lists::setpoints::SETPOINTS;
 use vibrissa_store::lists::whiskers::WHISKERS;
 use vibrissa_store::{DatabaseAddress, Store};
@@ -39,6 +40,7 @@ fn selected() -> Vec<Page> {
     vec![
         (&WHISKERS, vec![Filter::Is("robot_id", Value::Whole(1))], "whiskers_of_"),
         (&WHISKERS, vec![Filter::IsOneOfNumbers("robot_id", vec![1, 2, 3])], "whiskers_of_"),
+        (&REFUSALS, [text("fleet", "f"), text("robot", "r")].concat(), "refusals"),
         (&NOTES, [text("fleet", "f"), text("robot", "r")].concat(), "notes_of_robot"),
     ]
 }

@@ -44,7 +44,7 @@ const OF_ROBOTS: [(&str, &str); 19] = [
 ];
 
 /// All other tables, and the reason why this test does not cover them.
-const OTHERS: [(&str, &str); 29] = [
+const OTHERS: [(&str, &str); 30] = [
     ("journal", "has a separate test"),
     ("quarantine", "has a separate test"),
     ("redo", "belongs to a whole transaction, and has a separate test"),
@@ -72,6 +72,7 @@ const OTHERS: [(&str, &str); 29] = [
     ("webhook_events", "is written by a trigger with its cause, and belongs to no robot"),
     ("webhook_dead_letters", "is written by the deliveries"),
     ("black_boxes", "is written separately, and refused rows are dropped"),
+    ("refusals", "is written separately, and refused rows are dropped"),
     ("turned_away", "is written separately, and refused rows are dropped"),
     ("_sqlx_migrations", "belongs to the migrations"),
 ];

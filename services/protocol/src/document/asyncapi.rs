@@ -69,8 +69,9 @@ fn info() -> Value {
          publishes and the robot subscribes.\n\n\
          Every message carries `boot_id`, new at each start of its sender, and `seq`, from 0 per boot and topic and \
          without gaps: both identify it, and a duplicate changes nothing. Fields that a receiver does \
-         not know are ignored; a message with a missing or wrong field is refused. A payload has at most \
-         {PAYLOAD_MAX_BYTES} bytes.\n\n\
+         not know are ignored; a message with a missing or wrong field is refused. Contacts, missed touches and the entries \
+         of a status are judged one by one: a wrong one is refused alone, counted, and never recorded, also if its message \
+         gets a receipt. A payload has at most {PAYLOAD_MAX_BYTES} bytes.\n\n\
          A message that matches its schema is still refused for:\n\n{}\n\n\
          Rules for a robot's behaviour over time, such as sending messages again without a receipt, are stated with \
          the messages concerned.\n\n\

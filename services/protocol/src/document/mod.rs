@@ -24,7 +24,6 @@ pub const CONTRACT_VERSION: &str = "1.0.0";
 /// Messages that receivers refuse although they match the schema.
 pub const BEYOND_SCHEMAS: &[&str] = &[
     "a payload that is too long or is not JSON in UTF-8",
-    "an integer written with decimals or an exponent (`1.0` for `1`)",
     "a field twice in one object",
     "a day that does not exist in its month, or the leap second after the year 9999, in `timestamp` and `issued`",
     "in a factsheet: the same array or whisker twice, a neighbour that is the whisker itself or does not exist in \

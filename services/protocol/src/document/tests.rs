@@ -116,6 +116,8 @@ enum Change {
     Set(Value),
     Remove,
     AddUnknown,
+    /// An object becomes the list of its values, a text an object with it as its key, and another value a list with it.
+    Reshape,
     /// A list gets this many copies of its first entry; another value is set to zero.
     Repeat(usize),
 }
@@ -123,10 +125,11 @@ enum Change {
 fn change() -> impl Strategy<Value = Change> {
     let near = [0.0, 1.0, 10.0, -1.0, 64.0, -100.0, 300.0, 1000.0, 65_535.0, 1e5, -1e5];
     let near = near.into_iter().flat_map(|limit| [limit, limit - 1e-4, limit + 1e-4, limit + 1.0]);
-    // To schemas, a whole number with decimals is an integer; the decoder refuses it.
-    let number = |number: f64| if number.fract() == 0.0 { json!(number as i64) } else { json!(number) };
-    let numbers: Vec<Value> =
-        near.map(number).chain([json!(INTEGER_LIMIT - 1), json!(INTEGER_LIMIT), json!(u64::MAX)]).collect();
+    // A whole number may be written with decimals or without.
+    let numbers = near.flat_map(|number| [json!(number), json!(number as i64)]);
+    let far = [json!(INTEGER_LIMIT - 1), json!(INTEGER_LIMIT), json!(u64::MAX), json!(1e3), json!(-0.0), json!(1e300)];
+    let far = far.into_iter().chain([json!(9_007_199_254_740_991.0), json!(9_007_199_254_740_992.0)]);
+    let numbers: Vec<Value> = numbers.chain(far).collect();
     let texts = ["", "a", "a b", "ä", "\u{1}", "\u{85}", "ONLINE", "FAILED", "LEAK", "OK", "1970-01-01t00:00:00z"];
     let stamps =
         ["2026-13-01T00:00:00Z", "1969-12-31T23:59:59Z", "2026-01-01T24:00:00Z", "2026-01-01T23:59:60.25+00:00"];
@@ -142,6 +145,7 @@ fn change() -> impl Strategy<Value = Change> {
         1 => select(vec![json!(null), json!(true), json!([]), json!({})]).prop_map(Change::Set),
         1 => Just(Change::Remove),
         1 => Just(Change::AddUnknown),
+        1 => Just(Change::Reshape),
         1 => select(vec![0, 1, 2, 3, 64, 65, 1000, 1001]).prop_map(Change::Repeat),
     ]
 }
@@ -171,6 +175,13 @@ fn apply(message: &mut Value, place: &str, change: &Change) {
         Change::AddUnknown => {
             if let Value::Object(fields) = value {
                 fields.insert("colour".to_owned(), json!({ "a": [1] }));
+            }
+        }
+        Change::Reshape => {
+            *value = match value.take() {
+                Value::Object(fields) => fields.into_iter().map(|(_, value)| value).collect(),
+                Value::String(text) => json!({ text: null }),
+                other @ (Value::Null | Value::Bool(_) | Value::Number(_) | Value::Array(_)) => json!([other]),
             }
         }
         Change::Repeat(count) => {

@@ -14,6 +14,7 @@ pub struct Connection {
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub seq: u64,
     /// Time at which the message was written.
     pub timestamp: Timestamp,

@@ -12,13 +12,16 @@ pub struct Contacts {
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub seq: u64,
     /// The contacts in the order of their measurement.
     #[cfg_attr(feature = "documents", schemars(length(max = CONTACTS_MAX)))]
+    #[serde(deserialize_with = "crate::shape::objects")]
     pub contacts: Vec<Contact>,
     /// Touches that were expected and did not come, because the whisker no longer reaches that far.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "documents", schemars(length(max = CONTACTS_MAX)))]
+    #[serde(deserialize_with = "crate::shape::objects")]
     pub missed: Vec<MissedTouch>,
 }
 
@@ -29,9 +32,11 @@ pub struct Contact {
     /// The whisker's array.
     pub array: Name,
     /// The whisker's number in its array.
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub whisker: u16,
     /// Time of the contact, in microseconds since 1970 UTC by the robot's clock.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub t_us: u64,
     /// The paper's contact ratio a: contact distance / PRESENT length, both without the chamber's elongation; from 0.01
     /// to 1. Only for robots that know the present length. A robot that would divide by the length of its factsheet sends
@@ -81,9 +86,11 @@ pub struct MissedTouch {
     /// The whisker's array.
     pub array: Name,
     /// The whisker's number in its array.
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub whisker: u16,
     /// Time at which the touch should have come, in microseconds since 1970 UTC by the robot's clock.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub t_us: u64,
     /// Distance from the whisker's base along the whisker at which it should have touched, in mm, without the chamber's
     /// elongation.
@@ -177,7 +184,9 @@ impl Contact {
             _ => Ok(()),
         }
     }
+}
 
+impl Checked for Contact {
     fn check(&self) -> Result<(), Refusal> {
         check::integer("t_us", self.t_us)?;
         self.check_place()?;
@@ -189,7 +198,7 @@ impl Contact {
     }
 }
 
-impl MissedTouch {
+impl Checked for MissedTouch {
     fn check(&self) -> Result<(), Refusal> {
         check::integer("t_us", self.t_us)?;
         DISTANCE_MM.check("distance_mm", self.distance_mm)?;
@@ -198,12 +207,19 @@ impl MissedTouch {
     }
 }
 
-impl Checked for Contacts {
-    fn check(&self) -> Result<(), Refusal> {
+impl Contacts {
+    /// Checks everything but the entries.
+    pub(crate) fn check_frame(&self) -> Result<(), Refusal> {
         check::integer("seq", self.seq)?;
         check::count("contacts", self.contacts.len(), CONTACTS_MAX)?;
+        check::count("missed", self.missed.len(), CONTACTS_MAX)
+    }
+}
+
+impl Checked for Contacts {
+    fn check(&self) -> Result<(), Refusal> {
+        self.check_frame()?;
         check::each("contacts", &self.contacts, Contact::check)?;
-        check::count("missed", self.missed.len(), CONTACTS_MAX)?;
         check::each("missed", &self.missed, MissedTouch::check)
     }
 }

@@ -17,18 +17,22 @@ pub struct Estimate {
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub seq: u64,
     /// Epoch of the supervisor, as in setpoints; (`epoch`, `version`) orders the estimates of a robot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub epoch: u64,
     /// Version of the estimate; it rises within an epoch. Versions of setpoints are counted apart.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub version: u64,
     /// Time at which the message was written, by the supervisor's clock.
     pub timestamp: Timestamp,
     /// One entry for each whisker of the factsheet. If the message would become too long, whiskers that work as
     /// installed are left out. A whisker that is not listed has no estimate.
     #[cfg_attr(feature = "documents", schemars(length(max = ARRAYS_MAX * WHISKERS_MAX)))]
+    #[serde(deserialize_with = "crate::shape::objects")]
     pub whiskers: Vec<WhiskerEstimate>,
 }
 
@@ -39,6 +43,7 @@ pub struct WhiskerEstimate {
     /// The whisker's array.
     pub array: Name,
     /// The whisker's number in its array.
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub whisker: u16,
     /// Most likely present length without the chamber's elongation, in mm. Contact ratio = contact distance / this
     /// length.

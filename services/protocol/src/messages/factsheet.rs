@@ -18,6 +18,7 @@ pub struct Factsheet {
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub seq: u64,
     /// Time at which the message was written.
     pub timestamp: Timestamp,
@@ -29,6 +30,7 @@ pub struct Factsheet {
     pub on_supervisor_loss: OnSupervisorLoss,
     /// Arrays of the robot, with distinct names.
     #[cfg_attr(feature = "documents", schemars(length(max = ARRAYS_MAX)))]
+    #[serde(deserialize_with = "crate::shape::objects")]
     pub arrays: Vec<ArrayFacts>,
     /// Touch tests that the robot can do by itself.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -50,6 +52,7 @@ pub struct ArrayFacts {
     pub task: Option<Task>,
     /// Whiskers of the array, with distinct numbers.
     #[cfg_attr(feature = "documents", schemars(length(max = WHISKERS_MAX)))]
+    #[serde(deserialize_with = "crate::shape::objects")]
     pub whiskers: Vec<WhiskerFacts>,
 }
 
@@ -58,6 +61,7 @@ pub struct ArrayFacts {
 #[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
 pub struct WhiskerFacts {
     /// Number of the whisker in the array.
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub whisker: u16,
     /// Position of the whisker along x, in mm.
     #[cfg_attr(feature = "documents", schemars(transform = PLACE_MM.in_schema()))]
@@ -80,6 +84,7 @@ pub struct WhiskerFacts {
     pub pressure_max_mpa: f64,
     /// Numbers of other whiskers of the same array that can compensate for this one.
     #[cfg_attr(feature = "documents", schemars(length(max = WHISKERS_MAX)))]
+    #[serde(deserialize_with = "crate::shape::wholes")]
     pub neighbours: Vec<u16>,
     /// Place of contacts that the robot can provide for this whisker; `RATIO` if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]

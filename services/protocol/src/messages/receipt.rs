@@ -11,15 +11,18 @@ pub struct Receipt {
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub seq: u64,
     /// Boot id of the robot whose `contacts` messages are receipted.
     pub robot_boot_id: BootId,
     /// All contacts messages of that boot with a `seq` below this one are committed.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub next: u64,
     /// Committed messages beyond a gap: first and last `seq` of each range, both inclusive, with last not below
     /// first.
     #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::held"))]
+    #[serde(deserialize_with = "crate::shape::pairs_of_wholes")]
     pub held: Vec<(u64, u64)>,
 }
 

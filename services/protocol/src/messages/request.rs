@@ -15,11 +15,13 @@ pub struct Request {
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub seq: u64,
     /// The requested message, or `TOUCH_TEST`.
     pub request: RequestKind,
     /// The test of a `TOUCH_TEST`; absent otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(deserialize_with = "crate::shape::object_if_any")]
     pub touch_test: Option<TouchTest>,
 }
 

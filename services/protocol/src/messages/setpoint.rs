@@ -15,6 +15,7 @@ pub struct Setpoint {
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub seq: u64,
     /// Identifies the command: a repeated one is answered again and not applied again.
     #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::identifier_field"))]
@@ -22,15 +23,18 @@ pub struct Setpoint {
     /// Epoch of the supervisor; (`epoch`, `version`) orders the setpoints of a whisker. It rises by leaps with each
     /// owner of the fleet and needs 64 bits: it is the start of ownership in milliseconds since 1970 UTC, or later.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub epoch: u64,
     /// Version of the setpoint; it rises within an epoch.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub version: u64,
     /// Boot id of the robot that the setpoint is for.
     pub robot_boot_id: BootId,
     /// The whisker's array.
     pub array: Name,
     /// The whisker's number in its array.
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub whisker: u16,
     /// The gauge pressure to hold, in MPa.
     pub pressure_mpa: f64,
@@ -41,6 +45,7 @@ pub struct Setpoint {
     pub issued: Timestamp,
     /// Time at which it expires, in microseconds since 1970 UTC by the robot's own clock.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub expires_us: u64,
     /// Reason of the setpoint.
     pub reason: SetpointReason,
@@ -59,6 +64,7 @@ pub struct SetpointState {
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub seq: u64,
     /// Id of the answered command.
     #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::identifier_field"))]
@@ -67,6 +73,7 @@ pub struct SetpointState {
     pub state: SetpointOutcome,
     /// Time of the state, in microseconds since 1970 UTC by the robot's clock.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub t_us: u64,
     /// Measured gauge pressure of the chamber, in MPa; absent if there is no such chamber.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -12,17 +12,21 @@ pub struct Status {
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub seq: u64,
     /// Time of the status, in microseconds since 1970 UTC by the robot's clock.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub t_us: u64,
     /// One entry for each whisker.
     #[cfg_attr(feature = "documents", schemars(length(max = ARRAYS_MAX * WHISKERS_MAX)))]
+    #[serde(deserialize_with = "crate::shape::objects")]
     pub whiskers: Vec<WhiskerStatus>,
     /// Contacts messages that the robot dropped in this boot because its store was full, or lost in the restart
     /// before; absent for zero or for a robot that does not count them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole_if_any")]
     pub contacts_dropped: Option<u64>,
 }
 
@@ -33,6 +37,7 @@ pub struct WhiskerStatus {
     /// The whisker's array.
     pub array: Name,
     /// The whisker's number in its array.
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub whisker: u16,
     /// Measured gauge pressure of the chamber, in MPa.
     #[cfg_attr(feature = "documents", schemars(transform = PRESSURE_MPA.in_schema()))]
@@ -46,15 +51,26 @@ pub struct WhiskerStatus {
     pub gauge: Gauge,
 }
 
-impl Checked for Status {
-    fn check(&self) -> Result<(), Refusal> {
+impl Status {
+    /// Checks everything but the entries.
+    pub(crate) fn check_frame(&self) -> Result<(), Refusal> {
         check::integer("seq", self.seq)?;
         check::integer("t_us", self.t_us)?;
         check::integer("contacts_dropped", self.contacts_dropped.unwrap_or(0))?;
-        check::count("whiskers", self.whiskers.len(), ARRAYS_MAX * WHISKERS_MAX)?;
-        check::each("whiskers", &self.whiskers, |whisker| {
-            PRESSURE_MPA.check("pressure_mpa", whisker.pressure_mpa)?;
-            PRESSURE_MPA.check("setpoint_mpa", whisker.setpoint_mpa)
-        })
+        check::count("whiskers", self.whiskers.len(), ARRAYS_MAX * WHISKERS_MAX)
+    }
+}
+
+impl Checked for Status {
+    fn check(&self) -> Result<(), Refusal> {
+        self.check_frame()?;
+        check::each("whiskers", &self.whiskers, WhiskerStatus::check)
+    }
+}
+
+impl Checked for WhiskerStatus {
+    fn check(&self) -> Result<(), Refusal> {
+        PRESSURE_MPA.check("pressure_mpa", self.pressure_mpa)?;
+        PRESSURE_MPA.check("setpoint_mpa", self.setpoint_mpa)
     }
 }

@@ -11,12 +11,14 @@ pub struct SupervisorState {
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub seq: u64,
     /// Whether the supervisor owns the fleet.
     pub state: SupervisorPresence,
     /// Epoch of the supervisor; it rises by at least one at each start of a supervisor of this fleet, and the
     /// highest one owns the fleet.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub epoch: u64,
 }
 
@@ -35,9 +37,11 @@ pub struct SupervisorRequest {
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub seq: u64,
     /// Epoch of the supervisor, as in `supervisor/state`.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub epoch: u64,
     /// Time at which the message was written, by the supervisor's clock.
     pub timestamp: Timestamp,

@@ -18,15 +18,18 @@ pub struct TouchTest {
     pub test_id: String,
     /// Epoch of the supervisor; (`epoch`, `version`) orders the tests and setpoints of a whisker.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub epoch: u64,
     /// Version of the test; it rises within an epoch.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub version: u64,
     /// Boot id of the robot that the test is for.
     pub robot_boot_id: BootId,
     /// The whisker's array.
     pub array: Name,
     /// The whisker's number in its array.
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub whisker: u16,
     /// Kind of test, one of the factsheet's `touch_tests`.
     pub kind: TouchTestKind,
@@ -38,11 +41,13 @@ pub struct TouchTest {
     pub deflections_mm: Vec<f64>,
     /// Number of touches, those that do not come included: the distances in turn, each with the next deflection.
     #[cfg_attr(feature = "documents", schemars(range(min = 1, max = CONTACTS_MAX)))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub contacts: u16,
     /// Time at which it was issued, by the supervisor's clock.
     pub issued: Timestamp,
     /// Time at which it expires, in microseconds since 1970 UTC by the robot's own clock.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub expires_us: u64,
     /// Reason of the test.
     pub reason: TouchTestReason,
@@ -57,6 +62,7 @@ pub struct TestState {
     pub boot_id: BootId,
     /// Sequence number, from 0 in each boot.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub seq: u64,
     /// Id of the answered test.
     #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::identifier_field"))]
@@ -65,6 +71,7 @@ pub struct TestState {
     pub state: TouchTestOutcome,
     /// Time of the state, in microseconds since 1970 UTC by the robot's clock.
     #[cfg_attr(feature = "documents", schemars(transform = crate::schema::exact_integer))]
+    #[serde(deserialize_with = "crate::shape::whole")]
     pub t_us: u64,
     /// Reason, with `REJECTED`; absent otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -14,6 +14,7 @@ pub mod history;
 pub mod notes;
 pub mod policies;
 pub mod quarantine;
+pub mod refusals;
 pub mod robots;
 pub mod rollouts;
 pub mod setpoints;

@@ -13,6 +13,7 @@ import { incidents } from "../parts/incidents.js";
 import { robotLabels } from "../parts/labels.js";
 import { notesOf, robotNotes } from "../parts/notes.js";
 import { proposals } from "../parts/proposals.js";
+import { refusalsOf, refusalsPart } from "../parts/refusals.js";
 import { proposedTests } from "../parts/tests.js";
 import { facts, section, table, trail } from "../table.js";
 import { ARRAY_TYPES, CONNECTIONS, say } from "../words.js";
@@ -20,18 +21,19 @@ import { health } from "./fleets.js";
 
 export default {
   async load({ fleet, robot }) {
-    const [about, whiskers, decisions, tests, boxes, notes] = await Promise.all([
+    const [about, whiskers, decisions, tests, boxes, notes, refusals] = await Promise.all([
       get(api.robot({ fleet, robot })),
       list("/v1/whiskers", { fleet, robot }),
       list("/v1/compensations", { fleet, robot, active: true }),
       ifServed("/v1/touch-tests", () => list("/v1/touch-tests", { fleet, robot, state: "PROPOSED" }), []),
       boxesOf({ fleet, robot }),
       notesOf({ fleet, robot }),
+      refusalsOf({ fleet, robot }),
     ]);
-    return { about, whiskers, decisions, tests, boxes, notes };
+    return { about, whiskers, decisions, tests, boxes, notes, refusals };
   },
 
-  view({ about, whiskers, decisions, tests, boxes, notes }, { fleet, robot }, refresh) {
+  view({ about, whiskers, decisions, tests, boxes, notes, refusals }, { fleet, robot }, refresh) {
     const waiting = decisions.filter((one) => one.approval === "PROPOSED");
     const decided = decisions.filter((one) => one.approval !== "PROPOSED");
     const running = decided.filter((one) => one.compensator_whisker !== null);
@@ -64,6 +66,7 @@ export default {
         "Active compensations",
         decisionsTable(running, "Active compensations", "No active compensations."),
       ),
+      refusalsPart(refusals),
       robotNotes(notes, about, refresh),
       section("Black boxes", boxesTable(boxes)),
     ];

@@ -10,7 +10,7 @@ use tokio::time::Instant;
 use tracing::{error, info};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_protocol::{Contact, Contacts, Name, RobotTopic, decode_contacts};
+use vibrissa_protocol::{Contact, Contacts, Name, Received, RobotTopic, receive_contacts};
 use vibrissa_store::archive::Archived;
 use vibrissa_store::export::{Cell, RAW_CONTACTS};
 use vibrissa_store::log_archive::LogSpan;
@@ -189,7 +189,7 @@ async fn write(
             if record.kind != RobotTopic::Contacts {
                 continue;
             }
-            let Ok(message) = decode_contacts(&record.payload, Vec::new()) else { continue };
+            let Ok(Received { message, .. }) = receive_contacts(&record.payload, Vec::new()) else { continue };
             newest_us = newest_us.max(Some(received_us));
             if !seen.is_new(record.robot.as_str(), message.boot_id.as_str(), message.seq, received_us) {
                 continue;

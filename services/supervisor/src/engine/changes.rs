@@ -1,5 +1,6 @@
 //! Reads what operators change between two batches: actions, allow lists, and the errors that decide about a roll-out.
 
+use tracing::warn;
 use vibrissa_core::rollout::Verdict;
 use vibrissa_core::units::Micros;
 use vibrissa_edge::actions::RecordedKind;
@@ -10,6 +11,9 @@ use super::Engine;
 use super::actions::{ACTIONS_MAX, Execution};
 use super::commit::committer::LeaseLost;
 use super::rollout::Rollout;
+
+/// Most robots whose refusals are written at a time.
+const REFUSING_ROBOTS_AT_A_TIME: usize = 100;
 
 /// Actions by which a roll-out enters a stage.
 const ENTERING: [RecordedKind; 2] = [RecordedKind::RolloutStart, RecordedKind::RolloutAdvance];
@@ -91,6 +95,23 @@ impl Engine {
         self.settle().await?;
         if let Some(committer) = self.pipeline.idle_committer() {
             self.allow_list.refresh(committer, &mut self.shards).await;
+        }
+        Ok(())
+    }
+
+    /// Writes the counts of refusals. If the database is unreachable, this does not wait.
+    pub(super) async fn write_refusals(&mut self) -> Result<(), LeaseLost> {
+        let rows = self.shards.refusals(REFUSING_ROBOTS_AT_A_TIME);
+        if rows.is_empty() {
+            return Ok(());
+        }
+        self.settle().await?;
+        if let Some(committer) = self.pipeline.idle_committer() {
+            let (writer, lease) = committer.database();
+            match writer.add_refusals(lease, &rows).await {
+                Ok(()) => self.shards.refusals_written(&rows),
+                Err(problem) => warn!(%problem, fleet = %self.fleet, "cannot count refused messages"),
+            }
         }
         Ok(())
     }

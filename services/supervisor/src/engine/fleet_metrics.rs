@@ -190,5 +190,10 @@ fn sample(robot: &str, known: &KnownRobot) -> RobotSample {
         health: health(&view),
     });
     let heard = views(&known.robot).filter_map(|view| view.heard).max();
-    RobotSample { robot: robot.to_owned(), heard_s: heard.map(Micros::as_s), whiskers: whiskers.collect() }
+    RobotSample {
+        robot: robot.to_owned(),
+        heard_s: heard.map(Micros::as_s),
+        refused: known.refusals.totals().collect(),
+        whiskers: whiskers.collect(),
+    }
 }

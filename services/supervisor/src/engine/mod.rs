@@ -217,6 +217,7 @@ impl Engine {
         }
         if number.is_multiple_of(TICKS_PER_ALLOW_LIST) {
             self.refresh_allow_list().await?;
+            self.write_refusals().await?;
         }
         if number.is_multiple_of(TICKS_PER_REVIEW) {
             self.review_rollout(now(inbox)).await?;

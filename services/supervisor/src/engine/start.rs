@@ -34,6 +34,7 @@ use crate::metrics::Metrics;
 use crate::params;
 use crate::readiness::Readiness;
 use crate::robots_file::RobotsFile;
+use crate::set_aside::Reader;
 use crate::trace::{OpenTraces, Traces};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::words::Word as _;
@@ -76,6 +77,9 @@ pub(crate) struct EngineOptions {
     pub(crate) traces: Option<Traces>,
 }
 
+/// The part of a shard that is not ready while stored items were set aside.
+const STORED: &str = "stored";
+
 /// One shard per core.
 fn shard_count() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from).min(SHARDS_MAX)
@@ -92,12 +96,14 @@ impl EngineOptions {
         // Before anything is read, so that no change is missed.
         let action_sent = action_notifier.subscribe(lease.shard());
         // A policy, calibration or roll-out may be among them.
-        write_intents(&mut writer, &lease).await?;
+        let metrics = program.of_shard(lease.shard());
+        let set_aside_before = metrics.all_set_aside();
+        write_intents(&mut writer, &lease, &metrics).await?;
         let policy = writer.policy(&lease).await?;
+        metrics.set_aside(Reader::Policy, policy.iter().filter(|policy| policy.params().is_none()).count() as u64);
         let params = params::with_policy(self.params, policy.as_ref());
         let params = params::with_calibrations(params, &writer.calibrations(&lease).await?);
         let policy_version = policy.map_or(0, |policy| policy.version);
-        let metrics = program.of_shard(lease.shard());
         let stepper = || {
             let (fleet, boot_id, params) = (fleet.clone(), boot_id.clone(), params.clone());
             Stepper::new(fleet, boot_id, params, metrics.clone())
@@ -114,7 +120,12 @@ impl EngineOptions {
         // The first shard compares and decides; the others follow it.
         let rollout = rollout.filter(|_| lease.shard().is_first());
         let allowed = writer.allowed_robots(&lease, 0).await?;
-        let last = recover(&mut writer, &lease, &mut shards, self.log.as_ref()).await?;
+        let last = recover(&mut writer, &lease, &mut shards, self.log.as_ref(), &metrics).await?;
+        let set_aside = metrics.all_set_aside() - set_aside_before;
+        if set_aside > 0 {
+            let what = format!("{set_aside} stored items cannot be read and are set aside: see the log");
+            readiness.tell_set_aside(lease.shard(), STORED, what);
+        }
         // Also without an archive here: the last owner may have had one.
         let contacts_from_us = writer.archive_floor(&fleet).await?;
         let log_from = match &self.log {

@@ -42,6 +42,7 @@ pages! {
     "VibrissaFleetUnsupervised.md",
     "VibrissaHttpErrors.md",
     "VibrissaInboxShedding.md",
+    "VibrissaItemsSetAside.md",
     "VibrissaKafkaBehind.md",
     "VibrissaKafkaDisconnected.md",
     "VibrissaKafkaEventsMissing.md",

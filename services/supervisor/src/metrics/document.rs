@@ -93,7 +93,12 @@ fn everything() -> Result<Metrics> {
         setpoint_pa: 0.0,
         health: "HEALTHY",
     };
-    let robot = RobotSample { robot: "robot".to_owned(), heard_s: Some(0.0), whiskers: vec![whisker] };
+    let robot = RobotSample {
+        robot: "robot".to_owned(),
+        heard_s: Some(0.0),
+        refused: vec![("topic", "reason", 0)],
+        whiskers: vec![whisker],
+    };
     if let Some(whiskers) = &metrics.whiskers {
         let fleet = Name::new("fleet").map_err(|problem| Error::Msg(problem.to_string()))?;
         whiskers.show(&FleetShard::whole(fleet), vec![robot]);

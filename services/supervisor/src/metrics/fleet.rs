@@ -6,6 +6,7 @@ use super::kinds::{At, Buckets, Counters, Gauges, Histograms, OfFleet, Quantitie
 use super::labels;
 use super::nodes::{NodeFailures, NodeInUse};
 use crate::promises::Promises;
+use crate::set_aside::Reader;
 
 /// Buckets of compensation errors. 0.20385 and 0.3618 are the errors that the paper measured in its cases 1 and 2.
 const ERROR_RATIOS: Buckets = &[0.02, 0.05, 0.1, 0.15, 0.20385, 0.25, 0.3, 0.3618, 0.5, 0.75, 1.0];
@@ -48,6 +49,9 @@ of_fleet! {
     /// Refused messages and refused contacts of messages, by reason.
     messages_refused: Counters = "vibrissa_messages_refused_total",
         "Messages, or contacts of messages, that the supervisor refused.", labels::REASON;
+    /// Refused contacts and missed touches. The others of their messages were accepted.
+    contacts_refused: IntCounter = "vibrissa_contacts_refused_total",
+        "Contacts that were refused alone; the others of their messages were accepted.";
     /// Contacts messages that were received before.
     messages_duplicate: IntCounter = "vibrissa_messages_duplicate_total",
         "Contacts messages that were duplicates of earlier ones.";
@@ -67,6 +71,9 @@ of_fleet! {
     /// Messages whose rows the database refused for good, by cause.
     messages_quarantined: Counters = "vibrissa_messages_quarantined_total",
         "Messages put into quarantine because the database refused their rows.", labels::REJECTION_CAUSE;
+    /// Items that could not be read and were set aside, by reader.
+    items_set_aside: Counters = "vibrissa_items_set_aside_total",
+        "Stored or received items that could not be read and were set aside, by reader.", labels::READER;
     /// Robots of which the database refused rows within the last minute. Their messages are committed in small
     /// batches.
     robots_suspect: IntGauge = "vibrissa_robots_suspect",
@@ -334,5 +341,17 @@ impl FleetMetrics {
         ] {
             gauge.set(0.0);
         }
+    }
+}
+
+impl FleetMetrics {
+    /// Counts items that a reader has set aside.
+    pub(crate) fn set_aside(&self, reader: Reader, count: u64) {
+        self.items_set_aside.of([reader.word()]).inc_by(count);
+    }
+
+    /// Number of all items that were set aside.
+    pub(crate) fn all_set_aside(&self) -> u64 {
+        Reader::ALL.map(|reader| self.items_set_aside.of([reader.word()]).get()).iter().sum()
     }
 }

@@ -13,6 +13,7 @@ use vibrissa_protocol::RobotTopic;
 use super::kinds::{Labels, Word};
 use crate::births::BirthCause;
 use crate::log_inbox::Skipped;
+use crate::set_aside::Reader;
 use vibrissa_edge::actions::RecordedKind;
 use vibrissa_store::RejectionCause;
 
@@ -80,6 +81,7 @@ pub(super) const REASON: Labels<1> = by_one("reason", || {
         "unknown_model",
         "unknown_robot",
         "unknown_topic",
+        "unknown_whisker",
         "wrong_neighbour",
     ]
     .map(|reason| [reason])
@@ -105,6 +107,7 @@ pub(super) const REJECTION_CAUSE: Labels<1> =
     by_one("cause", || RejectionCause::ALL.map(|cause| [cause.word()]).to_vec());
 pub(super) const BIRTH_CAUSE: Labels<1> = by_one("cause", || BirthCause::ALL.map(|cause| [cause.word()]).to_vec());
 pub(super) const LOG_SKIPPED: Labels<1> = by_one("reason", || Skipped::ALL.map(|reason| [reason.word()]).to_vec());
+pub(super) const READER: Labels<1> = by_one("reader", || Reader::ALL.map(|reader| [reader.word()]).to_vec());
 pub(super) const TEST_STATE: Labels<1> = by_one("state", all::<TestState>);
 pub(super) const TEST_REASON: Labels<1> = by_one("reason", all::<TestReason>);
 pub(super) const REJECTION: Labels<1> = by_one("error", all::<Rejection>);

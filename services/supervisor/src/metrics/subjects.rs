@@ -138,6 +138,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             "vibrissa_partitions_",
             "vibrissa_old_rows_",
             "vibrissa_upkeep_",
+            "vibrissa_items_set_aside_",
         ],
         queries: &[
             ("Fleets that no supervisor holds", "max by (fleet) (vibrissa_lease_held) == 0"),

@@ -76,6 +76,7 @@ fn single_whiskers_are_shown_only_if_they_are_wanted_and_vanish_with_their_robot
     let sample = RobotSample {
         robot: "r".to_owned(),
         heard_s: Some(12.5),
+        refused: vec![("contacts", "malformed", 3)],
         whiskers: vec![WhiskerSample {
             array: "left".to_owned(),
             whisker: 3,
@@ -91,13 +92,15 @@ fn single_whiskers_are_shown_only_if_they_are_wanted_and_vanish_with_their_robot
     assert!(text.contains(&format!("vibrissa_whisker_length_meters{place} 0.065\n")), "{text}");
     assert!(text.contains(&format!("vibrissa_whisker_setpoint_pascals{place} 100000\n")), "{text}");
     assert!(text.contains("vibrissa_robot_heard_timestamp_seconds{fleet=\"f\",robot=\"r\"} 12.5\n"), "{text}");
+    let refused = "{fleet=\"f\",reason=\"malformed\",robot=\"r\",topic=\"contacts\"} 3\n";
+    assert!(text.contains(&format!("vibrissa_robot_refused_total{refused}")), "{text}");
     assert!(
         !text.contains("vibrissa_whisker_pressure_pascals{"),
         "a pressure that was not measured is not exported: {text}"
     );
     whiskers.show(&FleetShard::whole(fleet()), Vec::new());
     assert!(!shown(&metrics).contains("robot="));
-    assert_eq!(whiskers.desc().len(), 5);
+    assert_eq!(whiskers.desc().len(), 6);
 }
 
 #[test]

@@ -7,13 +7,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use prometheus::core::{Collector, Desc};
 use prometheus::proto::MetricFamily;
-use prometheus::{GaugeVec, Opts, Result};
+use prometheus::{GaugeVec, IntCounterVec, Opts, Result};
 
 use vibrissa_edge::shard::FleetShard;
 
 use super::kinds::Word;
 
 const ROBOT: [&str; 2] = ["fleet", "robot"];
+const ROBOT_AND_REFUSAL: [&str; 4] = ["fleet", "robot", "topic", "reason"];
 const WHISKER: [&str; 4] = ["fleet", "robot", "array", "whisker"];
 const WHISKER_AND_HEALTH: [&str; 5] = ["fleet", "robot", "array", "whisker", "health"];
 
@@ -24,6 +25,8 @@ pub struct RobotSample {
     pub robot: String,
     /// Time of its last message, s since 1970 UTC; `None` before the first.
     pub heard_s: Option<f64>,
+    /// Counts of its refusals, by topic and reason.
+    pub refused: Vec<(Word, Word, u64)>,
     /// Whiskers on the robot.
     pub whiskers: Vec<WhiskerSample>,
 }
@@ -55,6 +58,7 @@ pub struct WhiskerMetrics {
 /// The series of one scrape.
 struct Series {
     heard: GaugeVec,
+    refused: IntCounterVec,
     length: GaugeVec,
     pressure: GaugeVec,
     setpoint: GaugeVec,
@@ -69,6 +73,13 @@ impl Series {
                 "vibrissa_robot_heard_timestamp_seconds",
                 "Time of the last message of the robot, since 1970 UTC.",
                 &ROBOT,
+            )?,
+            refused: IntCounterVec::new(
+                Opts::new(
+                    "vibrissa_robot_refused_total",
+                    "Messages of the robot, or contacts and other entries of them, that were refused.",
+                ),
+                &ROBOT_AND_REFUSAL,
             )?,
             length: gauges("vibrissa_whisker_length_meters", "Estimated length of a whisker.", &WHISKER)?,
             pressure: gauges("vibrissa_whisker_pressure_pascals", "Chamber pressure as last measured.", &WHISKER)?,
@@ -85,13 +96,16 @@ impl Series {
         })
     }
 
-    fn each(&self) -> [&GaugeVec; 5] {
-        [&self.heard, &self.length, &self.pressure, &self.setpoint, &self.health]
+    fn each(&self) -> [&dyn Collector; 6] {
+        [&self.heard, &self.refused, &self.length, &self.pressure, &self.setpoint, &self.health]
     }
 
     fn show(&self, fleet: &str, sample: &RobotSample) {
         if let Some(heard_s) = sample.heard_s {
             self.heard.with_label_values(&[fleet, &sample.robot]).set(heard_s);
+        }
+        for &(topic, reason, count) in &sample.refused {
+            self.refused.with_label_values(&[fleet, &sample.robot, topic, reason]).inc_by(count);
         }
         for one in &sample.whiskers {
             let number = one.whisker.to_string();
@@ -139,6 +153,6 @@ impl Collector for WhiskerMetrics {
                 series.show(fleet, robot);
             }
         }
-        series.each().into_iter().flat_map(Collector::collect).collect()
+        series.each().into_iter().flat_map(|one| one.collect()).collect()
     }
 }

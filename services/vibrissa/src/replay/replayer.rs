@@ -131,8 +131,13 @@ impl Replayer {
         self.advance(recorded.received, sink)?;
         let Topic::Robot { fleet, robot: name, kind } = &topic else { return Ok(()) };
         let step = Step { at: recorded.received, fleet, name, topic: &recorded.topic };
-        match protocol::decode(&topic, &recorded.payload) {
-            Ok(message) => self.message(&step, &message, sink),
+        match protocol::receive(&topic, &recorded.payload) {
+            Ok(received) => {
+                for refusal in &received.refused {
+                    self.refuse(&step, refusal.label(), refusal, sink)?;
+                }
+                self.message(&step, &received.message, sink)
+            }
             // The supervisor's own messages are not an input.
             Err(_) if !kind.is_from_robot() => Ok(()),
             Err(refusal) => {

@@ -3,23 +3,28 @@
 use serde_json::{Value, json};
 use vibrissa_protocol::{ArrayType, Contact, Message, RobotTopic, encode, encode_cbor};
 use vibrissa_tests::robot::{HandRobot, array};
+use vibrissa_tests::wait::until;
 
 use super::{Names, assert_recorded, counts, good, names, start, template};
 
-/// A message whose second contact has another value in a field, or lacks the field.
-fn spoilt(robot: &mut HandRobot, field: &str, value: Option<Value>) -> Vec<u8> {
+/// A message with something wrong, the reason of the refusal, and its contacts that are recorded nevertheless.
+type Junk = (Vec<u8>, &'static str, Names);
+
+/// A message whose second contact has another value in a field, or lacks the field, and the first contact.
+fn spoilt(robot: &mut HandRobot, field: &str, value: Option<Value>) -> (Vec<u8>, Names) {
     let mut message = template(robot);
+    let first = names(&serde_json::from_value(message.clone()).unwrap())[..1].to_vec();
     let contact = message["contacts"][1].as_object_mut().unwrap();
     match value {
         Some(value) => contact.insert(field.to_owned(), value),
         None => contact.remove(field),
     };
-    message.to_string().into_bytes()
+    (message.to_string().into_bytes(), first)
 }
 
-/// Invalid messages with a readable number, and the reason of their refusal.
-fn readable_junk(robot: &mut HandRobot) -> Vec<(Vec<u8>, &'static str)> {
-    let mut junk: Vec<(Vec<u8>, &str)> = [
+/// Messages with something wrong and a readable number.
+fn readable_junk(robot: &mut HandRobot) -> Vec<Junk> {
+    let spoilt: Vec<Junk> = [
         ("ratio", Some(json!(0)), "out_of_range"),
         ("ratio", Some(json!(1.2)), "out_of_range"),
         ("ratio", Some(json!("NaN")), "malformed"),
@@ -38,13 +43,17 @@ fn readable_junk(robot: &mut HandRobot) -> Vec<(Vec<u8>, &'static str)> {
         ("t_us", Some(json!(-1)), "malformed"),
     ]
     .into_iter()
-    .map(|(field, value, reason)| (spoilt(robot, field, value), reason))
+    .map(|(field, value, reason)| {
+        let (payload, kept) = spoilt(robot, field, value);
+        (payload, reason, kept)
+    })
     .collect();
+    let mut junk: Vec<(Vec<u8>, &str)> = Vec::new();
 
     // Fields in the contract's order, so that the number comes before the invalid part.
     let contacts = vec![Contact { ratio: Some(0.75), ..robot.contact(0) }];
     let whole = String::from_utf8(encode(&robot.message(contacts))).unwrap();
-    junk.push((whole.replace("0.75", "NaN").into_bytes(), "not_json"));
+    junk.push((whole.replace("0.75", "NaN").into_bytes(), "malformed"));
     let contacts = vec![robot.contact(0)];
     let mut half = encode(&robot.message(contacts));
     half.truncate(half.len() / 2);
@@ -52,7 +61,7 @@ fn readable_junk(robot: &mut HandRobot) -> Vec<(Vec<u8>, &'static str)> {
     let contacts = vec![Contact { ratio: Some(1.2), ..robot.contact(0) }];
     junk.push((encode_cbor(&robot.message(contacts)), "out_of_range"));
     let contacts = vec![Contact { strain: f64::NAN, ..robot.contact(0) }];
-    junk.push((encode_cbor(&robot.message(contacts)), "not_cbor"));
+    junk.push((encode_cbor(&robot.message(contacts)), "malformed"));
     let contacts = vec![robot.contact(0)];
     let mut half = encode_cbor(&robot.message(contacts));
     half.truncate(half.len() / 2);
@@ -65,7 +74,7 @@ fn readable_junk(robot: &mut HandRobot) -> Vec<(Vec<u8>, &'static str)> {
     let mut large = template(robot);
     large["padding"] = json!("x".repeat(1 << 20));
     junk.push((large.to_string().into_bytes(), "too_large"));
-    junk
+    spoilt.into_iter().chain(junk.into_iter().map(|(payload, reason)| (payload, reason, Names::new()))).collect()
 }
 
 #[tokio::test]
@@ -89,13 +98,14 @@ async fn contacts_in_cbor_are_recorded_and_receipted_as_those_in_json() {
 }
 
 #[tokio::test]
-async fn a_bad_contacts_message_is_refused_under_its_reason_and_the_good_ones_around_it_are_recorded_once() {
+async fn regress_a_bad_contact_is_refused_alone_under_its_reason_and_the_good_ones_around_it_are_recorded_once() {
     let (running, mut robot) = start("r").await;
     let mut expected = good(&mut robot).await;
     let mut reasons = Vec::new();
-    for (payload, reason) in readable_junk(&mut robot) {
+    for (payload, reason, kept) in readable_junk(&mut robot) {
         robot.say(RobotTopic::Contacts, payload).await;
         reasons.push(reason);
+        expected.extend(kept);
         expected.extend(good(&mut robot).await);
     }
     robot.receipted().await;
@@ -107,12 +117,39 @@ async fn a_bad_contacts_message_is_refused_under_its_reason_and_the_good_ones_ar
 #[tokio::test]
 async fn a_refused_message_whose_number_can_be_read_is_receipted() {
     let (running, mut robot) = start("r").await;
-    for (payload, _) in readable_junk(&mut robot) {
+    let mut expected = Names::new();
+    for (payload, _, kept) in readable_junk(&mut robot) {
         robot.say(RobotTopic::Contacts, payload).await;
+        expected.extend(kept);
     }
     let receipt = robot.receipted().await;
     assert!(receipt.held.is_empty(), "{receipt:?}");
-    assert_recorded(&running, &Names::new()).await;
+    assert_recorded(&running, &expected).await;
+    running.service.stop().await;
+}
+
+#[tokio::test]
+async fn regress_refused_contacts_are_counted_by_robot_and_reason() {
+    let (running, mut robot) = start("r").await;
+    for value in ["null", "NaN", "\"x\"", "1.5"] {
+        let contacts = (0..10).map(|_| Contact { strain: 0.125, ..robot.contact(0) }).collect();
+        let text = String::from_utf8(encode(&robot.message(contacts))).unwrap();
+        robot.say(RobotTopic::Contacts, text.replacen("0.125", value, 1).into_bytes()).await;
+    }
+    robot.receipted().await;
+    assert_eq!(running.database.contacts().await.len(), 36);
+    let counts = until("the refusals are written", async || {
+        let refusals = running.list("fleets/f/robots/r/refusals").await;
+        let mut counts: Vec<(String, u64)> =
+            refusals.iter().map(|one| (one["reason"].to_string(), one["refused"].as_u64().unwrap())).collect();
+        counts.sort();
+        let sum: u64 = counts.iter().map(|(_, count)| count).sum();
+        (sum == 4).then_some((counts, refusals))
+    });
+    let (counts, refusals) = counts.await;
+    assert_eq!(counts, [("\"malformed\"".to_owned(), 3), ("\"out_of_range\"".to_owned(), 1)]);
+    assert!(refusals.iter().all(|one| one["problem"].as_str().unwrap().starts_with("contacts[0].strain")));
+    assert_eq!(running.metric("vibrissa_contacts_refused_total{fleet=\"f\"}").await, 4.0);
     running.service.stop().await;
 }
 

@@ -64,6 +64,20 @@ impl<'a> Input<'a> {
         self.value()
     }
 
+    /// The bytes of a text of known length that may not be UTF-8.
+    pub(super) fn text_bytes(&mut self) -> Option<&'a [u8]> {
+        let rest = self.payload.get(self.at + 1..)?;
+        let (length, rest) = match self.peek()? {
+            first @ 0x60..=0x77 => (usize::from(first - 0x60), rest),
+            0x78 => rest.split_first().map(|(length, rest)| (usize::from(*length), rest))?,
+            0x79 => rest.split_first_chunk().map(|(length, rest)| (u16::from_be_bytes(*length).into(), rest))?,
+            _ => return None,
+        };
+        let bytes = rest.get(..length)?;
+        self.at = self.payload.len() - (rest.len() - length);
+        Some(bytes)
+    }
+
     #[inline]
     pub(super) fn integer(&mut self) -> Option<u64> {
         self.value()

@@ -2,9 +2,10 @@
 
 use std::borrow::Cow;
 
-use cbor4ii::core::types::{Array, F16, Map};
+use cbor4ii::core::types::{Array, Bytes, F16, Map, Simple, Tag};
 
 use super::input::{Input, of_half};
+use crate::decode::repair;
 
 /// Deepest nesting of lists and maps, as in the JSON reader.
 const DEPTH_MAX: usize = 127;
@@ -20,9 +21,19 @@ pub(in crate::decode) fn of(payload: &[u8]) -> Result<Vec<u8>, Problem> {
     problem.map_or(Ok(text), Err)
 }
 
+/// The message as JSON with a mark in the place of each value that JSON does not have. `None` if it is not well-formed.
+pub(in crate::decode) fn marked(payload: &[u8]) -> Option<Vec<u8>> {
+    let (text, problem) = written(payload, true);
+    problem.is_none().then_some(text)
+}
+
 /// The message as JSON up to the first problem, and the problem.
 pub(in crate::decode) fn begin_of(payload: &[u8]) -> (Vec<u8>, Option<Problem>) {
-    let mut writer = Writer { input: Input::new(payload), at: 0, out: Vec::with_capacity(2 * payload.len()) };
+    written(payload, false)
+}
+
+fn written(payload: &[u8], marks: bool) -> (Vec<u8>, Option<Problem>) {
+    let mut writer = Writer { input: Input::new(payload), at: 0, out: Vec::with_capacity(2 * payload.len()), marks };
     let done = writer.value(0);
     let done = done.and_then(|()| match writer.input.is_empty() {
         true => Ok(()),
@@ -36,6 +47,8 @@ struct Writer<'a> {
     /// Begin of the present value or name.
     at: usize,
     out: Vec<u8>,
+    /// A value that JSON does not have is replaced by a mark, instead of ending the message.
+    marks: bool,
 }
 
 impl Writer<'_> {
@@ -71,11 +84,7 @@ impl Writer<'_> {
                 let number = self.read(number)?;
                 self.write(&number);
             }
-            0x60..=0x7b | 0x7f => {
-                let text: Option<Cow<'_, str>> = self.input.value();
-                let text = self.read(text)?;
-                self.write(&text);
-            }
+            0x60..=0x7b | 0x7f => self.text()?,
             0x80..=0x9b | 0x9f => self.list(depth)?,
             0xa0..=0xbb | 0xbf => self.map(depth)?,
             0xf4 | 0xf5 => {
@@ -88,10 +97,51 @@ impl Writer<'_> {
                 self.out.extend_from_slice(b"null");
             }
             0xf9..=0xfb => self.float(first)?,
-            0x40..=0x5f => return Err(self.problem("a byte string, but JSON has no such value")),
-            0xc0..=0xdb => return Err(self.problem("a tag, but the contract has none")),
-            _ => return Err(self.problem("a value that JSON does not have")),
+            0x40..=0x5f => {
+                self.mark("a byte string", "a byte string, but JSON has no such value")?;
+                let bytes: Option<Bytes<Cow<'_, [u8]>>> = self.input.value();
+                self.read(bytes)?;
+            }
+            0xc0..=0xdb => {
+                self.mark("a tag", "a tag, but the contract has none")?;
+                let tag = Tag::tag(&mut self.input).ok();
+                self.read(tag)?;
+                let end = self.out.len();
+                if depth >= DEPTH_MAX {
+                    return Err(self.problem("values are nested too deeply"));
+                }
+                self.value(depth + 1)?;
+                self.out.truncate(end);
+            }
+            _ => {
+                self.mark("undefined", "a value that JSON does not have")?;
+                let value: Option<Simple> = self.input.value();
+                self.read(value)?;
+            }
         }
+        Ok(())
+    }
+
+    /// Writes a mark for a value, or ends the message with a problem.
+    fn mark(&mut self, value: &str, problem: &str) -> Result<(), Problem> {
+        if !self.marks {
+            return Err(self.problem(problem));
+        }
+        self.out.extend_from_slice(repair::marked(value).as_bytes());
+        Ok(())
+    }
+
+    fn text(&mut self) -> Result<(), Problem> {
+        let before = self.input;
+        let text: Option<Cow<'_, str>> = self.input.value();
+        if text.is_none() && self.marks {
+            self.input = before;
+            let bytes = self.input.text_bytes();
+            self.read(bytes)?;
+            return self.mark("a text that is not UTF-8", "");
+        }
+        let text = self.read(text)?;
+        self.write(&text);
         Ok(())
     }
 
@@ -103,7 +153,8 @@ impl Writer<'_> {
         };
         let number = self.read(number)?;
         if !number.is_finite() {
-            return Err(self.problem(&format!("the number {number}, but numbers must be finite")));
+            let problem = format!("the number {number}, but numbers must be finite");
+            return self.mark(&number.to_string(), &problem);
         }
         self.write(&number);
         Ok(())

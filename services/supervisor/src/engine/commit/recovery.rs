@@ -7,7 +7,7 @@ use tracing::{error, info};
 use vibrissa_core::robot::Event;
 use vibrissa_core::robot::event::{Contact, WhiskerStatus};
 use vibrissa_core::units::Micros;
-use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic};
+use vibrissa_protocol::{self as protocol, Message, Name, Received, RobotTopic};
 
 use crate::engine::commit::journal::{Entry, JournalEvent, Part, ROWS_AT_A_TIME, by_robot, read};
 use crate::engine::robot::KnownRobot;
@@ -16,6 +16,8 @@ use crate::engine::shard::shards::Shards;
 use crate::engine::shard::stepper::Stepper;
 use crate::kafka::LogReader;
 use crate::log_inbox::LogRecord;
+use crate::metrics::FleetMetrics;
+use crate::set_aside::Reader;
 use vibrissa_store::StoredRobot;
 use vibrissa_store::batch::Batch;
 use vibrissa_store::{Lease, Refused, StoreError, Writer};
@@ -33,12 +35,17 @@ struct ReplayedRobot {
     is_replayed: bool,
 }
 
-/// Writes the rows of the transactions in the intent log. An unreadable one is logged and dropped.
-pub(crate) async fn write_intents(writer: &mut Writer, lease: &Lease) -> Result<(), StoreError> {
+/// Writes the rows of the transactions in the intent log. An unreadable one is logged, counted and dropped.
+pub(crate) async fn write_intents(
+    writer: &mut Writer,
+    lease: &Lease,
+    metrics: &FleetMetrics,
+) -> Result<(), StoreError> {
     while let Some((number, bytes)) = writer.pending_intent(lease).await? {
         let batch = Batch::from_bytes(&bytes).unwrap_or_else(|problem| {
             let (fleet, bytes) = (lease.fleet(), bytes.len());
             error!(%fleet, number, bytes, %problem, "cannot read a transaction of the intent log, its rows are lost");
+            metrics.set_aside(Reader::IntentLog, 1);
             Batch::default()
         });
         write_rows(writer, lease, Batch { redo_done: Some(number), ..batch }).await?;
@@ -70,8 +77,9 @@ pub(crate) async fn recover(
     lease: &Lease,
     shards: &mut Shards,
     log: Option<&LogReader>,
+    metrics: &FleetMetrics,
 ) -> Result<i64, StoreError> {
-    write_intents(writer, lease).await?;
+    write_intents(writer, lease, metrics).await?;
     let (mut replay, mut last) = (Replay::default(), 0);
     let mut after = -1;
     loop {
@@ -142,6 +150,7 @@ impl Replay {
         let (robots, stepper) = shards.of(&name).parts();
         let (params, retention) = (stepper.params_of(&name), stepper.retention());
         let (known, forgotten) = KnownRobot::restored(name.clone(), stored, epoch, params, retention);
+        stepper.count_set_aside(Reader::Checkpoint, forgotten.iter().count() as u64);
         stepper.batch_mut().rows_mut().records.extend(forgotten);
         if !known.whisker_ids.is_empty() {
             let replayed = ReplayedRobot {
@@ -164,6 +173,7 @@ impl Replay {
                 Ok(entry) => entry,
                 Err(problem) => {
                     error!(number, %problem, "cannot read the journal, the rest of its row is lost");
+                    shards.count_set_aside(Reader::Journal);
                     break;
                 }
             };
@@ -211,9 +221,11 @@ impl Replay {
             }
             let now = Micros(begin.0 + record.offset.abs_diff(from));
             let entry = if record.kind == RobotTopic::Contacts {
-                let message = protocol::decode_contacts(&record.payload, Vec::new()).ok();
-                message.map(|message| Entry::of_contacts(known, now, &message))
-            } else if let Ok(Message::Status(message)) = protocol::decode(&record.topic, &record.payload) {
+                let received = protocol::receive_contacts(&record.payload, Vec::new()).ok();
+                received.map(|received| Entry::of_contacts(known, now, &received.message))
+            } else if let Ok(Received { message: Message::Status(message), .. }) =
+                protocol::receive(&record.topic, &record.payload)
+            {
                 Entry::of_status(known, now, &message)
             } else {
                 None

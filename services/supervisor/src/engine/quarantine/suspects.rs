@@ -114,6 +114,7 @@ impl Suspects {
         let epoch = self.lease.epoch();
         let Some(before) = shards.of(name).robots_mut().get_mut(name) else { return };
         let (seqs, later) = (std::mem::take(&mut before.seqs), before.robot.clone());
+        let refusals = std::mem::take(&mut before.refusals);
         let mut replay = Replay::default();
         match offender.stored {
             Some(stored) => {
@@ -128,7 +129,7 @@ impl Suspects {
         let Some(known) = robots.get_mut(name) else { return };
         replay.finish_robot(known, epoch, stepper);
         known.robot.go_on_numbering_after(&later);
-        (known.seqs, known.rests) = (seqs, rests);
+        (known.seqs, known.rests, known.refusals) = (seqs, rests, refusals);
         if let ((None, _), (Some(boot_id), link)) = (known.robot.connection_state(), later.connection_state()) {
             // Nothing of it was ever committed. Its birth came before it became known, and must be repeated.
             let birth = Event::Connection { boot_id, link };

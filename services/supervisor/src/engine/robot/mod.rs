@@ -8,6 +8,7 @@ pub(crate) mod fingerprints;
 pub(crate) mod history;
 pub(crate) mod limits;
 pub(crate) mod repeats;
+pub(crate) mod refusals;
 pub(crate) mod retention;
 pub mod rollup;
 pub(crate) mod seqs;
@@ -33,6 +34,7 @@ use fingerprints::Fingerprints;
 use history::History;
 use limits::{BOOTS_AT_ONCE, BOOTS_PER_MINUTE, Bucket};
 use repeats::Repeats;
+use refusals::Refusals;
 use retention::ContactRetention;
 use seqs::Seqs;
 use vibrissa_edge::clock::wall_clock;
@@ -73,6 +75,8 @@ pub(crate) struct KnownRobot {
     pub(crate) commands: Commands,
     /// Hashes of its newest `contacts` messages.
     pub(crate) fingerprints: Fingerprints,
+    /// Counts of its refusals.
+    pub(crate) refusals: Refusals,
     /// Boots whose contacts are due for a receipt.
     pub(crate) receipts_due: SmallVec<[ShortText; 1]>,
     /// Contacts that it repeats although they were receipted.
@@ -119,6 +123,7 @@ impl KnownRobot {
             durable: Durable::Checkpoint,
             commands: Commands::default(),
             fingerprints: Fingerprints::default(),
+            refusals: Refusals::default(),
             receipts_due: SmallVec::new(),
             repeats: Repeats::default(),
             factsheet_missing: None,

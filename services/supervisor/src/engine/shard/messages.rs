@@ -1,7 +1,9 @@
 //! Handling of messages in a shard: decoded, checked against allow list and limits, and passed on.
 
+use std::fmt::Display;
 use std::time::Instant;
 
+use tracing::warn;
 use vibrissa_core::robot::{Event, Outcome};
 use vibrissa_protocol::{self as protocol, Message, Refusal, RobotTopic};
 
@@ -27,7 +29,7 @@ impl Shard {
         if raw.kind == RobotTopic::Contacts {
             return self.handle_contacts(raw);
         }
-        let (Some(message), now) = (self.decode(raw), raw.received) else { return };
+        let (Some(protocol::Received { message, refused }), now) = (self.decode(raw), raw.received) else { return };
         if let Message::Connection(message) = &message {
             return self.take_connection(raw, message);
         }
@@ -36,7 +38,7 @@ impl Shard {
         match &message {
             // Handled above.
             Message::Contacts(_) => {}
-            Message::Status(message) => stepper.take_status(known, message, now),
+            Message::Status(message) => stepper.take_status(known, message, &refused, now),
             Message::SetpointState(message) => stepper.take_setpoint_state(known, message, now),
             Message::TestState(message) => stepper.take_test_state(known, message, now),
             // Handled by [`Self::take_connection`] and [`Self::handle_factsheet`].
@@ -54,12 +56,12 @@ impl Shard {
     /// Handles a `contacts` message. These are frequent, so the list of contacts is reused.
     fn handle_contacts(&mut self, raw: &RawMessage) {
         let contacts = std::mem::take(&mut self.contacts);
-        match protocol::decode_contacts(&raw.payload, contacts) {
-            Ok(message) => {
+        match protocol::receive_contacts(&raw.payload, contacts) {
+            Ok(protocol::Received { message, refused }) => {
                 match self.robots.get_mut(&raw.robot) {
                     Some(known) => {
                         let content = fingerprints::of_content(&self.hashers, &message);
-                        self.stepper.take_contacts(known, &message, Some(content), raw.received);
+                        self.stepper.take_contacts(known, (&message, &refused), Some(content), raw.received);
                     }
                     None => self.unknown(raw, Some((message.boot_id.as_str(), message.seq))),
                 }
@@ -140,8 +142,15 @@ impl Shard {
         if let Some(known) = self.robots.get_mut(&raw.robot) {
             self.stepper.keep_message(known, raw.kind, raw.received, &raw.payload);
         }
-        let Message::Factsheet(message) = self.decode(raw)? else { return None };
-        let factsheet = self.stepper.factsheet(&message, &raw.robot)?;
+        let Message::Factsheet(message) = self.decode(raw)?.message else { return None };
+        let factsheet = match self.stepper.factsheet(&message) {
+            Ok(factsheet) => factsheet,
+            Err(problem) => {
+                warn!(robot = %raw.robot, %problem, "factsheet refused");
+                self.count_refusal(raw, problem.label(), &problem);
+                return None;
+            }
+        };
         let boot_id = message.boot_id.as_str();
         if let Some(known) = self.robots.get(&raw.robot).filter(|known| known.boots.is_old(boot_id)) {
             self.stepper.violation("old_boot", OLD_FACTSHEET, &known.name);
@@ -187,9 +196,9 @@ impl Shard {
     }
 
     /// Decodes a message; `None` if it is refused, which is counted.
-    fn decode(&mut self, raw: &RawMessage) -> Option<Message> {
-        match protocol::decode(&raw.topic, &raw.payload) {
-            Ok(message) => Some(message),
+    fn decode(&mut self, raw: &RawMessage) -> Option<protocol::Received<Message>> {
+        match protocol::receive(&raw.topic, &raw.payload) {
+            Ok(received) => Some(received),
             Err(refusal) => {
                 self.refused(raw, &refusal);
                 None
@@ -200,8 +209,16 @@ impl Shard {
     /// Counts a refused message. A `contacts` message whose `seq` is readable is receipted, because the robot would
     /// send it again and again, before all later ones.
     fn refused(&mut self, raw: &RawMessage, refusal: &Refusal) {
-        self.stepper.metrics.refuse(refusal.label(), refusal, &raw.topic.to_string());
+        self.count_refusal(raw, refusal.label(), refusal);
         self.receipt_alone(raw);
+    }
+
+    /// Counts a refused message, also of its robot if that is known.
+    fn count_refusal(&mut self, raw: &RawMessage, reason: &'static str, problem: &dyn Display) {
+        match self.robots.get_mut(&raw.robot) {
+            Some(known) => self.stepper.refuse(known, (raw.kind, reason), problem, raw.received),
+            None => self.stepper.metrics.refuse(reason, problem, &raw.topic.to_string()),
+        }
     }
 
     /// Admits the `seq` of a `contacts` message, without its contacts.
@@ -218,7 +235,7 @@ impl Shard {
             contacts: Vec::new(),
             missed: Vec::new(),
         };
-        self.stepper.take_contacts(known, &contacts, None, raw.received);
+        self.stepper.take_contacts(known, (&contacts, &[]), None, raw.received);
     }
 
     async fn make_known(&mut self, raw: &RawMessage, committer: &mut Committer) -> Result<(), StoreError> {

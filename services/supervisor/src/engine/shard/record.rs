@@ -3,7 +3,7 @@
 use tracing::{info, warn};
 use vibrissa_core::robot::effect::{CommandState, Effect, TestState};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros};
-use vibrissa_protocol as protocol;
+use vibrissa_protocol::{self as protocol, RobotTopic};
 
 use super::publication::Sent;
 use super::rows::{decision_row, error_row, refinement_row, setpoint_row};
@@ -58,15 +58,15 @@ impl Stepper {
                 known.history.add_contact(contact.whisker, contact.used, row, self.batch.rows_mut());
             }
             Effect::UnknownWhisker { position } => {
-                self.metrics.refuse(
-                    "unknown_whisker",
-                    format!("contact {position} names a whisker that is not in the factsheet"),
-                    name.as_str(),
-                );
+                let problem = format!("contacts[{position}] names a whisker that is not in the factsheet");
+                self.refuse(known, (RobotTopic::Contacts, "unknown_whisker"), &problem, now);
+                self.metrics.contacts_refused.inc();
             }
             Effect::BadTime { position } => {
                 let problem = format!("contact {position} has an implausible time");
                 self.violation("bad_time", &problem, &name);
+                known.refusals.count((RobotTopic::Contacts, "bad_time"), &problem, now);
+                self.metrics.contacts_refused.inc();
             }
             Effect::Condition { whisker, from, to } => {
                 self.batch.rows_mut().records.push(Record::Health(HealthRow {

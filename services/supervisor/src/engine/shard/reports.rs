@@ -1,13 +1,14 @@
 //! Reports of a known robot: factsheet, status, contacts and setpoint states become events of the core.
 
+use std::fmt::Display;
 use std::time::Instant;
 
 use tracing::{debug, warn};
 use vibrissa_core::robot::effect::CommandKey;
-use vibrissa_core::robot::event::{Contact, Factsheet, MissedTouch, WhiskerStatus};
+use vibrissa_core::robot::event::Factsheet;
 use vibrissa_core::robot::{Admission, Event, Outcome, Sequence};
 use vibrissa_core::units::Micros;
-use vibrissa_protocol::{self as protocol, Name};
+use vibrissa_protocol::{self as protocol, Refusal, RobotTopic};
 
 use super::stepper::{AnsweredSetpoint, Stepper};
 use crate::engine::commit::batch::Source;
@@ -15,25 +16,18 @@ use crate::engine::commit::committer::Committer;
 use crate::engine::message::MessageTimes;
 use crate::engine::robot::commands::Plausibility;
 use crate::engine::robot::{KnownRobot, fingerprints};
-use vibrissa_edge as edge;
 use vibrissa_edge::ids::command_id;
+use vibrissa_edge::{self as edge, EdgeError};
 use vibrissa_store::StoreError;
 use vibrissa_store::batch::LayoutRow;
 
 pub(super) const OLD_FACTSHEET: &str = "a factsheet of a boot that a newer one has replaced";
 
 impl Stepper {
-    /// Parses a factsheet. `None` if it is unusable; then it is counted as refused.
-    pub(super) fn factsheet(&self, message: &protocol::Factsheet, robot: &Name) -> Option<Factsheet> {
+    /// Parses a factsheet.
+    pub(super) fn factsheet(&self, message: &protocol::Factsheet) -> Result<Factsheet, EdgeError> {
         let models: Vec<&str> = self.params.models.iter().map(|(name, _)| name.as_str()).collect();
-        match edge::factsheet(message, &models) {
-            Ok(factsheet) => Some(factsheet),
-            Err(problem) => {
-                warn!(%robot, %problem, "factsheet refused");
-                self.metrics.refuse(problem.label(), problem, "factsheet");
-                None
-            }
-        }
+        edge::factsheet(message, &models)
     }
 
     pub(super) async fn take_factsheet(
@@ -43,7 +37,8 @@ impl Stepper {
         now: Micros,
         committer: &mut Committer,
     ) -> Result<(), StoreError> {
-        let Some(factsheet) = self.factsheet(message, &known.name) else { return Ok(()) };
+        // [`Shard::factsheet`](super::Shard::factsheet) has refused others.
+        let Ok(factsheet) = self.factsheet(message) else { return Ok(()) };
         let boot_id = message.boot_id.as_str();
         if known.boots.is_old(boot_id) {
             self.violation("old_boot", OLD_FACTSHEET, &known.name);
@@ -96,45 +91,74 @@ impl Stepper {
         Ok(())
     }
 
-    pub(super) fn take_status(&mut self, known: &mut KnownRobot, message: &protocol::Status, now: Micros) {
-        let whiskers: Result<Vec<WhiskerStatus<'_>>, _> = message.whiskers.iter().map(edge::status).collect();
-        match whiskers {
-            Ok(whiskers) => {
-                let (boot_id, robot_time) = (message.boot_id.as_str(), Micros(message.t_us));
-                let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
-                let outcome = self.step(known, now, &event, None);
-                self.has_unannounced |= outcome == Outcome::OldBoot && is_unannounced(known, boot_id);
-                if outcome == Outcome::BadTime {
-                    self.violation("bad_time", "a status with an implausible time", &known.name);
-                }
-            }
-            Err(problem) => self.metrics.refuse(problem.label(), problem, "status"),
+    /// Counts a refused message of a robot, or a refused entry of a message.
+    pub(super) fn refuse(
+        &self,
+        known: &mut KnownRobot,
+        (topic, reason): (RobotTopic, &'static str),
+        problem: &dyn Display,
+        now: Micros,
+    ) {
+        self.metrics.refuse(reason, problem, topic.as_str());
+        known.refusals.count((topic, reason), problem, now);
+    }
+
+    /// Counts refused entries of a message.
+    fn refuse_entries(&self, known: &mut KnownRobot, topic: RobotTopic, refused: &[Refusal], now: Micros) {
+        for refusal in refused {
+            self.refuse(known, (topic, refusal.label()), refusal, now);
         }
     }
 
-    /// Handles contacts. `content` is their fingerprint; `None` for a refused message that is only receipted.
+    /// Entries of a message in the core's form. The contract's ranges are within the core's, so none is refused.
+    fn converted<'m, T, U>(
+        &self,
+        known: &mut KnownRobot,
+        (topic, entries): (RobotTopic, &'m [T]),
+        now: Micros,
+        convert: impl Fn(&'m T) -> Result<U, EdgeError>,
+    ) -> Vec<U> {
+        let mut converted = Vec::with_capacity(entries.len());
+        for entry in entries {
+            match convert(entry) {
+                Ok(entry) => converted.push(entry),
+                Err(problem) => self.refuse(known, (topic, problem.label()), &problem, now),
+            }
+        }
+        converted
+    }
+
+    /// Handles a status. `refused` are the refusals of entries that it does not contain any more.
+    pub(super) fn take_status(
+        &mut self,
+        known: &mut KnownRobot,
+        message: &protocol::Status,
+        refused: &[Refusal],
+        now: Micros,
+    ) {
+        self.refuse_entries(known, RobotTopic::Status, refused, now);
+        let whiskers = self.converted(known, (RobotTopic::Status, &message.whiskers), now, edge::status);
+        let (boot_id, robot_time) = (message.boot_id.as_str(), Micros(message.t_us));
+        let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
+        let outcome = self.step(known, now, &event, None);
+        self.has_unannounced |= outcome == Outcome::OldBoot && is_unannounced(known, boot_id);
+        if outcome == Outcome::BadTime {
+            self.violation("bad_time", "a status with an implausible time", &known.name);
+        }
+    }
+
+    /// Handles contacts, and the refusals of those that the message does not contain any more. `content` is their
+    /// fingerprint; `None` for a refused message that is only receipted.
     pub(super) fn take_contacts(
         &mut self,
         known: &mut KnownRobot,
-        message: &protocol::Contacts,
+        (message, refused): (&protocol::Contacts, &[Refusal]),
         content: Option<u32>,
         now: Micros,
     ) {
-        let mut contacts: Vec<Contact<'_>> = Vec::with_capacity(message.contacts.len());
-        for contact in &message.contacts {
-            match edge::contact(contact) {
-                Ok(contact) => contacts.push(contact),
-                Err(problem) => self.metrics.refuse(problem.label(), problem, "contacts"),
-            }
-        }
+        let contacts = self.converted(known, (RobotTopic::Contacts, &message.contacts), now, edge::contact);
         let boot_id = message.boot_id.as_str();
-        let mut missed: Vec<MissedTouch<'_>> = Vec::with_capacity(message.missed.len());
-        for one in &message.missed {
-            match edge::missed(one) {
-                Ok(one) => missed.push(one),
-                Err(problem) => self.metrics.refuse(problem.label(), problem, "contacts"),
-            }
-        }
+        let missed = self.converted(known, (RobotTopic::Contacts, &message.missed), now, edge::missed);
         let event = Event::Contacts { boot_id, seq: message.seq, contacts: &contacts, missed: &missed };
         let (given_up_before, end) = counted(known, boot_id);
         let source = Source { message, boot: known.boot(boot_id) };
@@ -165,6 +189,8 @@ impl Stepper {
             }
             Outcome::Taken => {
                 self.record_progress(progress);
+                self.refuse_entries(known, RobotTopic::Contacts, refused, now);
+                self.metrics.contacts_refused.inc_by(refused.len() as u64);
                 known.fingerprints.remember(known.boot(boot_id), message.seq, content.unwrap_or(fingerprints::REFUSED));
                 if message.seq < end {
                     self.metrics.messages_resent.inc();
@@ -244,7 +270,7 @@ impl Stepper {
                 self.step(known, now, &event, None);
                 self.answered = None;
             }
-            Err(problem) => self.metrics.refuse(problem.label(), problem, "setpoint_state"),
+            Err(problem) => self.refuse(known, (RobotTopic::SetpointState, problem.label()), &problem, now),
         }
     }
 }

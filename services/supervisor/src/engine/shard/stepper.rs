@@ -21,6 +21,7 @@ use crate::engine::robot::KnownRobot;
 use crate::engine::robot::retention::ContactRetention;
 use crate::engine::rollout::TrialParams;
 use crate::metrics::FleetMetrics;
+use crate::set_aside::Reader;
 use crate::trace::{OpenTraces, PendingSpans, Step, is_traced};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::Batch;
@@ -240,6 +241,11 @@ impl Stepper {
             known.refused_boot = None;
             self.step(known, now, &Event::Connection { boot_id: boot_id.as_str(), link: Link::Online }, None);
         }
+    }
+
+    /// Counts stored items that cannot be read.
+    pub(crate) fn count_set_aside(&self, reader: Reader, count: u64) {
+        self.metrics.set_aside(reader, count);
     }
 
     /// Counts a message that violates the contract, and warns at most once a minute per reason.

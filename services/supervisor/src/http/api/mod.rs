@@ -29,6 +29,7 @@ pub mod paths;
 pub mod plots;
 pub mod policy;
 pub mod quarantine;
+pub mod refusals;
 pub mod robots;
 pub mod rollouts;
 pub mod setpoints;
@@ -62,6 +63,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(fleets::routes())
         .merge(overview::routes())
         .merge(robots::routes())
+        .merge(refusals::routes())
         .merge(rollouts::routes())
         .merge(labels::routes())
         .merge(notes::routes())

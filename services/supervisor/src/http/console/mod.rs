@@ -101,6 +101,7 @@ files!(
     "parts/overview.js"
     "parts/proposals.js"
     "parts/readiness.js"
+    "parts/refusals.js"
     "parts/rollouts.js"
     "parts/shards.js"
     "parts/since.js"

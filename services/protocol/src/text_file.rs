@@ -1,0 +1,74 @@
+//! Text files that people write with editors, spreadsheets and shells.
+
+use std::io::{Error, ErrorKind, Read, Result};
+use std::path::Path;
+
+/// Mark at the begin of a text in UTF-8, which Windows programs write.
+const UTF_8: &[u8] = &[0xef, 0xbb, 0xbf];
+const UTF_16_LITTLE: [u8; 2] = [0xff, 0xfe];
+const UTF_16_BIG: [u8; 2] = [0xfe, 0xff];
+
+/// Bytes that are not text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("line {line} is not text in UTF-8: save the file as UTF-8")]
+pub struct NotText {
+    /// Line of the first wrong byte, from 1.
+    pub line: usize,
+}
+
+/// The text of a file in UTF-8, or in UTF-16 with a byte order mark, without that mark.
+///
+/// # Errors
+/// The bytes are not text.
+pub fn text_of(bytes: &[u8]) -> std::result::Result<String, NotText> {
+    let utf_16 = |rest: &[u8], unit: fn([u8; 2]) -> u16| {
+        let (units, odd) = rest.as_chunks::<2>();
+        let units: Vec<u16> = units.iter().map(|&bytes| unit(bytes)).collect();
+        let read = String::from_utf16(&units).ok().filter(|_| odd.is_empty());
+        read.ok_or(NotText { line: 1 })
+    };
+    if let Some(rest) = bytes.strip_prefix(&UTF_16_LITTLE) {
+        return utf_16(rest, u16::from_le_bytes);
+    }
+    if let Some(rest) = bytes.strip_prefix(&UTF_16_BIG) {
+        return utf_16(rest, u16::from_be_bytes);
+    }
+    let bytes = bytes.strip_prefix(UTF_8).unwrap_or(bytes);
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Ok(text.to_owned()),
+        Err(problem) => {
+            let before = bytes.get(..problem.valid_up_to()).unwrap_or_default();
+            Err(NotText { line: 1 + before.iter().filter(|byte| **byte == b'\n').count() })
+        }
+    }
+}
+
+/// Reads the text of a file of at most so many bytes.
+///
+/// # Errors
+/// The file cannot be read, is longer, or is not text.
+pub fn read_text(path: &Path, bytes_max: u64) -> Result<String> {
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)?.take(bytes_max + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > bytes_max {
+        return Err(Error::new(ErrorKind::FileTooLarge, format!("it is longer than {bytes_max} bytes")));
+    }
+    text_of(&bytes).map_err(|problem| Error::new(ErrorKind::InvalidData, problem))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regress_a_byte_order_mark_is_no_part_of_the_text() {
+        let utf_16 = |unit: fn(u16) -> [u8; 2]| "\u{feff}dé🐭\r\n".encode_utf16().flat_map(unit).collect::<Vec<u8>>();
+        let files = ["dé🐭\r\n".into(), "\u{feff}dé🐭\r\n".into(), utf_16(u16::to_le_bytes), utf_16(u16::to_be_bytes)];
+        for file in files {
+            assert_eq!(text_of(&file), Ok("dé🐭\r\n".to_owned()), "{file:x?}");
+        }
+        assert_eq!(text_of(b""), Ok(String::new()));
+        assert_eq!(text_of(b"a\r\nb\xe9\r\n"), Err(NotText { line: 2 }));
+        assert_eq!(text_of(b"\xff\xfea"), Err(NotText { line: 1 }));
+    }
+}

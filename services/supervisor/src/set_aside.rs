@@ -1,0 +1,33 @@
+//! Stored or received items that cannot be read. They are set aside, so that the items after them are read: logged, counted,
+//! and named in `/readyz` for a while.
+
+/// Who reads the items.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Reader {
+    /// Records of the partitioned log.
+    Log,
+    /// Rows of the journal.
+    Journal,
+    /// Transactions of the intent log.
+    IntentLog,
+    /// Checkpoints of robots.
+    Checkpoint,
+    /// The policy in force.
+    Policy,
+}
+
+impl Reader {
+    /// All readers.
+    pub(crate) const ALL: [Self; 5] = [Self::Log, Self::Journal, Self::IntentLog, Self::Checkpoint, Self::Policy];
+
+    /// The reader as a label of metrics.
+    pub(crate) const fn word(self) -> &'static str {
+        match self {
+            Self::Log => "LOG",
+            Self::Journal => "JOURNAL",
+            Self::IntentLog => "INTENT_LOG",
+            Self::Checkpoint => "CHECKPOINT",
+            Self::Policy => "POLICY",
+        }
+    }
+}
