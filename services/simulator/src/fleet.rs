@@ -11,7 +11,7 @@ use vibrissa_core::mechanics::ModelError;
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 pub use vibrissa_robot::clock::now_us;
 use vibrissa_robot::mqtt::{self, Delivery, Signals};
-pub use vibrissa_robot::mqtt::{Authorities, BadBroker, Broker};
+pub use vibrissa_robot::mqtt::{Authorities, BadBroker, Broker, password_in};
 
 use crate::scenario::{BadScenario, Misbehaviour};
 use crate::state::{StateError, StateFile};

@@ -27,7 +27,7 @@ pub mod robot;
 pub mod scenario;
 pub mod state;
 
-pub use fleet::{Authorities, Broker, CannotStart, Fleet, RobotHandle};
+pub use fleet::{Authorities, Broker, CannotStart, Fleet, RobotHandle, password_in};
 pub use journal::{HeardSetpoint, JournalEntry};
 pub use plant::LengthChange;
 pub use robot::{Outgoing, Robot, RobotConfig, Whisker};

@@ -11,7 +11,7 @@ use vibrissa_simulator::board::{self, BoardPlan};
 use vibrissa_simulator::load::{self, LoadPlan};
 use vibrissa_simulator::options::{decimal, lenient};
 use vibrissa_simulator::scenario::Misbehaviour;
-use vibrissa_simulator::{Authorities, Broker, Fleet, Scenario};
+use vibrissa_simulator::{Authorities, Broker, Fleet, Scenario, password_in};
 
 /// Simulated robots with soft whisker arrays, over MQTT 5.
 #[derive(Debug, Parser)]
@@ -76,10 +76,8 @@ impl Arguments {
             broker.tls = Some(Authorities::File(path.clone()));
         }
         if let (Some(user), Some(path)) = (&self.mqtt_username, &self.mqtt_password_file) {
-            let password = std::fs::read_to_string(path)
-                .with_context(|| format!("--mqtt-password-file: cannot read {}", path.display()))?;
-            // Editors end the last line with a line break.
-            broker.credentials = Some((user.clone(), password.trim_end_matches(['\n', '\r']).to_owned()));
+            let password = password_in(path).context("--mqtt-password-file")?;
+            broker.credentials = Some((user.clone(), password));
         }
         Ok(broker)
     }

@@ -51,6 +51,54 @@ pub enum StoreError {
         /// Error of the migration.
         source: sqlx::migrate::MigrateError,
     },
+    /// The SQLite file is damaged.
+    #[error(
+        "the database {database} is damaged: {findings}. Stop here, keep the file, and restore the newest back-up: \
+         mkdir lost && mv {database}* lost/ && cp BACK-UP {database} (docs/operations.md, Restore). Without a back-up, \
+         sqlite3 {database} .recover saves the rows that can still be read. If the file is not of vibrissa, name another one \
+         with --database-url"
+    )]
+    Damaged {
+        /// The SQLite file.
+        database: String,
+        /// Findings of SQLite.
+        findings: String,
+    },
+    /// The SQLite file is missing or empty, and a supervisor has worked with it before.
+    #[error(
+        "the database {path} is missing or has no tables, but it had: {mark} says so. Put the file back, or restore the \
+         newest back-up: cp BACK-UP {path} (docs/operations.md, Restore). To begin a new installation without the old \
+         data, remove {mark}"
+    )]
+    Vanished {
+        /// The SQLite file.
+        path: PathBuf,
+        /// The file that says that the database had tables.
+        mark: PathBuf,
+    },
+    /// The tables of a PostgreSQL database are incomplete.
+    #[error(
+        "the database {database} has lost tables, among them {table}. Restore the newest back-up with pg_restore \
+         (docs/operations.md, Restore)"
+    )]
+    Incomplete {
+        /// Address of the database, without its password.
+        database: String,
+        /// Name of a missing table.
+        table: String,
+    },
+    /// The PostgreSQL database cannot store every text.
+    #[error(
+        "{database} stores texts in {encoding}, which lacks letters that names and notes may have: UTF8 is needed. Create the \
+         database anew: createdb --encoding=UTF8 --template=template0 --locale=C.UTF-8 NAME, and move the data with pg_dump \
+         and pg_restore"
+    )]
+    NotUtf8 {
+        /// Address of the database, without its password.
+        database: String,
+        /// The server's encoding of the database.
+        encoding: String,
+    },
     /// A newer version of the program has migrated the tables.
     #[error(
         "a newer vibrissa has worked with {database}: this one, {}, does not know migration {version}. \
@@ -158,13 +206,17 @@ impl StoreError {
         match self {
             Self::Query { what, source } => format!("database error: cannot {what}: {}", outline(source)),
             Self::Open { source, .. } => format!("cannot open the database: {}", outline(source)),
-            Self::NoFolder { .. } | Self::InUse { .. } | Self::Lock { .. } => {
-                "cannot use the database's file; see the log".to_owned()
-            }
+            Self::NoFolder { .. }
+            | Self::InUse { .. }
+            | Self::Lock { .. }
+            | Self::Damaged { .. }
+            | Self::Vanished { .. } => "cannot use the database's file; see the log".to_owned(),
             Self::Migrate { .. } => "cannot migrate the database's tables; see the log".to_owned(),
             Self::NoServer { what, source } => format!("database error: cannot {what}: {}", source.told()),
             Self::TooNew { .. }
             | Self::TooOld { .. }
+            | Self::Incomplete { .. }
+            | Self::NotUtf8 { .. }
             | Self::SharedSessions { .. }
             | Self::NoAnswer { .. }
             | Self::NoLog { .. }
@@ -180,8 +232,12 @@ impl StoreError {
             Self::NoFolder { .. }
             | Self::InUse { .. }
             | Self::Lock { .. }
+            | Self::Damaged { .. }
+            | Self::Vanished { .. }
             | Self::TooNew { .. }
             | Self::TooOld { .. }
+            | Self::Incomplete { .. }
+            | Self::NotUtf8 { .. }
             | Self::SharedSessions { .. } => false,
             Self::NoServer { source, .. } => source.is_passing(passes),
             Self::Open { source, .. } | Self::Query { source, .. } => passes(source),

@@ -44,6 +44,7 @@ mod postgres;
 mod quarantine;
 pub mod queries;
 mod records;
+pub mod refusals;
 mod resolution;
 pub mod retention;
 pub mod rollouts;
@@ -120,6 +121,17 @@ impl Store {
         }
     }
 
+    /// Looks for damage of a SQLite file, for at most 10 s. PostgreSQL checks its own files.
+    ///
+    /// # Errors
+    /// The file is damaged.
+    pub async fn check(&self) -> Result<(), StoreError> {
+        match &*self.options {
+            Either::Sqlite((options, _)) => sqlite::check(options).await,
+            Either::Postgres(_) => Ok(()),
+        }
+    }
+
     /// Migrates the tables to the newest version.
     ///
     /// # Errors
@@ -129,9 +141,15 @@ impl Store {
         if let Either::Postgres(route) = &*self.options {
             postgres::check(route, &self.name).await?;
         }
+        if let Either::Sqlite(pool) = &self.pool {
+            sqlite::check_tables(pool, &self.options).await?;
+        }
         self.pool.migrate(&self.name).await?;
         if let Either::Postgres(pool) = &self.pool {
             postgres::protect_audit_log(pool).await.map_err(failed("protect the audit log"))?;
+        }
+        if let Either::Sqlite((_, Some(lock))) = &*self.options {
+            lock.set_installed()?;
         }
         let made = self.make_partitions(vibrissa_edge::clock::wall_clock().0 as i64, &mut |_| {}).await;
         if let Err(problem) = made {

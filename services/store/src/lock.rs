@@ -9,10 +9,19 @@ use std::sync::Arc;
 
 use super::StoreError;
 
+/// Line of the lock file that says that the database has had tables. It stays when the supervisor ends.
+const INSTALLED: &str =
+    "The database has tables. If it is lost, restore its back-up, or remove this file to begin a new one.";
+/// Most bytes of the lock file that are read.
+const FILE_BYTES_MAX: u64 = 1000;
+
 /// The lock, held as long as a clone of this lives, unless it is released.
 #[derive(Debug, Clone)]
 pub(super) struct FileLock {
     file: Arc<File>,
+    path: PathBuf,
+    /// The file says that the database has had tables.
+    is_installed: bool,
 }
 
 impl FileLock {
@@ -36,15 +45,41 @@ impl FileLock {
             Err(TryLockError::WouldBlock) => {
                 let mut holder = String::new();
                 // The holder may not have written its name yet, or the file may be unreadable.
-                let _ = file.take(1000).read_to_string(&mut holder);
-                let holder = if holder.is_empty() { "another supervisor".to_owned() } else { holder };
+                let _ = file.take(FILE_BYTES_MAX).read_to_string(&mut holder);
+                let holder = holder.lines().next().unwrap_or_default();
+                let holder = if holder.is_empty() { "another supervisor".to_owned() } else { holder.to_owned() };
                 return Err(StoreError::InUse { path: database.to_owned(), holder });
             }
             Err(TryLockError::Error(source)) => return Err(failed(source)),
         }
+        let mut before = String::new();
+        // A file that is not text was not written by a supervisor.
+        let _ = (&file).take(FILE_BYTES_MAX).read_to_string(&mut before);
+        let is_installed = before.lines().any(|line| line == INSTALLED);
         file.set_len(0).and_then(|()| file.rewind()).map_err(failed)?;
-        write!(file, "supervisor {name:?} (process {})", std::process::id()).map_err(failed)?;
-        Ok(Self { file: Arc::new(file) })
+        writeln!(file, "supervisor {name:?} (process {})", std::process::id()).map_err(failed)?;
+        let lock = Self { file: Arc::new(file), path, is_installed };
+        if is_installed {
+            lock.write_installed()?;
+        }
+        Ok(lock)
+    }
+
+    /// The lock file, if it says that the database has had tables.
+    pub(super) fn installed(&self) -> Option<&Path> {
+        self.is_installed.then_some(&self.path)
+    }
+
+    /// Notes that the database has tables.
+    pub(super) fn set_installed(&self) -> Result<(), StoreError> {
+        if self.is_installed { Ok(()) } else { self.write_installed() }
+    }
+
+    fn write_installed(&self) -> Result<(), StoreError> {
+        let mut file = &*self.file;
+        writeln!(file, "{INSTALLED}")
+            .and_then(|()| file.sync_all())
+            .map_err(|source| StoreError::Lock { path: self.path.clone(), source })
     }
 
     /// Ends the lock for all clones, and for processes that have just been forked and still share the open file.

@@ -1,7 +1,9 @@
 //! Passwords. `Debug` hides them, and a password from a file can be read again.
 
-use std::io::Read;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+
+use vibrissa_protocol::text_file::read_text;
 
 /// Length of the longest accepted password file, bytes: a longer one is probably a wrong file.
 const FILE_MAX_BYTES: u64 = 4096;
@@ -35,14 +37,14 @@ impl Secret {
     /// The file cannot be read, or contains anything else. The error names the file and shows none of its content.
     pub fn from_file(path: &Path) -> Result<Self, String> {
         let fail = |what: &str| Err(format!("the file {} {what}", path.display()));
-        let mut text = String::new();
-        let read = std::fs::File::open(path).and_then(|file| file.take(FILE_MAX_BYTES + 1).read_to_string(&mut text));
-        if let Err(problem) = read {
-            return fail(&format!("cannot be read: {problem}"));
-        }
-        if text.len() as u64 > FILE_MAX_BYTES {
-            return fail(&format!("is longer than {FILE_MAX_BYTES} bytes: name a file that contains a password only"));
-        }
+        let text = match read_text(path, FILE_MAX_BYTES) {
+            Ok(text) => text,
+            Err(problem) if problem.kind() == ErrorKind::FileTooLarge => {
+                let what = format!("is longer than {FILE_MAX_BYTES} bytes: name a file that contains a password only");
+                return fail(&what);
+            }
+            Err(problem) => return fail(&format!("cannot be read: {problem}")),
+        };
         let secret = text.trim_end_matches(['\r', '\n']);
         if secret.is_empty() || secret.contains(char::is_control) {
             return fail("must contain the password on one line and nothing else");
@@ -82,6 +84,10 @@ mod tests {
         let secret = Secret::from_file(&path).unwrap();
         std::fs::write(&path, "second").unwrap();
         let renewed = secret.read_again().unwrap();
+        for bytes in ["\u{feff}second\r\n".as_bytes(), b"\xff\xfes\0e\0c\0o\0n\0d\0\r\0\n\0"] {
+            std::fs::write(&path, bytes).unwrap();
+            assert_eq!(secret.read_again().unwrap().reveal(), "second", "a byte order mark is no part of a password");
+        }
         std::fs::write(&path, "two\nlines").unwrap();
         let refused = renewed.read_again().unwrap_err();
         std::fs::remove_file(&path).unwrap();

@@ -13,6 +13,18 @@ const KNOWN = [PRESSURE, ...Object.keys(STRAINS), ELONGATION];
 /** A cause in plain words, with its line. */
 export class Unreadable extends Error {}
 
+/** The text of a file in UTF-8, or in UTF-16 with a byte order mark. */
+export async function textOf(file) {
+  const bytes = new Uint8Array(await file.arrayBuffer());
+  const mark = `${bytes[0]},${bytes[1]}`;
+  const encoding = { "255,254": "utf-16le", "254,255": "utf-16be" }[mark] ?? "utf-8";
+  try {
+    return new TextDecoder(encoding, { fatal: true }).decode(bytes);
+  } catch {
+    throw new Unreadable("The file is not text in UTF-8: save it as CSV in UTF-8.");
+  }
+}
+
 /** `{ rows, lines }`: rows for the API, and the line of the file from which each comes (null for JSON). */
 export function readings(text, gaugeFactor) {
   if (text.trimStart().startsWith("{")) return { rows: fromJson(text), lines: null };
@@ -20,7 +32,7 @@ export function readings(text, gaugeFactor) {
     .replace(/^\ufeff/, "")
     .split(/\r\n|\n|\r/)
     .map((line, index) => [index + 1, line])
-    .filter(([, line]) => line.trim() && !line.startsWith("#"));
+    .filter(([, line]) => !line.startsWith("#") && !/^sep=,?\s*$/i.test(line) && cells(line).some((cell) => cell));
   if (lines.length < 2)
     throw new Unreadable(
       `The table has no rows below its header: write a header such as ${PRESSURE},strain and below it one line for each reading, such as 0.05,0.0146.`,
@@ -51,7 +63,7 @@ function columnsOf(header) {
         `Its columns are separated by ${name}: separate them by commas, and write numbers with a decimal point, such as 0.05.`,
       );
   const columns = cells(header);
-  for (const column of columns) {
+  for (const column of columns.filter((column) => column)) {
     if (!KNOWN.includes(column)) {
       const hint = /kpa/i.test(column) ? ` Write pressures in MPa into ${PRESSURE}: 100 kPa are 0.1 MPa.` : "";
       throw new Unreadable(`Unknown column "${column}"; known are ${KNOWN.join(", ")}.${hint}`);
@@ -68,13 +80,14 @@ const cells = (line) => line.split(",").map((cell) => cell.trim().replace(/^"(.*
 
 function rowOf(text, columns, gaugeFactor, line) {
   const told = cells(text);
-  if (told.length !== columns.length)
+  const named = columns.findLastIndex((column) => column) + 1;
+  if (told.length < named || told.some((cell, index) => cell && !columns[index]))
     throw new Unreadable(
-      `Line ${line}: ${told.length} cells, but the header has ${columns.length} columns: write a number in each column, leave cells without a reading empty, and write numbers with a decimal point.`,
+      `Line ${line}: ${told.length} cells, but the header has ${named} columns: write a number in each column, leave cells without a reading empty, and write numbers with a decimal point.`,
     );
   const row = {};
   columns.forEach((column, index) => {
-    if (told[index] === "") return;
+    if (!column || told[index] === "") return;
     const number = Number(told[index]);
     if (!Number.isFinite(number)) throw new Unreadable(`Line ${line}, column ${column}: "${told[index]}" is not a number.`);
     if (column in STRAINS) {

@@ -15,7 +15,11 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model, ModelError};
+use vibrissa_protocol::text_file::read_text;
 use vibrissa_protocol::{BadName, Name};
+
+/// Size limit of a file, bytes.
+const FILE_BYTES_MAX: u64 = 1024 * 1024;
 
 /// A calibration with its name, as stored in the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -80,8 +84,8 @@ pub enum CalibrationFileError {
 /// # Errors
 /// The file cannot be read, a key is wrong, or its numbers do not give a valid model.
 pub fn load(path: &Path, formulation: Formulation) -> Result<(String, Model), CalibrationFileError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|reason| CalibrationFileError::Read { path: path.to_owned(), reason })?;
+    let text = read_text(path, FILE_BYTES_MAX)
+        .map_err(|reason| CalibrationFileError::Read { path: path.to_owned(), reason })?;
     let file: CalibrationFile = toml::from_str(&text)
         .map_err(|reason| CalibrationFileError::Parse { path: path.to_owned(), reason: Box::new(reason) })?;
     let name = Name::new(&file.name).map_err(|reason| CalibrationFileError::Name { path: path.to_owned(), reason })?;

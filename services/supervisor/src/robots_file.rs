@@ -1,8 +1,7 @@
 //! The file of `limits.robots_file`: which robots may be in which fleets, `FLEET/ROBOT` on each line.
 
 use std::collections::{BTreeMap, HashSet};
-use std::fs::{File, Metadata};
-use std::io::Read;
+use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
@@ -11,6 +10,7 @@ use tokio::sync::watch;
 use tokio::time::{Duration, timeout};
 use tracing::{info, warn};
 use vibrissa_protocol::Name;
+use vibrissa_protocol::text_file::read_text;
 
 /// Size limit of the file in bytes: about 100,000 names of full length.
 const BYTES_MAX: u64 = 16 * 1024 * 1024;
@@ -33,13 +33,9 @@ impl RobotsFile {
     fn read_with_stamp(path: &Path) -> Result<(Self, Stamp), String> {
         let shown = path.display();
         let failed = |problem: std::io::Error| format!("the file {shown} cannot be read: {problem}");
-        let file = File::open(path).map_err(failed)?;
-        let stamp = Stamp::of(&file.metadata().map_err(failed)?);
-        let mut text = String::new();
-        file.take(BYTES_MAX + 1).read_to_string(&mut text).map_err(failed)?;
-        if text.len() as u64 > BYTES_MAX {
-            return Err(format!("the file {shown} is longer than {BYTES_MAX} bytes"));
-        }
+        // A change after this is noticed at the next look.
+        let stamp = Stamp::of(&std::fs::metadata(path).map_err(failed)?);
+        let text = read_text(path, BYTES_MAX).map_err(failed)?;
         Self::parse(&text).map(|file| (file, stamp)).map_err(|problem| format!("the file {shown}, {problem}"))
     }
 

@@ -153,6 +153,7 @@ impl Service {
             warn!(database = %options.database, "database server is not verified: add ?sslmode=verify-full to its URL");
         }
         let store = Store::open(&options.database, &options.name).await?;
+        store.check().await?;
         let is_prepared = match store.prepare().await {
             Ok(()) => true,
             Err(problem) if problem.is_passing() && store.is_shared() => {

@@ -25,6 +25,7 @@ mod schema;
 mod shards;
 mod slow_disk;
 mod supervisors;
+mod unfit;
 mod versions;
 
 use tempfile::TempDir;

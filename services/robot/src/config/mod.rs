@@ -9,12 +9,16 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use vibrissa_protocol::Name;
+use vibrissa_protocol::text_file::read_text;
 use vibrissa_segmenter::Params;
 
 use crate::contract::Facts;
 use crate::mqtt::{BadBroker, Broker};
 use checks::{arrays, limits, unfitting};
 use file::File;
+
+/// Size limit of the file, bytes.
+const FILE_BYTES_MAX: u64 = 1024 * 1024;
 
 /// Why a configuration is refused.
 #[derive(Debug, thiserror::Error)]
@@ -141,7 +145,7 @@ impl Config {
     /// # Errors
     /// The file, or a file that it names, cannot be read, or a key is invalid.
     pub fn read(path: &Path) -> Result<Self, BadConfig> {
-        let text = std::fs::read_to_string(path)
+        let text = read_text(path, FILE_BYTES_MAX)
             .map_err(|problem| BadConfig::Unreadable { path: path.to_owned(), problem })?;
         Self::from_toml_str(&text, path.parent().unwrap_or(Path::new("")))
     }

@@ -7,6 +7,7 @@ use rumqttc::tokio_rustls::rustls::pki_types::pem::PemObject;
 use rumqttc::tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use url::Url;
 use vibrissa_protocol::Name;
+use vibrissa_protocol::text_file::read_text;
 
 /// Address of the broker, and the credentials to connect with.
 #[derive(Clone, PartialEq, Eq)]
@@ -175,12 +176,16 @@ impl Broker {
     }
 }
 
+/// Length of the longest accepted password file, bytes.
+const PASSWORD_FILE_MAX_BYTES: u64 = 4096;
+
 /// The password in a file, without the line break with which editors end it.
 ///
 /// # Errors
 /// The file cannot be read.
 pub fn password_in(path: &Path) -> Result<String, BadBroker> {
-    let text = std::fs::read_to_string(path).map_err(|why| BadBroker::Password(path.display().to_string(), why))?;
+    let text =
+        read_text(path, PASSWORD_FILE_MAX_BYTES).map_err(|why| BadBroker::Password(path.display().to_string(), why))?;
     Ok(text.trim_end_matches(['\n', '\r']).to_owned())
 }
 

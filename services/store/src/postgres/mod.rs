@@ -42,6 +42,8 @@ pub(super) async fn check(route: &Route, database: &str) -> Result<(), StoreErro
     let opened = |source| StoreError::Open { database: database.to_owned(), source };
     let mut link = route.connect().await.map_err(|none| none.keeping_closed(database))?;
     check_version(&mut link, database).await?;
+    check_encoding(&mut link, database).await?;
+    check_tables(&mut link, database).await?;
     let mut other = route.connect().await.map_err(|none| none.keeping_closed(database))?;
     if pooler::shares_sessions(&mut link, &mut other).await.map_err(opened)? {
         return Err(StoreError::SharedSessions { database: database.to_owned() });
@@ -59,6 +61,28 @@ async fn check_version(link: &mut PgConnection, database: &str) -> Result<(), St
         return Err(StoreError::TooOld { database: database.to_owned(), version });
     }
     Ok(())
+}
+
+/// Checks that the database can store every text: names of robots, labels and notes.
+async fn check_encoding(link: &mut PgConnection, database: &str) -> Result<(), StoreError> {
+    let encoding = pooler::text(link, "SHOW server_encoding").await.map_err(failed("read the server's encoding"))?;
+    if encoding == "UTF8" {
+        return Ok(());
+    }
+    Err(StoreError::NotUtf8 { database: database.to_owned(), encoding })
+}
+
+/// Checks that no table is lost of a database that has been migrated.
+async fn check_tables(link: &mut PgConnection, database: &str) -> Result<(), StoreError> {
+    const IS_NEW: &str = "SELECT (to_regclass('_sqlx_migrations') IS NULL)::text";
+    const LOST: &str = "SELECT coalesce((SELECT t FROM unnest(ARRAY['robots', 'whiskers', 'contacts', 'setpoints']) AS t \
+         WHERE to_regclass(t) IS NULL AND EXISTS (SELECT FROM _sqlx_migrations WHERE success) LIMIT 1), '')";
+    let looking = failed("look for the tables");
+    if pooler::text(link, IS_NEW).await.map_err(looking)? == "true" {
+        return Ok(());
+    }
+    let table = pooler::text(link, LOST).await.map_err(failed("look for the tables"))?;
+    if table.is_empty() { Ok(()) } else { Err(StoreError::Incomplete { database: database.to_owned(), table }) }
 }
 
 /// Settings that a writer's session needs whatever the server's defaults are: an acknowledged commit is on the disk;

@@ -2,7 +2,7 @@
 
 import { ask } from "../api.js";
 import { browser } from "../browse.js";
-import { readings, Unreadable } from "../calibration-file.js";
+import { readings, textOf, Unreadable } from "../calibration-file.js";
 import { field } from "../dialog.js";
 import { h } from "../dom.js";
 import { time } from "../format.js";
@@ -148,7 +148,7 @@ async function upload(event) {
   try {
     const told = Object.fromEntries(new FormData(form));
     if (told.file.size > SIZE_MAX) throw new Unreadable(`The file has more than ${SIZE_MAX / 1000} kB.`);
-    const read = readings(await told.file.text(), Number(told.gauge_factor));
+    const read = readings(await textOf(told.file), Number(told.gauge_factor));
     lines = read.lines;
     const body = {
       model: told.model,

@@ -12,6 +12,7 @@ use object_store::path::Path;
 use object_store::{BackoffConfig, ObjectStore, RetryConfig};
 use tokio::task::spawn_blocking;
 use url::Url;
+use vibrissa_store::secret::Secret;
 
 use crate::archive_options::{ArchiveOptions, S3Options};
 use std::time::Duration;
@@ -83,8 +84,8 @@ fn s3(bucket: &str, options: &S3Options) -> anyhow::Result<object_store::aws::Am
         builder = builder.with_access_key_id(access_key);
     }
     if let Some(file) = &options.secret_key_file {
-        let secret = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
-        builder = builder.with_secret_access_key(secret.trim());
+        let secret = Secret::from_file(file).map_err(anyhow::Error::msg)?;
+        builder = builder.with_secret_access_key(secret.reveal().trim());
     }
     Ok(builder.build()?)
 }

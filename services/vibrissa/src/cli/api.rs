@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::{Context, bail};
+use anyhow::{Context as _, bail};
 use clap::Args;
 use serde_json::Value;
 use url::Url;
+use vibrissa_store::secret::Secret;
 
 use crate::config::address::web_url;
 
@@ -45,9 +46,7 @@ impl ApiArgs {
     /// The token file cannot be read.
     pub(super) fn open(&self) -> anyhow::Result<Api> {
         let token = match (&self.token_file, std::env::var("VIBRISSA_TOKEN")) {
-            (Some(path), _) => {
-                Some(std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?)
-            }
+            (Some(path), _) => Some(Secret::from_file(path).map_err(anyhow::Error::msg)?.reveal().to_owned()),
             (None, Ok(token)) => Some(token),
             (None, Err(_)) => None,
         };

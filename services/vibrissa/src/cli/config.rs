@@ -4,9 +4,13 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
+use vibrissa_protocol::text_file::read_text;
 
 use crate::config::keys::Kind;
 use crate::config::{self, Config, Key, Origin, Problem, Problems, Sources, show};
+
+/// Size limit of the configuration file, bytes.
+const FILE_BYTES_MAX: u64 = 1024 * 1024;
 
 /// `--config` and a flag for every key.
 #[derive(Clone)]
@@ -200,7 +204,7 @@ impl ConfigArgs {
 
     fn sources(&self) -> Result<Sources, Problems> {
         let mut problems = Vec::new();
-        let file = self.file.clone().and_then(|path| match std::fs::read_to_string(&path) {
+        let file = self.file.clone().and_then(|path| match read_text(&path, FILE_BYTES_MAX) {
             Ok(text) => Some((path, text)),
             Err(problem) => {
                 let what =

@@ -6,6 +6,7 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use csv::{ReaderBuilder, StringRecord, Trim};
 use vibrissa_core::mechanics::CalibrationRow;
 use vibrissa_core::units::{Megapascal, Millimetre, Strain};
+use vibrissa_protocol::text_file::read_text;
 
 /// A reading with its line in the file.
 pub(super) struct Reading {
@@ -32,25 +33,53 @@ struct Columns {
 /// Reads the file.
 pub(super) fn read(path: &Path, gauge_factor: f64) -> Result<Vec<Reading>> {
     let name = path.display();
-    let mut reader = ReaderBuilder::new()
-        .trim(Trim::All)
-        .comment(Some(b'#'))
-        .from_path(path)
-        .with_context(|| format!("reading {name}"))?;
-    let header = reader.headers().with_context(|| format!("reading {name}"))?.clone();
-    check_separator(&header).with_context(|| format!("{name}, header"))?;
-    let columns = Columns::find(&header, gauge_factor).with_context(|| format!("{name}, header"))?;
+    let text = read_text(path, FILE_BYTES_MAX).with_context(|| format!("reading {name}"))?;
+    read_lines(&text, gauge_factor).with_context(|| name.to_string())
+}
+
+fn read_lines(text: &str, gauge_factor: f64) -> Result<Vec<Reading>> {
+    // The library counts some line ends twice.
+    let text = text.replace("\r\n", "\n").replace('\r', "\n");
+    let mut lines = (1..).zip(text.lines()).map(|(line, text)| (line, cells(text))).filter(|(_, cells)| {
+        let is_separator = cells.get(0).is_some_and(|first| first.eq_ignore_ascii_case("sep="));
+        !is_separator && cells.iter().any(|cell| !cell.is_empty())
+    });
+    let Some((_, header)) = lines.next() else { bail!("the table has no header: {FORMAT}") };
+    check_separator(&header).context("header")?;
+    let columns = Columns::find(&header, gauge_factor).context("header")?;
     let mut readings = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|problem| plain(&problem)).with_context(|| name.to_string())?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let row = columns.row(&record).with_context(|| format!("{name}, line {line}"))?;
-        readings.push(Reading { line, row });
+    for (line, cells) in lines {
+        let row = check_width(&cells, &header).and_then(|()| columns.row(&cells));
+        readings.push(Reading { line, row: row.with_context(|| format!("line {line}"))? });
     }
-    ensure!(!readings.is_empty(), "{name}: the table has no rows below its header: {FORMAT}");
+    ensure!(!readings.is_empty(), "the table has no rows below its header: {FORMAT}");
     Ok(readings)
 }
 
+/// The cells of a line; none for a comment.
+fn cells(line: &str) -> StringRecord {
+    let mut reader =
+        ReaderBuilder::new().has_headers(false).trim(Trim::All).comment(Some(b'#')).from_reader(line.as_bytes());
+    // A line that is text has cells.
+    reader.records().next().and_then(Result::ok).unwrap_or_default()
+}
+
+/// Spreadsheets write empty cells behind the last column, and in columns without a name.
+fn check_width(cells: &StringRecord, header: &StringRecord) -> Result<()> {
+    let named = header.iter().rposition(|column| !column.is_empty()).map_or(0, |last| last + 1);
+    let is_nameless = |index: usize| header.get(index).is_none_or(str::is_empty);
+    let extra = cells.iter().enumerate().any(|(index, cell)| is_nameless(index) && !cell.is_empty());
+    ensure!(
+        !extra && cells.len() >= named,
+        "{} cells, but the header has {named} columns: write a number in each column, leave cells without a reading empty, \
+         and write numbers with a decimal point",
+        cells.len()
+    );
+    Ok(())
+}
+
+/// Size limit of a file, bytes.
+const FILE_BYTES_MAX: u64 = 16 * 1024 * 1024;
 /// Format of the table, for error messages.
 const FORMAT: &str =
     "write a header such as pressure_mpa,strain and below it one line for each reading, such as 0.05,0.0146";
@@ -67,24 +96,10 @@ fn check_separator(header: &StringRecord) -> Result<()> {
     Ok(())
 }
 
-/// The cause of a line that is not readable as CSV.
-fn plain(problem: &csv::Error) -> anyhow::Error {
-    let line = problem.position().map_or(0, csv::Position::line);
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's kinds: the text of the others is sufficient")]
-    match problem.kind() {
-        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => anyhow!(
-            "line {line}: {len} cells, but the header has {expected_len} columns: write a number in each column, leave cells \
-             without a reading empty, and write numbers with a decimal point"
-        ),
-        csv::ErrorKind::Utf8 { .. } => anyhow!("line {line}: the file is not UTF-8 text: save it as CSV in UTF-8"),
-        _ => anyhow!("line {line}: {problem}"),
-    }
-}
-
 impl Columns {
     fn find(header: &StringRecord, gauge_factor: f64) -> Result<Self> {
         let position = |name: &str| header.iter().position(|column| column == name);
-        for column in header {
+        for column in header.iter().filter(|column| !column.is_empty()) {
             let known = column == PRESSURE || column == ELONGATION || STRAINS.iter().any(|(name, ..)| *name == column);
             let hint = if column.to_ascii_lowercase().contains("kpa") {
                 format!("; write pressures in MPa into {PRESSURE}: 100 kPa are 0.1 MPa")
@@ -150,4 +165,36 @@ fn number(record: &StringRecord, column: usize, name: &str) -> Result<Option<f64
 
 fn strain_names() -> String {
     STRAINS.map(|(name, ..)| name).join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines_of(text: &str) -> Result<Vec<u64>, String> {
+        let read = read_lines(text, 2.0);
+        read.map(|rows| rows.iter().map(|row| row.line).collect()).map_err(|problem| format!("{problem:#}"))
+    }
+
+    #[test]
+    fn regress_lines_are_counted_whatever_ends_them() {
+        let text = "# a comment\n\npressure_mpa,strain\n0.05,0.01\n\n# another\n0.10,0.02\n0.15,oops\n";
+        for end in ["\n", "\r\n", "\r"] {
+            let told = lines_of(&text.replace('\n', end)).unwrap_err();
+            assert_eq!(told, "line 8: column strain: \"oops\" is not a number", "{end:?}");
+            assert_eq!(lines_of(&text.replace("oops", "0.03").replace('\n', end)), Ok(vec![4, 7, 8]), "{end:?}");
+        }
+    }
+
+    #[test]
+    fn regress_a_spreadsheets_empty_cells_and_rows_are_left_out() {
+        let table = "sep=,\npressure_mpa,,strain,,\n0.05,,0.01,,\n,,,,\n0.10,,0.02\n,,\n\n";
+        assert_eq!(lines_of(table), Ok(vec![3, 5]));
+        assert_eq!(lines_of("\"pressure_mpa\",\"strain\"\n\"0.05\",\"0.01\"\n"), Ok(vec![2]));
+        let told = lines_of("pressure_mpa,strain,\n0.05,0.01,7\n").unwrap_err();
+        assert!(told.starts_with("line 2: 3 cells, but the header has 2 columns"), "{told}");
+        assert!(lines_of("pressure_mpa,strain\n0.05\n").unwrap_err().starts_with("line 2: 1 cells"));
+        assert!(lines_of("# only a comment\n").unwrap_err().contains("no header"));
+        assert!(lines_of("pressure_mpa,strain\n,,\n").unwrap_err().contains("no rows"));
+    }
 }
