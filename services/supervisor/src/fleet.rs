@@ -147,7 +147,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         }
         shared.readiness.listens(&shard, connection.link.clone(), metrics.promises.clone());
         shared.readiness.set_of(&shard, TAKING_UP, None);
-        let log = shared.kafka.as_ref().and_then(|kafka| kafka.reader(&shard, &metrics));
+        let log = shared.kafka.as_ref().and_then(|kafka| kafka.reader(&shard, &metrics, &shared.readiness));
         // From the database, the owner of the first shard archives the whole fleet.
         let archive =
             shared.archive.as_ref().filter(|archive| archive.source() == ArchiveSource::Log || shard.is_first());
@@ -195,7 +195,7 @@ pub(crate) fn engine_options(
         log: shared
             .kafka
             .as_ref()
-            .and_then(|kafka| kafka.reader(lease.shard(), &shared.metrics.of_shard(lease.shard()))),
+            .and_then(|kafka| kafka.reader(lease.shard(), &shared.metrics.of_shard(lease.shard()), &shared.readiness)),
         boxes: shared.boxes.clone(),
         is_archived: shared.archive.as_ref().is_some_and(|archive| archive.source() == ArchiveSource::Database),
         joint: shared.joint.clone(),

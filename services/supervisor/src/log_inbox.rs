@@ -18,12 +18,24 @@ pub(crate) enum Skipped {
     NoValue,
     /// The log has deleted it before it was read.
     Deleted,
+    /// A header names another robot, or another message, than the key.
+    Contradiction,
+    /// The record cannot be read.
+    Unreadable,
 }
 
 impl Skipped {
     /// All reasons.
-    pub(crate) const ALL: [Self; 6] =
-        [Self::NoTopic, Self::OtherFleet, Self::WrongPartition, Self::OtherMessage, Self::NoValue, Self::Deleted];
+    pub(crate) const ALL: [Self; 8] = [
+        Self::NoTopic,
+        Self::OtherFleet,
+        Self::WrongPartition,
+        Self::OtherMessage,
+        Self::NoValue,
+        Self::Deleted,
+        Self::Contradiction,
+        Self::Unreadable,
+    ];
 
     /// The reason as a label of metrics.
     pub(crate) const fn word(self) -> &'static str {
@@ -34,6 +46,8 @@ impl Skipped {
             Self::OtherMessage => "OTHER_MESSAGE",
             Self::NoValue => "NO_VALUE",
             Self::Deleted => "DELETED",
+            Self::Contradiction => "CONTRADICTION",
+            Self::Unreadable => "UNREADABLE",
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::events::EventSink;
 use crate::kafka_options::KafkaOptions;
 use crate::log_inbox::{LogBatch, LogRecord, LogStart};
 use crate::metrics::FleetMetrics;
+use crate::readiness::Readiness;
 
 /// A type without values.
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +37,7 @@ impl Kafka {
         match self.0 {}
     }
 
-    pub(crate) fn reader(&self, _: &FleetShard, _: &FleetMetrics) -> Option<LogReader> {
+    pub(crate) fn reader(&self, _: &FleetShard, _: &FleetMetrics, _: &Readiness) -> Option<LogReader> {
         match self.0 {}
     }
 

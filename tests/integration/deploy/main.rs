@@ -10,7 +10,6 @@ mod profiles;
 mod sbom;
 mod scale;
 mod secrets;
-mod stand_ins;
 mod structure;
 mod systemd;
 mod words;

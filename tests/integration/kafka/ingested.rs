@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use vibrissa_protocol::{ArrayType, Contacts, RobotTopic, SetpointOutcome};
-use vibrissa_tests::kafka::{Bridge, BridgeOptions, Kafka, record};
+use vibrissa_tests::kafka::{Bridge, BridgeOptions, Compression, Kafka, record};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
@@ -171,7 +171,7 @@ async fn replayed_offsets_and_malformed_records_change_nothing_and_are_counted()
     kafka.write(MESSAGES, 0, records("r", &all[30..])).await;
     stored(&program, &all).await;
     for (reason, count) in
-        [("NO_TOPIC", 1.0), ("OTHER_FLEET", 1.0), ("OTHER_MESSAGE", 1.0), ("NO_VALUE", 1.0), ("WRONG_PARTITION", 0.0)]
+        [("NO_TOPIC", 1.0), ("CONTRADICTION", 1.0), ("OTHER_MESSAGE", 1.0), ("NO_VALUE", 1.0), ("WRONG_PARTITION", 0.0)]
     {
         let name = format!("vibrissa_kafka_records_skipped_total{{fleet=\"f\",reason=\"{reason}\"");
         assert_eq!(program.metric(&name).await, count, "{reason}");
@@ -184,6 +184,36 @@ async fn replayed_offsets_and_malformed_records_change_nothing_and_are_counted()
     program.answers().await;
     until_true("all records again", async || program.metric("vibrissa_messages_duplicate_total{").await == 90.0).await;
     stored(&program, &all).await;
+}
+
+#[tokio::test]
+async fn regress_a_damaged_batch_is_set_aside_and_compressed_ones_are_read() {
+    let Some(kafka) = Kafka::start(1).await else { return };
+    kafka.create_topic(MESSAGES, 1).await;
+    let broker = Mosquitto::start();
+    let mut program = program(&kafka, &broker, &[]).await;
+    let mut robot = robot(&broker, &program).await;
+    let all = messages(&mut robot, 60);
+    for (compression, part) in [(Compression::Gzip, &all[..10]), (Compression::Snappy, &all[10..20])] {
+        kafka.write_compressed(MESSAGES, 0, records("r", part), compression).await;
+    }
+    stored(&program, &all[..20]).await;
+    program.process.kill();
+    for part in [&all[20..30], &all[30..40], &all[40..]] {
+        kafka.write(MESSAGES, 0, records("r", part)).await;
+    }
+    kafka.damage(format!("\"seq\":{},", all[35].seq).as_bytes());
+    program.process.restart();
+    program.answers().await;
+    let kept: Vec<Contacts> = all[..30].iter().chain(&all[40..]).cloned().collect();
+    stored(&program, &kept).await;
+    for name in [
+        "vibrissa_kafka_records_skipped_total{fleet=\"f\",reason=\"UNREADABLE\"",
+        "vibrissa_items_set_aside_total{fleet=\"f\",reader=\"LOG\"",
+    ] {
+        assert_eq!(program.metric(name).await, 10.0, "{name}");
+    }
+    assert!(program.log().contains("records of the log cannot be read and are set aside"));
 }
 
 #[tokio::test]

@@ -5,13 +5,13 @@ mod clients;
 mod losses;
 
 use std::fs;
+use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
 use nix::sys::signal::Signal;
 use rskafka::client::Client;
-use rskafka::client::partition::Compression;
 use rskafka::record::Record;
 use tempfile::TempDir;
 
@@ -21,6 +21,8 @@ use crate::process::{Launch, Process};
 use crate::wait::until_within;
 
 pub use bridge::{Bridge, BridgeOptions};
+pub use rskafka::client::partition::Compression;
+
 pub use clients::{Names, Reader, Writer, record, record_of};
 use clients::{connect, partition_client};
 
@@ -216,18 +218,50 @@ impl Kafka {
     /// # Panics
     /// The brokers do not take them.
     pub async fn write(&self, topic: &str, partition: u32, records: Vec<Record>) {
+        self.write_compressed(topic, partition, records, Compression::NoCompression).await;
+    }
+
+    /// As [`Self::write`], compressed.
+    ///
+    /// # Panics
+    /// The brokers do not take them.
+    pub async fn write_compressed(&self, topic: &str, partition: u32, records: Vec<Record>, compression: Compression) {
         until_within(START, "a write", async || {
             let client = partition_client(&self.client().await, topic, partition).await?;
-            let writing = client.produce(records.clone(), Compression::NoCompression);
+            let writing = client.produce(records.clone(), compression);
             tokio::time::timeout(ANSWER, writing).await.ok()?.ok()
         })
         .await;
+    }
+
+    /// Damages the stored batch with these bytes, at every broker.
+    ///
+    /// # Panics
+    /// No file has them.
+    pub fn damage(&self, needle: &[u8]) {
+        let mut damaged = 0;
+        let segments = files(self._folder.path()).into_iter();
+        for segment in segments.filter(|file| file.extension().is_some_and(|end| end == "log")) {
+            let bytes = fs::read(&segment).expect("a segment");
+            let Some(place) = bytes.windows(needle.len()).position(|found| found == needle) else { continue };
+            let mut file = fs::OpenOptions::new().write(true).open(segment).expect("a segment");
+            file.seek(SeekFrom::Start(place as u64)).expect("a place in a file");
+            file.write_all(b"#").expect("a segment");
+            damaged += 1;
+        }
+        assert!(damaged > 0, "no segment has the bytes");
     }
 
     /// A reader of all partitions of a topic, from the beginning.
     pub async fn reader(&self, topic: &str, partitions: u32) -> Reader {
         Reader::new(self.addresses(), topic, partitions)
     }
+}
+
+/// All files below a folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
 /// Settings of the port with TLS and credentials.

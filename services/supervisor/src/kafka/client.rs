@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use rskafka::BackoffConfig;
-use rskafka::client::error::{Error, ProtocolError};
+use rskafka::client::error::{Error, ProtocolError, RequestError};
 use rskafka::client::partition::{PartitionClient, UnknownTopicHandling};
 use rskafka::client::{Client, ClientBuilder, Credentials, SaslConfig};
 use rustls::pki_types::CertificateDer;
@@ -85,6 +85,18 @@ impl From<Error> for KafkaError {
 }
 
 impl KafkaError {
+    /// Whether the answer has come and cannot be read: it would be the same again.
+    pub(super) fn is_unreadable(&self) -> bool {
+        let Self::Failed(problem) = self else { return false };
+        matches!(
+            problem,
+            Error::InvalidResponse(_)
+                | Error::Request(
+                    RequestError::ReadError(_) | RequestError::ReadVersionedError(_) | RequestError::TooMuchData { .. }
+                )
+        )
+    }
+
     /// Whether the brokers refuse these records for good, as too large or malformed.
     pub(super) fn is_refusal(&self) -> bool {
         let Self::Failed(Error::ServerError { protocol_error, .. }) = self else { return false };

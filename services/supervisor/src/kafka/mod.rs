@@ -4,6 +4,7 @@
 //! [`stamped`] reads it for the archive, [`client`] has the connections.
 
 mod client;
+mod fetch;
 mod publisher;
 mod reader;
 #[cfg(feature = "archive")]
@@ -20,6 +21,7 @@ use vibrissa_store::Store;
 use crate::events::{EventSink, OutboxRoom};
 use crate::kafka_options::{EventTopics, KafkaOptions};
 use crate::metrics::FleetMetrics;
+use crate::readiness::Readiness;
 use client::Connector;
 pub use client::KafkaError;
 use publisher::Publisher;
@@ -50,9 +52,14 @@ impl Kafka {
     }
 
     /// The reader of a shard's contacts; `None` if they come over MQTT.
-    pub(crate) fn reader(&self, shard: &FleetShard, metrics: &FleetMetrics) -> Option<LogReader> {
+    pub(crate) fn reader(
+        &self,
+        shard: &FleetShard,
+        metrics: &FleetMetrics,
+        readiness: &Readiness,
+    ) -> Option<LogReader> {
         let topic = self.ingest.as_ref()?;
-        Some(LogReader::new(self.connector.clone(), topic, shard.clone(), metrics.clone()))
+        Some(LogReader::new(self.connector.clone(), topic, shard.clone(), metrics.clone(), readiness.clone()))
     }
 
     /// Where the engine of a shard reports events; `None` if they are not published.

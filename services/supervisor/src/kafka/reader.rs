@@ -2,7 +2,7 @@
 //!
 //! Consumer groups are not used: the owner of a shard's lease reads, and the position is in the database.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,21 +12,21 @@ use rskafka::record::RecordAndOffset;
 use tokio::sync::{Mutex, mpsc};
 use tracing::{error, info, warn};
 use vibrissa_edge::shard::FleetShard;
-use vibrissa_protocol::{RobotTopic, Topic};
+use vibrissa_protocol::{Name, RobotTopic, Topic};
 
 use super::client::{Connector, KafkaError, within};
 use crate::backoff::Backoff;
 use crate::log_inbox::{LogBatch, LogRecord, LogStart, Skipped};
 use crate::metrics::FleetMetrics;
+use crate::readiness::Readiness;
+use crate::set_aside::Reader;
 
-/// Bytes of one read.
-pub(super) const READ_BYTES: i32 = 1024 * 1024;
-/// Time for which a broker waits for new records, ms. It bounds the delay after a change of the leader, not that of records.
-pub(super) const WAIT_MS: i32 = 500;
 /// Most records that the engine steps at a time.
 const RECORDS_AT_A_TIME: usize = 512;
 /// Headers with the MQTT topic, as bridges name them.
 const TOPIC_HEADERS: [&str; 3] = ["topic", "mqtt_topic", "mqtt.topic"];
+/// The part of a shard that is not ready then.
+const PART: &str = "log";
 /// Pause of a shard whose partition does not exist.
 const MISCONFIGURED: Duration = Duration::from_secs(2);
 
@@ -37,6 +37,7 @@ pub(crate) struct LogReader {
     topic: Arc<str>,
     pub(super) shard: FleetShard,
     metrics: FleetMetrics,
+    readiness: Readiness,
     again: Arc<Mutex<Option<Again>>>,
 }
 
@@ -60,8 +61,14 @@ impl fmt::Debug for Again {
 }
 
 impl LogReader {
-    pub(super) fn new(connector: Connector, topic: &str, shard: FleetShard, metrics: FleetMetrics) -> Self {
-        Self { connector, topic: topic.into(), shard, metrics, again: Arc::default() }
+    pub(super) fn new(
+        connector: Connector,
+        topic: &str,
+        shard: FleetShard,
+        metrics: FleetMetrics,
+        readiness: Readiness,
+    ) -> Self {
+        Self { connector, topic: topic.into(), shard, metrics, readiness, again: Arc::default() }
     }
 
     /// Name of the topic.
@@ -124,10 +131,12 @@ impl LogReader {
         again.begin = to;
         again.next = again.next.max(first);
         while again.next < end {
-            let (read, _) = within(again.partition.fetch_records(again.next, 1..READ_BYTES, WAIT_MS)).await?;
-            let Some(last) = read.last() else { break };
-            again.next = last.offset + 1;
-            again.read.extend(read);
+            let read = self.fetch(&again.partition, again.next).await?;
+            if read.next == again.next {
+                break;
+            }
+            again.next = read.next;
+            again.read.extend(read.records);
         }
         let mut records = Vec::new();
         while again.read.front().is_some_and(|record| record.offset < end) {
@@ -194,9 +203,10 @@ impl LogReader {
         info!(fleet = %self.shard, topic = %self.topic, at, latest, "reading contacts from the log");
         loop {
             *next = Some(at);
-            let (read, end) = within(partition.fetch_records(at, 1..READ_BYTES, WAIT_MS)).await?;
+            let read = self.fetch(&partition, at).await?;
             self.metrics.log_connected.set(1);
-            let mut read = read.into_iter().peekable();
+            let (after, end) = (read.next, read.end);
+            let mut read = read.records.into_iter().peekable();
             while read.peek().is_some() {
                 let from = at;
                 let mut records = Vec::new();
@@ -212,6 +222,7 @@ impl LogReader {
                 }
                 *next = Some(at);
             }
+            at = after;
             self.metrics.log_lag.set((end - at).max(0));
             if batches.is_closed() {
                 return Ok(());
@@ -223,12 +234,18 @@ impl LogReader {
         self.metrics.log_skipped.of([reason.word()]).inc_by(count);
     }
 
+    /// Tells for a while that records were set aside.
+    pub(super) fn tell_set_aside(&self, from: i64, to: i64) {
+        let (last, topic) = (to - 1, &self.topic);
+        let problem = format!("records {from} to {last} of {topic:?} cannot be read and are set aside: see the log");
+        self.metrics.set_aside(Reader::Log, to.abs_diff(from));
+        self.readiness.tell_set_aside(&self.shard, PART, problem);
+    }
+
     /// The message of a record.
     pub(super) fn message(&self, record: RecordAndOffset) -> Result<LogRecord, Skipped> {
         let RecordAndOffset { record, offset } = record;
-        let header = TOPIC_HEADERS.iter().find_map(|&name| record.headers.get(name));
-        let text = header.or(record.key.as_ref()).and_then(|text| std::str::from_utf8(text).ok());
-        let topic = text.and_then(|text| Topic::parse(text).ok()).ok_or(Skipped::NoTopic)?;
+        let topic = address(record.key.as_deref(), &record.headers)?;
         let Topic::Robot { fleet, robot, kind } = &topic else { return Err(Skipped::NoTopic) };
         if fleet != self.shard.fleet() {
             return Err(Skipped::OtherFleet);
@@ -242,5 +259,50 @@ impl LogReader {
         let (robot, kind) = (robot.clone(), *kind);
         let payload = record.value.ok_or(Skipped::NoValue)?.into();
         Ok(LogRecord { offset, topic, robot, kind, payload })
+    }
+}
+
+/// The MQTT topic of a record. A key names the robot, and a header must not name another one: brokers and bridges protect
+/// keys, while anybody who writes may add headers.
+fn address(key: Option<&[u8]>, headers: &BTreeMap<String, Vec<u8>>) -> Result<Topic, Skipped> {
+    let text = |bytes: &[u8]| std::str::from_utf8(bytes).ok().map(str::to_owned);
+    let topic_in = |text: &str| Topic::parse(text).ok().filter(|topic| matches!(topic, Topic::Robot { .. }));
+    let values = TOPIC_HEADERS.iter().filter_map(|&name| text(headers.get(name)?));
+    let header = values.filter_map(|value| topic_in(&value)).next();
+    let key = key.and_then(text).unwrap_or_default();
+    if let Some(of_key) = topic_in(&key) {
+        return if header.is_none_or(|header| header == of_key) { Ok(of_key) } else { Err(Skipped::Contradiction) };
+    }
+    let header = header.ok_or(Skipped::NoTopic)?;
+    let (Topic::Robot { fleet, robot, .. }, Some((of_fleet, of_robot))) = (&header, key.split_once('/')) else {
+        return Ok(header);
+    };
+    let (Ok(of_fleet), Ok(of_robot)) = (Name::new(of_fleet), Name::robot(of_robot)) else { return Ok(header) };
+    if (fleet, robot) == (&of_fleet, &of_robot) { Ok(header) } else { Err(Skipped::Contradiction) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regress_a_header_does_not_name_another_robot_than_the_key() {
+        const TOPIC: &str = "whisker/v1/f/r/contacts";
+        let addressed = |key: Option<&str>, headers: &[(&str, &str)]| {
+            let headers = headers.iter().map(|(name, value)| ((*name).to_owned(), value.as_bytes().to_vec())).collect();
+            address(key.map(str::as_bytes), &headers).map(|topic| topic.to_string())
+        };
+        let found = Ok(TOPIC.to_owned());
+        assert_eq!(addressed(Some("f/r"), &[("topic", TOPIC)]), found);
+        assert_eq!(addressed(Some(TOPIC), &[]), found);
+        assert_eq!(addressed(None, &[("mqtt.topic", TOPIC)]), found);
+        assert_eq!(addressed(Some("some-key"), &[("mqtt_topic", TOPIC)]), found, "a key of another form");
+        assert_eq!(addressed(Some(TOPIC), &[("topic", "vibrissa.messages")]), found, "a header of another meaning");
+        assert_eq!(addressed(None, &[("topic", "vibrissa.messages"), ("mqtt_topic", TOPIC)]), found);
+        for key in ["f/other", "g/r", "whisker/v1/f/other/contacts", "whisker/v1/f/r/status"] {
+            assert_eq!(addressed(Some(key), &[("topic", TOPIC)]), Err(Skipped::Contradiction), "{key}");
+        }
+        assert_eq!(addressed(Some("f/r"), &[]), Err(Skipped::NoTopic));
+        assert_eq!(addressed(None, &[("topic", "whisker/v1/f/supervisor/state")]), Err(Skipped::NoTopic));
     }
 }

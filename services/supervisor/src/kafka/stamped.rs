@@ -6,7 +6,7 @@ use rskafka::client::partition::{OffsetAt, PartitionClient};
 use tracing::error;
 
 use super::client::{KafkaError, within};
-use super::reader::{LogReader, READ_BYTES, WAIT_MS};
+use super::reader::LogReader;
 use crate::log_inbox::{LogRecord, Skipped};
 
 /// A message with its time of receipt.
@@ -56,11 +56,12 @@ impl OpenLog {
     /// # Errors
     /// The log does not answer.
     pub(crate) async fn read(&self, from: i64, to: i64) -> Result<(Vec<StampedRecord>, i64), KafkaError> {
-        let (read, _) = within(self.partition.fetch_records(from.max(self.earliest), 1..READ_BYTES, WAIT_MS)).await?;
+        let at = from.max(self.earliest);
+        let read = self.reader.fetch(&self.partition, at).await?;
         // An answer may begin before the offset, with the first record of a batch.
-        let later = read.into_iter().skip_while(|record| record.offset < from).collect::<Vec<_>>();
+        let later = read.records.into_iter().skip_while(|record| record.offset < from).collect::<Vec<_>>();
         // A record exists before the end of the log, unless only marks of transactions follow.
-        let next = later.last().map_or(to, |last| (last.offset + 1).min(to));
+        let next = if read.next == at { to } else { read.next.min(to) };
         let stamped = later.into_iter().filter(|record| record.offset < to).filter_map(|one| {
             let received_us = one.record.timestamp.timestamp_micros();
             // The engine counts and tells the records that it skips.
