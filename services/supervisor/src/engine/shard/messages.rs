@@ -61,7 +61,7 @@ impl Shard {
                 match self.robots.get_mut(&raw.robot) {
                     Some(known) => {
                         let content = fingerprints::of_content(&self.hashers, &message);
-                        self.stepper.take_contacts(known, (&message, &refused), Some(content), raw.received);
+                        self.stepper.take_contacts(known, (&message, &refused[..]), Some(content), raw.received);
                     }
                     None => self.unknown(raw, Some((message.boot_id.as_str(), message.seq))),
                 }
@@ -235,7 +235,7 @@ impl Shard {
             contacts: Vec::new(),
             missed: Vec::new(),
         };
-        self.stepper.take_contacts(known, (&contacts, &[]), None, raw.received);
+        self.stepper.take_contacts(known, (&contacts, &[][..]), None, raw.received);
     }
 
     async fn make_known(&mut self, raw: &RawMessage, committer: &mut Committer) -> Result<(), StoreError> {

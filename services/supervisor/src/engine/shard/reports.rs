@@ -137,7 +137,7 @@ impl Stepper {
         now: Micros,
     ) {
         self.refuse_entries(known, RobotTopic::Status, refused, now);
-        let whiskers = self.converted(known, (RobotTopic::Status, &message.whiskers), now, edge::status);
+        let whiskers = self.converted(known, (RobotTopic::Status, &message.whiskers[..]), now, edge::status);
         let (boot_id, robot_time) = (message.boot_id.as_str(), Micros(message.t_us));
         let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
         let outcome = self.step(known, now, &event, None);
@@ -156,9 +156,9 @@ impl Stepper {
         content: Option<u32>,
         now: Micros,
     ) {
-        let contacts = self.converted(known, (RobotTopic::Contacts, &message.contacts), now, edge::contact);
+        let contacts = self.converted(known, (RobotTopic::Contacts, &message.contacts[..]), now, edge::contact);
         let boot_id = message.boot_id.as_str();
-        let missed = self.converted(known, (RobotTopic::Contacts, &message.missed), now, edge::missed);
+        let missed = self.converted(known, (RobotTopic::Contacts, &message.missed[..]), now, edge::missed);
         let event = Event::Contacts { boot_id, seq: message.seq, contacts: &contacts, missed: &missed };
         let (given_up_before, end) = counted(known, boot_id);
         let source = Source { message, boot: known.boot(boot_id) };
