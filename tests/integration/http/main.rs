@@ -25,5 +25,6 @@ mod rows;
 mod scope;
 mod series;
 mod served;
+mod sign_in;
 mod streams;
 mod words;

@@ -15,6 +15,7 @@ use subtle::ConstantTimeEq as _;
 use super::App;
 use super::access::Caller;
 use super::access::cookies::{self, ATTEMPT, SESSION};
+use super::access::return_page::ReturnPage;
 use super::access::session::{Attempt, Failure, SESSION_S, SignIn};
 use super::passage::RequestId;
 use super::problem::{Kind, Problem};
@@ -26,10 +27,6 @@ use vibrissa_store::secret::Secret;
 
 /// Time for a sign-in at the provider, s.
 const ATTEMPT_S: i64 = 600;
-/// Maximum length of the page to return to, in characters.
-const TO_CHARS_MAX: usize = 1000;
-/// Where people arrive who came from nowhere.
-const FIRST: &str = "#/fleets";
 
 /// Why a sign-in failed, as the console's address says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,9 +74,7 @@ struct To {
 
 async fn sign_in(State(app): State<App>, Query(To { to }): Query<To>) -> Result<Response, Problem> {
     let sign_in = app.access.sign_in().ok_or_else(|| Problem::not_found("sign-in: no client is configured"))?;
-    let is_page =
-        |to: &String| to.starts_with("#/") && to.chars().count() <= TO_CHARS_MAX && !to.contains(char::is_control);
-    let attempt = Attempt::new(to.as_ref().filter(|to| is_page(to)).map_or(FIRST, String::as_str))?;
+    let attempt = Attempt::new(to.and_then(|to| to.parse().ok()).unwrap_or_default());
     let place = sign_in.authorization_url(&attempt).await?;
     let value = URL_SAFE_NO_PAD.encode(serde_json::to_vec(&attempt).unwrap_or_default());
     // Lax: the provider's page leads back here, from another site.
@@ -92,6 +87,7 @@ async fn sign_in(State(app): State<App>, Query(To { to }): Query<To>) -> Result<
 struct Answer {
     code: Option<String>,
     state: Option<String>,
+    iss: Option<String>,
     error: Option<String>,
     error_description: Option<String>,
 }
@@ -109,12 +105,15 @@ async fn callback(
     let over = cookies::clear(&ATTEMPT, sign_in.is_secure());
     let failed = |cause: Cause, what: &str| {
         tracing::warn!(cause = cause.word(), what, "sign-in at the console failed");
-        go(&format!("/{FIRST}?sign_in={}", cause.word()), [over.clone()])
+        go(&format!("/{}?sign_in={}", ReturnPage::default(), cause.word()), [over.clone()])
     };
     let Some(attempt) = attempt else { return failed(Cause::Expired, "no attempt of this browser") };
-    let state = answer.state.unwrap_or_default();
-    if !bool::from(state.as_bytes().ct_eq(attempt.state.as_bytes())) {
+    let is_same = |state: &String| bool::from(state.as_bytes().ct_eq(attempt.state.as_bytes()));
+    if !answer.state.as_ref().is_some_and(is_same) {
         return failed(Cause::Expired, "the answer belongs to another attempt (state)");
+    }
+    if !sign_in.is_of_provider(answer.iss.as_deref()) {
+        return failed(Cause::Provider, "the answer comes from another provider (iss)");
     }
     let Some(code) = answer.code.filter(|_| answer.error.is_none()) else {
         let what = [answer.error, answer.error_description].into_iter().flatten().collect::<Vec<_>>().join(": ");
@@ -129,7 +128,7 @@ async fn callback(
     app.store.add_session(&begun.row, &action).await?;
     // Strict: requests from other sites come without it. It ends with the browser, or with the session.
     let session = cookies::set(&SESSION, begun.cookie.reveal(), sign_in.is_secure(), Some(SESSION_S));
-    go(&format!("/{}", attempt.to), [session, over])
+    go(&format!("/{}", attempt.to), [over, session])
 }
 
 async fn sign_out(

@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 
 use jsonwebtoken::jwk::{AlgorithmParameters, EllipticCurve, Jwk, JwkSet, KeyAlgorithm, KeyOperations, PublicKeyUse};
 use jsonwebtoken::{Algorithm, DecodingKey};
-use serde_json::Value;
 use tokio::sync::watch;
 
+use super::fetch::{self, Away, blocking};
 use crate::http::problem::{Kind, Problem};
 
 /// Timing of fetches.
@@ -30,11 +30,6 @@ const PACE: Pace = Pace {
     fetch_every: Duration::from_secs(10),
     retry_every: Duration::from_secs(1),
 };
-
-/// Time limit of each of the two requests to the provider.
-const PATIENCE: Duration = Duration::from_secs(5);
-/// Size limit of a provider's answer, in bytes.
-const ANSWER_BYTES_MAX: u64 = 1024 * 1024;
 
 /// Algorithms of RSA keys.
 const OF_RSA: [Algorithm; 6] =
@@ -88,7 +83,7 @@ impl Keys {
     ///
     /// # Errors
     /// The provider has no such key, the key is for something else, or no keys could be fetched.
-    pub(super) async fn key(&self, kid: Option<&str>, algorithm: Algorithm) -> Result<DecodingKey, Problem> {
+    pub(super) async fn key(&self, kid: Option<&str>, algorithm: Algorithm) -> Result<Jwk, Problem> {
         let mut fetching = {
             let mut state = lock(&self.state);
             let now = Instant::now();
@@ -126,8 +121,7 @@ impl Keys {
         let (source, state) = (self.source.clone(), self.state.clone());
         // A separate task, so that callers who disconnect do not cancel the fetch.
         tokio::spawn(async move {
-            let fetched = tokio::task::spawn_blocking(move || source.fetch()).await;
-            let fetched = fetched.unwrap_or_else(|problem| Err(problem.to_string()));
+            let fetched = blocking(move || source.fetch()).await;
             let mut state = lock(&state);
             match fetched {
                 Ok(set) => {
@@ -135,7 +129,7 @@ impl Keys {
                     state.fetched = Some(Instant::now());
                     state.failure = None;
                 }
-                Err(problem) => {
+                Err(Away(problem)) => {
                     tracing::warn!(problem, "cannot fetch the identity provider's keys");
                     state.failure = Some(problem);
                 }
@@ -152,11 +146,11 @@ fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
 }
 
 impl State {
-    fn find(&self, kid: Option<&str>, algorithm: Algorithm) -> Result<DecodingKey, Lack> {
+    fn find(&self, kid: Option<&str>, algorithm: Algorithm) -> Result<Jwk, Lack> {
         choose(self.set.as_ref().map_or(&[], |set| &set.keys), kid, algorithm)
     }
 
-    fn verdict(&self, found: Result<DecodingKey, Lack>, kid: Option<&str>) -> Result<DecodingKey, Problem> {
+    fn verdict(&self, found: Result<Jwk, Lack>, kid: Option<&str>) -> Result<Jwk, Problem> {
         let refused = |what: String| Err(Problem::new(Kind::Unauthenticated, what));
         match found {
             Ok(key) => Ok(key),
@@ -173,7 +167,7 @@ impl State {
 }
 
 /// The key with this ID that verifies signatures by this algorithm. A token may omit the ID if one key fits.
-fn choose(keys: &[Jwk], kid: Option<&str>, algorithm: Algorithm) -> Result<DecodingKey, Lack> {
+fn choose(keys: &[Jwk], kid: Option<&str>, algorithm: Algorithm) -> Result<Jwk, Lack> {
     let mut unfit = None;
     let mut fit = Vec::new();
     for key in keys.iter().filter(|key| kid.is_none() || key.common.key_id.as_deref() == kid) {
@@ -183,7 +177,10 @@ fn choose(keys: &[Jwk], kid: Option<&str>, algorithm: Algorithm) -> Result<Decod
         }
     }
     match (fit.as_slice(), kid) {
-        ([key], _) | ([key, ..], Some(_)) => DecodingKey::from_jwk(key).map_err(|_| Lack::Unfit("cannot be parsed")),
+        ([key], _) | ([key, ..], Some(_)) => match DecodingKey::from_jwk(key) {
+            Ok(_) => Ok((*key).clone()),
+            Err(_) => Err(Lack::Unfit("cannot be parsed")),
+        },
         ([], Some(_)) => Err(unfit.map_or(Lack::Unknown, Lack::Unfit)),
         ([] | [_, _, ..], None) => Err(Lack::Unknown),
     }
@@ -212,26 +209,15 @@ fn fitness(key: &Jwk, algorithm: Algorithm) -> Result<(), &'static str> {
 }
 
 impl Source {
-    fn fetch(&self) -> Result<JwkSet, String> {
-        let url = match &self.jwks_url {
-            Some(url) => url.clone(),
+    fn fetch(&self) -> Result<JwkSet, Away> {
+        match &self.jwks_url {
+            Some(url) => fetch::get(url),
             None => {
-                let issuer = self.issuer.trim_end_matches('/');
-                let told: Value = get(&format!("{issuer}/.well-known/openid-configuration"))?;
-                let url = told.get("jwks_uri").and_then(Value::as_str);
-                url.ok_or_else(|| format!("{issuer} publishes no jwks_uri"))?.to_owned()
+                let url = fetch::discover(&self.issuer)?.jwks_uri;
+                fetch::get(&url.ok_or_else(|| Away(format!("{} publishes no jwks_uri", self.issuer)))?)
             }
-        };
-        get(&url)
+        }
     }
-}
-
-fn get<T: serde::de::DeserializeOwned>(url: &str) -> Result<T, String> {
-    let agent = ureq::Agent::config_builder().timeout_global(Some(PATIENCE)).max_redirects(0).build().new_agent();
-    let mut answer = agent.get(url).call().map_err(|problem| format!("{url}: {problem}"))?;
-    let body = answer.body_mut().with_config().limit(ANSWER_BYTES_MAX).read_to_vec();
-    let body = body.map_err(|problem| format!("{url}: {problem}"))?;
-    serde_json::from_slice(&body).map_err(|problem| format!("{url}: unexpected JSON: {problem}"))
 }
 
 #[cfg(test)]

@@ -1,16 +1,20 @@
 //! Authentication and authorisation: tokens of this service or of an identity provider, or no token on loopback.
 
 pub mod cookies;
+mod fetch;
 pub(super) mod guests;
+mod id_token;
 mod keys;
 mod known;
 pub mod monitoring;
 pub mod oidc;
 pub mod origin;
 pub mod provider;
+pub mod return_page;
 pub mod session;
 mod signature;
 pub mod token;
+mod tokens;
 
 use std::collections::BTreeSet;
 use std::net::IpAddr;
@@ -145,11 +149,6 @@ impl Caller {
     #[must_use]
     pub fn local() -> Self {
         Self::unlimited("local", Authentication::Loopback)
-    }
-
-    /// Whether the caller is the person with this subject at the identity provider.
-    fn is_subject(&self, subject: &str) -> bool {
-        self.actor.strip_prefix("oidc:").is_some_and(|told| told == subject || told.ends_with(&format!("#{subject}")))
     }
 
     /// A caller with every right, whose name is also its actor.

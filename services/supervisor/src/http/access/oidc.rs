@@ -1,8 +1,10 @@
 //! Tokens of an OpenID provider: JWTs, whose signature, issuer, audience and validity period are checked.
 
 use std::sync::Arc;
+use std::time::Duration;
 
-use jsonwebtoken::{Algorithm, Validation, decode, decode_header};
+use jsonwebtoken::jwk::Jwk;
+use jsonwebtoken::{Algorithm, DecodingKey, Validation, decode, decode_header};
 use serde_json::{Map, Value};
 use vibrissa_protocol::Name;
 
@@ -48,6 +50,9 @@ pub(super) const ALGORITHMS: [Algorithm; 9] = [
     Algorithm::EdDSA,
 ];
 
+/// Clocks may differ by this much.
+pub(super) const LEEWAY: Duration = Duration::from_secs(60);
+
 /// Standard claims that hold a person's name, the best first. The subject stands in for a missing name.
 const NAME_CLAIMS: [&str; 3] = ["name", "preferred_username", "email"];
 
@@ -60,20 +65,24 @@ impl Oidc {
         Self { options: Arc::new(options), keys }
     }
 
-    /// The caller that a token identifies.
+    /// Issuer of the tokens.
+    pub(super) fn issuer(&self) -> &str {
+        &self.options.issuer
+    }
+
+    /// The caller that an access token identifies.
     ///
     /// # Errors
     /// The token is invalid or carries no role, or the provider does not answer.
     pub async fn caller(&self, token: &str) -> Result<Caller, Problem> {
-        self.allowed(&self.verified(token, &self.options.audience).await?)
+        self.allowed(&self.verified(token).await?)
     }
 
-    /// The claims of a token for an audience, once signature, issuer, audience and validity period are checked.
+    /// Algorithm of a token's signature, and the provider's key for it.
     ///
     /// # Errors
-    /// The token is invalid, or the provider does not answer.
-    pub(super) async fn verified(&self, token: &str, audience: &str) -> Result<Map<String, Value>, Problem> {
-        let refused = |what: String| Problem::new(Kind::Unauthenticated, what);
+    /// The token is no JWT, or is signed in a way that is not accepted, or the provider does not answer.
+    pub(super) async fn key(&self, token: &str) -> Result<(Algorithm, Jwk), Problem> {
         let header = decode_header(token).map_err(|problem| refused(format!("the token is not a JWT: {problem}")))?;
         if !ALGORITHMS.contains(&header.alg) {
             return Err(refused(format!("tokens signed with {:?} are not accepted", header.alg)));
@@ -83,19 +92,33 @@ impl Oidc {
         if let Some(critical) = &header.crit {
             return Err(refused(format!("the token requires unsupported extensions: {critical:?}")));
         }
-        let key = self.keys.key(header.kid.as_deref(), header.alg).await?;
-        let mut validation = Validation::new(header.alg);
+        Ok((header.alg, self.keys.key(header.kid.as_deref(), header.alg).await?))
+    }
+
+    /// The claims of an access token, once signature, issuer, audience, validity period and subject are checked.
+    ///
+    /// # Errors
+    /// The token is invalid, or the provider does not answer.
+    pub(super) async fn verified(&self, token: &str) -> Result<Map<String, Value>, Problem> {
+        let (algorithm, key) = self.key(token).await?;
+        let key = DecodingKey::from_jwk(&key).map_err(|problem| refused(format!("the key is not usable: {problem}")))?;
+        let mut validation = Validation::new(algorithm);
         validation.set_issuer(&[&self.options.issuer]);
-        validation.set_audience(&[audience]);
+        validation.set_audience(&[&self.options.audience]);
         validation.set_required_spec_claims(&["exp", "iss", "aud", "sub"]);
         validation.validate_nbf = true;
-        decode::<Map<String, Value>>(token, &key, &validation)
+        validation.leeway = LEEWAY.as_secs();
+        let claims = decode::<Map<String, Value>>(token, &key, &validation)
             .map(|token| token.claims)
-            .map_err(|problem| refused(format!("the token is not accepted: {problem}")))
+            .map_err(|problem| refused(format!("the token is not accepted: {problem}")))?;
+        if subject(&claims).is_none() {
+            return Err(refused("the token is not accepted: it names nobody (sub)".to_owned()));
+        }
+        Ok(claims)
     }
 
     /// The caller described by the claims.
-    fn allowed(&self, claims: &Map<String, Value>) -> Result<Caller, Problem> {
+    pub(super) fn allowed(&self, claims: &Map<String, Value>) -> Result<Caller, Problem> {
         let texts = |claim: &str| -> Vec<&str> {
             match claims.get(claim) {
                 Some(Value::String(text)) => vec![text],
@@ -118,7 +141,7 @@ impl Oidc {
             Scope::Only(fleets.into_iter().filter_map(|fleet| Name::new(fleet).ok()).collect())
         };
         let text = |claim: &str| claims.get(claim).and_then(Value::as_str).filter(|text| !text.trim().is_empty());
-        let subject = text("sub").unwrap_or_default();
+        let subject = subject(claims).unwrap_or_default();
         let name = NAME_CLAIMS.into_iter().find_map(text).unwrap_or(subject).to_owned();
         let expires_us = claims.get("exp").and_then(Value::as_f64).map(|expires_s| (expires_s * 1e6) as i64);
         let (actor, authentication) = (actor(&name, subject), Authentication::Oidc);
@@ -126,12 +149,53 @@ impl Oidc {
     }
 }
 
+fn refused(what: String) -> Problem {
+    Problem::new(Kind::Unauthenticated, what)
+}
+
+/// The person whom claims are about, by the provider's own name for it. It is compared exactly.
+pub(super) fn subject(claims: &Map<String, Value>) -> Option<&str> {
+    claims.get("sub").and_then(Value::as_str).filter(|subject| !subject.trim().is_empty())
+}
+
 /// Maximum length of a person's name in the audit log, in characters.
 const NAME_CHARS_MAX: usize = 100;
 
-/// Name of a person in the audit log: `oidc:NAME#SUBJECT`. Names may change and need not be unique; the subject tells people
-/// apart. It follows the last `#`, because a name may contain others.
+/// Name of a person in the audit log: `oidc:NAME#SUBJECT`, or `oidc:SUBJECT` without a name. Names may change and need not
+/// be unique; the subject tells people apart. It follows the first `#`: a name loses its own.
 fn actor(name: &str, subject: &str) -> String {
-    let name: String = name.chars().filter(|one| !one.is_control()).take(NAME_CHARS_MAX).collect();
-    if name == subject { format!("oidc:{subject}") } else { format!("oidc:{name}#{subject}") }
+    if name == subject && !subject.contains('#') {
+        return format!("oidc:{subject}");
+    }
+    let name = name.chars().filter(|one| !one.is_control()).take(NAME_CHARS_MAX);
+    format!("oidc:{}#{subject}", name.collect::<String>().replace('#', "_"))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The subject in a person's name in the audit log.
+    fn told(actor: &str) -> &str {
+        let told = actor.strip_prefix("oidc:").unwrap();
+        told.split_once('#').map_or(told, |(_, subject)| subject)
+    }
+
+    #[test]
+    fn regress_people_with_similar_subjects_are_different_actors() {
+        // The same name in the audit log before.
+        assert_ne!(actor("x#a", "b"), actor("x", "a#b"));
+        assert_ne!(actor("a", "b"), actor("a#b", "a#b"));
+        assert_eq!(actor("Ann B.", "17"), "oidc:Ann B.#17");
+        assert_eq!(actor("ann", "ann"), "oidc:ann");
+    }
+
+    proptest! {
+        #[test]
+        fn property_an_actor_tells_the_subject(name in "[ab#]{0,4}", subject in "[ab#]{1,4}") {
+            prop_assert_eq!(told(&actor(&name, &subject)), subject);
+        }
+    }
 }

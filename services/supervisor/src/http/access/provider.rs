@@ -1,20 +1,25 @@
-//! Requests to the identity provider for the sign-in at the console: its endpoints, and tokens for a code or a refresh token.
+//! The identity provider for the sign-in at the console: its endpoints, and tokens for a code or a refresh token. The
+//! protocol is that of `openidconnect`.
 
+use std::str::FromStr as _;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
-use url::form_urlencoded::byte_serialize;
+use openidconnect::core::{
+    CoreAuthDisplay, CoreAuthPrompt, CoreErrorResponseType, CoreGenderClaim,
+    CoreJweContentEncryptionAlgorithm, CoreResponseType, CoreRevocableToken, CoreRevocationErrorResponse,
+    CoreTokenIntrospectionResponse,
+};
+use openidconnect::{
+    AuthUrl, AuthenticationFlow, AuthorizationCode, ClientId, ClientSecret, CsrfToken, EndSessionUrl, EndpointNotSet, EndpointSet,
+    IssuerUrl, JsonWebKeySet, LogoutRequest, Nonce, PkceCodeChallenge, PkceCodeVerifier, PostLogoutRedirectUrl,
+    RedirectUrl, RefreshToken, RequestTokenError, Scope, StandardErrorResponse, TokenUrl,
+};
 
+use super::fetch::{self, Away, Discovery, blocking};
+use super::id_token::{IdToken, MoreClaims, TokenResponse, VerifyingKey};
 use vibrissa_store::secret::Secret;
 
-/// Time limit of a request.
-const PATIENCE: Duration = Duration::from_secs(5);
-/// Size limit of an answer, in bytes.
-const ANSWER_BYTES_MAX: u64 = 1024 * 1024;
 /// Time for which the endpoints are remembered.
 const FRESH_FOR: Duration = Duration::from_secs(600);
 
@@ -29,22 +34,26 @@ pub struct SignInOptions {
     pub public_url: String,
 }
 
-/// The provider's endpoints, by its discovery document.
-#[derive(Debug, Clone, Deserialize)]
-pub(super) struct Endpoints {
-    issuer: String,
-    pub(super) authorization_endpoint: String,
-    token_endpoint: String,
-    pub(super) end_session_endpoint: Option<String>,
-}
-
-/// Tokens of a person.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Tokens {
-    pub(super) access_token: String,
-    pub(super) refresh_token: Option<String>,
-    pub(super) id_token: Option<String>,
-}
+/// This service as a client of the provider.
+type Client = openidconnect::Client<
+    MoreClaims,
+    CoreAuthDisplay,
+    CoreGenderClaim,
+    CoreJweContentEncryptionAlgorithm,
+    VerifyingKey,
+    CoreAuthPrompt,
+    StandardErrorResponse<CoreErrorResponseType>,
+    TokenResponse,
+    CoreTokenIntrospectionResponse,
+    CoreRevocableToken,
+    CoreRevocationErrorResponse,
+    EndpointSet,
+    EndpointNotSet,
+    EndpointNotSet,
+    EndpointNotSet,
+    EndpointSet,
+    EndpointNotSet,
+>;
 
 /// Why the provider gave no tokens.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -55,12 +64,29 @@ pub(super) enum Denial {
     Away(String),
 }
 
+impl From<Away> for Denial {
+    fn from(Away(what): Away) -> Self {
+        Self::Away(what)
+    }
+}
+
+impl From<RequestTokenError<Away, StandardErrorResponse<CoreErrorResponseType>>> for Denial {
+    fn from(problem: RequestTokenError<Away, StandardErrorResponse<CoreErrorResponseType>>) -> Self {
+        match problem {
+            RequestTokenError::ServerResponse(told) => Self::Refused(told.to_string()),
+            RequestTokenError::Request(away) => away.into(),
+            RequestTokenError::Parse(problem, _) => Self::Away(format!("unexpected JSON from the provider: {problem}")),
+            RequestTokenError::Other(what) => Self::Away(what),
+        }
+    }
+}
+
 /// A provider. Clones share what is remembered.
 #[derive(Debug, Clone)]
 pub(super) struct Provider {
     issuer: Arc<str>,
     options: Arc<SignInOptions>,
-    known: Arc<Mutex<Option<(Instant, Endpoints)>>>,
+    known: Arc<Mutex<Option<(Instant, Discovery)>>>,
 }
 
 impl Provider {
@@ -72,108 +98,94 @@ impl Provider {
         &self.options
     }
 
-    /// Where the provider sends browsers back to.
-    pub(super) fn redirect_uri(&self) -> String {
-        format!("{}/auth/callback", self.options.public_url)
-    }
-
     /// The provider's endpoints.
-    pub(super) async fn endpoints(&self) -> Result<Endpoints, String> {
+    async fn endpoints(&self) -> Result<Discovery, Away> {
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner).clone();
         if let Some((fetched, endpoints)) = known
             && fetched.elapsed() < FRESH_FOR
         {
             return Ok(endpoints);
         }
-        let url = format!("{}/.well-known/openid-configuration", self.issuer.trim_end_matches('/'));
-        let endpoints: Endpoints = blocking(move || {
-            let answer = agent().get(&url).call().map_err(|problem| format!("{url}: {problem}"))?;
-            read(answer)
-                .and_then(|(status, text)| if status == 200 { parsed(&text) } else { Err(format!("{url}: {status}")) })
-        })
-        .await?;
-        if endpoints.issuer != *self.issuer {
-            return Err(format!("the provider calls itself {}, not {}", endpoints.issuer, self.issuer));
+        let issuer = self.issuer.clone();
+        let endpoints = blocking(move || fetch::discover(&issuer)).await?;
+        if endpoints.issuer.as_deref() != Some(&*self.issuer) {
+            let told = endpoints.issuer.unwrap_or_default();
+            return Err(Away(format!(
+                "it calls itself {told:?}, but http.oidc_issuer is {:?}: both must be equal to the last character",
+                self.issuer
+            )));
         }
         *self.known.lock().unwrap_or_else(PoisonError::into_inner) = Some((Instant::now(), endpoints.clone()));
         Ok(endpoints)
     }
 
-    /// The tokens for a code.
-    pub(super) async fn redeem(&self, code: String, verifier: String) -> Result<Tokens, Denial> {
-        let redirect_uri = self.redirect_uri();
-        let form = vec![
-            ("grant_type", "authorization_code".to_owned()),
-            ("code", code),
-            ("redirect_uri", redirect_uri),
-            ("code_verifier", verifier),
-        ];
-        self.tokens(form).await
-    }
-
-    /// New tokens for a refresh token.
-    pub(super) async fn renew(&self, tokens: &Tokens) -> Result<Tokens, Denial> {
-        let Some(refresh_token) = tokens.refresh_token.clone() else {
-            return Err(Denial::Refused("the provider gave no refresh token".to_owned()));
-        };
-        let form = vec![("grant_type", "refresh_token".to_owned()), ("refresh_token", refresh_token)];
-        let new = self.tokens(form).await?;
-        // A provider may keep the refresh token, and need not repeat the ID token.
-        Ok(Tokens {
-            refresh_token: new.refresh_token.or_else(|| tokens.refresh_token.clone()),
-            id_token: new.id_token.or_else(|| tokens.id_token.clone()),
-            access_token: new.access_token,
+    async fn client(&self) -> Result<Client, Away> {
+        let endpoints = self.endpoints().await?;
+        let invalid = |problem: url::ParseError| Away(format!("an address is not a URL: {problem}"));
+        let options = &self.options;
+        let client_id = ClientId::new(options.client_id.clone());
+        let issuer = IssuerUrl::new(self.issuer.to_string()).map_err(invalid)?;
+        let authorization = web("authorization_endpoint", endpoints.authorization_endpoint)?;
+        let token = web("token_endpoint", endpoints.token_endpoint)?;
+        let redirect = format!("{}/auth/callback", options.public_url);
+        // Without keys: `id_token` gets the one of each token.
+        let client = Client::new(client_id, issuer, JsonWebKeySet::default())
+            .set_auth_uri(AuthUrl::new(authorization).map_err(invalid)?)
+            .set_token_uri(TokenUrl::new(token).map_err(invalid)?)
+            .set_redirect_uri(RedirectUrl::new(redirect).map_err(invalid)?);
+        Ok(match &options.client_secret {
+            Some(secret) => client.set_client_secret(ClientSecret::new(secret.reveal().to_owned())),
+            None => client,
         })
     }
 
-    async fn tokens(&self, mut form: Vec<(&'static str, String)>) -> Result<Tokens, Denial> {
-        let url = self.endpoints().await.map_err(Denial::Away)?.token_endpoint;
-        let options = self.options.clone();
-        let authorization = options.client_secret.as_ref().map(|secret| {
-            let encoded = |text: &str| byte_serialize(text.as_bytes()).collect::<String>();
-            let pair = format!("{}:{}", encoded(&options.client_id), encoded(secret.reveal()));
-            format!("Basic {}", STANDARD.encode(pair))
-        });
-        if authorization.is_none() {
-            form.push(("client_id", options.client_id.clone()));
-        }
-        let answered = blocking(move || {
-            let mut request = agent().post(&url).header("accept", "application/json");
-            if let Some(authorization) = authorization {
-                request = request.header("authorization", authorization);
-            }
-            let form = form.iter().map(|(name, value)| (*name, value.as_str()));
-            read(request.send_form(form).map_err(|problem| format!("{url}: {problem}"))?)
-        });
-        let (status, text) = answered.await.map_err(Denial::Away)?;
-        match status {
-            200 => parsed(&text).map_err(Denial::Away),
-            400..=499 => {
-                let told: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
-                let what =
-                    |name: &str| told.get(name).and_then(serde_json::Value::as_str).unwrap_or_default().to_owned();
-                Err(Denial::Refused(format!("{status} {} {}", what("error"), what("error_description"))))
-            }
-            _ => Err(Denial::Away(format!("the provider answered {status}"))),
-        }
+    /// Where the browser goes to sign in.
+    pub(super) async fn authorization_url(
+        &self,
+        state: CsrfToken,
+        nonce: Nonce,
+        verifier: &PkceCodeVerifier,
+    ) -> Result<String, Away> {
+        let flow = AuthenticationFlow::<CoreResponseType>::AuthorizationCode;
+        let client = self.client().await?;
+        let request = client.authorize_url(flow, || state, || nonce).add_scope(Scope::new("profile".to_owned()));
+        let challenge = PkceCodeChallenge::from_code_verifier_sha256(verifier);
+        Ok(request.set_pkce_challenge(challenge).url().0.into())
+    }
+
+    /// The tokens for a code.
+    pub(super) async fn redeem(&self, code: String, verifier: PkceCodeVerifier) -> Result<TokenResponse, Denial> {
+        let client = self.client().await?;
+        blocking(move || {
+            let request = client.exchange_code(AuthorizationCode::new(code)).set_pkce_verifier(verifier);
+            request.request(&fetch::send).map_err(Denial::from)
+        })
+        .await
+    }
+
+    /// New tokens for a refresh token.
+    pub(super) async fn renew(&self, refresh_token: Option<String>) -> Result<TokenResponse, Denial> {
+        let gone = || Denial::Refused("the provider gave no refresh token".to_owned());
+        let refresh_token = RefreshToken::new(refresh_token.ok_or_else(gone)?);
+        let client = self.client().await?;
+        blocking(move || client.exchange_refresh_token(&refresh_token).request(&fetch::send).map_err(Denial::from)).await
+    }
+
+    /// Where the browser signs out at the provider; `None` if the provider has no such page.
+    pub(super) async fn end_session_url(&self, id_token: Option<&str>) -> Option<String> {
+        let endpoint = web("end_session_endpoint", self.endpoints().await.ok()?.end_session_endpoint).ok()?;
+        let back = PostLogoutRedirectUrl::new(format!("{}/", self.options.public_url)).ok()?;
+        let request = LogoutRequest::from(EndSessionUrl::new(endpoint).ok()?)
+            .set_client_id(ClientId::new(self.options.client_id.clone()))
+            .set_post_logout_redirect_uri(back);
+        let hint = id_token.and_then(|token| IdToken::from_str(token).ok());
+        Some(hint.map_or(request, |hint| request.set_id_token_hint(&hint)).http_get_url().into())
     }
 }
 
-async fn blocking<T: Send + 'static>(work: impl FnOnce() -> Result<T, String> + Send + 'static) -> Result<T, String> {
-    tokio::task::spawn_blocking(work).await.unwrap_or_else(|problem| Err(problem.to_string()))
-}
-
-fn agent() -> ureq::Agent {
-    let config = ureq::Agent::config_builder().timeout_global(Some(PATIENCE)).max_redirects(0);
-    config.http_status_as_error(false).build().new_agent()
-}
-
-fn read(mut answer: ureq::http::Response<ureq::Body>) -> Result<(u16, Vec<u8>), String> {
-    let status = answer.status().as_u16();
-    let body = answer.body_mut().with_config().limit(ANSWER_BYTES_MAX).read_to_vec();
-    Ok((status, body.map_err(|problem| problem.to_string())?))
-}
-
-fn parsed<T: DeserializeOwned>(text: &[u8]) -> Result<T, String> {
-    serde_json::from_slice(text).map_err(|problem| format!("unexpected JSON from the provider: {problem}"))
+/// An endpoint, if it is an address that a browser or this service may open.
+fn web(name: &str, told: Option<String>) -> Result<String, Away> {
+    let told = told.ok_or_else(|| Away(format!("it publishes no {name}")))?;
+    let is_web = url::Url::parse(&told).is_ok_and(|url| matches!(url.scheme(), "https" | "http"));
+    if is_web { Ok(told) } else { Err(Away(format!("its {name} is no address of the web: {told:?}"))) }
 }

@@ -64,7 +64,11 @@ struct KeyVerifier {
     key: DecodingKey,
 }
 
-fn verifier(algorithm: &Algorithm, key: &DecodingKey) -> Result<Box<dyn JwtVerifier>> {
+/// Verifies signatures by this algorithm with this key.
+///
+/// # Errors
+/// The algorithm is symmetric, or the key is of another family.
+pub(super) fn verifier(algorithm: &Algorithm, key: &DecodingKey) -> Result<Box<dyn JwtVerifier>> {
     let method = Method::of(*algorithm).ok_or(ErrorKind::UnsupportedAlgorithm)?;
     if method.family() != key.family() {
         return Err(ErrorKind::InvalidKeyFormat.into());

@@ -3,7 +3,7 @@ use std::net::TcpListener;
 use std::sync::mpsc;
 
 use futures_util::future::join_all;
-use serde_json::json;
+use serde_json::{Value, json};
 use tokio::time::timeout;
 
 use super::*;

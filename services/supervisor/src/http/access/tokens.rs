@@ -1,0 +1,119 @@
+//! The provider's tokens of a session, as they are stored: sealed with a key that only the browser has.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use openidconnect::{OAuth2TokenResponse as _, TokenResponse as _};
+use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::id_token::TokenResponse;
+use super::oidc;
+use crate::http::problem::{Kind, Problem};
+use vibrissa_edge::clock::wall_clock;
+
+/// Length of the key, in bytes.
+pub(super) const KEY_BYTES: usize = 32;
+/// Tokens that expire within this time are renewed, s.
+const RENEWED_BEFORE_S: f64 = 20.0;
+
+/// Tokens of a person.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Tokens {
+    pub(super) access_token: String,
+    pub(super) refresh_token: Option<String>,
+    /// The newest ID token. It was verified before it was sealed.
+    pub(super) id_token: Option<String>,
+}
+
+impl Tokens {
+    /// The provider's tokens. It may keep the refresh token, and need not repeat the ID token.
+    pub(super) fn of(told: &TokenResponse, before: Option<Self>) -> Self {
+        let (refresh_token, id_token) = before.map(|before| (before.refresh_token, before.id_token)).unwrap_or_default();
+        Self {
+            access_token: told.access_token().secret().clone(),
+            refresh_token: told.refresh_token().map(|token| token.secret().clone()).or(refresh_token),
+            id_token: told.id_token().map(ToString::to_string).or(id_token),
+        }
+    }
+
+    /// The person who signed in.
+    pub(super) fn subject(&self) -> Option<String> {
+        oidc::subject(&claims(self.id_token.as_ref()?)?).map(ToOwned::to_owned)
+    }
+
+    /// The nonce of the person's ID token.
+    pub(super) fn nonce(&self) -> Option<String> {
+        claims(self.id_token.as_ref()?)?.get("nonce").and_then(Value::as_str).map(ToOwned::to_owned)
+    }
+}
+
+/// The claims of a token whose signature is verified elsewhere.
+fn claims(token: &str) -> Option<Map<String, Value>> {
+    let claims = URL_SAFE_NO_PAD.decode(token.split('.').nth(1)?).ok()?;
+    serde_json::from_slice(&claims).ok()
+}
+
+/// Whether a token expires soon, by its own claim.
+pub(super) fn is_stale(token: &str) -> bool {
+    let expires_s = claims(token).and_then(|claims| claims.get("exp").and_then(Value::as_f64));
+    expires_s.is_none_or(|expires_s| expires_s - wall_clock().as_s() < RENEWED_BEFORE_S)
+}
+
+/// Bytes that nobody can guess.
+pub(super) fn random_bytes(length: usize) -> Result<Vec<u8>, Problem> {
+    let mut bytes = vec![0; length];
+    getrandom::fill(&mut bytes)
+        .map_err(|problem| Problem::new(Kind::Internal, format!("the system provides no randomness: {problem}")))?;
+    Ok(bytes)
+}
+
+fn cipher(key: &[u8]) -> Option<LessSafeKey> {
+    UnboundKey::new(&CHACHA20_POLY1305, key).ok().map(LessSafeKey::new)
+}
+
+/// Encrypts tokens: a random nonce, then the sealed JSON.
+pub(super) fn seal(tokens: &Tokens, key: &[u8]) -> Result<Vec<u8>, Problem> {
+    let internal = || Problem::new(Kind::Internal, "cannot encrypt the session");
+    let nonce: [u8; NONCE_LEN] = random_bytes(NONCE_LEN)?.try_into().map_err(|_| internal())?;
+    let mut sealed = serde_json::to_vec(tokens).map_err(|_| internal())?;
+    let cipher = cipher(key).ok_or_else(internal)?;
+    let nonced = Nonce::assume_unique_for_key(nonce);
+    cipher.seal_in_place_append_tag(nonced, Aad::empty(), &mut sealed).map_err(|_| internal())?;
+    Ok([nonce.as_slice(), &sealed].concat())
+}
+
+/// The tokens, if this key has sealed them.
+pub(super) fn open(sealed: &[u8], key: &[u8]) -> Option<Tokens> {
+    let (nonce, sealed) = sealed.split_at_checked(NONCE_LEN)?;
+    let nonce = Nonce::assume_unique_for_key(nonce.try_into().ok()?);
+    let mut sealed = sealed.to_vec();
+    let opened = cipher(key)?.open_in_place(nonce, Aad::empty(), &mut sealed).ok()?;
+    serde_json::from_slice(opened).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_cookies_key_opens_a_session() {
+        let tokens = Tokens { access_token: "a".to_owned(), refresh_token: Some("r".to_owned()), id_token: None };
+        let sealed = seal(&tokens, &[1; KEY_BYTES]).unwrap();
+        assert_eq!(open(&sealed, &[1; KEY_BYTES]).unwrap().access_token, "a");
+        assert!(open(&sealed, &[2; KEY_BYTES]).is_none() && open(&sealed[1..], &[1; KEY_BYTES]).is_none());
+        assert!(open(&[], &[1; KEY_BYTES]).is_none());
+        assert_ne!(sealed, seal(&tokens, &[1; KEY_BYTES]).unwrap(), "each nonce is used once");
+    }
+
+    #[test]
+    fn a_token_is_renewed_before_it_expires() {
+        let token = |expires_s: f64| {
+            let claims = serde_json::json!({ "exp": expires_s }).to_string();
+            format!("e30.{}.x", URL_SAFE_NO_PAD.encode(claims))
+        };
+        let now_s = wall_clock().as_s();
+        assert!(is_stale(&token(now_s + 10.0)) && is_stale(&token(now_s - 5.0)) && is_stale("not a token"));
+        assert!(!is_stale(&token(now_s + 60.0)));
+    }
+}
