@@ -7,6 +7,7 @@ use vibrissa_core::mechanics::Objective;
 use vibrissa_core::policy::{LongerForShorter, Mode, PolicyParams};
 use vibrissa_core::policy_numbers;
 use vibrissa_core::robot::{OperatorAction, Place, Scope};
+use vibrissa_protocol::plain;
 
 use crate::words::{Severity, Word, Words, named};
 
@@ -279,7 +280,7 @@ pub enum ActionError {
     #[error("unknown action {0:?}")]
     UnknownKind(String),
     /// The parameters are invalid.
-    #[error("invalid parameters of {kind}: {source}")]
+    #[error("invalid parameters of {kind}: {}", plain::data(&source.to_string()))]
     Parameters {
         /// Kind of the action.
         kind: &'static str,

@@ -12,7 +12,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
 use vibrissa_core::units::Micros;
-use vibrissa_protocol::INTEGER_LIMIT;
+use vibrissa_protocol::{INTEGER_LIMIT, plain};
 
 /// A message as it was received.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -113,8 +113,8 @@ fn is_object(text: &str) -> bool {
 
 /// Removes the parser's line number, which counts from the start of this line.
 fn malformed(problem: &serde_json::Error) -> LineError {
-    let text = problem.to_string();
-    LineError::Malformed(text.replace("at line 1 column", "at column"))
+    let place = problem.column();
+    LineError::Malformed(format!("{} at column {place}", plain::data(&problem.to_string())))
 }
 
 #[cfg(test)]
@@ -164,12 +164,12 @@ mod tests {
     fn a_bad_line_says_what_is_wrong() {
         let problem = |text: &str| Recorded::read(text.as_bytes()).unwrap_err().to_string();
         assert!(problem("nonsense").starts_with("not a recorded message: expected"), "{}", problem("nonsense"));
-        assert!(problem(r#"{"topic":"t","payload":{}}"#).contains("missing field `received_us`"));
+        assert!(problem(r#"{"topic":"t","payload":{}}"#).contains("missing field `received_us`: add it"));
         assert!(problem(r#"{"received_us":1,"topic":"t"}"#).contains("either payload or payload_base64"));
         assert!(problem(r#"{"received_us":1,"topic":"t","payload":{},"payload_base64":""}"#).contains("either"));
         assert!(problem(r#"{"received_us":1,"topic":"t","payload":7}"#).contains("must be an object"));
         assert!(problem(r#"{"received_us":1,"topic":"t","payload_base64":"%"}"#).contains("not base64"));
         assert!(problem(r#"{"received_us":9007199254740992,"topic":"t","payload":{}}"#).contains("2^53"));
-        assert!(problem(r#"{"received_us":-1,"topic":"t","payload":{}}"#).contains("invalid value"));
+        assert!(problem(r#"{"received_us":-1,"topic":"t","payload":{}}"#).contains("-1 was given"));
     }
 }

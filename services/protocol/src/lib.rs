@@ -13,6 +13,7 @@ pub mod decode;
 pub mod document;
 pub mod messages;
 pub mod name;
+pub mod plain;
 pub mod refusal;
 pub mod rules;
 #[cfg(feature = "documents")]

@@ -1,6 +1,7 @@
 //! Reasons for refusing a message.
 
 use crate::name::BadName;
+use crate::plain;
 
 /// Why a message was refused: a closed set, so that each kind is counted under its label.
 ///
@@ -44,7 +45,7 @@ pub enum Refusal {
         problem: String,
     },
     /// A field is missing, has the wrong type, or has a word that is not in its list.
-    #[error("{path}: {problem}")]
+    #[error("{path}: {}", plain::data(problem))]
     Malformed {
         /// Path of the field, such as `contacts[3].ratio`; `.` for the whole message.
         path: String,

@@ -9,6 +9,9 @@ use std::time::Duration;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{ConnectOptions, Connection};
 use tokio::time::{Instant, interval_at};
+use vibrissa_protocol::plain;
+
+use super::cause::for_log;
 
 /// Interval between reports of progress.
 const PROGRESS: Duration = Duration::from_secs(2);
@@ -26,7 +29,7 @@ pub enum BackupError {
     #[error("{0} exists already, and a back-up overwrites nothing: choose another name, or move that file away")]
     Exists(PathBuf),
     /// The file of the back-up cannot be created, synchronised or renamed.
-    #[error("cannot write the back-up {path}: {source}")]
+    #[error("cannot write the back-up {path}: {}", plain::io(source))]
     File {
         /// File of the back-up.
         path: PathBuf,
@@ -34,7 +37,7 @@ pub enum BackupError {
         source: std::io::Error,
     },
     /// The database cannot be read, or its copy cannot be written.
-    #[error("cannot copy {from} into {to}: {source}")]
+    #[error("cannot copy {from} into {to}: {}", for_log(source))]
     Copy {
         /// File of the database.
         from: PathBuf,

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use super::cause::{for_log, of_migration, outline};
 use super::postgres::NoServer;
+use vibrissa_protocol::plain;
 
 /// Reason why the database cannot be used. No variant shows a password.
 #[derive(Debug, thiserror::Error)]
@@ -28,7 +30,7 @@ pub enum StoreError {
         holder: String,
     },
     /// The database cannot be opened.
-    #[error("cannot open the database {database}: {source}")]
+    #[error("cannot open the database {database}: {}", for_log(source))]
     Open {
         /// Address of the database, without its password.
         database: String,
@@ -36,7 +38,7 @@ pub enum StoreError {
         source: sqlx::Error,
     },
     /// The lock of the SQLite file cannot be acquired.
-    #[error("cannot lock the database with the file {path}: {source}")]
+    #[error("cannot lock the database with the file {path}: {}", plain::io(source))]
     Lock {
         /// The lock file.
         path: PathBuf,
@@ -44,7 +46,7 @@ pub enum StoreError {
         source: std::io::Error,
     },
     /// A migration of the tables failed.
-    #[error("cannot migrate the tables of {database}: {source}")]
+    #[error("cannot migrate the tables of {database}: {}", of_migration(source))]
     Migrate {
         /// Address of the database, without its password.
         database: String,
@@ -138,7 +140,7 @@ pub enum StoreError {
         source: NoServer,
     },
     /// A query failed.
-    #[error("database error: cannot {what}: {source}")]
+    #[error("database error: cannot {what}: {}", for_log(source))]
     Query {
         /// Purpose of the query, as a verb phrase after "cannot".
         what: &'static str,
@@ -320,31 +322,6 @@ impl StoreError {
         let is_sqlite = problem.try_downcast_ref::<sqlx::sqlite::SqliteError>().is_some();
         let cause = if is_sqlite { RejectionCause::of_sqlite(&code) } else { RejectionCause::of_sqlstate(&code) };
         Some(Rejection { cause: cause?, code, text: problem.message().to_owned() })
-    }
-}
-
-/// Short description of an error, without the database's own text.
-pub(crate) fn outline(problem: &sqlx::Error) -> String {
-    if let sqlx::Error::Database(told) = problem {
-        let code = told.code().unwrap_or_default();
-        return match &*code {
-            "" => "refused".to_owned(),
-            "28P01" | "28000" => format!("password authentication failed (code {code})"),
-            "3D000" => format!("the database does not exist (code {code})"),
-            "53300" => format!("too many connections (code {code})"),
-            "57P03" => format!("the server is starting or stopping (code {code})"),
-            "25006" => format!("the server accepts no writes (code {code})"),
-            "26000" | "42P05" => format!("prepared statements fail, is PgBouncer in transaction mode? (code {code})"),
-            _ => format!("refused with code {code}"),
-        };
-    }
-    #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others need no words of their own")]
-    match problem {
-        sqlx::Error::Io(problem) => format!("no connection ({})", problem.kind()),
-        sqlx::Error::PoolTimedOut => "no free connection in time".to_owned(),
-        sqlx::Error::PoolClosed => "the service is stopping".to_owned(),
-        // sqlx may add variants.
-        _ => "no usable answer".to_owned(),
     }
 }
 

@@ -18,6 +18,7 @@ pub mod batch;
 pub mod black_boxes;
 pub mod bulk;
 pub mod calibrations;
+mod cause;
 pub mod changes;
 mod commit;
 mod database;

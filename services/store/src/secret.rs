@@ -3,6 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use vibrissa_protocol::plain;
 use vibrissa_protocol::text_file::read_text;
 
 /// Length of the longest accepted password file, bytes: a longer one is probably a wrong file.
@@ -43,7 +44,7 @@ impl Secret {
                 let what = format!("is longer than {FILE_MAX_BYTES} bytes: name a file that contains a password only");
                 return fail(&what);
             }
-            Err(problem) => return fail(&format!("cannot be read: {problem}")),
+            Err(problem) => return fail(&format!("cannot be read: {}", plain::io(&problem))),
         };
         let secret = text.trim_end_matches(['\r', '\n']);
         if secret.is_empty() || secret.contains(char::is_control) {

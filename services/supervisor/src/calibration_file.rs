@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model, ModelError};
 use vibrissa_protocol::text_file::read_text;
-use vibrissa_protocol::{BadName, Name};
+use vibrissa_protocol::{BadName, Name, plain};
 
 /// Size limit of a file, bytes.
 const FILE_BYTES_MAX: u64 = 1024 * 1024;
@@ -46,7 +46,7 @@ pub struct CalibrationFile {
 #[derive(Debug, thiserror::Error)]
 pub enum CalibrationFileError {
     /// The file cannot be read.
-    #[error("calibration file {path} cannot be read: {reason}")]
+    #[error("calibration file {path} cannot be read: {}", plain::io(reason))]
     Read {
         /// Path of the file.
         path: PathBuf,
@@ -59,7 +59,7 @@ pub enum CalibrationFileError {
         /// Path of the file.
         path: PathBuf,
         /// Position and cause.
-        reason: Box<toml::de::Error>,
+        reason: String,
     },
     /// The name is invalid.
     #[error("calibration file {path}, key `name`: {reason}")]
@@ -87,7 +87,8 @@ pub fn load(path: &Path, formulation: Formulation) -> Result<(String, Model), Ca
     let text = read_text(path, FILE_BYTES_MAX)
         .map_err(|reason| CalibrationFileError::Read { path: path.to_owned(), reason })?;
     let file: CalibrationFile = toml::from_str(&text)
-        .map_err(|reason| CalibrationFileError::Parse { path: path.to_owned(), reason: Box::new(reason) })?;
+        .map_err(|problem| plain::in_file(&text, problem.span(), problem.message()))
+        .map_err(|reason| CalibrationFileError::Parse { path: path.to_owned(), reason })?;
     let name = Name::new(&file.name).map_err(|reason| CalibrationFileError::Name { path: path.to_owned(), reason })?;
     let model = Model::new(file.geometry(), file.calibration(), formulation)
         .map_err(|reason| CalibrationFileError::Model { path: path.to_owned(), reason })?;

@@ -26,6 +26,7 @@ pub mod broker;
 pub mod inbox;
 pub mod mqtt;
 pub mod outbox;
+pub mod outgoing;
 
 pub mod engine;
 

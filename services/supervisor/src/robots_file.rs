@@ -9,8 +9,8 @@ use std::time::SystemTime;
 use tokio::sync::watch;
 use tokio::time::{Duration, timeout};
 use tracing::{info, warn};
-use vibrissa_protocol::Name;
 use vibrissa_protocol::text_file::read_text;
+use vibrissa_protocol::{Name, plain};
 
 /// Size limit of the file in bytes: about 100,000 names of full length.
 const BYTES_MAX: u64 = 16 * 1024 * 1024;
@@ -32,7 +32,7 @@ impl RobotsFile {
 
     fn read_with_stamp(path: &Path) -> Result<(Self, Stamp), String> {
         let shown = path.display();
-        let failed = |problem: std::io::Error| format!("the file {shown} cannot be read: {problem}");
+        let failed = |problem: std::io::Error| format!("the file {shown} cannot be read: {}", plain::io(&problem));
         // A change after this is noticed at the next look.
         let stamp = Stamp::of(&std::fs::metadata(path).map_err(failed)?);
         let text = read_text(path, BYTES_MAX).map_err(failed)?;

@@ -5,6 +5,10 @@ use std::process::ExitCode;
 
 use vibrissa::cli;
 use vibrissa::cli::stop::{EXIT_CODE, Stopped};
+use vibrissa_protocol::plain;
+use vibrissa_store::StoreError;
+use vibrissa_store::backup::BackupError;
+use vibrissa_supervisor::outgoing;
 
 fn main() -> ExitCode {
     match cli::run(cli::parse()) {
@@ -26,13 +30,29 @@ fn is_broken_pipe(problem: &anyhow::Error) -> bool {
     problem.downcast_ref::<std::io::Error>().is_some_and(|problem| problem.kind() == ErrorKind::BrokenPipe)
 }
 
+/// The text of a cause, in plain words if it is an error of a library.
+fn told(cause: &(dyn std::error::Error + 'static)) -> String {
+    if let Some(problem) = cause.downcast_ref::<serde_json::Error>() {
+        return plain::data(&problem.to_string());
+    }
+    if let Some(problem) = cause.downcast_ref::<ureq::Error>() {
+        return outgoing::failure(problem);
+    }
+    plain::text(&cause.to_string())
+}
+
 /// The problem and its causes; a cause that a previous text already includes is omitted.
 fn told_once(problem: &anyhow::Error) -> String {
     let mut story = String::new();
-    for cause in problem.chain().map(ToString::to_string) {
-        if !story.contains(&cause) {
+    for cause in problem.chain() {
+        let text = told(cause);
+        if !story.contains(&text) {
             let colon = if story.is_empty() { "" } else { ": " };
-            story = format!("{story}{colon}{cause}");
+            story = format!("{story}{colon}{text}");
+        }
+        // Its text is complete, and its causes are in the words of the database's library.
+        if cause.is::<StoreError>() || cause.is::<BackupError>() {
+            break;
         }
     }
     story

@@ -49,7 +49,8 @@ impl Provider {
                     _ => (200, found.clone()),
                 };
                 let body = body.to_string();
-                let head = format!("HTTP/1.1 {status} X\r\nContent-Length: {}\r\nConnection: close\r\n\r\n", body.len());
+                let head =
+                    format!("HTTP/1.1 {status} X\r\nContent-Length: {}\r\nConnection: close\r\n\r\n", body.len());
                 let _ = stream.write_all(format!("{head}{body}").as_bytes()).await;
             }
         });
@@ -188,8 +189,7 @@ async fn regress_both_tokens_are_about_the_very_same_person() {
     for (subject, other) in pairs {
         for name in ["ann", "x"] {
             let access = provider.access_token(&json!({ "sub": other, "name": name }));
-            let told =
-                |nonce: &str| tokens(&access, Some(&provider.id_token(nonce, &json!({ "sub": subject }))));
+            let told = |nonce: &str| tokens(&access, Some(&provider.id_token(nonce, &json!({ "sub": subject }))));
             assert_eq!(led(&provider, &served, told).await, FAILED, "{subject:?} {other:?} {name}");
         }
     }
@@ -229,13 +229,13 @@ async fn regress_a_renewal_continues_the_session_of_the_same_person_only() {
     let served = provider.served().await;
     // Tokens that expire within 20 s are renewed at each request.
     let short = json!({ "exp": now_us() / 1_000_000 + 10 });
-    let renewed = async |told: (u16, Box<dyn Fn(&str) -> Value + '_>)| {
+    let renewed = async |status: u16, told: &dyn Fn(&str) -> Value| {
         let attempt = Attempt::begin(&served, "").await;
         let id_token = provider.id_token(&attempt.nonce, &json!({}));
         provider.gives(tokens(&provider.access_token(&short), Some(&id_token)));
         let session = cookie(&attempt.end(&served, "").await);
         assert!(session.starts_with("vibrissa-session="), "{session}");
-        *provider.next.lock().unwrap() = (told.0, (told.1)(&attempt.nonce));
+        *provider.next.lock().unwrap() = (status, told(&attempt.nonce));
         let me = async || ask(served.http, "GET", "/v1/me", &[("Cookie", &session)]).await.unwrap();
         let first = me().await;
         // The provider gives valid tokens of the same person again: a session that has ended stays so.
@@ -245,14 +245,13 @@ async fn regress_a_renewal_continues_the_session_of_the_same_person_only() {
     let access = |changed: Value| provider.access_token(&changed);
     let person = |changed: &Value| tokens(&access(json!({})), Some(&provider.id_token("", changed)));
     let no_nonce = json!({ "nonce": null });
-    for (told, what) in [
-        (tokens(&access(json!({})), None), "no ID token"),
-        (person(&no_nonce), "an ID token without a nonce"),
-    ] {
-        assert_eq!(renewed((200, Box::new(move |_| told.clone()))).await, (200, 200), "{what}");
+    for (told, what) in
+        [(tokens(&access(json!({})), None), "no ID token"), (person(&no_nonce), "an ID token without a nonce")]
+    {
+        assert_eq!(renewed(200, &|_| told.clone()).await, (200, 200), "{what}");
     }
     let same_nonce = |nonce: &str| tokens(&access(json!({})), Some(&provider.id_token(nonce, &json!({}))));
-    assert_eq!(renewed((200, Box::new(same_nonce))).await, (200, 200), "the same nonce");
+    assert_eq!(renewed(200, &same_nonce).await, (200, 200), "the same nonce");
     let admin = json!({ "sub": "eve", "role": "admin" });
     let others = [
         (tokens(&access(admin.clone()), None), "another person's access token"),
@@ -266,13 +265,13 @@ async fn regress_a_renewal_continues_the_session_of_the_same_person_only() {
         (tokens(&access(json!({ "iss": "https://other.example" })), None), "an access token of another issuer"),
     ];
     for (told, what) in others {
-        assert_eq!(renewed((200, Box::new(move |_| told.clone()))).await, (401, 401), "{what}");
+        assert_eq!(renewed(200, &|_| told.clone()).await, (401, 401), "{what}");
     }
     let refused = json!({ "error": "invalid_grant" });
-    assert_eq!(renewed((400, Box::new(move |_| refused.clone()))).await, (401, 401), "refused");
+    assert_eq!(renewed(400, &|_| refused.clone()).await, (401, 401), "refused");
     // A provider that is away for a while ends no session.
     for status in [429, 500, 503] {
         let away = json!({ "error": "temporarily_unavailable" });
-        assert_eq!(renewed((status, Box::new(move |_| away.clone()))).await, (503, 200), "{status}");
+        assert_eq!(renewed(status, &|_| away.clone()).await, (503, 200), "{status}");
     }
 }

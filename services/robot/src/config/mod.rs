@@ -8,8 +8,8 @@ pub(crate) mod tests;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use vibrissa_protocol::Name;
 use vibrissa_protocol::text_file::read_text;
+use vibrissa_protocol::{Name, plain};
 use vibrissa_segmenter::Params;
 
 use crate::contract::Facts;
@@ -24,7 +24,7 @@ const FILE_BYTES_MAX: u64 = 1024 * 1024;
 #[derive(Debug, thiserror::Error)]
 pub enum BadConfig {
     /// The file cannot be read.
-    #[error("cannot read {path}: {problem}")]
+    #[error("cannot read {path}: {}", plain::io(problem))]
     Unreadable {
         /// Path of the file.
         path: PathBuf,
@@ -182,7 +182,5 @@ impl Config {
 
 /// Names the line without its content, which may be a password in the wrong place.
 fn not_toml(text: &str, why: &toml::de::Error) -> BadConfig {
-    let line = why.span().and_then(|span| text.get(..span.start)).map(|before| before.matches('\n').count() + 1);
-    let place = line.map(|line| format!("line {line}: ")).unwrap_or_default();
-    BadConfig::NotToml(format!("{place}{}", why.message()))
+    BadConfig::NotToml(plain::in_file(text, why.span(), why.message()))
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use vibrissa_protocol::{Gauge, Name, Regulator, TouchTestKind, WhiskerCondition};
+use vibrissa_protocol::{Gauge, Name, Regulator, TouchTestKind, WhiskerCondition, plain};
 
 /// Largest number of samples in one `strain` line.
 pub const SAMPLES_MAX: usize = 1000;
@@ -216,7 +216,7 @@ impl FromDriver {
         let text = std::str::from_utf8(line)
             .map_err(|_| BadLine::new("the line is not UTF-8", "check the device and its baud rate"))?;
         let Head { kind } = serde_json::from_str(text).map_err(|why| {
-            BadLine::new(cut(&why.to_string()), "send one JSON object in each line, with a text `type`")
+            BadLine::new(cut(&plain::data(&why.to_string())), "send one JSON object in each line, with a text `type`")
         })?;
         match &*kind {
             "hello" => read(text, Self::Hello),
@@ -232,7 +232,9 @@ impl FromDriver {
 
 fn read<T: DeserializeOwned>(text: &str, word: impl Fn(T) -> FromDriver) -> Result<FromDriver, BadLine> {
     let read = serde_json::from_str(text).map(word);
-    read.map_err(|why| BadLine::new(cut(&why.to_string()), "compare the line with docs/driver-interface.md"))
+    read.map_err(|why| {
+        BadLine::new(cut(&plain::data(&why.to_string())), "compare the line with docs/driver-interface.md")
+    })
 }
 
 /// Texts of a driver are cut, so that an answer is short.

@@ -6,8 +6,8 @@ use rumqttc::Transport;
 use rumqttc::tokio_rustls::rustls::pki_types::pem::PemObject;
 use rumqttc::tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use url::Url;
-use vibrissa_protocol::Name;
 use vibrissa_protocol::text_file::read_text;
+use vibrissa_protocol::{Name, plain};
 
 /// Address of the broker, and the credentials to connect with.
 #[derive(Clone, PartialEq, Eq)]
@@ -61,7 +61,7 @@ pub enum BadBroker {
     #[error("cannot use the client certificate: {0}")]
     Client(String),
     /// The password cannot be read.
-    #[error("cannot read the password from {0}: {1}")]
+    #[error("cannot read the password from {path}: {why}", path = .0, why = plain::io(.1))]
     Password(String, std::io::Error),
 }
 
@@ -104,7 +104,7 @@ impl Broker {
 
     fn from_one_url(text: &str) -> Result<Self, BadBroker> {
         let bad = |why: &str| BadBroker::Address(why.to_owned());
-        let url = Url::parse(text).map_err(|problem| bad(&problem.to_string()))?;
+        let url = Url::parse(text).map_err(|problem| bad(&plain::url(&problem.to_string())))?;
         let (tls, usual_port) = match url.scheme() {
             "mqtt" => (None, 1883),
             "mqtts" => (Some(Authorities::System), 8883),
@@ -198,7 +198,8 @@ impl ClientCertificate {
     /// The contents of both files. No text shows a part of the key.
     fn read(&self) -> Result<(Vec<u8>, Vec<u8>), BadBroker> {
         let read = |path: &Path| {
-            std::fs::read(path).map_err(|why| BadBroker::Client(format!("cannot read {}: {why}", path.display())))
+            std::fs::read(path)
+                .map_err(|why| BadBroker::Client(format!("cannot read {}: {}", path.display(), plain::io(&why))))
         };
         let (certificate, key) = (read(&self.certificate_file)?, read(&self.key_file)?);
         if certificates_in(&certificate) == 0 {

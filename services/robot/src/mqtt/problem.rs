@@ -8,6 +8,8 @@ use std::io;
 use rumqttc::tokio_rustls::rustls::{self, AlertDescription, CertificateError};
 use rumqttc::{ConnectReturnCode, ConnectionError, DisconnectReasonCode, StateError, TlsError};
 
+use vibrissa_protocol::plain;
+
 use super::broker::{Authorities, Broker};
 
 /// How far an attempt has come.
@@ -66,7 +68,7 @@ fn refused(broker: &Broker, code: ConnectReturnCode) -> String {
         (ConnectReturnCode::RefusedProtocolVersion | ConnectReturnCode::UnsupportedProtocolVersion, _) => {
             "it does not support MQTT 5: use a broker that does".to_owned()
         }
-        (other, _) => format!("it does not accept the connection: {other:?}"),
+        (other, _) => format!("it does not accept the connection {}", plain::reason_code(&format!("{other:?}"))),
     }
 }
 
@@ -102,13 +104,13 @@ fn of_tls(broker: &Broker, host: &str, error: &rustls::Error) -> String {
         }
         rustls::Error::AlertReceived(alert) => match &broker.client {
             Some(client) => format!(
-                "it does not accept the client certificate in {} ({alert:?}): it must be signed by an authority that \
-                 the broker trusts, and must not have expired",
-                client.certificate_file.display()
+                "it does not accept the client certificate in {}: {}",
+                client.certificate_file.display(),
+                plain::alert(&format!("{alert:?}"))
             ),
-            None => format!("the TLS handshake failed: the broker reports {alert:?}"),
+            None => format!("the TLS handshake failed: {}", plain::alert(&format!("{alert:?}"))),
         },
-        other => format!("the TLS handshake failed: {other}"),
+        other => format!("the TLS handshake failed: {}", plain::tls(&format!("{other:?}"))),
     }
 }
 
@@ -132,17 +134,20 @@ fn of_certificate(broker: &Broker, host: &str, problem: &CertificateError) -> St
             )
         }
         CertificateError::NotValidForName => not_for(&""),
-        // Format of rustls: DnsName("a.example").
-        CertificateError::NotValidForNameContext { presented, .. } => {
-            not_for(&format!(" but for {}", presented.join(", ")))
-        }
+        CertificateError::NotValidForNameContext { presented, .. } => match plain::host_names(presented) {
+            Some(names) => not_for(&format!(" but for {names}")),
+            None => format!(
+                "its certificate names no host, and its common name (CN) does not count: give the broker a certificate \
+                 whose subjectAltName contains {host:?}"
+            ),
+        },
         CertificateError::Expired | CertificateError::ExpiredContext { .. } => {
             "its certificate has expired: renew it, or correct this robot's clock".to_owned()
         }
         CertificateError::NotValidYet | CertificateError::NotValidYetContext { .. } => {
             "its certificate is not valid yet: correct this robot's clock, or the certificate".to_owned()
         }
-        other => format!("its certificate cannot be used: {other}"),
+        other => format!("its certificate cannot be used: {}", plain::certificate(&format!("{other:?}"))),
     }
 }
 
@@ -165,7 +170,9 @@ fn not_mqtt(broker: &Broker, error: &ConnectionError) -> String {
                 .to_owned()
         }
         (Some(_), _) if matches!(error, ConnectionError::Tls(TlsError::Io(_))) => not_tls(),
-        (Some(_), _) if matches!(error, ConnectionError::Tls(_)) => format!("TLS cannot be used: {error}"),
+        (Some(_), _) if matches!(error, ConnectionError::Tls(_)) => {
+            format!("TLS cannot be used: {}", plain::text(&error.to_string()))
+        }
         (Some(_), None) => {
             "it closes the encrypted connection without an answer: set broker.client_certificate_file and \
              broker.client_key_file if it requires a client certificate, or correct the port"
@@ -196,8 +203,8 @@ fn short(error: &ConnectionError) -> String {
         ConnectionError::MqttState(StateError::AwaitPingResp) => "it has stopped answering".to_owned(),
         ConnectionError::MqttState(StateError::ServerDisconnect { reason_code, reason_string }) => {
             let said = reason_string.as_deref().map(|said| format!(" {said:?}")).unwrap_or_default();
-            format!("it has disconnected: {reason_code:?}{said}")
+            format!("it has disconnected {}{said}", plain::reason_code(&format!("{reason_code:?}")))
         }
-        other => io_of(other).map_or_else(|| other.to_string(), ToString::to_string),
+        other => io_of(other).map_or_else(|| plain::text(&other.to_string()), plain::io),
     }
 }

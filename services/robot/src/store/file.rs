@@ -8,6 +8,8 @@ use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
+use vibrissa_protocol::plain;
+
 use super::{Record, Stored};
 
 /// First line of a file.
@@ -20,7 +22,7 @@ const LINE_MAX_BYTES: u64 = 512 * 1024;
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
     /// The operating system refuses.
-    #[error("outbox.file: cannot {what} {path}: {problem}")]
+    #[error("outbox.file: cannot {what} {path}: {}", plain::io(problem))]
     Refused {
         /// The attempt.
         what: &'static str,

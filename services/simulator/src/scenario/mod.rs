@@ -5,7 +5,7 @@ mod event;
 mod misbehaviour;
 
 use serde::{Deserialize, Serialize};
-use vibrissa_protocol::{ArrayType, Name, OnSupervisorLoss, Task, TouchTestKind};
+use vibrissa_protocol::{ArrayType, Name, OnSupervisorLoss, Task, TouchTestKind, plain};
 
 pub use check::BadScenario;
 pub use event::{Change, Event};
@@ -227,7 +227,8 @@ impl Scenario {
     /// # Errors
     /// The text is not TOML, has an unknown or missing field, or has an invalid value; the message names the place.
     pub fn from_toml_str(text: &str) -> Result<Self, BadScenario> {
-        let scenario: Self = toml::from_str(text).map_err(|error| BadScenario::NotToml(error.to_string()))?;
+        let scenario: Self = toml::from_str(text)
+            .map_err(|error| BadScenario::NotToml(plain::in_file(text, error.span(), error.message())))?;
         scenario.check()?;
         Ok(scenario)
     }

@@ -9,6 +9,7 @@ use std::time::Duration;
 use sqlx::postgres::PgConnectOptions;
 use url::Url;
 use url::form_urlencoded::{Serializer, parse};
+use vibrissa_protocol::plain;
 
 /// Most servers that a URL may name.
 pub(super) const SERVERS_MAX: usize = 16;
@@ -140,7 +141,7 @@ impl Host {
 
 /// Options for a URL with one host.
 fn one(text: &str, port: Option<u16>) -> Result<PgConnectOptions, String> {
-    let url = Url::parse(text).map_err(|problem| problem.to_string())?;
+    let url = Url::parse(text).map_err(|problem| plain::url(&problem.to_string()))?;
     let host = url.host_str().unwrap_or_default();
     if is_beyond_ascii(host) {
         return Err("a host name is in ASCII, an international one in Punycode: xn--...".to_owned());

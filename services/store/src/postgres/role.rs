@@ -6,7 +6,7 @@ use sqlx::postgres::PgConnection;
 use sqlx::{Executor, Row};
 
 use crate::StoreError;
-use crate::error::outline;
+use crate::cause::{for_log, outline};
 
 /// Reason why a server is not used.
 #[derive(Debug)]
@@ -31,7 +31,7 @@ pub enum Refusal {
 impl std::fmt::Display for Refusal {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Failed(problem) => problem.fmt(f),
+            Self::Failed(problem) => f.write_str(&for_log(problem)),
             Self::NoAnswer(patience) => write!(f, "no answer in {} s", patience.as_secs_f32()),
             Self::Standby => f.write_str("it is a standby"),
             Self::ReadOnly => f.write_str("it is read-only"),

@@ -5,6 +5,7 @@
 //! follows from its span, so an attempt that was interrupted at any moment is repeated under the same name with the same
 //! contacts. Failures delay the archive, and nothing else.
 
+mod cause;
 mod file;
 mod from_log;
 mod object;
@@ -23,6 +24,7 @@ use vibrissa_store::export::CONTACTS;
 use vibrissa_store::fault::{self, Fault};
 use vibrissa_store::{Lease, Store, StoreError, Writer};
 
+use self::cause::cause;
 use crate::archive_options::{ArchiveOptions, ArchiveSource};
 use crate::backoff::Backoff;
 use crate::kafka::LogReader;
@@ -80,7 +82,7 @@ impl Archive {
                 Err(problem) if is_lease_lost(&problem) => return debug!(%fleet, "archiving ends with the lease"),
                 Err(problem) => {
                     metrics.archive_errors.inc();
-                    warn!(%fleet, problem = format!("{problem:#}"), "cannot archive contacts, retrying");
+                    warn!(%fleet, problem = cause(&problem), "cannot archive contacts, retrying");
                     backoff.wait().await;
                 }
             }

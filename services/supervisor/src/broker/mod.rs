@@ -22,6 +22,7 @@ use mqtt5::broker::{ResourceLimits, ResourceMonitor};
 use tokio::net::TcpListener;
 use tokio::sync::{broadcast, watch};
 use tokio::task::JoinHandle;
+use vibrissa_protocol::plain;
 
 use crate::mqtt::Credentials;
 use front::Front;
@@ -109,7 +110,7 @@ impl Broker {
             if problem.kind() == std::io::ErrorKind::AddrInUse {
                 BrokerError::PortTaken { port }
             } else {
-                BrokerError::Start(format!("127.0.0.1:{port}: {problem}"))
+                BrokerError::Start(format!("127.0.0.1:{port}: {}", plain::io(&problem)))
             }
         })?;
         let address = listener.local_addr().map_err(|problem| BrokerError::Start(problem.to_string()))?;

@@ -8,8 +8,8 @@ use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use tokio::time::{Duration, timeout};
+use vibrissa_protocol::plain;
 
-use super::parse_error::reworded;
 use super::problem::{Kind, Problem};
 
 /// Query parameters. The type's `deny_unknown_fields` refuses unknown ones.
@@ -134,7 +134,7 @@ fn field<E: std::fmt::Display>(problem: serde_path_to_error::Error<E>) -> Proble
         (path, Some(inner)) if !path.ends_with(inner) => format!("{path}.{inner}"),
         (path, _) => path.to_owned(),
     };
-    Problem::invalid(field, reworded(&told))
+    Problem::invalid(field, plain::json(&told))
 }
 
 #[cfg(test)]

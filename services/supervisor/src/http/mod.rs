@@ -29,7 +29,6 @@ pub mod listing;
 pub mod moment;
 pub mod number;
 pub mod page;
-mod parse_error;
 pub mod passage;
 pub mod problem;
 pub mod runbooks;
@@ -57,6 +56,7 @@ use tokio::task::JoinHandle;
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
 use vibrissa_core::robot::Params;
+use vibrissa_protocol::plain;
 
 use crate::action_notifier::ActionNotifier;
 use crate::metrics::Metrics;
@@ -197,7 +197,7 @@ const BODY_BYTES_MAX: usize = 64 * 1024;
 
 /// Failure to listen for HTTP.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot listen for HTTP on {address}: {source}; choose another address with {flag}")]
+#[error("cannot listen for HTTP on {address}: {}; choose another address with {flag}", plain::io(source))]
 pub struct ListenError {
     address: SocketAddr,
     source: std::io::Error,

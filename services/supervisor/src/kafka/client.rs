@@ -10,10 +10,12 @@ use rskafka::client::error::{Error, ProtocolError, RequestError};
 use rskafka::client::partition::{PartitionClient, UnknownTopicHandling};
 use rskafka::client::{Client, ClientBuilder, Credentials, SaslConfig};
 use rustls::pki_types::CertificateDer;
-use rustls::pki_types::pem::PemObject;
+use rustls::pki_types::pem::{self, PemObject};
 use rustls::{ClientConfig, RootCertStore};
 use tokio::time::timeout;
+use vibrissa_protocol::plain;
 
+use super::cause::{cause, of_tls};
 use crate::kafka_options::{KafkaOptions, SaslMechanism};
 
 /// Time limit for one operation, such as a write that all replicas acknowledge.
@@ -36,7 +38,7 @@ pub enum KafkaError {
     #[error("this system has no certificates of authorities: install them (ca-certificates), or set kafka.ca_file")]
     NoSystemAuthorities,
     /// The TLS library fails.
-    #[error("TLS cannot be used: {0}")]
+    #[error("TLS cannot be used: {}", of_tls(.0))]
     Tls(#[from] rustls::Error),
     /// A topic does not exist.
     #[error("the log has no topic {0:?}: create it, see docs/kafka.md")]
@@ -63,10 +65,10 @@ pub enum KafkaError {
     #[error("the brokers refuse the credentials: check kafka.username, kafka.password_file and kafka.sasl")]
     Credentials,
     /// The certificate of a broker is not trusted.
-    #[error("the certificate of a broker cannot be trusted, check kafka.ca_file and the host in kafka.url: {0}")]
+    #[error("the certificate of a broker cannot be trusted, check kafka.ca_file and the host in kafka.url: {}", cause(.0))]
     NotTrusted(Error),
     /// The log answers with an error, or the connection fails.
-    #[error("{0}")]
+    #[error("{}", cause(.0))]
     Failed(Error),
 }
 
@@ -195,10 +197,10 @@ fn tls(options: &KafkaOptions) -> Result<Arc<ClientConfig>, KafkaError> {
     match &options.ca_file {
         Some(path) => {
             let defect = |why: String| KafkaError::Certificates { path: path.clone(), why };
-            let certificates = CertificateDer::pem_file_iter(path).map_err(|problem| defect(problem.to_string()))?;
+            let damaged = |problem: pem::Error| defect(plain::text(&problem.to_string()));
+            let certificates = CertificateDer::pem_file_iter(path).map_err(damaged)?;
             for certificate in certificates {
-                let certificate = certificate.map_err(|problem| defect(problem.to_string()))?;
-                roots.add(certificate).map_err(|problem| defect(problem.to_string()))?;
+                roots.add(certificate.map_err(damaged)?).map_err(|problem| defect(of_tls(&problem)))?;
             }
             if roots.is_empty() {
                 return Err(defect("it has no certificate".to_owned()));

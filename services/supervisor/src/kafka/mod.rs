@@ -3,6 +3,7 @@
 //! Nothing here decides about a robot. [`publisher`] carries the outbox of a shard to the log, [`reader`] reads a partition,
 //! [`stamped`] reads it for the archive, [`client`] has the connections.
 
+mod cause;
 mod client;
 mod fetch;
 mod publisher;

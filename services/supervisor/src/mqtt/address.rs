@@ -6,6 +6,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use url::{Host, Url};
+use vibrissa_protocol::plain;
 
 use vibrissa_store::secret::Secret;
 
@@ -195,7 +196,7 @@ impl BrokerAddress {
     /// `mqtt://host[:1883]` or, with TLS and the system's authorities, `mqtts://host[:8883]`.
     fn from_url(text: &str) -> Result<Self, BadBrokerUrl> {
         let malformed = |why: &str| BadBrokerUrl::Malformed(why.to_owned());
-        let url = Url::parse(text).map_err(|problem| malformed(&problem.to_string()))?;
+        let url = Url::parse(text).map_err(|problem| malformed(&plain::url(&problem.to_string())))?;
         let (tls, usual_port) = match url.scheme() {
             "mqtt" => (None, 1883),
             "mqtts" => (Some(TlsOptions::default()), 8883),

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use tokio::net::{TcpStream, lookup_host};
+use vibrissa_protocol::plain;
 
 use super::address::BrokerAddress;
 
@@ -46,7 +47,7 @@ pub(super) async fn connect(
 ) -> io::Result<TcpStream> {
     reached.store(false, Ordering::Relaxed);
     let unknown = |why: String| io::Error::other(LookupError(why));
-    let addresses = lookup_host((host.as_str(), port)).await.map_err(|problem| unknown(problem.to_string()))?;
+    let addresses = lookup_host((host.as_str(), port)).await.map_err(|problem| unknown(plain::io(&problem)))?;
     let mut last = unknown("it has no address".to_owned());
     for address in addresses {
         match tokio::time::timeout(limits.address, TcpStream::connect(address)).await {

@@ -5,7 +5,7 @@ use std::io;
 
 use rumqttc::{ConnectReturnCode, ConnectionError, DisconnectReasonCode, StateError, TlsError};
 use rustls::{AlertDescription, CertificateError};
-use vibrissa_protocol::{Name, RobotTopic};
+use vibrissa_protocol::{Name, RobotTopic, plain};
 
 use super::address::{BrokerAddress, Node};
 use super::connector::{Limits, LookupError};
@@ -200,8 +200,8 @@ fn of_tls(error: &rustls::Error) -> Cause {
             | AlertDescription::CertificateUnknown
             | AlertDescription::AccessDenied
             | AlertDescription::DecryptError),
-        ) => Cause::CertificateRefused(format!("{alert:?}")),
-        other => Cause::Tls(other.to_string()),
+        ) => Cause::CertificateRefused(plain::alert(&format!("{alert:?}"))),
+        other => Cause::Tls(plain::tls(&format!("{other:?}"))),
     }
 }
 
@@ -213,7 +213,7 @@ fn of_certificate(problem: &CertificateError) -> Cause {
         CertificateError::NotValidForNameContext { presented, .. } => Cause::WrongName(presented.clone()),
         CertificateError::Expired | CertificateError::ExpiredContext { .. } => Cause::Expired,
         CertificateError::NotValidYet | CertificateError::NotValidYetContext { .. } => Cause::NotYetValid,
-        other => Cause::BadCertificate(other.to_string()),
+        other => Cause::BadCertificate(plain::certificate(&format!("{other:?}"))),
     }
 }
 
@@ -227,7 +227,7 @@ fn of_dial(error: &ConnectionError) -> Cause {
     match error.kind() {
         io::ErrorKind::ConnectionRefused => Cause::Refused,
         io::ErrorKind::TimedOut => Cause::NoAnswer,
-        _ => Cause::Unreachable(error.to_string()),
+        _ => Cause::Unreachable(plain::io(error)),
     }
 }
 
@@ -237,9 +237,9 @@ fn short(error: &ConnectionError) -> String {
     match error {
         ConnectionError::MqttState(StateError::ServerDisconnect { reason_code, reason_string }) => {
             let said = reason_string.as_deref().map(|said| format!(" {said:?}")).unwrap_or_default();
-            format!("the broker disconnected: {reason_code:?}{said}")
+            format!("the broker disconnected {}{said}", plain::reason_code(&format!("{reason_code:?}")))
         }
-        other => io_of(other).map_or_else(|| other.to_string(), ToString::to_string),
+        other => io_of(other).map_or_else(|| plain::text(&other.to_string()), plain::io),
     }
 }
 
@@ -268,15 +268,16 @@ impl fmt::Display for Problem {
             ),
             Cause::CertificateRefused(alert) => write!(
                 f,
-                "it does not accept the client certificate in {} ({alert}): it must be signed by an authority that the \
-                 broker trusts, and must not have expired",
+                "it does not accept the client certificate in {}: {alert}",
                 self.certificate_file()
             ),
             Cause::Tls(why) => write!(f, "the TLS handshake failed: {why}"),
             Cause::NotMqtt => self.not_mqtt(f),
             Cause::WrongVersion => f.write_str("it does not support MQTT 5: use a broker that does"),
             Cause::NotAuthorized => self.not_authorized(f),
-            Cause::NotAccepted(code) => write!(f, "it does not accept the connection: {code:?}"),
+            Cause::NotAccepted(code) => {
+                write!(f, "it does not accept the connection {}", plain::reason_code(&format!("{code:?}")))
+            }
             Cause::Lacks(what) => f.write_str(what),
             Cause::Subscription(what) => write!(
                 f,
@@ -350,13 +351,18 @@ impl Problem {
     fn untrusted(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let host = &self.broker.host;
         if let Cause::WrongName(names) = &self.cause {
-            // Format of rustls: DnsName("a.example").
-            let names = names.join(", ");
-            write!(
-                f,
-                "its certificate is not for {host:?} but for {names}: use one of these in mqtt.url, or give the broker \
-                 a certificate for {host:?}"
-            )
+            match plain::host_names(names) {
+                Some(names) => write!(
+                    f,
+                    "its certificate is not for {host:?} but for {names}: use one of these in mqtt.url, or give the \
+                     broker a certificate for {host:?}"
+                ),
+                None => write!(
+                    f,
+                    "its certificate names no host, and its common name (CN) does not count: give the broker a \
+                     certificate whose subjectAltName contains {host:?}"
+                ),
+            }
         } else if let Cause::BadCertificate(why) = &self.cause {
             write!(f, "its certificate cannot be used: {why}")
         } else if self.cause == Cause::Expired {
@@ -418,3 +424,6 @@ impl Problem {
         client.map_or_else(|| "mqtt.client_certificate_file".to_owned(), |it| it.certificate_file.display().to_string())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,6 +10,7 @@ use rustls::pki_types::pem::{self, PemObject};
 use rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
 use rustls::{ClientConfig, RootCertStore};
 use tracing::warn;
+use vibrissa_protocol::plain;
 
 use super::address::{BrokerAddress, ClientCertificate, TlsOptions};
 
@@ -55,7 +56,7 @@ impl std::fmt::Debug for Prepared {
 #[derive(Debug, thiserror::Error)]
 pub enum PrepareError {
     /// A file is missing, or may not be read.
-    #[error("{key}: cannot read {}: {source}", path.display())]
+    #[error("{key}: cannot read {}: {}", path.display(), plain::io(source))]
     Unreadable {
         /// Setting that names the file.
         key: &'static str,
@@ -122,7 +123,7 @@ pub enum PrepareError {
     #[error("mqtt.url: a certificate cannot be issued for host {0:?}")]
     BadHost(String),
     /// The TLS library fails.
-    #[error("TLS cannot be used: {0}")]
+    #[error("TLS cannot be used: {}", rejected(.0))]
     Tls(#[from] rustls::Error),
 }
 
@@ -169,7 +170,7 @@ fn client_config(options: &TlsOptions) -> Result<ClientConfig, PrepareError> {
     let authorities = Arc::new(authorities(options.ca_file.as_deref())?);
     let verifier = WebPkiServerVerifier::builder_with_provider(authorities, provider.clone())
         .build()
-        .map_err(|problem| PrepareError::NoSystemAuthorities(problem.to_string()))?;
+        .map_err(|_| PrepareError::NoSystemAuthorities("none of them can be used".to_owned()))?;
     let builder = ClientConfig::builder_with_provider(provider)
         .with_safe_default_protocol_versions()?
         .with_webpki_verifier(verifier);
@@ -191,7 +192,8 @@ fn authorities(file: Option<&Path>) -> Result<RootCertStore, PrepareError> {
         let system = rustls_native_certs::load_native_certs();
         store.add_parsable_certificates(system.certs);
         if store.is_empty() {
-            let why = system.errors.first().map_or_else(|| "none found".to_owned(), ToString::to_string);
+            let told = |problem: &rustls_native_certs::Error| plain::text(&problem.to_string());
+            let why = system.errors.first().map_or_else(|| "none found".to_owned(), told);
             return Err(PrepareError::NoSystemAuthorities(why));
         }
         return Ok(store);
@@ -200,10 +202,18 @@ fn authorities(file: Option<&Path>) -> Result<RootCertStore, PrepareError> {
         store.add(certificate).map_err(|problem| PrepareError::Unusable {
             key: CA,
             path: path.to_owned(),
-            why: problem.to_string(),
+            why: rejected(&problem),
         })?;
     }
     Ok(store)
+}
+
+/// Why the TLS library refuses a certificate or a setting.
+fn rejected(problem: &rustls::Error) -> String {
+    if let rustls::Error::InvalidCertificate(defect) = problem {
+        return plain::certificate(&format!("{defect:?}"));
+    }
+    plain::tls(&format!("{problem:?}"))
 }
 
 fn read(key: &'static str, path: &Path) -> Result<Vec<u8>, PrepareError> {
@@ -220,8 +230,11 @@ fn read(key: &'static str, path: &Path) -> Result<Vec<u8>, PrepareError> {
 fn certificates(key: &'static str, path: &Path) -> Result<Vec<CertificateDer<'static>>, PrepareError> {
     let bytes = read(key, path)?;
     let found: Result<Vec<_>, pem::Error> = CertificateDer::pem_slice_iter(&bytes).collect();
-    let found =
-        found.map_err(|problem| PrepareError::NotPem { key, path: path.to_owned(), why: problem.to_string() })?;
+    let found = found.map_err(|_| PrepareError::NotPem {
+        key,
+        path: path.to_owned(),
+        why: "a section is damaged".to_owned(),
+    })?;
     if found.is_empty() {
         return Err(PrepareError::Missing { key, path: path.to_owned(), wanted: "certificate" });
     }
@@ -250,8 +263,9 @@ fn refused_key(client: &ClientCertificate, problem: rustls::Error) -> PrepareErr
     match problem {
         rustls::Error::InconsistentKeys(_) => PrepareError::KeyMismatch { key_file, certificate_file },
         rustls::Error::InvalidCertificate(why) => {
-            PrepareError::Unusable { key: CERTIFICATE, path: certificate_file, why: why.to_string() }
+            let why = plain::certificate(&format!("{why:?}"));
+            PrepareError::Unusable { key: CERTIFICATE, path: certificate_file, why }
         }
-        other => PrepareError::Unusable { key: KEY, path: key_file, why: other.to_string() },
+        other => PrepareError::Unusable { key: KEY, path: key_file, why: plain::tls(&format!("{other:?}")) },
     }
 }

@@ -14,6 +14,8 @@ use opentelemetry_sdk::trace::{SpanData, SpanExporter as Exporter};
 use prometheus::IntCounter;
 use tracing::{info, warn};
 
+use crate::outgoing::failure;
+
 /// Time limit for an answer of the collector.
 const ANSWER_PATIENCE: Duration = Duration::from_secs(5);
 /// Size limit of an answer in bytes.
@@ -124,8 +126,9 @@ impl Client {
 
     fn send(&self, request: Request<Bytes>) -> Result<Response<Bytes>, HttpError> {
         let (parts, body) = request.into_parts();
-        let (parts, mut body) = self.agent.run(Request::from_parts(parts, &body[..]))?.into_parts();
-        let body = body.with_config().limit(ANSWER_BYTES_MAX).read_to_vec()?;
+        let (parts, mut body) =
+            self.agent.run(Request::from_parts(parts, &body[..])).map_err(|problem| failure(&problem))?.into_parts();
+        let body = body.with_config().limit(ANSWER_BYTES_MAX).read_to_vec().map_err(|problem| failure(&problem))?;
         Ok(Response::from_parts(parts, body.into()))
     }
 }

@@ -13,6 +13,7 @@ use ureq::unversioned::transport::{DefaultConnector, NextTimeout};
 
 use super::signature::header;
 use super::target::{Hosts, is_public, refusal};
+use crate::outgoing;
 use vibrissa_edge::clock::wall_clock;
 
 /// Time limit of an attempt.
@@ -112,7 +113,7 @@ fn send(agent: &Agent, message: &Message) -> Answer {
     match request.send(message.body.as_slice()) {
         Ok(answer) => Answer { status: Some(answer.status().as_u16()), failure: None },
         Err(problem) => {
-            let told: String = problem.to_string().chars().take(PROBLEM_CHARS_MAX).collect();
+            let told: String = outgoing::failure(&problem).chars().take(PROBLEM_CHARS_MAX).collect();
             Answer { status: None, failure: Some(told.replace('\0', "")) }
         }
     }

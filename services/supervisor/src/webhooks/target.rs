@@ -6,6 +6,7 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
 use std::sync::Arc;
 
 use url::{Host, Url};
+use vibrissa_protocol::plain;
 
 /// Maximum length of a URL, in characters.
 pub const URL_CHARS_MAX: usize = 2000;
@@ -37,7 +38,8 @@ pub fn checked(text: &str, hosts: &Hosts) -> Result<String, String> {
     if text.chars().count() > URL_CHARS_MAX {
         return Err(format!("must have at most {URL_CHARS_MAX} characters"));
     }
-    let url = Url::parse(text).map_err(|problem| format!("is not a URL ({problem}): write https://HOST/PATH"))?;
+    let url = Url::parse(text)
+        .map_err(|problem| format!("is not a URL ({}): write https://HOST/PATH", plain::url(&problem.to_string())))?;
     if !matches!(url.scheme(), "http" | "https") {
         return Err("must begin with https:// or http://".to_owned());
     }

@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, anyhow, bail};
 use clap::Args;
 use serde_json::Value;
 use url::Url;
 use vibrissa_store::secret::Secret;
 
 use crate::config::address::web_url;
+use vibrissa_supervisor::outgoing::failure;
 
 /// Arguments of the commands that use the API.
 #[derive(Debug, Args)]
@@ -130,7 +131,8 @@ impl Api {
         if let Some(authorization) = &self.authorization {
             request = request.header("Authorization", authorization);
         }
-        let answer = request.send(body.to_string()).with_context(|| format!("requesting {url}"))?;
+        let answer =
+            request.send(body.to_string()).map_err(|problem| anyhow!("requesting {url}: {}", failure(&problem)))?;
         read(&url, answer)
     }
 
@@ -143,7 +145,8 @@ impl Api {
         if let Some(authorization) = &self.authorization {
             request = request.header("Authorization", authorization);
         }
-        read(url, request.call().with_context(|| format!("requesting {url}: is a supervisor running there?"))?)
+        let away = |problem| anyhow!("requesting {url}: is a supervisor running there? {}", failure(&problem));
+        read(url, request.call().map_err(away)?)
     }
 }
 
@@ -151,7 +154,7 @@ impl Api {
 fn read(url: &Url, mut answer: ureq::http::Response<ureq::Body>) -> anyhow::Result<Value> {
     let status = answer.status();
     let body = answer.body_mut().with_config().limit(ANSWER_BYTES_MAX).read_to_vec();
-    let body = body.with_context(|| format!("reading the answer of {url}"))?;
+    let body = body.map_err(|problem| anyhow!("reading the answer of {url}: {}", failure(&problem)))?;
     let told: Value = serde_json::from_slice(&body).with_context(|| format!("{url} answered {status} without JSON"))?;
     if status.is_success() {
         return Ok(told);

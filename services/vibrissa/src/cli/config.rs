@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
+use vibrissa_protocol::plain;
 use vibrissa_protocol::text_file::read_text;
 
 use crate::config::keys::Kind;
@@ -207,8 +208,10 @@ impl ConfigArgs {
         let file = self.file.clone().and_then(|path| match read_text(&path, FILE_BYTES_MAX) {
             Ok(text) => Some((path, text)),
             Err(problem) => {
-                let what =
-                    format!("the configuration file cannot be read: {problem}; correct --config or VIBRISSA_CONFIG");
+                let what = format!(
+                    "the configuration file cannot be read: {}; correct --config or VIBRISSA_CONFIG",
+                    plain::io(&problem)
+                );
                 problems.push(Problem { key: String::new(), origin: Origin::File(path), what });
                 None
             }

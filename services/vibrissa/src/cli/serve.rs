@@ -85,9 +85,13 @@ pub fn demo(args: DemoArgs) -> anyhow::Result<bool> {
     runtime()?.block_on(demo::run(&options))
 }
 
-/// Logs to standard error; `RUST_LOG` overrides the filter. MQTT libraries log only warnings by default.
+/// Levels of libraries by default: warnings of MQTT, errors of the others. The program tells the rest in its own words.
+const OF_LIBRARIES: &str =
+    "mqtt5=warn,rumqttc=warn,sqlx=error,rskafka=error,object_store=error,rustls=error,ureq=error,hyper=error";
+
+/// Logs to standard error; `RUST_LOG` overrides the filter.
 pub(super) fn log(filter: &str) {
-    let own = || EnvFilter::new(format!("mqtt5=warn,rumqttc=warn,{filter}"));
+    let own = || EnvFilter::new(format!("{OF_LIBRARIES},{filter}"));
     // RUST_LOG may be meant for another program, so an invalid one is no error.
     let filter = match std::env::var(EnvFilter::DEFAULT_ENV).map(EnvFilter::try_new) {
         Ok(Ok(asked)) => asked,

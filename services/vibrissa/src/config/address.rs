@@ -1,6 +1,7 @@
 //! URLs of other services.
 
 use url::{ParseError, Url};
+use vibrissa_protocol::plain;
 
 /// Parses the URL of a web service.
 ///
@@ -13,7 +14,7 @@ pub fn web_url(text: &str) -> Result<Url, String> {
              b\u{fc}cher.example"
                 .to_owned()
         } else {
-            format!("is not a URL ({problem})")
+            format!("is not a URL ({})", plain::url(&problem.to_string()))
         }
     })
 }
@@ -34,6 +35,6 @@ mod tests {
             let problem = web_url(&format!("https://{host}/")).unwrap_err();
             assert!(problem.starts_with("has a host name that is not in ASCII: write it in Punycode"), "{problem}");
         }
-        assert_eq!(web_url("issuer").unwrap_err(), "is not a URL (relative URL without a base)");
+        assert_eq!(web_url("issuer").unwrap_err(), "is not a URL (it has no scheme, such as https://)");
     }
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
+use vibrissa_protocol::plain;
 
 use super::keys::{ENVIRONMENT_PREFIX, Key, Kind};
 use super::problem::{Origin, Problem, did_you_mean};
@@ -109,9 +110,8 @@ fn file(path: &Path, text: &str, problems: &mut Vec<Problem>) -> Table {
             values
         }
         Err(problem) => {
-            let before = problem.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
-            let line = before.matches('\n').count() + 1;
-            whole(format!("line {line}: {}; correct the TOML there", problem.message()))
+            let what = plain::in_file(text, problem.span(), problem.message());
+            whole(format!("{what}; correct the TOML there"))
         }
     }
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use toml::Value;
+use vibrissa_protocol::plain;
 
 use super::keys::{Key, Kind};
 use super::layers::{LIST_MAX, Layers};
@@ -154,8 +155,9 @@ impl Reader {
         });
         opened.map_err(|problem| {
             let what = format!(
-                "the file {} cannot be read: {problem}; correct its name, or let this user read it",
-                path.display()
+                "the file {} cannot be read: {}; correct its name, or let this user read it",
+                path.display(),
+                plain::io(&problem)
             );
             self.refuse(key, what);
         })

@@ -66,7 +66,7 @@ mod tests {
     fn what_is_no_collectors_address_is_refused_with_what_to_write() {
         for (text, told) in [
             ("http://b\u{fc}cher.example:4318", "write it in Punycode"),
-            ("collector", "is not a URL (relative URL without a base): write http://HOST:4318"),
+            ("collector", "is not a URL (it has no scheme, such as https://): write http://HOST:4318"),
             ("localhost:4318", "must begin with http:// or https://"),
             ("grpc://h:4317", "must begin with http:// or https://"),
             ("http://u:hunter2@h:4318", "OTEL_EXPORTER_OTLP_HEADERS"),

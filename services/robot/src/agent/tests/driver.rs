@@ -105,7 +105,7 @@ fn bad_lines_are_answered_with_their_number_and_a_remedy() {
     for (line, problem) in [
         ("{}", "missing field `type`"),
         ("{\"type\":\"jump\"}", "\"jump\" is no word of a driver"),
-        ("[1]", "invalid type"),
+        ("[1]", "was given"),
         ("{\"type\":\"hello\",\"version\":2}", "version 2 of the interface is not known"),
         ("{\"type\":\"strain\",\"whisker\":0,\"strain\":[0.1]}", "agent.toml states place RATIO"),
         ("{\"type\":\"pressure\",\"whisker\":7,\"pressure_mpa\":0.1}", "the robot has no whisker left/7"),

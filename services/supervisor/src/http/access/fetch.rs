@@ -5,6 +5,9 @@ use std::time::Duration;
 use openidconnect::{HttpRequest, HttpResponse};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use vibrissa_protocol::plain;
+
+use crate::outgoing::failure;
 
 /// Time limit of a request.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -34,19 +37,20 @@ pub(super) fn discover(issuer: &str) -> Result<Discovery, Away> {
 /// The JSON at an address.
 pub(super) fn get<T: DeserializeOwned>(url: &str) -> Result<T, Away> {
     let request = ureq::http::Request::get(url).header("accept", "application/json").body(());
-    let request = request.map_err(|problem| Away(format!("{url}: {problem}")))?;
-    let answer = agent().run(request).map_err(|problem| Away(format!("{url}: {problem}")))?;
+    let request = request.map_err(|_| Away(format!("{url}: it is no address of the web")))?;
+    let answer = agent().run(request).map_err(|problem| Away(format!("{url}: {}", failure(&problem))))?;
     let answer = read(url, answer)?;
     if !answer.status().is_success() {
         return Err(Away(format!("{url}: the provider answered {}", answer.status())));
     }
-    serde_json::from_slice(answer.body()).map_err(|problem| Away(format!("{url}: unexpected JSON: {problem}")))
+    serde_json::from_slice(answer.body())
+        .map_err(|problem| Away(format!("{url}: unexpected JSON: {}", plain::json(&problem.to_string()))))
 }
 
 /// Sends a request that `openidconnect` has made. Answers that a later request may not get are errors.
 pub(super) fn send(request: HttpRequest) -> Result<HttpResponse, Away> {
     let url = request.uri().to_string();
-    let answer = agent().run(request).map_err(|problem| Away(format!("{url}: {problem}")))?;
+    let answer = agent().run(request).map_err(|problem| Away(format!("{url}: {}", failure(&problem))))?;
     let answer = read(&url, answer)?;
     let is_passing = answer.status().is_server_error() || matches!(answer.status().as_u16(), 408 | 429);
     if is_passing { Err(Away(format!("{url}: the provider answered {}", answer.status()))) } else { Ok(answer) }
@@ -60,10 +64,10 @@ fn agent() -> ureq::Agent {
 fn read(url: &str, answer: ureq::http::Response<ureq::Body>) -> Result<HttpResponse, Away> {
     let (parts, mut body) = answer.into_parts();
     let body = body.with_config().limit(ANSWER_BYTES_MAX).read_to_vec();
-    Ok(HttpResponse::from_parts(parts, body.map_err(|problem| Away(format!("{url}: {problem}")))?))
+    Ok(HttpResponse::from_parts(parts, body.map_err(|problem| Away(format!("{url}: {}", failure(&problem))))?))
 }
 
-/// Runs a request where it may block.
+/// Runs a request on a thread that may block.
 pub(super) async fn blocking<T: Send + 'static, E: From<Away> + Send + 'static>(
     work: impl FnOnce() -> Result<T, E> + Send + 'static,
 ) -> Result<T, E> {

@@ -3,6 +3,7 @@
 use std::time::{Duration, SystemTime};
 
 use jsonwebtoken::jwk::{AlgorithmParameters, Jwk};
+use jsonwebtoken::signature::Verifier as _;
 use jsonwebtoken::{Algorithm, DecodingKey};
 use openidconnect::core::{
     CoreGenderClaim, CoreJsonWebKeyType, CoreJsonWebKeyUse, CoreJweContentEncryptionAlgorithm, CoreJwsSigningAlgorithm,
@@ -17,7 +18,7 @@ use ring::digest::{SHA256, SHA384, SHA512, digest};
 use serde::{Deserialize, Serialize};
 
 use super::oidc::{LEEWAY, Oidc};
-use super::signature;
+use super::{refusal, signature};
 use crate::http::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;
 
@@ -31,12 +32,8 @@ pub(super) struct MoreClaims {
 impl AdditionalClaims for MoreClaims {}
 
 /// An ID token.
-pub(super) type IdToken = openidconnect::IdToken<
-    MoreClaims,
-    CoreGenderClaim,
-    CoreJweContentEncryptionAlgorithm,
-    CoreJwsSigningAlgorithm,
->;
+pub(super) type IdToken =
+    openidconnect::IdToken<MoreClaims, CoreGenderClaim, CoreJweContentEncryptionAlgorithm, CoreJwsSigningAlgorithm>;
 
 /// The provider's answer to a code or a refresh token.
 pub(super) type TokenResponse = StandardTokenResponse<
@@ -70,13 +67,18 @@ pub(super) async fn subject(
         .set_allowed_algs([algorithm.clone()])
         .set_other_audience_verifier_fn(|_| true)
         .set_time_fn(|| (SystemTime::now() - LEEWAY).into());
-    let claims = token.claims(&verifier, nonce).map_err(|problem| refused(problem.to_string()))?;
+    let claims = token.claims(&verifier, nonce).map_err(|problem| refused(refusal::of_id_token(&problem)))?;
     match claims.authorized_party() {
         Some(party) if party.as_str() != client_id => {
-            return Err(refused(format!("it was issued to the client {:?}, not to {client_id:?} (azp)", party.as_str())));
+            return Err(refused(format!(
+                "it was issued to the client {:?}, not to {client_id:?} (azp)",
+                party.as_str()
+            )));
         }
         None if claims.audiences().len() > 1 => {
-            return Err(refused("it has several audiences, and names no client to which it was issued (azp)".to_owned()));
+            return Err(refused(
+                "it has several audiences, and names no client to which it was issued (azp)".to_owned(),
+            ));
         }
         Some(_) | None => {}
     }
@@ -91,9 +93,9 @@ pub(super) async fn subject(
             return Err(refused("it belongs to another access token (at_hash)".to_owned()));
         }
     }
-    Some(claims.subject().to_string()).filter(|subject| !subject.trim().is_empty()).ok_or_else(|| {
-        refused("it names nobody (sub)".to_owned())
-    })
+    Some(claims.subject().to_string())
+        .filter(|subject| !subject.trim().is_empty())
+        .ok_or_else(|| refused("it names nobody (sub)".to_owned()))
 }
 
 /// A key of the provider that was chosen for a token. Only ring verifies with it: its rules are in `signature`.
@@ -166,7 +168,11 @@ impl JsonWebKey for VerifyingKey {
             Some(Algorithm::RS256 | Algorithm::PS256 | Algorithm::ES256) => &SHA256,
             Some(Algorithm::RS384 | Algorithm::PS384 | Algorithm::ES384) => &SHA384,
             Some(Algorithm::RS512 | Algorithm::PS512 | Algorithm::EdDSA) => &SHA512,
-            _ => return Err("this algorithm is not accepted".to_owned()),
+            Some(Algorithm::HS256 | Algorithm::HS384 | Algorithm::HS512) | None => {
+                return Err("this algorithm is not accepted".to_owned());
+            }
+            // The list may grow with versions of the library.
+            Some(_) => return Err("this algorithm is not known".to_owned()),
         };
         Ok(digest(hash, bytes).as_ref().to_vec())
     }

@@ -10,6 +10,7 @@ pub mod monitoring;
 pub mod oidc;
 pub mod origin;
 pub mod provider;
+mod refusal;
 pub mod return_page;
 pub mod session;
 mod signature;

@@ -10,7 +10,7 @@ use vibrissa_protocol::Name;
 
 use super::keys::Keys;
 use super::provider::SignInOptions;
-use super::{Authentication, Caller, Role, Scope, signature};
+use super::{Authentication, Caller, Role, Scope, refusal, signature, tokens};
 use crate::http::problem::{Kind, Problem};
 
 /// An accepted OpenID provider.
@@ -83,9 +83,14 @@ impl Oidc {
     /// # Errors
     /// The token is no JWT, or is signed in a way that is not accepted, or the provider does not answer.
     pub(super) async fn key(&self, token: &str) -> Result<(Algorithm, Jwk), Problem> {
-        let header = decode_header(token).map_err(|problem| refused(format!("the token is not a JWT: {problem}")))?;
+        let header = decode_header(token)
+            .map_err(|problem| refused(format!("the token is not a JWT: {}", refusal::of_header(&problem))))?;
         if !ALGORITHMS.contains(&header.alg) {
-            return Err(refused(format!("tokens signed with {:?} are not accepted", header.alg)));
+            let accepted = refusal::algorithms();
+            return Err(refused(format!(
+                "tokens signed with {:?} are not accepted: let the provider sign with one of {accepted}",
+                header.alg
+            )));
         }
         // A token with a critical extension must be refused by whoever does not support it (RFC 7515, 4.1.11). No
         // extension is supported here.
@@ -101,16 +106,18 @@ impl Oidc {
     /// The token is invalid, or the provider does not answer.
     pub(super) async fn verified(&self, token: &str) -> Result<Map<String, Value>, Problem> {
         let (algorithm, key) = self.key(token).await?;
-        let key = DecodingKey::from_jwk(&key).map_err(|problem| refused(format!("the key is not usable: {problem}")))?;
+        let key = DecodingKey::from_jwk(&key).map_err(|_| refused("the provider's key is damaged".to_owned()))?;
         let mut validation = Validation::new(algorithm);
         validation.set_issuer(&[&self.options.issuer]);
         validation.set_audience(&[&self.options.audience]);
         validation.set_required_spec_claims(&["exp", "iss", "aud", "sub"]);
         validation.validate_nbf = true;
         validation.leeway = LEEWAY.as_secs();
-        let claims = decode::<Map<String, Value>>(token, &key, &validation)
-            .map(|token| token.claims)
-            .map_err(|problem| refused(format!("the token is not accepted: {problem}")))?;
+        let claims =
+            decode::<Map<String, Value>>(token, &key, &validation).map(|token| token.claims).map_err(|problem| {
+                let why = refusal::of_token(&problem, tokens::claims(token).as_ref(), &self.options);
+                refused(format!("the token is not accepted: {why}"))
+            })?;
         if subject(&claims).is_none() {
             return Err(refused("the token is not accepted: it names nobody (sub)".to_owned()));
         }

@@ -6,18 +6,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use openidconnect::core::{
-    CoreAuthDisplay, CoreAuthPrompt, CoreErrorResponseType, CoreGenderClaim,
-    CoreJweContentEncryptionAlgorithm, CoreResponseType, CoreRevocableToken, CoreRevocationErrorResponse,
-    CoreTokenIntrospectionResponse,
+    CoreAuthDisplay, CoreAuthPrompt, CoreErrorResponseType, CoreGenderClaim, CoreJweContentEncryptionAlgorithm,
+    CoreResponseType, CoreRevocableToken, CoreRevocationErrorResponse, CoreTokenIntrospectionResponse,
 };
 use openidconnect::{
-    AuthUrl, AuthenticationFlow, AuthorizationCode, ClientId, ClientSecret, CsrfToken, EndSessionUrl, EndpointNotSet, EndpointSet,
-    IssuerUrl, JsonWebKeySet, LogoutRequest, Nonce, PkceCodeChallenge, PkceCodeVerifier, PostLogoutRedirectUrl,
-    RedirectUrl, RefreshToken, RequestTokenError, Scope, StandardErrorResponse, TokenUrl,
+    AuthUrl, AuthenticationFlow, AuthorizationCode, ClientId, ClientSecret, CsrfToken, EndSessionUrl, EndpointNotSet,
+    EndpointSet, IssuerUrl, JsonWebKeySet, LogoutRequest, Nonce, PkceCodeChallenge, PkceCodeVerifier,
+    PostLogoutRedirectUrl, RedirectUrl, RefreshToken, RequestTokenError, Scope, StandardErrorResponse, TokenUrl,
 };
 
 use super::fetch::{self, Away, Discovery, blocking};
 use super::id_token::{IdToken, MoreClaims, TokenResponse, VerifyingKey};
+use vibrissa_protocol::plain;
 use vibrissa_store::secret::Secret;
 
 /// Time for which the endpoints are remembered.
@@ -73,9 +73,16 @@ impl From<Away> for Denial {
 impl From<RequestTokenError<Away, StandardErrorResponse<CoreErrorResponseType>>> for Denial {
     fn from(problem: RequestTokenError<Away, StandardErrorResponse<CoreErrorResponseType>>) -> Self {
         match problem {
-            RequestTokenError::ServerResponse(told) => Self::Refused(told.to_string()),
+            RequestTokenError::ServerResponse(told) if *told.error() == CoreErrorResponseType::InvalidGrant => {
+                Self::Refused(told.to_string())
+            }
+            // About this client, not about the person: a wrong secret must end no session.
+            RequestTokenError::ServerResponse(told) => Self::Away(told.to_string()),
             RequestTokenError::Request(away) => away.into(),
-            RequestTokenError::Parse(problem, _) => Self::Away(format!("unexpected JSON from the provider: {problem}")),
+            RequestTokenError::Parse(problem, _) => {
+                let (place, what) = (problem.path().to_string(), plain::json(&problem.inner().to_string()));
+                Self::Away(format!("unexpected JSON from the provider: {place}: {what}"))
+            }
             RequestTokenError::Other(what) => Self::Away(what),
         }
     }
@@ -168,7 +175,8 @@ impl Provider {
         let gone = || Denial::Refused("the provider gave no refresh token".to_owned());
         let refresh_token = RefreshToken::new(refresh_token.ok_or_else(gone)?);
         let client = self.client().await?;
-        blocking(move || client.exchange_refresh_token(&refresh_token).request(&fetch::send).map_err(Denial::from)).await
+        blocking(move || client.exchange_refresh_token(&refresh_token).request(&fetch::send).map_err(Denial::from))
+            .await
     }
 
     /// Where the browser signs out at the provider; `None` if the provider has no such page.

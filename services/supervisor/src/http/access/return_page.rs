@@ -17,7 +17,9 @@ pub struct ReturnPage(String);
 
 /// The text is no page of the console.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("a page of the console begins with #/, and has at most {CHARS_MAX} characters, none of them a control character")]
+#[error(
+    "a page of the console begins with #/, and has at most {CHARS_MAX} characters, none of them a control character"
+)]
 pub struct NoPage;
 
 impl Default for ReturnPage {

@@ -29,7 +29,8 @@ pub(super) struct Tokens {
 impl Tokens {
     /// The provider's tokens. It may keep the refresh token, and need not repeat the ID token.
     pub(super) fn of(told: &TokenResponse, before: Option<Self>) -> Self {
-        let (refresh_token, id_token) = before.map(|before| (before.refresh_token, before.id_token)).unwrap_or_default();
+        let (refresh_token, id_token) =
+            before.map(|before| (before.refresh_token, before.id_token)).unwrap_or_default();
         Self {
             access_token: told.access_token().secret().clone(),
             refresh_token: told.refresh_token().map(|token| token.secret().clone()).or(refresh_token),
@@ -49,7 +50,7 @@ impl Tokens {
 }
 
 /// The claims of a token whose signature is verified elsewhere.
-fn claims(token: &str) -> Option<Map<String, Value>> {
+pub(super) fn claims(token: &str) -> Option<Map<String, Value>> {
     let claims = URL_SAFE_NO_PAD.decode(token.split('.').nth(1)?).ok()?;
     serde_json::from_slice(&claims).ok()
 }

@@ -1,7 +1,9 @@
-//! Messages of serde for people who do not know Rust: the value that was given, and the values that are allowed.
+//! Messages of serde, from JSON, TOML or CBOR, for people who do not know Rust: the value that was given, and the values that
+//! are allowed.
 
-/// Rewords a message of serde about a field that the answer names beside it. A message of another form is kept.
-pub(super) fn reworded(message: &str) -> String {
+/// Rewords a message of serde. The field's name stands beside it. A message of another form is kept.
+#[must_use]
+pub fn json(message: &str) -> String {
     let message = without_position(message);
     let (problem, expected) = message.split_once(", expected ").unwrap_or((message, ""));
     let quoted = problem.split('`').nth(1).unwrap_or_default();
@@ -25,6 +27,34 @@ pub(super) fn reworded(message: &str) -> String {
     }
 }
 
+/// Rewords a message of serde that stands alone: it names the field, in back quotes.
+#[must_use]
+pub fn data(message: &str) -> String {
+    let text = without_position(message);
+    let (problem, expected) = text.split_once(", expected ").unwrap_or((text, ""));
+    if problem.starts_with("missing field") {
+        return format!("{problem}: add it");
+    }
+    if problem.starts_with("duplicate field") {
+        return format!("{problem}: keep one of them");
+    }
+    if problem.starts_with("unknown field") {
+        return format!("{problem}{}", allowed(expected, "; the fields are"));
+    }
+    if problem.starts_with("unknown variant") {
+        return format!("{}{}", json(text), &message[text.len()..]);
+    }
+    json(message)
+}
+
+/// A message about a place in a file, such as one in TOML: the line, and the message, but not the line's content, which may
+/// be a secret.
+#[must_use]
+pub fn in_file(text: &str, place: Option<std::ops::Range<usize>>, message: &str) -> String {
+    let before = place.and_then(|place| text.get(..place.start)).unwrap_or_default();
+    format!("line {}: {}", before.matches('\n').count() + 1, data(message))
+}
+
 /// The message without the position in the body, which says nothing beside the field's name.
 fn without_position(message: &str) -> &str {
     message.rfind(" at line ").map_or(message, |at| &message[..at])
@@ -38,8 +68,11 @@ fn allowed(expected: &str, lead: &str) -> String {
 
 /// Serde's and Rust's names of types in plain English.
 fn plain(named: &str) -> String {
-    let whole = ["u8", "u16", "u32", "u64", "usize", "i8", "i16", "i32", "i64"];
+    let whole = ["i8", "i16", "i32", "i64"];
     match named {
+        "u8" => "a whole number from 0 to 255".to_owned(),
+        "u16" => "a whole number from 0 to 65535".to_owned(),
+        "u32" | "u64" | "usize" => "a whole number from 0 on".to_owned(),
         "f64" | "f32" => "a number".to_owned(),
         "a boolean" => "true or false".to_owned(),
         "a string" => "a text".to_owned(),
@@ -82,13 +115,13 @@ mod tests {
         names: Vec<String>,
     }
 
-    fn told(json: &str) -> String {
-        reworded(&serde_json::from_str::<Asked>(json).unwrap_err().to_string())
+    fn told(text: &str) -> String {
+        json(&serde_json::from_str::<Asked>(text).unwrap_err().to_string())
     }
 
     #[test]
     fn messages_name_the_given_and_the_allowed_values_without_words_of_rust() {
-        for (json, expected) in [
+        for (text, expected) in [
             (r#"{"mode":"AUTO","pressure_mpa":0.1,"whisker":1}"#, "AUTO is not allowed; allowed are ADVISE, AUTOMATIC"),
             (
                 r#"{"mode":"ADVISE","pressure":0.1}"#,
@@ -97,15 +130,26 @@ mod tests {
             (r#"{"mode":"ADVISE","pressure_mpa":0.1}"#, "this field is required"),
             (r#"{"mode":"ADVISE","mode":"ADVISE"}"#, "this field is given more than once"),
             (r#"{"mode":"ADVISE","pressure_mpa":"high"}"#, "\"high\" was given, a number is required"),
-            (r#"{"mode":"ADVISE","whisker":-1}"#, "-1 was given, a whole number is required"),
-            (r#"{"mode":"ADVISE","whisker":true}"#, "true was given, a whole number is required"),
+            (r#"{"mode":"ADVISE","whisker":-1}"#, "-1 was given, a whole number from 0 to 65535 is required"),
+            (r#"{"mode":"ADVISE","whisker":true}"#, "true was given, a whole number from 0 to 65535 is required"),
             (r#"{"mode":"ADVISE","names":{}}"#, "an object was given, a list is required"),
             (r#"{"mode":"ADVISE","names":[null]}"#, "null was given, a text is required"),
             (r#"7"#, "7 was given, an object is required"),
         ] {
-            assert_eq!(told(json), expected, "{json}");
+            assert_eq!(told(text), expected, "{text}");
         }
-        assert_eq!(reworded("the pressure must be at most 0.2 MPa"), "the pressure must be at most 0.2 MPa");
+        assert_eq!(json("the pressure must be at most 0.2 MPa"), "the pressure must be at most 0.2 MPa");
+        assert_eq!(in_file("a = 1\nb = x", Some(6..7), "invalid key"), "line 2: invalid key");
+        assert_eq!(data("missing field `c`"), "missing field `c`: add it");
+        assert_eq!(data("unknown field `d`, expected `c` or `a`"), "unknown field `d`; the fields are c, a");
+        assert_eq!(
+            data("invalid type: string \"x\", expected u64"),
+            "\"x\" was given, a whole number from 0 on is required"
+        );
+        assert_eq!(
+            data("invalid type: integer `1`, expected a string at line 1 column 2"),
+            "1 was given, a text is required"
+        );
         let _ = (Mode::Advise, Mode::Automatic);
     }
 }
