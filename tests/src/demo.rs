@@ -1,5 +1,6 @@
 //! Runs `vibrissa demo --serve --live` as a child process, and types its commands.
 
+use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::net::SocketAddr;
 use std::path::Path;
@@ -14,6 +15,9 @@ use tempfile::TempDir;
 use crate::wait::{PATIENCE, found_within, until};
 use crate::web::ask;
 
+/// Name of the file with the demo's log, in its folder.
+const LOG: &str = "log";
+
 /// A running demo without its scripted part; killed on drop.
 #[derive(Debug)]
 pub struct LiveDemo {
@@ -24,7 +28,7 @@ pub struct LiveDemo {
     child: Child,
     input: Option<ChildStdin>,
     printed: Arc<Mutex<Vec<String>>>,
-    _folder: TempDir,
+    folder: TempDir,
 }
 
 impl LiveDemo {
@@ -37,8 +41,10 @@ impl LiveDemo {
         let mut child = Command::new(program.as_ref())
             .args(["demo", "--serve", "--live", "--folder"])
             .arg(folder.path())
+            .env("RUST_LOG", "mqtt5=warn,rumqttc=warn,info")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
+            .stderr(File::create(folder.path().join(LOG)).expect("a log"))
             .spawn()
             .expect("the program");
         let printed: Arc<Mutex<Vec<String>>> = Arc::default();
@@ -49,7 +55,7 @@ impl LiveDemo {
         });
         let input = child.stdin.take();
         let http = SocketAddr::from(([127, 0, 0, 1], 0));
-        let mut demo = Self { http, mqtt: String::new(), child, input, printed, _folder: folder };
+        let mut demo = Self { http, mqtt: String::new(), child, input, printed, folder };
         let console = demo.prints("Console: http://").await;
         let address = console.trim_start_matches("Console: http://").trim_end_matches('/');
         let begun = demo.prints("over MQTT on ").await;
@@ -63,6 +69,15 @@ impl LiveDemo {
     pub async fn prints(&self, text: &str) -> String {
         let found = async || self.printed.lock().expect("no panic").iter().find(|line| line.contains(text)).cloned();
         until(text, found).await
+    }
+
+    /// Lines of its log so far.
+    ///
+    /// # Panics
+    /// The log cannot be read.
+    pub fn log(&self) -> Vec<String> {
+        let text = std::fs::read_to_string(self.folder.path().join(LOG)).expect("the log");
+        text.lines().map(str::to_owned).collect()
     }
 
     /// Types a line.

@@ -5,6 +5,7 @@
 pub mod actions;
 pub mod black_box;
 pub mod clock;
+pub mod full_name;
 pub mod guidance;
 pub mod ids;
 pub mod labels;

@@ -42,11 +42,52 @@ async fn paper_a_typed_cut_is_called_and_compensated_and_a_replaced_whisker_is_l
     let ended = |one: &Value| one["end_reason"] == "REPLACED";
     demo.item(&format!("/v1/compensations?{OF_WHISKER}&target_whisker=2"), ended).await;
 
+    names_of_the_log_resolve(&demo).await;
+
     demo.close_input();
     let counted = async || ask(demo.http, "GET", "/metrics", &[]).await.unwrap().status;
     assert_eq!(counted().await, 200, "without standard input it serves on");
     demo.interrupt();
     assert!(demo.ended().await.success());
+}
+
+/// Fields of the log that name a robot or a whisker.
+const NAMING: [&str; 4] = ["robot", "whisker", "by", "subject"];
+
+/// Each name in the log is the path of a robot or of a whisker in REST, and the log has told the story so far.
+async fn names_of_the_log_resolve(demo: &LiveDemo) {
+    let log = demo.log();
+    let mut names = std::collections::BTreeSet::new();
+    for line in &log {
+        for (field, value) in line.split_whitespace().filter_map(|word| word.split_once('=')) {
+            if NAMING.contains(&field) {
+                names.insert(value.to_owned());
+            }
+        }
+    }
+    for name in &names {
+        let path = match name.split('/').collect::<Vec<_>>()[..] {
+            [fleet, robot] => format!("/v1/fleets/{fleet}/robots/{robot}"),
+            [fleet, robot, array, whisker] => {
+                format!("/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}")
+            }
+            _ => panic!("{name} is no name of a robot or a whisker"),
+        };
+        assert_eq!(ask(demo.http, "GET", &path, &[]).await.unwrap().status, 200, "{path}");
+    }
+    let fleet = names.iter().find_map(|name| name.split_once('/')).unwrap().0;
+    for expected in [
+        format!("new robot registered robot={fleet}/crawler-1"),
+        format!("are left of 70.0 mm whisker={fleet}/crawler-1/left/2"),
+        format!("shorter for longer whisker={fleet}/crawler-1/left/2 by={fleet}/crawler-1/left/"),
+        "compensation begins: ".to_owned(),
+        format!("MPa, shorter for longer whisker={fleet}/crawler-1/left/"),
+        format!("setpoint applied whisker={fleet}/crawler-1/left/"),
+        format!("whisker={fleet}/crawler-2/nose/2 alarm=\"UNCOMPENSATED\""),
+        format!("subject={fleet}/crawler-1/left/2"),
+    ] {
+        assert!(log.iter().any(|line| line.contains(&expected)), "{expected}\n{}", log.join("\n"));
+    }
 }
 
 #[tokio::test(flavor = "multi_thread")]

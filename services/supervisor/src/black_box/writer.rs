@@ -6,6 +6,7 @@ use tokio::task::spawn_blocking;
 use tokio::time::{Duration, Instant, sleep};
 use tracing::warn;
 use vibrissa_core::units::Micros;
+use vibrissa_edge::full_name::FullName;
 use vibrissa_protocol::Name;
 use vibrissa_store::black_boxes::NewBlackBox;
 use vibrissa_store::{Lease, StoreError, Writer};
@@ -57,7 +58,8 @@ pub(super) async fn run(mut jobs: mpsc::Receiver<Job>, mut writer: Writer) {
 }
 
 async fn write(one: BoxToWrite, writer: &mut Writer) {
-    let (lease, lost, robot) = (one.lease.clone(), one.lost.clone(), one.robot.clone());
+    let (lease, lost, name) = (one.lease.clone(), one.lost.clone(), one.robot.clone());
+    let robot = FullName::robot(lease.fleet().as_str(), name.as_str());
     let row = match spawn_blocking(move || row(&one)).await {
         Ok(Ok(row)) => row,
         Ok(Err(problem)) => {
@@ -77,7 +79,7 @@ async fn write(one: BoxToWrite, writer: &mut Writer) {
             Err(StoreError::LeaseLost { .. }) => return,
             Err(problem) if Instant::now() >= deadline || problem.rejection().is_some() => {
                 lost.inc();
-                return warn!(fleet = %lease.fleet(), %robot, %problem, "cannot write a black box, it is lost");
+                return warn!(%robot, %problem, "cannot write a black box, it is lost");
             }
             Err(_) => sleep(PAUSE).await,
         }

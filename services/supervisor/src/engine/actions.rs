@@ -8,6 +8,7 @@ use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::{ActionProblem, Event, OperatorAction, Outcome, Params, Place};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::actions::{self, ActionKind, PolicyChange, RecordedKind, Request, Subject};
+use vibrissa_edge::full_name::FullName;
 use vibrissa_edge::ids::command_id;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_edge::words::{Word, named};
@@ -79,8 +80,8 @@ impl Execution<'_> {
         };
         self.metrics.actions.count([kind, state]);
         info!(
-            fleet = %self.place, action = action.action_id, kind, state, problem, actor = action.actor,
-            "operator action handled"
+            fleet = %self.place, subject = subject_of(self.place, action).map(display), action = action.action_id, kind,
+            state, problem, actor = action.actor, "operator action handled"
         );
         let (action_id, done_us) = (action.action_id, wall_clock().0 as i64);
         self.shards.record(Record::Answer { action_id, robot_id, state, problem, done_us });
@@ -250,6 +251,16 @@ impl Execution<'_> {
 pub(super) struct Activation {
     pub(super) calibration_id: i64,
     pub(super) calibration: CalibrationFile,
+}
+
+/// Full name of the robot or whisker that an action is about.
+fn subject_of<'a>(place: &'a FleetShard, action: &'a Action) -> Option<FullName<'a>> {
+    let robot = FullName::robot(place.fleet().as_str(), action.robot.as_deref()?);
+    let number = action.whisker.and_then(|whisker| u16::try_from(whisker).ok());
+    Some(match (&action.array, number) {
+        (Some(array), Some(number)) => robot.whisker(array, number),
+        (Some(_), None) | (None, _) => robot,
+    })
 }
 
 fn refused(problem: ActionProblem) -> Problem {

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
-use tracing::warn;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 
@@ -72,22 +71,22 @@ impl RefusedRobots {
         self.has_changed |= self.robots.len() != before;
     }
 
-    /// Counts an attempt.
-    pub(crate) fn count(&mut self, robot: &Name, now: Micros) {
+    /// Counts an attempt; returns whether it is the first one that is remembered.
+    pub(crate) fn count(&mut self, robot: &Name, now: Micros) -> bool {
         let now_us = now.0 as i64;
         self.has_changed = true;
         if let Some(known) = self.robots.get_mut(robot) {
             known.tries += 1;
             known.last_us = now_us;
-            return;
+            return false;
         }
         if self.robots.len() >= REFUSED_MAX {
             let oldest = self.robots.iter().min_by_key(|(_, known)| known.last_us).map(|(name, _)| name.clone());
             oldest.and_then(|name| self.robots.remove(&name));
         }
-        warn!(%robot, "robot refused, not on the fleet's allow list");
         let first = TurnedAwayReading { robot: robot.to_string(), tries: 1, first_us: now_us, last_us: now_us };
         self.robots.insert(robot.clone(), first);
+        true
     }
 }
 

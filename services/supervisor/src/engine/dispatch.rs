@@ -15,6 +15,7 @@ use crate::inbox::Incoming;
 use crate::log_inbox::{LogBatch, LogRecord};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::full_name::FullName;
 use vibrissa_store::fault::{self, Fault};
 
 /// Messages are stepped, and the room of the batches is checked, when their robots have this many whiskers together:
@@ -144,7 +145,8 @@ impl Engine {
                 return self.make_room().await;
             };
             if let Some(rejection) = problem.rejection() {
-                error!(%problem, fleet = %self.fleet, robot = %raw.robot, "database rejects this message for good");
+                let robot = FullName::robot(self.fleet.as_str(), raw.robot.as_str());
+                error!(%problem, %robot, "database rejects this message for good");
                 self.suspects.quarantine(quarantined(&raw, &rejection), &mut self.shards, &mut self.pipeline);
                 return Ok(());
             }

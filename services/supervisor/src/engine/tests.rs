@@ -133,8 +133,12 @@ fn shard(robots: i64) -> Shard {
     let (known_robots, stepper) = shard.parts();
     for robot_id in 1..=robots {
         let name = Name::robot(&format!("r{robot_id}")).unwrap();
-        let mut known =
-            KnownRobot::new(name.clone(), robot_id, Robot::new(7, Numbers::default()), ContactRetention::Decisions);
+        let mut known = KnownRobot::new(
+            (Name::new("f").unwrap(), name.clone()),
+            robot_id,
+            Robot::new(7, Numbers::default()),
+            ContactRetention::Decisions,
+        );
         known.whisker_ids = whisker_ids(robot_id);
         known.boots.insert("b", robot_id);
         let birth = Event::Connection { boot_id: "b", link: Link::Online };
@@ -285,7 +289,9 @@ fn seal(shard: &mut Shard, now: Micros, rate: &mut CheckpointRate) -> Batch {
 
 /// All stored bytes of a robot: its state, its whiskers, and their open minutes and hours.
 fn bytes(known: &KnownRobot) -> Vec<Vec<u8>> {
-    let whisker = |index| [known.robot.whisker_to_bytes(index).unwrap(), known.history.stored(index, Micros(1))];
+    let whisker = |index| {
+        [known.robot.whisker_to_bytes(index).unwrap(), known.history.stored(index, known.full_name(), Micros(1))]
+    };
     let whiskers = (0..known.robot.whisker_count()).flat_map(whisker);
     [known.robot.to_bytes().unwrap()].into_iter().chain(whiskers).collect()
 }

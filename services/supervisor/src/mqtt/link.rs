@@ -233,9 +233,8 @@ impl LinkState {
         let mut link = self.link();
         link.failed.remove(node);
         let was_closed_alone = link.closed_alone.take_if(|closed| *closed == side).is_some();
-        if side == Side::Receiving {
-            link.deaf_since = None;
-        }
+        let deaf_since = link.deaf_since.take_if(|_| side == Side::Receiving);
+        let deaf_s = deaf_since.map(|since| since.elapsed().as_secs_f32());
         let is_quiet = std::mem::take(&mut link.is_quiet);
         let (own, _) = link.sides(side);
         let connected = State::Connected(node.clone());
@@ -244,7 +243,7 @@ impl LinkState {
             link.logged.clear();
             match side {
                 _ if is_quiet => {}
-                Side::Receiving => info!(%node, "connected to the MQTT broker: robots are heard"),
+                Side::Receiving => info!(%node, deaf_s, "connected to the MQTT broker: robots are heard"),
                 Side::Publishing => info!(%node, "connected to the MQTT broker: robots are answered"),
             }
         }

@@ -8,6 +8,7 @@ use std::collections::{BTreeSet, VecDeque};
 
 use rumqttc::{QoS, SubscribeFilterInput, SubscribeReasonCode};
 use tracing::warn;
+use vibrissa_edge::full_name::FullName;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{Name, RobotTopic};
 
@@ -137,6 +138,7 @@ impl Subscriptions {
 
     fn add(&mut self, robot: Name) -> Receipt {
         if self.robots.len() >= ROBOTS_MAX {
+            let robot = FullName::robot(self.shard.fleet().as_str(), robot.as_str());
             warn!(fleet = %self.shard, %robot, limit = ROBOTS_MAX, "too many robots in this shard, one is not subscribed to");
             return Receipt::Own;
         }

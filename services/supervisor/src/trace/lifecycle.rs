@@ -112,7 +112,7 @@ impl OpenTraces {
             if let Effect::Command(command) = effect {
                 let target = command.compensation.and_then(|number| decided.remove(&number));
                 self.commanded(step, command, target, &draft);
-            } else if let Effect::CommandState { command, state, rejection, pressure } = effect {
+            } else if let Effect::CommandState { command, state, rejection, pressure, .. } = effect {
                 let mut draft = draft.clone().with("vibrissa.setpoint_state", state.word());
                 draft.attributes.extend(known_pressure(*pressure));
                 let error = rejection.map(Word::word);

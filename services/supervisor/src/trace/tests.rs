@@ -97,7 +97,10 @@ fn a_setpoint_that_expires_is_an_error_and_its_trace_is_over() {
     step(&mut open_traces, command());
     commit(&mut open_traces);
     let state = CommandState::Expired;
-    step(&mut open_traces, Effect::CommandState { command: KEY, state, rejection: None, pressure: None });
+    step(
+        &mut open_traces,
+        Effect::CommandState { command: KEY, whisker: None, state, rejection: None, pressure: None },
+    );
     commit(&mut open_traces);
     open_traces.end(Ending::Stopped);
     assert_eq!(told(&traces, &kept), ["tick", "commit", "tick", "commit", "setpoint REFINEMENT"]);

@@ -302,7 +302,7 @@ fn told<'a>(effect: &'a Effect, source: Option<&'a protocol::Contacts>, robot: O
         }
         Effect::Command(command) => Told::Setpoint(setpoint_line(command, place(command.whisker)?)),
         Effect::Resend(command) => Told::SetpointAgain(setpoint_line(command, place(command.whisker)?)),
-        Effect::CommandState { command: CommandKey { epoch, version }, state, rejection, pressure } => {
+        Effect::CommandState { command: CommandKey { epoch, version }, state, rejection, pressure, .. } => {
             Told::SetpointState {
                 epoch: *epoch,
                 version: *version,

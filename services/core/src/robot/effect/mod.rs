@@ -79,6 +79,8 @@ pub enum Effect {
     CommandState {
         /// Key of the setpoint.
         command: CommandKey,
+        /// The whisker concerned; `None` if it is not on the robot any more.
+        whisker: Option<WhiskerIndex>,
         /// New state of the setpoint.
         state: CommandState,
         /// Reason of the robot, if it rejected the setpoint.

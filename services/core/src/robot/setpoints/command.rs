@@ -147,7 +147,7 @@ impl Robot {
             resend_at: now.after(params.command.resend_after),
         };
         if let Some(replaced) = whisker.command.replace(Box::new(flight)) {
-            effects.push(state_of(replaced.command.key, CommandState::Superseded));
+            effects.push(state_of(replaced.command.key, Some(index), CommandState::Superseded));
         }
         effects.push(Effect::Command(Box::new(command)));
     }
@@ -172,7 +172,7 @@ impl Robot {
         let epoch = self.head.epoch;
         let whisker = &mut self.whiskers[index];
         whisker.command = None;
-        effects.push(state_of(key, CommandState::Expired));
+        effects.push(state_of(key, Some(index), CommandState::Expired));
         if is_pending && heard.is_none_or(|heard| heard <= issued) {
             // The connection was away: that is no failure of the robot's. A manual setpoint is not sent later.
             whisker.rare.forget_attempt();
@@ -223,13 +223,13 @@ impl Robot {
             SetpointReport::Received => {
                 if flight.state == CommandState::Pending {
                     flight.state = CommandState::Received;
-                    effects.push(state_of(key, CommandState::Received));
+                    effects.push(state_of(key, Some(index), CommandState::Received));
                 }
             }
             SetpointReport::Applying => {
                 if matches!(flight.state, CommandState::Pending | CommandState::Received) {
                     flight.state = CommandState::Applying;
-                    effects.push(state_of(key, CommandState::Applying));
+                    effects.push(state_of(key, Some(index), CommandState::Applying));
                     whisker.pressure_set(pressure, params);
                 }
             }
@@ -237,11 +237,11 @@ impl Robot {
             SetpointReport::Rejected(rejection) => self.rejected(params, now, index, key, rejection, effects),
             SetpointReport::Failed => {
                 whisker.command = None;
-                effects.push(state_of(key, CommandState::Failed));
+                effects.push(state_of(key, Some(index), CommandState::Failed));
             }
             SetpointReport::Superseded => {
                 whisker.command = None;
-                effects.push(state_of(key, CommandState::Superseded));
+                effects.push(state_of(key, Some(index), CommandState::Superseded));
             }
         }
         self.reconcile(params, now, index, effects);
@@ -273,6 +273,7 @@ impl Robot {
         }
         effects.push(Effect::CommandState {
             command: key,
+            whisker: Some(index),
             state: CommandState::Applied,
             rejection: None,
             pressure: Some(reached),
@@ -291,6 +292,7 @@ impl Robot {
         self.whiskers[index].command = None;
         effects.push(Effect::CommandState {
             command: key,
+            whisker: Some(index),
             state: CommandState::Rejected,
             rejection: Some(rejection),
             pressure: None,
@@ -320,7 +322,7 @@ impl Robot {
             whisker.given_up = false;
             whisker.rare.forget_attempts();
             if let Some(flight) = whisker.command.take() {
-                effects.push(state_of(flight.command.key, CommandState::Abandoned));
+                effects.push(state_of(flight.command.key, Some(index), CommandState::Abandoned));
             }
         }
     }
@@ -347,6 +349,6 @@ fn is_ahead(now: Micros, time: Micros, by_at_most: Micros) -> bool {
     now < time && time.since(now) <= by_at_most
 }
 
-pub(in crate::robot) fn state_of(command: CommandKey, state: CommandState) -> Effect {
-    Effect::CommandState { command, state, rejection: None, pressure: None }
+pub(in crate::robot) fn state_of(command: CommandKey, whisker: Option<WhiskerIndex>, state: CommandState) -> Effect {
+    Effect::CommandState { command, whisker, state, rejection: None, pressure: None }
 }

@@ -176,7 +176,7 @@ fn write(known: &mut KnownRobot, number: i64, batch: &mut Batch) -> usize {
         return 0;
     }
     let Some(state) = known.robot.to_bytes() else {
-        error!(robot = %known.name, "cannot encode the state, keeping the last checkpoint");
+        error!(robot = %known.full_name(), "cannot encode the state, keeping the last checkpoint");
         return 0;
     };
     let (boot_id, link) = known.robot.connection_state();
@@ -199,7 +199,7 @@ fn whisker_row(known: &KnownRobot, index: usize) -> Option<WhiskerRow> {
     let view = known.robot.whisker(index)?;
     let whisker_id = *known.whisker_ids.get(index)?;
     let Some(state) = known.robot.whisker_to_bytes(index) else {
-        error!(robot = %known.name, whisker = index, "cannot encode the state, keeping the last checkpoint");
+        error!(whisker = %known.full_name_of(index), "cannot encode the state, keeping the last checkpoint");
         return None;
     };
     Some(WhiskerRow {
@@ -221,7 +221,7 @@ fn whisker_row(known: &KnownRobot, index: usize) -> Option<WhiskerRow> {
             [left.mean, left.low, left.high]
         }),
         state,
-        rollup: known.history.stored(index, wall_clock()),
+        rollup: known.history.stored(index, known.full_name_of(index), wall_clock()),
     })
 }
 

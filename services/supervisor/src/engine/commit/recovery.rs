@@ -149,7 +149,8 @@ impl Replay {
         let (robot_id, journal_number) = (stored.robot_id, stored.journal_number);
         let (robots, stepper) = shards.of(&name).parts();
         let (params, retention) = (stepper.params_of(&name), stepper.retention());
-        let (known, forgotten) = KnownRobot::restored(name.clone(), stored, epoch, params, retention);
+        let (known, forgotten) =
+            KnownRobot::restored((stepper.fleet().clone(), name.clone()), stored, epoch, params, retention);
         stepper.count_set_aside(Reader::Checkpoint, forgotten.iter().count() as u64);
         stepper.batch_mut().rows_mut().records.extend(forgotten);
         if !known.whisker_ids.is_empty() {

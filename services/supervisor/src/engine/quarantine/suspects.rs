@@ -18,6 +18,7 @@ use crate::engine::shard::shards::Shards;
 use crate::metrics::FleetMetrics;
 use crate::readiness::Readiness;
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::full_name::FullName;
 use vibrissa_store::Lease;
 use vibrissa_store::batch::{QuarantineRow, Record};
 
@@ -68,7 +69,7 @@ impl Suspects {
             let verdict = suspect.refused(now, messages, &offender.rejection, widespread);
             let rests = suspect.rests(now);
             warn!(
-                fleet = %self.lease.fleet(), robot = %name, code = offender.rejection.code, rests,
+                robot = %self.full_name(&name), code = offender.rejection.code, rests,
                 "restoring the robot's last committed state"
             );
             self.restore(&name, offender, rests, shards);
@@ -78,6 +79,10 @@ impl Suspects {
         }
         self.metrics.robots_suspect.set(self.robots.len() as i64);
         pipeline.stepped(0, shards);
+    }
+
+    fn full_name<'a>(&'a self, name: &'a Name) -> FullName<'a> {
+        FullName::robot(self.lease.fleet().as_str(), name.as_str())
     }
 
     fn is_widespread(&self, shards: &Shards) -> bool {
@@ -123,7 +128,7 @@ impl Suspects {
                     replay.replay_row(*number, entries, records, shards);
                 }
             }
-            None => error!(fleet = %self.lease.fleet(), robot = %name, "robot no longer in the database"),
+            None => error!(robot = %self.full_name(name), "robot no longer in the database"),
         }
         let (robots, stepper) = shards.of(name).parts();
         let Some(known) = robots.get_mut(name) else { return };
@@ -140,8 +145,9 @@ impl Suspects {
     /// Writes a message that the database rejects into the quarantine table, for inspection by people.
     pub(crate) fn quarantine(&self, row: QuarantineRow, shards: &mut Shards, pipeline: &mut Pipeline) {
         self.metrics.messages_quarantined.count([row.cause]);
-        let (robot, topic, seq, cause, code) = (&row.robot, row.topic, row.seq, row.cause, &row.code);
-        error!(fleet = %self.lease.fleet(), robot, topic, seq, cause, code, "message put into quarantine");
+        let robot = FullName::robot(self.lease.fleet().as_str(), &row.robot);
+        let (topic, seq, cause, code) = (row.topic, row.seq, row.cause, &row.code);
+        error!(%robot, topic, seq, cause, code, "message put into quarantine");
         shards.record(Record::Quarantined(Box::new(row)));
         pipeline.commit_now();
     }

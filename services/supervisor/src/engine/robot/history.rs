@@ -2,10 +2,12 @@
 //! hours always.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
 
 use tracing::error;
 use vibrissa_core::robot::effect::ContactUse;
 use vibrissa_core::units::Micros;
+use vibrissa_edge::full_name::FullName;
 
 use super::retention::{ContactFilter, ContactRetention};
 use super::rollup::{GRACE, Open, Rollup, Sample, Use};
@@ -144,7 +146,7 @@ impl History {
         for (whisker_id, (_, mut open)) in known {
             open.end(&mut self.closed);
             batch.rollups.extend(self.closed.drain(..).map(|rollup| row_of(whisker_id, &rollup)));
-            gone.push((whisker_id, stored_form(&open, now)));
+            gone.push((whisker_id, stored_form(&open, &format_args!("id {whisker_id}"), now)));
             self.gone.insert(whisker_id, open);
         }
         gone
@@ -157,14 +159,15 @@ impl History {
     }
 
     /// Durable form of a whisker's open minute and hour.
-    pub(crate) fn stored(&self, whisker: usize, now: Micros) -> Vec<u8> {
-        self.open.get(whisker).map_or_else(|| stored_form(&Open::default(), now), |open| stored_form(open, now))
+    pub(crate) fn stored(&self, whisker: usize, name: FullName<'_>, now: Micros) -> Vec<u8> {
+        let none = Open::default();
+        stored_form(self.open.get(whisker).unwrap_or(&none), &name, now)
     }
 }
 
-fn stored_form(open: &Open, now: Micros) -> Vec<u8> {
+fn stored_form(open: &Open, whisker: &dyn Display, now: Micros) -> Vec<u8> {
     open.to_bytes().unwrap_or_else(|| {
-        error!("dropping a whisker's open minute and hour that contain NaN");
+        error!("dropping the open minute and hour of whisker {whisker}, they contain NaN");
         Open::after(now).to_bytes().unwrap_or_default()
     })
 }
@@ -296,7 +299,9 @@ mod tests {
             ids = next;
             // From time to time, restart from the stored forms.
             if turn % 5 == 0 {
-                let all: Vec<_> = (0..ids.len()).map(|whisker| Some(history.stored(whisker, now))).collect();
+                let all: Vec<_> = (0..ids.len())
+                    .map(|whisker| Some(history.stored(whisker, FullName::robot("f", "r"), now)))
+                    .collect();
                 history = History::taken_up(ContactRetention::None, &all, now);
             }
         }

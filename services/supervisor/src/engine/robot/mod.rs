@@ -38,6 +38,7 @@ use repeats::Repeats;
 use retention::ContactRetention;
 use seqs::Seqs;
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::full_name::FullName;
 use vibrissa_store::StoredRobot;
 use vibrissa_store::batch::Record;
 
@@ -46,11 +47,14 @@ pub(crate) type Robots = IndexMap<Name, KnownRobot>;
 
 /// A robot with its row ids in the database.
 pub(crate) struct KnownRobot {
+    pub(crate) fleet: Name,
     pub(crate) name: Name,
     pub(crate) robot_id: i64,
     pub(crate) robot: Robot,
     pub(crate) whisker_ids: Vec<i64>,
     pub(crate) boots: Boots,
+    /// Since when its connection is as it is; `None` if it was so before this supervisor knew it.
+    pub(crate) linked: Option<Instant>,
     /// A message of its newest boot was received since this supervisor knows it.
     pub(crate) is_heard: bool,
     /// Limits the rate of new boots.
@@ -104,13 +108,15 @@ pub(crate) enum Durable {
 
 impl KnownRobot {
     /// A new robot.
-    pub(crate) fn new(name: Name, robot_id: i64, robot: Robot, retention: ContactRetention) -> Self {
+    pub(crate) fn new((fleet, name): (Name, Name), robot_id: i64, robot: Robot, retention: ContactRetention) -> Self {
         Self {
+            fleet,
             name,
             robot_id,
             robot,
             whisker_ids: Vec::new(),
             boots: Boots::default(),
+            linked: None,
             is_heard: false,
             new_boots: Bucket::new(BOOTS_AT_ONCE, BOOTS_PER_MINUTE),
             new_layouts: Bucket::new(BOOTS_AT_ONCE, BOOTS_PER_MINUTE),
@@ -136,7 +142,7 @@ impl KnownRobot {
     /// the robot starts without learned state and without alarms, as the returned record says, and is held as a whole
     /// if any part of it was.
     pub(crate) fn restored(
-        name: Name,
+        (fleet, name): (Name, Name),
         stored: StoredRobot,
         epoch: u64,
         params: &Params,
@@ -150,7 +156,8 @@ impl KnownRobot {
                 (robot, stored.whisker_ids)
             }
             Some(Err(problem)) => {
-                error!(robot = stored.robot, %problem, "cannot read the checkpoint, its learned state is lost");
+                let robot = FullName::robot(fleet.as_str(), name.as_str());
+                error!(%robot, %problem, "cannot read the checkpoint, its learned state is lost");
                 let now = wall_clock();
                 forgotten = Some(Record::AlarmsForgotten { robot_id: stored.robot_id, cleared_us: now.0 as i64 });
                 let mut robot = Robot::new(epoch, stored.numbers).taken_up();
@@ -164,7 +171,7 @@ impl KnownRobot {
         };
         let rollups = if whisker_ids.is_empty() { &[][..] } else { &stored.rollups };
         let history = History::taken_up(retention, rollups, wall_clock());
-        let new = Self::new(name, stored.robot_id, robot, retention);
+        let new = Self::new((fleet, name), stored.robot_id, robot, retention);
         (Self { whisker_ids, boots: stored.boots.into(), history, ..new }, forgotten)
     }
 
@@ -174,6 +181,17 @@ impl KnownRobot {
         self.errors = MeasuredErrors::of(&self.robot, params);
         self.durable = Durable::BeforeTakeover;
         self.commands = Commands::taken_up();
+    }
+
+    /// Its full name, for logs.
+    pub(crate) fn full_name(&self) -> FullName<'_> {
+        FullName::robot(self.fleet.as_str(), self.name.as_str())
+    }
+
+    /// The full name of a whisker, for logs; that of the robot if there is no such whisker.
+    pub(crate) fn full_name_of(&self, index: usize) -> FullName<'_> {
+        let whisker = self.robot.whisker(index);
+        whisker.map_or(self.full_name(), |view| self.full_name().whisker(view.array, view.sheet.number))
     }
 
     /// Number of a boot, 0 if it has none.

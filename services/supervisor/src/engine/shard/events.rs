@@ -190,7 +190,7 @@ fn told(event: Event, known: &KnownRobot, effect: &Effect, id: impl Fn(CommandKe
             setpoint: Some(setpoint_part(robot_id, command, id(command.key))),
             ..event.about(known, command.whisker)
         },
-        Effect::CommandState { command, state, rejection, pressure } => Event {
+        Effect::CommandState { command, state, rejection, pressure, .. } => Event {
             kind: EventType::SetpointState,
             setpoint: Some(SetpointPart {
                 command_id: id(*command),

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::time::Instant;
 
-use tracing::warn;
+use tracing::{info, warn};
 use vibrissa_core::robot::{Event, Outcome};
 use vibrissa_protocol::{self as protocol, Message, Refusal, RobotTopic};
 
@@ -13,6 +13,7 @@ use crate::engine::commit::committer::Committer;
 use crate::engine::message::RawMessage;
 use crate::engine::robot::{KnownRobot, fingerprints};
 use vibrissa_edge as edge;
+use vibrissa_edge::full_name::FullName;
 use vibrissa_store::StoreError;
 
 const OLD_BIRTH: &str = "a birth of a boot that a newer one has replaced";
@@ -77,7 +78,10 @@ impl Shard {
         if !is_allowed {
             let problem = "the robot is not on the allow list";
             self.stepper.metrics.refuse("not_allowed", problem, raw.robot.as_str());
-            self.refused_robots.count(&raw.robot, raw.received);
+            if self.refused_robots.count(&raw.robot, raw.received) {
+                let robot = FullName::robot(self.stepper.fleet.as_str(), raw.robot.as_str());
+                warn!(%robot, "robot refused, not on the fleet's allow list");
+            }
         }
         is_allowed
     }
@@ -123,7 +127,7 @@ impl Shard {
         if is_birth || known.refused_boot.as_ref() == Some(&message.boot_id) {
             known.refused_boot = None;
         }
-        let outcome = self.stepper.step(known, raw.received, &event, None);
+        let outcome = self.stepper.step_connection(known, raw.received, &event);
         if is_birth && outcome == Outcome::OldBoot {
             self.stepper.violation("old_boot", OLD_BIRTH, &known.name);
         } else if is_birth {
@@ -146,7 +150,8 @@ impl Shard {
         let factsheet = match self.stepper.factsheet(&message) {
             Ok(factsheet) => factsheet,
             Err(problem) => {
-                warn!(robot = %raw.robot, %problem, "factsheet refused");
+                let robot = FullName::robot(self.stepper.fleet.as_str(), raw.robot.as_str());
+                warn!(%robot, %problem, "factsheet refused");
                 self.count_refusal(raw, problem.label(), &problem);
                 return None;
             }
@@ -243,11 +248,13 @@ impl Shard {
         let (writer, lease) = committer.database();
         let robot_id = writer.robot_id(lease, name.as_str(), now_us).await?;
         if let Some(announcement) = self.announced.take(name) {
-            let mut known = KnownRobot::new(name.clone(), robot_id, announcement.robot, self.stepper.retention);
+            let names = (self.stepper.fleet.clone(), name.clone());
+            let mut known = KnownRobot::new(names, robot_id, announcement.robot, self.stepper.retention);
             known.seqs = announcement.seqs;
             let (at, birth) = &announcement.birth;
             self.stepper.keep_message(&mut known, RobotTopic::Connection, *at, birth);
             self.stepper.keep_message(&mut known, raw.kind, raw.received, &raw.payload);
+            info!(robot = %known.full_name(), "new robot registered");
             self.robots.insert(name.clone(), known);
         }
         Ok(())

@@ -4,12 +4,14 @@
 //! - [`reports`]: contacts, status and setpoint states of a known robot become events.
 //! - [`stepper`]: an event is stepped through the core.
 //! - [`record`], [`rows`]: its effects become rows; [`events`]: and events for other programs.
+//! - [`log`]: lines of the log, which name their subject in full.
 //! - [`publication`]: setpoints, receipts and requests; [`estimate`]: estimates.
 
 mod announced;
 mod estimate;
 pub(crate) mod events;
 mod hearing;
+mod log;
 mod messages;
 mod publication;
 mod record;

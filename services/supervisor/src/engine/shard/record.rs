@@ -1,10 +1,10 @@
 //! Conversion of the core's effects into rows and publications.
 
-use tracing::{info, warn};
 use vibrissa_core::robot::effect::{CommandState, Effect, TestState};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros};
 use vibrissa_protocol::{self as protocol, RobotTopic};
 
+use super::log;
 use super::publication::Sent;
 use super::rows::{decision_row, error_row, refinement_row, setpoint_row};
 use super::stepper::Stepper;
@@ -22,6 +22,7 @@ use vibrissa_store::batch::{
 impl Stepper {
     /// Adds one effect to the batch or to the publications.
     pub(super) fn record(&mut self, known: &mut KnownRobot, now: Micros, effect: Effect, source: Option<Source<'_>>) {
+        log::effect(known, &effect);
         self.tell(known, now, &effect, source);
         let robot_id = known.robot_id;
         let recorded_us = now.0 as i64;
@@ -94,7 +95,6 @@ impl Stepper {
             Effect::Trim(trim) => {
                 self.metrics.trims.inc();
                 self.metrics.trim_detection_contacts.observe(f64::from(trim.contacts_to_detect));
-                info!(robot = %name, whisker = trim.whisker, length_mm = trim.length_after.length.mm(), "trim found");
                 self.batch.rows_mut().records.push(Record::Trim(TrimRow {
                     trim_id: wide_id(robot_id, trim.id),
                     robot_id,
@@ -135,7 +135,7 @@ impl Stepper {
                 self.publish_setpoint(known, &command, Sent::First);
             }
             Effect::Resend(command) => self.publish_setpoint(known, &command, Sent::Again),
-            Effect::CommandState { command, state, rejection, pressure } => {
+            Effect::CommandState { command, state, rejection, pressure, .. } => {
                 self.metrics.setpoints.count([state.word()]);
                 if let Some(rejection) = rejection {
                     self.metrics.setpoints_rejected.count([rejection.word()]);
@@ -183,12 +183,10 @@ impl Stepper {
             Effect::Refined(refinement) => {
                 let row = refinement_row(robot_id, recorded_us, &refinement);
                 self.metrics.refinements.count([row.outcome]);
-                info!(robot = %name, outcome = row.outcome, error = refinement.error, "setpoint reviewed");
                 self.batch.rows_mut().records.push(Record::Refinement(Box::new(row)));
             }
             Effect::Alarm { whisker, kind } => {
                 self.metrics.alarms_raised.count([kind.word()]);
-                warn!(robot = %name, whisker, alarm = kind.word(), "alarm raised");
                 self.batch.rows_mut().records.push(Record::Alarm(AlarmRow {
                     whisker_id: whisker_id(whisker),
                     raised_us: recorded_us,
@@ -198,12 +196,10 @@ impl Stepper {
             }
             Effect::RobotAlarm { kind } => {
                 self.metrics.alarms_raised.count([kind.word()]);
-                warn!(robot = %name, alarm = kind.word(), "alarm raised");
                 let row = RobotAlarmRow { robot_id, raised_us: recorded_us, kind: kind.word() };
                 self.batch.rows_mut().records.push(Record::RobotAlarm(row));
             }
             Effect::RobotAlarmCleared { kind } => {
-                info!(robot = %name, alarm = kind.word(), "alarm cleared");
                 let row = RobotAlarmClearedRow { robot_id, cleared_us: recorded_us, kind: kind.word() };
                 self.batch.rows_mut().records.push(Record::RobotAlarmCleared(row));
             }
@@ -217,7 +213,6 @@ impl Stepper {
                     .push(Record::Approved { compensation_id: wide_id(robot_id, compensation) })
             }
             Effect::AlarmCleared { whisker, kind } => {
-                info!(robot = %name, whisker, alarm = kind.word(), "alarm cleared");
                 self.batch.rows_mut().records.push(Record::AlarmCleared(AlarmClearedRow {
                     whisker_id: whisker_id(whisker),
                     cleared_us: recorded_us,
@@ -232,8 +227,6 @@ impl Stepper {
             Effect::Test(test) => {
                 self.metrics.touch_tests.count([TestState::Pending.word()]);
                 self.metrics.touch_tests_begun.count([test.reason.word()]);
-                let (kind, reason) = (test.kind.word(), test.reason.word());
-                info!(robot = %name, whisker = test.whisker, kind, reason, "touch test requested");
                 let row = test_row(robot_id, &self.fleet, &name, &test, whisker_id(test.whisker));
                 self.batch.rows_mut().records.push(Record::TouchTest(Box::new(row)));
                 self.publish_test(known, &test);
@@ -241,8 +234,6 @@ impl Stepper {
             Effect::TestProposed(test) => {
                 self.metrics.touch_tests.count([TestState::Proposed.word()]);
                 self.metrics.touch_tests_begun.count([test.reason.word()]);
-                let (kind, reason) = (test.kind.word(), test.reason.word());
-                info!(robot = %name, whisker = test.whisker, kind, reason, "touch test proposed");
                 let ids = (robot_id, whisker_id(test.whisker));
                 let row = proposed_test_row(ids, recorded_us, &self.fleet, &name, &test);
                 self.batch.rows_mut().records.push(Record::TouchTest(Box::new(row)));
@@ -250,7 +241,6 @@ impl Stepper {
             Effect::TestState { test, whisker, state, rejection } => {
                 self.metrics.touch_tests.count([state.word()]);
                 let error = rejection.map(Word::word);
-                info!(robot = %name, whisker, state = state.word(), error, "touch test");
                 let length = whisker.and_then(|whisker| known.robot.whisker(whisker)).map(|view| view.length);
                 let length = length.filter(|_| state == TestState::Done);
                 self.batch.rows_mut().records.push(Record::TouchTestProgress(Box::new(TouchTestProgressRow {

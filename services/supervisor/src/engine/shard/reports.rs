@@ -202,7 +202,7 @@ impl Stepper {
         }
         let given_up = counted(known, boot_id).0 - given_up_before;
         if given_up > 0 {
-            warn!(robot = %known.name, messages = given_up, "contacts lost, the robot has not sent them again");
+            warn!(robot = %known.full_name(), messages = given_up, "contacts lost, the robot has not sent them again");
             self.metrics.messages_given_up.inc_by(given_up);
         }
         self.receipt(known, boot_id);
@@ -218,7 +218,7 @@ impl Stepper {
         let is_of = |test: &CommandKey| command_id(&self.fleet, &known.name, *test) == message.test_id;
         let found = known.robot.tests_under_way().map(|(test, _)| test).find(is_of);
         let Some(test) = found else {
-            debug!(robot = %known.name, test_id = message.test_id, "state of a touch test that is over");
+            debug!(robot = %known.full_name(), test_id = message.test_id, "state of a touch test that is over");
             return;
         };
         let (report, robot_time) = (edge::touch_tests::report(message), Micros(message.t_us));
@@ -254,7 +254,7 @@ impl Stepper {
         }
         let Some((answered, pressure)) = found else {
             let command_id = &message.command_id;
-            debug!(robot = %known.name, command_id, "state of a finished setpoint");
+            debug!(robot = %known.full_name(), command_id, "state of a finished setpoint");
             return;
         };
         match edge::setpoint_report(message, pressure) {

@@ -13,6 +13,7 @@ use vibrissa_edge::words::Word;
 use vibrissa_protocol::{BootId, Name, RobotTopic};
 
 use super::events::EventMaker;
+use super::log;
 use crate::black_box::FleetBoxes;
 use crate::black_box::recorder::Whose;
 use crate::engine::commit::batch::{OpenBatch, Source, is_ordinary};
@@ -24,6 +25,7 @@ use crate::metrics::FleetMetrics;
 use crate::set_aside::Reader;
 use crate::trace::{OpenTraces, PendingSpans, Step, is_traced};
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::full_name::FullName;
 use vibrissa_store::Batch;
 
 /// Shortest interval between two warnings with the same reason.
@@ -106,6 +108,11 @@ impl Stepper {
             Some(trial) if trial.has(robot) => &trial.params,
             Some(_) | None => &self.params,
         }
+    }
+
+    /// The fleet of its robots.
+    pub(crate) fn fleet(&self) -> &Name {
+        &self.fleet
     }
 
     /// Sets the parameters of the robots that a roll-out has changed; `None` without one.
@@ -213,6 +220,14 @@ impl Stepper {
         outcome
     }
 
+    /// Steps a birth or a farewell, and logs a connection that is lost or found.
+    pub(super) fn step_connection(&mut self, known: &mut KnownRobot, now: Micros, event: &Event<'_>) -> Outcome {
+        let before = log::connection_of(known);
+        let outcome = self.step(known, now, event, None);
+        log::connection(known, &before);
+        outcome
+    }
+
     /// Replays an event of the journal. Its rows are already written, so only the open minutes and hours need its
     /// effects. Effects other than ordinary ones are new, because parameters have changed, and are recorded.
     pub(crate) fn replay(&mut self, known: &mut KnownRobot, entry: &Entry, event: &Event<'_>) {
@@ -239,7 +254,7 @@ impl Stepper {
         let Some(boot_id) = known.refused_boot.clone() else { return };
         if known.new_boots.take(Instant::now()) {
             known.refused_boot = None;
-            self.step(known, now, &Event::Connection { boot_id: boot_id.as_str(), link: Link::Online }, None);
+            self.step_connection(known, now, &Event::Connection { boot_id: boot_id.as_str(), link: Link::Online });
         }
     }
 
@@ -254,6 +269,7 @@ impl Stepper {
         let now = Instant::now();
         if self.warned.get(reason).is_none_or(|&before| now.duration_since(before) >= WARNING_INTERVAL) {
             self.warned.insert(reason, now);
+            let robot = FullName::robot(self.fleet.as_str(), robot.as_str());
             warn!(%robot, reason, "{problem} (further ones are only counted for a minute)");
         }
     }

@@ -103,3 +103,18 @@ fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
     let asked = shard.batch_mut().take_publications().len();
     assert!((1000..=1024).contains(&asked), "their factsheets must be requested: {asked}");
 }
+
+/// The log named the index within the robot, without fleet and array.
+#[test]
+fn regress_a_full_name_counts_within_the_array() {
+    let mut shard = shard(1);
+    let (robots, stepper) = shard.parts();
+    let known = &mut robots["r1"];
+    let mut factsheet = factsheet();
+    let mut second = factsheet.arrays[0].clone();
+    second.name = "right".to_owned();
+    factsheet.arrays.push(second);
+    stepper.step(known, Micros(2), &Event::Factsheet { boot_id: "b", factsheet: &factsheet }, None);
+    let names = [0, 5, 6, 7, 12].map(|index| known.full_name_of(index).to_string());
+    assert_eq!(names, ["f/r1/a/0", "f/r1/a/5", "f/r1/right/0", "f/r1/right/1", "f/r1"]);
+}

@@ -30,8 +30,12 @@ fn golden_entries_of_versions_1_and_2_are_read_and_become_version_3() {
 
 #[test]
 fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
-    let mut known =
-        KnownRobot::new(Name::robot("r").unwrap(), 7, Robot::new(1, Numbers::default()), ContactRetention::All);
+    let mut known = KnownRobot::new(
+        (Name::new("f").unwrap(), Name::robot("r").unwrap()),
+        7,
+        Robot::new(1, Numbers::default()),
+        ContactRetention::All,
+    );
     known.boots.insert("b", 3);
     let contact = Contact {
         array: "nowhere",
