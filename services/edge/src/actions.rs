@@ -32,13 +32,15 @@ pub enum ActionKind {
     TouchTest,
     /// Rejects a proposed touch test.
     RefuseTouchTest,
+    /// Tries a failed setpoint again.
+    Retry,
     /// Changes the policy of the fleet.
     Policy,
 }
 
 impl ActionKind {
     /// All kinds of actions.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Approve,
         Self::Refuse,
         Self::Setpoint,
@@ -48,6 +50,7 @@ impl ActionKind {
         Self::Rebaseline,
         Self::TouchTest,
         Self::RefuseTouchTest,
+        Self::Retry,
         Self::Policy,
     ];
 }
@@ -347,7 +350,8 @@ pub fn request<'a>(kind: &str, parameters: &str, subject: Subject<'a>) -> Result
         | ActionKind::Replaced
         | ActionKind::Rebaseline
         | ActionKind::TouchTest
-        | ActionKind::RefuseTouchTest => {
+        | ActionKind::RefuseTouchTest
+        | ActionKind::Retry => {
             let Nothing {} = parsed(kind, parameters)?;
             match known {
                 ActionKind::Approve => OperatorAction::Approve { compensation: compensation(kind, subject)? },
@@ -357,6 +361,7 @@ pub fn request<'a>(kind: &str, parameters: &str, subject: Subject<'a>) -> Result
                 ActionKind::Replaced => OperatorAction::Replaced(place(kind, subject)?),
                 ActionKind::TouchTest => OperatorAction::TouchTest(place(kind, subject)?),
                 ActionKind::RefuseTouchTest => OperatorAction::RefuseTouchTest(place(kind, subject)?),
+                ActionKind::Retry => OperatorAction::Retry(place(kind, subject)?),
                 ActionKind::Rebaseline | ActionKind::Setpoint | ActionKind::Policy => {
                     OperatorAction::Rebaseline(place(kind, subject)?)
                 }
@@ -417,6 +422,7 @@ mod tests {
             ("REBASELINE", "{}", WHISKER, OperatorAction::Rebaseline(whisker)),
             ("TOUCH_TEST", "{}", WHISKER, OperatorAction::TouchTest(whisker)),
             ("REFUSE_TOUCH_TEST", "{}", WHISKER, OperatorAction::RefuseTouchTest(whisker)),
+            ("RETRY", "{}", WHISKER, OperatorAction::Retry(whisker)),
         ];
         for (kind, parameters, subject, action) in expected {
             let asked = request(kind, parameters, subject).unwrap_or_else(|problem| panic!("{kind}: {problem}"));

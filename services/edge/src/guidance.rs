@@ -90,8 +90,8 @@ pub fn of(kind: AlarmKind) -> Guidance {
     match kind {
         AlarmKind::SetpointFailed => Guidance {
             level: Level::Critical,
-            hint: "Compare the whisker's pressure with its setpoint. Once the cause is removed, set the pressure by hand \
-                   or restart the robot: the supervisor sends nothing more by itself.",
+            hint: "Compare the whisker's pressure with its setpoint, and remove the cause. The supervisor tries again by \
+                   itself after unanswered and postponed setpoints, but not after a refusal: then press Try again.",
             causes: &[
                 "the robot rejected the setpoint: out of range, not ready, or its clock is wrong",
                 "the regulator or the air supply cannot reach the pressure",

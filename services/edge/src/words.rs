@@ -220,7 +220,7 @@ words! {
     }
     AlarmKind {
         Uncompensated => "UNCOMPENSATED" "trimmed, no compensator available",
-        SetpointFailed => "SETPOINT_FAILED" "a setpoint failed for good",
+        SetpointFailed => "SETPOINT_FAILED" "setpoints have failed",
         SensitivityLoss => "SENSITIVITY_LOSS" "sensitivity loss not explained by a cut",
         Eroding => "ERODING" "eroding",
         ArrayShift => "ARRAY_SHIFT" "shift shared by the whole array",
@@ -269,6 +269,7 @@ words! {
         Rebaseline => "REBASELINE" "relearn baseline",
         TouchTest => "TOUCH_TEST" "touch test",
         RefuseTouchTest => "REFUSE_TOUCH_TEST" "refuse touch test",
+        Retry => "RETRY" "try a failed setpoint again",
         Policy => "POLICY" "change the policy",
     }
     RecordedKind {
@@ -384,6 +385,8 @@ impl Word for ActionProblem {
             ActionProblem::NoProposedTest => "NO_PROPOSED_TEST",
             ActionProblem::TestUnderWay => "TEST_UNDER_WAY",
             ActionProblem::TestOfHeld => "TEST_OF_HELD",
+            ActionProblem::NoFailedSetpoint => "NO_FAILED_SETPOINT",
+            ActionProblem::RetryOfHeld => "RETRY_OF_HELD",
             ActionProblem::Held => "HELD",
             ActionProblem::RobotHeld => "ROBOT_HELD",
         }

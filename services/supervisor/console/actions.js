@@ -184,10 +184,26 @@ export function alarmActions(alarm, done) {
     actions.push(
       actionButton({ path: `${at}/${one}`, body: withReason, reason: "optional", ...action }, done, action.short),
     );
+  if (alarm.kind === "SETPOINT_FAILED" && alarm.cleared_at === null) actions.push(...retryActions(alarm, done));
   if (alarm.state === "UNACKNOWLEDGED") add("acknowledge", { title: `Acknowledge ${name}`, ...ACKNOWLEDGE });
   if (alarm.state === "UNACKNOWLEDGED" || alarm.state === "ACKNOWLEDGED") add("shelve", shelve(name));
   if (alarm.state === "SHELVED") add("unshelve", { title: `Unshelve ${name}`, ...UNSHELVE });
   return actions;
+}
+
+/** A button to try the failed setpoint of a whisker again. */
+function retryActions(whisker, done) {
+  if (!offered(ROUTES.whisker, "retry")) return [];
+  const action = {
+    title: `Try the setpoint of whisker ${whiskerName(whisker)} of ${whisker.robot} again`,
+    moves: whisker,
+    what: ["Use this once the cause is removed. The supervisor decides anew, and sends the robot the pressure that follows."],
+    button: "Try again",
+    reason: "optional",
+    path: `${api.whisker(whisker)}/retry`,
+    body: withReason,
+  };
+  return [actionButton(action, done)];
 }
 
 const ACKNOWLEDGE = {

@@ -23,6 +23,7 @@ mod policy;
 mod purity;
 mod reality;
 mod replaced;
+mod retries;
 mod silence;
 mod stored;
 mod taken_up;

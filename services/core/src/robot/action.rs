@@ -28,10 +28,12 @@ pub enum OperatorAction<'a> {
     /// hold changes nothing.
     Hold(Scope<'a>),
     /// The hold ends, and decisions are taken anew. A whisker at a manual pressure goes back to the pressure of its
-    /// compensation, else to its nominal one. A setpoint that had failed for good is tried again.
+    /// compensation, else to its nominal one. A setpoint that has failed is tried again.
     Release(Scope<'a>),
     /// A new whisker, as the factsheet describes it, is in the place of an old one. A hold goes on.
     Replaced(Place<'a>),
+    /// A setpoint of a whisker that has failed shall be tried again at once.
+    Retry(Place<'a>),
     /// The robot shall measure the length of a whisker by touches.
     TouchTest(Place<'a>),
     /// The proposed touch test of a whisker shall not be done. It is not proposed again for the same reason without new
@@ -94,6 +96,12 @@ pub enum ActionProblem {
     /// Held whiskers are not tested.
     #[error("the whisker is held, and held whiskers are not tested: release it first")]
     TestOfHeld,
+    /// No setpoint of the whisker has failed.
+    #[error("no setpoint of this whisker has failed, or it was taken since")]
+    NoFailedSetpoint,
+    /// Only an operator's setpoints go to a held whisker.
+    #[error("the whisker is held: release it, or set its pressure by hand")]
+    RetryOfHeld,
     /// The compensator of the proposed compensation is held.
     #[error("the whisker that would serve is held: release it first")]
     Held,

@@ -46,8 +46,12 @@ pub struct CommandParams {
     pub time_to_live: Micros,
     /// An unanswered setpoint is sent again after this.
     pub resend_after: Micros,
-    /// New setpoints for one purpose after expiry, refusal or failure; then it is given up with an alarm.
+    /// New setpoints for one purpose after expiry, refusal or failure; then an alarm is raised.
     pub attempts: u8,
+    /// Pause before the first try after the alarm; each further one is twice as long ...
+    pub retry_after: Micros,
+    /// ... up to this.
+    pub retry_after_max: Micros,
 }
 
 /// Limits for faults.
@@ -154,6 +158,8 @@ impl Default for CommandParams {
             time_to_live: Micros::from_s(10.0),
             resend_after: Micros::from_s(2.0),
             attempts: 3,
+            retry_after: Micros::from_s(30.0),
+            retry_after_max: Micros::from_s(3600.0),
         }
     }
 }

@@ -28,7 +28,7 @@ from_row! {
         /// Number of the alarm that was acknowledged or shelved; null for other actions.
         pub alarm_id: Option<i64>,
         /// Kind of action: `APPROVE`, `REFUSE`, `SETPOINT`, `HOLD`, `RELEASE`, `REPLACED`, `REBASELINE`, `TOUCH_TEST`,
-        /// `REFUSE_TOUCH_TEST`, `POLICY`, `ALARM_ACKNOWLEDGE`, `ALARM_SHELVE`, `ALARM_UNSHELVE` ...
+        /// `REFUSE_TOUCH_TEST`, `RETRY`, `POLICY`, `ALARM_ACKNOWLEDGE`, `ALARM_SHELVE`, `ALARM_UNSHELVE` ...
         pub kind: String,
         /// Parameters of the action, which depend on its kind: for example `pressure_mpa` of `SETPOINT`.
         #[schema(value_type = Object)]

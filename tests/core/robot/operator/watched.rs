@@ -86,6 +86,7 @@ impl Watch {
             | OperatorAction::Refuse { .. }
             | OperatorAction::TouchTest(_)
             | OperatorAction::RefuseTouchTest(_)
+            | OperatorAction::Retry(_)
             | OperatorAction::Replaced(_)
             | OperatorAction::Rebaseline(_) => {}
         }

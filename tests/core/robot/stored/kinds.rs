@@ -43,6 +43,7 @@ closed_list! {
     Event::TouchTest { report: TestReport::Rejected(_), .. } => "test rejected",
     Event::Operator(OperatorAction::TouchTest(_)) => "touch test by hand",
     Event::Operator(OperatorAction::RefuseTouchTest(_)) => "touch test refused",
+    Event::Operator(OperatorAction::Retry(_)) => "setpoint tried again",
     Event::Operator(OperatorAction::Approve { .. }) => "approve",
     Event::Operator(OperatorAction::Refuse { .. }) => "refuse",
     Event::Operator(OperatorAction::Setpoint { .. }) => "setpoint by hand",

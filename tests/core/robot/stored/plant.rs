@@ -116,7 +116,7 @@ impl Plant {
     pub(super) fn action(&mut self, robot: &Robot) -> OperatorAction<'static> {
         let whisker = Place { array: ARRAY, whisker: self.random.random_range(0..WHISKERS) };
         let proposed = robot.compensations().iter().find(|one| one.is_proposed()).map(|one| one.id());
-        match (proposed, self.random.random_range(0..16)) {
+        match (proposed, self.random.random_range(0..17)) {
             (Some(compensation), 0..8) => OperatorAction::Approve { compensation },
             (Some(compensation), 8..12) => OperatorAction::Refuse { compensation },
             (_, 0) => OperatorAction::Hold(Scope::Robot),
@@ -127,6 +127,7 @@ impl Plant {
             (_, 12) => OperatorAction::Replaced(whisker),
             (_, 13) => OperatorAction::TouchTest(whisker),
             (_, 14) => OperatorAction::RefuseTouchTest(Self::with_proposed_test(robot).unwrap_or(whisker)),
+            (_, 15) => OperatorAction::Retry(whisker),
             (_, _) => OperatorAction::Rebaseline(whisker),
         }
     }

@@ -7,6 +7,7 @@ use crate::detection::{Detector, Stored};
 use crate::encoding;
 use crate::estimation::filter::{STATES, STATES_BEFORE_7};
 use crate::estimation::{GainWalks, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Temperatures};
+use crate::robot::setpoints::tries::Tries;
 use crate::robot::state::factsheet::{Sheet, read_numbers, write_numbers};
 use crate::robot::state::rare_state::{Rare, RareState};
 use crate::robot::state::tracked::DecisionBasis;
@@ -51,7 +52,7 @@ impl Whisker {
             self.command.is_some(),
             self.rare.unsteady.is_some(),
             !self.refused_servers.is_empty(),
-            self.rare.attempts != 0 || self.rare.not_before != Micros::default(),
+            self.rare.tries != Tries::NONE || self.rare.not_before != Micros::default(),
             self.rare.reach.is_some(),
             self.rare.length_test.is_some(),
             self.rare.set_at != Micros::default(),
@@ -88,7 +89,7 @@ impl BorshSerialize for Whisker {
             write_numbers(&self.refused_servers, writer)?;
         }
         if waits {
-            (self.rare.attempts, self.rare.not_before).serialize(writer)?;
+            (self.rare.tries.to_byte(), self.rare.not_before).serialize(writer)?;
         }
         self.rare.reach.iter().try_for_each(|one| one.serialize(writer))?;
         self.rare.length_test.iter().try_for_each(|one| one.serialize(writer))?;
@@ -175,7 +176,7 @@ impl BorshDeserialize for Whisker {
                 unsteady: of(unsteady, reader)?,
                 reach: None,
                 length_test: None,
-                attempts: 0,
+                tries: Tries::NONE,
                 not_before: Micros::default(),
                 set_at: Micros::default(),
                 set_heard: Micros::default(),
@@ -186,7 +187,8 @@ impl BorshDeserialize for Whisker {
         };
         if waits {
             let rare = read.rare.get_or_insert();
-            (rare.attempts, rare.not_before) = BorshDeserialize::deserialize_reader(reader)?;
+            let (tries, not_before) = <(u8, Micros)>::deserialize_reader(reader)?;
+            (rare.tries, rare.not_before) = (Tries::from_byte(tries), not_before);
         }
         if reach || length_test {
             let rare = read.rare.get_or_insert();

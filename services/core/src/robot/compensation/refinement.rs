@@ -10,7 +10,8 @@
 //! - no more than three steps were made. Numbers of setpoints are bounded by that and by the doubling.
 //!
 //! A gain by contact ratio corrects the errors that no single pressure can correct. It goes with each setpoint, and is
-//! published anew, with the same pressure, when the contacts determine it better than the one in force.
+//! published anew, with the same pressure, when the contacts determine it better than the one in force: once for each
+//! doubling of the contacts, whether the gain wanders or not.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -157,6 +158,11 @@ impl Robot {
         let own_gain_error = felt.error_of_own_gain(&params.cubature);
         let moves = outcome == RefinementOutcome::Refined;
         let gain_better = gain_error > params.refinement.gain_margin.max(1.5 * own_gain_error);
+        if gain_better && !moves {
+            // A gain that wanders faster than this would be published again and again, without effect.
+            self.head.compensations[at].refining.due = contacts.saturating_mul(2);
+        }
+        let running = &self.head.compensations[at];
         let record = Refinement {
             compensation: running.id,
             contacts,

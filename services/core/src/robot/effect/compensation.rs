@@ -63,7 +63,7 @@ pub enum EndReason {
     CompensatorBroken,
     /// A better assignment was found.
     Reassigned,
-    /// Its setpoint failed for good.
+    /// Its setpoints have failed.
     SetpointFailed,
     /// One of the two whiskers was replaced by a new one.
     Replaced,

@@ -61,7 +61,8 @@ pub enum AlarmKind {
     /// A trimmed whisker that no one can compensate for: until it is served or proposed to be, is replaced, or is not
     /// trimmed any more.
     Uncompensated,
-    /// A setpoint failed for good: until it is tried anew, which a new boot, a new whisker and an operator do.
+    /// Setpoints have failed: until the robot takes one, or a new boot, a new whisker or an operator makes the next one the
+    /// first.
     SetpointFailed,
     /// A whisker has lost sensitivity, which no trim explains: until its condition is another.
     SensitivityLoss,

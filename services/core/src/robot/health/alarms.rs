@@ -5,10 +5,10 @@ use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::encoding;
-use crate::robot::Robot;
 use crate::robot::effect::{AlarmKind, Condition, Effect, Fault, WhiskerIndex};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
+use crate::robot::{Compensation, Robot};
 use crate::units::Micros;
 
 /// All kinds of a whisker except faults, of which there are several. A cause comes before its consequences.
@@ -105,7 +105,9 @@ impl Robot {
     /// The alarms that the state of a whisker asks for.
     pub(in crate::robot) fn alarms_due(&self, index: WhiskerIndex) -> Standing {
         let is_proposed = self.head.compensations.iter().any(|one| one.proposed && one.target() == index);
-        let due = self.whiskers[index].due(is_proposed);
+        let is_own = |one: &Compensation| one.target() == index && one.compensator() == index && !one.settled;
+        let is_tried = self.whiskers[index].rare.tries.is_failing() && self.head.compensations.iter().any(is_own);
+        let due = self.whiskers[index].due(is_proposed, is_tried);
         let stands = !self.head.silent && self.whiskers[index].standing.fault == STALE;
         Standing { fault: due.fault.filter(|_| due.fault != STALE || stands), ..due }
     }
@@ -165,15 +167,15 @@ impl Robot {
 }
 
 impl Whisker {
-    /// The alarms that its state asks for.
-    fn due(&self, proposed: bool) -> Standing {
+    /// The alarms that its state asks for; `is_tried` if its own compensation has failed and is tried again.
+    fn due(&self, proposed: bool, is_tried: bool) -> Standing {
         let is = [
             self.condition == Condition::SensitivityLoss,
             self.condition == Condition::Eroding,
             self.shift_told,
             self.drift_told,
-            self.given_up,
-            self.unserved,
+            self.has_failed_setpoint(),
+            self.unserved || is_tried,
             proposed,
             self.rare.reach.as_ref().is_some_and(|reach| reach.is_lost()),
         ];

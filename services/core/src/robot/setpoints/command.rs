@@ -1,9 +1,10 @@
-//! Setpoints: one at a time per whisker, sent until answered, superseded or expired.
+//! Setpoints: one at a time per whisker, sent until answered, superseded or expired. [`super::tries`] bounds the tries.
 
 use crate::robot::Robot;
 use crate::robot::effect::{Command, CommandKey, CommandState, Effect, EndReason, Reason, WhiskerIndex};
 use crate::robot::event::{Link, Rejection, SetpointReport};
 use crate::robot::params::Params;
+use crate::robot::setpoints::tries::Tries;
 use crate::robot::state::whisker::{Desired, Holds, InFlight};
 use crate::units::{Megapascal, Micros};
 
@@ -19,9 +20,11 @@ impl Robot {
         }
         let whisker = &mut self.whiskers[index];
         whisker.desired = Some(Box::new(desired));
-        whisker.rare.forget_attempts();
         if let Some(rare) = whisker.rare.get_mut() {
             rare.not_before = Micros::default();
+            if !rare.tries.is_failing() {
+                rare.tries = Tries::NONE;
+            }
         }
     }
 
@@ -67,6 +70,7 @@ impl Robot {
         {
             if desired.reason == Reason::Release || by_hand {
                 self.whiskers[index].desired = None;
+                self.whiskers[index].rare.forget_tries();
                 return;
             }
             if self.head.compensations.iter().all(|one| Some(one.id) != desired.compensation || one.settled) {
@@ -110,19 +114,13 @@ impl Robot {
         let Some(robot_time) = self.head.clock.robot_time(now) else { return };
         let whisker = &self.whiskers[index];
         let Some(desired) = whisker.desired.clone() else { return };
-        let pause_max = params.command.resend_after.max(params.command.time_to_live);
-        if whisker.given_up || is_ahead(now, whisker.rare.not_before, pause_max) {
-            return;
-        }
-        if whisker.rare.attempts >= params.command.attempts {
-            self.give_up(index, effects);
+        if whisker.given_up || !whisker.may_try(params, now) {
             return;
         }
         let Some(boot_id) = &self.head.boot_id else { return };
         let robot_boot_id = boot_id.as_str().to_owned();
         let whisker = &mut self.whiskers[index];
         let rare = whisker.rare.get_or_insert();
-        rare.attempts += 1;
         rare.not_before = now.after(params.command.resend_after);
         let key = CommandKey { epoch: self.head.epoch, version: self.head.next_version };
         self.head.next_version += 1;
@@ -156,6 +154,7 @@ impl Robot {
     /// clock.
     fn expire(&mut self, params: &Params, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let (clock, heard) = (&self.head.clock, self.head.clock.heard());
+        let listening_since = self.head.listening_since;
         let whisker = &self.whiskers[index];
         let Some(flight) = &whisker.command else { return };
         let Command { key, issued, expires, pressure, .. } = flight.command;
@@ -173,21 +172,65 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         whisker.command = None;
         effects.push(state_of(key, Some(index), CommandState::Expired));
-        if is_pending && heard.is_none_or(|heard| heard <= issued) {
-            // The connection was away: that is no failure of the robot's. A manual setpoint is not sent later.
-            whisker.rare.forget_attempt();
+        // The robot could hear it and answer, if it is heard so long after the setpoint and we have listened all the time.
+        let answers_from = issued.after(params.command.resend_after);
+        let could_answer = listening_since <= issued && heard.is_some_and(|heard| heard >= answers_from);
+        let counts = !is_pending || could_answer;
+        if !counts || key.epoch < epoch {
+            // A manual setpoint is not sent later: it may have been asked of a supervisor that is no more.
             whisker.forget_manual();
         }
-        if key.epoch < epoch {
-            // Asked of a supervisor that is no more, who knows how long ago.
-            whisker.forget_manual();
-        }
+        self.try_failed(params, now, index, counts, effects);
     }
 
     /// How long a setpoint may be taken from when it was issued; `pressure` is its own.
     #[must_use]
     pub fn valid_for(&self, params: &Params, whisker: WhiskerIndex, pressure: Megapascal) -> Micros {
         self.whiskers.get(whisker).map_or(params.command.time_to_live, |one| one.valid_for(params, pressure))
+    }
+
+    /// A try has failed; `counts` is false if nobody was heard meanwhile. At the limit the whisker is given up, until the
+    /// pause is over.
+    fn try_failed(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        index: WhiskerIndex,
+        counts: bool,
+        effects: &mut Vec<Effect>,
+    ) {
+        let rare = self.whiskers[index].rare.get_or_insert();
+        rare.tries = rare.tries.failed(&params.command, counts);
+        let next = now.after(rare.tries.pause(&params.command));
+        let is_failing = rare.tries.is_failing();
+        if is_failing {
+            rare.not_before = next;
+        } else if !counts {
+            rare.not_before = rare.not_before.max(next);
+        }
+        if is_failing {
+            self.give_up(index, effects);
+        }
+    }
+
+    /// Gives a whisker up until an operator, another boot or another whisker comes: another try would fail, too.
+    fn give_up_for_good(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        self.whiskers[index].rare.forget_tries();
+        self.give_up(index, effects);
+    }
+
+    /// Lets a whisker serve again whose setpoints have failed, once the pause is over and the robot can be told. The alarm
+    /// stands until the robot has taken a setpoint. Returns whether it does.
+    pub(in crate::robot) fn try_again_in_time(&mut self, params: &Params, now: Micros, index: WhiskerIndex) -> bool {
+        let whisker = &self.whiskers[index];
+        let is_due = whisker.waits_for_retry()
+            && whisker.may_try(params, now)
+            && !self.holds(index)
+            && self.can_be_told(params, now);
+        if is_due {
+            self.back_to_automatic(index);
+        }
+        is_due
     }
 
     /// Gives a whisker up as compensator, with an alarm: others may serve instead.
@@ -238,10 +281,16 @@ impl Robot {
             SetpointReport::Failed => {
                 whisker.command = None;
                 effects.push(state_of(key, Some(index), CommandState::Failed));
+                self.try_failed(params, now, index, true, effects);
+                if self.whiskers[index].rare.tries.is_failing() {
+                    // It was taken, and the pressure was not reached again and again.
+                    self.give_up_for_good(index, effects);
+                }
             }
             SetpointReport::Superseded => {
                 whisker.command = None;
                 effects.push(state_of(key, Some(index), CommandState::Superseded));
+                self.try_failed(params, now, index, true, effects);
             }
         }
         self.reconcile(params, now, index, effects);
@@ -260,7 +309,7 @@ impl Robot {
         whisker.pressure_set(flight.command.pressure, params);
         whisker.holds = Holds::Known;
         whisker.air.measure(reached);
-        whisker.rare.forget_attempts();
+        whisker.rare.forget_tries();
         if flight.command.reason == Reason::Operator {
             // Once, and no more: what the robot does later is its own.
             whisker.desired.take_if(|desired| desired.reason == Reason::Operator);
@@ -310,8 +359,9 @@ impl Robot {
             // The robot is another one than we think.
             Rejection::WrongBoot | Rejection::UnknownWhisker => effects.push(Effect::AskForFactsheet),
             // Somebody with a higher epoch commands this robot, or our limits are wrong: do not insist.
-            Rejection::Stale | Rejection::OutOfRange => self.give_up(index, effects),
+            Rejection::Stale | Rejection::OutOfRange => return self.give_up_for_good(index, effects),
         }
+        self.try_failed(params, now, index, true, effects);
     }
 
     /// Setpoints that were under way to a boot that is no more.
@@ -320,7 +370,7 @@ impl Robot {
         for index in 0..self.whiskers.len() {
             let whisker = &mut self.whiskers[index];
             whisker.given_up = false;
-            whisker.rare.forget_attempts();
+            whisker.rare.forget_tries();
             if let Some(flight) = whisker.command.take() {
                 effects.push(state_of(flight.command.key, Some(index), CommandState::Abandoned));
             }
@@ -333,6 +383,22 @@ impl crate::robot::Whisker {
     fn valid_for(&self, params: &Params, pressure: Megapascal) -> Micros {
         let way_mpa = (pressure.mpa() - self.air.setpoint.mpa()).abs();
         params.command.time_to_live.after(Micros::from_s(way_mpa / params.command.slew_mpa_per_s))
+    }
+
+    /// Whether the pause before the next try is over.
+    fn may_try(&self, params: &Params, now: Micros) -> bool {
+        let pause_max = self.rare.tries.pause(&params.command).max(params.command.time_to_live);
+        !is_ahead(now, self.rare.not_before, pause_max)
+    }
+
+    /// Whether its setpoint has failed and is tried again in time.
+    pub(in crate::robot) fn waits_for_retry(&self) -> bool {
+        self.given_up && self.rare.tries.is_failing()
+    }
+
+    /// Whether a setpoint has failed that was not taken since.
+    pub(in crate::robot) fn has_failed_setpoint(&self) -> bool {
+        self.given_up || self.rare.tries.is_failing() && (self.desired.is_some() || self.command.is_some())
     }
 
     fn forget_manual(&mut self) {

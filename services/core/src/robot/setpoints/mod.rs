@@ -2,3 +2,4 @@
 
 pub(in crate::robot) mod command;
 pub(in crate::robot) mod operator;
+pub(in crate::robot) mod tries;

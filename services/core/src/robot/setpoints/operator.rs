@@ -24,6 +24,7 @@ impl Robot {
             }
             OperatorAction::Hold(scope) => self.hold(scope),
             OperatorAction::Release(scope) => self.end_hold(scope),
+            OperatorAction::Retry(place) => self.retry(place),
             OperatorAction::RefuseTouchTest(place) => self.refuse_test(now, place, effects),
             OperatorAction::TouchTest(place) => self.test_by_hand(params, now, place, effects),
             OperatorAction::Replaced(place) => self.at(place).map(|index| self.replaced(params, index, effects)),
@@ -88,6 +89,7 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         whisker.held = true;
         whisker.given_up = false;
+        whisker.rare.forget_tries();
         self.desire(index, Desired { pressure, reason: Reason::Operator, compensation: None, gain: None });
         Ok(())
     }
@@ -118,14 +120,29 @@ impl Robot {
         };
         for index in released {
             if !self.whiskers[index].held {
+                self.whiskers[index].rare.forget_tries();
                 self.back_to_automatic(index);
             }
         }
         Ok(())
     }
 
-    /// Sets the pressure that a whisker shall hold after the end of its hold.
-    fn back_to_automatic(&mut self, index: WhiskerIndex) {
+    /// Tries a failed setpoint again at once, as if it were the first one.
+    fn retry(&mut self, place: Place<'_>) -> Result<(), ActionProblem> {
+        let index = self.at(place)?;
+        if !self.whiskers[index].has_failed_setpoint() {
+            return Err(ActionProblem::NoFailedSetpoint);
+        }
+        if self.holds(index) {
+            return Err(ActionProblem::RetryOfHeld);
+        }
+        self.whiskers[index].rare.forget_tries();
+        self.back_to_automatic(index);
+        Ok(())
+    }
+
+    /// Sets the pressure that a whisker shall hold after the end of its hold, or of a pause after failed setpoints.
+    pub(in crate::robot) fn back_to_automatic(&mut self, index: WhiskerIndex) {
         let running = self.head.compensations.iter().find(|one| one.compensator() == index && !one.proposed);
         let running = running.map(|one| one.desired(Reason::Compensation(one.case)));
         let whisker = &mut self.whiskers[index];

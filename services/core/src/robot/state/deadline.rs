@@ -49,7 +49,10 @@ impl Robot {
         }
         for index in 0..self.whiskers.len() {
             self.refresh_fault(params, now, index, effects);
-            self.reconcile(params, now, index, effects);
+            // The decision at the end of the step may want another pressure.
+            if !self.try_again_in_time(params, now, index) {
+                self.reconcile(params, now, index, effects);
+            }
             self.follow_test(now, index, effects);
             self.request_test(params, now, index, effects);
         }
@@ -75,7 +78,8 @@ impl Robot {
 impl Whisker {
     /// Until when nothing comes about by time alone; none if something is under way.
     fn quiet_until(&self, params: &Params, now: Micros, listening_since: Micros) -> Option<Micros> {
-        if self.desired.is_some() || self.command.is_some() || self.rare.length_test.is_some() {
+        if self.desired.is_some() || self.command.is_some() || self.rare.length_test.is_some() || self.waits_for_retry()
+        {
             return None;
         }
         let silent = self.heard.map(|heard| heard.max(listening_since).after(params.health.stale_after));

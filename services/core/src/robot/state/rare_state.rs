@@ -4,6 +4,7 @@ use std::ops::Deref;
 
 use crate::estimation::{ErosionWatch, OwnCalibration, Reach};
 use crate::mechanics::Offset;
+use crate::robot::setpoints::tries::Tries;
 use crate::robot::state::whisker::{PendingTrim, Unsteady};
 use crate::robot::touch_tests::LengthTest;
 use crate::units::Micros;
@@ -26,8 +27,8 @@ pub(in crate::robot) struct RareState {
     pub reach: Option<Box<Reach>>,
     /// Measurement of its length by touches, while it goes on.
     pub length_test: Option<Box<LengthTest>>,
-    /// Setpoints that it was sent for the same pressure.
-    pub attempts: u8,
+    /// Tries of the present setpoint that have failed.
+    pub tries: Tries,
     /// No new setpoint before this, by the supervisor's clock.
     pub not_before: Micros,
     /// When the robot sent its last report that it moves to a setpoint or holds it, by its own clock; 0 before the
@@ -45,7 +46,7 @@ static NONE: RareState = RareState {
     unsteady: None,
     reach: None,
     length_test: None,
-    attempts: 0,
+    tries: Tries::NONE,
     not_before: Micros(0),
     set_at: Micros(0),
     set_heard: Micros(0),
@@ -67,16 +68,9 @@ impl Rare {
     }
 
     /// The next setpoint is the first one.
-    pub(in crate::robot) fn forget_attempts(&mut self) {
+    pub(in crate::robot) fn forget_tries(&mut self) {
         if let Some(rare) = self.get_mut() {
-            rare.attempts = 0;
-        }
-    }
-
-    /// The last setpoint does not count as an attempt.
-    pub(in crate::robot) fn forget_attempt(&mut self) {
-        if let Some(rare) = self.get_mut() {
-            rare.attempts = rare.attempts.saturating_sub(1);
+            rare.tries = Tries::NONE;
         }
     }
 }

@@ -56,7 +56,7 @@ pub struct Whisker {
     pub(in crate::robot) heard: Option<Micros>,
     pub(in crate::robot) desired: Option<Box<Desired>>,
     pub(in crate::robot) command: Option<Box<InFlight>>,
-    /// The last setpoint failed for good, in this boot.
+    /// Its setpoints have failed, in this boot: it serves nobody until they are tried again.
     pub(in crate::robot) given_up: bool,
     /// Information of its contacts about log length since any whisker of its array raised an alarm: the inverse of a
     /// variance. Negative if its detector has begun anew since.

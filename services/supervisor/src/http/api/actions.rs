@@ -25,6 +25,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
         .routes(routes!(release_whisker))
         .routes(routes!(whisker_replaced))
         .routes(routes!(rebaseline_whisker))
+        .routes(routes!(retry_whisker))
         .routes(routes!(test_whisker))
         .routes(routes!(refuse_whisker_test))
         .routes(routes!(hold_robot))
@@ -144,6 +145,13 @@ whisker_actions! {
     /// Relearn a whisker's baseline at its currently estimated length, for example after work on its gauge.
     rebaseline_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/rebaseline",
         "REBASELINE", "The baseline is being relearned";
+    /// Try a failed setpoint of a whisker again at once.
+    ///
+    /// The supervisor decides anew who compensates for whom, and sends what follows. After unanswered and postponed setpoints
+    /// it does so by itself, after pauses that grow; not after a refusal by the robot. Refused with 409 if no setpoint of the
+    /// whisker has failed, or it is held.
+    retry_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/retry",
+        "RETRY", "The setpoint is tried again";
     /// Have the robot measure the length of a whisker by touches, or start a proposed touch test.
     ///
     /// The robot must name a touch test in its factsheet. `test_id` of the action names the test in `/v1/touch-tests`. It is
