@@ -64,6 +64,8 @@ pub enum RecordedKind {
     CalibrationUpload,
     /// Changes the list of allowed robots.
     AllowedRobots,
+    /// Takes a robot out of service.
+    Decommission,
     /// Changes the number of shards of a fleet.
     Shards,
     /// Sets a label of a robot.
@@ -140,7 +142,8 @@ pub enum RecordedKind {
 
 impl RecordedKind {
     /// The kinds that the engine of a fleet executes.
-    pub const OF_ENGINE: [Self; 7] = [
+    pub const OF_ENGINE: [Self; 8] = [
+        Self::Decommission,
         Self::Calibration,
         Self::RolloutStart,
         Self::RolloutPause,

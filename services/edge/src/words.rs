@@ -276,6 +276,7 @@ words! {
         Calibration => "CALIBRATION" "activate a calibration",
         CalibrationUpload => "CALIBRATION_UPLOAD" "upload a calibration",
         AllowedRobots => "ALLOWED_ROBOTS" "change the allowed robots",
+        Decommission => "DECOMMISSION" "decommission a robot",
         Shards => "SHARDS" "change the number of shards",
         LabelSet => "LABEL_SET" "set a label",
         LabelRemove => "LABEL_REMOVE" "remove a label",

@@ -22,6 +22,7 @@ mod cause;
 pub mod changes;
 mod commit;
 mod database;
+pub mod decommission;
 mod error;
 pub mod export;
 pub mod fault;

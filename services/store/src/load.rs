@@ -12,7 +12,6 @@ use super::database::{Either, Link, Tx, on};
 use super::from_row::from_row;
 use super::shards::of_shard;
 use super::{Lease, Store, StoreError, Writer, failed};
-use vibrissa_edge::shard::robot_hash;
 use vibrissa_edge::words::Word;
 
 /// A robot's checkpoint, with everything that recovery needs.
@@ -137,31 +136,6 @@ impl Writer {
         .await
     }
 
-    /// Number of a robot in the database; an unknown robot is inserted.
-    ///
-    /// # Errors
-    /// The database cannot be written, or the lease is lost.
-    pub async fn robot_id(&mut self, lease: &Lease, robot: &str, now_us: i64) -> Result<i64, StoreError> {
-        const WHAT: &str = "assign a number to a robot";
-        // Sets the time, too, so that the robot is not deleted as merely announced before its first boot is inserted.
-        const SQL: &str = "INSERT INTO robots (fleet, robot, updated_us, shard_hash) VALUES ($1, $2, $3, $4) \
-             ON CONFLICT (fleet, robot) DO UPDATE SET updated_us = excluded.updated_us RETURNING robot_id";
-        self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
-            let mut tx = held(link, lease, WHAT).await?;
-            let id = on!(&mut tx, |tx| sqlx::query_scalar(SQL)
-                .bind(lease.fleet().as_str())
-                .bind(robot)
-                .bind(now_us)
-                .bind(i64::from(robot_hash(lease.fleet().as_str(), robot)))
-                .fetch_one(&mut **tx)
-                .await)
-            .map_err(failed(WHAT))?;
-            tx.commit().await.map_err(failed(WHAT))?;
-            Ok(id)
-        })
-        .await
-    }
-
     /// Number of a robot's boot in the database; an unknown boot is inserted.
     ///
     /// # Errors
@@ -211,7 +185,7 @@ impl Writer {
 }
 
 /// Begins a transaction that has locked the lease's row.
-async fn held<'c>(link: &'c mut Link, lease: &Lease, what: &'static str) -> Result<Tx<'c>, StoreError> {
+pub(super) async fn held<'c>(link: &'c mut Link, lease: &Lease, what: &'static str) -> Result<Tx<'c>, StoreError> {
     let mut tx = link.begin().await.map_err(failed(what))?;
     lease.hold(&mut tx).await?;
     Ok(tx)
@@ -225,7 +199,7 @@ async fn robots(link: &mut Link, lease: &Lease, after: i64, most: i64) -> sqlx::
          THEN 1 ELSE 0 END AS is_held, \
          (SELECT max(trim_id) FROM trims t WHERE t.robot_id = r.robot_id) AS last_trim, \
          (SELECT max(compensation_id) FROM compensations c WHERE c.robot_id = r.robot_id) AS last_compensation \
-         FROM robots r WHERE fleet = $1 AND ",
+         FROM robots r WHERE fleet = $1 AND decommissioned_us IS NULL AND ",
         of_shard!("r", "$2", "$3"),
         " AND r.robot_id > $4 ORDER BY r.robot_id LIMIT $5"
     );
@@ -283,7 +257,7 @@ async fn robots(link: &mut Link, lease: &Lease, after: i64, most: i64) -> sqlx::
 }
 
 /// The number after the last one. A number in the database has the robot's number in its upper 32 bits.
-fn next_number(last: Option<i64>) -> u32 {
+pub(super) fn next_number(last: Option<i64>) -> u32 {
     last.map_or(0, |last| (last as u32).wrapping_add(1))
 }
 

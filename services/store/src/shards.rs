@@ -112,7 +112,7 @@ impl Store {
              e.began_us AS began_at, coalesce(r.robots, 0) AS robots, l.shards_wanted FROM leases l \
              LEFT JOIN epochs e ON e.fleet = l.fleet AND e.shard = l.shard AND e.epoch = l.epoch \
              LEFT JOIN (SELECT coalesce(shard_hash, 0) % nullif((SELECT count(*) FROM leases WHERE fleet = $1), 0) AS shard, \
-              count(*) AS robots FROM robots WHERE fleet = $1 GROUP BY 1) r ON r.shard = l.shard \
+              count(*) AS robots FROM robots WHERE fleet = $1 AND decommissioned_us IS NULL GROUP BY 1) r ON r.shard = l.shard \
              WHERE l.fleet = $1 ORDER BY l.shard"
         );
         on!(&self.pool, |pool| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet.as_str()).fetch_all(pool).await)

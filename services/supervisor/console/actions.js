@@ -138,12 +138,27 @@ export function robotActions(robot, done) {
     ],
     button: "Release the robot",
   };
+  const leave = {
+    title: `Decommission ${robot.robot}`,
+    what: [
+      "Use this for a robot that has left for good, and is switched off. It leaves all lists, its alarms end, and what was learned about its whiskers is forgotten. Its history stays.",
+      "If it starts again, it is registered anew, unless the fleet's list of allowed robots excludes it.",
+    ],
+    button: "Decommission",
+    grave: true,
+    method: "DELETE",
+    path: at,
+    reason: "optional",
+    body: withReason,
+  };
+  const leaving = has("DELETE", ROUTES.robot) ? [actionButton(leave, done)] : [];
   return [
     ["hold", hold],
     ["release", release],
   ]
     .filter(([one]) => offered(ROUTES.robot, one) && (robot.held === undefined || (one === "hold") !== robot.held))
-    .map(([one, action]) => actionButton({ reason: "optional", path: `${at}/${one}`, body: withReason, ...action }, done));
+    .map(([one, action]) => actionButton({ reason: "optional", path: `${at}/${one}`, body: withReason, ...action }, done))
+    .concat(leaving);
 }
 
 /** Buttons to approve or refuse a proposed compensation. */

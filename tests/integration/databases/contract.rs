@@ -283,7 +283,7 @@ pub(crate) async fn written_and_read(database: &Fresh, together: usize) -> Value
     batch.responses = vec![response(&numbered)];
     writer.commit(&lease, &batch).await.unwrap();
     // Registering the same names again returns the same ids.
-    assert_eq!(writer.robot_id(&lease, "r", 3).await.unwrap(), numbered.robot_id);
+    assert_eq!(writer.register(&lease, ("r", "b"), 3).await.unwrap().unwrap().robot_id, numbered.robot_id);
     assert_eq!(writer.boot(&lease, numbered.robot_id, "b1", 2).await.unwrap(), numbered.boot);
     let again = writer.whisker_ids(&lease, numbered.robot_id, &numbered.robot).await.unwrap();
     let stored = [Some(Vec::new()), Some(vec![7])];

@@ -63,7 +63,7 @@ async fn the_dispossessed_write_nothing(database: &Fresh) {
     let refused = writer_a.commit(&old, &contacts(&robot, 3..5)).await.unwrap_err();
     assert!(matches!(refused, StoreError::LeaseLost { epoch, .. } if epoch == old.epoch()), "{refused}");
     for problem in [
-        writer_a.robot_id(&old, "another", 1).await.map(drop),
+        writer_a.register(&old, ("another", "b"), 1).await.map(drop),
         writer_a.boot(&old, robot.robot_id, "another", 0).await.map(drop),
         writer_a.whisker_ids(&old, robot.robot_id, &robot.robot).await.map(drop),
     ] {

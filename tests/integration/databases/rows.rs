@@ -56,7 +56,7 @@ pub(crate) async fn robot(writer: &mut Writer, lease: &Lease) -> Numbered {
 pub(crate) async fn numbered(writer: &mut Writer, lease: &Lease, name: &str) -> Numbered {
     // A fixed epoch instead of the lease's, so that the bytes of the state are the same on any database.
     let robot = known(1);
-    let robot_id = writer.robot_id(lease, name, 1_000_000).await.unwrap();
+    let robot_id = writer.register(lease, (name, "b"), 1_000_000).await.unwrap().unwrap().robot_id;
     let boot = writer.boot(lease, robot_id, "b1", 1_000_000).await.unwrap();
     let whiskers = writer.whisker_ids(lease, robot_id, &robot).await.unwrap();
     let whisker_ids = whiskers.into_iter().map(|(whisker_id, _)| whisker_id).collect();

@@ -33,7 +33,7 @@ async fn robots_and_actions_follow_their_shards(database: &Fresh) {
     assert_eq!(writer.divide(std::slice::from_ref(&whole), 3).await.unwrap(), Ok(()));
 
     // The old lease is worth nothing, and the new ones come after it.
-    let old = writer.robot_id(&whole, "r0", 2).await.unwrap_err();
+    let old = writer.register(&whole, ("r0", "b"), 2).await.unwrap_err();
     assert!(matches!(old, StoreError::LeaseLost { .. }), "{old}");
     assert!(writer.acquire(&a, &fleet()).await.unwrap().is_none(), "the whole fleet is no shard any more");
     let mut leases: Vec<Lease> = Vec::new();

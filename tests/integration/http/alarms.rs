@@ -25,7 +25,8 @@ pub(crate) async fn storm(store: &Store, robots: usize, kind: &'static str, paus
     let lease = writer.acquire(&supervisor, &fleet).await.unwrap().unwrap();
     let mut records = Vec::new();
     for number in 0..robots {
-        let robot_id = writer.robot_id(&lease, &format!("robot-{number}"), 1_000_000).await.unwrap();
+        let robot_id =
+            writer.register(&lease, (&format!("robot-{number}"), "b"), 1_000_000).await.unwrap().unwrap().robot_id;
         let raised_us = START_US + 100_000_000 + number as i64 * pause_us;
         records.push(Record::RobotAlarm(RobotAlarmRow { robot_id, raised_us, kind }));
     }

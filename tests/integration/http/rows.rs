@@ -126,7 +126,7 @@ fn black_box(robot_id: i64, whisker_id: i64) -> NewBlackBox {
 
 async fn robot(writer: &mut Writer, lease: &Lease, name: &str, random: &mut ChaCha8Rng, written: &mut Written) {
     let robot = known(lease.epoch());
-    let robot_id = writer.robot_id(lease, name, 1_000_000).await.unwrap();
+    let robot_id = writer.register(lease, (name, "b"), 1_000_000).await.unwrap().unwrap().robot_id;
     let boot = writer.boot(lease, robot_id, "b1", START_US).await.unwrap();
     let whiskers = writer.whisker_ids(lease, robot_id, &robot).await.unwrap();
     let ids: Vec<i64> = whiskers.into_iter().map(|(whisker_id, _)| whisker_id).collect();

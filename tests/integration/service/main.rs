@@ -17,6 +17,7 @@ mod api;
 mod bad_input;
 mod bulk;
 mod config;
+mod decommission;
 mod estimates;
 mod forgetful;
 mod http;

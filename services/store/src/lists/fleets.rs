@@ -116,7 +116,7 @@ macro_rules! fleets {
                   count(*) FILTER (WHERE connection = 'ONLINE') AS robots_online, \
                   count(*) FILTER (WHERE connection = 'SILENT') AS robots_silent FROM (SELECT fleet, ",
                 presence!("b"),
-                " AS connection FROM robots b) b GROUP BY fleet) r \
+                " AS connection FROM robots b WHERE decommissioned_us IS NULL) b GROUP BY fleet) r \
                   USING (fleet) \
                  LEFT JOIN (SELECT fleet, CAST(sum(whiskers) AS BIGINT) AS whiskers FROM robots JOIN arrays USING (robot_id) \
                   GROUP BY fleet) n USING (fleet) \

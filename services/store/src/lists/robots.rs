@@ -152,7 +152,7 @@ sorts! {
     }
 }
 
-/// All robots that the database knows.
+/// All robots in service.
 pub static ROBOTS: List = List {
     what: "list the robots",
     select: concat!(
@@ -173,7 +173,7 @@ pub static ROBOTS: List = List {
         alarm_counts!("r.robot_id"),
         " a ON a.robot_id = r.robot_id LEFT JOIN ",
         proposal_counts!("r.robot_id"),
-        " o ON o.robot_id = r.robot_id"
+        " o ON o.robot_id = r.robot_id WHERE r.decommissioned_us IS NULL"
     ),
     details: ", (SELECT count(*) FROM arrays y WHERE y.robot_id = q.robot_id AND whiskers > 0) AS arrays, \
               (SELECT CAST(coalesce(sum(whiskers), 0) AS BIGINT) FROM arrays y WHERE y.robot_id = q.robot_id) AS whiskers, \

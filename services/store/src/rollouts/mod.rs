@@ -240,7 +240,7 @@ impl Writer {
     /// The database cannot be read.
     pub async fn robots_of_fleet(&mut self, lease: &Lease) -> Result<Vec<String>, StoreError> {
         const WHAT: &str = "read the robots of a fleet";
-        const SQL: &str = "SELECT robot FROM robots WHERE fleet = $1";
+        const SQL: &str = "SELECT robot FROM robots WHERE fleet = $1 AND decommissioned_us IS NULL";
         let fleet = lease.fleet().as_str();
         self.attempt(WHAT, PATIENCE, async |link| {
             on!(link, |link| sqlx::query_scalar(SQL).bind(fleet).fetch_all(link).await).map_err(failed(WHAT))

@@ -66,12 +66,24 @@ impl Execution<'_> {
         }
         let robot_id = robot.and_then(|name| self.shards.robot(&name)).map_or(0, |known| known.robot_id);
         self.shards.set_action(Some(&TracedAction::of(action)));
-        let (state, problem) = match (!is_expired).then(|| self.carry_out(action)) {
+        let done = (!is_expired).then(|| self.carry_out(action));
+        self.shards.set_action(None);
+        self.answer(action, robot_id, done, pipeline);
+    }
+
+    /// Records the answer of an action; `None` for one that has expired.
+    pub(super) fn answer(
+        &mut self,
+        action: &Action,
+        robot_id: i64,
+        done: Option<Result<(), Problem>>,
+        pipeline: &mut Pipeline,
+    ) {
+        let (state, problem) = match done {
             None => ("EXPIRED", None),
             Some(Ok(())) => ("DONE", None),
             Some(Err(problem)) => ("REFUSED", Some(problem)),
         };
-        self.shards.set_action(None);
         let kind = match named::<ActionKind>(&action.kind) {
             Some(kind) => kind.word(),
             None => named::<RecordedKind>(&action.kind)
@@ -134,8 +146,12 @@ impl Execution<'_> {
 
     fn robot_of(&self, action: &Action) -> Result<Name, Problem> {
         let name = action.robot.as_deref().and_then(|name| Name::robot(name).ok());
-        name.filter(|name| self.shards.robot(name).is_some())
-            .ok_or_else(|| "UNKNOWN_ROBOT: there is no such robot in the fleet".to_owned())
+        let name = name.filter(|name| self.shards.robot(name).is_some());
+        let name = name.ok_or_else(|| "UNKNOWN_ROBOT: there is no such robot in the fleet".to_owned())?;
+        match self.shards.robot(&name).is_some_and(|known| known.is_excluded) {
+            true => Err("ROBOT_NOT_ALLOWED: the fleet's allow list excludes the robot".to_owned()),
+            false => Ok(name),
+        }
     }
 
     /// Number of a compensation on its robot. The id in the database combines it with the robot's id.
@@ -180,7 +196,7 @@ impl Execution<'_> {
             true => self.activate(&activation, &action.actor).map_err(malformed)?,
             false => self.set_params(with_model(&self.in_force.params, &activation.calibration).map_err(malformed)?),
         }
-        let names: Vec<Name> = self.shards.robots().map(|known| known.name.clone()).collect();
+        let names: Vec<Name> = self.shards.in_service().map(|known| known.name.clone()).collect();
         self.relearn(&names, &activation.calibration.name);
         Ok(())
     }
@@ -213,7 +229,7 @@ impl Execution<'_> {
             // The first shard has checked and recorded it. At the start of this shard it may have been in force already.
             self.put_in_force(&policy, change.expected_version + 1);
         }
-        let names: Vec<Name> = self.shards.robots().map(|known| known.name.clone()).collect();
+        let names: Vec<Name> = self.shards.in_service().map(|known| known.name.clone()).collect();
         for name in names {
             self.shards.step(&name, self.now, &Event::PolicyChanged);
         }

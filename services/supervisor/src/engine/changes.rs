@@ -10,6 +10,7 @@ use vibrissa_store::actions::Action;
 use super::Engine;
 use super::actions::{ACTIONS_MAX, Execution};
 use super::commit::committer::LeaseLost;
+use super::decommission::leaves;
 use super::rollout::Rollout;
 
 /// Most robots whose refusals are written at a time.
@@ -46,14 +47,27 @@ impl Engine {
             robots_of_fleet = robots;
         }
         let robots_of_fleet = &robots_of_fleet;
+        let (leaving, others): (Vec<&Action>, Vec<&Action>) = pending.iter().partition(|action| leaves(action));
         let Self { place, shards, in_force, rollout, metrics, suspects, pipeline, .. } = self;
         let mut execution = Execution { place, shards, in_force, rollout, robots_of_fleet, metrics, now };
-        for action in &pending {
+        for action in others {
             execution.handle(action, suspects, pipeline);
+        }
+        for action in leaving {
+            self.decommission(action).await?;
         }
         self.show_rollout();
         self.pipeline.stepped(0, &self.shards);
         Ok(())
+    }
+
+    /// Answers an action outside of [`Execution`].
+    pub(super) fn answer(&mut self, action: &Action, robot_id: i64, done: Result<(), String>) {
+        let Self { place, shards, in_force, rollout, metrics, pipeline, .. } = self;
+        let robots_of_fleet = &[];
+        let mut execution =
+            Execution { place, shards, in_force, rollout, robots_of_fleet, metrics, now: Micros::default() };
+        execution.answer(action, robot_id, Some(done), pipeline);
     }
 
     /// Compares the errors of a roll-out. If the database is unreachable, this does not wait.

@@ -119,7 +119,7 @@ fn health(view: &WhiskerView<'_>) -> Label {
 /// Counts robots, whiskers, alarms and compensations.
 pub(super) fn survey_robots(shards: &mut Shards, place: &FleetShard, program: &Metrics, metrics: &FleetMetrics) {
     let mut survey = Survey::default();
-    for known in shards.robots_mut() {
+    for known in shards.robots_mut().filter(|known| !known.is_excluded) {
         survey.add(known);
     }
     let count = |counts: &BTreeMap<Label, i64>, word| counts.get(word).copied().unwrap_or_default();
@@ -138,7 +138,7 @@ pub(super) fn survey_robots(shards: &mut Shards, place: &FleetShard, program: &M
     metrics.compensation_error_with_gain_mean_ratio.set_all(mean(|one| one.with_gain.value()));
     metrics.compensation_predicted_error_mean_ratio.set_all(mean(|one| one.predicted.value()));
     if let Some(whiskers) = &program.whiskers {
-        whiskers.show(place, shards.robots().map(|known| sample(known.name.as_str(), known)).collect());
+        whiskers.show(place, shards.in_service().map(|known| sample(known.name.as_str(), known)).collect());
     }
 }
 

@@ -14,6 +14,13 @@ pub(crate) struct RawMessage {
     pub(crate) received: Micros,
 }
 
+impl RawMessage {
+    /// Whether it clears a retained message: people and the supervisor do so for robots that have left.
+    pub(crate) fn is_clearing(&self) -> bool {
+        self.payload.is_empty() && self.kind.is_retained()
+    }
+}
+
 /// Times of a `contacts` message.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MessageTimes {

@@ -19,6 +19,7 @@ mod allow_list_sources;
 mod birth_watch;
 mod changes;
 mod commit;
+mod decommission;
 mod dispatch;
 mod fleet_metrics;
 mod hearing;
@@ -246,7 +247,7 @@ impl Engine {
             return;
         }
         let has_unannounced = self.shards.take_unannounced();
-        let has_unheard = || self.shards.robots().any(|known| !known.is_heard);
+        let has_unheard = || self.shards.robots().any(|known| !known.is_heard && !known.is_excluded);
         if let Some(cause) = self.birth_watch.due(Instant::now().into_std(), has_unannounced, has_unheard) {
             inbox.want_births(cause);
         }

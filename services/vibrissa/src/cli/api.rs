@@ -136,6 +136,25 @@ impl Api {
         read(&url, answer)
     }
 
+    /// Requests the removal of a resource, once, under an idempotency key of its own.
+    ///
+    /// # Errors
+    /// The supervisor does not answer, or refuses the request.
+    pub(super) fn remove(&self, path: &str, body: &Value) -> anyhow::Result<Value> {
+        let url = self.at(path)?;
+        let mut request = self
+            .agent
+            .delete(url.as_str())
+            .header("Content-Type", "application/json")
+            .header("Idempotency-Key", uuid::Uuid::new_v4().to_string());
+        if let Some(authorization) = &self.authorization {
+            request = request.header("Authorization", authorization);
+        }
+        let request = request.force_send_body();
+        let answer = request.send(body.to_string()).with_context(|| format!("requesting {url}"))?;
+        read(&url, answer)
+    }
+
     fn at(&self, path: &str) -> anyhow::Result<Url> {
         self.url.join(path).with_context(|| format!("invalid URL: {}{path}", self.url))
     }

@@ -8,6 +8,7 @@ pub mod check_robot;
 pub mod completions;
 pub mod config;
 pub mod contract;
+mod decommission;
 pub mod evaluate;
 pub mod export;
 pub mod metrics;
@@ -58,6 +59,8 @@ enum Command {
     Compensations(whiskers::CompensationsArgs),
     /// Set a whisker's pressure manually, or release the whisker to the supervisor again.
     Setpoint(setpoint::SetpointArgs),
+    /// Decommission a robot that has left for good: its history stays.
+    Decommission(decommission::DecommissionArgs),
     /// Hold, release, relearn or acknowledge all robots, whiskers or alarms that meet conditions.
     Bulk(bulk::BulkArgs),
     /// Create, list and revoke API tokens.
@@ -109,6 +112,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Whiskers(args) => whiskers::whiskers(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Compensations(args) => whiskers::compensations(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Setpoint(args) => setpoint::run(&args, &mut stdout()),
+        Command::Decommission(args) => decommission::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Bulk(args) => bulk::run(&args, &mut stdout()),
         Command::Token(args) => token::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),
         Command::Backup(args) => backup::run(&args, &mut stdout()).map(|()| ExitCode::SUCCESS),

@@ -246,6 +246,21 @@ impl Robot {
         self.head.next_version = self.head.next_version.max(later.head.next_version);
     }
 
+    /// Continues the numbers of a robot that was here before under the same name: its trims and compensations, and its
+    /// setpoints of this epoch.
+    pub fn go_on_numbering(&mut self, numbers: Numbers, next_version: u64) {
+        let head = &mut self.head;
+        head.next_trim = head.next_trim.max(numbers.next_trim);
+        head.next_compensation = head.next_compensation.max(numbers.next_compensation);
+        head.next_version = head.next_version.max(next_version);
+    }
+
+    /// First free number of a setpoint.
+    #[must_use]
+    pub fn next_version(&self) -> u64 {
+        self.head.next_version
+    }
+
     /// Marks the robot as supervised before, by a state that may be older than the pressures of its whiskers, or that
     /// is not readable any more.
     #[must_use]

@@ -160,6 +160,25 @@ impl Robot {
         !self.head.silent && whisker.fault == STALE && whisker.standing.fault != STALE
     }
 
+    /// Takes back all alarms without effects, because nobody is responsible for the robot for now. Returns whether any stood.
+    /// [`Self::review_alarms`] must follow before the next step.
+    pub fn withdraw_alarms(&mut self) -> bool {
+        let mut any = std::mem::take(&mut self.head.silent);
+        for index in 0..self.whiskers.len() {
+            if self.whiskers[index].standing != Standing::default() {
+                self.whiskers[index].standing = Standing::default();
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// Makes the next step raise the alarms that are due: the robot is supervised again. Its silence counts from `now` on.
+    pub fn review_alarms(&mut self, now: Micros) {
+        self.listen_from(now);
+        self.whiskers.touch_all();
+    }
+
     /// The standing alarms about the robot as a whole.
     pub fn standing(&self) -> impl Iterator<Item = AlarmKind> + '_ {
         self.head.silent.then_some(AlarmKind::RobotSilent).into_iter()

@@ -124,6 +124,11 @@ impl Whiskers {
         self.touched.next(index)
     }
 
+    /// Makes the end of this step evaluate all whiskers.
+    pub(in crate::robot) fn touch_all(&mut self) {
+        (0..self.all.len()).for_each(|index| self.touched.insert(index));
+    }
+
     fn end_step(&mut self) {
         self.changed.take_over(&mut self.touched);
     }

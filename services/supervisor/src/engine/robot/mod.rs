@@ -42,7 +42,7 @@ use vibrissa_edge::full_name::FullName;
 use vibrissa_store::StoredRobot;
 use vibrissa_store::batch::Record;
 
-/// Robots by name, in the order in which they became known. None is ever removed, so indices stay valid.
+/// Robots by name, in the order in which they became known. A decommissioned one is removed, which moves the later ones.
 pub(crate) type Robots = IndexMap<Name, KnownRobot>;
 
 /// A robot with its row ids in the database.
@@ -87,6 +87,8 @@ pub(crate) struct KnownRobot {
     pub(crate) repeats: Repeats,
     /// Since when the factsheet of its boot has been missing.
     pub(crate) factsheet_missing: Option<Instant>,
+    /// The allow list excludes it: none of its messages is taken, and it raises no alarms.
+    pub(crate) is_excluded: bool,
     /// The database has repeatedly rejected its rows: it gets no events for a while.
     pub(crate) rests: bool,
     /// Its messages for black boxes; `None` before the first message.
@@ -133,6 +135,7 @@ impl KnownRobot {
             receipts_due: SmallVec::new(),
             repeats: Repeats::default(),
             factsheet_missing: None,
+            is_excluded: false,
             rests: false,
             recorder: None,
         }

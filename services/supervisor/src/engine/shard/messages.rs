@@ -15,13 +15,14 @@ use crate::engine::robot::{KnownRobot, fingerprints};
 use vibrissa_edge as edge;
 use vibrissa_edge::full_name::FullName;
 use vibrissa_store::StoreError;
+use vibrissa_store::decommission::Registered;
 
 const OLD_BIRTH: &str = "a birth of a boot that a newer one has replaced";
 
 impl Shard {
     /// Handles a message that needs no row ids from the database.
     pub(crate) fn handle(&mut self, raw: &RawMessage) {
-        if !self.permits(raw) {
+        if raw.is_clearing() || !self.permits(raw) {
             return;
         }
         if let Some(known) = self.robots.get_mut(&raw.robot) {
@@ -140,7 +141,7 @@ impl Shard {
     /// Decodes a factsheet that needs row ids. `None` if it is refused, which is counted, or if all its whiskers have
     /// ids: then it is handled here.
     pub(crate) fn factsheet(&mut self, raw: &RawMessage) -> Option<protocol::Factsheet> {
-        if !self.permits(raw) {
+        if raw.is_clearing() || !self.permits(raw) {
             return None;
         }
         if let Some(known) = self.robots.get_mut(&raw.robot) {
@@ -194,7 +195,7 @@ impl Shard {
         committer: &mut Committer,
     ) -> Result<(), StoreError> {
         if !self.robots.contains_key(&raw.robot) {
-            self.make_known(raw, committer).await?;
+            self.make_known(raw, message, committer).await?;
         }
         let Some(known) = self.robots.get_mut(&raw.robot) else { return Ok(()) };
         self.stepper.take_factsheet(known, (message, is_again), raw.received, committer).await
@@ -243,14 +244,27 @@ impl Shard {
         self.stepper.take_contacts(known, (&contacts, &[][..]), None, raw.received);
     }
 
-    async fn make_known(&mut self, raw: &RawMessage, committer: &mut Committer) -> Result<(), StoreError> {
+    async fn make_known(
+        &mut self,
+        raw: &RawMessage,
+        message: &protocol::Factsheet,
+        committer: &mut Committer,
+    ) -> Result<(), StoreError> {
         let (name, now_us) = (&raw.robot, raw.received.0 as i64);
         let (writer, lease) = committer.database();
-        let robot_id = writer.robot_id(lease, name.as_str(), now_us).await?;
-        if let Some(announcement) = self.announced.take(name) {
+        let registered = writer.register(lease, (name.as_str(), message.boot_id.as_str()), now_us).await?;
+        let Some(announcement) = self.announced.take(name) else { return Ok(()) };
+        let Some(Registered { robot_id, numbers }) = registered else {
+            let problem = "the robot was decommissioned in this boot: it is registered anew when it starts anew";
+            self.stepper.violation("old_boot", problem, name);
+            return Ok(());
+        };
+        {
             let names = (self.stepper.fleet.clone(), name.clone());
             let mut known = KnownRobot::new(names, robot_id, announcement.robot, self.stepper.retention);
-            known.seqs = announcement.seqs;
+            let former = self.former.remove(name);
+            known.robot.go_on_numbering(numbers, former.as_ref().map_or(0, |former| former.next_version));
+            known.seqs = former.map_or(announcement.seqs, |former| former.seqs);
             let (at, birth) = &announcement.birth;
             self.stepper.keep_message(&mut known, RobotTopic::Connection, *at, birth);
             self.stepper.keep_message(&mut known, raw.kind, raw.received, &raw.payload);

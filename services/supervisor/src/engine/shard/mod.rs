@@ -21,6 +21,7 @@ pub(crate) mod shards;
 pub(crate) mod stepper;
 mod touch_tests;
 
+use std::collections::BTreeMap;
 use std::hash::RandomState;
 
 use vibrissa_core::robot::{Event, Outcome};
@@ -35,6 +36,7 @@ use crate::engine::commit::journal::Part;
 use crate::engine::commit::transaction::SealedTransaction;
 use crate::engine::message::RawMessage;
 use crate::engine::robot::Robots;
+use crate::engine::robot::seqs::Seqs;
 use crate::inbox::Delayed;
 
 use announced::Announced;
@@ -47,6 +49,13 @@ pub(crate) struct Receipts {
     pub(crate) now: Micros,
     /// Limit of the shard's robots that get receipts.
     pub(crate) robots_max: usize,
+}
+
+/// Numbers of a decommissioned robot that must not be used twice.
+#[derive(Debug, Default)]
+struct Former {
+    seqs: Seqs,
+    next_version: u64,
 }
 
 /// A part of a fleet's robots, and their open batch.
@@ -62,6 +71,8 @@ pub(crate) struct Shard {
     /// The first robot whose estimate may be published next: each gets its turn.
     estimates_resume_at: usize,
     allow_list: AllowList,
+    /// Numbers of robots that were decommissioned in this epoch, should they come back.
+    former: BTreeMap<Name, Former>,
     /// Robots that are not on the allow list.
     refused_robots: RefusedRobots,
     /// Keys of the hashes of messages.
@@ -83,6 +94,7 @@ impl Shard {
             tick_resumes_at: None,
             estimates_resume_at: 0,
             allow_list: AllowList::default(),
+            former: BTreeMap::new(),
             refused_robots: RefusedRobots::default(),
             hashers: RandomState::new(),
             part: None,
@@ -150,6 +162,21 @@ impl Shard {
     pub(crate) fn set_allow_list(&mut self, list: AllowList) {
         self.refused_robots.retain(|robot| !list.permits(robot));
         self.allow_list = list;
+        for known in self.robots.values_mut() {
+            let is_excluded = !self.allow_list.permits(&known.name);
+            if is_excluded != known.is_excluded {
+                self.stepper.exclude(known, is_excluded);
+            }
+        }
+    }
+
+    /// Forgets a robot that was decommissioned, and clears its retained messages at the broker.
+    pub(crate) fn forget(&mut self, name: &Name) {
+        self.announced.take(name);
+        let Some(known) = self.robots.shift_remove(name) else { return };
+        let former = Former { seqs: known.seqs, next_version: known.robot.next_version() };
+        self.former.insert(name.clone(), former);
+        self.stepper.clear_retained(name);
     }
 
     /// Steps one robot; `None` if it is not known.
@@ -193,7 +220,7 @@ impl Shard {
             self.announced.tick(&mut self.stepper, now);
         }
         for (index, known) in self.robots.values_mut().enumerate().skip(first) {
-            if known.rests {
+            if known.rests || known.is_excluded {
                 continue;
             }
             let own = time_of(&known.name);

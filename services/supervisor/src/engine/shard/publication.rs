@@ -111,6 +111,14 @@ impl Stepper {
         }
     }
 
+    /// Clears the retained messages of a robot that has left for good: new clients must not take it for a present one.
+    pub(super) fn clear_retained(&mut self, robot: &Name) {
+        for kind in RobotTopic::ALL.into_iter().filter(|kind| kind.is_retained()) {
+            let publication = self.publication(robot, kind, Vec::new());
+            self.batch.publish(publication);
+        }
+    }
+
     /// Marks the contacts of a boot as due for a receipt.
     pub(crate) fn receipt(&mut self, known: &mut KnownRobot, boot_id: &str) {
         if known.receipts_due.is_empty() {

@@ -90,6 +90,11 @@ impl Shards {
         self.shards.iter().flat_map(|shard| shard.robots().values())
     }
 
+    /// The robots that the allow list does not exclude.
+    pub(crate) fn in_service(&self) -> impl Iterator<Item = &KnownRobot> {
+        self.robots().filter(|known| !known.is_excluded)
+    }
+
     pub(crate) fn robots_mut(&mut self) -> impl Iterator<Item = &mut KnownRobot> {
         self.shards.iter_mut().flat_map(|shard| shard.robots_mut().values_mut())
     }

@@ -27,6 +27,7 @@ use crate::trace::{OpenTraces, PendingSpans, Step, is_traced};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::full_name::FullName;
 use vibrissa_store::Batch;
+use vibrissa_store::batch::Record;
 
 /// Shortest interval between two warnings with the same reason.
 const WARNING_INTERVAL: Duration = Duration::from_secs(60);
@@ -261,6 +262,20 @@ impl Stepper {
     /// Counts stored items that cannot be read.
     pub(crate) fn count_set_aside(&self, reader: Reader, count: u64) {
         self.metrics.set_aside(reader, count);
+    }
+
+    /// Begins or ends the time in which the allow list excludes a robot. Nobody is responsible for it meanwhile, so its alarms
+    /// are over; those that are still due are raised again at the end.
+    pub(super) fn exclude(&mut self, known: &mut KnownRobot, is_excluded: bool) {
+        known.is_excluded = is_excluded;
+        if !is_excluded {
+            return known.robot.review_alarms(wall_clock());
+        }
+        if known.robot.withdraw_alarms() {
+            let cleared_us = wall_clock().0 as i64;
+            self.batch.rows_mut().records.push(Record::AlarmsForgotten { robot_id: known.robot_id, cleared_us });
+            self.batch.checkpoint(known);
+        }
     }
 
     /// Counts a message that violates the contract, and warns at most once a minute per reason.

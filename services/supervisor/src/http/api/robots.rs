@@ -3,16 +3,20 @@
 use axum::extract::{Extension, State};
 use axum::response::{Json, Response};
 use serde::Serialize;
+use serde_json::json;
 use utoipa::ToSchema;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
+use vibrissa_edge::actions::RecordedKind;
+use vibrissa_edge::words::Word as _;
 use vibrissa_protocol::Name;
 
 use super::filters::RobotFilter;
 use super::paths::{ArrayPath, RobotPath};
 use crate::http::App;
 use crate::http::access::Caller;
-use crate::http::extract::{Path, Query};
+use crate::http::asking::{Asker, ask, reason};
+use crate::http::extract::{OptionalBody, Path, Query};
 use crate::http::labels::LabelFilter;
 use crate::http::listing::Listing;
 use crate::http::page::{LIMIT_MAX, Page, list_query};
@@ -20,6 +24,7 @@ use crate::http::problem::Problem;
 use crate::http::search::Search;
 use crate::http::words::ConnectionWord;
 use vibrissa_store::list::Selection;
+use vibrissa_store::lists::actions::ActionRow;
 use vibrissa_store::lists::robots::{ARRAYS, ArraySort, ArraySummary, ROBOTS, RobotSort, RobotSummary};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
 
@@ -27,7 +32,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(list_robots))
         .routes(routes!(find_robot))
-        .routes(routes!(get_robot))
+        .routes(routes!(get_robot, decommission_robot))
         .routes(routes!(list_arrays))
         .routes(routes!(find_array))
         .routes(routes!(get_array))
@@ -93,6 +98,35 @@ async fn list_robots(
 )]
 async fn get_robot(State(app): State<App>, Path(at): Path<RobotPath>) -> Result<Json<RobotSummary>, Problem> {
     robot(&app, &at).await.map(Json)
+}
+
+/// Decommission a robot that has left for good.
+///
+/// It leaves all lists, metrics and limits, its alarms end, its compensations and setpoints end, and its retained messages are
+/// cleared at the broker. Its history stays. What was learned about its whiskers is forgotten: its next boot is registered
+/// anew, if the allow list permits it. Refused with 409 while the robot is connected and heard, unless the allow list
+/// excludes it.
+#[utoipa::path(
+    delete, path = "/v1/fleets/{fleet}/robots/{robot}", tag = "robots",
+    params(RobotPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
+    request_body = Option<Why>,
+    responses(
+        (status = 200, description = "The robot is decommissioned", body = ActionRow),
+        (status = 202, description = "Pending; poll the action", body = ActionRow)
+    ),
+    extensions(("x-required-role" = json!("ENGINEER")))
+)]
+async fn decommission_robot(
+    State(app): State<App>,
+    Path(at): Path<RobotPath>,
+    asker: Asker,
+    OptionalBody(why): OptionalBody<Why>,
+) -> Result<Response, Problem> {
+    robot(&app, &at).await?;
+    let mut action = asker.action(RecordedKind::Decommission.word(), &json!({}), reason(why.reason)?);
+    action.fleet = Some(at.fleet.to_string());
+    action.robot = Some(at.robot.to_string());
+    ask(&app, &at.fleet, &action).await
 }
 
 /// One robot of the list, by the names in its row: the same answer as below `/v1/fleets`.

@@ -1,0 +1,62 @@
+//! Robots that leave for good.
+
+use tracing::info;
+use vibrissa_core::robot::effect::AlarmKind;
+use vibrissa_core::robot::event::Link;
+use vibrissa_edge::actions::RecordedKind;
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::full_name::FullName;
+use vibrissa_edge::words::Word as _;
+use vibrissa_protocol::Name;
+use vibrissa_store::actions::Action;
+
+use super::Engine;
+use super::commit::committer::LeaseLost;
+use super::robot::KnownRobot;
+
+/// Whether an action takes a robot out of service.
+pub(super) fn leaves(action: &Action) -> bool {
+    action.kind == RecordedKind::Decommission.word()
+}
+
+impl Engine {
+    /// Takes a robot out of service: the database, this engine and the broker forget it, and its history stays. If the
+    /// database is unreachable, the action stays pending.
+    pub(super) async fn decommission(&mut self, action: &Action) -> Result<(), LeaseLost> {
+        // Nothing of the robot may be written afterwards.
+        self.settle().await?;
+        self.begin_commit();
+        self.settle().await?;
+        let name = action.robot.as_deref().and_then(|name| Name::robot(name).ok());
+        let Some((name, known)) = name.and_then(|name| Some((name.clone(), self.shards.robot(&name)?))) else {
+            self.answer(action, 0, Err("UNKNOWN_ROBOT: there is no such robot in the fleet".to_owned()));
+            return Ok(());
+        };
+        let robot_id = known.robot_id;
+        if self.suspects.has(&name) {
+            return Ok(());
+        }
+        if is_in_service(known) {
+            let problem = "ROBOT_CONNECTED: the robot is connected and heard: switch it off first, or take it off the \
+                           fleet's allow list";
+            self.answer(action, robot_id, Err(problem.to_owned()));
+            return Ok(());
+        }
+        let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
+        let (writer, lease) = committer.database();
+        if let Err(problem) = writer.decommission(lease, robot_id, wall_clock().0 as i64).await {
+            committer.failed(&problem, "cannot decommission a robot");
+            return Ok(());
+        }
+        info!(robot = %FullName::robot(self.fleet.as_str(), name.as_str()), actor = action.actor, "robot decommissioned");
+        self.shards.of(&name).forget(&name);
+        self.answer(action, robot_id, Ok(()));
+        Ok(())
+    }
+}
+
+/// Whether a robot works: then it would be back at once.
+fn is_in_service(known: &KnownRobot) -> bool {
+    let is_silent = known.robot.standing().any(|kind| kind == AlarmKind::RobotSilent);
+    known.robot.connection_state().1 == Link::Online && !is_silent && !known.is_excluded
+}
