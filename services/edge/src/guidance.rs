@@ -51,9 +51,10 @@ pub struct Guidance {
 }
 
 /// All kinds of alarms, the most urgent first: by level, then by the cost of waiting.
-pub const BY_URGENCY: [AlarmKind; 18] = [
+pub const BY_URGENCY: [AlarmKind; 19] = [
     AlarmKind::SetpointFailed,
     AlarmKind::Uncompensated,
+    AlarmKind::DuplicateRobot,
     AlarmKind::RobotSilent,
     AlarmKind::ReceiptsUnheard,
     AlarmKind::Fault(Fault::Leak),
@@ -109,6 +110,17 @@ pub fn of(kind: AlarmKind) -> Guidance {
                 "the neighbours are faulty, held, silent or still being learned",
             ],
             runbook: "VibrissaWhiskerUncompensated.md",
+        },
+        AlarmKind::DuplicateRobot => Guidance {
+            level: Level::Urgent,
+            hint: "Two robots connect under this name in turn. Switch one off, give it a name and a broker account of its \
+                   own, delete its copied outbox, and start both anew. Until then nothing is learned and no setpoint is sent.",
+            causes: &[
+                "the second robot runs from a copy of the first one's disk or configuration",
+                "a replaced computer was started again beside its successor",
+                "a simulator or a test uses the name of a real robot",
+            ],
+            runbook: "VibrissaRobotDuplicate.md",
         },
         AlarmKind::RobotSilent => Guidance {
             level: Level::Urgent,

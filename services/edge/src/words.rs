@@ -228,7 +228,8 @@ words! {
         Proposed => "PROPOSED" "a compensation waits for approval",
         ReachLost => "REACH_LOST" "no contacts near the tip any more",
         RobotSilent => "ROBOT_SILENT" "the robot is silent or not connected",
-        ReceiptsUnheard => "RECEIPTS_UNHEARD" "the robot does not hear its receipts";
+        ReceiptsUnheard => "RECEIPTS_UNHEARD" "the robot does not hear its receipts",
+        DuplicateRobot => "DUPLICATE_ROBOT" "two robots use this name";
         Fault(Fault)
     }
     Level {

@@ -21,7 +21,7 @@ pub struct Registered {
     pub numbers: Numbers,
 }
 
-/// What a decommissioned robot leaves behind: nobody follows it any more. `$1` is the robot's number, `$2` the time.
+/// Statements that end all work for a decommissioned robot. `$1` is the robot's number, `$2` the time.
 const LEAVE: [&str; 7] = [
     "UPDATE robots SET decommissioned_us = $2, state = NULL, held = FALSE, labels = '', connection = 'OFFLINE', updated_us = $2 \
      WHERE robot_id = $1",

@@ -151,7 +151,7 @@ export function robotActions(robot, done) {
     reason: "optional",
     body: withReason,
   };
-  const leaving = has("DELETE", ROUTES.robot) ? [actionButton(leave, done)] : [];
+  const leaving = robot.connection !== "ONLINE" && has("DELETE", ROUTES.robot) ? [actionButton(leave, done)] : [];
   return [
     ["hold", hold],
     ["release", release],

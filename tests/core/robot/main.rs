@@ -5,6 +5,7 @@ mod by_hand;
 mod clocks;
 mod closed_loop;
 mod detection;
+mod duplicates;
 mod erosion;
 mod factsheet;
 mod false_alarms;

@@ -18,8 +18,14 @@ const APPLIED: Answer = Some(SetpointReport::Applied(Megapascal::ZERO));
 const NOT_READY: Answer = Some(SetpointReport::Rejected(Rejection::NotReady));
 const TOO_LATE: Answer = Some(SetpointReport::Rejected(Rejection::Expired));
 
+/// A robot, and the number of its effects that were looked at.
+struct Trial {
+    one: ByHand,
+    seen: usize,
+}
+
 /// A robot whose whisker holds 0.05 MPa by hand, and was released a moment ago: it shall go back to 0.1 MPa.
-fn released() -> ByHand {
+fn released() -> Trial {
     let mut one = ByHand::born(70.0);
     for _ in 0..5 {
         one.passes_s(1.0);
@@ -30,7 +36,7 @@ fn released() -> ByHand {
     one.effects.clear();
     let release = OperatorAction::Release(Scope::Whisker(WHISKER));
     assert_eq!(one.step(&Event::Operator(&release)), Outcome::Taken);
-    one
+    Trial { one, seen: 0 }
 }
 
 fn answers(one: &mut ByHand, command: &Command, answer: Answer) {
@@ -46,33 +52,40 @@ fn reports(one: &mut ByHand) {
     one.step(&Event::Status { boot_id: "b1", robot_time, whiskers: &[status] });
 }
 
-/// Lets seconds pass, in which the robot is heard where `hears` says so, and answers each setpoint. Returns the number of
-/// setpoints.
-fn pass(one: &mut ByHand, seconds: u32, hears: impl Fn(u32) -> bool, answer: Answer) -> usize {
-    let (mut seen, mut count) = (0, 0);
-    for second in 0..seconds {
-        let commands = one.commands_from(seen);
-        (seen, count) = (one.effects.len(), count + commands.len());
-        for command in &commands {
-            answers(one, command, answer);
+impl Trial {
+    /// Lets seconds pass, in which the robot is heard where `hears` says so, and answers each setpoint. Returns the number of
+    /// setpoints.
+    fn pass(&mut self, seconds: u32, hears: impl Fn(u32) -> bool, answer: Answer) -> usize {
+        let mut count = 0;
+        for second in 0..seconds {
+            let commands = self.one.commands_from(self.seen);
+            self.seen = self.one.effects.len();
+            count += commands.len();
+            for command in &commands {
+                answers(&mut self.one, command, answer);
+            }
+            self.one.passes_s(1.0);
+            if hears(second) {
+                reports(&mut self.one);
+            }
+            self.one.step(&Event::Tick);
         }
-        one.passes_s(1.0);
-        if hears(second) {
-            reports(one);
-        }
-        one.step(&Event::Tick);
+        count
     }
-    count
+
+    fn asks(&mut self, action: &OperatorAction<'_>) -> Outcome {
+        self.one.step(&Event::Operator(action))
+    }
 }
 
 /// Alarms that were raised (true) and cleared, of setpoints alone.
-fn alarms(one: &ByHand) -> Vec<(bool, AlarmKind)> {
+fn alarms(trial: &Trial) -> Vec<(bool, AlarmKind)> {
     let alarm = |effect: &Effect| match effect {
         Effect::Alarm { kind, .. } => Some((true, *kind)),
         Effect::AlarmCleared { kind, .. } => Some((false, *kind)),
         _ => None,
     };
-    one.effects.iter().filter_map(alarm).filter(|(_, kind)| *kind == AlarmKind::SetpointFailed).collect()
+    trial.one.effects.iter().filter_map(alarm).filter(|(_, kind)| *kind == AlarmKind::SetpointFailed).collect()
 }
 
 /// 17 setpoints expired during a stall of the machine, and five alarms stood for good.
@@ -80,33 +93,33 @@ fn alarms(one: &ByHand) -> Vec<(bool, AlarmKind)> {
 fn regress_failed_setpoints_are_tried_again_until_the_robot_takes_one() {
     for answer in [None, NOT_READY, TOO_LATE] {
         let mut one = released();
-        let few = pass(&mut one, 60, |_| true, answer);
+        let few = one.pass(60, |_| true, answer);
         assert!((3..=4).contains(&few), "{answer:?}: {few} setpoints in a minute");
         assert_eq!(alarms(&one), [RAISED], "{answer:?}");
-        let more = pass(&mut one, 7200, |_| true, answer);
+        let more = one.pass(7200, |_| true, answer);
         assert!((5..=9).contains(&more), "{answer:?}: {more} setpoints in two hours");
         assert_eq!(alarms(&one), [RAISED], "{answer:?}: the alarm must stand during each try");
-        assert_eq!(pass(&mut one, 3700, |_| true, APPLIED), 1, "{answer:?}");
+        assert_eq!(one.pass(3700, |_| true, APPLIED), 1, "{answer:?}");
         assert_eq!(alarms(&one), [RAISED, CLEARED], "{answer:?}");
-        assert_eq!(pass(&mut one, 3700, |_| true, APPLIED), 0, "{answer:?}");
+        assert_eq!(one.pass(3700, |_| true, APPLIED), 0, "{answer:?}");
     }
 }
 
 #[test]
 fn after_an_outage_of_some_minutes_the_next_try_comes_within_as_long() {
     let mut one = released();
-    pass(&mut one, 200, |_| true, TOO_LATE);
+    one.pass(200, |_| true, TOO_LATE);
     assert_eq!(alarms(&one), [RAISED]);
-    assert!(pass(&mut one, 200, |_| true, APPLIED) >= 1);
+    assert!(one.pass(200, |_| true, APPLIED) >= 1);
     assert_eq!(alarms(&one), [RAISED, CLEARED]);
 }
 
 #[test]
 fn silence_during_a_try_raises_no_alarm_and_the_first_try_after_it_succeeds() {
     let mut one = released();
-    let in_vain = pass(&mut one, 120, |_| false, None);
+    let in_vain = one.pass(120, |_| false, None);
     assert!((1..=2).contains(&in_vain), "{in_vain}");
-    assert_eq!(pass(&mut one, 15, |_| true, APPLIED), 1);
+    assert_eq!(one.pass(15, |_| true, APPLIED), 1);
     assert_eq!(alarms(&one), []);
 }
 
@@ -114,7 +127,7 @@ fn silence_during_a_try_raises_no_alarm_and_the_first_try_after_it_succeeds() {
 #[test]
 fn regress_a_robot_that_is_heard_now_and_then_is_not_sent_the_same_for_ever() {
     let mut one = released();
-    let sent = pass(&mut one, 312 * 40, |second| second % 40 == 0, None);
+    let sent = one.pass(312 * 40, |second| second % 40 == 0, None);
     assert!(sent <= 20, "{sent} setpoints");
     assert_eq!(alarms(&one), [RAISED]);
 }
@@ -124,17 +137,17 @@ fn a_refusal_and_a_pressure_that_is_not_reached_wait_for_an_operator() {
     let refused = [Rejection::Stale, Rejection::OutOfRange].map(|why| Some(SetpointReport::Rejected(why)));
     for (answer, tries) in [(Some(SetpointReport::Failed), 3), (refused[0], 1), (refused[1], 1)] {
         let mut one = released();
-        let retry = |one: &mut ByHand| one.step(&Event::Operator(&OperatorAction::Retry(WHISKER)));
+        let retry = |one: &mut Trial| one.asks(&OperatorAction::Retry(WHISKER));
         assert_eq!(retry(&mut one), Outcome::Refused(ActionProblem::NoFailedSetpoint));
-        assert_eq!(pass(&mut one, 7200, |_| true, answer), tries, "{answer:?}");
+        assert_eq!(one.pass(7200, |_| true, answer), tries, "{answer:?}");
         assert_eq!(alarms(&one), [RAISED], "{answer:?}");
         assert_eq!(retry(&mut one), Outcome::Taken);
         assert_eq!(alarms(&one), [RAISED, CLEARED], "{answer:?}");
-        assert_eq!(pass(&mut one, 60, |_| true, answer), tries, "{answer:?}");
+        assert_eq!(one.pass(60, |_| true, answer), tries, "{answer:?}");
         assert_eq!(retry(&mut one), Outcome::Taken);
-        assert_eq!(pass(&mut one, 60, |_| true, APPLIED), 1, "{answer:?}");
+        assert_eq!(one.pass(60, |_| true, APPLIED), 1, "{answer:?}");
         assert_eq!(alarms(&one), [RAISED, CLEARED, RAISED, CLEARED], "{answer:?}");
-        one.step(&Event::Operator(&OperatorAction::Hold(Scope::Whisker(WHISKER))));
+        one.asks(&OperatorAction::Hold(Scope::Whisker(WHISKER)));
         assert_eq!(retry(&mut one), Outcome::Refused(ActionProblem::NoFailedSetpoint));
     }
 }

@@ -163,6 +163,9 @@ impl Robot {
                     // The next one comes within seconds.
                     return Outcome::BadTime;
                 }
+                if self.is_duplicated() {
+                    return Outcome::Taken;
+                }
                 for entry in whiskers {
                     self.status(params, now, robot_time, entry, effects);
                 }
@@ -211,6 +214,9 @@ impl Robot {
         if self.is_old(boot_id) {
             // The order of receipt counts: a birth makes its boot the newest, an end speaks of its own only.
             if link != Link::Online || self.head.sequences.is_old(boot_id) {
+                if link == Link::Online && self.is_replaced(boot_id) {
+                    self.boot_returned(now, effects);
+                }
                 return Outcome::OldBoot;
             }
             self.abandon_commands(effects);
@@ -221,6 +227,10 @@ impl Robot {
             self.head.boot_id = Some(boot_id.into());
             // A clock may go back with a new boot.
             self.head.clock = Clock::default();
+        }
+        if self.is_duplicated() && link != Link::Online {
+            // The other robot has taken its place at the broker.
+            return Outcome::Taken;
         }
         self.head.link = link;
         self.head.sequences.wait_anew();
@@ -308,6 +318,9 @@ impl Robot {
             self.ask_for_factsheet(now, effects);
             return Outcome::NotYet(Admission::UnknownBoot);
         };
+        if self.is_duplicated() {
+            return Outcome::NotYet(Admission::TwoRobots);
+        }
         // Read first: a robot that sends everything again must not make its state be written again each time.
         if sequence.is_plain_duplicate(seq) {
             return Outcome::Duplicate;
@@ -315,7 +328,9 @@ impl Robot {
         match self.head.sequences.admit(boot_id, seq, now) {
             Admission::New => {}
             Admission::Duplicate => return Outcome::Duplicate,
-            not_yet @ (Admission::UnknownBoot | Admission::TooManyGaps) => return Outcome::NotYet(not_yet),
+            not_yet @ (Admission::UnknownBoot | Admission::TooManyGaps | Admission::TwoRobots) => {
+                return Outcome::NotYet(not_yet);
+            }
         }
         let is_newest = !self.is_old(boot_id);
         let plausible =

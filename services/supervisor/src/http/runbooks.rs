@@ -60,6 +60,7 @@ pages! {
     "VibrissaReceiptsUnheard.md",
     "VibrissaRestarting.md",
     "VibrissaRobotNotTaken.md",
+    "VibrissaRobotDuplicate.md",
     "VibrissaRobotSilent.md",
     "VibrissaRobotsDisconnected.md",
     "VibrissaRolloutRolledBack.md",

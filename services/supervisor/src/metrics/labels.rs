@@ -59,6 +59,7 @@ pub(super) const REASON: Labels<1> = by_one("reason", || {
         "bad_time",
         "conflicting_duplicate",
         "duplicate",
+        "duplicate_robot",
         "inbox_full",
         "malformed",
         "not_allowed",

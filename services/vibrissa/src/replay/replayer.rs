@@ -386,7 +386,7 @@ impl Known {
             Outcome::NotYet(Admission::TooManyGaps) => {
                 refused.push(("too_many_gaps", "contacts cannot be accepted yet".to_owned()));
             }
-            Outcome::NotYet(Admission::UnknownBoot | Admission::New | Admission::Duplicate) => {
+            Outcome::NotYet(Admission::UnknownBoot | Admission::New | Admission::Duplicate | Admission::TwoRobots) => {
                 refused.push(("unknown_boot", "contacts cannot be accepted yet".to_owned()));
             }
             Outcome::Duplicate => refused.push(("duplicate", "contacts were accepted already".to_owned())),

@@ -61,8 +61,7 @@ pub enum AlarmKind {
     /// A trimmed whisker that no one can compensate for: until it is served or proposed to be, is replaced, or is not
     /// trimmed any more.
     Uncompensated,
-    /// Setpoints have failed: until the robot takes one, or a new boot, a new whisker or an operator makes the next one the
-    /// first.
+    /// Setpoints have failed: until the robot takes one, or a new boot, a new whisker or an operator begins anew.
     SetpointFailed,
     /// A whisker has lost sensitivity, which no trim explains: until its condition is another.
     SensitivityLoss,
@@ -89,4 +88,7 @@ pub enum AlarmKind {
     /// The robot sends contacts again and again that were receipted long before: one alarm about the robot, until it stops.
     /// The supervisor raises it, because only it knows when receipts went out.
     ReceiptsUnheard,
+    /// Two robots use the name of this one: replaced boots come back. One alarm about the robot, until none has come back
+    /// for a minute.
+    DuplicateRobot,
 }

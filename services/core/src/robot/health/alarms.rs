@@ -6,6 +6,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::encoding;
 use crate::robot::effect::{AlarmKind, Condition, Effect, Fault, WhiskerIndex};
+use crate::robot::health::duplicate::DuplicateWatch;
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
 use crate::robot::{Compensation, Robot};
@@ -116,7 +117,7 @@ impl Robot {
     /// silence is an alarm any more.
     pub(in crate::robot) fn tell_silence(&mut self, now: Micros, effects: &mut Vec<Effect>) -> bool {
         let (was, is) = (self.head.silent, self.is_silent());
-        if was == is {
+        if was == is || self.is_duplicated() {
             return false;
         }
         self.head.silent = is;
@@ -142,7 +143,10 @@ impl Robot {
     /// Raises the alarms of whiskers that are silent alone. Whiskers of a robot that falls silent are not: they become
     /// stale one after the other, and nothing comes from any of them.
     pub(in crate::robot) fn tell_lone_silence(&mut self, params: &Params, effects: &mut Vec<Effect>) {
-        if self.is_silent() || !(0..self.whiskers.len()).any(|index| self.may_be_silent_alone(index)) {
+        if self.is_duplicated()
+            || self.is_silent()
+            || !(0..self.whiskers.len()).any(|index| self.may_be_silent_alone(index))
+        {
             return;
         }
         let newest = self.whiskers.iter().filter_map(|whisker| whisker.heard).max().unwrap_or_default();
@@ -160,10 +164,11 @@ impl Robot {
         !self.head.silent && whisker.fault == STALE && whisker.standing.fault != STALE
     }
 
-    /// Takes back all alarms without effects, because nobody is responsible for the robot for now. Returns whether any stood.
-    /// [`Self::review_alarms`] must follow before the next step.
+    /// Takes back all alarms without effects, because nobody is responsible for the robot for now. Returns whether any
+    /// stood. [`Self::review_alarms`] must follow before the next step.
     pub fn withdraw_alarms(&mut self) -> bool {
-        let mut any = std::mem::take(&mut self.head.silent);
+        let mut any = std::mem::take(&mut self.head.silent) || self.is_duplicated();
+        self.head.duplicate = DuplicateWatch::default();
         for index in 0..self.whiskers.len() {
             if self.whiskers[index].standing != Standing::default() {
                 self.whiskers[index].standing = Standing::default();
@@ -173,7 +178,7 @@ impl Robot {
         any
     }
 
-    /// Makes the next step raise the alarms that are due: the robot is supervised again. Its silence counts from `now` on.
+    /// Makes the next step raise the alarms that are due: the robot is supervised again. Silence counts from `now` on.
     pub fn review_alarms(&mut self, now: Micros) {
         self.listen_from(now);
         self.whiskers.touch_all();
@@ -181,7 +186,8 @@ impl Robot {
 
     /// The standing alarms about the robot as a whole.
     pub fn standing(&self) -> impl Iterator<Item = AlarmKind> + '_ {
-        self.head.silent.then_some(AlarmKind::RobotSilent).into_iter()
+        let silent = self.head.silent.then_some(AlarmKind::RobotSilent);
+        silent.into_iter().chain(self.is_duplicated().then_some(AlarmKind::DuplicateRobot))
     }
 }
 

@@ -92,7 +92,8 @@ impl Robot {
     /// after the other.
     pub(in crate::robot) fn can_be_told(&self, params: &Params, now: Micros) -> bool {
         let is_heard = self.head.clock.heard().is_some_and(|heard| now.since(heard) <= params.health.stale_after);
-        self.head.link == Link::Online
+        !self.is_duplicated()
+            && self.head.link == Link::Online
             && self.head.boot_id.is_some()
             && self.head.clock.robot_time(now).is_some()
             && is_heard
@@ -219,8 +220,8 @@ impl Robot {
         self.give_up(index, effects);
     }
 
-    /// Lets a whisker serve again whose setpoints have failed, once the pause is over and the robot can be told. The alarm
-    /// stands until the robot has taken a setpoint. Returns whether it does.
+    /// Lets a whisker with failed setpoints serve again, once the pause is over and the robot can be told. The alarm stands
+    /// until the robot has taken a setpoint. Returns whether the whisker serves again.
     pub(in crate::robot) fn try_again_in_time(&mut self, params: &Params, now: Micros, index: WhiskerIndex) -> bool {
         let whisker = &self.whiskers[index];
         let is_due = whisker.waits_for_retry()

@@ -1,9 +1,9 @@
 //! Tries of a whisker's present setpoint, and the pauses between them.
 //!
-//! Two tries differ in what their failure means. One that the robot refuses, fails or leaves unanswered while it is heard counts
-//! towards the limit. One that expires while the robot or the supervisor is deaf says nothing about the robot: it is repeated
-//! after pauses that grow, and counts only after many of them. At the limit the whisker is failing: the alarm stands, others may
-//! serve in its place, and single tries follow after pauses that grow from half a minute to an hour, until the robot takes one.
+//! A try that the robot refuses, fails or leaves unanswered while it is heard counts towards the limit. A try that expires
+//! while the robot or the supervisor is deaf says nothing about the robot: it is repeated after growing pauses, and counts only
+//! after many of them. At the limit the whisker is failing: the alarm stands, and others may serve in its place. Single tries
+//! follow after pauses from half a minute to an hour, until the robot takes one.
 
 use crate::robot::params::CommandParams;
 use crate::units::Micros;
@@ -17,7 +17,7 @@ const FAILING: u8 = 0x80;
 const COUNTED_BITS: u8 = 4;
 const COUNTED_MAX: u8 = (1 << COUNTED_BITS) - 1;
 
-/// Tries since the pressure was asked for.
+/// Failed tries of the present pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::robot) enum Tries {
     /// The limit is not reached.

@@ -42,6 +42,7 @@ impl TickDeadline {
 impl Robot {
     /// Time has passed.
     pub(in crate::robot) fn tick(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
+        self.tell_duplicate(now, effects);
         self.await_factsheet(now, effects);
         self.plan_tests(params, now, effects);
         if self.tick_deadline.holds(now) {

@@ -3,6 +3,7 @@
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::robot::event::{ArrayKind, Link, Task, TouchTests};
+use crate::robot::health::duplicate::DuplicateWatch;
 use crate::robot::state::clock::Clock;
 use crate::robot::touch_tests::{TestBudget, TestTimes};
 use crate::robot::{Compensation, Numbers, Sequences};
@@ -44,6 +45,8 @@ pub(in crate::robot) struct Head {
     pub silent: bool,
     /// End of the robot's last silence; 0 before the first.
     pub heard_again: Micros,
+    /// Watch for a second robot of the same name.
+    pub duplicate: DuplicateWatch,
 }
 
 /// An array of the factsheet.
@@ -80,6 +83,7 @@ impl Head {
             test_times: Vec::new(),
             silent: false,
             heard_again: Micros::default(),
+            duplicate: DuplicateWatch::default(),
         }
     }
 }

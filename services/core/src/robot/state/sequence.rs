@@ -29,6 +29,8 @@ pub enum Admission {
     TooManyGaps,
     /// Not a boot that a factsheet is known of: not taken, not receipted.
     UnknownBoot,
+    /// Two robots use the name, so that nobody knows whose message it is: not taken, not receipted.
+    TwoRobots,
 }
 
 /// The `contacts` numbers of one boot.

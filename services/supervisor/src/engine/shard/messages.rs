@@ -115,6 +115,9 @@ impl Shard {
             return self.announced.connection(&mut self.stepper, (&raw.robot, epoch), raw, &event);
         };
         if is_birth && known.boots.is_old(message.boot_id.as_str()) {
+            if known.robot.is_replaced(message.boot_id.as_str()) {
+                self.stepper.step(known, raw.received, &event, None);
+            }
             self.stepper.violation("old_boot", OLD_BIRTH, &known.name);
             return;
         }

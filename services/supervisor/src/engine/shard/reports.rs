@@ -169,6 +169,7 @@ impl Stepper {
                 self.has_unannounced |= is_unannounced(known, boot_id);
                 let reason = match admission {
                     Admission::TooManyGaps => "too_many_gaps",
+                    Admission::TwoRobots => "duplicate_robot",
                     Admission::UnknownBoot | Admission::New | Admission::Duplicate => "unknown_boot",
                 };
                 self.metrics.refuse(reason, "contacts that cannot be accepted yet", known.name.as_str());

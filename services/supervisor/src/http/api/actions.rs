@@ -147,8 +147,8 @@ whisker_actions! {
         "REBASELINE", "The baseline is being relearned";
     /// Try a failed setpoint of a whisker again at once.
     ///
-    /// The supervisor decides anew who compensates for whom, and sends what follows. After unanswered and postponed setpoints
-    /// it does so by itself, after pauses that grow; not after a refusal by the robot. Refused with 409 if no setpoint of the
+    /// The supervisor decides anew about compensators, and sends the setpoint. After unanswered and postponed setpoints it does
+    /// so by itself, after growing pauses; not after a refusal by the robot. Refused with 409 if no setpoint of the
     /// whisker has failed, or it is held.
     retry_whisker = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/retry",
         "RETRY", "The setpoint is tried again";

@@ -103,8 +103,7 @@ async fn get_robot(State(app): State<App>, Path(at): Path<RobotPath>) -> Result<
 /// Decommission a robot that has left for good.
 ///
 /// It leaves all lists, metrics and limits, its alarms end, its compensations and setpoints end, and its retained messages are
-/// cleared at the broker. Its history stays. What was learned about its whiskers is forgotten: its next boot is registered
-/// anew, if the allow list permits it. Refused with 409 while the robot is connected and heard, unless the allow list
+/// cleared at the broker. Its history stays. Its learned state is forgotten: its next boot is registered anew, if the allow list permits it. Refused with 409 while the robot is connected and heard, unless the allow list
 /// excludes it.
 #[utoipa::path(
     delete, path = "/v1/fleets/{fleet}/robots/{robot}", tag = "robots",
