@@ -26,7 +26,7 @@ impl Shard {
             let kind = AlarmKind::ReceiptsUnheard;
             let effect = if is_unheard {
                 let topic = RobotTopic::Receipt.of(&self.stepper.fleet, &known.name).to_string();
-                warn!(robot = %known.name, topic, "the robot sends contacts again that were receipted on this topic");
+                warn!(robot = %known.full_name(), topic, "the robot sends contacts again that were receipted on this topic");
                 Effect::RobotAlarm { kind }
             } else {
                 Effect::RobotAlarmCleared { kind }
