@@ -61,13 +61,13 @@ impl Engine {
         Ok(())
     }
 
-    /// Answers an action outside of [`Execution`].
-    pub(super) fn answer(&mut self, action: &Action, robot_id: i64, done: Result<(), String>) {
+    /// Answers an action outside of [`Execution`]; `None` if it has expired.
+    pub(super) fn answer(&mut self, action: &Action, robot_id: i64, done: Option<Result<(), String>>) {
         let Self { place, shards, in_force, rollout, metrics, pipeline, .. } = self;
         let robots_of_fleet = &[];
         let mut execution =
             Execution { place, shards, in_force, rollout, robots_of_fleet, metrics, now: Micros::default() };
-        execution.answer(action, robot_id, Some(done), pipeline);
+        execution.answer(action, robot_id, done, pipeline);
     }
 
     /// Compares the errors of a roll-out. If the database is unreachable, this does not wait.

@@ -29,17 +29,22 @@ impl Engine {
         self.settle().await?;
         let name = action.robot.as_deref().and_then(|name| Name::robot(name).ok());
         let Some((name, known)) = name.and_then(|name| Some((name.clone(), self.shards.robot(&name)?))) else {
-            self.answer(action, 0, Err("UNKNOWN_ROBOT: there is no such robot in the fleet".to_owned()));
+            let problem = "UNKNOWN_ROBOT: there is no such robot in the fleet".to_owned();
+            self.answer(action, 0, Some(Err(problem)));
             return Ok(());
         };
         let robot_id = known.robot_id;
         if self.suspects.has(&name) {
             return Ok(());
         }
+        if wall_clock().0 as i64 >= action.expires_us {
+            self.answer(action, robot_id, None);
+            return Ok(());
+        }
         if is_in_service(known) {
             let problem = "ROBOT_CONNECTED: the robot is connected and heard: switch it off first, or take it off the \
                            fleet's allow list";
-            self.answer(action, robot_id, Err(problem.to_owned()));
+            self.answer(action, robot_id, Some(Err(problem.to_owned())));
             return Ok(());
         }
         let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
@@ -50,7 +55,7 @@ impl Engine {
         }
         info!(robot = %FullName::robot(self.fleet.as_str(), name.as_str()), actor = action.actor, "robot decommissioned");
         self.shards.of(&name).forget(&name);
-        self.answer(action, robot_id, Ok(()));
+        self.answer(action, robot_id, Some(Ok(())));
         Ok(())
     }
 }

@@ -271,7 +271,8 @@ impl Stepper {
         if !is_excluded {
             return known.robot.review_alarms(wall_clock());
         }
-        if known.robot.withdraw_alarms() {
+        let has_unheard = std::mem::take(&mut known.repeats).stands();
+        if known.robot.withdraw_alarms() || has_unheard {
             let cleared_us = wall_clock().0 as i64;
             self.batch.rows_mut().records.push(Record::AlarmsForgotten { robot_id: known.robot_id, cleared_us });
             self.batch.checkpoint(known);
