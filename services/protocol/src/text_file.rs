@@ -43,6 +43,16 @@ pub fn text_of(bytes: &[u8]) -> std::result::Result<String, NotText> {
     }
 }
 
+/// The content of a PEM file without a byte order mark, in UTF-8 if it was UTF-16; other bytes are as they were.
+#[must_use]
+pub fn pem_of(bytes: Vec<u8>) -> Vec<u8> {
+    let has_mark = [UTF_8, &UTF_16_LITTLE, &UTF_16_BIG].iter().any(|mark| bytes.starts_with(mark));
+    if !has_mark {
+        return bytes;
+    }
+    text_of(&bytes).map_or(bytes, String::into_bytes)
+}
+
 /// Reads the text of a file of at most so many bytes.
 ///
 /// # Errors
@@ -67,6 +77,9 @@ mod tests {
         for file in files {
             assert_eq!(text_of(&file), Ok("dé🐭\r\n".to_owned()), "{file:x?}");
         }
+        let pem = b"-----BEGIN CERTIFICATE-----".to_vec();
+        assert_eq!(pem_of([UTF_8, &pem].concat()), pem);
+        assert_eq!(pem_of(pem.clone()), pem);
         assert_eq!(text_of(b""), Ok(String::new()));
         assert_eq!(text_of(b"a\r\nb\xe9\r\n"), Err(NotText { line: 2 }));
         assert_eq!(text_of(b"\xff\xfea"), Err(NotText { line: 1 }));

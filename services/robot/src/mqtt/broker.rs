@@ -6,7 +6,7 @@ use rumqttc::Transport;
 use rumqttc::tokio_rustls::rustls::pki_types::pem::PemObject;
 use rumqttc::tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use url::Url;
-use vibrissa_protocol::text_file::read_text;
+use vibrissa_protocol::text_file::{pem_of, read_text};
 use vibrissa_protocol::{Name, plain};
 
 /// Address of the broker, and the credentials to connect with.
@@ -150,6 +150,7 @@ impl Broker {
             Some(Authorities::File(path)) => {
                 let whose = || path.display().to_string();
                 let certificates = std::fs::read(path).map_err(|why| refused(whose(), why.to_string()))?;
+                let certificates = pem_of(certificates);
                 if certificates_in(&certificates) == 0 {
                     return Err(refused(whose(), "the file contains no certificate in PEM".to_owned()));
                 }
@@ -199,6 +200,7 @@ impl ClientCertificate {
     fn read(&self) -> Result<(Vec<u8>, Vec<u8>), BadBroker> {
         let read = |path: &Path| {
             std::fs::read(path)
+                .map(pem_of)
                 .map_err(|why| BadBroker::Client(format!("cannot read {}: {}", path.display(), plain::io(&why))))
         };
         let (certificate, key) = (read(&self.certificate_file)?, read(&self.key_file)?);

@@ -14,6 +14,7 @@ use rustls::pki_types::pem::{self, PemObject};
 use rustls::{ClientConfig, RootCertStore};
 use tokio::time::timeout;
 use vibrissa_protocol::plain;
+use vibrissa_protocol::text_file::pem_of;
 
 use super::cause::{cause, of_tls};
 use crate::kafka_options::{KafkaOptions, SaslMechanism};
@@ -198,8 +199,8 @@ fn tls(options: &KafkaOptions) -> Result<Arc<ClientConfig>, KafkaError> {
         Some(path) => {
             let defect = |why: String| KafkaError::Certificates { path: path.clone(), why };
             let damaged = |problem: pem::Error| defect(plain::text(&problem.to_string()));
-            let certificates = CertificateDer::pem_file_iter(path).map_err(damaged)?;
-            for certificate in certificates {
+            let pem = std::fs::read(path).map(pem_of).map_err(|problem| defect(plain::io(&problem)))?;
+            for certificate in CertificateDer::pem_slice_iter(&pem) {
                 roots.add(certificate.map_err(damaged)?).map_err(|problem| defect(of_tls(&problem)))?;
             }
             if roots.is_empty() {

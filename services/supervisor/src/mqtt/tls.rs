@@ -11,6 +11,7 @@ use rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
 use rustls::{ClientConfig, RootCertStore};
 use tracing::warn;
 use vibrissa_protocol::plain;
+use vibrissa_protocol::text_file::pem_of;
 
 use super::address::{BrokerAddress, ClientCertificate, TlsOptions};
 
@@ -219,6 +220,7 @@ fn rejected(problem: &rustls::Error) -> String {
 fn read(key: &'static str, path: &Path) -> Result<Vec<u8>, PrepareError> {
     let bytes =
         std::fs::read(path).map_err(|source| PrepareError::Unreadable { key, path: path.to_owned(), source })?;
+    let bytes = pem_of(bytes);
     if bytes.windows(11).any(|window| window == b"-----BEGIN ") {
         return Ok(bytes);
     }
