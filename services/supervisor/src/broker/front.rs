@@ -57,16 +57,11 @@ impl Front {
         let front = Arc::new(self);
         let connections_max = connections_max(descriptors::raise_limit());
         let mut connections = JoinSet::new();
-        let mut sweeps = interval(SWEEP_EVERY);
+        connections.spawn(front.clone().sweep());
         loop {
             let accepted = tokio::select! {
                 accepted = listener.accept() => accepted,
                 Some(_) = connections.join_next() => continue,
-                _ = sweeps.tick() => {
-                    front.router.sweep_sessions().await;
-                    front.resources.cleanup_expired_windows().await;
-                    continue;
-                }
                 _ = stop.wait_for(|&stop| stop) => break,
             };
             match accepted {
@@ -85,6 +80,16 @@ impl Front {
         // An error means that no client is connected.
         let _ = front.shutdown.send(());
         connections.shutdown().await;
+    }
+
+    /// Removes at times what has ended.
+    async fn sweep(self: Arc<Self>) {
+        let mut sweeps = interval(SWEEP_EVERY);
+        loop {
+            sweeps.tick().await;
+            self.router.sweep_sessions().await;
+            self.resources.cleanup_expired_windows().await;
+        }
     }
 
     async fn serve(self: Arc<Self>, client: TcpStream, peer: SocketAddr) {
