@@ -15,6 +15,7 @@ mod log;
 mod messages;
 mod publication;
 mod record;
+mod refusals;
 mod reports;
 mod rows;
 pub(crate) mod shards;

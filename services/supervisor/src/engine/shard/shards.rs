@@ -1,6 +1,5 @@
 //! The shards of a fleet.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
@@ -21,11 +20,9 @@ use crate::engine::robot::retention::ContactRetention;
 use crate::engine::rollout::TrialParams;
 use crate::inbox::Delayed;
 use crate::outbox::Publication;
-use crate::set_aside::Reader;
 use crate::trace::{PendingSpans, TracedAction};
 use vibrissa_store::allowed::TurnedAwayReading;
 use vibrissa_store::batch::Record;
-use vibrissa_store::refusals::RefusalRow;
 
 /// Limit of contacts per transaction: at the limit, no more messages are taken in until it is committed.
 const CONTACTS_MAX: usize = 32_768;
@@ -280,27 +277,6 @@ impl Shards {
     pub(crate) fn refused_robots_written(&mut self) {
         for shard in &mut self.shards {
             shard.refused_robots_mut().written();
-        }
-    }
-
-    /// Counts a stored item of all shards that cannot be read.
-    pub(crate) fn count_set_aside(&mut self, reader: Reader) {
-        if let Some(shard) = self.shards.first_mut() {
-            shard.stepper_mut().count_set_aside(reader, 1);
-        }
-    }
-
-    /// Refusals since they were last written, as rows of at most so many robots.
-    pub(crate) fn refusals(&self, robots_max: usize) -> Vec<RefusalRow> {
-        let of_each = self.robots().map(|known| known.refusals.rows(known.robot_id).collect::<Vec<_>>());
-        of_each.filter(|rows| !rows.is_empty()).take(robots_max).flatten().collect()
-    }
-
-    /// Notes that these rows are written.
-    pub(crate) fn refusals_written(&mut self, rows: &[RefusalRow]) {
-        let written: BTreeSet<i64> = rows.iter().map(|row| row.robot_id).collect();
-        for known in self.robots_mut().filter(|known| written.contains(&known.robot_id)) {
-            known.refusals.written();
         }
     }
 
