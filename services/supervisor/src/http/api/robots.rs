@@ -15,7 +15,7 @@ use super::filters::RobotFilter;
 use super::paths::{ArrayPath, RobotPath};
 use crate::http::App;
 use crate::http::access::Caller;
-use crate::http::asking::{Asker, ask, reason};
+use crate::http::asking::{Asker, Why, ask, reason};
 use crate::http::extract::{OptionalBody, Path, Query};
 use crate::http::labels::LabelFilter;
 use crate::http::listing::Listing;
