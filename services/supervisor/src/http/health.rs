@@ -37,7 +37,8 @@ async fn readyz(State(readiness): State<Readiness>) -> Response {
     let is_ready = reasons.is_empty();
     let status = if is_ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
     let body = json!({
-        "ready": is_ready, "reasons": reasons, "notices": readiness.notices(), "fleets": fleets, "mqtt_nodes": nodes, "oldest_open_s": promises,
+        "ready": is_ready, "reasons": reasons, "notices": readiness.notices(), "fleets": fleets,
+        "mqtt_nodes": nodes, "oldest_open_s": promises,
     });
     (status, Json(body)).into_response()
 }
