@@ -13,9 +13,9 @@ use tokio::sync::{Notify, mpsc, watch};
 use tokio::time::{Instant, sleep, timeout};
 use vibrissa_protocol::{BootId, Name, RobotTopic};
 
-use crate::clock::now_us;
+use crate::clock::now;
 use crate::config::{Config, Way};
-use crate::contract::Outgoing;
+use crate::contract::{Moment, Now, Outgoing};
 use crate::driver::link::{Door, Link};
 use crate::driver::{Lines, ToDriver};
 use crate::mqtt::{self, BadBroker, Endpoint, Signals};
@@ -73,8 +73,8 @@ struct State {
     pending: VecDeque<Outgoing>,
     telling: Option<mpsc::Sender<Vec<u8>>>,
     store: Option<Store>,
-    /// Time at which the timer works next.
-    timer_at_us: u64,
+    /// Moment at which the timer works next.
+    timer_at: Moment,
     /// Time at which a refused line of the driver was last logged.
     refusal_told: Option<Instant>,
 }
@@ -129,7 +129,7 @@ pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<
     tracing::info!("stopping");
     {
         let mut state = hub.lock();
-        let outputs = state.agent.finish(now_us());
+        let outputs = state.agent.finish(now());
         hub.handle(&mut state, outputs);
     }
     // The contacts that waited go out with the next poll.
@@ -180,13 +180,20 @@ impl Hub {
             tell_damage(path, &damage);
             (file, stored) = (Some(opened), found);
         }
-        let (agent, records) = Agent::new(config, boot_id()?, stored, now_us());
+        let (agent, records) = Agent::new(config, boot_id()?, stored, now());
         if let Some(file) = &mut file {
             file.replace(records)?;
         }
         let (fleet, robot) = (agent.fleet().clone(), agent.robot().clone());
         let store = file.map(|file| Store { file, is_dirty: false, failed_at: None });
-        let state = State { agent, pending: VecDeque::new(), telling: None, store, timer_at_us: 0, refusal_told: None };
+        let state = State {
+            agent,
+            pending: VecDeque::new(),
+            telling: None,
+            store,
+            timer_at: Moment::BEFORE_ALL,
+            refusal_told: None,
+        };
         Ok(Self {
             state: Arc::new(Mutex::new(state)),
             signals: Arc::default(),
@@ -205,7 +212,7 @@ impl Hub {
     /// Gives the agent an input. Messages for the broker wait until the session takes them.
     fn step(&self, input: Input<'_>) {
         let mut state = self.lock();
-        let outputs = state.agent.step(now_us(), input);
+        let outputs = state.agent.step(now(), input);
         self.handle(&mut state, outputs);
     }
 
@@ -244,7 +251,7 @@ impl Hub {
         if !state.pending.is_empty() {
             self.signals.wake.notify_one();
         }
-        if state.agent.next_deadline_us() < state.timer_at_us {
+        if state.agent.next_deadline() < state.timer_at {
             self.timer.notify_one();
         }
     }
@@ -260,10 +267,10 @@ impl Hub {
             self.step(Input::Tick);
             let ahead = {
                 let mut state = self.lock();
-                let now_us = now_us();
-                let ahead = Duration::from_micros(state.agent.next_deadline_us().saturating_sub(now_us));
+                let now = now().at;
+                let ahead = Duration::from_micros(state.agent.next_deadline().since(now));
                 let ahead = ahead.clamp(Duration::from_millis(5), TIMER_MAX);
-                state.timer_at_us = now_us + ahead.as_micros() as u64;
+                state.timer_at = now + ahead.as_micros() as u64;
                 ahead
             };
             let _ = timeout(ahead, self.timer.notified()).await;
@@ -414,11 +421,11 @@ impl Endpoint for Hub {
         self.robot.clone()
     }
 
-    fn will(&self, now_us: u64) -> Vec<u8> {
-        self.lock().agent.will(now_us)
+    fn will(&self, now: Now) -> Vec<u8> {
+        self.lock().agent.will(now)
     }
 
-    fn connected(&self, _: u64) -> Vec<Outgoing> {
+    fn connected(&self, _: Now) -> Vec<Outgoing> {
         tracing::info!("connected to the broker");
         self.lock().pending.clear();
         self.answer(Input::Connected)
@@ -429,23 +436,23 @@ impl Endpoint for Hub {
         self.lock().pending.clear();
     }
 
-    fn poll(&self, _: u64) -> (Vec<Outgoing>, u64) {
+    fn poll(&self, _: Now) -> (Vec<Outgoing>, Moment) {
         // The timer has a task of its own.
-        (self.lock().pending.drain(..).collect(), u64::MAX)
+        (self.lock().pending.drain(..).collect(), Moment::NEVER)
     }
 
-    fn receive(&self, topic: RobotTopic, payload: &[u8], _: u64) -> Vec<Outgoing> {
+    fn receive(&self, topic: RobotTopic, payload: &[u8], _: Now) -> Vec<Outgoing> {
         self.answer(Input::Message(topic, payload))
     }
 
-    fn receive_request_to_all(&self, payload: &[u8], _: u64) {
+    fn receive_request_to_all(&self, payload: &[u8], _: Now) {
         // Without random numbers, all robots answer at once: they are drawn at the start, too.
         self.step(Input::RequestToAll(payload, random().unwrap_or_default()));
     }
 
-    fn farewell(&self, now_us: u64) -> Vec<Outgoing> {
+    fn farewell(&self, now: Now) -> Vec<Outgoing> {
         let mut state = self.lock();
-        let farewell = state.agent.farewell(now_us).map(|payload| (RobotTopic::Connection, payload));
+        let farewell = state.agent.farewell(now).map(|payload| (RobotTopic::Connection, payload));
         let farewell = farewell.map(|(topic, payload)| Outgoing::Publish { topic, payload });
         state.pending.drain(..).chain(farewell).collect()
     }

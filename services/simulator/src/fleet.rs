@@ -1,4 +1,4 @@
-//! A fleet over real MQTT, driven by the wall clock.
+//! A fleet over real MQTT. The robots' time is that of [`now_us`], which never jumps: also when the system's clock is set.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -10,6 +10,7 @@ use tokio::time::{Instant, timeout_at};
 use vibrissa_core::mechanics::ModelError;
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 pub use vibrissa_robot::clock::now_us;
+use vibrissa_robot::contract::{Moment, Now};
 use vibrissa_robot::mqtt::{self, Delivery, Signals};
 pub use vibrissa_robot::mqtt::{Authorities, BadBroker, Broker, password_in};
 
@@ -220,37 +221,37 @@ impl mqtt::Endpoint for RobotHandle {
         self.name.clone()
     }
 
-    fn will(&self, now_us: u64) -> Vec<u8> {
-        self.with(|robot| robot.will(now_us))
+    fn will(&self, now: Now) -> Vec<u8> {
+        self.with(|robot| robot.will(now.stamp_us))
     }
 
-    fn connected(&self, now_us: u64) -> Vec<Outgoing> {
-        self.with(|robot| robot.connected(now_us))
+    fn connected(&self, now: Now) -> Vec<Outgoing> {
+        self.with(|robot| robot.connected(now.stamp_us))
     }
 
     fn disconnected(&self) {
         self.with(Robot::disconnected);
     }
 
-    fn poll(&self, now_us: u64) -> (Vec<Outgoing>, u64) {
+    fn poll(&self, now: Now) -> (Vec<Outgoing>, Moment) {
         let (outgoing, deadline_us, has_changed) =
-            self.with(|robot| (robot.poll(now_us), robot.next_deadline(), robot.take_change()));
+            self.with(|robot| (robot.poll(now.stamp_us), robot.next_deadline(), robot.take_change()));
         if has_changed {
             self.changed.notify_one();
         }
-        (outgoing, deadline_us)
+        (outgoing, now.at + deadline_us.saturating_sub(now.stamp_us))
     }
 
-    fn receive(&self, topic: RobotTopic, payload: &[u8], now_us: u64) -> Vec<Outgoing> {
-        self.with(|robot| robot.receive(topic, payload, now_us))
+    fn receive(&self, topic: RobotTopic, payload: &[u8], now: Now) -> Vec<Outgoing> {
+        self.with(|robot| robot.receive(topic, payload, now.stamp_us))
     }
 
-    fn receive_request_to_all(&self, payload: &[u8], now_us: u64) {
-        self.with(|robot| robot.receive_request_to_all(payload, now_us));
+    fn receive_request_to_all(&self, payload: &[u8], now: Now) {
+        self.with(|robot| robot.receive_request_to_all(payload, now.stamp_us));
     }
 
-    fn farewell(&self, now_us: u64) -> Vec<Outgoing> {
-        self.with(|robot| robot.farewell(now_us))
+    fn farewell(&self, now: Now) -> Vec<Outgoing> {
+        self.with(|robot| robot.farewell(now.stamp_us))
     }
 
     fn delivery(&self, topic: RobotTopic) -> Delivery {

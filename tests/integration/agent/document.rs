@@ -6,6 +6,7 @@ use std::process::Command;
 
 use serde_json::Value;
 use vibrissa_protocol::{BootId, RobotTopic};
+use vibrissa_robot::contract::Now;
 use vibrissa_robot::store::Stored;
 use vibrissa_robot::{Agent, Config, Input, Output};
 use vibrissa_tests::wait::until_true;
@@ -79,12 +80,12 @@ fn the_transcript_is_what_the_agent_says() {
         whiskers = [{ whisker = 0, length_mm = 70.0, pressure_mpa = 0.1, pressure_max_mpa = 0.2 }]
         "#;
     let config = Config::from_toml_str(configuration, Path::new("")).unwrap();
-    let (mut agent, _) = Agent::new(&config, BootId::new("b").unwrap(), Stored::default(), NOW_US);
+    let (mut agent, _) = Agent::new(&config, BootId::new("b").unwrap(), Stored::default(), Now::of_us(NOW_US));
     let mut now_us = NOW_US;
     let mut played = Vec::new();
     let mut step = |input: Input<'_>, played: &mut Vec<String>| {
         now_us += 300_000;
-        for output in agent.step(now_us, input) {
+        for output in agent.step(Now::of_us(now_us), input) {
             if let Output::Tell(line) = output {
                 played.push(format!("> {}", String::from_utf8(line.line()).unwrap().trim_end()));
             }

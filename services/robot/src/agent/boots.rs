@@ -10,7 +10,7 @@
 use vibrissa_protocol::{BootId, Receipt, RobotTopic, TouchTestOutcome, decode_contacts, encode};
 
 use super::{Agent, Output};
-use crate::contract::{Commands, EstimateOrder, Outbox, TouchTests, Voice};
+use crate::contract::{Commands, EstimateOrder, Now, Outbox, TouchTests, Voice};
 use crate::store::{Payload, Record, StoredBoot};
 
 /// Earlier boots whose messages are kept over a restart. A supervisor remembers the numbers of four boots: those, the present
@@ -76,12 +76,12 @@ impl Agent {
     }
 
     /// Takes a receipt for this boot or an earlier one.
-    pub(super) fn receipt(&mut self, receipt: &Receipt, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn receipt(&mut self, receipt: &Receipt, now: Now, out: &mut Vec<Output>) {
         if receipt.robot_boot_id == *self.voice.boot_id() {
-            self.outbox.receipt(receipt, now_us);
+            self.outbox.receipt(receipt, now.at);
         } else if let Some(boot) = self.earlier.iter_mut().find(|boot| *boot.voice.boot_id() == receipt.robot_boot_id) {
             boot.is_known = true;
-            boot.outbox.receipt(receipt, now_us);
+            boot.outbox.receipt(receipt, now.at);
             self.earlier.retain(|boot| !boot.outbox.is_empty());
         } else {
             return;
@@ -91,10 +91,10 @@ impl Agent {
     }
 
     /// Publishes birth and factsheet of each earlier boot that the supervisor may not know.
-    pub(super) fn announce_earlier(&mut self, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn announce_earlier(&mut self, now: Now, out: &mut Vec<Output>) {
         for boot in self.earlier.iter_mut().filter(|boot| !boot.is_known && !boot.outbox.is_empty()) {
-            let birth = boot.voice.birth(now_us);
-            let factsheet = boot.voice.factsheet(now_us, &self.facts);
+            let birth = boot.voice.birth(now.stamp_us);
+            let factsheet = boot.voice.factsheet(now.stamp_us, &self.facts);
             out.push(Output::Store(record_of(&boot.voice)));
             out.push(Output::Publish(RobotTopic::Connection, encode(&birth)));
             out.push(Output::Publish(RobotTopic::Factsheet, encode(&factsheet)));
@@ -102,17 +102,17 @@ impl Agent {
     }
 
     /// Whether the supervisor, which misses a factsheet, may miss that of an earlier boot.
-    pub(super) fn may_miss_a_boot(&self, now_us: u64) -> bool {
-        let is_over = self.introduced_us.is_some_and(|at_us| now_us >= at_us + REBOOT_AFTER_US);
+    pub(super) fn may_miss_a_boot(&self, now: Now) -> bool {
+        let is_over = self.introduced.is_some_and(|at| now.at >= at + REBOOT_AFTER_US);
         is_over && self.earlier.len() <= EARLIER_MAX && self.earlier.iter().any(|boot| !boot.is_known)
     }
 
     /// Begins another boot, as after a restart of the robot.
-    pub(super) fn reboot(&mut self, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn reboot(&mut self, now: Now, out: &mut Vec<Output>) {
         while !self.under_way.is_empty() {
-            self.end_test(0, TouchTestOutcome::Failed, now_us, out);
+            self.end_test(0, TouchTestOutcome::Failed, now, out);
         }
-        self.flush(now_us, out);
+        self.flush(now, out);
         self.reboots += 1;
         let text = format!("{}-{}", self.first_boot_id, self.reboots);
         // A text that is too long could only come from a boot id that is no random one.
@@ -129,7 +129,7 @@ impl Agent {
         self.supervision.restart();
         self.births.sent();
         self.connected = false;
-        self.introduced_us = None;
+        self.introduced = None;
         for chamber in &mut self.chambers {
             chamber.restart(self.limits.own_slew_mpa_per_s);
         }

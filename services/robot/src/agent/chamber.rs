@@ -6,6 +6,7 @@ use vibrissa_regulator::{Command, Condition, Params};
 
 use super::strain::Stream;
 use crate::config::Limits;
+use crate::contract::{Moment, Now};
 use crate::driver::{Opening, ToDriver};
 
 /// Change of pressure that valves of small robots manage, in MPa/s.
@@ -22,9 +23,9 @@ fn valves(max_mpa: f64) -> vibrissa_regulator::Regulator {
 #[derive(Debug)]
 pub(super) struct Applying {
     pub(super) command_id: String,
-    pub(super) fails_at_us: u64,
+    pub(super) fails_at: Moment,
     /// Since when all readings are at the target.
-    near_since_us: Option<u64>,
+    near_since: Option<Moment>,
     is_settled: bool,
 }
 
@@ -32,7 +33,7 @@ pub(super) struct Applying {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reading {
     pub(super) pressure_mpa: f64,
-    pub(super) at_us: u64,
+    pub(super) at: Moment,
 }
 
 /// One whisker.
@@ -47,8 +48,8 @@ pub(super) struct Chamber {
     pub(super) seen: Option<(u64, u64)>,
     pub(super) target_mpa: f64,
     pub(super) slew_mpa_per_s: f64,
-    /// Time at which the driver was last told the pressure.
-    pub(super) told_us: u64,
+    /// Moment at which the driver was last told the pressure.
+    pub(super) told: Moment,
     pub(super) reading: Option<Reading>,
     /// Condition of the regulator as the driver states it.
     regulator: Option<Regulator>,
@@ -77,7 +78,7 @@ impl Chamber {
             seen,
             target_mpa: facts.pressure_mpa,
             slew_mpa_per_s: limits.own_slew_mpa_per_s,
-            told_us: 0,
+            told: Moment::BEFORE_ALL,
             reading: None,
             regulator: None,
             gauge: Gauge::Ok,
@@ -107,17 +108,17 @@ impl Chamber {
         self.slew_mpa_per_s = slew_mpa_per_s;
         self.applying = None;
         self.estimate = None;
-        self.told_us = 0;
+        self.told = Moment::BEFORE_ALL;
     }
 
     /// Begins to apply a setpoint.
-    pub(super) fn apply(&mut self, command_id: &str, now_us: u64, limits: &Limits) {
+    pub(super) fn apply(&mut self, command_id: &str, now: Now, limits: &Limits) {
         let way_mpa = self.reading.map_or(self.max_mpa, |reading| (self.target_mpa - reading.pressure_mpa).abs());
         let way_us = (way_mpa / self.slew_mpa_per_s.min(VALVES_MPA_PER_S) * 1e6) as u64;
         self.applying = Some(Applying {
             command_id: command_id.to_owned(),
-            fails_at_us: now_us.saturating_add(way_us).saturating_add(limits.fail_after_us),
-            near_since_us: None,
+            fails_at: now.at + way_us + limits.fail_after_us,
+            near_since: None,
             is_settled: false,
         });
     }
@@ -128,9 +129,9 @@ impl Chamber {
         self.reading = Some(reading);
         let is_near = (reading.pressure_mpa - self.target_mpa).abs() <= limits.tolerance_mpa;
         if let Some(applying) = &mut self.applying {
-            let since_us = applying.near_since_us.filter(|_| is_near).or(is_near.then_some(reading.at_us));
-            applying.near_since_us = since_us;
-            applying.is_settled = since_us.is_some_and(|since_us| reading.at_us >= since_us + limits.settle_us);
+            let since = applying.near_since.filter(|_| is_near).or(is_near.then_some(reading.at));
+            applying.near_since = since;
+            applying.is_settled = since.is_some_and(|since| reading.at >= since + limits.settle_us);
         }
     }
 
@@ -143,10 +144,10 @@ impl Chamber {
 
     /// The pulse of a valve that the newest reading calls for, if the agent regulates. The regulator's condition is that of the
     /// chamber then.
-    pub(super) fn pulse(&mut self, now_us: u64) -> Option<ToDriver> {
+    pub(super) fn pulse(&mut self, now: Now) -> Option<ToDriver> {
         let (valves, reading) = (self.valves.as_mut()?, self.reading?);
         valves.set_target(self.target_mpa as f32, self.slew_mpa_per_s as f32);
-        let command = valves.step(now_us, reading.pressure_mpa as f32, self.supply_mpa.map(|mpa| mpa as f32));
+        let command = valves.step(now.at.as_us(), reading.pressure_mpa as f32, self.supply_mpa.map(|mpa| mpa as f32));
         self.regulator = Some(match valves.condition() {
             Condition::Ok => Regulator::Ok,
             Condition::Filling => Regulator::Filling,
@@ -182,19 +183,19 @@ impl Chamber {
         self.applying.as_ref().is_some_and(|applying| applying.is_settled)
     }
 
-    pub(super) fn fails_at_us(&self) -> Option<u64> {
-        self.applying.as_ref().map(|applying| applying.fails_at_us)
+    pub(super) fn fails_at(&self) -> Option<Moment> {
+        self.applying.as_ref().map(|applying| applying.fails_at)
     }
 
-    /// Time at which the newest reading becomes too old, if the condition in the last status does not say so yet.
-    pub(super) fn silent_at_us(&self, limits: &Limits) -> Option<u64> {
-        let at_us = self.reading?.at_us + limits.driver_silent_us;
-        (self.reported.0 != Regulator::Fault).then_some(at_us)
+    /// Moment at which the newest reading becomes too old, if the condition in the last status does not say so yet.
+    pub(super) fn silent_at(&self, limits: &Limits) -> Option<Moment> {
+        let at = self.reading?.at + limits.driver_silent_us;
+        (self.reported.0 != Regulator::Fault).then_some(at)
     }
 
     /// Condition of regulator and gauge.
-    pub(super) fn condition(&self, now_us: u64, limits: &Limits) -> (Regulator, Gauge) {
-        let Some(reading) = self.reading.filter(|reading| now_us < reading.at_us + limits.driver_silent_us) else {
+    pub(super) fn condition(&self, now: Now, limits: &Limits) -> (Regulator, Gauge) {
+        let Some(reading) = self.reading.filter(|reading| now.at < reading.at + limits.driver_silent_us) else {
             return (Regulator::Fault, self.gauge);
         };
         let regulator = self.regulator.unwrap_or_else(|| {
@@ -212,16 +213,16 @@ impl Chamber {
     }
 
     /// Reason why the setpoint was not reached in time.
-    pub(super) fn failure(&self, now_us: u64, limits: &Limits) -> SetpointError {
-        match self.condition(now_us, limits).0 {
+    pub(super) fn failure(&self, now: Now, limits: &Limits) -> SetpointError {
+        match self.condition(now, limits).0 {
             Regulator::SupplyLow => SetpointError::SupplyLow,
             Regulator::Leak => SetpointError::Leak,
             Regulator::Ok | Regulator::Filling | Regulator::Venting | Regulator::Fault => SetpointError::Fault,
         }
     }
 
-    pub(super) fn status(&self, now_us: u64, limits: &Limits) -> WhiskerStatus {
-        let (regulator, gauge) = self.condition(now_us, limits);
+    pub(super) fn status(&self, now: Now, limits: &Limits) -> WhiskerStatus {
+        let (regulator, gauge) = self.condition(now, limits);
         WhiskerStatus {
             array: self.array.clone(),
             whisker: self.number,

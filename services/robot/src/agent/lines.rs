@@ -4,6 +4,7 @@ use vibrissa_protocol::{BootId, Contact, Contacts, MissedTouch, PlaceKind, Touch
 
 use super::chamber::Reading;
 use super::{Agent, Output};
+use crate::contract::Now;
 use crate::driver::words::{self, HelloWhisker, Origin, Progress, cut};
 use crate::driver::{BadLine, FromDriver, LINE_MAX_BYTES, ToDriver, VERSION};
 
@@ -16,7 +17,7 @@ const RANGES: &str = "keep the ranges of docs/driver-interface.md";
 
 impl Agent {
     /// Greets a driver, and tells it all it needs.
-    pub(super) fn greet(&mut self, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn greet(&mut self, now: Now, out: &mut Vec<Output>) {
         let whiskers = self.chambers.iter().map(|chamber| HelloWhisker {
             array: chamber.array.clone(),
             whisker: chamber.number,
@@ -25,27 +26,27 @@ impl Agent {
         });
         out.push(Output::Tell(ToDriver::Hello { version: VERSION, whiskers: whiskers.collect() }));
         for chamber in &mut self.chambers {
-            chamber.told_us = now_us;
+            chamber.told = now.at;
             out.push(Output::Tell(chamber.set_pressure()));
             out.extend(chamber.estimate.clone().map(Output::Tell));
         }
     }
 
     /// The driver has gone: nothing is known of the chambers until it comes back.
-    pub(super) fn driver_ended(&mut self, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn driver_ended(&mut self, now: Now, out: &mut Vec<Output>) {
         self.driver.is_there = false;
         self.chambers.iter_mut().for_each(super::Chamber::forget);
         while !self.under_way.is_empty() {
-            self.end_test(0, TouchTestOutcome::Failed, now_us, out);
+            self.end_test(0, TouchTestOutcome::Failed, now, out);
         }
     }
 
     /// Takes a line; a bad one is answered and counted.
-    pub(super) fn line(&mut self, line: Option<&[u8]>, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn line(&mut self, line: Option<&[u8]>, now: Now, out: &mut Vec<Output>) {
         self.counts.lines += 1;
         self.driver.lines += 1;
         let taken = match line {
-            Some(line) => FromDriver::read(line).and_then(|word| self.word(word, now_us, out)),
+            Some(line) => FromDriver::read(line).and_then(|word| self.word(word, now, out)),
             None => Err(BadLine::new(
                 format!("the line is longer than {LINE_MAX_BYTES} bytes"),
                 "end each line with a line feed, and send fewer samples in a line",
@@ -54,14 +55,14 @@ impl Agent {
         match taken {
             // Noise of a serial line is no sign of life.
             Ok(()) => {
-                self.driver.heard_us = now_us;
+                self.driver.heard = now.at;
                 if !std::mem::replace(&mut self.driver.is_there, true) {
-                    self.greet(now_us, out);
+                    self.greet(now, out);
                 }
             }
             Err(BadLine { problem, remedy }) => {
                 self.counts.lines_refused += 1;
-                if self.error_rate.takes(now_us) {
+                if self.error_rate.takes(now.at) {
                     let line = self.driver.lines;
                     out.push(Output::Tell(ToDriver::Error { line, problem, remedy }));
                 }
@@ -69,14 +70,14 @@ impl Agent {
         }
     }
 
-    fn word(&mut self, word: FromDriver, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
+    fn word(&mut self, word: FromDriver, now: Now, out: &mut Vec<Output>) -> Result<(), BadLine> {
         match word {
-            FromDriver::Hello(hello) => self.hello(&hello, now_us, out),
-            FromDriver::Contact(contact) => self.contact(contact, now_us, out),
-            FromDriver::Strain(strain) => self.strain(&strain, now_us, out),
-            FromDriver::Pressure(pressure) => self.pressure(&pressure, now_us, out),
+            FromDriver::Hello(hello) => self.hello(&hello, now, out),
+            FromDriver::Contact(contact) => self.contact(contact, now, out),
+            FromDriver::Strain(strain) => self.strain(&strain, now, out),
+            FromDriver::Pressure(pressure) => self.pressure(&pressure, now, out),
             FromDriver::Fault(fault) => {
-                let (at, _) = self.place(&fault.origin(), now_us)?;
+                let (at, _) = self.place(&fault.origin(), now)?;
                 if fault.gauge.is_none() && fault.regulator.is_none() {
                     return Err(BadLine::new(
                         "neither gauge nor regulator is given",
@@ -86,21 +87,21 @@ impl Agent {
                 self.chambers[at].fault(fault.regulator, fault.gauge);
                 Ok(())
             }
-            FromDriver::TestState(state) => self.test_state(&state, now_us, out),
+            FromDriver::TestState(state) => self.test_state(&state, now, out),
         }
     }
 
-    fn hello(&mut self, hello: &words::Hello, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
+    fn hello(&mut self, hello: &words::Hello, now: Now, out: &mut Vec<Output>) -> Result<(), BadLine> {
         if hello.version != VERSION {
             let problem = format!("version {} of the interface is not known", hello.version);
             return Err(BadLine::new(problem, "send version 1"));
         }
-        self.greet(now_us, out);
+        self.greet(now, out);
         Ok(())
     }
 
     /// Index of a line's whisker, and the time of the line.
-    pub(super) fn place(&mut self, origin: &Origin, now_us: u64) -> Result<(usize, u64), BadLine> {
+    pub(super) fn place(&mut self, origin: &Origin, now: Now) -> Result<(usize, u64), BadLine> {
         let array = match (&origin.array, &self.facts.arrays[..]) {
             (Some(array), _) => array.clone(),
             (None, [only]) => only.array.clone(),
@@ -110,13 +111,13 @@ impl Agent {
         let Some(&at) = self.places.get(&(array.clone(), number)) else {
             return Err(BadLine::new(format!("the robot has no whisker {array}/{number}"), WHISKERS));
         };
-        let t_us = self.driver.times.of(origin.t_us, origin.t_ms, now_us);
+        let t_us = self.driver.times.of(origin.t_us, origin.t_ms, now);
         let t_us = t_us.map_err(|why| BadLine::new(why, "leave t_us and t_ms out, or set the clock"))?;
         Ok((at, t_us))
     }
 
-    fn pressure(&mut self, line: &words::Pressure, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
-        let (at, _) = self.place(&line.origin(), now_us)?;
+    fn pressure(&mut self, line: &words::Pressure, now: Now, out: &mut Vec<Output>) -> Result<(), BadLine> {
+        let (at, _) = self.place(&line.origin(), now)?;
         let range = |name: &str, value: Option<f64>, least: f64, most: f64| match value {
             Some(value) if !(least..=most).contains(&value) => {
                 Err(BadLine::new(format!("{name} is {value}, but must be between {least} and {most}"), RANGES))
@@ -128,9 +129,9 @@ impl Agent {
         range("supply_mpa", line.supply_mpa, 0.0, 10.0)?;
         let chamber = &mut self.chambers[at];
         // The receipt of the line counts: a reading that was on its way for long is still the newest one.
-        chamber.read(Reading { pressure_mpa: line.pressure_mpa, at_us: now_us }, &self.limits);
+        chamber.read(Reading { pressure_mpa: line.pressure_mpa, at: now.at }, &self.limits);
         chamber.state(line.regulator, line.temperature_c, line.supply_mpa);
-        out.extend(chamber.pulse(now_us).map(Output::Tell));
+        out.extend(chamber.pulse(now).map(Output::Tell));
         Ok(())
     }
 
@@ -146,18 +147,18 @@ impl Agent {
         })
     }
 
-    fn test_state(&mut self, state: &words::TestState, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
+    fn test_state(&mut self, state: &words::TestState, now: Now, out: &mut Vec<Output>) -> Result<(), BadLine> {
         let Some(at) = self.test_at(Some(&state.test_id), None)? else { return Ok(()) };
         match state.state {
-            Progress::Running => self.run_test(at, now_us, out),
-            Progress::Done => self.end_test(at, TouchTestOutcome::Done, now_us, out),
-            Progress::Failed => self.end_test(at, TouchTestOutcome::Failed, now_us, out),
+            Progress::Running => self.run_test(at, now, out),
+            Progress::Done => self.end_test(at, TouchTestOutcome::Done, now, out),
+            Progress::Failed => self.end_test(at, TouchTestOutcome::Failed, now, out),
         }
         Ok(())
     }
 
-    pub(super) fn contact(&mut self, line: words::Contact, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
-        let (at, t_us) = self.place(&line.origin(), now_us)?;
+    pub(super) fn contact(&mut self, line: words::Contact, now: Now, out: &mut Vec<Output>) -> Result<(), BadLine> {
+        let (at, t_us) = self.place(&line.origin(), now)?;
         let test = self.test_at(line.test_id.as_deref(), Some(at))?;
         if test.is_some_and(|test| self.under_way[test].touches_left == 0) {
             return Err(BadLine::new("the touch test has all its touches", "send test_state DONE"));
@@ -168,21 +169,21 @@ impl Agent {
         };
         // The contract's own check, so that no supervisor refuses the message.
         decode_contacts(&encode(&message), Vec::new()).map_err(|why| BadLine::new(cut(&why.to_string()), RANGES))?;
-        if !self.contact_rate.takes(now_us) {
+        if !self.contact_rate.takes(now.at) {
             let problem = format!("more than {} contacts a second", self.limits.contacts_per_s);
             return Err(BadLine::new(problem, "send fewer, or raise contacts.per_s_max in agent.toml"));
         }
         self.counts.contacts += 1;
         if let Some(test) = test {
-            self.run_test(test, now_us, out);
+            self.run_test(test, now, out);
             self.under_way[test].touches_left -= 1;
         }
         self.batch.extend(message.contacts);
         self.missed.extend(message.missed);
         if self.batch.len() + self.missed.len() >= self.limits.contacts_per_message {
-            self.flush(now_us, out);
+            self.flush(now, out);
         } else {
-            self.batch_until_us.get_or_insert(now_us + self.limits.message_after_us);
+            self.batch_until.get_or_insert(now.at + self.limits.message_after_us);
         }
         Ok(())
     }

@@ -3,6 +3,7 @@
 use vibrissa_protocol::{Contacts, RobotTopic, encode};
 
 use super::{Agent, Output};
+use crate::contract::Now;
 use crate::store::{Payload, Record};
 
 /// Shortest time between status messages that report a change, in microseconds.
@@ -16,48 +17,48 @@ impl Agent {
     }
 
     /// Sends birth and factsheet.
-    pub(super) fn announce(&mut self, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn announce(&mut self, now: Now, out: &mut Vec<Output>) {
         self.births.sent();
-        let birth = self.voice.birth(now_us);
-        let factsheet = self.voice.factsheet(now_us, &self.facts);
+        let birth = self.voice.birth(now.stamp_us);
+        let factsheet = self.voice.factsheet(now.stamp_us, &self.facts);
         out.push(Output::Store(self.boot_record()));
         self.publish(RobotTopic::Connection, encode(&birth), out);
         self.publish(RobotTopic::Factsheet, encode(&factsheet), out);
     }
 
     /// Answers a request for the factsheet. It may be one of an earlier boot that the supervisor misses.
-    pub(super) fn factsheet_asked(&mut self, now_us: u64, out: &mut Vec<Output>) {
-        if self.may_miss_a_boot(now_us) {
-            return self.reboot(now_us, out);
+    pub(super) fn factsheet_asked(&mut self, now: Now, out: &mut Vec<Output>) {
+        if self.may_miss_a_boot(now) {
+            return self.reboot(now, out);
         }
-        let factsheet = self.voice.factsheet(now_us, &self.facts);
+        let factsheet = self.voice.factsheet(now.stamp_us, &self.facts);
         self.publish(RobotTopic::Factsheet, encode(&factsheet), out);
     }
 
-    pub(super) fn status(&mut self, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn status(&mut self, now: Now, out: &mut Vec<Output>) {
         if !self.connected {
             return;
         }
         for chamber in &mut self.chambers {
-            chamber.reported = chamber.condition(now_us, &self.limits);
+            chamber.reported = chamber.condition(now, &self.limits);
         }
-        let whiskers = self.chambers.iter().map(|chamber| chamber.status(now_us, &self.limits)).collect();
-        let status = self.voice.status(now_us, whiskers, self.messages_dropped());
-        self.status_sent_us = now_us;
-        self.status_at_us = now_us + self.limits.status_every_us;
+        let whiskers = self.chambers.iter().map(|chamber| chamber.status(now, &self.limits)).collect();
+        let status = self.voice.status(now.stamp_us, whiskers, self.messages_dropped());
+        self.status_sent = now.at;
+        self.status_at = now.at + self.limits.status_every_us;
         self.publish(RobotTopic::Status, encode(&status), out);
     }
 
     /// Brings the next status forward if a condition differs from the last report.
-    pub(super) fn report_change(&mut self, now_us: u64) {
-        if self.chambers.iter().any(|chamber| chamber.condition(now_us, &self.limits) != chamber.reported) {
-            self.status_at_us = self.status_at_us.min(now_us.max(self.status_sent_us + STATUS_PAUSE_US));
+    pub(super) fn report_change(&mut self, now: Now) {
+        if self.chambers.iter().any(|chamber| chamber.condition(now, &self.limits) != chamber.reported) {
+            self.status_at = self.status_at.min(now.at.max(self.status_sent + STATUS_PAUSE_US));
         }
     }
 
     /// Sends the waiting contacts as one message, which is stored until it is receipted.
-    pub(super) fn flush(&mut self, now_us: u64, out: &mut Vec<Output>) {
-        self.batch_until_us = None;
+    pub(super) fn flush(&mut self, now: Now, out: &mut Vec<Output>) {
+        self.batch_until = None;
         if self.batch.is_empty() && self.missed.is_empty() {
             return;
         }
@@ -67,17 +68,17 @@ impl Agent {
             let (boot_id, seq) = (message.boot_id, message.seq);
             out.push(Output::Store(Record::Contacts { boot_id, seq, payload: stored }));
         }
-        self.outbox.keep(message.seq, payload.clone(), self.connected.then_some(now_us));
+        self.outbox.keep(message.seq, payload.clone(), self.connected.then_some(now.at));
         self.make_room();
         self.publish(RobotTopic::Contacts, payload, out);
     }
 
     /// Sends unreceipted messages again, those of earlier boots first.
-    pub(super) fn resend(&mut self, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn resend(&mut self, now: Now, out: &mut Vec<Output>) {
         let boots = self.earlier.iter_mut().map(|boot| &mut boot.outbox);
         for outbox in boots.chain([&mut self.outbox]) {
-            if outbox.resend_at_us().is_some_and(|at_us| at_us <= now_us) {
-                let payloads = outbox.resend(now_us);
+            if outbox.resend_at().is_some_and(|due| due <= now.at) {
+                let payloads = outbox.resend(now.at);
                 out.extend(payloads.into_iter().map(|payload| Output::Publish(RobotTopic::Contacts, payload)));
             }
         }

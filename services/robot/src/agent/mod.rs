@@ -1,7 +1,7 @@
 //! The agent: the contract's rules between a driver and the broker, without sockets and clock.
 //!
-//! [`Agent::step`] takes one input and returns what to do. Call it with [`Input::Tick`] at [`Agent::next_deadline_us`], too.
-//! All times are in microseconds since 1970 UTC by the robot's clock.
+//! [`Agent::step`] takes one input and returns what to do. Call it with [`Input::Tick`] at [`Agent::next_deadline`], too.
+//! Deadlines are [`Moment`]s, which no correction of a clock moves.
 
 mod boots;
 mod chamber;
@@ -18,7 +18,7 @@ use vibrissa_protocol::{Topic, decode};
 
 use crate::config::{Config, Limits};
 use crate::contract::births::DELAY_MAX_US;
-use crate::contract::{Births, Commands, EstimateOrder, Facts, Outbox, Supervision, TouchTests, Voice};
+use crate::contract::{Births, Commands, EstimateOrder, Facts, Moment, Now, Outbox, Supervision, TouchTests, Voice};
 use crate::driver::ToDriver;
 use crate::store::{Record, Stored};
 
@@ -84,8 +84,8 @@ pub struct Counts {
 #[derive(Debug, Default)]
 struct DriverState {
     is_there: bool,
-    /// Time of its last line, or of its start.
-    heard_us: u64,
+    /// Moment of its last line, or of its start.
+    heard: Moment,
     /// Lines since its start.
     lines: u64,
     times: Times,
@@ -110,19 +110,19 @@ pub struct Agent {
     supervision: Supervision,
     outbox: Outbox,
     earlier: Vec<Earlier>,
-    /// Time of the first connection of this boot, before which earlier boots were introduced.
-    introduced_us: Option<u64>,
+    /// Moment of the first connection of this boot, before which earlier boots were introduced.
+    introduced: Option<Moment>,
     first_boot_id: BootId,
     /// Boots since the start, besides the first one.
     reboots: u64,
     /// Messages of earlier boots that had no room.
     dropped_earlier: u64,
-    /// Contacts of the incomplete message, and the time at which it is sent.
+    /// Contacts of the incomplete message, and the moment at which it is sent.
     batch: Vec<Contact>,
     missed: Vec<MissedTouch>,
-    batch_until_us: Option<u64>,
-    status_at_us: u64,
-    status_sent_us: u64,
+    batch_until: Option<Moment>,
+    status_at: Moment,
+    status_sent: Moment,
     driver: DriverState,
     contact_rate: Rate,
     error_rate: Rate,
@@ -133,7 +133,7 @@ impl Agent {
     /// An agent that starts now, in a new boot, with what earlier boots have stored. Also returns the records of its state,
     /// with which the store begins anew.
     #[must_use]
-    pub fn new(config: &Config, boot_id: BootId, stored: Stored, now_us: u64) -> (Self, Vec<Record>) {
+    pub fn new(config: &Config, boot_id: BootId, stored: Stored, now: Now) -> (Self, Vec<Record>) {
         let mut chambers = Vec::new();
         for array in &config.facts.arrays {
             for whisker in &array.whiskers {
@@ -148,7 +148,7 @@ impl Agent {
             robot: config.robot.clone(),
             facts: config.facts.clone(),
             first_boot_id: boot_id.clone(),
-            introduced_us: None,
+            introduced: None,
             reboots: 0,
             voice: Voice::new(boot_id),
             connected: false,
@@ -165,12 +165,12 @@ impl Agent {
             dropped_earlier: 0,
             batch: Vec::new(),
             missed: Vec::new(),
-            batch_until_us: None,
-            status_at_us: now_us,
-            status_sent_us: now_us,
-            driver: DriverState { heard_us: now_us, ..DriverState::default() },
-            contact_rate: Rate::new(limits.contacts_per_s, now_us),
-            error_rate: Rate::new(lines::ERRORS_PER_S, now_us),
+            batch_until: None,
+            status_at: now.at,
+            status_sent: now.at,
+            driver: DriverState { heard: now.at, ..DriverState::default() },
+            contact_rate: Rate::new(limits.contacts_per_s, now.at),
+            error_rate: Rate::new(lines::ERRORS_PER_S, now.at),
             counts: Counts::default(),
             limits,
         };
@@ -180,100 +180,100 @@ impl Agent {
     }
 
     /// Handles an input.
-    pub fn step(&mut self, now_us: u64, input: Input<'_>) -> Vec<Output> {
+    pub fn step(&mut self, now: Now, input: Input<'_>) -> Vec<Output> {
         let mut out = Vec::new();
         match input {
             Input::Connected => {
                 self.connected = true;
                 self.outbox.reconnected();
                 self.earlier.iter_mut().for_each(|boot| boot.outbox.reconnected());
-                if self.introduced_us.is_none() {
-                    self.introduced_us = Some(now_us);
-                    self.announce_earlier(now_us, &mut out);
+                if self.introduced.is_none() {
+                    self.introduced = Some(now.at);
+                    self.announce_earlier(now, &mut out);
                 }
-                self.announce(now_us, &mut out);
-                self.status(now_us, &mut out);
+                self.announce(now, &mut out);
+                self.status(now, &mut out);
             }
             Input::Disconnected => self.connected = false,
-            Input::Message(topic, payload) => self.receive(topic, payload, now_us, &mut out),
-            Input::RequestToAll(payload, random) => self.requested_of_all(payload, random, now_us),
+            Input::Message(topic, payload) => self.receive(topic, payload, now, &mut out),
+            Input::RequestToAll(payload, random) => self.requested_of_all(payload, random, now),
             Input::DriverStarted => {
-                self.driver = DriverState { is_there: true, heard_us: now_us, ..DriverState::default() };
-                self.greet(now_us, &mut out);
+                self.driver = DriverState { is_there: true, heard: now.at, ..DriverState::default() };
+                self.greet(now, &mut out);
             }
-            Input::DriverEnded => self.driver_ended(now_us, &mut out),
-            Input::Line(line) => self.line(line, now_us, &mut out),
+            Input::DriverEnded => self.driver_ended(now, &mut out),
+            Input::Line(line) => self.line(line, now, &mut out),
             Input::Tick => {}
         }
-        self.tick(now_us, &mut out);
+        self.tick(now, &mut out);
         out
     }
 
     /// Does what is due.
-    fn tick(&mut self, now_us: u64, out: &mut Vec<Output>) {
-        if self.batch_until_us.is_some_and(|at_us| at_us <= now_us) {
-            self.flush(now_us, out);
+    fn tick(&mut self, now: Now, out: &mut Vec<Output>) {
+        if self.batch_until.is_some_and(|due| due <= now.at) {
+            self.flush(now, out);
         }
-        if self.driver.is_there && now_us >= self.driver.heard_us + self.limits.driver_silent_us {
+        if self.driver.is_there && now.at >= self.driver.heard + self.limits.driver_silent_us {
             self.counts.driver_silences += 1;
-            self.driver_ended(now_us, out);
+            self.driver_ended(now, out);
             out.push(Output::RestartDriver);
         }
-        self.follow_setpoints(now_us, out);
-        self.follow_tests(now_us, out);
-        self.miss_supervisor(now_us, out);
-        self.repeat_pressures(now_us, out);
+        self.follow_setpoints(now, out);
+        self.follow_tests(now, out);
+        self.miss_supervisor(now, out);
+        self.repeat_pressures(now, out);
         if !self.connected {
             return;
         }
-        if self.births.due_us().is_some_and(|at_us| at_us <= now_us) {
-            self.announce(now_us, out);
+        if self.births.due().is_some_and(|due| due <= now.at) {
+            self.announce(now, out);
         }
-        self.resend(now_us, out);
-        self.report_change(now_us);
-        if self.status_at_us <= now_us {
-            self.status(now_us, out);
+        self.resend(now, out);
+        self.report_change(now);
+        if self.status_at <= now.at {
+            self.status(now, out);
         }
     }
 
-    /// Latest time of the next step.
+    /// Latest moment of the next step.
     #[must_use]
-    pub fn next_deadline_us(&self) -> u64 {
-        let connected = |at_us: Option<u64>| at_us.filter(|_| self.connected);
-        let there = |at_us: Option<u64>| at_us.filter(|_| self.driver.is_there);
+    pub fn next_deadline(&self) -> Moment {
+        let connected = |at: Option<Moment>| at.filter(|_| self.connected);
+        let there = |at: Option<Moment>| at.filter(|_| self.driver.is_there);
         let chambers = self.chambers.iter();
         [
-            self.batch_until_us,
-            self.supervision.lost_at_us(),
-            there(Some(self.driver.heard_us + self.limits.driver_silent_us)),
-            there(chambers.clone().map(|one| one.told_us + self.limits.repeat_us).min()),
-            chambers.clone().filter_map(Chamber::fails_at_us).min(),
-            chambers.filter_map(|one| one.silent_at_us(&self.limits)).min(),
-            self.under_way.iter().map(|one| one.until_us).min(),
-            connected(self.births.due_us()),
-            connected(Some(self.status_at_us)),
-            connected(self.outbox.resend_at_us()),
-            connected(self.earlier.iter().filter_map(|boot| boot.outbox.resend_at_us()).min()),
+            self.batch_until,
+            self.supervision.lost_at(),
+            there(Some(self.driver.heard + self.limits.driver_silent_us)),
+            there(chambers.clone().map(|one| one.told + self.limits.repeat_us).min()),
+            chambers.clone().filter_map(Chamber::fails_at).min(),
+            chambers.filter_map(|one| one.silent_at(&self.limits)).min(),
+            self.under_way.iter().map(|one| one.until).min(),
+            connected(self.births.due()),
+            connected(Some(self.status_at)),
+            connected(self.outbox.resend_at()),
+            connected(self.earlier.iter().filter_map(|boot| boot.outbox.resend_at()).min()),
         ]
         .into_iter()
         .flatten()
         .min()
-        .unwrap_or(u64::MAX)
+        .unwrap_or(Moment::NEVER)
     }
 
-    fn receive(&mut self, topic: RobotTopic, payload: &[u8], now_us: u64, out: &mut Vec<Output>) {
+    fn receive(&mut self, topic: RobotTopic, payload: &[u8], now: Now, out: &mut Vec<Output>) {
         let Ok(message) = decode(&topic.of(&self.fleet, &self.robot), payload) else {
             self.counts.messages_refused += 1;
             return;
         };
         match message {
-            Message::Receipt(receipt) => self.receipt(&receipt, now_us, out),
-            Message::Setpoint(setpoint) => self.setpoint(&setpoint, now_us, out),
+            Message::Receipt(receipt) => self.receipt(&receipt, now, out),
+            Message::Setpoint(setpoint) => self.setpoint(&setpoint, now, out),
             Message::Estimate(estimate) => self.estimate(&estimate, out),
             Message::Request(request) => match (request.request, request.touch_test) {
-                (_, Some(test)) => self.touch_test(test, now_us, out),
-                (RequestKind::Factsheet, None) => self.factsheet_asked(now_us, out),
-                (RequestKind::Status, None) => self.status(now_us, out),
+                (_, Some(test)) => self.touch_test(test, now, out),
+                (RequestKind::Factsheet, None) => self.factsheet_asked(now, out),
+                (RequestKind::Status, None) => self.status(now, out),
                 // A request for a test without the test is refused when it is decoded.
                 (RequestKind::TouchTest, None) => {}
             },
@@ -290,37 +290,37 @@ impl Agent {
                 return;
             }
         }
-        self.supervision.heard(now_us);
+        self.supervision.heard(now.at);
     }
 
     /// It is no sign of this robot's own supervisor: in a divided fleet the owner of any shard may have sent it.
-    fn requested_of_all(&mut self, payload: &[u8], random: u64, now_us: u64) {
+    fn requested_of_all(&mut self, payload: &[u8], random: u64, now: Now) {
         let topic = Topic::SupervisorRequest { fleet: self.fleet.clone() };
         let Ok(Message::SupervisorRequest(request)) = decode(&topic, payload) else {
             self.counts.messages_refused += 1;
             return;
         };
         match request.request {
-            SupervisorRequestKind::Birth => self.births.requested(now_us, random % (DELAY_MAX_US * 9 / 10)),
+            SupervisorRequestKind::Birth => self.births.requested(now.at, random % (DELAY_MAX_US * 9 / 10)),
         }
     }
 
     /// Last will for the next connection.
     #[must_use]
-    pub fn will(&self, now_us: u64) -> Vec<u8> {
-        vibrissa_protocol::encode(&self.voice.will(now_us))
+    pub fn will(&self, now: Now) -> Vec<u8> {
+        vibrissa_protocol::encode(&self.voice.will(now.stamp_us))
     }
 
     /// Last message before a clean disconnect.
     #[must_use]
-    pub fn farewell(&self, now_us: u64) -> Option<Vec<u8>> {
-        self.connected.then(|| vibrissa_protocol::encode(&self.voice.farewell(now_us)))
+    pub fn farewell(&self, now: Now) -> Option<Vec<u8>> {
+        self.connected.then(|| vibrissa_protocol::encode(&self.voice.farewell(now.stamp_us)))
     }
 
     /// Sends what waits for more contacts, for instance before the end.
-    pub fn finish(&mut self, now_us: u64) -> Vec<Output> {
+    pub fn finish(&mut self, now: Now) -> Vec<Output> {
         let mut out = Vec::new();
-        self.flush(now_us, &mut out);
+        self.flush(now, &mut out);
         out
     }
 

@@ -6,7 +6,7 @@ use vibrissa_protocol::{
 
 use super::{Agent, Output};
 use crate::contract::supervision::pressure_without;
-use crate::contract::{Addressee, Answer, TestAnswer, TestVerdict, Tested, Verdict};
+use crate::contract::{Addressee, Answer, Moment, Now, TestAnswer, TestVerdict, Tested, Verdict};
 use crate::driver::ToDriver;
 use crate::store::Record;
 
@@ -19,7 +19,7 @@ const TOUCH_US: u64 = 5_000_000;
 pub(super) struct UnderWay {
     pub(super) test_id: String,
     pub(super) whisker: usize,
-    pub(super) until_us: u64,
+    pub(super) until: Moment,
     pub(super) is_running: bool,
     /// Touches that may still come.
     pub(super) touches_left: u16,
@@ -27,25 +27,25 @@ pub(super) struct UnderWay {
 
 impl Agent {
     /// Decides about a setpoint. This is the only way to a new pressure, besides the loss of the supervisor.
-    pub(super) fn setpoint(&mut self, setpoint: &Setpoint, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn setpoint(&mut self, setpoint: &Setpoint, now: Now, out: &mut Vec<Output>) {
         let at = self.places.get(&(setpoint.array.clone(), setpoint.whisker)).copied();
         let before = at.and_then(|at| self.chambers[at].seen);
         let addressee = at
             .map(|at| &mut self.chambers[at])
             .map(|chamber| Addressee { pressure_max_mpa: chamber.max_mpa, seen: &mut chamber.seen });
-        let verdict = self.commands.judge(setpoint, self.voice.boot_id(), now_us, addressee);
+        let verdict = self.commands.judge(setpoint, self.voice.boot_id(), now.stamp_us, addressee);
         self.note_seen(at, before, out);
         let id = setpoint.command_id.as_str();
         match (verdict, at) {
             (Verdict::Take, Some(_)) if !self.driver.is_there => {
-                self.answer(id, at, Answer::rejected(SetpointError::NotReady), now_us, out);
+                self.answer(id, at, Answer::rejected(SetpointError::NotReady), now, out);
             }
-            (Verdict::Take, Some(at)) => self.take(setpoint, at, now_us, out),
-            (Verdict::Again(answer), _) => self.answer(id, at, answer, now_us, out),
-            (Verdict::Reject(error), _) => self.answer(id, at, Answer::rejected(error), now_us, out),
+            (Verdict::Take, Some(at)) => self.take(setpoint, at, now, out),
+            (Verdict::Again(answer), _) => self.answer(id, at, answer, now, out),
+            (Verdict::Reject(error), _) => self.answer(id, at, Answer::rejected(error), now, out),
             // Only a setpoint for an existing whisker is accepted.
             (Verdict::Take, None) => {
-                self.answer(id, at, Answer::rejected(SetpointError::UnknownWhisker), now_us, out);
+                self.answer(id, at, Answer::rejected(SetpointError::UnknownWhisker), now, out);
             }
         }
     }
@@ -59,74 +59,74 @@ impl Agent {
         }
     }
 
-    fn take(&mut self, setpoint: &Setpoint, at: usize, now_us: u64, out: &mut Vec<Output>) {
+    fn take(&mut self, setpoint: &Setpoint, at: usize, now: Now, out: &mut Vec<Output>) {
         let id = setpoint.command_id.as_str();
-        self.answer(id, Some(at), Answer::plain(SetpointOutcome::Received), now_us, out);
-        self.supersede(at, now_us, out);
+        self.answer(id, Some(at), Answer::plain(SetpointOutcome::Received), now, out);
+        self.supersede(at, now, out);
         let chamber = &mut self.chambers[at];
         chamber.target_mpa = setpoint.pressure_mpa;
         chamber.slew_mpa_per_s = setpoint.slew_mpa_per_s;
-        chamber.apply(id, now_us, &self.limits);
-        self.tell_pressure(at, now_us, out);
-        self.answer(id, Some(at), Answer::plain(SetpointOutcome::Applying), now_us, out);
+        chamber.apply(id, now, &self.limits);
+        self.tell_pressure(at, now, out);
+        self.answer(id, Some(at), Answer::plain(SetpointOutcome::Applying), now, out);
     }
 
-    fn supersede(&mut self, at: usize, now_us: u64, out: &mut Vec<Output>) {
+    fn supersede(&mut self, at: usize, now: Now, out: &mut Vec<Output>) {
         if let Some(replaced) = self.chambers[at].applying.take() {
             let answer = Answer::plain(SetpointOutcome::Superseded);
-            self.answer(&replaced.command_id, Some(at), answer, now_us, out);
+            self.answer(&replaced.command_id, Some(at), answer, now, out);
         }
     }
 
-    fn answer(&mut self, id: &str, at: Option<usize>, answer: Answer, now_us: u64, out: &mut Vec<Output>) {
+    fn answer(&mut self, id: &str, at: Option<usize>, answer: Answer, now: Now, out: &mut Vec<Output>) {
         self.commands.remember(id, answer);
         if !self.connected {
             return;
         }
         let pressure_mpa = at.and_then(|at| self.chambers[at].reading).map(|reading| reading.pressure_mpa);
-        let state = self.voice.setpoint_state(id, answer, now_us, pressure_mpa);
+        let state = self.voice.setpoint_state(id, answer, now.stamp_us, pressure_mpa);
         self.publish(RobotTopic::SetpointState, encode(&state), out);
     }
 
-    fn tell_pressure(&mut self, at: usize, now_us: u64, out: &mut Vec<Output>) {
+    fn tell_pressure(&mut self, at: usize, now: Now, out: &mut Vec<Output>) {
         let chamber = &mut self.chambers[at];
-        chamber.told_us = now_us;
+        chamber.told = now.at;
         out.push(Output::Tell(chamber.set_pressure()));
     }
 
     /// Tells the driver again what to hold, so that it can notice a dead agent by its silence.
-    pub(super) fn repeat_pressures(&mut self, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn repeat_pressures(&mut self, now: Now, out: &mut Vec<Output>) {
         if !self.driver.is_there {
             return;
         }
         for at in 0..self.chambers.len() {
-            if now_us >= self.chambers[at].told_us + self.limits.repeat_us {
-                self.tell_pressure(at, now_us, out);
+            if now.at >= self.chambers[at].told + self.limits.repeat_us {
+                self.tell_pressure(at, now, out);
             }
         }
     }
 
     /// Reports setpoints that have been reached, and those that have failed.
-    pub(super) fn follow_setpoints(&mut self, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn follow_setpoints(&mut self, now: Now, out: &mut Vec<Output>) {
         for at in 0..self.chambers.len() {
             let chamber = &mut self.chambers[at];
-            let Some(fails_at_us) = chamber.fails_at_us() else { continue };
+            let Some(fails_at) = chamber.fails_at() else { continue };
             let answer = if chamber.is_settled() {
                 Answer::plain(SetpointOutcome::Applied)
-            } else if now_us >= fails_at_us {
-                Answer { outcome: SetpointOutcome::Failed, error: Some(chamber.failure(now_us, &self.limits)) }
+            } else if now.at >= fails_at {
+                Answer { outcome: SetpointOutcome::Failed, error: Some(chamber.failure(now, &self.limits)) }
             } else {
                 continue;
             };
             if let Some(applying) = chamber.applying.take() {
-                self.answer(&applying.command_id, Some(at), answer, now_us, out);
+                self.answer(&applying.command_id, Some(at), answer, now, out);
             }
         }
     }
 
     /// Behaves as the factsheet states after a long time without messages from the supervisor.
-    pub(super) fn miss_supervisor(&mut self, now_us: u64, out: &mut Vec<Output>) {
-        if !self.supervision.is_lost(now_us) {
+    pub(super) fn miss_supervisor(&mut self, now: Now, out: &mut Vec<Output>) {
+        if !self.supervision.is_lost(now.at) {
             return;
         }
         for at in 0..self.chambers.len() {
@@ -134,11 +134,11 @@ impl Agent {
             let Some(target_mpa) = pressure_without(self.facts.on_supervisor_loss, nominal_mpa) else {
                 return;
             };
-            self.supersede(at, now_us, out);
+            self.supersede(at, now, out);
             self.chambers[at].target_mpa = target_mpa;
             self.chambers[at].slew_mpa_per_s = self.limits.own_slew_mpa_per_s;
             if self.driver.is_there {
-                self.tell_pressure(at, now_us, out);
+                self.tell_pressure(at, now, out);
             }
         }
     }
@@ -168,7 +168,7 @@ impl Agent {
     }
 
     /// Accepts or rejects a touch test. A repeated one is answered again and not done again.
-    pub(super) fn touch_test(&mut self, test: TouchTest, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn touch_test(&mut self, test: TouchTest, now: Now, out: &mut Vec<Output>) {
         let at = self.places.get(&(test.array.clone(), test.whisker)).copied();
         let is_busy = self.under_way.iter().any(|one| Some(one.whisker) == at);
         let before = at.and_then(|at| self.chambers[at].seen);
@@ -178,15 +178,15 @@ impl Agent {
             seen: &mut chamber.seen,
             kinds: &self.facts.touch_tests,
         });
-        let verdict = self.touch_tests.judge(&test, self.voice.boot_id(), now_us, tested);
+        let verdict = self.touch_tests.judge(&test, self.voice.boot_id(), now.stamp_us, tested);
         self.note_seen(at, before, out);
         match (verdict, at) {
             (TestVerdict::Take, Some(whisker)) => {
-                self.answer_test(&test.test_id, TestAnswer::plain(TouchTestOutcome::Accepted), now_us, out);
+                self.answer_test(&test.test_id, TestAnswer::plain(TouchTestOutcome::Accepted), now, out);
                 self.under_way.push_back(UnderWay {
                     test_id: test.test_id.clone(),
                     whisker,
-                    until_us: now_us + TEST_US + TOUCH_US * u64::from(test.contacts),
+                    until: now.at + TEST_US + TOUCH_US * u64::from(test.contacts),
                     is_running: false,
                     touches_left: test.contacts,
                 });
@@ -200,48 +200,48 @@ impl Agent {
                     contacts: test.contacts,
                 }));
             }
-            (TestVerdict::Again(answer), _) => self.answer_test(&test.test_id, answer, now_us, out),
+            (TestVerdict::Again(answer), _) => self.answer_test(&test.test_id, answer, now, out),
             (TestVerdict::Reject(error), _) => {
-                self.answer_test(&test.test_id, TestAnswer::rejected(error), now_us, out);
+                self.answer_test(&test.test_id, TestAnswer::rejected(error), now, out);
             }
             // Only a test of an existing whisker is accepted.
             (TestVerdict::Take, None) => {
                 let error = TouchTestError::UnknownWhisker;
-                self.answer_test(&test.test_id, TestAnswer::rejected(error), now_us, out);
+                self.answer_test(&test.test_id, TestAnswer::rejected(error), now, out);
             }
         }
     }
 
-    pub(super) fn answer_test(&mut self, test_id: &str, answer: TestAnswer, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn answer_test(&mut self, test_id: &str, answer: TestAnswer, now: Now, out: &mut Vec<Output>) {
         self.touch_tests.remember(test_id, answer);
         if !self.connected {
             return;
         }
-        let state = self.voice.test_state(test_id, answer, now_us);
+        let state = self.voice.test_state(test_id, answer, now.stamp_us);
         self.publish(RobotTopic::TestState, encode(&state), out);
     }
 
     /// The test has begun, if the driver has not said so before.
-    pub(super) fn run_test(&mut self, at: usize, now_us: u64, out: &mut Vec<Output>) {
+    pub(super) fn run_test(&mut self, at: usize, now: Now, out: &mut Vec<Output>) {
         if !std::mem::replace(&mut self.under_way[at].is_running, true) {
             let id = self.under_way[at].test_id.clone();
-            self.answer_test(&id, TestAnswer::plain(TouchTestOutcome::Running), now_us, out);
+            self.answer_test(&id, TestAnswer::plain(TouchTestOutcome::Running), now, out);
         }
     }
 
     /// Ends a test; its contacts are sent before.
-    pub(super) fn end_test(&mut self, at: usize, outcome: TouchTestOutcome, now_us: u64, out: &mut Vec<Output>) {
-        self.run_test(at, now_us, out);
-        self.flush(now_us, out);
+    pub(super) fn end_test(&mut self, at: usize, outcome: TouchTestOutcome, now: Now, out: &mut Vec<Output>) {
+        self.run_test(at, now, out);
+        self.flush(now, out);
         if let Some(test) = self.under_way.remove(at) {
-            self.answer_test(&test.test_id, TestAnswer::plain(outcome), now_us, out);
+            self.answer_test(&test.test_id, TestAnswer::plain(outcome), now, out);
         }
     }
 
     /// Fails tests that the driver does not end.
-    pub(super) fn follow_tests(&mut self, now_us: u64, out: &mut Vec<Output>) {
-        while let Some(at) = self.under_way.iter().position(|one| one.until_us <= now_us) {
-            self.end_test(at, TouchTestOutcome::Failed, now_us, out);
+    pub(super) fn follow_tests(&mut self, now: Now, out: &mut Vec<Output>) {
+        while let Some(at) = self.under_way.iter().position(|one| one.until <= now.at) {
+            self.end_test(at, TouchTestOutcome::Failed, now, out);
         }
     }
 }

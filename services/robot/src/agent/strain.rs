@@ -4,6 +4,7 @@ use vibrissa_protocol::PlaceKind;
 use vibrissa_segmenter::{Contact, Event, Params, Sample, Segmenter};
 
 use super::{Agent, Output};
+use crate::contract::Now;
 use crate::driver::BadLine;
 use crate::driver::words::{self, SAMPLES_MAX, Samples};
 
@@ -18,7 +19,7 @@ const FOLLOWED: i64 = 50;
 #[derive(Debug)]
 pub(super) struct Stream {
     segmenter: Segmenter,
-    /// Time of the newest sample by the stream's clock: the board's, or the agent's for lines without a time.
+    /// Time of the newest sample by the stream's clock: the board's, or moments for lines without a time.
     newest_us: Option<u64>,
 }
 
@@ -54,8 +55,8 @@ fn value(samples: Option<&Samples>, at: usize) -> Option<f64> {
 
 impl Agent {
     /// Takes samples, and sends the contacts that end with them.
-    pub(super) fn strain(&mut self, line: &words::Strain, now_us: u64, out: &mut Vec<Output>) -> Result<(), BadLine> {
-        let (at, t_us) = self.place(&line.origin(), now_us)?;
+    pub(super) fn strain(&mut self, line: &words::Strain, now: Now, out: &mut Vec<Output>) -> Result<(), BadLine> {
+        let (at, t_us) = self.place(&line.origin(), now)?;
         if self.chambers[at].place == PlaceKind::Ratio {
             return Err(BadLine::new(
                 "strain gives no contact ratio, but agent.toml states place RATIO for the whisker",
@@ -68,9 +69,10 @@ impl Agent {
         let params = self.limits.segmenter;
         let stream = &mut self.chambers[at].stream;
         let stream = stream.get_or_insert_with(|| Box::new(Stream::new(params)));
-        let first_us = stream.first_us(stamp_us, now_us, strains.len() as u64, every_us, params);
-        // From the stream's clock to the agent's.
-        let offset_us = if stamp_us.is_some() { t_us.cast_signed() - first_us.cast_signed() } else { 0 };
+        let first_us = stream.first_us(stamp_us, now.at.as_us(), strains.len() as u64, every_us, params);
+        // From the stream's clock to the robot's.
+        let begin_us = if stamp_us.is_some() { first_us } else { now.at.as_us() };
+        let offset_us = t_us.cast_signed().saturating_sub(begin_us.cast_signed());
         let mut found = Vec::new();
         for (index, &strain) in strains.iter().enumerate() {
             let sample = Sample {
@@ -87,7 +89,7 @@ impl Agent {
         }
         let mut taken = Ok(());
         for contact in found {
-            if let Err(problem) = self.segmented(at, &contact, offset_us, line.test_id.clone(), now_us, out) {
+            if let Err(problem) = self.segmented(at, &contact, offset_us, line.test_id.clone(), now, out) {
                 self.counts.contacts_unusable += 1;
                 taken = taken.and(Err(problem));
             }
@@ -102,7 +104,7 @@ impl Agent {
         found: &Contact,
         offset_us: i64,
         test_id: Option<String>,
-        now_us: u64,
+        now: Now,
         out: &mut Vec<Output>,
     ) -> Result<(), BadLine> {
         let chamber = &self.chambers[at];
@@ -134,7 +136,7 @@ impl Agent {
         let contact = words::Contact {
             array: Some(chamber.array.clone()),
             whisker: chamber.number,
-            t_us: Some(found.measured_us.saturating_add_signed(offset_us)),
+            t_us: Some(now.system_time_of(found.measured_us.saturating_add_signed(offset_us))),
             t_ms: None,
             deflection_mm: Some(deflection_mm),
             strain: Some(found.strain),
@@ -148,7 +150,7 @@ impl Agent {
             test_id,
             touched: None,
         };
-        self.contact(contact, now_us, out)
+        self.contact(contact, now, out)
     }
 }
 

@@ -1,11 +1,12 @@
-//! The rules of the contract for a robot, without sockets and clock. All times are in microseconds since 1970 UTC by the
-//! robot's clock.
+//! The rules of the contract for a robot, without sockets and clock. Durations are measured by [`Moment`]s; the
+//! times in messages are in microseconds since 1970 UTC by the robot's clock.
 
 pub mod births;
 pub mod commands;
 pub mod estimates;
 pub mod outbox;
 pub mod supervision;
+pub mod time;
 pub mod touch_tests;
 pub mod voice;
 
@@ -14,6 +15,7 @@ pub use commands::{Addressee, Answer, Commands, Verdict};
 pub use estimates::EstimateOrder;
 pub use outbox::Outbox;
 pub use supervision::Supervision;
+pub use time::{Moment, Now};
 pub use touch_tests::{TestAnswer, TestVerdict, Tested, TouchTests};
 pub use voice::{Facts, Voice};
 

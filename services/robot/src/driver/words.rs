@@ -43,7 +43,7 @@ pub struct Origin {
     pub array: Option<Name>,
     /// Number of the whisker in its array.
     pub whisker: u16,
-    /// Time by the agent's clock, in microseconds since 1970 UTC.
+    /// Time by the system's clock, in microseconds since 1970 UTC.
     pub t_us: Option<u64>,
     /// Time since the board's start, in milliseconds.
     pub t_ms: Option<u64>,
@@ -60,7 +60,7 @@ macro_rules! lines {
                 pub array: Option<Name>,
                 /// Number of the whisker in its array.
                 pub whisker: u16,
-                /// Time by the agent's clock, in microseconds since 1970 UTC.
+                /// Time by the system's clock, in microseconds since 1970 UTC.
                 pub t_us: Option<u64>,
                 /// Time since the board's start, in milliseconds.
                 pub t_ms: Option<u64>,

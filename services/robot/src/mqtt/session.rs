@@ -14,8 +14,8 @@ use vibrissa_protocol::{Name, PAYLOAD_MAX_BYTES, QualityOfService, RobotTopic, T
 
 use super::broker::{Broker, address};
 use super::connection::{Attempt, Connection, REPORTS, Report, next_report, poll, qos};
-use crate::clock::now_us;
-use crate::contract::Outgoing;
+use crate::clock::now;
+use crate::contract::{Moment, Now, Outgoing};
 
 /// Shortest pause between two polls of the robot, so that small work is done together.
 const WAKE_PAUSE: Duration = Duration::from_millis(20);
@@ -34,26 +34,26 @@ const PUBLISH_TIMEOUT: Duration = Duration::from_secs(15);
 const TOLD_MAX: usize = 32;
 const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// A robot that this module connects. Its methods must not block. Times are in microseconds since 1970 UTC.
+/// A robot that this module connects. Its methods must not block.
 pub trait Endpoint {
     /// Fleet of the robot.
     fn fleet(&self) -> Name;
     /// Name of the robot.
     fn robot(&self) -> Name;
     /// Last will for the next connection.
-    fn will(&self, now_us: u64) -> Vec<u8>;
+    fn will(&self, now: Now) -> Vec<u8>;
     /// The connection is established with its subscriptions.
-    fn connected(&self, now_us: u64) -> Vec<Outgoing>;
+    fn connected(&self, now: Now) -> Vec<Outgoing>;
     /// The connection is lost.
     fn disconnected(&self);
-    /// Does the work that is due; also returns the time of the next work.
-    fn poll(&self, now_us: u64) -> (Vec<Outgoing>, u64);
+    /// Does the work that is due; also returns the moment of the next work.
+    fn poll(&self, now: Now) -> (Vec<Outgoing>, Moment);
     /// A message has arrived on one of the robot's topics.
-    fn receive(&self, topic: RobotTopic, payload: &[u8], now_us: u64) -> Vec<Outgoing>;
+    fn receive(&self, topic: RobotTopic, payload: &[u8], now: Now) -> Vec<Outgoing>;
     /// A message has arrived on the fleet's `supervisor/request`.
-    fn receive_request_to_all(&self, payload: &[u8], now_us: u64);
+    fn receive_request_to_all(&self, payload: &[u8], now: Now);
     /// Messages before a clean disconnect.
-    fn farewell(&self, now_us: u64) -> Vec<Outgoing>;
+    fn farewell(&self, now: Now) -> Vec<Outgoing>;
     /// Delivery of the messages on a topic: that of the contract, except for a robot that shall break it on purpose.
     fn delivery(&self, topic: RobotTopic) -> Delivery {
         Delivery::of(topic)
@@ -164,10 +164,10 @@ impl<E: Endpoint> Session<E> {
     /// Polls the robot and plans the next time.
     async fn work(&mut self) {
         self.woken_at = Instant::now();
-        let (outgoing, deadline_us) = self.robot.poll(now_us());
+        let (outgoing, deadline) = self.robot.poll(now());
         self.send(outgoing).await;
         // From the clock rather than by adding pauses, so that a delay is caught up.
-        let ahead = Duration::from_micros(deadline_us.saturating_sub(now_us()));
+        let ahead = Duration::from_micros(deadline.since(now().at));
         self.wake_at = Instant::now() + ahead.clamp(WAKE_PAUSE, Duration::from_secs(1));
     }
 
@@ -194,7 +194,7 @@ impl<E: Endpoint> Session<E> {
         if self.failures > 0 {
             self.read_again();
         }
-        let will = self.robot.will(now_us());
+        let will = self.robot.will(now());
         let is_will_retained = self.retains && self.robot.is_will_retained();
         let topic = self.topic(RobotTopic::Connection);
         // The client id is the robot's topic prefix in the contract: a second robot of that name takes over the
@@ -255,18 +255,18 @@ impl<E: Endpoint> Session<E> {
                 self.reconnect_pause = RECONNECT_START;
                 self.told.clear();
                 self.tell_refused(&refused);
-                let outgoing = self.robot.connected(now_us());
+                let outgoing = self.robot.connected(now());
                 self.send(outgoing).await;
                 tracing::debug!(robot = %self.name, "connected");
             }
             Report::Received(topic, payload) => {
-                let outgoing = self.robot.receive(topic, &payload, now_us());
+                let outgoing = self.robot.receive(topic, &payload, now());
                 self.send(outgoing).await;
                 // A receipt may have made the next window due immediately.
                 self.wake_at = self.wake_at.min(Instant::now() + WAKE_PAUSE);
             }
             Report::ReceivedByAll(payload) => {
-                self.robot.receive_request_to_all(&payload, now_us());
+                self.robot.receive_request_to_all(&payload, now());
                 self.wake_at = self.wake_at.min(Instant::now() + WAKE_PAUSE);
             }
             Report::Gone(reason) => self.lose(&reason),
@@ -369,7 +369,7 @@ impl<E: Endpoint> Session<E> {
 
     /// Publishes the farewell and disconnects cleanly, if that succeeds in time.
     async fn farewell(mut self) {
-        let outgoing = self.robot.farewell(now_us());
+        let outgoing = self.robot.farewell(now());
         let Some(mut connection) = self.connection.take() else {
             return;
         };

@@ -2,6 +2,7 @@
 
 use rand::Rng;
 use vibrissa_protocol::{Message, SupervisorRequestKind, Topic, decode};
+use vibrissa_robot::contract::Moment;
 use vibrissa_robot::contract::births::DELAY_MAX_US;
 
 use super::{Outgoing, Robot};
@@ -19,7 +20,7 @@ impl Robot {
         match request.request {
             SupervisorRequestKind::Birth if self.breaks(Misbehaviour::IgnoresBirthRequest) => {}
             SupervisorRequestKind::Birth => {
-                self.births.requested(now_us, self.birth_delays.random_range(0..DELAY_MAX_US));
+                self.births.requested(Moment::of_us(now_us), self.birth_delays.random_range(0..DELAY_MAX_US));
             }
         }
     }

@@ -25,7 +25,9 @@ use vibrissa_protocol::{
     self as protocol, BootId, Contact, Message, MissedTouch, Name, Receipt, RequestKind, RobotTopic, decode,
 };
 pub use vibrissa_robot::contract::Outgoing;
-use vibrissa_robot::contract::{Births, Commands, EstimateOrder, Facts, Outbox, Supervision, TouchTests, Voice};
+use vibrissa_robot::contract::{
+    Births, Commands, EstimateOrder, Facts, Moment, Outbox, Supervision, TouchTests, Voice,
+};
 
 pub(crate) use resume::RobotState;
 pub use whisker::Whisker;
@@ -223,7 +225,7 @@ impl Robot {
         if self.overlooks(&message, payload) {
             return out;
         }
-        self.supervision.heard(now_us);
+        self.supervision.heard(Moment::of_us(now_us));
         match message {
             Message::Receipt(receipt) => self.receipt(&receipt, now_us),
             Message::Setpoint(setpoint) => self.setpoint(&setpoint, now_us, &mut out),
@@ -254,7 +256,7 @@ impl Robot {
 
     fn receipt(&mut self, receipt: &Receipt, now_us: u64) {
         if receipt.robot_boot_id == *self.boot_id() || self.breaks(Misbehaviour::TakesAnyReceipt) {
-            self.outbox.receipt(&self.receipt_as_read(receipt), now_us);
+            self.outbox.receipt(&self.receipt_as_read(receipt), Moment::of_us(now_us));
         }
     }
 

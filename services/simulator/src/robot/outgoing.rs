@@ -1,7 +1,7 @@
 //! Messages that a robot sends.
 
 use vibrissa_protocol::{ArrayFacts, PlaceKind, RobotTopic, WhiskerFacts, encode};
-use vibrissa_robot::contract::Facts;
+use vibrissa_robot::contract::{Facts, Moment};
 
 use super::{Outgoing, Robot, RobotConfig};
 use crate::journal::JournalEntry;
@@ -80,7 +80,7 @@ impl Robot {
         let (seq, payload) = (message.seq, encode(&message));
         self.journal.write(|| JournalEntry::Felt(message));
         if !self.breaks(Misbehaviour::SendsOnce) && self.has_room() {
-            self.outbox.keep(seq, payload.clone(), self.connected.then_some(now_us));
+            self.outbox.keep(seq, payload.clone(), self.connected.then_some(Moment::of_us(now_us)));
         }
         if self.connected {
             for payload in self.link.pass(payload, now_us) {
@@ -90,7 +90,7 @@ impl Robot {
     }
 
     pub(super) fn resend(&mut self, now_us: u64, out: &mut Vec<Outgoing>) {
-        let payloads = self.outbox.resend(now_us);
+        let payloads = self.outbox.resend(Moment::of_us(now_us));
         for payload in self.resent_as_sent(payloads) {
             self.publish(RobotTopic::Contacts, payload, out);
         }

@@ -2,7 +2,7 @@
 
 use vibrissa_protocol::{BootId, RobotTopic, Setpoint, SetpointError, SetpointOutcome, encode};
 use vibrissa_robot::contract::supervision::pressure_without;
-use vibrissa_robot::contract::{Answer, Verdict};
+use vibrissa_robot::contract::{Answer, Moment, Verdict};
 
 use super::misbehaviour::{AT_ONCE_MPA_PER_S, HELD_LESS_MPA};
 use super::whisker::Applying;
@@ -96,7 +96,7 @@ impl Robot {
 
     /// Behaves as the factsheet states after a long time without messages from the supervisor.
     pub(super) fn miss_supervisor(&mut self, at_us: u64, out: &mut Vec<Outgoing>) {
-        if !self.supervision.is_lost(at_us) {
+        if !self.supervision.is_lost(Moment::of_us(at_us)) {
             return;
         }
         for at in 0..self.whiskers.len() {

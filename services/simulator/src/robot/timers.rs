@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vibrissa_protocol::Contact;
+use vibrissa_robot::contract::Moment;
 
 use super::{Outgoing, Robot, Whisker};
 use crate::plant::Reading;
@@ -90,9 +91,9 @@ impl Robot {
             (Some(self.tick_at_us), Timer::Tick),
             (self.contacts.next.peek().map(|&Reverse((at_us, _))| at_us), Timer::Contact),
             (self.batch_until_us, Timer::Flush),
-            (connected(self.outbox.resend_at_us()), Timer::Resend),
+            (connected(self.outbox.resend_at().map(Moment::as_us)), Timer::Resend),
             (connected(Some(self.status_at_us)), Timer::Status),
-            (connected(self.births.due_us()), Timer::Birth),
+            (connected(self.births.due().map(Moment::as_us)), Timer::Birth),
         ]
         .into_iter()
         .filter_map(|(at_us, timer)| Some((at_us?, timer)))

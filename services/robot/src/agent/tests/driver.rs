@@ -154,6 +154,21 @@ fn a_driver_that_divides_by_the_length_sends_distances_without_one() {
 }
 
 #[test]
+fn regress_a_driver_may_stamp_by_a_system_clock_that_was_set_meanwhile() {
+    for step_s in [70, -70] {
+        let mut bench = Bench::running();
+        bench.stepped_us = step_s * S.cast_signed();
+        let system_us = START.saturating_add_signed(bench.stepped_us) - S / 2;
+        bench.line(&format!(
+            r#"{{"type":"contact","whisker":0,"deflection_mm":1,"strain":0.01,"ratio":0.5,"t_us":{system_us}}}"#
+        ));
+        bench.run(0.2);
+        let times: Vec<u64> = bench.contacts().iter().flat_map(|one| &one.contacts).map(|one| one.t_us).collect();
+        assert_eq!(times, [START - S / 2], "half a second ago by the robot's clock");
+    }
+}
+
+#[test]
 fn a_flood_of_contacts_and_of_bad_lines_is_limited_and_counted() {
     let mut bench = Bench::new(|config| config.limits.contacts_per_s = 100.0);
     bench.step(Input::DriverStarted);

@@ -32,6 +32,8 @@ fn supervisor() -> BootId {
 struct Bench {
     agent: Agent,
     now_us: u64,
+    /// Difference of the system's clock since it was set, in microseconds.
+    stepped_us: i64,
     messages: Vec<Message>,
     told: Vec<ToDriver>,
     records: Vec<Record>,
@@ -48,8 +50,8 @@ impl Bench {
     fn after(edit: impl FnOnce(&mut Config), boot: &str, stored: Stored, now_us: u64) -> Self {
         let mut config = Config::from_toml_str(EXAMPLE, Path::new("")).unwrap();
         edit(&mut config);
-        let (agent, records) = Agent::new(&config, BootId::new(boot).unwrap(), stored, now_us);
-        Self { agent, now_us, messages: vec![], told: vec![], records, restarts: 0, reconnects: 0 }
+        let (agent, records) = Agent::new(&config, BootId::new(boot).unwrap(), stored, Now::of_us(now_us));
+        Self { agent, now_us, stepped_us: 0, messages: vec![], told: vec![], records, restarts: 0, reconnects: 0 }
     }
 
     /// A connected agent whose driver reports its pressures.
@@ -64,7 +66,9 @@ impl Bench {
     }
 
     fn step(&mut self, input: Input<'_>) {
-        for output in self.agent.step(self.now_us, input) {
+        let system_us = self.now_us.saturating_add_signed(self.stepped_us);
+        let now = Now { system_us, ..Now::of_us(self.now_us) };
+        for output in self.agent.step(now, input) {
             match output {
                 Output::Publish(topic, payload) => {
                     let topic = topic.of(&self.agent.fleet, &self.agent.robot);
@@ -81,11 +85,11 @@ impl Bench {
     /// Moves the time from deadline to deadline.
     fn run(&mut self, seconds: f64) {
         let until_us = self.now_us + (seconds * 1e6) as u64;
-        while self.agent.next_deadline_us() <= until_us {
-            self.now_us = self.now_us.max(self.agent.next_deadline_us());
-            let before_us = self.agent.next_deadline_us();
+        while self.agent.next_deadline().as_us() <= until_us {
+            self.now_us = self.now_us.max(self.agent.next_deadline().as_us());
+            let before = self.agent.next_deadline();
             self.step(Input::Tick);
-            assert!(self.agent.next_deadline_us() > before_us.min(self.now_us), "a deadline must pass");
+            assert!(self.agent.next_deadline() > before.min(Moment::of_us(self.now_us)), "a deadline must pass");
         }
         self.now_us = until_us;
     }

@@ -106,6 +106,26 @@ fn the_loss_of_the_supervisor_is_handled_as_the_factsheet_states() {
 }
 
 #[test]
+fn regress_no_step_of_the_systems_clock_is_taken_for_passed_time() {
+    for step_s in [70, -10, -3_600, 3_600, -(START / S).cast_signed()] {
+        let mut bench = Bench::new(|config| config.facts.on_supervisor_loss = OnSupervisorLoss::Vent);
+        bench.step(Input::Connected);
+        bench.step(Input::DriverStarted);
+        bench.read(0, 0.12);
+        bench.order(1, 0.12);
+        bench.hold([0.12, 0.1], 10.0);
+        bench.take();
+        bench.stepped_us = step_s * S.cast_signed();
+        bench.hold([0.12, 0.1], 12.05);
+        assert_eq!(bench.pressures(0), [0.12; 6], "{step_s}: told every 2 s, and not vented");
+        assert_eq!(bench.statuses().len(), 6, "{step_s}");
+        bench.order(2, 0.13);
+        assert_eq!(bench.outcomes()[0], (SetpointOutcome::Received, None), "{step_s}: it has not expired");
+        assert_eq!(bench.restarts, 0);
+    }
+}
+
+#[test]
 fn a_touch_test_is_given_to_the_driver_and_its_contacts_come_before_its_end() {
     let mut bench = Bench::running();
     let test = TouchTest {
