@@ -51,8 +51,9 @@ pub struct Guidance {
 }
 
 /// All kinds of alarms, the most urgent first: by level, then by the cost of waiting.
-pub const BY_URGENCY: [AlarmKind; 19] = [
+pub const BY_URGENCY: [AlarmKind; 20] = [
     AlarmKind::SetpointFailed,
+    AlarmKind::Vented,
     AlarmKind::Uncompensated,
     AlarmKind::DuplicateRobot,
     AlarmKind::RobotSilent,
@@ -97,6 +98,17 @@ pub fn of(kind: AlarmKind) -> Guidance {
                 "the robot rejected the setpoint: out of range, not ready, or its clock is wrong",
                 "the regulator or the air supply cannot reach the pressure",
                 "the robot did not answer in time",
+            ],
+            runbook: "VibrissaSetpointFailed.md",
+        },
+        AlarmKind::Vented => Guidance {
+            level: Level::Critical,
+            hint: "Look at the robot. If its chambers may be filled again, release the whisker, or many at once on the page of \
+                   whiskers; or set its pressure by hand.",
+            causes: &[
+                "the robot has missed the supervisor for too long, and an operator holds the whisker",
+                "the regulator was faulty when the supervisor came back",
+                "somebody has vented it at the robot",
             ],
             runbook: "VibrissaSetpointFailed.md",
         },

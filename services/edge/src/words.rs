@@ -227,6 +227,7 @@ words! {
         BaselineDrift => "BASELINE_DRIFT" "baseline drift of the gauge",
         Proposed => "PROPOSED" "a compensation waits for approval",
         ReachLost => "REACH_LOST" "no contacts near the tip any more",
+        Vented => "VENTED" "vented by the robot itself, and not filled again",
         RobotSilent => "ROBOT_SILENT" "the robot is silent or not connected",
         ReceiptsUnheard => "RECEIPTS_UNHEARD" "the robot does not hear its receipts",
         DuplicateRobot => "DUPLICATE_ROBOT" "two robots use this name";

@@ -60,15 +60,13 @@ impl Taken {
 
     /// Reports its setpoint; returns the setpoints that follow.
     pub(crate) fn holds(&mut self, mpa: f64) -> Vec<Command> {
+        self.holds_as(mpa, RegulatorState::Ok)
+    }
+
+    fn holds_as(&mut self, mpa: f64, regulator: RegulatorState) -> Vec<Command> {
         let pressure = Megapascal::known(mpa);
-        let status = WhiskerStatus {
-            array: "left",
-            whisker: 0,
-            pressure,
-            setpoint: pressure,
-            regulator: RegulatorState::Ok,
-            gauge: GaugeState::Ok,
-        };
+        let status =
+            WhiskerStatus { array: "left", whisker: 0, pressure, setpoint: pressure, regulator, gauge: GaugeState::Ok };
         let mut effects =
             self.step(&Event::Status { boot_id: "b1", robot_time: self.now, whiskers: std::slice::from_ref(&status) });
         effects.extend(self.step(&Event::Tick));
@@ -77,6 +75,18 @@ impl Taken {
 
     pub(crate) fn reports(&mut self, command: &Command, report: SetpointReport) -> Vec<Effect> {
         self.step(&Event::Setpoint { boot_id: "b1", command: command.key, report, robot_time: self.now })
+    }
+
+    /// Nothing is heard of it for so long.
+    fn is_silent_for(&mut self, seconds: f64) {
+        for _ in 0..10 {
+            self.now = self.now.after(Micros::from_s(seconds / 10.0));
+            self.step(&Event::Tick);
+        }
+    }
+
+    fn standing(&self) -> Vec<AlarmKind> {
+        self.robot.whisker(0).unwrap().standing.kinds().collect()
     }
 
     pub(crate) fn setpoint_mpa(&self) -> f64 {
@@ -122,7 +132,7 @@ fn a_robot_that_will_not_go_back_is_asked_three_times_and_then_believed() {
 
 #[test]
 fn pressures_that_robots_go_to_by_themselves_are_followed() {
-    for mpa in [0.0, 0.002, NOMINAL_MPA, NOMINAL_MPA + 0.003] {
+    for mpa in [NOMINAL_MPA, NOMINAL_MPA + 0.003] {
         let mut taken = Taken::first_met().again(2);
         assert_eq!(taken.holds(mpa), [], "{mpa} MPa");
         assert_eq!(taken.setpoint_mpa(), mpa);
@@ -183,4 +193,65 @@ fn a_manual_setpoint_of_a_former_epoch_is_not_sent_anew() {
         assert_eq!(taken.holds(NOMINAL_MPA), []);
         assert!(taken.robot.whisker(0).unwrap().held, "it stays held");
     }
+}
+
+/// One that is held at its nominal pressure, and known so.
+fn known() -> Taken {
+    let mut known = Taken::first_met();
+    for _ in 0..3 {
+        assert_eq!(known.holds(NOMINAL_MPA), []);
+    }
+    known
+}
+
+#[test]
+fn regress_a_whisker_that_was_vented_during_a_silence_is_filled_again() {
+    for is_restart in [true, false] {
+        let mut taken = known();
+        taken.is_silent_for(100.0);
+        if is_restart {
+            taken = taken.again(2);
+        }
+        let sent = [taken.holds(0.0), taken.holds(0.0)].concat();
+        assert_eq!(sent.len(), 1, "{is_restart}: {sent:?}");
+        assert_eq!((sent[0].reason, sent[0].pressure.mpa()), (Reason::Release, NOMINAL_MPA));
+        taken.reports(&sent[0], SetpointReport::Applied(Megapascal::known(NOMINAL_MPA)));
+        assert_eq!((taken.holds(NOMINAL_MPA), taken.standing()), (vec![], vec![]));
+    }
+}
+
+#[test]
+fn regress_a_vented_whisker_that_is_not_filled_again_has_an_alarm_until_it_is_released() {
+    let place = Place { array: "left", whisker: 0 };
+    for (is_held, silent_s, regulator) in
+        [(true, 100.0, RegulatorState::Ok), (false, 0.0, RegulatorState::Ok), (false, 100.0, RegulatorState::Fault)]
+    {
+        let mut taken = known();
+        if is_held {
+            taken.step(&Event::Operator(&OperatorAction::Hold(Scope::Whisker(place))));
+        }
+        taken.is_silent_for(silent_s);
+        assert_eq!(taken.holds_as(0.0, regulator), []);
+        // Neither a restart nor time ends it.
+        let mut taken = taken.again(2);
+        for _ in 0..100 {
+            assert_eq!(taken.holds(0.0), []);
+        }
+        assert_eq!(taken.standing(), [AlarmKind::Vented], "{is_held} {silent_s} {regulator:?}");
+        let mut sent = commands(taken.step(&Event::Operator(&OperatorAction::Release(Scope::Whisker(place)))));
+        sent.extend(taken.holds(0.0));
+        assert_eq!((sent.len(), sent[0].pressure.mpa()), (1, NOMINAL_MPA), "{sent:?}");
+        taken.reports(&sent[0], SetpointReport::Applied(Megapascal::known(NOMINAL_MPA)));
+        assert_eq!((taken.holds(NOMINAL_MPA), taken.standing()), (vec![], vec![]));
+    }
+}
+
+#[test]
+fn a_whisker_that_an_operator_has_emptied_was_not_vented() {
+    let mut taken = known();
+    let whisker = Place { array: "left", whisker: 0 };
+    let sent = commands(taken.step(&Event::Operator(&OperatorAction::Setpoint { whisker, pressure_mpa: 0.0 })));
+    taken.reports(&sent[0], SetpointReport::Applied(Megapascal::known(0.0)));
+    taken.is_silent_for(100.0);
+    assert_eq!((taken.holds(0.0), taken.standing()), (vec![], vec![]));
 }

@@ -17,6 +17,7 @@ AlarmKindWord: TypeAlias = Literal[
     "BASELINE_DRIFT",
     "PROPOSED",
     "REACH_LOST",
+    "VENTED",
     "ROBOT_SILENT",
     "STALE",
     "GAUGE_OPEN",
@@ -28,7 +29,7 @@ AlarmKindWord: TypeAlias = Literal[
     "SUPPLY_LOW",
 ]
 """
-`UNCOMPENSATED`: trimmed, no compensator available; `SETPOINT_FAILED`: a setpoint failed for good; `SENSITIVITY_LOSS`: sensitivity loss not explained by a cut; `ERODING`: eroding; `ARRAY_SHIFT`: shift shared by the whole array; `BASELINE_DRIFT`: baseline drift of the gauge; `PROPOSED`: a compensation waits for approval; `REACH_LOST`: no contacts near the tip any more; `ROBOT_SILENT`: the robot is silent or not connected; `STALE`: stale: no contacts; `GAUGE_OPEN`: gauge open; `GAUGE_SHORT`: gauge shorted; `GAUGE_SATURATED`: gauge saturated; `GAUGE`: gauge faulty; `LEAK`: leaking; `REGULATOR`: regulator faulty; `SUPPLY_LOW`: air supply low.
+`UNCOMPENSATED`: trimmed, no compensator available; `SETPOINT_FAILED`: a setpoint failed for good; `SENSITIVITY_LOSS`: sensitivity loss not explained by a cut; `ERODING`: eroding; `ARRAY_SHIFT`: shift shared by the whole array; `BASELINE_DRIFT`: baseline drift of the gauge; `PROPOSED`: a compensation waits for approval; `REACH_LOST`: no contacts near the tip any more; `VENTED`: vented by the robot itself, and not filled again; `ROBOT_SILENT`: the robot is silent or not connected; `STALE`: stale: no contacts; `GAUGE_OPEN`: gauge open; `GAUGE_SHORT`: gauge shorted; `GAUGE_SATURATED`: gauge saturated; `GAUGE`: gauge faulty; `LEAK`: leaking; `REGULATOR`: regulator faulty; `SUPPLY_LOW`: air supply low.
 """
 
 

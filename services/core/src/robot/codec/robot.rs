@@ -274,14 +274,16 @@ impl Robot {
 
     fn expect_stray_pressures(&mut self) {
         self.head.without_mark().is_taken_up = true;
-        self.whiskers.without_mark().iter_mut().for_each(|one| one.holds = Holds::Unheard);
+        let whiskers = self.whiskers.without_mark().iter_mut();
+        whiskers.filter(|one| one.holds != Holds::Vented).for_each(|one| one.holds = Holds::Unheard);
     }
 
     /// Whether the robot has reported the pressure of each whisker since it was taken up. Until then a status may undo
     /// a stray pressure; the same status would not do so again to the robot as it was stored.
     #[must_use]
     pub fn is_settled(&self) -> bool {
-        !self.head.is_taken_up || self.whiskers.iter().all(|whisker| whisker.holds == Holds::Known)
+        !self.head.is_taken_up
+            || self.whiskers.iter().all(|whisker| matches!(whisker.holds, Holds::Known | Holds::Vented))
     }
 
     /// Nothing could be received before `now`: silence until then is not the robot's.

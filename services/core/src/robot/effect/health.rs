@@ -82,6 +82,9 @@ pub enum AlarmKind {
     /// robot divides distances by an old length or knows only distances, or the robot has changed its habits. Until such
     /// contacts come again, a touch test decides, or a trim is called.
     ReachLost,
+    /// The robot has vented the whisker by itself, and the pressure before is not restored: the whisker is held or faulty, or no
+    /// silence explains it. Until it is filled, or about to be.
+    Vented,
     /// No whisker of the robot is heard, or the robot is not connected: one alarm about the robot, until a whisker is
     /// heard again.
     RobotSilent,

@@ -8,12 +8,12 @@ use crate::encoding;
 use crate::robot::effect::{AlarmKind, Condition, Effect, Fault, WhiskerIndex};
 use crate::robot::health::duplicate::DuplicateWatch;
 use crate::robot::params::Params;
-use crate::robot::state::whisker::Whisker;
+use crate::robot::state::whisker::{Holds, Whisker};
 use crate::robot::{Compensation, Robot};
 use crate::units::Micros;
 
 /// All kinds of a whisker except faults, of which there are several. A cause comes before its consequences.
-const KINDS: [AlarmKind; 8] = [
+const KINDS: [AlarmKind; 9] = [
     AlarmKind::SensitivityLoss,
     AlarmKind::Eroding,
     AlarmKind::ArrayShift,
@@ -22,6 +22,7 @@ const KINDS: [AlarmKind; 8] = [
     AlarmKind::Uncompensated,
     AlarmKind::Proposed,
     AlarmKind::ReachLost,
+    AlarmKind::Vented,
 ];
 
 const STALE: Option<Fault> = Some(Fault::Stale);
@@ -203,6 +204,7 @@ impl Whisker {
             self.unserved || is_tried,
             proposed,
             self.rare.reach.as_ref().is_some_and(|reach| reach.is_lost()),
+            self.holds == Holds::Vented && self.desired.is_none(),
         ];
         Standing { fault: self.fault, kinds: encoding::pack_flags(is) }
     }

@@ -9,6 +9,8 @@ use crate::robot::state::rare_state::RareState;
 use crate::robot::state::whisker::{Holds, Whisker};
 use crate::units::{Megapascal, Micros};
 
+/// Time after a silence, of the robot or of this supervisor, in which a whisker that is found vented was vented because of it.
+const RETURN_FOR: Micros = Micros(60_000_000);
 /// Time after a report of a setpoint in which a status from before it is taken for a late one. A log is read again within
 /// seconds after an outage; robots send a status every 10 s.
 const LATE_FOR: Micros = Micros(60_000_000);
@@ -30,7 +32,7 @@ impl Robot {
         whisker.gauge.reported = entry.gauge;
         // While a setpoint is under way its own reports say where it goes.
         if whisker.command.is_none() && !self.is_from_before_setpoint(now, robot_time, index) {
-            self.pressure_told(params, index, entry.setpoint);
+            self.pressure_told(params, now, index, entry.setpoint);
         }
         let whisker = &mut self.whiskers[index];
         whisker.watch_leak(params, robot_time, entry);
@@ -53,14 +55,36 @@ impl Robot {
     /// Follows the setpoint that a robot reports, except a stray pressure, which is undone first. At the nominal
     /// pressure the learned state shows at once whether the whisker has changed; at an unexplained pressure a cut would
     /// be taken for the model's error there.
-    fn pressure_told(&mut self, params: &Params, index: WhiskerIndex, setpoint: Megapascal) {
+    fn pressure_told(&mut self, params: &Params, now: Micros, index: WhiskerIndex, setpoint: Megapascal) {
         if !self.is_stray(params, index, setpoint) {
-            self.whiskers[index].holds = Holds::Known;
+            self.whiskers[index].holds = self.held_after(params, now, index, setpoint);
             self.whiskers[index].pressure_set(setpoint, params);
         } else if self.whiskers[index].holds != Holds::Stray {
             self.release(index);
             self.whiskers[index].holds = Holds::Stray;
         }
+    }
+
+    /// Notices that a robot has vented a whisker by itself, as robots may without a supervisor. The pressure before is restored
+    /// if a silence explains it and nothing speaks against it: a compensation's by [`Robot::reconcile`], or else the nominal one.
+    fn held_after(&mut self, params: &Params, now: Micros, index: WhiskerIndex, setpoint: Megapascal) -> Holds {
+        let whisker = &self.whiskers[index];
+        let was_known = whisker.holds != Holds::Unheard || self.head.is_taken_up;
+        let is_empty = |pressure: Megapascal| pressure.mpa() <= params.health.settled_within_mpa;
+        let has_vented = was_known && !is_empty(whisker.air.setpoint) && whisker.desired.is_none();
+        if !is_empty(setpoint) || !(has_vented || whisker.holds == Holds::Vented) {
+            return Holds::Known;
+        }
+        let returned = self.head.heard_again.max(self.head.listening_since);
+        let is_return = self.head.silent || now.since(returned) < RETURN_FOR;
+        let is_sound = matches!(whisker.air.regulator, RegulatorState::Ok | RegulatorState::Venting)
+            && !whisker.leak.is_leaking()
+            && !whisker.given_up;
+        if has_vented && is_return && is_sound && !self.holds(index) {
+            self.release(index);
+            return Holds::Known;
+        }
+        Holds::Vented
     }
 
     /// Whether a pressure was set by a command that is not known here: the first status after a take-up reports a

@@ -92,6 +92,8 @@ pub(in crate::robot) enum Holds {
     Stray,
     /// Reported by the robot, or accepted.
     Known,
+    /// The robot has vented it by itself, and nothing fills it again without a person.
+    Vented,
 }
 
 /// A cut that is confirmed.
