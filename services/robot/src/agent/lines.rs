@@ -5,11 +5,14 @@ use vibrissa_protocol::{BootId, Contact, Contacts, MissedTouch, PlaceKind, Touch
 use super::chamber::Reading;
 use super::{Agent, Output};
 use crate::contract::Now;
+use crate::driver::words::is_own;
 use crate::driver::words::{self, HelloWhisker, Origin, Progress, cut};
 use crate::driver::{BadLine, FromDriver, LINE_MAX_BYTES, ToDriver, VERSION};
 
 /// Refused lines that are answered, per second; all are counted.
 pub(super) const ERRORS_PER_S: f64 = 20.0;
+/// Answers to `hello`, per second: each is a line for each whisker.
+pub(super) const GREETINGS_PER_S: f64 = 5.0;
 
 const WHISKERS: &str = "name a whisker of agent.toml; `array` is needed if the robot has several";
 const PLACES: &str = "send the place that agent.toml states for the whisker as `place`, or change it there";
@@ -46,6 +49,7 @@ impl Agent {
         self.counts.lines += 1;
         self.driver.lines += 1;
         let taken = match line {
+            Some(line) if is_own(line) => return self.echo(out),
             Some(line) => FromDriver::read(line).and_then(|word| self.word(word, now, out)),
             None => Err(BadLine::new(
                 format!("the line is longer than {LINE_MAX_BYTES} bytes"),
@@ -67,6 +71,17 @@ impl Agent {
                     out.push(Output::Tell(ToDriver::Error { line, problem, remedy }));
                 }
             }
+        }
+    }
+
+    /// Takes one of the agent's own lines, which a device sends back. To answer each would never end.
+    fn echo(&mut self, out: &mut Vec<Output>) {
+        self.counts.lines_echoed += 1;
+        self.driver.echoes += 1;
+        if self.driver.echoes == 1 {
+            let problem = "the device sends the agent's own lines back".to_owned();
+            let remedy = "switch the echo of the board, the terminal or the converter off";
+            out.push(Output::Tell(ToDriver::Error { line: self.driver.lines, problem, remedy }));
         }
     }
 
@@ -95,6 +110,10 @@ impl Agent {
         if hello.version != VERSION {
             let problem = format!("version {} of the interface is not known", hello.version);
             return Err(BadLine::new(problem, "send version 1"));
+        }
+        if !self.greeting_rate.takes(now.at) {
+            let problem = format!("more than {GREETINGS_PER_S} hello lines a second");
+            return Err(BadLine::new(problem, "send hello once, when the driver starts"));
         }
         self.greet(now, out);
         Ok(())

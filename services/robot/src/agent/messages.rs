@@ -36,7 +36,7 @@ impl Agent {
     }
 
     pub(super) fn status(&mut self, now: Now, out: &mut Vec<Output>) {
-        if !self.connected {
+        if !self.connected || self.unknown_until.is_some() {
             return;
         }
         for chamber in &mut self.chambers {
@@ -47,6 +47,15 @@ impl Agent {
         self.status_sent = now.at;
         self.status_at = now.at + self.limits.status_every_us;
         self.publish(RobotTopic::Status, encode(&status), out);
+    }
+
+    /// Ends the time in which nothing is known of the chambers: a status that comes before would report a fault of each.
+    pub(super) fn know_chambers(&mut self, now: Now) {
+        let Some(until) = self.unknown_until else { return };
+        if now.at >= until || self.chambers.iter().all(|chamber| chamber.reading.is_some()) {
+            self.unknown_until = None;
+            self.status_at = now.at;
+        }
     }
 
     /// Brings the next status forward if a condition differs from the last report.

@@ -63,11 +63,16 @@ pub enum Output {
     Reconnect,
 }
 
+/// Longest time for which the state of the chambers may be unknown after the start. Beyond that the contract asks for a status.
+const UNKNOWN_MAX_US: u64 = 8_000_000;
+
 /// Counts since the start.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub struct Counts {
     /// Lines of the driver.
     pub lines: u64,
+    /// Lines of the agent that came back.
+    pub lines_echoed: u64,
     /// Lines that were refused.
     pub lines_refused: u64,
     /// Contacts and missed touches taken.
@@ -89,6 +94,8 @@ struct DriverState {
     /// Lines since its start.
     lines: u64,
     times: Times,
+    /// Lines that are the agent's own, sent back.
+    echoes: u64,
 }
 
 /// One robot's agent.
@@ -123,9 +130,12 @@ pub struct Agent {
     batch_until: Option<Moment>,
     status_at: Moment,
     status_sent: Moment,
+    /// Until then the agent says nothing of its chambers, unless it knows all pressures before: a driver has just started.
+    unknown_until: Option<Moment>,
     driver: DriverState,
     contact_rate: Rate,
     error_rate: Rate,
+    greeting_rate: Rate,
     counts: Counts,
 }
 
@@ -168,9 +178,11 @@ impl Agent {
             batch_until: None,
             status_at: now.at,
             status_sent: now.at,
+            unknown_until: Some(now.at + limits.driver_silent_us.min(UNKNOWN_MAX_US)),
             driver: DriverState { heard: now.at, ..DriverState::default() },
             contact_rate: Rate::new(limits.contacts_per_s, now.at),
             error_rate: Rate::new(lines::ERRORS_PER_S, now.at),
+            greeting_rate: Rate::new(lines::GREETINGS_PER_S, now.at),
             counts: Counts::default(),
             limits,
         };
@@ -230,6 +242,7 @@ impl Agent {
             self.announce(now, out);
         }
         self.resend(now, out);
+        self.know_chambers(now);
         self.report_change(now);
         if self.status_at <= now.at {
             self.status(now, out);
@@ -251,7 +264,7 @@ impl Agent {
             chambers.filter_map(|one| one.silent_at(&self.limits)).min(),
             self.under_way.iter().map(|one| one.until).min(),
             connected(self.births.due()),
-            connected(Some(self.status_at)),
+            connected(Some(self.unknown_until.unwrap_or(self.status_at))),
             connected(self.outbox.resend_at()),
             connected(self.earlier.iter().filter_map(|boot| boot.outbox.resend_at()).min()),
         ]

@@ -346,6 +346,23 @@ pub struct HelloWhisker {
     pub pressure_max_mpa: f64,
 }
 
+/// Whether a line is one to a driver, and none from it: a device that echoes sends it back. A driver has `hello`, too, but
+/// never with whiskers.
+pub(crate) fn is_own(line: &[u8]) -> bool {
+    let starts = [
+        &br#"{"type":"set_pressure","#[..],
+        br#"{"type":"valve","#,
+        br#"{"type":"test","#,
+        br#"{"type":"estimate","#,
+        br#"{"type":"error","#,
+    ];
+    starts.iter().any(|start| line.starts_with(start))
+        || line.strip_prefix(br#"{"type":"hello","version":"#).is_some_and(|rest| {
+            let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+            rest[digits..].starts_with(br#","whiskers":["#)
+        })
+}
+
 impl ToDriver {
     /// The line, with its end.
     #[must_use]

@@ -169,6 +169,88 @@ fn regress_a_driver_may_stamp_by_a_system_clock_that_was_set_meanwhile() {
 }
 
 #[test]
+fn regress_a_device_that_echoes_gets_no_more_lines_than_another_one() {
+    let lines_of = |echoes: bool, speaks: bool| {
+        let mut bench = Bench::new(|_| {});
+        bench.step(Input::Connected);
+        bench.step(Input::DriverStarted);
+        let (mut told, mut problems) = (0, Vec::new());
+        for tenth in 0..200 {
+            bench.run(0.1);
+            if speaks && tenth % 3 == 0 {
+                bench.read(0, 0.1);
+                bench.read(1, 0.1);
+            }
+            // Each line comes back within the tenth of a second, and so does each answer to it.
+            let mut round = 0;
+            while !bench.told.is_empty() && round < 20 {
+                let lines = std::mem::take(&mut bench.told);
+                told += lines.len();
+                for line in lines {
+                    if let ToDriver::Error { problem, .. } = &line {
+                        problems.push(problem.clone());
+                    }
+                    if echoes {
+                        bench.step(Input::Line(Some(line.line().trim_ascii_end())));
+                    }
+                }
+                round += 1;
+            }
+        }
+        (told, problems, bench.agent.counts().lines_echoed)
+    };
+    for speaks in [true, false] {
+        let (quiet, _, _) = lines_of(false, speaks);
+        let (told, problems, echoed) = lines_of(true, speaks);
+        assert_eq!((problems.len(), echoed), (1, told as u64), "{problems:?}");
+        assert!(problems[0].contains("own lines back"), "{problems:?}");
+        assert!(told <= quiet + 1, "{told} lines instead of {quiet}");
+    }
+}
+
+#[test]
+fn each_line_to_a_driver_is_recognised_when_it_comes_back() {
+    let mut bench = Bench::running();
+    bench.step(Input::DriverEnded);
+    bench.step(Input::DriverStarted);
+    bench.line("x");
+    for line in bench.take().1 {
+        assert!(crate::driver::words::is_own(&line.line()), "{line:?}");
+    }
+    for line in [&br#"{"type":"hello","version":1,"name":"d"}"#[..], b"{}", br#"{"type":"hello","version":1}"#] {
+        assert!(!crate::driver::words::is_own(line));
+    }
+}
+
+#[test]
+fn a_driver_that_says_hello_all_the_time_is_greeted_five_times_a_second() {
+    let mut bench = Bench::running();
+    (0..100).for_each(|_| bench.line(r#"{"type":"hello","version":1}"#));
+    let greetings = bench.told.iter().filter(|line| matches!(line, ToDriver::Hello { .. })).count();
+    assert_eq!(greetings, 5);
+}
+
+#[test]
+fn regress_an_ordinary_start_reports_no_fault() {
+    for (reads_after_s, regulators) in [(0.5, [Regulator::Ok; 2]), (20.0, [Regulator::Fault; 2])] {
+        let mut bench = Bench::new(|_| {});
+        bench.step(Input::Connected);
+        bench.step(Input::DriverStarted);
+        bench.step(Input::Message(RobotTopic::Request, br#"{"boot_id":"s3","seq":0,"request":"STATUS"}"#));
+        bench.run(reads_after_s);
+        if reads_after_s < 1.0 {
+            assert_eq!(bench.statuses().len(), 0, "nothing is known yet");
+            bench.read(0, 0.1);
+            assert_eq!(bench.statuses().len(), 0, "not of the other one");
+            bench.read(1, 0.1);
+        }
+        let first = bench.statuses().remove(0);
+        assert_eq!(first.seq, 0);
+        assert_eq!(first.whiskers.iter().map(|one| one.regulator).collect::<Vec<_>>(), regulators);
+    }
+}
+
+#[test]
 fn a_flood_of_contacts_and_of_bad_lines_is_limited_and_counted() {
     let mut bench = Bench::new(|config| config.limits.contacts_per_s = 100.0);
     bench.step(Input::DriverStarted);
