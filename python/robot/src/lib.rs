@@ -11,10 +11,10 @@ use pyo3::prelude::*;
 use tokio::sync::watch;
 use toml::{Table, Value};
 use tracing_subscriber::EnvFilter;
-use vibrissa_robot::{Config, hub};
+use vibrissa_robot::{Config, exposure, hub};
 
 /// Keys of `[driver]` that name a way to a driver: this module's socket stands in for them.
-const WAYS: [&str; 6] = ["command", "unix", "tcp", "listen", "serial", "baud"];
+const WAYS: [&str; 7] = ["command", "unix", "tcp", "listen", "serial", "baud", "token_file"];
 
 /// Reads `agent.toml`, and replaces the way to the driver.
 fn configured(path: &Path, socket: PathBuf) -> Result<Config, String> {
@@ -64,12 +64,13 @@ impl Agent {
         // The first agent of a process decides; a program may also have a subscriber of its own.
         let _ = vibrissa_robot::log::start(filter);
         let named = |problem: String| PyValueError::new_err(format!("{}: {problem}", config.display()));
-        let config = configured(&config, socket).map_err(named)?;
+        let read = configured(&config, socket).map_err(named)?;
+        exposure::exposures(&config, &read).iter().for_each(|exposure| tracing::warn!("{exposure}"));
         let (stop, stopping) = watch::channel(false);
         let failure = Failure::default();
         let shared = Arc::clone(&failure);
         let thread = thread::Builder::new().name("vibrissa-robot".to_owned());
-        let thread = thread.spawn(move || run(config, stopping, &shared));
+        let thread = thread.spawn(move || run(read, stopping, &shared));
         let thread = thread.map_err(|problem| PyRuntimeError::new_err(problem.to_string()))?;
         Ok(Self { stop, thread: Mutex::new(Some(thread)), failure })
     }

@@ -110,7 +110,7 @@ struct Hub {
 /// the agent keeps trying.
 pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<(), CannotStart> {
     let transport = config.broker.transport()?;
-    let door = Door::open(&config.driver.way).await.map_err(CannotStart::Driver)?;
+    let door = Door::open(&config.driver).await.map_err(CannotStart::Driver)?;
     let hub = Hub::start(&config)?;
     tracing::info!(
         fleet = %hub.fleet, robot = %hub.robot, boot_id = %hub.lock().agent.boot_id(), broker = ?config.broker, "running"

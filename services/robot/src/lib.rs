@@ -10,6 +10,7 @@ pub mod clock;
 pub mod config;
 pub mod contract;
 pub mod driver;
+pub mod exposure;
 pub mod hub;
 pub mod log;
 pub mod mqtt;

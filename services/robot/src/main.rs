@@ -7,7 +7,7 @@ use clap::Parser;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 use tracing_subscriber::EnvFilter;
-use vibrissa_robot::{Config, hub, log};
+use vibrissa_robot::{Config, exposure, hub, log};
 
 /// The agent of one robot with soft whiskers: keeps the MQTT contract for a driver that speaks lines of JSON.
 #[derive(Debug, Parser)]
@@ -44,11 +44,14 @@ fn main() -> ExitCode {
 fn started(path: &std::path::Path, is_check: bool) -> anyhow::Result<()> {
     use anyhow::Context;
     let config = Config::read(path).with_context(|| path.display().to_string())?;
+    let exposures = exposure::exposures(path, &config);
     if is_check {
         config.broker.transport()?;
         println!("{}: robot {} of fleet {} is well configured", path.display(), config.robot, config.fleet);
+        exposures.iter().for_each(|exposure| println!("warning: {exposure}"));
         return Ok(());
     }
+    exposures.iter().for_each(|exposure| tracing::warn!("{exposure}"));
     // One thread: a robot has few messages, and each thread costs memory.
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(2).build()?;
     runtime.block_on(async {

@@ -2,14 +2,11 @@
 //! access, and how to close it.
 
 use std::ffi::OsString;
-use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 use crate::config::{Config, Key};
+use vibrissa_robot::exposure::open_file;
 use vibrissa_store::DatabaseAddress;
-
-/// Directory of container secrets. The mode of such a file is set outside the container.
-const MOUNTED: &str = "/run/secrets";
 
 /// Warnings about everything that others can read or do; empty if nothing is exposed. Encryption of the connections to
 /// the broker and the database is checked where these are prepared.
@@ -17,11 +14,13 @@ const MOUNTED: &str = "/run/secrets";
 pub fn exposures(config: &Config) -> Vec<String> {
     let mut found: Vec<String> = http(config).into_iter().collect();
     for (key, path) in &config.secret_files {
-        found.extend(open_file(*key, path));
+        found.extend(open_file(&key.to_string(), path));
     }
     if let DatabaseAddress::Sqlite(path) = &config.database {
         found.extend(
-            ["", "-wal", "-shm"].iter().filter_map(|ending| open_file(Key::DatabaseUrl, &beside(path, ending))),
+            ["", "-wal", "-shm"]
+                .iter()
+                .filter_map(|ending| open_file(&Key::DatabaseUrl.to_string(), &beside(path, ending))),
         );
     }
     found
@@ -44,30 +43,6 @@ fn http(config: &Config) -> Option<String> {
     })
 }
 
-/// A warning if others can read or change a file with secrets. Files owned by root may be group-readable, because that
-/// is how they are passed to a service under another user (PostgreSQL has the same rule for its keys).
-fn open_file(key: Key, path: &Path) -> Option<String> {
-    let file = std::fs::metadata(path).ok()?;
-    let group = if file.uid() == 0 { 0o020 } else { 0o060 };
-    let mode = file.mode() & 0o777;
-    let is_for_all = mode & 0o006 != 0;
-    if !is_for_all && mode & group == 0 {
-        return None;
-    }
-    let who = if is_for_all { "everyone on this machine" } else { "its group" };
-    let can = if mode & 0o022 == 0 { "read" } else { "read or change" };
-    let shown = path.display();
-    let us = std::fs::metadata("/proc/self").map_or(file.uid(), |process| process.uid());
-    let what_to_do = if path.canonicalize().is_ok_and(|path| path.starts_with(MOUNTED)) {
-        format!("its mode comes from outside the container: there give the file to user {us} with mode 0400")
-    } else if file.uid() == us {
-        format!("chmod 600 {shown}")
-    } else {
-        format!("chown {us} {shown} && chmod 600 {shown}")
-    };
-    Some(format!("{key}: {who} can {can} {shown} (mode {mode:04o}): {what_to_do}"))
-}
-
 fn beside(path: &Path, ending: &str) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(ending);
@@ -76,7 +51,7 @@ fn beside(path: &Path, ending: &str) -> PathBuf {
 
 #[cfg(test)]
 mod tests {
-    use std::os::unix::fs::PermissionsExt;
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
 
     use super::*;
     use crate::config::{self, Sources};

@@ -135,8 +135,27 @@ impl FileDriver {
             }
             Way::Command(_) | Way::Unix(_) | Way::Tcp(_) | Way::Serial(..) => {}
         }
-        Ok(DriverConfig { way, restart: self.restart })
+        let token_file = self.token_file.map(|path| folder.join(path));
+        let token = token_file.as_deref().map(token_in).transpose()?;
+        if token.is_some() && !matches!(way, Way::Tcp(_) | Way::Listen(_)) {
+            return Err(unfitting("driver.token_file", "needs driver.tcp or driver.listen"));
+        }
+        Ok(DriverConfig { way, restart: self.restart, token, token_file })
     }
+}
+
+/// The token in a file, without the line break at its end.
+fn token_in(path: &Path) -> Result<String, BadConfig> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|problem| unfitting("driver.token_file", format!("cannot read {}: {problem}", path.display())))?;
+    let token = text.trim_end_matches(['\n', '\r']);
+    let is_fit = (16..=256).contains(&token.len()) && token.chars().all(|one| one.is_ascii_graphic());
+    if !is_fit {
+        let problem =
+            "must contain 16 to 256 printable characters without spaces, such as those of openssl rand -hex 16";
+        return Err(unfitting("driver.token_file", problem));
+    }
+    Ok(token.to_owned())
 }
 
 pub(super) fn arrays(arrays: Vec<FileArray>) -> Result<Vec<ArrayFacts>, BadConfig> {

@@ -108,6 +108,7 @@ pub(super) struct FileDriver {
     pub(super) listen: Option<String>,
     pub(super) serial: Option<PathBuf>,
     pub(super) baud: Option<u32>,
+    pub(super) token_file: Option<PathBuf>,
     #[serde(default = "default_restart")]
     pub(super) restart: bool,
     #[serde(default)]

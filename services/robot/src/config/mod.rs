@@ -116,12 +116,23 @@ pub struct Limits {
 }
 
 /// The driver and the way to it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct DriverConfig {
     /// The way to the driver.
     pub way: Way,
     /// Whether a silent child process is killed and started again.
     pub restart: bool,
+    /// The first line of a driver at a TCP port, and the file that it is from.
+    pub token: Option<String>,
+    /// That file.
+    pub token_file: Option<PathBuf>,
+}
+
+impl std::fmt::Debug for DriverConfig {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        // Tokens stay out of logs.
+        f.debug_struct("DriverConfig").field("way", &self.way).field("restart", &self.restart).finish_non_exhaustive()
+    }
 }
 
 /// The way to the driver.

@@ -3,22 +3,29 @@
 use std::fs::OpenOptions;
 use std::io;
 use std::net::SocketAddr;
-use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
+use std::os::unix::fs::{FileTypeExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
-use std::time::Duration;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::unix::pipe;
 use tokio::net::{TcpListener, TcpStream, UnixListener};
 use tokio::process::{Child, Command};
+use tokio::task::JoinSet;
 use tokio::time::timeout;
 
-use crate::config::Way;
+use super::admission::{expect_own_peer, expect_token, is_trusted};
+use crate::config::{DriverConfig, Way};
 
 /// Time limit of a TCP connection.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
+/// Connections that may wait for their token at the same time: a silent one does not keep the driver away.
+const WAITING_MAX: usize = 8;
+/// Time between two logs of refused peers.
+const REFUSAL_PAUSE: Duration = Duration::from_secs(60);
 /// Time that a child process has to end once its input is closed.
 const END_TIMEOUT: Duration = Duration::from_secs(1);
 
@@ -52,7 +59,14 @@ impl Link {
 }
 
 /// A place at which drivers can be reached.
-pub(crate) enum Door {
+pub(crate) struct Door {
+    place: Place,
+    /// The first line of a driver at a TCP port.
+    token: Option<Arc<str>>,
+    refusal_told: Mutex<Option<Instant>>,
+}
+
+enum Place {
     Command(Vec<String>),
     Unix(UnixListener),
     Tcp(String),
@@ -62,35 +76,80 @@ pub(crate) enum Door {
 
 impl Door {
     /// Prepares the way: begins to listen, if the driver comes to the agent.
-    pub(crate) async fn open(way: &Way) -> io::Result<Self> {
-        Ok(match way {
-            Way::Command(words) => Self::Command(words.clone()),
-            Way::Unix(path) => Self::Unix(listen_at(path)?),
-            Way::Tcp(address) => Self::Tcp(address.clone()),
+    pub(crate) async fn open(driver: &DriverConfig) -> io::Result<Self> {
+        let place = match &driver.way {
+            Way::Command(words) => Place::Command(words.clone()),
+            Way::Unix(path) => Place::Unix(listen_at(path)?),
+            Way::Tcp(address) => Place::Tcp(address.clone()),
             Way::Listen(address) => {
                 let address: SocketAddr = address.parse().map_err(io::Error::other)?;
-                Self::Listen(TcpListener::bind(address).await?)
+                Place::Listen(TcpListener::bind(address).await?)
             }
-            Way::Serial(path, baud) => Self::Serial(path.clone(), *baud),
-        })
+            Way::Serial(path, baud) => Place::Serial(path.clone(), *baud),
+        };
+        Ok(Self { place, token: driver.token.as_deref().map(Arc::from), refusal_told: Mutex::default() })
     }
 
     /// The next link to a driver.
     pub(crate) async fn link(&self) -> io::Result<Link> {
-        match self {
-            Self::Command(words) => start(words),
-            Self::Unix(listener) => {
-                let (reader, writer) = listener.accept().await?.0.into_split();
-                Ok(Link::of(reader, writer, None))
-            }
-            Self::Tcp(address) => {
+        match &self.place {
+            Place::Command(words) => start(words),
+            Place::Unix(listener) => loop {
+                let stream = listener.accept().await?.0;
+                let uid = stream.peer_cred()?.uid();
+                if is_trusted(uid) {
+                    let (reader, writer) = stream.into_split();
+                    return Ok(Link::of(reader, writer, None));
+                }
+                self.tell_refusal(&format!("the driver belongs to user {uid}: start it as the agent's user"));
+            },
+            Place::Tcp(address) => {
                 let connected = timeout(CONNECT_TIMEOUT, TcpStream::connect(address)).await;
-                of_stream(connected.map_err(|_| io::Error::from(io::ErrorKind::TimedOut))??)
+                let mut stream = connected.map_err(|_| io::Error::from(io::ErrorKind::TimedOut))??;
+                if let Some(token) = &self.token {
+                    expect_token(&mut stream, token).await?;
+                }
+                of_stream(stream)
             }
-            Self::Listen(listener) => of_stream(listener.accept().await?.0),
-            Self::Serial(path, baud) => serial(path, *baud),
+            Place::Listen(listener) => self.first_admitted(listener).await,
+            Place::Serial(path, baud) => serial(path, *baud),
         }
     }
+
+    /// The first peer that may be the driver.
+    async fn first_admitted(&self, listener: &TcpListener) -> io::Result<Link> {
+        let mut waiting = JoinSet::new();
+        loop {
+            tokio::select! {
+                accepted = listener.accept(), if waiting.len() < WAITING_MAX => {
+                    let (stream, peer) = accepted?;
+                    waiting.spawn(admitted(stream, peer, self.token.clone()));
+                }
+                Some(ended) = waiting.join_next() => match ended {
+                    Ok(Ok(stream)) => return of_stream(stream),
+                    Ok(Err(problem)) => self.tell_refusal(&problem.to_string()),
+                    Err(problem) => self.tell_refusal(&problem.to_string()),
+                },
+            }
+        }
+    }
+
+    /// Logs a refused peer, but not each one: anybody on the machine can come again and again.
+    fn tell_refusal(&self, problem: &str) {
+        let mut told = self.refusal_told.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.is_none_or(|at| at.elapsed() >= REFUSAL_PAUSE) {
+            *told = Some(Instant::now());
+            tracing::warn!("a driver is refused: {problem}");
+        }
+    }
+}
+
+async fn admitted(mut stream: TcpStream, peer: SocketAddr, token: Option<Arc<str>>) -> io::Result<TcpStream> {
+    match token {
+        Some(token) => expect_token(&mut stream, &token).await?,
+        None => expect_own_peer(peer, stream.local_addr()?)?,
+    }
+    Ok(stream)
 }
 
 fn of_stream(stream: TcpStream) -> io::Result<Link> {
@@ -112,12 +171,20 @@ fn start(words: &[String]) -> io::Result<Link> {
     Ok(Link::of(stdout, stdin, Some(child)))
 }
 
-/// Listens at a Unix socket that only the agent's user can use. A socket that an earlier agent has left is removed.
+/// Listens at a Unix socket that only the agent's user can use. A socket that an earlier agent has left is removed, and nothing
+/// else: a connection to a file or to the target of a link is refused, too.
 fn listen_at(path: &Path) -> io::Result<UnixListener> {
-    match std::os::unix::net::UnixStream::connect(path) {
-        Ok(_) => return Err(io::Error::other(format!("{} is in use", path.display()))),
-        Err(problem) if problem.kind() == io::ErrorKind::ConnectionRefused => std::fs::remove_file(path)?,
-        // It is not there, or it is no socket, which `bind` says.
+    let shown = path.display();
+    match std::fs::symlink_metadata(path) {
+        Ok(found) if !found.file_type().is_socket() => {
+            return Err(io::Error::other(format!("{shown} exists and is no socket: name another path in driver.unix")));
+        }
+        Ok(_) => match std::os::unix::net::UnixStream::connect(path) {
+            Ok(_) => return Err(io::Error::other(format!("{shown} is in use"))),
+            Err(problem) if problem.kind() == io::ErrorKind::ConnectionRefused => std::fs::remove_file(path)?,
+            Err(problem) => return Err(io::Error::other(format!("{shown} cannot be tried: {problem}"))),
+        },
+        // `bind` says whether it can be there.
         Err(_) => {}
     }
     let listener = UnixListener::bind(path)?;
@@ -138,4 +205,31 @@ fn serial(path: &Path, baud: u32) -> io::Result<Link> {
     // For tokio a terminal that does not block is like a pipe.
     let reader = pipe::Receiver::from_file_unchecked(file.try_clone()?)?;
     Ok(Link::of(reader, pipe::Sender::from_file_unchecked(file)?, None))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn regress_only_a_socket_that_nobody_listens_at_is_removed() {
+        let folder = std::env::temp_dir().join(format!("vibrissa-robot-socket-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (file, link, socket) = (folder.join("file"), folder.join("link"), folder.join("socket"));
+        std::fs::write(&file, "mine").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        for path in [&file, &link, &folder] {
+            let refused = listen_at(path).unwrap_err().to_string();
+            assert!(refused.contains("is no socket"), "{refused}");
+        }
+        assert_eq!(std::fs::read(&file).unwrap(), b"mine");
+        assert!(link.is_symlink());
+        let first = listen_at(&socket).unwrap();
+        assert!(listen_at(&socket).unwrap_err().to_string().contains("in use"));
+        drop(first);
+        // As after a kill.
+        drop(listen_at(&socket).unwrap());
+        assert_eq!(std::fs::metadata(&socket).unwrap().permissions().mode() & 0o777, 0o600);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

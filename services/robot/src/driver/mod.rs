@@ -1,6 +1,7 @@
 //! The interface between the agent and a driver, version 1: docs/driver-interface.md. A driver reads gauges and sensors and
 //! moves valves; it is a program in any language.
 
+mod admission;
 pub mod lines;
 pub(crate) mod link;
 pub mod words;

@@ -3,14 +3,16 @@
 //! The first line states the version. A line is a CRC-32 in hexadecimal, a space, and the record as JSON. A torn last line,
 //! as after a power cut, is cut off; a damaged line elsewhere is left out and counted, and the damaged file is kept beside. The file grows by each record, and is
 //! replaced by one with only the present state when it exceeds its bound.
+//!
+//! Only the agent's user can read its files ([`private`]), and no link of somebody else leads the agent to another file.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
 use vibrissa_protocol::plain;
 
-use super::{Record, Stored};
+use super::{Record, Stored, private};
 
 /// First line of a file.
 const HEAD: &str = "vibrissa-robot outbox 1";
@@ -83,13 +85,13 @@ impl StoreFile {
     /// The file cannot be read or written, has another format, or is in use.
     pub fn open(path: &Path, bytes_max: u64) -> Result<(Self, Stored, Damage), StoreError> {
         let refused = |what| move |problem| StoreError::Refused { what, path: path.to_owned(), problem };
-        let lock = OpenOptions::new().create(true).append(true).open(beside(path, "lock")).map_err(refused("lock"))?;
+        let lock = private::append(&beside(path, "lock")).map_err(refused("lock"))?;
         match lock.try_lock() {
             Ok(()) => {}
             Err(std::fs::TryLockError::WouldBlock) => return Err(StoreError::InUse(path.to_owned())),
             Err(std::fs::TryLockError::Error(problem)) => return Err(refused("lock")(problem)),
         }
-        let (stored, mut damage) = match File::open(path) {
+        let (stored, mut damage) = match private::read(path) {
             Ok(file) => read(path, file)?,
             Err(problem) if problem.kind() == std::io::ErrorKind::NotFound => Default::default(),
             Err(problem) => return Err(refused("read")(problem)),
@@ -97,9 +99,9 @@ impl StoreFile {
         if damage.lines > 0 {
             let aside = beside(path, "damaged");
             // The agent starts with the other lines, even if the disk is full.
-            damage.aside = std::fs::copy(path, &aside).is_ok().then_some(aside);
+            damage.aside = copied(path, &aside).is_ok().then_some(aside);
         }
-        let file = OpenOptions::new().create(true).append(true).open(path).map_err(refused("open"))?;
+        let file = private::append(path).map_err(refused("open"))?;
         let bytes = file.metadata().map_err(refused("open"))?.len();
         Ok((Self { path: path.to_owned(), file, _lock: lock, bytes, bytes_max }, stored, damage))
     }
@@ -134,7 +136,7 @@ impl StoreFile {
         let path = self.path.clone();
         let refused = |problem| StoreError::Refused { what: "replace", path: path.clone(), problem };
         let new = beside(&self.path, "new");
-        let mut file = File::create(&new).map_err(refused)?;
+        let mut file = private::anew(&new).map_err(refused)?;
         let mut bytes = format!("{HEAD}\n").into_bytes();
         let mut written = 0;
         for record in records {
@@ -151,7 +153,7 @@ impl StoreFile {
         std::fs::rename(&new, &self.path).map_err(refused)?;
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         File::open(folder).and_then(|folder| folder.sync_all()).map_err(refused)?;
-        self.file = OpenOptions::new().append(true).open(&self.path).map_err(refused)?;
+        self.file = private::append(&self.path).map_err(refused)?;
         self.bytes = written;
         // If the state itself is large, the next replacement waits until as much again was written.
         self.bytes_max = self.bytes_max.max(2 * written);
@@ -165,6 +167,11 @@ impl StoreFile {
     pub fn synced(&self) -> std::io::Result<File> {
         self.file.try_clone()
     }
+}
+
+/// Copies a file of ours.
+fn copied(from: &Path, to: &Path) -> std::io::Result<u64> {
+    std::io::copy(&mut private::read(from)?, &mut private::anew(to)?)
 }
 
 fn beside(path: &Path, ending: &str) -> PathBuf {

@@ -4,6 +4,7 @@
 //! [`Record`] is the pure part; [`file`] keeps records in a file.
 
 pub mod file;
+mod private;
 
 use std::collections::BTreeMap;
 

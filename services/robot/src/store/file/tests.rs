@@ -1,6 +1,7 @@
 //! Files that are whole, torn, damaged, full, or of others.
 
 use std::fs;
+use std::os::unix::fs::{PermissionsExt, symlink};
 
 use vibrissa_protocol::{BootId, Name};
 
@@ -210,4 +211,53 @@ fn a_file_of_another_version_or_in_use_is_refused_and_stays() {
     let _first = StoreFile::open(&folder.file(), 1).unwrap();
     let refused = StoreFile::open(&folder.file(), 1).unwrap_err().to_string();
     assert!(refused.contains("in use by another agent"), "{refused}");
+}
+
+#[test]
+fn regress_no_link_is_followed_and_nobody_else_can_read_the_files() {
+    let folder = Folder::new("links");
+    let victim = folder.0.join("victim");
+    for kind in ["symbolic", "hard"] {
+        for name in ["outbox", "outbox.lock", "outbox.new", "outbox.damaged"] {
+            for old in ["outbox", "outbox.lock", "outbox.new", "outbox.damaged"] {
+                let _ = fs::remove_file(folder.0.join(old));
+            }
+            fs::write(&victim, "keep me").unwrap();
+            let path = folder.0.join(name);
+            if kind == "hard" {
+                fs::hard_link(&victim, &path).unwrap()
+            } else {
+                symlink(&victim, &path).unwrap()
+            }
+            let opened = StoreFile::open(&folder.file(), 1 << 20);
+            match name {
+                "outbox" | "outbox.lock" => {
+                    let refused = opened.unwrap_err().to_string();
+                    assert!(refused.contains("link"), "{name}: {refused}");
+                }
+                "outbox.new" => assert!(opened.unwrap().0.replace(some_records()).is_err()),
+                _ => {
+                    // A damaged line wants to be copied there.
+                    drop(opened.unwrap().0.replace(some_records()));
+                    let whole = fs::read_to_string(folder.file()).unwrap();
+                    fs::write(folder.file(), whole.replacen("\"seq\":3", "\"seq\":4", 1)).unwrap();
+                    let (_file, _, damage) = StoreFile::open(&folder.file(), 1 << 20).unwrap();
+                    assert_eq!((damage.lines, damage.aside), (1, None));
+                }
+            }
+            assert_eq!(fs::read(&victim).unwrap(), b"keep me", "{kind} {name}");
+        }
+    }
+    fs::remove_file(folder.0.join("outbox.damaged")).unwrap();
+    // Files of an earlier version are closed to others.
+    written(&folder, &some_records());
+    for name in ["outbox", "outbox.lock"] {
+        fs::set_permissions(folder.0.join(name), fs::Permissions::from_mode(0o644)).unwrap();
+    }
+    let (mut file, ..) = StoreFile::open(&folder.file(), 1 << 20).unwrap();
+    for name in ["outbox", "outbox.lock"] {
+        assert_eq!(fs::metadata(folder.0.join(name)).unwrap().permissions().mode() & 0o777, 0o600, "{name}");
+    }
+    file.replace(some_records()).unwrap();
+    assert_eq!(fs::metadata(folder.file()).unwrap().permissions().mode() & 0o777, 0o600);
 }

@@ -1,0 +1,63 @@
+//! Files of the agent alone: with mode 0600, reached by no link, and owned by the agent's user.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Error, Result};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::path::Path;
+
+use rustix::fs::OFlags;
+
+use crate::exposure::own_uid;
+
+const MODE: u32 = 0o600;
+
+fn options() -> OpenOptions {
+    // O_NONBLOCK keeps `open` from waiting for the other end of a named pipe.
+    let flags = OFlags::NOFOLLOW | OFlags::NONBLOCK;
+    let mut options = OpenOptions::new();
+    options.mode(MODE).custom_flags(flags.bits().cast_signed());
+    options
+}
+
+/// Refuses a file that is not only ours.
+fn checked(file: File) -> Result<File> {
+    let found = file.metadata()?;
+    if !found.is_file() {
+        return Err(Error::other("it is no regular file"));
+    }
+    if found.nlink() > 1 {
+        return Err(Error::other("it has another name, too (a hard link)"));
+    }
+    if found.uid() != own_uid() && own_uid() != 0 {
+        return Err(Error::other(format!("it belongs to user {}", found.uid())));
+    }
+    if found.mode() & 0o077 != 0 {
+        file.set_permissions(std::fs::Permissions::from_mode(MODE))?;
+    }
+    Ok(file)
+}
+
+fn explained(opened: Result<File>) -> Result<File> {
+    let is_link = |problem: &Error| problem.raw_os_error() == Some(rustix::io::Errno::LOOP.raw_os_error());
+    opened.map_err(|problem| if is_link(&problem) { Error::other("it is a symbolic link") } else { problem })
+}
+
+/// Opens a file to read it.
+pub(super) fn read(path: &Path) -> Result<File> {
+    checked(explained(options().read(true).open(path))?)
+}
+
+/// Opens a file to append to it; it is created if it is missing.
+pub(super) fn append(path: &Path) -> Result<File> {
+    checked(explained(options().append(true).create(true).open(path))?)
+}
+
+/// Creates a file anew, in place of one that the agent has left.
+pub(super) fn anew(path: &Path) -> Result<File> {
+    match read(path) {
+        Ok(_) => std::fs::remove_file(path)?,
+        Err(problem) if problem.kind() == std::io::ErrorKind::NotFound => {}
+        Err(problem) => return Err(problem),
+    }
+    options().write(true).create_new(true).open(path)
+}
