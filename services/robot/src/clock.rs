@@ -23,7 +23,7 @@ const FOLLOWED: i64 = 20;
 /// A system's clock further ahead than this had not been set when the agent started, as without a battery. It is taken over at
 /// once, in microseconds: a supervisor accepts such a jump, because it leads to the right time.
 const UNSET_US: i64 = 2 * 3_600_000_000;
-/// Difference between both clocks that is told, in microseconds: the contract asks for times that are correct to 2 s.
+/// Difference between both clocks from which on it is logged, in microseconds: the contract asks for times that are correct to 2 s.
 const TOLD_US: i64 = 2_000_000;
 
 /// A robot's clock for messages.
@@ -126,7 +126,7 @@ mod tests {
     const S: u64 = 1_000_000;
     const NOW_US: u64 = 1_795_248_000 * S;
 
-    /// Lets a clock run for some seconds after the system's clock was set by `step_s`; the stamps, and all that was told.
+    /// Lets a clock run for some seconds after the system's clock was set by `step_s`; the stamps, and the warnings.
     fn stamps(step_s: i64, seconds: u64) -> (Vec<u64>, Vec<Told>) {
         let mut clock = RobotClock::new(Moment::of_us(STARTED_US), NOW_US);
         let after = (0..=seconds * 10).map(|tenth| {

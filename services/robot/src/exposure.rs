@@ -63,7 +63,7 @@ fn socket(way: &Way) -> Option<&Path> {
     if let Way::Unix(path) = way { Some(path) } else { None }
 }
 
-/// Who besides the owner and root can change a file, or replace the files in a folder.
+/// The people besides the owner and root that can change a file, or replace the files in a folder.
 fn changed_by_others(path: &Path) -> Option<&'static str> {
     let found = std::fs::metadata(path).ok()?;
     // In a sticky folder only the owner of a file can replace it.

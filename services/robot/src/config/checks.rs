@@ -4,12 +4,16 @@ use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
+use vibrissa_protocol::text_file::read_text;
 use vibrissa_protocol::{ARRAYS_MAX, ArrayFacts, CONTACTS_MAX, WHISKERS_MAX, WhiskerFacts};
 use vibrissa_segmenter::Params;
 
 use super::file::{File, FileArray, FileBroker, FileDriver, FileWhisker};
 use super::{BadConfig, DriverConfig, Limits, Way};
 use crate::mqtt::{Authorities, Broker, ClientCertificate, password_in};
+
+/// Size limit of the file with a driver's token, bytes.
+const TOKEN_FILE_MAX_BYTES: u64 = 4096;
 
 type Checked = Result<(), BadConfig>;
 
@@ -146,7 +150,7 @@ impl FileDriver {
 
 /// The token in a file, without the line break at its end.
 fn token_in(path: &Path) -> Result<String, BadConfig> {
-    let text = std::fs::read_to_string(path)
+    let text = read_text(path, TOKEN_FILE_MAX_BYTES)
         .map_err(|problem| unfitting("driver.token_file", format!("cannot read {}: {problem}", path.display())))?;
     let token = text.trim_end_matches(['\n', '\r']);
     let is_fit = (16..=256).contains(&token.len()) && token.chars().all(|one| one.is_ascii_graphic());

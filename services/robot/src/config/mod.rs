@@ -122,9 +122,9 @@ pub struct DriverConfig {
     pub way: Way,
     /// Whether a silent child process is killed and started again.
     pub restart: bool,
-    /// The first line of a driver at a TCP port, and the file that it is from.
+    /// The first line of a driver at a TCP port.
     pub token: Option<String>,
-    /// That file.
+    /// File of the token, for warnings.
     pub token_file: Option<PathBuf>,
 }
 

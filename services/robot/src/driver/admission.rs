@@ -1,4 +1,4 @@
-//! Who may be the driver.
+//! Admission of drivers.
 //!
 //! A child process and a serial device are known. A Unix socket is the agent's own, with mode 0600. At a TCP port anybody can
 //! arrive: the first line must be the token, or the peer's socket must belong to the agent's user on this machine.
@@ -39,7 +39,7 @@ pub(super) async fn expect_token(reader: &mut (impl AsyncRead + Unpin), token: &
     if is_right { Ok(()) } else { Err(refused("the driver's first line is not the token of driver.token_file")) }
 }
 
-/// Byte by byte: what follows belongs to the driver's lines.
+/// Read byte by byte, because the driver's lines follow.
 async fn first_line(reader: &mut (impl AsyncRead + Unpin)) -> io::Result<Vec<u8>> {
     let mut line = Vec::new();
     loop {
