@@ -339,7 +339,8 @@ where
     sql.push(
         " ON CONFLICT (array_id, whisker) DO UPDATE SET x_mm = excluded.x_mm, y_mm = excluded.y_mm, \
          model = excluded.model, whole_length_mm = excluded.whole_length_mm, \
-         nominal_pressure_mpa = excluded.nominal_pressure_mpa, pressure_max_mpa = excluded.pressure_max_mpa \
+         nominal_pressure_mpa = excluded.nominal_pressure_mpa, pressure_max_mpa = excluded.pressure_max_mpa, \
+         absent_us = NULL \
          RETURNING array_id, whisker, whisker_id, rollup",
     );
     sql

@@ -2,6 +2,7 @@
 //! rows in this way, PostgreSQL those of batches that `postgres/whole.rs` cannot write as a single statement.
 
 use tracing::warn;
+use vibrissa_edge::clock::wall_clock;
 
 use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, RollupRow, Rows, SetpointRow, SetpointStateRow};
 use super::database::{Tx, on};
@@ -21,6 +22,7 @@ pub(super) async fn write(tx: &mut Tx<'_>, fleet: &str, rows: &Rows<'_>) -> Resu
     WHISKERS.write(tx, rows.whiskers).await.map_err(failed("write whiskers"))?;
     for layout in rows.layouts {
         count_whiskers(tx, layout.robot_id).await.map_err(failed("count the whiskers of a layout"))?;
+        note_absence(tx, layout.robot_id).await.map_err(failed("note the whiskers that are gone"))?;
     }
     write_rollups(tx, rows.rollups).await.map_err(failed("write aggregates of minutes and hours"))?;
     for record in rows.records {
@@ -84,6 +86,14 @@ async fn count_whiskers(tx: &mut Tx<'_>, robot_id: i64) -> sqlx::Result<()> {
     .await
     .map(drop)
     })
+}
+
+/// Notes the time for whiskers that are on the robot no more.
+async fn note_absence(tx: &mut Tx<'_>, robot_id: i64) -> sqlx::Result<()> {
+    const SQL: &str =
+        "UPDATE whiskers SET absent_us = $2 WHERE robot_id = $1 AND position IS NULL AND absent_us IS NULL";
+    let now_us = wall_clock().0 as i64;
+    on!(tx, |tx| sqlx::query(SQL).bind(robot_id).bind(now_us).execute(&mut **tx).await.map(drop))
 }
 
 /// Writes one of the rarer rows.

@@ -1,6 +1,9 @@
-//! Retention of contacts and aggregates: old rows are deleted in pieces so small that no commit waits for them.
+//! Retention of all tables ([`tables`]): old rows are deleted in pieces so small that no commit waits for them.
 
 use sqlx::PgConnection;
+
+mod records;
+pub mod tables;
 
 use super::database::Either;
 use super::partitions::{self, CONTACTS, DAY_US, MINUTES};
@@ -15,11 +18,13 @@ pub struct Retention {
     pub minutes_days: u32,
     /// Retention of black boxes, days.
     pub black_boxes_days: u32,
+    /// Retention of cleared alarms, changes of health and other records of what is over, days.
+    pub records_days: u32,
 }
 
 impl Default for Retention {
     fn default() -> Self {
-        Self { contacts_days: 30, minutes_days: 400, black_boxes_days: 90 }
+        Self { contacts_days: 30, minutes_days: 400, black_boxes_days: 90, records_days: 400 }
     }
 }
 
@@ -104,6 +109,8 @@ impl Store {
             }
             is_more = rows == BOXES as u64;
         }
+        is_more |= self.remove_records(kept_from(now_us, retention.records_days), told).await.map_err(failed(WHAT))?;
+        is_more |= self.forget_absent_whiskers(now_us, told).await.map_err(failed(WHAT))?;
         match &self.pool {
             Either::Sqlite(_) => {
                 let more_rows = self.remove_some([contacts_us, minutes_us], told).await.map_err(failed(WHAT))?;

@@ -40,6 +40,11 @@ const WHISKERS_11: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-11-1.bin"),
     include_bytes!("../../data/formats/whisker-11-2.bin"),
 ];
+const WHISKERS_12: [&[u8]; 3] = [
+    include_bytes!("../../data/formats/whisker-12-0.bin"),
+    include_bytes!("../../data/formats/whisker-12-1.bin"),
+    include_bytes!("../../data/formats/whisker-12-2.bin"),
+];
 const WHISKERS_6: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-6-0.bin"),
     include_bytes!("../../data/formats/whisker-6-1.bin"),
@@ -51,19 +56,19 @@ fn restored(whiskers: [&[u8]; 3]) -> Result<Robot, RestoreError> {
 }
 
 #[test]
-fn golden_whiskers_of_older_versions_are_read_and_become_version_11() {
+fn golden_whiskers_of_older_versions_are_read_and_become_version_12() {
     let robot = restored(WHISKERS_5).unwrap();
     if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        for index in 0..WHISKERS_11.len() {
+        for index in 0..WHISKERS_12.len() {
             let bytes = robot.whisker_to_bytes(index).unwrap();
-            std::fs::write(format!("../data/formats/whisker-11-{index}.bin"), bytes).unwrap();
+            std::fs::write(format!("../data/formats/whisker-12-{index}.bin"), bytes).unwrap();
         }
     }
-    for older in [WHISKERS_6, WHISKERS_7, WHISKERS_8, WHISKERS_9, WHISKERS_10, WHISKERS_11] {
+    for older in [WHISKERS_6, WHISKERS_7, WHISKERS_8, WHISKERS_9, WHISKERS_10, WHISKERS_11, WHISKERS_12] {
         assert_eq!(robot, restored(older).unwrap());
     }
     assert_eq!(robot.to_bytes().unwrap(), ROBOT_9);
-    for (index, bytes) in WHISKERS_11.into_iter().enumerate() {
+    for (index, bytes) in WHISKERS_12.into_iter().enumerate() {
         assert_eq!(robot.whisker_to_bytes(index).unwrap(), bytes, "whisker {index}");
     }
     // A trimmed whisker in the middle of its compensation.
@@ -87,8 +92,8 @@ fn golden_robots_of_older_versions_become_version_9() {
 
 #[test]
 fn a_whisker_of_a_later_version_is_refused() {
-    let mut later = WHISKERS_11[0].to_vec();
+    let mut later = WHISKERS_12[0].to_vec();
     later[0] += 1;
-    let refused = restored([&later, WHISKERS_11[1], WHISKERS_11[2]]);
+    let refused = restored([&later, WHISKERS_12[1], WHISKERS_12[2]]);
     assert_eq!(refused.err(), Some(RestoreError::Whisker(0)));
 }

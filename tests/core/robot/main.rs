@@ -10,6 +10,7 @@ mod erosion;
 mod factsheet;
 mod false_alarms;
 mod faults;
+mod flapping;
 mod formats;
 mod health;
 mod late_status;

@@ -31,7 +31,7 @@ const GIVE_UP: Duration = Duration::from_secs(30);
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Sends messages for a while. Returns the robot and the delays of its receipts.
-async fn work(mut robot: HandRobot, lasts: Duration) -> (HandRobot, Vec<Duration>) {
+pub(crate) async fn work(mut robot: HandRobot, lasts: Duration) -> (HandRobot, Vec<Duration>) {
     let begun = Instant::now();
     let (mut next, mut waiting, mut times) = (begun, BTreeMap::new(), Vec::new());
     loop {
@@ -74,7 +74,7 @@ async fn measure(robots: &mut Vec<HandRobot>) -> Vec<Duration> {
     all
 }
 
-fn quantile(ascending: &[Duration], q: f64) -> Duration {
+pub(crate) fn quantile(ascending: &[Duration], q: f64) -> Duration {
     ascending[((ascending.len() - 1) as f64 * q) as usize]
 }
 

@@ -15,6 +15,7 @@ mod crowds;
 mod database_errors;
 mod deaf;
 mod fair;
+mod flapping;
 mod forgeries;
 mod fuzz;
 mod headers;

@@ -5,10 +5,11 @@ use std::time::{Duration, Instant};
 
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Connection, Executor, Row};
+use vibrissa_store::batch::{AlarmClearedRow, AlarmRow, HealthRow, Record};
 use vibrissa_store::retention::{Done, Retention};
 use vibrissa_store::series::Span;
 use vibrissa_store::time::Time;
-use vibrissa_store::{Lease, Store, Writer};
+use vibrissa_store::{Batch, Lease, Store, Writer};
 
 use crate::rows::{self, Numbered};
 use crate::{Fresh, fleet, supervisor};
@@ -67,7 +68,7 @@ async fn make(store: &Store, now_us: i64) -> Vec<String> {
 
 async fn look_after(store: &Store, days: u32, now_us: i64) -> (Vec<Done>, bool) {
     let mut told = Vec::new();
-    let retention = Retention { contacts_days: days, minutes_days: 0, black_boxes_days: 0 };
+    let retention = Retention { contacts_days: days, minutes_days: 0, black_boxes_days: 0, records_days: 0 };
     let is_more = store.look_after(retention, now_us, &mut |done| told.push(done)).await.unwrap();
     (told, is_more)
 }
@@ -162,7 +163,7 @@ async fn a_long_query_puts_dropping_off_and_holds_no_commit_up() {
     let mut link = link(&database).await;
     let mut reader = link.begin().await.unwrap();
     reader.execute("SELECT count(*) FROM contacts").await.unwrap();
-    let retention = Retention { contacts_days: 1, minutes_days: 0, black_boxes_days: 0 };
+    let retention = Retention { contacts_days: 1, minutes_days: 0, black_boxes_days: 0, records_days: 0 };
     let later_us = NOON_US + 10 * DAY_US;
     let mut told = Vec::new();
     let mut tell = |done| told.push(done);
@@ -236,4 +237,72 @@ async fn brute_force_the_newest_contacts_of_sqlite() {
 #[tokio::test]
 async fn brute_force_the_newest_contacts_of_postgres() {
     newest(&Fresh::postgres().await).await;
+}
+
+/// What is over and old goes, and what stands stays.
+async fn old_records_go(database: Fresh) {
+    let (mut writer, lease, numbered) = taken(&database).await;
+    let whisker_id = numbered.whisker_ids[0];
+    let kind = "LEAK";
+    let change = |recorded_us| {
+        Record::Health(HealthRow { whisker_id, recorded_us, kind: "FAULT", was: None, becomes: Some(kind) })
+    };
+    let alarm = |raised_us| Record::Alarm(AlarmRow { whisker_id, raised_us, kind });
+    let cleared = |cleared_us| Record::AlarmCleared(AlarmClearedRow { whisker_id, cleared_us, kind });
+    let records =
+        vec![change(NOON_US), alarm(NOON_US), cleared(NOON_US + 1), change(NOON_US + 9 * DAY_US), alarm(NOON_US + 2)];
+    writer.commit(&lease, &Batch { records, ..Batch::default() }).await.unwrap();
+    let retention = Retention { contacts_days: 0, minutes_days: 0, black_boxes_days: 0, records_days: 5 };
+    let mut told = Vec::new();
+    database.store.look_after(retention, NOON_US + 10 * DAY_US, &mut |done| told.push(done)).await.unwrap();
+    told.retain(|done| matches!(done, Done::Removed { .. }));
+    let removed = |table| Done::Removed { table, rows: 1 };
+    assert_eq!(told, [removed("alarms"), removed("health_changes")], "the alarm that stands is kept");
+}
+
+#[tokio::test]
+async fn old_records_of_sqlite_go_when_they_are_over() {
+    old_records_go(Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn old_records_of_postgres_go_when_they_are_over() {
+    old_records_go(Fresh::postgres().await).await;
+}
+
+/// Whiskers that a layout has left out go after a day, unless they were touched.
+async fn unused_whiskers_go(database: Fresh) {
+    let (mut writer, lease, numbered) = taken(&database).await;
+    record(&mut writer, &lease, &numbered, NOON_US, 1).await;
+    let change = HealthRow {
+        whisker_id: numbered.whisker_ids[1],
+        recorded_us: NOON_US,
+        kind: "FAULT",
+        was: None,
+        becomes: Some("STALE"),
+    };
+    let empty = Batch { whiskers: Vec::new(), records: vec![Record::Health(change)], ..rows::states(&numbered) };
+    writer.commit(&lease, &empty).await.unwrap();
+    let retention = Retention { contacts_days: 0, minutes_days: 0, black_boxes_days: 0, records_days: 0 };
+    let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
+    let mut told = Vec::new();
+    for (later_us, gone) in [(DAY_US / 2, 0), (2 * DAY_US, 1), (2 * DAY_US, 0)] {
+        told.clear();
+        database.store.look_after(retention, now_us + later_us, &mut |done| told.push(done)).await.unwrap();
+        let removed = told.iter().filter(|done| matches!(done, Done::Removed { table: "whiskers", rows: 1 }));
+        assert_eq!(removed.count(), gone, "{told:?}");
+    }
+    // The touched one has its number still, the other one gets a new one.
+    let again = rows::numbered(&mut writer, &lease, "r").await.whisker_ids;
+    assert!(again[0] == numbered.whisker_ids[0] && again[1] != numbered.whisker_ids[1], "{again:?}");
+}
+
+#[tokio::test]
+async fn regress_unused_whiskers_of_former_layouts_go_from_sqlite() {
+    unused_whiskers_go(Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn regress_unused_whiskers_of_former_layouts_go_from_postgres() {
+    unused_whiskers_go(Fresh::postgres().await).await;
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use sqlx::{ConnectOptions, Row};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
+use vibrissa_store::retention::tables::{Kept, TABLES};
 use vibrissa_store::{DatabaseAddress, StoreError};
 use vibrissa_tests::postgres::Postgres;
 
@@ -57,7 +58,24 @@ async fn both_databases_have_the_same_tables_with_the_same_columns() {
             && tables["contacts"].contains("strain"),
         "{tables:?}"
     );
+    let kept: BTreeSet<String> = TABLES.iter().map(|(table, _)| (*table).to_owned()).collect();
+    assert_eq!(tables.keys().cloned().collect::<BTreeSet<_>>(), kept, "each table states its retention");
     assert_eq!(tables, postgres_tables(&postgres.server.as_ref().unwrap().connect()).await);
+}
+
+/// The document for operators names the setting of each table, or the table with its bound.
+#[test]
+fn the_retention_of_each_table_is_documented() {
+    let document = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../docs/operations.md");
+    let text = std::fs::read_to_string(document).unwrap();
+    for (table, kept) in TABLES {
+        let bound = match kept {
+            Kept::Days(setting) => format!("`{setting}`"),
+            Kept::Until(bound) | Kept::For(bound) => (*bound).to_owned(),
+        };
+        let row = text.lines().find(|line| line.starts_with('|') && line.contains(&format!("`{table}`")));
+        assert!(row.is_some_and(|row| row.contains(&bound)), "operations.md has no row of `{table}` with: {bound}");
+    }
 }
 
 /// A column of a table: its type, and whether a new row must have a value for it.

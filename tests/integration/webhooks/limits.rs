@@ -19,6 +19,18 @@ async fn many(raw: &mut Raw, events: i64) {
     assert_eq!(raw.run(&sql).await, events as u64);
 }
 
+/// Some events of the robot of another fleet, less urgent than a storm's.
+async fn of_another_fleet(raw: &mut Raw) {
+    let now_us = vibrissa_edge::clock::wall_clock().0;
+    for _ in 0..3 {
+        let sql = format!(
+            "INSERT INTO webhook_events (occurred_us, kind, word, fleet, robot_id) \
+             VALUES ({now_us}, 'ALARM_CLEARED', 'ERODING', 'another', 4000000)"
+        );
+        raw.run(&sql).await;
+    }
+}
+
 async fn what_is_removed_is_counted(stage: Stage) {
     let receiver = Receiver::start(Manner::Status(200)).await;
     let service = stage.supervisor("a", FAST).await;
@@ -26,17 +38,26 @@ async fn what_is_removed_is_counted(stage: Stage) {
     let more = json!({ "name": "trims", "enabled": false, "kinds": ["TRIM"] });
     let (webhook_id, _) = hook(&service, &receiver, more).await;
     let mut raw = stage.raw().await;
+    of_another_fleet(&mut raw).await;
     many(&mut raw, EVENTS_MAX + 1000).await;
-    assert_eq!(shown(&service, webhook_id).await["waiting"], json!((EVENTS_MAX + 1000) / 2));
+    let trims = (EVENTS_MAX + 1000) / 2;
+    assert_eq!(shown(&service, webhook_id).await["waiting"], json!(trims));
     service.store.trim_webhook_events(vibrissa_edge::clock::wall_clock().0 as i64).await.unwrap();
     let state = shown(&service, webhook_id).await;
-    assert_eq!((&state["waiting"], &state["lost"]), (&json!(EVENTS_MAX / 2), &json!(500)));
+    assert_eq!((&state["waiting"], &state["lost"]), (&json!(trims), &json!(0)), "the urgent ones stay");
+    let others = raw.number("SELECT count(*) FROM webhook_events WHERE fleet = 'another'").await;
+    assert_eq!(others, 3, "a storm takes nothing from another fleet");
+    // The urgent ones alone are too many.
+    many(&mut raw, EVENTS_MAX + 1000).await;
+    service.store.trim_webhook_events(vibrissa_edge::clock::wall_clock().0 as i64).await.unwrap();
+    let (state, lost) = (shown(&service, webhook_id).await, 2 * trims - (EVENTS_MAX - 3));
+    assert_eq!((&state["waiting"], &state["lost"]), (&json!(EVENTS_MAX - 3), &json!(lost)));
     assert_eq!(raw.number("SELECT count(*) FROM webhook_events").await, EVENTS_MAX);
     // A week later the rest is gone, too.
     let later_us = vibrissa_edge::clock::wall_clock().0 as i64 + 8 * 86_400_000_000;
     service.store.trim_webhook_events(later_us).await.unwrap();
     let state = shown(&service, webhook_id).await;
-    assert_eq!((&state["waiting"], &state["lost"]), (&json!(0), &json!(500 + EVENTS_MAX / 2)));
+    assert_eq!((&state["waiting"], &state["lost"]), (&json!(0), &json!(2 * trims)));
     service.stop().await;
 }
 

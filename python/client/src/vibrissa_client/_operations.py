@@ -3904,7 +3904,8 @@ class Operations:
     ) -> models.WebhookTest:
         """Send a test to a webhook and wait for its answer, for at most 10 s.
 
-        The test is an event of type `TEST`. It passes the waiting events, and is sent to disabled webhooks, too.
+        The test is an event of type `TEST`. It passes the waiting events, and is sent to disabled webhooks, too. A caller may
+        have two tests under way, the callers of a fleet four, a service sixteen; beyond that the answer is 429.
 
         Args:
             webhook_id: Number of the webhook.
@@ -7924,7 +7925,8 @@ class AsyncOperations:
     ) -> models.WebhookTest:
         """Send a test to a webhook and wait for its answer, for at most 10 s.
 
-        The test is an event of type `TEST`. It passes the waiting events, and is sent to disabled webhooks, too.
+        The test is an event of type `TEST`. It passes the waiting events, and is sent to disabled webhooks, too. A caller may
+        have two tests under way, the callers of a fleet four, a service sixteen; beyond that the answer is 429.
 
         Args:
             webhook_id: Number of the webhook.

@@ -4044,7 +4044,7 @@ class WebhookList(TypedDict):
 
     items: list[Webhook]
     """
-    The webhooks, in the order of their names. There are at most 50.
+    The webhooks, in the order of their names. There are at most 200.
     """
 
 

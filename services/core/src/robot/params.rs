@@ -67,6 +67,8 @@ pub struct HealthParams {
     pub unheld_after: Micros,
     /// Detection of leaks while pressures are held.
     pub leak: LeakParams,
+    /// Faults that come and go, and the delays of their alarms.
+    pub flapping: FlappingParams,
     /// Contacts in a row that make a gauge fault, and twice as many good ones end it.
     pub gauge_contacts: u8,
     /// A gauge's baseline further off than this raises an alarm, m/m: twenty times the noise floor.
@@ -75,6 +77,32 @@ pub struct HealthParams {
     pub length_sd_max_mm: f64,
     /// ... or after this many further contacts.
     pub length_contacts_max: u32,
+}
+
+/// Faults that come and go, and the delays of their alarms, as ISA-18.2 calls them. The delays concern people: a fault counts
+/// for the policy at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FlappingParams {
+    /// A fault that lasts less than this raises no alarm, unless it comes again.
+    pub alarm_on_delay: Micros,
+    /// The alarm is cleared once the fault has been away for this long: longer than the 10 s between two statuses.
+    pub alarm_off_delay: Micros,
+    /// Number of changes that follow each other quickly from which on a fault is latched.
+    pub latch_changes: u8,
+    /// A fault that has not changed for this long is steady: no longer latched, and its next change the first one. At least
+    /// as long as both delays.
+    pub steady_after: Micros,
+}
+
+impl Default for FlappingParams {
+    fn default() -> Self {
+        Self {
+            alarm_on_delay: Micros::from_s(1.0),
+            alarm_off_delay: Micros::from_s(15.0),
+            latch_changes: 6,
+            steady_after: Micros::from_s(600.0),
+        }
+    }
 }
 
 /// Touch tests and the suspicion of a lost reach.
@@ -172,6 +200,7 @@ impl Default for HealthParams {
             held_within_mpa: 0.010,
             unheld_after: Micros::from_s(4.0),
             leak: LeakParams::default(),
+            flapping: FlappingParams::default(),
             gauge_contacts: 5,
             baseline_strain_max: 1e-4,
             length_sd_max_mm: 0.3,

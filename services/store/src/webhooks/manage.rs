@@ -2,7 +2,7 @@
 
 use sqlx::AssertSqlSafe;
 
-use super::{COLUMNS, WEBHOOKS_MAX, WebhookRow};
+use super::{COLUMNS, WEBHOOKS_MAX, WEBHOOKS_PER_FLEET_MAX, WebhookRow};
 use crate::actions::{Asked, NewAction, record_done};
 use crate::database::{Either, Tx, on};
 use crate::{Store, StoreError, failed};
@@ -35,8 +35,8 @@ pub enum Set {
     Absent,
     /// Another target has this name.
     NameTaken,
-    /// There are as many targets as possible.
-    Full,
+    /// There are as many targets as possible: of this fleet, or else in all.
+    Full(Option<String>),
 }
 
 const WHAT: &str = "change a webhook";
@@ -80,11 +80,8 @@ impl Store {
         if is_taken(&mut tx, &new.name, 0).await.map_err(failed(WHAT))? {
             return Ok(Set::NameTaken);
         }
-        let count: i64 =
-            on!(&mut tx, |tx| sqlx::query_scalar("SELECT count(*) FROM webhooks").fetch_one(&mut **tx).await)
-                .map_err(failed(WHAT))?;
-        if count >= WEBHOOKS_MAX {
-            return Ok(Set::Full);
+        if let Some(full) = full(&mut tx, new.fleets.as_deref(), 0).await.map_err(failed(WHAT))? {
+            return Ok(full);
         }
         let webhook_id = insert(&mut tx, new, secret, action).await.map_err(failed(WHAT))?;
         tx.commit().await.map_err(failed(WHAT))?;
@@ -110,6 +107,9 @@ impl Store {
         }
         if is_taken(&mut tx, &new.name, webhook_id).await.map_err(failed(WHAT))? {
             return Ok(Set::NameTaken);
+        }
+        if let Some(full) = full(&mut tx, new.fleets.as_deref(), webhook_id).await.map_err(failed(WHAT))? {
+            return Ok(full);
         }
         let changed = on!(&mut tx, |tx| sqlx::query(SQL)
             .bind(webhook_id)
@@ -196,6 +196,23 @@ async fn is_taken(tx: &mut Tx<'_>, name: &str, but: i64) -> sqlx::Result<bool> {
     const SQL: &str = "SELECT count(*) FROM webhooks WHERE name = $1 AND webhook_id <> $2";
     let others: i64 = on!(tx, |tx| sqlx::query_scalar(SQL).bind(name).bind(but).fetch_one(&mut **tx).await)?;
     Ok(others > 0)
+}
+
+/// Whether there is no place for a target of these fleets, separated by commas, beside the others.
+async fn full(tx: &mut Tx<'_>, fleets: Option<&str>, but: i64) -> sqlx::Result<Option<Set>> {
+    const SQL: &str = "SELECT fleets FROM webhooks WHERE webhook_id <> $1";
+    let others: Vec<Option<String>> = on!(tx, |tx| sqlx::query_scalar(SQL).bind(but).fetch_all(&mut **tx).await)?;
+    if others.len() as i64 >= WEBHOOKS_MAX {
+        return Ok(Some(Set::Full(None)));
+    }
+    let of_all = others.iter().filter(|fleets| fleets.is_none()).count();
+    let Some(fleets) = fleets else { return Ok((of_all >= WEBHOOKS_PER_FLEET_MAX).then_some(Set::Full(None))) };
+    let count = |fleet: &str| {
+        let has = |one: &&String| one.split(',').any(|named| named == fleet);
+        others.iter().flatten().filter(has).count()
+    };
+    let full = fleets.split(',').find(|fleet| count(fleet) >= WEBHOOKS_PER_FLEET_MAX);
+    Ok(full.map(|fleet| Set::Full(Some(fleet.to_owned()))))
 }
 
 /// The target's queue begins behind the events of all transactions that began before this one.

@@ -16,11 +16,13 @@ use vibrissa_edge::webhooks::Interest;
 use super::database::{Either, Pool, Tx};
 use super::from_row::from_row;
 
-/// Largest number of webhooks.
-pub const WEBHOOKS_MAX: i64 = 50;
+/// Largest number of webhooks. Each may hold a thread, of which there are 512.
+pub const WEBHOOKS_MAX: i64 = 200;
+/// Largest number of webhooks of a fleet, and of those for all fleets.
+pub const WEBHOOKS_PER_FLEET_MAX: usize = 50;
 /// Number of dead letters that each target keeps.
 pub const DEAD_LETTERS_MAX: i64 = 1000;
-/// Number of events that the outbox keeps.
+/// Number of events that the outbox keeps, in fair shares of fleets and robots.
 pub const EVENTS_MAX: i64 = 20_000;
 
 from_row! {

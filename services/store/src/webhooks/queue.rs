@@ -163,44 +163,53 @@ impl Store {
         on!(&self.pool, |pool| sqlx::query(SQL).bind(holder).execute(pool).await.map(drop)).map_err(failed(WHAT))
     }
 
-    /// The queue of a target.
+    /// The queues of targets, in their order. The outbox is read once for all.
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn webhook_queue(&self, webhook: &WebhookRow) -> Result<Queue, StoreError> {
-        const WHAT: &str = "read the queue of a webhook";
-        const DEAD: &str = "SELECT count(*) FROM webhook_dead_letters WHERE webhook_id = $1 AND NOT again";
-        let dead = on!(&self.pool, |pool| sqlx::query_scalar(DEAD).bind(webhook.webhook_id).fetch_one(pool).await)
-            .map_err(failed(WHAT))?;
-        let mut queue = Queue { dead, ..Queue::default() };
-        let (mut after, interest) = (webhook.done(), webhook.interest());
+    pub async fn webhook_queues(&self, webhooks: &[WebhookRow]) -> Result<Vec<Queue>, StoreError> {
+        const WHAT: &str = "read the queues of the webhooks";
+        const DEAD: &str =
+            "SELECT webhook_id, count(*) AS dead FROM webhook_dead_letters WHERE NOT again GROUP BY webhook_id";
+        let dead: Vec<(i64, i64)> =
+            on!(&self.pool, |pool| sqlx::query_as(DEAD).fetch_all(pool).await).map_err(failed(WHAT))?;
+        let dead: std::collections::HashMap<i64, i64> = dead.into_iter().collect();
+        let of = |webhook: &WebhookRow| Queue {
+            dead: dead.get(&webhook.webhook_id).copied().unwrap_or_default(),
+            ..Queue::default()
+        };
+        let mut queues: Vec<Queue> = webhooks.iter().map(of).collect();
+        let interests: Vec<_> = webhooks.iter().map(|webhook| (webhook.done(), webhook.interest())).collect();
+        let Some(mut after) = interests.iter().map(|(done, _)| *done).min() else { return Ok(queues) };
         loop {
-            let events = self.brief_events(after, None).await?;
+            let events = self.brief_events(after).await?;
             for event in &events {
-                if event.is_in(&interest) {
-                    queue.waiting += 1;
-                    queue.oldest_us = Some(queue.oldest_us.map_or(event.occurred_us, |old| old.min(event.occurred_us)));
+                for (queue, (done, interest)) in queues.iter_mut().zip(&interests) {
+                    if event.at() > *done && event.is_in(interest) {
+                        queue.waiting += 1;
+                        queue.oldest_us =
+                            Some(queue.oldest_us.map_or(event.occurred_us, |old| old.min(event.occurred_us)));
+                    }
                 }
             }
             match events.last() {
                 Some(last) if events.len() as i64 == EVENTS_A_QUERY => after = last.at(),
-                _ => return Ok(queue),
+                _ => return Ok(queues),
             }
         }
     }
 
-    /// The oldest events after a place, up to an event if one is named, without their details.
-    pub(super) async fn brief_events(&self, after: Place, up_to: Option<i64>) -> Result<Vec<Brief>, StoreError> {
+    /// The oldest events after a place, without their details.
+    async fn brief_events(&self, after: Place) -> Result<Vec<Brief>, StoreError> {
         let sql = format!(
             "SELECT event_id, tx, place, occurred_us, kind, word, fleet FROM webhook_events e \
-             WHERE (e.tx, e.place, e.event_id) > ($1, $2, $3) AND e.event_id <= $4 ORDER BY e.tx, e.place, e.event_id \
+             WHERE (e.tx, e.place, e.event_id) > ($1, $2, $3) ORDER BY e.tx, e.place, e.event_id \
              LIMIT {EVENTS_A_QUERY}"
         );
         on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql))
             .bind(after.tx)
             .bind(after.place)
             .bind(after.event_id)
-            .bind(up_to.unwrap_or(i64::MAX))
             .fetch_all(pool)
             .await)
         .map_err(failed("read the events for webhooks"))

@@ -1,61 +1,92 @@
 //! Keeps the outbox small, and mends its order after a restored backup.
 
+use sqlx::{AssertSqlSafe, SqlSafeStr as _};
+use vibrissa_core::robot::effect::AlarmKind;
+use vibrissa_edge::guidance::Level;
+use vibrissa_edge::webhooks::{EventKind, kinds};
+use vibrissa_edge::words::{Word as _, Words as _};
+
 use super::EVENTS_MAX;
 use super::dead::lose;
-use crate::database::{Either, on};
+use super::queue::Brief;
+use crate::database::{Either, Tx, on};
 use crate::{Store, StoreError, failed};
 
 /// Time for which the outbox keeps events, µs: a week.
 const KEPT_US: i64 = 7 * 86_400_000_000;
+/// Most events that are removed at once.
+const PIECE: usize = 5000;
 
 const WHAT: &str = "remove old events of webhooks";
 
+/// The words of texts of this program, as a list in SQL.
+fn listed(words: impl Iterator<Item = &'static str>) -> String {
+    words.map(|word| format!("'{word}'")).collect::<Vec<_>>().join(", ")
+}
+
+/// 0 for events that somebody must act on soon, 1 for others.
+fn urgency() -> String {
+    let (of_alarms, others): (Vec<EventKind>, Vec<EventKind>) =
+        kinds().into_iter().partition(|kind| matches!(kind, EventKind::AlarmRaised | EventKind::AlarmCleared));
+    let is_urgent = |word: &&str| EventKind::AlarmRaised.level(Some(*word)) >= Level::Urgent;
+    format!(
+        "CASE WHEN kind IN ({}) OR kind IN ({}) AND word IN ({}) THEN 0 ELSE 1 END",
+        listed(others.into_iter().filter(|kind| kind.level(None) >= Level::Urgent).map(EventKind::word)),
+        listed(of_alarms.into_iter().map(EventKind::word)),
+        listed(AlarmKind::all().into_iter().map(AlarmKind::word).filter(is_urgent)),
+    )
+}
+
+/// Events that are too old ($1), or beyond the most that are kept ($2) in fair shares: the fleets take turns, in each of
+/// them the robots, and of each robot the urgent and then the newest events come first.
+fn excess() -> String {
+    format!(
+        "SELECT event_id, tx, place, occurred_us, kind, word, fleet FROM (SELECT f.*, row_number() OVER \
+         (ORDER BY fleet_turn, event_id DESC) AS turn FROM (SELECT r.*, row_number() OVER \
+         (PARTITION BY fleet ORDER BY robot_turn, event_id DESC) AS fleet_turn FROM (SELECT e.*, row_number() OVER \
+         (PARTITION BY robot_id ORDER BY {}, event_id DESC) AS robot_turn FROM webhook_events e) r) f) t \
+         WHERE occurred_us < $1 OR turn > $2 LIMIT {PIECE}",
+        urgency()
+    )
+}
+
 impl Store {
-    /// Removes events that are older than a week, or beyond the newest [`EVENTS_MAX`]. Undelivered ones are counted as lost
-    /// at each target that wants them.
+    /// Removes events that are older than a week, or beyond [`EVENTS_MAX`] in fair shares. Undelivered ones are counted as
+    /// lost at each target that wants them.
     ///
     /// # Errors
     /// The database cannot be used.
     pub async fn trim_webhook_events(&self, now_us: i64) -> Result<(), StoreError> {
-        const LAST: &str = "SELECT coalesce(max(event_id), 0) FROM webhook_events WHERE occurred_us < $1 \
-             OR event_id <= (SELECT max(event_id) FROM webhook_events) - $2";
-        const DEAD: &str = "UPDATE webhooks SET lost = lost + (SELECT count(*) FROM webhook_dead_letters d \
-             WHERE d.webhook_id = webhooks.webhook_id AND d.event_id <= $1)";
-        let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
-        if let Either::Postgres(tx) = &mut tx {
-            // Two supervisors at once would count twice.
-            let locked = sqlx::query("LOCK TABLE webhooks IN SHARE ROW EXCLUSIVE MODE").execute(&mut **tx).await;
-            locked.map_err(failed(WHAT))?;
-        }
-        let last: i64 = on!(&mut tx, |tx| sqlx::query_scalar(LAST)
-            .bind(now_us - KEPT_US)
-            .bind(EVENTS_MAX)
-            .fetch_one(&mut **tx)
-            .await)
-        .map_err(failed(WHAT))?;
-        if last == 0 {
-            return Ok(());
-        }
-        for webhook in self.webhooks().await? {
-            let (mut after, mut lost, interest) = (webhook.done(), 0, webhook.interest());
-            loop {
-                let events = self.brief_events(after, Some(last)).await?;
-                let Some(newest) = events.last() else { break };
-                after = newest.at();
-                lost += events.iter().filter(|event| event.is_in(&interest)).count() as i64;
+        const ANY: &str = "SELECT count(*) FROM (SELECT 1 FROM webhook_events WHERE occurred_us < $1 \
+             UNION ALL SELECT 1 FROM (SELECT count(*) AS n FROM webhook_events) c WHERE n > $2) x";
+        let before_us = now_us - KEPT_US;
+        loop {
+            let any: i64 =
+                on!(&self.pool, |pool| sqlx::query_scalar(ANY).bind(before_us).bind(EVENTS_MAX).fetch_one(pool).await)
+                    .map_err(failed(WHAT))?;
+            if any == 0 {
+                return Ok(());
             }
-            if lost > 0 {
-                lose(&mut tx, webhook.webhook_id, lost).await.map_err(failed(WHAT))?;
+            let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
+            if let Either::Postgres(tx) = &mut tx {
+                // Two supervisors at once would count twice.
+                let locked = sqlx::query("LOCK TABLE webhooks IN SHARE ROW EXCLUSIVE MODE").execute(&mut **tx).await;
+                locked.map_err(failed(WHAT))?;
             }
+            let sql = AssertSqlSafe(excess());
+            let events: Vec<Brief> =
+                on!(&mut tx, |tx| sqlx::query_as(sql).bind(before_us).bind(EVENTS_MAX).fetch_all(&mut **tx).await)
+                    .map_err(failed(WHAT))?;
+            for webhook in self.webhooks().await? {
+                let (done, interest) = (webhook.done(), webhook.interest());
+                let lost = events.iter().filter(|event| event.at() > done && event.is_in(&interest)).count() as i64;
+                if lost > 0 {
+                    lose(&mut tx, webhook.webhook_id, lost).await.map_err(failed(WHAT))?;
+                }
+            }
+            remove(&mut tx, &events).await.map_err(failed(WHAT))?;
+            tx.commit().await.map_err(failed(WHAT))?;
         }
-        for sql in [
-            DEAD,
-            "DELETE FROM webhook_dead_letters WHERE event_id <= $1",
-            "DELETE FROM webhook_events WHERE event_id <= $1",
-        ] {
-            on!(&mut tx, |tx| sqlx::query(sql).bind(last).execute(&mut **tx).await.map(drop)).map_err(failed(WHAT))?;
-        }
-        tx.commit().await.map_err(failed(WHAT))
     }
 
     /// Prepares the queues when a supervisor starts. A file has one supervisor at a time, so nobody holds a target of it now. A
@@ -81,4 +112,23 @@ impl Store {
         }
         Ok(())
     }
+}
+
+/// Removes events with their dead letters, which are counted as lost.
+async fn remove(tx: &mut Tx<'_>, events: &[Brief]) -> sqlx::Result<()> {
+    // The list contains only numbers, no text from outside.
+    let list: Vec<String> = events.iter().map(|event| event.event_id.to_string()).collect();
+    let list = if list.is_empty() { "NULL".to_owned() } else { list.join(", ") };
+    for sql in [
+        format!(
+            "UPDATE webhooks SET lost = lost + (SELECT count(*) FROM webhook_dead_letters d \
+             WHERE d.webhook_id = webhooks.webhook_id AND d.event_id IN ({list}))"
+        ),
+        format!("DELETE FROM webhook_dead_letters WHERE event_id IN ({list})"),
+        format!("DELETE FROM webhook_events WHERE event_id IN ({list})"),
+    ] {
+        let sql = AssertSqlSafe(sql).into_sql_str();
+        on!(&mut *tx, |tx| sqlx::query(sql).persistent(false).execute(&mut **tx).await.map(drop))?;
+    }
+    Ok(())
 }

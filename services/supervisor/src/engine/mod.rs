@@ -23,6 +23,7 @@ mod decommission;
 mod dispatch;
 mod fleet_metrics;
 mod hearing;
+mod ledger;
 mod message;
 mod quarantine;
 mod robot;

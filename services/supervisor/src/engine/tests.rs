@@ -1,5 +1,6 @@
 //! Tests that checkpoints and journal together restore the robots as of the last commit, after a crash at any point.
 
+mod budget;
 mod robots;
 mod silence;
 

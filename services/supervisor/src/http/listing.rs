@@ -16,8 +16,8 @@ use super::accept::preferred;
 use super::access::{Caller, Credential};
 use super::csv_rows::{Columns, MEDIA_TYPE};
 use super::page::{LIMIT_MAX, Page};
+use super::places::{Place, fleet_of};
 use super::problem::{Kind, Problem};
-use super::streams::Place;
 use super::words::words;
 
 words! {
@@ -101,7 +101,7 @@ impl Listing {
         T: Serialize + PartialSchema + 'static,
     {
         if self.is_csv && !self.is_limited {
-            let place = app.streams.open(&self.caller.actor)?;
+            let place = app.streams.open(&self.caller.actor, fleet_of(&self.caller.scope, None))?;
             selection.limit = LIMIT_MAX;
             let first = app.store.list::<R>(list, &selection).await?;
             return Ok(self.streamed(Reading { app: app.clone(), list, selection, change, place }, first));

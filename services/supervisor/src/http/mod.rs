@@ -30,6 +30,7 @@ pub mod moment;
 pub mod number;
 pub mod page;
 pub mod passage;
+pub mod places;
 pub mod problem;
 pub mod runbooks;
 pub mod search;
@@ -68,6 +69,7 @@ use crate::webhooks::{WebhookOptions, Webhooks};
 use access::{Access, Gate, guests, origin};
 use client_address::{Network, TrustedProxies};
 pub use further_routes::FurtherRoutes;
+use places::{PlaceLimits, Places};
 use server::{Limits, Server};
 use streams::{StreamOptions, Streams};
 use vibrissa_store::{Store, StoreError};
@@ -97,11 +99,16 @@ pub struct App {
     pub robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
     /// Sends tests to webhooks.
     pub webhooks: Webhooks,
+    /// Places of tests of webhooks, each of which holds a thread until its target answers.
+    pub webhook_tests: Places,
     /// Where the runbooks are, without a slash at the end.
     pub runbooks_url: Arc<str>,
     /// Routes beside those of the API.
     pub further_routes: FurtherRoutes,
 }
+
+/// Tests of webhooks at the same time.
+const WEBHOOK_TESTS: PlaceLimits = PlaceLimits { total_max: 16, per_fleet_max: 4, per_caller_max: 2 };
 
 impl FromRef<App> for Readiness {
     fn from_ref(app: &App) -> Self {
@@ -123,6 +130,7 @@ impl App {
     ) -> Self {
         let streams = Streams::new(StreamOptions::default());
         let webhooks = Webhooks::new(&WebhookOptions::default(), store.clone(), metrics.clone(), "http".into());
+        let webhook_tests = Places::new("tests of webhooks", WEBHOOK_TESTS);
         Self {
             store,
             metrics,
@@ -135,6 +143,7 @@ impl App {
             traces: None,
             robots_file: None,
             webhooks,
+            webhook_tests,
             runbooks_url: runbooks::PATH.into(),
             further_routes: FurtherRoutes::default(),
         }

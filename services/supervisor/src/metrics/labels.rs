@@ -67,6 +67,7 @@ pub(super) const REASON: Labels<1> = by_one("reason", || {
         "not_json",
         "old_boot",
         "out_of_range",
+        "over_budget",
         "over_share",
         "state_backward",
         "suspect",

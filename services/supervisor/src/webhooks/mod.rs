@@ -31,8 +31,8 @@ use vibrissa_store::{Store, StoreError};
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// Interval between two measurements of the queues for the metrics.
 const MEASURE_EVERY: Duration = Duration::from_secs(10);
-/// Interval between two removals of old events.
-const TRIM_EVERY: Duration = Duration::from_secs(600);
+/// Interval between two removals of old events, and of those beyond the outbox's limit.
+const TRIM_EVERY: Duration = Duration::from_secs(10);
 /// Time limit for attempts that are under way when the service stops.
 const STOP_PATIENCE: Duration = Duration::from_secs(3);
 
@@ -141,8 +141,9 @@ impl Webhooks {
 
     async fn measure(&self) -> Result<(), StoreError> {
         let (mut waiting, mut dead, mut oldest_us) = (0, 0, None::<i64>);
-        for webhook in self.store.webhooks().await?.iter().filter(|webhook| webhook.enabled) {
-            let queue = self.store.webhook_queue(webhook).await?;
+        let mut webhooks = self.store.webhooks().await?;
+        webhooks.retain(|webhook| webhook.enabled);
+        for queue in self.store.webhook_queues(&webhooks).await? {
             waiting += queue.waiting;
             dead += queue.dead;
             oldest_us = oldest_us.into_iter().chain(queue.oldest_us).min();

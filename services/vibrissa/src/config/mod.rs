@@ -143,7 +143,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let keep = reader.word::<KeepArg>(Key::ContactsKeep);
     let keep = keep.map(ContactRetention::from);
     let (contacts_days, minutes_days) = (reader.whole(Key::ContactsDays), reader.whole(Key::RollupsMinutesDays));
-    let black_box_days = reader.whole(Key::BlackBoxDays);
+    let (black_box_days, records_days) = (reader.whole(Key::BlackBoxDays), reader.whole(Key::RecordsDays));
     let black_boxes = black_boxes(reader);
     let limits = limits(reader);
     let (broker, mqtt_credentials) = mqtt::broker(reader);
@@ -174,6 +174,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
                 contacts_days: contacts_days?,
                 minutes_days: minutes_days?,
                 black_boxes_days: black_box_days?,
+                records_days: records_days?,
             },
         },
         black_boxes: black_boxes?,

@@ -15,7 +15,7 @@ use crate::robot::state::whisker::{Air, Whisker};
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 11;
+const VERSION: u32 = 12;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
 const FIRST_MARKED: u32 = 6;
 /// Added to the version; the flags of an older whisker are less than this.
@@ -42,7 +42,7 @@ impl Whisker {
     }
 
     /// Presence of the parts that few whiskers have, in stored order.
-    fn has(&self) -> [bool; 12] {
+    fn has(&self) -> [bool; 13] {
         [
             self.rare.pending_trim.is_some(),
             self.rare.whole_offset.is_some(),
@@ -56,6 +56,7 @@ impl Whisker {
             self.rare.reach.is_some(),
             self.rare.length_test.is_some(),
             self.rare.set_at != Micros::default(),
+            self.rare.flapping.is_some(),
         ]
     }
 }
@@ -84,7 +85,7 @@ impl BorshSerialize for Whisker {
         self.rare.unsteady.iter().try_for_each(|one| one.serialize(writer))?;
         self.desired.iter().try_for_each(|one| one.serialize(writer))?;
         self.command.iter().try_for_each(|one| one.serialize(writer))?;
-        let [.., refused, waits, _, _, set] = self.has();
+        let [.., refused, waits, _, _, set, _] = self.has();
         if refused {
             write_numbers(&self.refused_servers, writer)?;
         }
@@ -96,7 +97,7 @@ impl BorshSerialize for Whisker {
         if set {
             (self.rare.set_at, self.rare.set_heard).serialize(writer)?;
         }
-        Ok(())
+        self.rare.flapping.iter().try_for_each(|one| one.serialize(writer))
     }
 }
 
@@ -127,6 +128,8 @@ impl BorshDeserialize for Whisker {
             length_test,
             // Not before version 10.
             set,
+            // Not before version 12.
+            flapping,
         ] = has;
         let array =
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
@@ -180,6 +183,7 @@ impl BorshDeserialize for Whisker {
                 not_before: Micros::default(),
                 set_at: Micros::default(),
                 set_heard: Micros::default(),
+                flapping: None,
             }),
             desired: of(desired, reader)?,
             command: of(command, reader)?,
@@ -200,6 +204,9 @@ impl BorshDeserialize for Whisker {
             if version >= 11 {
                 rare.set_heard = BorshDeserialize::deserialize_reader(reader)?;
             }
+        }
+        if flapping {
+            read.rare.get_or_insert().flapping = of(true, reader)?;
         }
         Ok(read)
     }

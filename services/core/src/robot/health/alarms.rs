@@ -109,9 +109,10 @@ impl Robot {
         let is_proposed = self.head.compensations.iter().any(|one| one.proposed && one.target() == index);
         let is_own = |one: &Compensation| one.target() == index && one.compensator() == index && !one.settled;
         let is_tried = self.whiskers[index].rare.tries.is_failing() && self.head.compensations.iter().any(is_own);
-        let due = self.whiskers[index].due(is_proposed, is_tried);
-        let stands = !self.head.silent && self.whiskers[index].standing.fault == STALE;
-        Standing { fault: due.fault.filter(|_| due.fault != STALE || stands), ..due }
+        let whisker = &self.whiskers[index];
+        let due = whisker.due(is_proposed, is_tried);
+        let stands = !self.head.silent && whisker.fault == STALE && whisker.standing.fault == STALE;
+        if stands { Standing { fault: STALE, ..due } } else { due }
     }
 
     /// Raises or clears the alarm for the robot's silence. Returns whether the silence has begun: then no whisker's own
@@ -193,7 +194,8 @@ impl Robot {
 }
 
 impl Whisker {
-    /// The alarms that its state asks for; `is_tried` if its own compensation has failed and is tried again.
+    /// The alarms that its state asks for, but for its silence; `is_tried` if its own compensation has failed and is tried
+    /// again.
     fn due(&self, proposed: bool, is_tried: bool) -> Standing {
         let is = [
             self.condition == Condition::SensitivityLoss,
@@ -206,6 +208,6 @@ impl Whisker {
             self.rare.reach.as_ref().is_some_and(|reach| reach.is_lost()),
             self.holds == Holds::Vented && self.desired.is_none(),
         ];
-        Standing { fault: self.fault, kinds: encoding::pack_flags(is) }
+        Standing { fault: self.fault_with_alarm(), kinds: encoding::pack_flags(is) }
     }
 }

@@ -108,14 +108,26 @@ impl Robot {
         index: WhiskerIndex,
         effects: &mut Vec<Effect>,
     ) {
-        let (from, to) = (self.whiskers[index].fault, self.present_fault(params, now, index));
+        let present = self.present_fault(params, now, index);
+        let (whisker, from) = (&self.whiskers[index], self.whiskers[index].fault);
+        let (to, flapping) = whisker.with_evidence(&params.health.flapping, now, present);
+        if flapping != whisker.rare.flapping {
+            self.whiskers[index].rare.get_or_insert().flapping = flapping;
+        }
         if from != to {
             self.whiskers[index].fault = to;
             effects.push(Effect::Fault { whisker: index, from, to });
         }
     }
 
-    pub(in crate::robot) fn present_fault(&self, params: &Params, now: Micros, index: WhiskerIndex) -> Option<Fault> {
+    /// Whether the present evidence would change a whisker's fault, or what is known of its changes.
+    pub(in crate::robot) fn is_fault_up_to_date(&self, params: &Params, now: Micros, index: WhiskerIndex) -> bool {
+        let whisker = &self.whiskers[index];
+        let present = self.present_fault(params, now, index);
+        whisker.with_evidence(&params.health.flapping, now, present) == (whisker.fault, whisker.rare.flapping)
+    }
+
+    fn present_fault(&self, params: &Params, now: Micros, index: WhiskerIndex) -> Option<Fault> {
         let (online, since) = (self.head.link == Link::Online, self.head.listening_since);
         self.whiskers[index].present_fault(params, now, online, since)
     }

@@ -6,4 +6,5 @@ pub(in crate::robot) mod contact;
 mod deafness;
 pub(in crate::robot) mod duplicate;
 pub(in crate::robot) mod faults;
+pub(in crate::robot) mod flapping;
 pub(in crate::robot) mod gauge;

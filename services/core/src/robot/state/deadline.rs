@@ -1,6 +1,6 @@
 //! The time until which a tick has nothing to do: most robots are heard in time and hold their setpoints.
 //!
-//! By time alone, a whisker becomes silent, a pressure is not held for too long, and a setpoint is sent, sent again or
+//! By time alone, a whisker becomes silent, a pressure is not held for too long, a fault is steady again, and a setpoint is sent, sent again or
 //! expires. While no setpoint is under way, the earliest of these times is known after a look at all whiskers. Each
 //! step lowers that time to the deadline of every whisker that it has accessed: a whisker that was not accessed has the
 //! same deadline.
@@ -71,7 +71,7 @@ impl Robot {
     /// Until when a tick has nothing to do for a whisker; none if it has something to do now.
     fn quiet_until(&self, params: &Params, now: Micros, index: WhiskerIndex) -> Option<Micros> {
         let whisker = &self.whiskers[index];
-        let is_up_to_date = whisker.fault == self.present_fault(params, now, index) && !self.may_be_silent_alone(index);
+        let is_up_to_date = self.is_fault_up_to_date(params, now, index) && !self.may_be_silent_alone(index);
         whisker.quiet_until(params, now, self.head.listening_since).filter(|_| is_up_to_date)
     }
 }
@@ -86,7 +86,8 @@ impl Whisker {
         let silent = self.heard.map(|heard| heard.max(listening_since).after(params.health.stale_after));
         let unheld = self.air.unheld_since.map(|since| since.after(params.health.unheld_after));
         // Deadlines that have passed have had their effect.
-        let to_come = [silent, unheld].into_iter().flatten().filter(|&at| now <= at);
+        let flapping = self.flapping_times(&params.health.flapping);
+        let to_come = [silent, unheld].into_iter().flatten().chain(flapping).filter(|&at| now <= at);
         Some(to_come.min().unwrap_or(Micros(u64::MAX)))
     }
 }

@@ -4,13 +4,14 @@ use std::ops::Deref;
 
 use crate::estimation::{ErosionWatch, OwnCalibration, Reach};
 use crate::mechanics::Offset;
+use crate::robot::health::flapping::Flapping;
 use crate::robot::setpoints::tries::Tries;
 use crate::robot::state::whisker::{PendingTrim, Unsteady};
 use crate::robot::touch_tests::LengthTest;
 use crate::units::Micros;
 
-/// State of a whisker that was cut, erodes, serves, is sent setpoints, is in an array that shifts, or is touched at
-/// known distances.
+/// State of a whisker that was cut, erodes, serves, is sent setpoints, is in an array that shifts, is touched at known
+/// distances, or whose fault changes.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::robot) struct RareState {
     /// A confirmed cut whose length is not certain enough yet to act on.
@@ -36,6 +37,8 @@ pub(in crate::robot) struct RareState {
     pub set_at: Micros,
     /// When that report was received, by the supervisor's clock.
     pub set_heard: Micros,
+    /// Changes of its fault, until it is steady again.
+    pub flapping: Option<Flapping>,
 }
 
 static NONE: RareState = RareState {
@@ -50,6 +53,7 @@ static NONE: RareState = RareState {
     not_before: Micros(0),
     set_at: Micros(0),
     set_heard: Micros(0),
+    flapping: None,
 };
 
 /// The rare state of a whisker. It reads as [`NONE`] until something is put into it.

@@ -26,6 +26,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::{BootId, Name};
 
 use crate::black_box::Recorder;
+use crate::engine::ledger::Account;
 use boots::Boots;
 use commands::Commands;
 use errors::MeasuredErrors;
@@ -61,6 +62,8 @@ pub(crate) struct KnownRobot {
     pub(crate) new_boots: Bucket,
     /// Limits the rate of new layouts.
     pub(crate) new_layouts: Bucket,
+    /// Bytes that its effects may add to the database.
+    pub(crate) account: Account,
     /// Until when its messages were shed.
     pub(crate) deaf_until: Micros,
     /// The last boot refused by the rate limit; it is accepted once the limit allows it.
@@ -122,6 +125,7 @@ impl KnownRobot {
             is_heard: false,
             new_boots: Bucket::new(BOOTS_AT_ONCE, BOOTS_PER_MINUTE),
             new_layouts: Bucket::new(BOOTS_AT_ONCE, BOOTS_PER_MINUTE),
+            account: Account::default(),
             deaf_until: Micros::default(),
             refused_boot: None,
             seqs: Seqs::default(),

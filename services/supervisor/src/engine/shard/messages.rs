@@ -4,12 +4,14 @@ use std::fmt::Display;
 use std::time::Instant;
 
 use tracing::{info, warn};
+use vibrissa_core::robot::event::Link;
 use vibrissa_core::robot::{Event, Outcome};
 use vibrissa_protocol::{self as protocol, Message, Refusal, RobotTopic};
 
 use super::Shard;
 use super::reports::OLD_FACTSHEET;
 use crate::engine::commit::committer::Committer;
+use crate::engine::ledger;
 use crate::engine::message::RawMessage;
 use crate::engine::robot::{KnownRobot, fingerprints};
 use vibrissa_edge as edge;
@@ -121,7 +123,14 @@ impl Shard {
             self.stepper.violation("old_boot", OLD_BIRTH, &known.name);
             return;
         }
-        let is_new = is_birth && known.robot.connection_state().0 != Some(message.boot_id.as_str());
+        let (newest, link) = known.robot.connection_state();
+        let is_new = is_birth && newest != Some(message.boot_id.as_str());
+        let is_back = is_birth && !is_new && link != Link::Online;
+        if is_back && !known.account.affords(ledger::ROBOT, raw.received, 0) {
+            self.stepper.violation("over_budget", "its connection changes too often", &known.name);
+            known.refused_boot = Some(message.boot_id.clone());
+            return;
+        }
         if is_new && !known.new_boots.take(Instant::now()) {
             let problem = "too many new boots: the last accepted boot stays in force until the limit allows another";
             self.stepper.metrics.refuse("too_many_boots", problem, raw.robot.as_str());

@@ -22,6 +22,9 @@ use vibrissa_store::batch::{
 impl Stepper {
     /// Adds one effect to the batch or to the publications.
     pub(super) fn record(&mut self, known: &mut KnownRobot, now: Micros, effect: Effect, source: Option<Source<'_>>) {
+        if !self.admit(known, now, &effect) {
+            return;
+        }
         log::effect(known, &effect);
         self.tell(known, now, &effect, source);
         let robot_id = known.robot_id;

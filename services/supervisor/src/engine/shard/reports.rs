@@ -13,6 +13,7 @@ use vibrissa_protocol::{self as protocol, Refusal, RobotTopic};
 use super::stepper::{AnsweredSetpoint, Stepper};
 use crate::engine::commit::batch::Source;
 use crate::engine::commit::committer::Committer;
+use crate::engine::ledger;
 use crate::engine::message::MessageTimes;
 use crate::engine::robot::commands::Plausibility;
 use crate::engine::robot::{KnownRobot, fingerprints};
@@ -51,9 +52,7 @@ impl Stepper {
             return Ok(());
         }
         let is_numbered = known.is_laid_out(&factsheet);
-        if !is_numbered && !is_again && !known.new_layouts.take(Instant::now()) {
-            let problem = "too many new layouts: the last one stays in force until the limit allows another";
-            self.metrics.refuse("too_many_layouts", problem, known.name.as_str());
+        if !is_numbered && !is_again && !self.admits_layout(known, &factsheet, now) {
             return Ok(());
         }
         let (writer, lease) = committer.database();
@@ -89,6 +88,23 @@ impl Stepper {
         }
         self.step(known, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, None);
         Ok(())
+    }
+
+    /// Charges a new layout to the robot's account. Returns false, and counts, if it is refused.
+    fn admits_layout(&mut self, known: &mut KnownRobot, factsheet: &Factsheet, now: Micros) -> bool {
+        let bytes = ledger::layout_cost(new_whiskers(known, factsheet));
+        if !known.new_layouts.take(Instant::now()) {
+            let problem = "too many new layouts: the last one stays in force until the limit allows another";
+            self.refuse(known, (RobotTopic::Factsheet, "too_many_layouts"), &problem, now);
+            return false;
+        }
+        if !known.account.affords(ledger::ROBOT, now, bytes) {
+            let problem = "too many new whiskers: the last layout stays in force until the budget allows another";
+            self.refuse(known, (RobotTopic::Factsheet, "over_budget"), &problem, now);
+            return false;
+        }
+        known.account.charge(ledger::ROBOT, now, bytes);
+        true
     }
 
     /// Counts a refused message of a robot, or a refused entry of a message.
@@ -274,6 +290,12 @@ impl Stepper {
             Err(problem) => self.refuse(known, (RobotTopic::SetpointState, problem.label()), &problem, now),
         }
     }
+}
+
+/// Number of whiskers in a factsheet that the present layout does not have.
+fn new_whiskers(known: &KnownRobot, factsheet: &Factsheet) -> usize {
+    let all = factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|sheet| (&array.name, sheet.number)));
+    all.filter(|&(array, number)| known.robot.find(array, number).is_none()).count()
 }
 
 /// Whether the birth of this boot was not received. One that the rate limit refused was received.

@@ -18,6 +18,7 @@ use crate::black_box::FleetBoxes;
 use crate::black_box::recorder::Whose;
 use crate::engine::commit::batch::{OpenBatch, Source, is_ordinary};
 use crate::engine::commit::journal::{Entry, JournalEvent};
+use crate::engine::ledger::{self, Account};
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::retention::ContactRetention;
 use crate::engine::rollout::TrialParams;
@@ -72,6 +73,8 @@ pub(crate) struct Stepper {
     pub(super) events: Option<EventMaker>,
     /// Black boxes, if they are wanted.
     boxes: Option<FleetBoxes>,
+    /// Bytes that the effects of all robots may add to the database.
+    account: Account,
     /// Until when nothing could be received, by the last outage.
     deaf_until: Micros,
     /// Effects of the current step; the allocation is reused.
@@ -97,6 +100,7 @@ impl Stepper {
             traces: None,
             events: None,
             boxes: None,
+            account: Account::default(),
             deaf_until: Micros::default(),
             effects: Vec::new(),
             warned: BTreeMap::new(),
@@ -253,7 +257,10 @@ impl Stepper {
     /// Accepts the last refused boot, once the limit allows it.
     pub(super) fn accept_refused_boot(&mut self, known: &mut KnownRobot, now: Micros) {
         let Some(boot_id) = known.refused_boot.clone() else { return };
-        if known.new_boots.take(Instant::now()) {
+        let is_new = known.robot.connection_state().0 != Some(boot_id.as_str());
+        let is_allowed =
+            if is_new { known.new_boots.take(Instant::now()) } else { known.account.affords(ledger::ROBOT, now, 0) };
+        if is_allowed {
             known.refused_boot = None;
             self.step_connection(known, now, &Event::Connection { boot_id: boot_id.as_str(), link: Link::Online });
         }
@@ -277,6 +284,15 @@ impl Stepper {
             self.batch.rows_mut().records.push(Record::AlarmsForgotten { robot_id: known.robot_id, cleared_us });
             self.batch.checkpoint(known);
         }
+    }
+
+    /// Charges an effect to the accounts of its robot and fleet. Returns false for one that is not recorded.
+    pub(super) fn admit(&mut self, known: &mut KnownRobot, now: Micros, effect: &Effect) -> bool {
+        let is_admitted = ledger::admit(&mut known.account, &mut self.account, now, effect);
+        if !is_admitted {
+            self.violation("over_budget", "a change of health beyond the budget is not recorded", &known.name);
+        }
+        is_admitted
     }
 
     /// Counts a message that violates the contract, and warns at most once a minute per reason.

@@ -17,8 +17,8 @@ use vibrissa_protocol::Name;
 use crate::http::App;
 use crate::http::access::{Caller, Credential};
 use crate::http::extract::Query;
+use crate::http::places::{Place, fleet_of};
 use crate::http::problem::{Kind, Problem};
-use crate::http::streams::Place;
 use vibrissa_store::changes::{Change, Mark};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
@@ -87,8 +87,8 @@ enum Standing {
 ///
 /// Events are `change` (its data names what changed; read the object itself from the API) and `reset` (the ID is older
 /// than the stored changes: read everything again). The stream ends after five minutes: reconnect with `Last-Event-ID`.
-/// It ends within 30 s after its token becomes invalid. One caller may have ten streams at a time, a service a hundred;
-/// beyond that the answer is 429.
+/// It ends within 30 s after its token becomes invalid. A caller may have ten streams at a time, the callers of
+/// a fleet a hundred, a service four hundred; beyond that the answer is 429.
 #[utoipa::path(
     get, path = "/v1/events", tag = "events",
     params(EventsQuery, ("Last-Event-ID" = Option<String>, Header, description = "ID of the last event received", pattern = "^[0-9]{1,18}\\.[0-9]{1,18}$")),
@@ -101,7 +101,8 @@ async fn follow(
     Query(query): Query<EventsQuery>,
     headers: HeaderMap,
 ) -> Result<impl IntoResponse, Problem> {
-    let place = app.streams.open(&caller.actor)?;
+    let fleet = fleet_of(&caller.scope, query.fleet.as_ref().map(Name::as_str));
+    let place = app.streams.open(&caller.actor, fleet)?;
     let (changed, stop) = (app.action_notifier.changes(), app.stop.clone());
     let marks = app.store.marks().await?;
     let end = marks.map_or(Mark { tx: 0, change_id: 0 }, |(_, end)| end);

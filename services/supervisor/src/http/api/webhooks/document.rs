@@ -145,7 +145,7 @@ pub(super) fn origin(url: &str) -> String {
 /// All webhooks that the caller may see.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct WebhookList {
-    /// The webhooks, in the order of their names. There are at most 50.
+    /// The webhooks, in the order of their names. There are at most 200.
     pub items: Vec<Webhook>,
 }
 

@@ -23,7 +23,7 @@ use vibrissa_edge::words::Word as _;
 use vibrissa_store::actions::{Asked, NewAction};
 use vibrissa_store::lists::actions::ActionRow;
 use vibrissa_store::webhooks::manage::{Set, WebhookSettings};
-use vibrissa_store::webhooks::{WEBHOOKS_MAX, WebhookRow};
+use vibrissa_store::webhooks::{WEBHOOKS_MAX, WEBHOOKS_PER_FLEET_MAX, WebhookRow};
 
 mod document;
 
@@ -61,7 +61,8 @@ pub(super) async fn found(app: &App, caller: &Caller, at: &WebhookPath) -> Resul
 }
 
 async fn detail(app: &App, caller: &Caller, row: &WebhookRow) -> Result<Webhook, Problem> {
-    Ok(Webhook::of(row, app.store.webhook_queue(row).await?, caller))
+    let queue = app.store.webhook_queues(std::slice::from_ref(row)).await?.pop().unwrap_or_default();
+    Ok(Webhook::of(row, queue, caller))
 }
 
 /// The entry in the audit log. Neither secrets nor paths of URLs are logged.
@@ -94,10 +95,20 @@ pub(super) fn settings_of(row: &WebhookRow) -> WebhookSettings {
     }
 }
 
+/// Why there is no place for a webhook of these fleets; `None` for the service as a whole.
+fn full(fleet: Option<&str>) -> String {
+    match fleet {
+        Some(fleet) => format!("fleet {fleet} has {WEBHOOKS_PER_FLEET_MAX} webhooks already: remove one"),
+        None => format!(
+            "there are {WEBHOOKS_MAX} webhooks already, or {WEBHOOKS_PER_FLEET_MAX} about all fleets: remove one"
+        ),
+    }
+}
+
 fn unset(set: Set, name: &str, webhook_id: i64) -> Problem {
     match set {
         Set::NameTaken => Problem::invalid("name", format!("another webhook is called {name:?}")),
-        Set::Full => Problem::new(Kind::Refused, format!("there are {WEBHOOKS_MAX} webhooks already: remove one")),
+        Set::Full(fleet) => Problem::new(Kind::Refused, full(fleet.as_deref())),
         Set::Absent | Set::Done(_) | Set::Known(_) => Problem::unknown(format!("there is no webhook {webhook_id}")),
     }
 }
@@ -116,10 +127,10 @@ async fn list_webhooks(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
 ) -> Result<Json<WebhookList>, Problem> {
-    let mut items = Vec::new();
-    for row in app.store.webhooks().await?.iter().filter(|row| is_covered(&caller, row.fleets.as_deref())) {
-        items.push(detail(&app, &caller, row).await?);
-    }
+    let mut rows = app.store.webhooks().await?;
+    rows.retain(|row| is_covered(&caller, row.fleets.as_deref()));
+    let queues = app.store.webhook_queues(&rows).await?;
+    let items = rows.iter().zip(queues).map(|(row, queue)| Webhook::of(row, queue, &caller)).collect();
     Ok(Json(WebhookList { items }))
 }
 
@@ -146,7 +157,7 @@ async fn create_webhook(
             number_of(*asked)?;
             (app.store.webhooks().await?.into_iter().find(|row| row.name == settings.name), None)
         }
-        other @ (Set::Absent | Set::NameTaken | Set::Full) => return Err(unset(other, &settings.name, 0)),
+        other @ (Set::Absent | Set::NameTaken | Set::Full(_)) => return Err(unset(other, &settings.name, 0)),
     };
     let row = row.ok_or_else(|| Problem::unknown("the webhook was removed meanwhile"))?;
     let place = [(header::LOCATION, format!("/v1/webhooks/{}", row.webhook_id))];
@@ -190,7 +201,9 @@ async fn change_webhook(
     match app.store.change_webhook(at.webhook_id, &settings, &action).await? {
         Set::Done(_) => {}
         Set::Known(asked) => drop(number_of(*asked)?),
-        other @ (Set::Absent | Set::NameTaken | Set::Full) => return Err(unset(other, &settings.name, at.webhook_id)),
+        other @ (Set::Absent | Set::NameTaken | Set::Full(_)) => {
+            return Err(unset(other, &settings.name, at.webhook_id));
+        }
     }
     let row = found(&app, &caller, &at).await?;
     Ok(Json(detail(&app, &caller, &row).await?))
@@ -281,7 +294,8 @@ pub struct WebhookTest {
 
 /// Send a test to a webhook and wait for its answer, for at most 10 s.
 ///
-/// The test is an event of type `TEST`. It passes the waiting events, and is sent to disabled webhooks, too.
+/// The test is an event of type `TEST`. It passes the waiting events, and is sent to disabled webhooks, too. A caller may
+/// have two tests under way, the callers of a fleet four, a service sixteen; beyond that the answer is 429.
 #[utoipa::path(
     post, path = "/v1/webhooks/{webhook_id}/test", tag = "webhooks",
     params(WebhookPath, ("Idempotency-Key" = Option<String>, Header, pattern = "^[!-~]{1,128}$")),
@@ -296,6 +310,7 @@ async fn test_webhook(
     OptionalBody(why): OptionalBody<Why>,
 ) -> Result<Json<WebhookTest>, Problem> {
     let row = found(&app, &asker.caller, &at).await?;
+    let _place = app.webhook_tests.take(&asker.caller.actor, row.fleets.as_deref())?;
     let of = (Some(at.webhook_id), &settings_of(&row));
     let action = audited(asker, RecordedKind::WebhookTest, of, reason(why.reason)?);
     let action_id = number_of(app.store.record_webhook_action(&action).await?)?;

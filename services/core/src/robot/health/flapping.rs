@@ -1,0 +1,122 @@
+//! A fault that comes and goes: its changes are folded, and its alarm has an on-delay and an off-delay, as in ISA-18.2.
+//!
+//! A fault counts for the policy as soon as it comes. Changes that follow each other quickly are counted: from
+//! [`FlappingParams::latch_changes`] on the fault is latched, and the whisker has the worst that was seen, until nothing has
+//! changed for [`FlappingParams::steady_after`]. So a fault that flaps gives a few changes and one alarm, however often it
+//! comes and goes. Silence is no such fault: it ends with the next message.
+
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use crate::robot::effect::Fault;
+use crate::robot::params::FlappingParams;
+use crate::robot::state::whisker::Whisker;
+use crate::units::Micros;
+
+/// The newest changes of a whisker's fault, until it is steady again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
+pub(in crate::robot) struct Flapping {
+    /// By the newest evidence.
+    present: Option<Fault>,
+    /// Time of its last change by the supervisor's clock; 0 if it has not changed since it was steady.
+    changed: Micros,
+    /// Number of changes that have followed each other quickly.
+    changes: u8,
+    /// The whisker's fault: the present one, or the worst one while it is latched.
+    told: Option<Fault>,
+    /// The fault whose alarm stands.
+    alarm: Option<Fault>,
+}
+
+impl Flapping {
+    /// A fault, or none, that has not changed for long.
+    fn steady(fault: Option<Fault>) -> Self {
+        Self { present: fault, changed: Micros(0), changes: 0, told: fault, alarm: fault }
+    }
+
+    /// Takes the newest evidence in.
+    fn observe(&mut self, params: &FlappingParams, now: Micros, present: Option<Fault>) {
+        let unchanged_for = now.since(self.changed);
+        if unchanged_for >= params.steady_after {
+            self.changes = 0;
+        }
+        if present != self.present {
+            (self.present, self.changed) = (present, now);
+            self.changes = self.changes.saturating_add(1);
+        }
+        let unchanged_for = now.since(self.changed);
+        let is_latched = self.changes >= params.latch_changes;
+        self.told = if is_latched { worst(self.told, present) } else { present };
+        self.alarm = match (self.alarm, self.told) {
+            (None, Some(_)) if self.changes <= 1 && unchanged_for < params.alarm_on_delay => None,
+            (Some(alarm), told)
+                if worst(Some(alarm), told) == Some(alarm) && unchanged_for < params.alarm_off_delay =>
+            {
+                Some(alarm)
+            }
+            (_, told) => told,
+        };
+    }
+
+    /// Whether nothing follows from it any more.
+    fn is_over(&self, params: &FlappingParams, now: Micros) -> bool {
+        now.since(self.changed) >= params.steady_after && self.told == self.present && self.alarm == self.present
+    }
+
+    /// When time alone changes something.
+    fn times(&self, params: &FlappingParams) -> [Micros; 3] {
+        [params.alarm_on_delay, params.alarm_off_delay, params.steady_after].map(|delay| self.changed.after(delay))
+    }
+}
+
+/// The cause comes before the symptom, as in the order in which faults are found.
+fn worst(one: Option<Fault>, other: Option<Fault>) -> Option<Fault> {
+    let rank = |fault: Option<Fault>| match fault {
+        None => 0,
+        Some(Fault::SupplyLow) => 1,
+        Some(Fault::Regulator) => 2,
+        Some(Fault::Leak) => 3,
+        Some(Fault::Gauge(_)) => 4,
+        Some(Fault::Stale) => 5,
+    };
+    if rank(other) > rank(one) { other } else { one }
+}
+
+/// A whisker's fault, and the changes behind it.
+pub(in crate::robot) type FaultState = (Option<Fault>, Option<Flapping>);
+
+impl Whisker {
+    /// Its fault and the changes behind it once the newest evidence is taken in.
+    pub(in crate::robot) fn with_evidence(
+        &self,
+        params: &FlappingParams,
+        now: Micros,
+        present: Option<Fault>,
+    ) -> FaultState {
+        let known = self.rare.flapping;
+        if present == Some(Fault::Stale) {
+            // The fault before the silence goes on, and so does its alarm.
+            let before = self.fault.filter(|&fault| fault != Fault::Stale);
+            return (present, known.or_else(|| before.map(|fault| Flapping::steady(Some(fault)))));
+        }
+        if known.is_none() && (present == self.fault || (present.is_none() && self.fault == Some(Fault::Stale))) {
+            return (present, None);
+        }
+        let mut flapping = known.unwrap_or_else(|| Flapping::steady(self.fault.filter(|&fault| fault != Fault::Stale)));
+        flapping.observe(params, now, present);
+        (flapping.told, Some(flapping).filter(|flapping| !flapping.is_over(params, now)))
+    }
+
+    /// The fault, other than silence, whose alarm stands.
+    pub(in crate::robot) fn fault_with_alarm(&self) -> Option<Fault> {
+        let steady = self.fault.filter(|&fault| fault != Fault::Stale);
+        self.rare.flapping.map_or(steady, |flapping| flapping.alarm)
+    }
+
+    /// When time alone changes its fault or the alarm of it.
+    pub(in crate::robot) fn flapping_times(&self, params: &FlappingParams) -> impl Iterator<Item = Micros> {
+        self.rare.flapping.map(|flapping| flapping.times(params)).into_iter().flatten()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,117 @@
+//! Removal of records of what is over, and of whiskers that were never used.
+
+use sqlx::{AssertSqlSafe, SqlSafeStr as _};
+
+use super::{Done, ROWS};
+use crate::Store;
+use crate::database::{Either, on};
+use crate::partitions::DAY_US;
+
+/// The oldest rows of tables whose causes are over: `$1` is the time before which they are too old, `$2` the most rows, and
+/// ROW the database's name of a row. Numbers rise in the order of recording, so no index of the time is needed.
+const RECORDS: [(&str, &str); 5] = [
+    (
+        "alarms",
+        "alarm_id IN (SELECT alarm_id FROM alarms WHERE raised_us < $1 AND cleared_us < $1 \
+         ORDER BY raised_us, alarm_id LIMIT $2)",
+    ),
+    (
+        "health_changes",
+        "health_change_id IN (SELECT health_change_id FROM (SELECT health_change_id, recorded_us FROM health_changes \
+         ORDER BY health_change_id LIMIT $2) h WHERE recorded_us < $1)",
+    ),
+    (
+        "touch_tests",
+        "touch_test_id IN (SELECT touch_test_id FROM (SELECT touch_test_id, ended_us FROM touch_tests \
+         ORDER BY touch_test_id LIMIT $2) t WHERE ended_us < $1)",
+    ),
+    (
+        "alarm_shelves",
+        "alarm_shelf_id IN (SELECT alarm_shelf_id FROM (SELECT alarm_shelf_id, until_us FROM alarm_shelves \
+         ORDER BY alarm_shelf_id LIMIT $2) s WHERE until_us < $1)",
+    ),
+    (
+        "compensation_responses",
+        "ROW IN (SELECT r.ROW FROM compensation_responses r JOIN compensations c ON c.compensation_id = r.compensation_id \
+         WHERE c.ended_us < $1 LIMIT $2)",
+    ),
+];
+
+/// Time after which a whisker that is on no layout is removed if it was never used, µs.
+const ABSENT_US: i64 = DAY_US;
+/// Most such whiskers that are removed at once: the database searches other tables for each.
+const WHISKERS: i64 = 500;
+
+/// Tables whose rows keep a whisker, each with its column.
+const USES: [(&str, &str); 10] = [
+    ("contacts", "whisker_id"),
+    ("contact_minutes", "whisker_id"),
+    ("contact_hours", "whisker_id"),
+    ("trims", "whisker_id"),
+    ("compensations", "target_whisker_id"),
+    ("compensations", "compensator_whisker_id"),
+    ("compensation_candidates", "whisker_id"),
+    ("setpoints", "whisker_id"),
+    ("touch_tests", "whisker_id"),
+    ("black_boxes", "whisker_id"),
+];
+
+impl Store {
+    /// Deletes records that are over and too old, some thousand of each table. Returns whether there may be more.
+    pub(super) async fn remove_records(
+        &self,
+        before_us: Option<i64>,
+        told: &mut impl FnMut(Done),
+    ) -> sqlx::Result<bool> {
+        let (Some(before_us), mut is_more) = (before_us, false) else { return Ok(false) };
+        let row = match &self.pool {
+            Either::Sqlite(_) => "rowid",
+            Either::Postgres(_) => "ctid",
+        };
+        for (table, which) in RECORDS {
+            let sql = AssertSqlSafe(format!("DELETE FROM {table} WHERE {}", which.replace("ROW", row)));
+            let rows = on!(&self.pool, |pool| sqlx::query(sql)
+                .bind(before_us)
+                .bind(ROWS)
+                .execute(pool)
+                .await
+                .map(|done| done.rows_affected()))?;
+            if rows > 0 {
+                told(Done::Removed { table, rows });
+            }
+            is_more |= rows == ROWS as u64;
+        }
+        Ok(is_more)
+    }
+
+    /// Deletes whiskers that are on no layout for a day and were never used, with what was told of their health, and arrays
+    /// without whiskers. Returns whether there may be more.
+    pub(super) async fn forget_absent_whiskers(&self, now_us: i64, told: &mut impl FnMut(Done)) -> sqlx::Result<bool> {
+        let unused = USES
+            .map(|(table, column)| format!("AND NOT EXISTS (SELECT 1 FROM {table} u WHERE u.{column} = w.whisker_id)"));
+        let absent = AssertSqlSafe(format!(
+            "SELECT whisker_id FROM whiskers w WHERE absent_us < $1 AND position IS NULL {} ORDER BY absent_us LIMIT $2",
+            unused.join(" ")
+        ));
+        let mut tx = self.pool.begin().await?;
+        let before_us = now_us - ABSENT_US;
+        let whiskers: Vec<i64> =
+            on!(&mut tx, |tx| sqlx::query_scalar(absent).bind(before_us).bind(WHISKERS).fetch_all(&mut **tx).await)?;
+        if whiskers.is_empty() {
+            return Ok(false);
+        }
+        // The list contains only numbers, no text from outside.
+        let list: Vec<String> = whiskers.iter().map(i64::to_string).collect();
+        let of_whiskers = ["health_changes", "alarms", "alarm_shelves", "whiskers"]
+            .map(|table| format!("DELETE FROM {table} WHERE whisker_id IN ({})", list.join(", ")));
+        let of_arrays =
+            "DELETE FROM arrays WHERE NOT EXISTS (SELECT 1 FROM whiskers w WHERE w.array_id = arrays.array_id)";
+        for sql in of_whiskers.into_iter().chain([of_arrays.to_owned()]) {
+            let sql = AssertSqlSafe(sql).into_sql_str();
+            on!(&mut tx, |tx| sqlx::query(sql).persistent(false).execute(&mut **tx).await.map(drop))?;
+        }
+        tx.commit().await?;
+        told(Done::Removed { table: "whiskers", rows: whiskers.len() as u64 });
+        Ok(whiskers.len() as i64 == WHISKERS)
+    }
+}

@@ -1,0 +1,68 @@
+//! How long each table keeps its rows. A test compares the list with both databases.
+
+/// What bounds the rows of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kept {
+    /// Rows are removed after the days of this setting.
+    Days(&'static str),
+    /// Rows are removed then.
+    Until(&'static str),
+    /// Rows are kept; this bounds their number.
+    For(&'static str),
+}
+
+use Kept::{Days, For, Until};
+
+const DECISIONS: Kept = For("decisions: trims, and the rate of the policy's setpoints");
+const BY_PEOPLE: Kept = For("people's requests");
+
+/// All tables, by name, each with its retention.
+pub const TABLES: &[(&str, Kept)] = &[
+    ("actions", For("people's requests: the audit log")),
+    ("active_calibrations", For("one for each model and fleet")),
+    ("alarm_shelves", Days("records.days")),
+    ("alarms", Days("records.days")),
+    ("allowed_robots", For("10,000 for each fleet")),
+    ("api_tokens", BY_PEOPLE),
+    ("archive_horizons", For("one for each fleet and shard")),
+    ("archives", For("one for each fleet")),
+    ("arrays", Until("a day after all their whiskers, if none was touched")),
+    ("black_boxes", Days("black_box.days")),
+    ("boots", For("the limit of new boots: 1 for each robot and minute")),
+    ("calibrations", BY_PEOPLE),
+    ("changes", Until("after a day")),
+    ("compensation_candidates", DECISIONS),
+    ("compensation_error_bins", DECISIONS),
+    ("compensation_errors", DECISIONS),
+    ("compensation_refinements", DECISIONS),
+    ("compensation_responses", Days("records.days")),
+    ("compensations", DECISIONS),
+    ("console_sessions", Until("at the end of the session")),
+    ("contact_hours", For("one for each whisker and hour")),
+    ("contact_minutes", Days("rollups.minutes_days")),
+    ("contacts", Days("contacts.days")),
+    ("epochs", For("one for each fleet and shard")),
+    ("event_outbox", Until("after their publication")),
+    ("health_changes", Days("records.days")),
+    ("journal", Until("after the next checkpoint")),
+    ("leases", For("one for each fleet and shard")),
+    ("log_archives", For("one for each fleet and shard")),
+    ("notes", BY_PEOPLE),
+    ("policies", BY_PEOPLE),
+    ("quarantine", Until("beyond the newest 1,000 of each fleet")),
+    ("redo", Until("when their rows are written")),
+    ("refusals", For("one for each robot, topic and reason")),
+    ("robots", For("limits.robots_per_fleet")),
+    ("rollout_events", BY_PEOPLE),
+    ("rollouts", BY_PEOPLE),
+    ("setpoint_states", DECISIONS),
+    ("setpoints", DECISIONS),
+    ("supervisors", Until("after a day without a sign of life")),
+    ("touch_tests", Days("records.days")),
+    ("trims", DECISIONS),
+    ("turned_away", Until("beyond the newest 64 of each fleet")),
+    ("webhook_dead_letters", Until("beyond the newest 1,000 of each webhook")),
+    ("webhook_events", Until("after a week, and beyond 20,000 in fair shares")),
+    ("webhooks", For("50 of a fleet, 200 of all")),
+    ("whiskers", Until("a day after the last layout with them, if they were never touched")),
+];
