@@ -109,6 +109,19 @@ async fn a_broker_with_tls_by_name_and_by_address() {
     }
 }
 
+#[tokio::test]
+async fn regress_certificates_as_many_guides_make_them_are_explained() {
+    let (folder, authority, _) = authority();
+    let without_names = authority.server(&[], Validity::Now);
+    let of_a_client = authority.client("localhost");
+    for (server, words) in
+        [(without_names, ["names no host", "subjectAltName"]), (of_a_client, ["purpose", "serverAuth"])]
+    {
+        let broker = Mosquitto::builder().tls(server).start();
+        said(tls(broker.port(), &folder.path().join("ca.crt")), &words).await;
+    }
+}
+
 /// Checks nothing on a host without IPv6.
 #[tokio::test]
 async fn a_broker_on_ipv6() {
