@@ -3,7 +3,6 @@
 use std::time::{Duration, SystemTime};
 
 use jsonwebtoken::jwk::{AlgorithmParameters, Jwk};
-use jsonwebtoken::signature::Verifier as _;
 use jsonwebtoken::{Algorithm, DecodingKey};
 use openidconnect::core::{
     CoreGenderClaim, CoreJsonWebKeyType, CoreJsonWebKeyUse, CoreJweContentEncryptionAlgorithm, CoreJwsSigningAlgorithm,
@@ -114,6 +113,8 @@ impl VerifyingKey {
             AlgorithmParameters::EllipticCurve(_) => CoreJsonWebKeyType::EllipticCurve,
             AlgorithmParameters::OctetKeyPair(_) => CoreJsonWebKeyType::OctetKeyPair,
             AlgorithmParameters::OctetKey(_) => CoreJsonWebKeyType::Symmetric,
+            // Another kind verifies nothing. The list may grow with versions of the library.
+            _ => CoreJsonWebKeyType::Symmetric,
         };
         Self { kid: key.common.key_id.clone().map(JsonWebKeyId::new), key: Some(key), kind }
     }

@@ -202,7 +202,8 @@ mod tests {
     proptest! {
         #[test]
         fn property_an_actor_tells_the_subject(name in "[ab#]{0,4}", subject in "[ab#]{1,4}") {
-            prop_assert_eq!(told(&actor(&name, &subject)), subject);
+            let actor = actor(&name, &subject);
+            prop_assert_eq!(told(&actor), subject);
         }
     }
 }

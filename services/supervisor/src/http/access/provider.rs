@@ -136,7 +136,7 @@ impl Provider {
         let token = web("token_endpoint", endpoints.token_endpoint)?;
         let redirect = format!("{}/auth/callback", options.public_url);
         // Without keys: `id_token` gets the one of each token.
-        let client = Client::new(client_id, issuer, JsonWebKeySet::default())
+        let client: Client = openidconnect::Client::new(client_id, issuer, JsonWebKeySet::default())
             .set_auth_uri(AuthUrl::new(authorization).map_err(invalid)?)
             .set_token_uri(TokenUrl::new(token).map_err(invalid)?)
             .set_redirect_uri(RedirectUrl::new(redirect).map_err(invalid)?);
@@ -187,7 +187,11 @@ impl Provider {
             .set_client_id(ClientId::new(self.options.client_id.clone()))
             .set_post_logout_redirect_uri(back);
         let hint = id_token.and_then(|token| IdToken::from_str(token).ok());
-        Some(hint.map_or(request, |hint| request.set_id_token_hint(&hint)).http_get_url().into())
+        let request = match hint {
+            Some(hint) => request.set_id_token_hint(&hint),
+            None => request,
+        };
+        Some(request.http_get_url().into())
     }
 }
 
