@@ -220,6 +220,8 @@ fn alarms_of_a_whisker_that_is_gone_are_cleared_by_its_name() {
         WhiskerStatus { array: "left", whisker: 4, pressure: view.setpoint, setpoint: view.setpoint, regulator, gauge };
     let robot_time = view.heard.unwrap();
     world.step(&Event::Status { boot_id: &boot_id, robot_time, whiskers: &[status] });
+    // Longer than the alarm's on-delay.
+    world.silent_for_s(2.0);
     world.effects.clear();
     let factsheet = told(&world, |array| {
         array.whiskers.pop();
