@@ -154,6 +154,9 @@ impl Stepper {
     ) {
         self.refuse_entries(known, RobotTopic::Status, refused, now);
         let whiskers = self.converted(known, (RobotTopic::Status, &message.whiskers[..]), now, edge::status);
+        if whiskers.is_empty() && !refused.is_empty() {
+            return;
+        }
         let (boot_id, robot_time) = (message.boot_id.as_str(), Micros(message.t_us));
         let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
         let outcome = self.step(known, now, &event, None);
