@@ -44,7 +44,11 @@ impl LogReader {
             }
         }
         let end = within(partition.get_offset(OffsetAt::Latest)).await?.max(at + 1);
-        let next = readable_after(at, end, async |at| can_read(partition, at).await).await?;
+        let mut search = Search::new(at, end);
+        while let Some(next) = search.next() {
+            search.tell(next, can_read(partition, next).await?);
+        }
+        let next = search.readable;
         self.skipped(Skipped::Unreadable, next.abs_diff(at));
         let problem = problem.map(|why| why.to_string());
         error!(
@@ -56,31 +60,37 @@ impl LogReader {
     }
 }
 
-/// The next offset after `at` that can be read, or `end`. Unreadable records after the next readable ones may be found first, if there
-/// are several spans of them: the records between are set aside, too.
-async fn readable_after(
-    at: i64,
-    end: i64,
-    can_read: impl AsyncFn(i64) -> Result<bool, KafkaError>,
-) -> Result<i64, KafkaError> {
-    let (mut unreadable, mut step) = (at, 1);
-    let mut readable = loop {
-        let next = unreadable.saturating_add(step).min(end);
-        if next == end || can_read(next).await? {
-            break next;
-        }
-        unreadable = next;
-        step *= 2;
-    };
-    while readable - unreadable > 1 {
-        let middle = unreadable + (readable - unreadable) / 2;
-        if can_read(middle).await? {
-            readable = middle;
+/// Search for the next offset that can be read. Of several unreadable spans close to each other, the readable records between
+/// may be set aside, too.
+struct Search {
+    /// The last offset known to be unreadable.
+    unreadable: i64,
+    /// The first offset known to be readable, or the end of the partition.
+    readable: i64,
+    /// Distance of the next try; `None` once a readable offset is known.
+    step: Option<i64>,
+}
+
+impl Search {
+    fn new(at: i64, end: i64) -> Self {
+        Self { unreadable: at, readable: end, step: Some(1) }
+    }
+
+    /// The offset to try; `None` if the result is known.
+    fn next(&self) -> Option<i64> {
+        let between = self.readable - self.unreadable;
+        let ahead = self.step.map_or(between / 2, |step| step.min(between - 1));
+        (between > 1).then_some(self.unreadable + ahead)
+    }
+
+    fn tell(&mut self, at: i64, is_readable: bool) {
+        if is_readable {
+            (self.readable, self.step) = (at, None);
         } else {
-            unreadable = middle;
+            self.unreadable = at;
+            self.step = self.step.map(|step| 2 * step);
         }
     }
-    Ok(readable)
 }
 
 async fn can_read(partition: &PartitionClient, at: i64) -> Result<bool, KafkaError> {
@@ -95,14 +105,19 @@ async fn can_read(partition: &PartitionClient, at: i64) -> Result<bool, KafkaErr
 mod tests {
     use super::*;
 
-    #[tokio::test]
-    async fn brute_force_an_unreadable_batch_is_passed_and_no_record_after_it() {
+    #[test]
+    fn brute_force_an_unreadable_batch_is_passed_and_no_record_after_it() {
         for end in 1..40_i64 {
             for begin in 0..end {
                 for after in begin + 1..=end {
                     for at in begin..after {
-                        let found = readable_after(at, end, async |at| Ok(!(begin..after).contains(&at)));
-                        assert_eq!(found.await.unwrap(), after, "{at} of {begin}..{after}");
+                        let (mut search, mut tries) = (Search::new(at, end), 0);
+                        while let Some(next) = search.next() {
+                            search.tell(next, !(begin..after).contains(&next));
+                            tries += 1;
+                        }
+                        assert_eq!(search.readable, after, "{at} of {begin}..{after}");
+                        assert!(tries < 15, "{tries}");
                     }
                 }
             }
