@@ -18,7 +18,7 @@ pub struct Retention {
     pub minutes_days: u32,
     /// Retention of black boxes, days.
     pub black_boxes_days: u32,
-    /// Retention of cleared alarms, changes of health and other records of what is over, days.
+    /// Retention of cleared alarms, changes of health and other finished records, days.
     pub records_days: u32,
 }
 

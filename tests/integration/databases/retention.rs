@@ -239,7 +239,7 @@ async fn brute_force_the_newest_contacts_of_postgres() {
     newest(&Fresh::postgres().await).await;
 }
 
-/// What is over and old goes, and what stands stays.
+/// Old alarms go once they are cleared; those that stand stay.
 async fn old_records_go(database: Fresh) {
     let (mut writer, lease, numbered) = taken(&database).await;
     let whisker_id = numbered.whisker_ids[0];

@@ -1,4 +1,4 @@
-//! Removal of records of what is over, and of whiskers that were never used.
+//! Removal of finished records, and of whiskers that were never used.
 
 use sqlx::{AssertSqlSafe, SqlSafeStr as _};
 
@@ -84,8 +84,8 @@ impl Store {
         Ok(is_more)
     }
 
-    /// Deletes whiskers that are on no layout for a day and were never used, with what was told of their health, and arrays
-    /// without whiskers. Returns whether there may be more.
+    /// Deletes whiskers that are on no layout for a day and were never used, with their changes of health and alarms, and
+    /// arrays without whiskers. Returns whether there may be more.
     pub(super) async fn forget_absent_whiskers(&self, now_us: i64, told: &mut impl FnMut(Done)) -> sqlx::Result<bool> {
         let unused = USES
             .map(|(table, column)| format!("AND NOT EXISTS (SELECT 1 FROM {table} u WHERE u.{column} = w.whisker_id)"));

@@ -1,13 +1,13 @@
 //! How long each table keeps its rows. A test compares the list with both databases.
 
-/// What bounds the rows of a table.
+/// Bound of the rows of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kept {
     /// Rows are removed after the days of this setting.
     Days(&'static str),
     /// Rows are removed then.
     Until(&'static str),
-    /// Rows are kept; this bounds their number.
+    /// Rows are never removed. This bounds their number.
     For(&'static str),
 }
 

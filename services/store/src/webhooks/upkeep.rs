@@ -37,7 +37,7 @@ fn urgency() -> String {
     )
 }
 
-/// Events that are too old ($1), or beyond the most that are kept ($2) in fair shares: the fleets take turns, in each of
+/// Events that are too old ($1), or beyond the largest number ($2) in fair shares: the fleets take turns, in each of
 /// them the robots, and of each robot the urgent and then the newest events come first.
 fn excess() -> String {
     format!(

@@ -27,7 +27,7 @@ const LAYOUT_ROW: i64 = 1024;
 /// Bytes of a row with its indices and its entry in the feed of changes.
 const ROW: i64 = 300;
 
-/// What a robot or a fleet may add to the database.
+/// The bytes that a robot or a fleet may still add to the database.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Account {
     /// Bytes charged and not refilled yet, and the time of that; an unused account is full.

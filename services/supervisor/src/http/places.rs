@@ -17,7 +17,7 @@ pub struct PlaceLimits {
     pub per_caller_max: usize,
 }
 
-/// Who shares places with whom.
+/// A caller or a fleet with a share of the places.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 enum Sharer {
     Caller(String),

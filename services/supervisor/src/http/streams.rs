@@ -21,7 +21,7 @@ impl Default for StreamOptions {
     }
 }
 
-/// Open streams.
+/// Open streams with their limits.
 #[derive(Debug, Clone)]
 pub struct Streams {
     options: StreamOptions,

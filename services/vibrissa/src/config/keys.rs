@@ -153,7 +153,7 @@ policy_numbers! { keys {
     BlackBoxDays: "black_box.days", Kind::Whole { min: 0, max: 36_500 }, Some("90"),
         "Days after which black boxes are deleted, 0 keeps all; each robot keeps its newest 20";
     RecordsDays: "records.days", Kind::Whole { min: 0, max: 36_500 }, Some("400"),
-        "Days after which records of what is over are deleted, 0 keeps all: cleared alarms, changes of health, touch tests";
+        "Days after which finished records are deleted, 0 keeps all: cleared alarms, changes of health, touch tests";
     LimitsRobotsPerFleet: "limits.robots_per_fleet", Kind::Whole { min: 1, max: 10_000 }, Some("10000"),
         "Maximum number of robots supervised per fleet, or per shard of a divided one; further ones are refused";
     LimitsNewRobotsPerMinute: "limits.new_robots_per_minute", Kind::Whole { min: 1, max: 10_000 }, Some("3000"),

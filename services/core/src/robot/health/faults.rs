@@ -120,7 +120,7 @@ impl Robot {
         }
     }
 
-    /// Whether the present evidence would change a whisker's fault, or what is known of its changes.
+    /// Whether the present evidence would change neither a whisker's fault nor the record of its changes.
     pub(in crate::robot) fn is_fault_up_to_date(&self, params: &Params, now: Micros, index: WhiskerIndex) -> bool {
         let whisker = &self.whiskers[index];
         let present = self.present_fault(params, now, index);

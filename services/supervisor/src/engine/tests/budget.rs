@@ -1,4 +1,4 @@
-//! What a robot may add to the database.
+//! Bounds of the rows that a robot adds to the database.
 
 use vibrissa_store::batch::Record;
 
