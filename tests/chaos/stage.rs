@@ -48,6 +48,17 @@ pub struct Supervisor {
     pub database_link: Proxy,
     /// Its HTTP address, which stays the same after a restart.
     pub http: SocketAddr,
+    /// The file that tells how far the clock of its host is ahead.
+    clock: PathBuf,
+}
+
+impl Supervisor {
+    /// Sets the clock of its host so far ahead of the true time, in µs.
+    pub fn set_clock(&self, ahead_us: i64) {
+        let new = self.clock.with_extension("new");
+        std::fs::write(&new, ahead_us.to_string()).expect("a folder of ours");
+        std::fs::rename(new, &self.clock).expect("a file of ours");
+    }
 }
 
 /// Command line of the supervisors.
@@ -171,13 +182,15 @@ async fn supervisor(
     arguments.extend(["--lease-time-to-live-s".to_owned(), LEASE_S.to_string()]);
     arguments.extend(["--detection-cold-start-contacts".to_owned(), LEARNED.to_string()]);
     let level = ("RUST_LOG".to_owned(), "info,rumqttc=warn".to_owned());
+    let clock = broker.folder().join(format!("clock-{name}"));
+    let clock_file = ("VIBRISSA_TEST_CLOCK_FILE".to_owned(), clock.display().to_string());
     let process = Process::start(Launch {
         program: program.path.clone(),
         arguments,
-        environment: [level].into_iter().chain(control.environment()).collect(),
+        environment: [level, clock_file].into_iter().chain(control.environment()).collect(),
         log: log_of(logs, name),
     });
-    Supervisor { name, process, broker_link, database_link, http }
+    Supervisor { name, process, broker_link, database_link, http, clock }
 }
 
 /// The broker as robots reach it, through each link.

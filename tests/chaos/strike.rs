@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use nix::sys::signal::Signal;
+use sqlx::{AssertSqlSafe, ConnectOptions, Executor};
 use tokio::time::sleep;
 use vibrissa_tests::proxy::Proxy;
 
@@ -11,6 +12,10 @@ use crate::owner::{Reign, Watch};
 use crate::plan::{Fault, Manner, Strike};
 use crate::stage::{FORGET_USER, SUPERVISOR_PASSWORD, Stage, Supervisor};
 
+/// Steps of clocks, in µs. The runs take place after 2025.
+const HOUR_US: i64 = 3_600_000_000;
+const BEHIND_US: i64 = -120_000_000;
+const TO_1970_US: i64 = -1_735_689_600_000_000;
 /// Time in which a supervisor must end after SIGTERM.
 const END_PATIENCE: Duration = Duration::from_secs(12);
 
@@ -153,6 +158,23 @@ impl<'a> Striker<'a> {
                 self.stage.supervisors[owner].process.restart();
                 Some(hit)
             }
+            Fault::HostClockStepped => {
+                let steps_us = [HOUR_US, -HOUR_US, TO_1970_US];
+                let owner = &self.stage.supervisors[owner];
+                owner.set_clock(steps_us[usize::from(strike.victims) % steps_us.len()]);
+                sleep(lasts).await;
+                owner.set_clock(0);
+                None
+            }
+            Fault::DatabaseClockBackOwnerKilled => {
+                self.set_database_clock(BEHIND_US).await;
+                let hit = self.kill(owner);
+                sleep(lasts.saturating_sub(hit.elapsed())).await;
+                self.set_database_clock(0).await;
+                self.stage.supervisors[owner].set_clock(BEHIND_US);
+                self.stage.supervisors[owner].process.restart();
+                Some(hit)
+            }
             Fault::OwnerFrozenBrokerKilled => {
                 let hit = self.freeze(owner);
                 sleep(lasts / 4).await;
@@ -161,6 +183,19 @@ impl<'a> Striker<'a> {
                 self.stage.supervisors[owner].process.signal(Signal::SIGCONT);
                 Some(hit)
             }
+        }
+    }
+
+    /// Sets the clock by which the database judges leases so far ahead of the true time, in µs.
+    async fn set_database_clock(&mut self, ahead_us: i64) {
+        let sql = format!(
+            "CREATE OR REPLACE FUNCTION clock_us() RETURNS BIGINT LANGUAGE SQL VOLATILE \
+             AS 'SELECT (extract(epoch FROM clock_timestamp()) * 1000000)::BIGINT + ({ahead_us})'"
+        );
+        let set = async { self.stage.database.connect().connect().await?.execute(AssertSqlSafe(sql)).await };
+        if let Err(problem) = set.await {
+            eprintln!("chaos: cannot set the database's clock: {problem}");
+            self.surprises.stuck += 1;
         }
     }
 

@@ -78,9 +78,9 @@ fn a_cluster_loses_nothing_and_its_controls_are_caught() {
 
 #[test]
 fn nothing_is_lost_nothing_is_stale_and_every_control_is_caught() {
-    let (code, result) = chaos(&["--seed", "1", "--seconds", "60"]);
+    let (code, result) = chaos(&["--seed", "1", "--seconds", "67"]);
     assert_eq!(code, 0);
-    assert_eq!(result["faults"].as_array().expect("faults").len(), 11);
+    assert_eq!(result["faults"].as_array().expect("faults").len(), 13);
     assert_eq!(count(&result, "hostile_robots"), 10);
     let done = result["hostile"].as_object().expect("behaviours");
     assert!(done.len() > 10 && done.values().all(|count| count.as_u64() > Some(0)), "{done:?}");

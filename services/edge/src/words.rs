@@ -384,6 +384,7 @@ impl Word for ActionProblem {
             ActionProblem::NotProposed => "NOT_PROPOSED",
             ActionProblem::PressureOutOfRange { .. } => "PRESSURE_OUT_OF_RANGE",
             ActionProblem::RobotOffline => "ROBOT_OFFLINE",
+            ActionProblem::WrongTimeUnit => "WRONG_TIME_UNIT",
             ActionProblem::NoTouchTests => "NO_TOUCH_TESTS",
             ActionProblem::NoProposedTest => "NO_PROPOSED_TEST",
             ActionProblem::TestUnderWay => "TEST_UNDER_WAY",

@@ -1,4 +1,4 @@
-//! Leases: the right to write for a shard of a fleet, one row for each shard, expiring by the database's clock.
+//! Leases: the right to write for a shard of a fleet, one row for each shard. `lease_watch` tells when one has expired.
 
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

@@ -3,9 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
-use sqlx::{PgConnection, Row, SqliteConnection};
+use sqlx::{Row, SqliteConnection};
 use tokio::time::Instant;
 use tracing::warn;
 use vibrissa_edge::shard::FleetShard;
@@ -13,6 +12,8 @@ use vibrissa_protocol::Name;
 
 use super::database::{Either, Tx, on};
 use super::lease::micros;
+use super::lease_watch::Claim;
+use super::sign_in::{forget_the_gone, sign_in};
 use super::{Lease, StoreError, Writer, failed};
 
 /// A supervisor as a member of the cluster.
@@ -54,6 +55,9 @@ pub struct Membership {
     pub leases: Vec<FleetLease>,
     /// Supervisors that are present, including this one.
     pub present: Vec<Present>,
+    /// How far the database's clock is ahead of this process's, in µs; `None` if that is not known: it has none of its
+    /// own (SQLite), or it answered too slowly.
+    pub database_ahead_us: Option<i64>,
 }
 
 /// A supervisor that is present.
@@ -65,6 +69,19 @@ pub struct Present {
     pub fleets: Vec<Name>,
     /// Its report on the fleets that it hears.
     pub hearing: FleetsHeard,
+    /// Its report on its clock.
+    pub clock: ClockReport,
+}
+
+/// A supervisor's report on its clock.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ClockReport {
+    /// How far its clock is ahead of the database's, in µs, if it knows.
+    pub ahead_us: Option<i64>,
+    /// The same of the median clock of the robots that it hears.
+    pub robots_ahead_us: Option<i64>,
+    /// Most other clocks contradict its own. It may own a fleet only if that holds for all others, too.
+    pub is_wrong: bool,
 }
 
 /// A supervisor's report on which fleets it receives messages of. A supervisor may own a fleet that is in neither list,
@@ -78,38 +95,42 @@ pub struct FleetsHeard {
 }
 
 impl Writer {
-    /// As [`Self::sign_in_hearing`], without a report on hearing.
+    /// As [`Self::sign_in_reporting`], without reports.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
     pub async fn sign_in(&mut self, supervisor: &Supervisor, held: &[Lease]) -> Result<Membership, StoreError> {
-        self.sign_in_hearing(supervisor, held, &FleetsHeard::default()).await
+        self.sign_in_reporting(supervisor, held, &FleetsHeard::default(), ClockReport::default()).await
     }
 
-    /// Registers a supervisor and its hearing report, renews its leases for another time to live, and reads the
-    /// owners of its fleets.
+    /// Registers a supervisor with its reports on hearing and clock, renews its leases for another time to live, and
+    /// reads the owners of its fleets.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
-    pub async fn sign_in_hearing(
+    pub async fn sign_in_reporting(
         &mut self,
         supervisor: &Supervisor,
         held: &[Lease],
         hearing: &FleetsHeard,
+        clock: ClockReport,
     ) -> Result<Membership, StoreError> {
         const WHAT: &str = "renew the leases";
         let asked = Instant::now();
-        let (membership, renewed): (_, Vec<(String, i64)>) = self
+        let mut watch = std::mem::take(&mut self.lease_watch);
+        let signed_in = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
                 match link {
                     Either::Sqlite(link) => {
                         sqlite_membership(link, supervisor).await.map(|membership| (membership, Vec::new()))
                     }
-                    Either::Postgres(link) => sign_in(link, supervisor, held, hearing).await,
+                    Either::Postgres(link) => sign_in(link, supervisor, held, (hearing, clock), &mut watch).await,
                 }
                 .map_err(failed(WHAT))
             })
-            .await?;
+            .await;
+        self.lease_watch = watch;
+        let (membership, renewed): (_, Vec<(String, i64)>) = signed_in?;
         for lease in held.iter().filter(|lease| {
             let is_lease =
                 |(fleet, shard): &(String, i64)| fleet == lease.fleet().as_str() && *shard == lease.shard_number();
@@ -132,7 +153,8 @@ impl Writer {
     }
 
     /// Acquires the lease of a free shard, in a new epoch; `None` if another supervisor was faster, or if the fleet has
-    /// another number of shards by now.
+    /// another number of shards by now. A shard that the last [`Self::sign_in_reporting`] read is free only if this
+    /// process's monotonic clock says so, and if its row has not changed since.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
@@ -157,15 +179,17 @@ impl Writer {
         const WHAT: &str = "acquire leases";
         let asked = Instant::now();
         let before = self.highest_epochs.clone();
+        let claims: Vec<Claim> = shards.iter().map(|shard| self.lease_watch.claim(shard, asked)).collect();
         let (epochs, is_shared) = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
                 let mut tx = link.begin().await.map_err(failed(WHAT))?;
                 let sql = if matches!(tx, Either::Postgres(_)) { ACQUIRE_POSTGRES } else { ACQUIRE_SQLITE };
                 let (mut epochs, mut highest) = (Vec::new(), before.clone());
-                for shard in shards {
+                for (shard, claim) in shards.iter().zip(&claims) {
                     // A robot may have been in another shard before.
                     let known = highest.entry(shard.fleet().clone()).or_default();
-                    let epoch = raise_epoch(&mut tx, sql, supervisor, shard, *known).await.map_err(failed(WHAT))?;
+                    let epoch = raise_epoch(&mut tx, sql, supervisor, (shard, *claim), *known).await;
+                    let epoch = epoch.map_err(failed(WHAT))?;
                     *known = (*known).max(epoch.unwrap_or_default() as u64);
                     epochs.push(epoch);
                 }
@@ -247,19 +271,28 @@ const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, shard, shards, epoch, o
     holder = excluded.holder, commits = 0 WHERE leases.shards = excluded.shards RETURNING epoch";
 
 /// PostgreSQL: skips a row that is locked, because its owner is committing. A lease of our own can be acquired again:
-/// the answer to an earlier attempt may have been lost.
+/// the answer to an earlier attempt may have been lost. The last three parameters are the row that was seen to be free;
+/// without one the clock decides.
 const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = greatest(epoch + 1, clock_us() / 1000, $5 + 1), owner = $2, \
     holder = $3, commits = 0, expires_us = clock_us() + $4 WHERE fleet = $1 AND shard = (SELECT shard FROM leases \
-    WHERE fleet = $1 AND shard = $6 AND shards = $7 AND (owner = $2 OR expires_us <= clock_us()) \
+    WHERE fleet = $1 AND shard = $6 AND shards = $7 AND (owner = $2 OR CASE \
+    WHEN $8::bigint IS NULL THEN expires_us <= clock_us() \
+    ELSE epoch = $8 AND commits = $9::bigint AND expires_us = $10::bigint END) \
     FOR UPDATE SKIP LOCKED) RETURNING epoch";
 
 async fn raise_epoch(
     tx: &mut Tx<'_>,
     sql: &'static str,
     supervisor: &Supervisor,
-    shard: &FleetShard,
+    (shard, claim): (&FleetShard, Claim),
     known: u64,
 ) -> sqlx::Result<Option<i64>> {
+    let seen = match claim {
+        Claim::Unknown => None,
+        Claim::Free(seen) => Some((seen.epoch, seen.commits, seen.expires_us)),
+        // No row has this epoch.
+        Claim::Held => Some((-1, 0, 0)),
+    };
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
     // The fourth parameter: time to live in µs (PostgreSQL), or the time in ms since 1970 (SQLite).
     let fourth =
@@ -275,6 +308,9 @@ async fn raise_epoch(
         .bind(known as i64)
         .bind(number)
         .bind(i64::from(shard.count()))
+        .bind(seen.map(|seen| seen.0))
+        .bind(seen.map(|seen| seen.1))
+        .bind(seen.map(|seen| seen.2))
         .fetch_optional(&mut **tx)
         .await)?;
     if let Some(epoch) = epoch {
@@ -320,100 +356,6 @@ async fn sqlite_membership(link: &mut SqliteConnection, supervisor: &Supervisor)
     });
     // No other supervisor can own the fleets, so hearing does not matter.
     let (supervisor, fleets) = (supervisor.id.to_string(), supervisor.fleets.clone());
-    let present = vec![Present { supervisor, fleets, hearing: FleetsHeard::default() }];
-    Ok(Membership { leases: leases.collect(), present })
-}
-
-/// Registers the supervisor and renews its leases; returns the state of the cluster and the renewed shards. A row
-/// that is locked by a commit of this supervisor is skipped, because the commit renews it. Each statement is its own
-/// transaction, because all supervisors do this several times a second.
-async fn sign_in(
-    link: &mut PgConnection,
-    supervisor: &Supervisor,
-    held: &[Lease],
-    hearing: &FleetsHeard,
-) -> sqlx::Result<(Membership, Vec<(String, i64)>)> {
-    let joined = |fleets: &[Name]| fleets.iter().map(Name::as_str).collect::<Vec<_>>().join(",");
-    let fleets: Vec<&str> = supervisor.fleets.iter().map(Name::as_str).collect();
-    let renewed = sqlx::query_as(
-        "WITH present AS (INSERT INTO supervisors (supervisor, holder, fleets, alive_us, deaf, heard) \
-         VALUES ($2, $5, $6, clock_us() + $1, $7, $8) ON CONFLICT (supervisor) DO UPDATE SET \
-         alive_us = excluded.alive_us, deaf = excluded.deaf, heard = excluded.heard) \
-         UPDATE leases SET expires_us = clock_us() + $1 WHERE (fleet, shard) IN (SELECT l.fleet, l.shard FROM leases l \
-         JOIN unnest($3::text[], $4::bigint[], $9::bigint[]) AS h (fleet, epoch, shard) \
-         ON l.fleet = h.fleet AND l.shard = h.shard AND l.epoch = h.epoch \
-         WHERE owner = $2 FOR UPDATE OF l SKIP LOCKED) RETURNING fleet, shard",
-    )
-    .bind(micros(supervisor.time_to_live))
-    .bind(&*supervisor.id)
-    .bind(held.iter().map(|lease| lease.fleet().as_str()).collect::<Vec<_>>())
-    .bind(held.iter().map(|lease| lease.epoch() as i64).collect::<Vec<_>>())
-    .bind(&supervisor.name)
-    .bind(fleets.join(","))
-    .bind(joined(&hearing.deaf))
-    .bind(joined(&hearing.heard))
-    .bind(held.iter().map(Lease::shard_number).collect::<Vec<_>>())
-    .fetch_all(&mut *link)
-    .await?;
-    let mut rows = rows_of(&mut *link, &fleets).await?;
-    let has_lease = |fleet: &&str| rows.iter().any(|row| row.get::<Option<&str>, _>("fleet") == Some(*fleet));
-    if !fleets.iter().all(has_lease) {
-        sqlx::query(
-            "INSERT INTO leases (fleet, epoch, expires_us) SELECT f.fleet, 0, 0 FROM unnest($1::text[]) AS f (fleet) \
-             WHERE NOT EXISTS (SELECT 1 FROM leases l WHERE l.fleet = f.fleet) ON CONFLICT DO NOTHING",
-        )
-        .bind(&fleets)
-        .execute(&mut *link)
-        .await?;
-        rows = rows_of(&mut *link, &fleets).await?;
-    }
-    let leases = rows.iter().filter(|row| is_lease(row)).filter_map(|row| {
-        Some(FleetLease {
-            shard: shard_of(row)?,
-            shards_wanted: u32::try_from(row.get::<i64, _>("shards_wanted")).ok()?,
-            epoch: row.get::<i64, _>("epoch") as u64,
-            owner: row.get("owner"),
-            holder: row.get("holder"),
-            free: row.get::<i64, _>("left_us") <= 0,
-            free_in: u64::try_from(row.get::<i64, _>("left_us")).ok().map(Duration::from_micros),
-        })
-    });
-    let names = |row: &PgRow, column: &str| {
-        row.get::<&str, _>(column).split(',').filter_map(|fleet| Name::new(fleet).ok()).collect::<Vec<_>>()
-    };
-    let present = rows.iter().filter(|row| !is_lease(row)).map(|row| Present {
-        supervisor: row.get("owner"),
-        fleets: names(row, "fleets"),
-        hearing: FleetsHeard { deaf: names(row, "deaf"), heard: names(row, "heard") },
-    });
-    Ok((Membership { leases: leases.collect(), present: present.collect() }, renewed))
-}
-
-/// Deletes supervisors that ended without signing out a day ago or more; each start has a new identifier.
-async fn forget_the_gone(tx: &mut PgConnection) -> sqlx::Result<()> {
-    sqlx::query("DELETE FROM supervisors WHERE alive_us < clock_us() - 86400000000").execute(tx).await.map(drop)
-}
-
-/// Rows of leases, and of present supervisors, whose `fleet` is null, in one query, because it runs several times a
-/// second.
-async fn rows_of(link: &mut PgConnection, fleets: &[&str]) -> sqlx::Result<Vec<PgRow>> {
-    sqlx::query(
-        "SELECT fleet, shard, shards, shards_wanted, epoch, owner, holder, expires_us - clock_us() AS left_us, \
-         NULL::text AS fleets, \
-         NULL::text AS deaf, NULL::text AS heard FROM leases WHERE fleet = ANY($1) \
-         UNION ALL SELECT NULL, NULL, NULL, NULL, NULL, supervisor, NULL, NULL, fleets, deaf, heard FROM supervisors \
-         WHERE alive_us > clock_us()",
-    )
-    .bind(fleets)
-    .fetch_all(link)
-    .await
-}
-
-fn shard_of(row: &PgRow) -> Option<FleetShard> {
-    let number = |column| u32::try_from(row.get::<i64, _>(column)).ok();
-    FleetShard::new(Name::new(row.get("fleet")).ok()?, number("shard")?, number("shards")?)
-}
-
-fn is_lease(row: &PgRow) -> bool {
-    row.get::<Option<&str>, _>("fleet").is_some()
+    let present = vec![Present { supervisor, fleets, ..Present::default() }];
+    Ok(Membership { leases: leases.collect(), present, database_ahead_us: None })
 }

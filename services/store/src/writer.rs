@@ -10,6 +10,7 @@ use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use super::database::{Either, Link, Options};
+use super::lease_watch::LeaseWatch;
 use super::{Batch, Lease, StoreError, commit, failed};
 
 /// Time limit for one attempt: a server that hangs counts as unreachable.
@@ -26,6 +27,8 @@ pub struct Writer {
     pub(super) last_epochs: BTreeMap<FleetShard, u64>,
     /// Highest epoch of each fleet that this process has seen: after a failover the database may know only lower ones.
     pub(super) highest_epochs: BTreeMap<Name, u64>,
+    /// Tells leases and members that are alive, by this process's monotonic clock.
+    pub(super) lease_watch: LeaseWatch,
 }
 
 impl Writer {
@@ -35,7 +38,7 @@ impl Writer {
             Either::Postgres(route) => Some(route.changes()),
         };
         let (last_epochs, highest_epochs) = (BTreeMap::new(), BTreeMap::new());
-        Self { options, link: None, changes, last_epochs, highest_epochs }
+        Self { options, link: None, changes, last_epochs, highest_epochs, lease_watch: LeaseWatch::default() }
     }
 
     /// Writes a batch in one transaction. Idempotent: retrying the same batch after an error never writes it twice.

@@ -13,6 +13,7 @@ use crate::action_notifier::ActionNotifier;
 use crate::archive::Archive;
 use crate::archive_options::ArchiveSource;
 use crate::black_box::BlackBoxes;
+use crate::clocks::{HoldBack, RobotClocks};
 use crate::ending::{Ending, stopped};
 use crate::engine::{ContactRetention, Engine, EngineOptions, JointCommits, Limits};
 use crate::events::EventSink;
@@ -62,6 +63,10 @@ pub(crate) struct Shared {
     pub(crate) kafka: Option<Kafka>,
     /// Black boxes of the robots.
     pub(crate) boxes: BlackBoxes,
+    /// Clocks of the robots that are heard.
+    pub(crate) robot_clocks: RobotClocks,
+    /// By how much deletions of old rows hold back.
+    pub(crate) hold_back: HoldBack,
     /// Allow list of robots from a file, if one is configured.
     pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
     /// Threads in which the shards work.
@@ -166,6 +171,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         }
     }
     shared.readiness.forget(&shard);
+    shared.robot_clocks.forget(&shard);
     metrics.forget();
     if let Some(whiskers) = &shared.metrics.whiskers {
         whiskers.show(&shard, Vec::new());
@@ -197,6 +203,7 @@ pub(crate) fn engine_options(
             .as_ref()
             .and_then(|kafka| kafka.reader(lease.shard(), &shared.metrics.of_shard(lease.shard()), &shared.readiness)),
         boxes: shared.boxes.clone(),
+        robot_clocks: shared.robot_clocks.clone(),
         is_archived: shared.archive.as_ref().is_some_and(|archive| archive.source() == ArchiveSource::Database),
         joint: shared.joint.clone(),
         traces: shared.traces.clone(),

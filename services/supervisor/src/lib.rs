@@ -8,6 +8,7 @@
 pub mod service;
 
 pub mod action_notifier;
+mod clocks;
 mod division;
 mod ending;
 pub mod events;

@@ -10,6 +10,7 @@ use tracing::{error, info, warn};
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
+use crate::clocks::Clocks;
 use crate::division::divide;
 use crate::ending::stopped;
 use crate::fleet::{Fleet, Shared};
@@ -24,6 +25,12 @@ const TURNS_A_TIME_TO_LIVE: u32 = 8;
 
 /// Shortest pause between two turns: an owner may be renewing at this moment.
 const SHORTEST_PAUSE: Duration = Duration::from_millis(20);
+
+/// Longest pause between two turns of a supervisor that shares its database with no other.
+const ALONE_PAUSE: Duration = Duration::from_secs(1);
+
+/// Pause between two turns while a step of the host's clock is followed.
+const STEP_PAUSE: Duration = Duration::from_millis(50);
 
 /// Largest number of leases that are acquired in one transaction, which locks their rows.
 const SHARDS_AT_ONCE: usize = 64;
@@ -46,6 +53,7 @@ pub(crate) struct Ownership {
     least_shards: Option<u32>,
     is_prepared: bool,
     hearing: HearingTrials,
+    clocks: Clocks,
     outage: Outage,
 }
 
@@ -77,6 +85,7 @@ impl Ownership {
     pub(crate) fn new(supervisor: Supervisor, shared: Shared, shards: u32, is_prepared: bool) -> Self {
         shared.readiness.set(PART, Some("starting: the owners of the fleets are not known yet".to_owned()));
         let writer = shared.store.writer();
+        let clocks = Clocks::new(shared.hold_back.clone());
         Self {
             supervisor,
             shared,
@@ -88,6 +97,7 @@ impl Ownership {
             least_shards: Some(shards).filter(|&shards| shards > 1),
             is_prepared,
             hearing: HearingTrials::default(),
+            clocks,
             outage: Outage::default(),
         }
     }
@@ -118,9 +128,11 @@ impl Ownership {
     }
 
     fn pause(&self) -> Duration {
-        // A database that is not shared needs no frequent renewal: there is no competitor.
-        let turns = if self.shared.store.is_shared() { TURNS_A_TIME_TO_LIVE } else { 1 };
-        self.supervisor.time_to_live / turns
+        // A database that is not shared needs no frequent renewal: there is no competitor. But clocks are read each time.
+        match self.shared.store.is_shared() {
+            true => self.supervisor.time_to_live / TURNS_A_TIME_TO_LIVE,
+            false => self.supervisor.time_to_live.min(ALONE_PAUSE),
+        }
     }
 
     /// One turn: renew, read the membership, release, acquire. Returns the time until the next turn, which is due at the
@@ -137,14 +149,24 @@ impl Ownership {
             self.least_shards = None;
         }
         self.remove_ended();
+        let is_idle = self.shards.is_empty() && self.ending_shards.is_empty() && self.divisions.is_empty();
+        if is_idle && self.clocks.must_follow_host() {
+            self.clocks.follow_host();
+        }
         let of_divisions = self.divisions.values().flat_map(|(leases, _)| leases);
         let held: Vec<_> = self.shards.values().map(Fleet::lease).chain(of_divisions).cloned().collect();
         if self.shared.store.is_shared() {
             let links = self.shards.iter().map(|(shard, fleet)| (shard, fleet.link()));
             self.hearing.listen(links, &self.shared);
         }
-        let membership = self.writer.sign_in_hearing(&self.supervisor, &held, &self.hearing.report()).await?;
+        let (hearing, clock) = (self.hearing.report(), self.clocks.report());
+        let membership = self.writer.sign_in_reporting(&self.supervisor, &held, &hearing, clock).await?;
+        let Shared { robot_clocks, metrics, readiness, .. } = &self.shared;
+        self.clocks.read(&membership, (&*self.supervisor.id, robot_clocks), (metrics, readiness));
         self.drop_lost(&membership);
+        if self.clocks.must_follow_host() {
+            return Ok(self.end_all());
+        }
         if self.shared.store.is_shared() {
             self.hearing.try_doubtful(&membership, &self.supervisor.id, &self.shared);
         }
@@ -195,6 +217,16 @@ impl Ownership {
             .filter_map(|lease| lease.free_in)
             .min();
         Ok(soonest.map_or(self.pause(), |soonest| soonest.clamp(SHORTEST_PAUSE, self.pause())))
+    }
+
+    /// Ends the supervision of all shards, because their times do not fit a new time line. They begin anew as after a
+    /// takeover. Returns the time until the next turn.
+    fn end_all(&mut self) -> Duration {
+        for shard in self.shards.keys().cloned().collect::<Vec<_>>() {
+            info!(fleet = %shard, "releasing fleet to follow a step of the host's clock");
+            self.end(&shard);
+        }
+        STEP_PAUSE
     }
 
     /// Starts the supervision of a shard.
@@ -300,8 +332,7 @@ impl Ownership {
 
     /// Stops all shards, then signs out, so that other supervisors can acquire them.
     async fn leave(mut self) {
-        let shards: Vec<FleetShard> = self.shards.keys().cloned().collect();
-        for shard in shards {
+        for shard in self.shards.keys().cloned().collect::<Vec<_>>() {
             self.end(&shard);
         }
         while let Some(ended) = self.ending.join_next().await {

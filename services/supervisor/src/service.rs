@@ -19,6 +19,7 @@ pub use crate::archive_options::{ArchiveOptions, ArchiveSource};
 pub use crate::black_box::BlackBoxOptions;
 use crate::black_box::BlackBoxes;
 use crate::broker::{Broker, MqttAccess};
+use crate::clocks::{HoldBack, RobotClocks};
 use crate::engine::{ContactRetention, JointCommits, Limits};
 use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
@@ -195,6 +196,7 @@ impl Service {
         let readiness = Readiness::default();
         let action_notifier = ActionNotifier::default();
         let params = Arc::new(options.params);
+        let hold_back = HoldBack::default();
         let mut database_tasks = JoinSet::new();
         let shared = Shared {
             store: store.clone(),
@@ -211,6 +213,8 @@ impl Service {
             limits: options.limits.limits,
             kafka: Kafka::new(&options.kafka)?,
             boxes: BlackBoxes::start(options.black_boxes, store.writer(), &mut database_tasks),
+            robot_clocks: RobotClocks::default(),
+            hold_back: hold_back.clone(),
             robots_file: robots_file.clone(),
             threads: Threads::of_all_cores(),
             joint: JointCommits::start(&store),
@@ -242,7 +246,13 @@ impl Service {
         database_tasks.spawn(action_notifier.clone().watch(store.clone(), stopped.clone()));
         database_tasks.spawn(forget_changes(store.clone(), stopped.clone()));
         let retention = options.history.retention;
-        database_tasks.spawn(upkeep::run(store.clone(), retention, archived, metrics.clone(), stopped.clone()));
+        database_tasks.spawn(upkeep::run(
+            store.clone(),
+            (retention, hold_back),
+            archived,
+            metrics.clone(),
+            stopped.clone(),
+        ));
         database_tasks.spawn(replication::watch(store.clone(), metrics.clone(), stopped.clone()));
         let webhooks = tokio::spawn(webhooks.run(stopped.clone()));
         let ownership = tokio::spawn(ownership.run(stopped));

@@ -8,9 +8,10 @@ use vibrissa_protocol::Name;
 
 use vibrissa_store::{Membership, Present};
 
-/// The best owner of each shard. A present owner keeps its shards, with two exceptions: to even out the numbers, and a
-/// fleet that it does not hear and another supervisor has proved to hear. Shards without an owner go to the supervisor
-/// with the fewest shards.
+/// The best owner of each shard. A present owner keeps its shards, with three exceptions: to even out the numbers, a
+/// fleet that it does not hear and another supervisor has proved to hear, and a clock that most others contradict while
+/// another supervisor's is not. Shards without an owner go to the supervisor with the fewest shards, and only if there is
+/// no other one to a supervisor with a wrong clock.
 #[must_use]
 pub(crate) fn shares(membership: &Membership) -> BTreeMap<FleetShard, String> {
     let mut present: Vec<&Present> = membership.present.iter().collect();
@@ -37,6 +38,7 @@ pub(crate) fn shares(membership: &Membership) -> BTreeMap<FleetShard, String> {
     for shard in membership.leases.iter().map(|lease| &lease.shard) {
         if let Some(owner) = owner(shard)
             && !(is_deaf(owner, shard.fleet()) && present.iter().any(|one| may(one, shard)))
+            && !(owner.clock.is_wrong && present.iter().any(|one| may(one, shard) && !one.clock.is_wrong))
         {
             shares.insert(shard.clone(), owner.supervisor.clone());
         }
@@ -45,9 +47,9 @@ pub(crate) fn shares(membership: &Membership) -> BTreeMap<FleetShard, String> {
     unowned.retain(|shard| !shares.contains_key(*shard));
     unowned.sort_unstable();
     for shard in unowned {
-        let able = present.iter().filter(|one| may(one, shard)).map(|one| &one.supervisor);
-        if let Some(least) = able.min_by_key(|one| held(&shares, one)) {
-            shares.insert(shard.clone(), least.clone());
+        let able = present.iter().filter(|one| may(one, shard));
+        if let Some(least) = able.min_by_key(|one| (one.clock.is_wrong, held(&shares, &one.supervisor))) {
+            shares.insert(shard.clone(), least.supervisor.clone());
         }
     }
     while let Some((shard, to)) = step_towards_even(&shares, &present, &may) {
@@ -71,7 +73,7 @@ fn step_towards_even(
     shares.iter().rev().find_map(|(shard, owner)| {
         let to = present
             .iter()
-            .filter(|one| may(one, shard))
+            .filter(|one| may(one, shard) && !one.clock.is_wrong)
             .map(|one| &one.supervisor)
             .min_by_key(|one| held(shares, one))
             .filter(|one| held(shares, one) + 1 < held(shares, owner))?;
@@ -82,7 +84,7 @@ fn step_towards_even(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vibrissa_store::{FleetLease, FleetsHeard};
+    use vibrissa_store::FleetLease;
 
     fn fleets(count: usize) -> Vec<Name> {
         (0..count).map(|number| Name::new(&format!("f{number:02}")).unwrap()).collect()
@@ -104,11 +106,9 @@ mod tests {
             free: owner.is_none(),
             free_in: None,
         });
-        let hearing = FleetsHeard::default();
-        let one =
-            |one: &&str| Present { supervisor: (*one).to_owned(), fleets: fleets.clone(), hearing: hearing.clone() };
+        let one = |one: &&str| Present { supervisor: (*one).to_owned(), fleets: fleets.clone(), ..Present::default() };
         let present = present.iter().map(one).collect();
-        Membership { leases: leases.collect(), present }
+        Membership { leases: leases.collect(), present, database_ahead_us: None }
     }
 
     fn counts(shares: &BTreeMap<FleetShard, String>, present: &[&str]) -> Vec<usize> {
@@ -206,6 +206,32 @@ mod tests {
         membership.present[1].hearing.heard = fleets(1);
         assert_eq!(shares(&membership)[&whole(1)[0]], "b");
         assert_eq!(counts(&shares(&membership), &["a", "b"]), [3, 1]);
+    }
+
+    #[test]
+    fn regress_an_owner_with_a_wrong_clock_gives_way_to_one_with_a_right_clock() {
+        // Whose clocks are wrong: W.
+        for (owner, clocks, expected) in [
+            (Some("a"), "W-", "b"),
+            (Some("a"), "WW", "a"),
+            (Some("a"), "W", "a"),
+            (Some("b"), "W-", "b"),
+            (None, "W--", "b"),
+            (None, "WW", "a"),
+        ] {
+            let mut membership = membership(&["a", "b", "c"][..clocks.len()], &[owner]);
+            for (one, clock) in membership.present.iter_mut().zip(clocks.chars()) {
+                one.clock.is_wrong = clock == 'W';
+            }
+            assert_eq!(shares(&membership)[&whole(1)[0]], expected, "{owner:?} {clocks}");
+        }
+        // Deafness comes first: a fleet that the other one does not hear stays.
+        let mut membership = membership(&["a", "b"], &[Some("a"); 4]);
+        membership.present[0].clock.is_wrong = true;
+        membership.present[1].hearing.deaf = fleets(4);
+        assert_eq!(counts(&shares(&membership), &["a", "b"]), [4, 0]);
+        membership.present[1].hearing.deaf.clear();
+        assert_eq!(counts(&shares(&membership), &["a", "b"]), [0, 4], "numbers are not evened out towards it");
     }
 
     /// Every membership of up to 4 supervisors and 6 fleets: all fleets have an owner, the numbers are even, and the result

@@ -1,5 +1,6 @@
 //! Upkeep of the tables while the service runs: creates partitions ahead, and deletes rows that are too old.
 
+use crate::clocks::HoldBack;
 use crate::metrics::Metrics;
 use tokio::sync::watch;
 use tokio::time::{Duration, timeout};
@@ -21,13 +22,14 @@ const PAUSE: Duration = Duration::from_millis(400);
 /// Contacts of the fleets `archived` are not deleted before they are archived.
 pub(crate) async fn run(
     store: Store,
-    retention: Retention,
+    (retention, hold_back): (Retention, HoldBack),
     archived: Vec<Name>,
     metrics: Metrics,
     mut stop: watch::Receiver<bool>,
 ) {
     loop {
-        let pause = match store.with_leader(look_after(&store, retention, &archived, &metrics)).await {
+        let pause = match store.with_leader(look_after(&store, (retention, hold_back.us()), &archived, &metrics)).await
+        {
             Ok(true) => PAUSE,
             Ok(false) => {
                 metrics.upkeep_timestamp_seconds.set(wall_clock().as_s());
@@ -47,7 +49,7 @@ pub(crate) async fn run(
 
 async fn look_after(
     store: &Store,
-    retention: Retention,
+    (retention, hold_back_us): (Retention, i64),
     archived: &[Name],
     metrics: &Metrics,
 ) -> Result<bool, StoreError> {
@@ -55,8 +57,9 @@ async fn look_after(
     store.begin_archives(archived, now_us).await?;
     let mut note = |done| note_done(&done, metrics);
     store.make_partitions(now_us, &mut note).await?;
-    let is_more = store.look_after(retention, now_us, &mut note).await?;
-    Ok(store.forget_announced(now_us, &mut note).await? || is_more)
+    let old_by_us = now_us - hold_back_us;
+    let is_more = store.look_after(retention, old_by_us, &mut note).await?;
+    Ok(store.forget_announced(old_by_us, &mut note).await? || is_more)
 }
 
 fn note_done(done: &Done, metrics: &Metrics) {

@@ -31,6 +31,7 @@ mod routes;
 mod stage;
 mod started;
 mod startup;
+mod stepped_clock;
 mod supervised;
 mod takeover;
 mod unheard_owner;

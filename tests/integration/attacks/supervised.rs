@@ -63,7 +63,10 @@ impl Supervised {
         let launch = Launch {
             program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
             arguments: arguments.iter().map(|&argument| argument.to_owned()).collect(),
-            environment: vec![("RUST_LOG".to_owned(), "warn".to_owned())],
+            environment: vec![
+                ("RUST_LOG".to_owned(), "warn".to_owned()),
+                ("VIBRISSA_TEST_CLOCK_FILE".to_owned(), folder.path().join("clock").display().to_string()),
+            ],
             log: folder.path().join("log"),
         };
         let one = Self { proxy, process: Process::start(launch), broker, postgres, http, folder };
@@ -83,9 +86,31 @@ impl Supervised {
 
     /// Kills the supervisor, as a power failure would, and starts it again.
     pub(crate) async fn restart(&mut self) {
+        self.begin_again();
+        self.is_ready().await;
+    }
+
+    /// As [`Self::restart`], without waiting until it is ready.
+    pub(crate) fn begin_again(&mut self) {
         self.process.kill();
         self.process.restart();
-        self.is_ready().await;
+    }
+
+    /// Sets the clock of the supervisor's host so far ahead of the true time, in microseconds.
+    pub(crate) fn set_host_clock(&self, ahead_us: i64) {
+        let (file, new) = (self.folder.path().join("clock"), self.folder.path().join("clock.new"));
+        std::fs::write(&new, ahead_us.to_string()).unwrap();
+        std::fs::rename(new, file).unwrap();
+    }
+
+    /// The body of `/readyz`, whatever its status.
+    pub(crate) async fn readiness(&self) -> String {
+        try_get(self.http, "/readyz").await.map(|(_, body)| body).unwrap_or_default()
+    }
+
+    /// Whether it shares its database with others.
+    pub(crate) fn is_shared(&self) -> bool {
+        self.postgres.is_some()
     }
 
     /// A robot with two whiskers. Waits until its first message is accepted.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sqlx::{ConnectOptions, Executor};
+use sqlx::{AssertSqlSafe, ConnectOptions, Executor};
 use vibrissa_store::{LossCause, StoreError};
 use vibrissa_tests::wait::{until, until_true};
 
@@ -34,6 +34,46 @@ async fn a_fleet_is_one_supervisors_until_it_falls_silent_for_its_time_to_live()
     assert!(!lease.is_fresh() && taken.is_fresh());
     let roll = writer_b.sign_in(&b, std::slice::from_ref(&taken)).await.unwrap();
     assert_eq!((roll.leases[0].epoch, roll.leases[0].holder.as_deref()), (taken.epoch(), Some("supervisor b")));
+}
+
+/// Sets the clock by which the database stamps leases so far ahead of the true time.
+async fn set_clock(database: &Fresh, ahead_s: i64) {
+    let mut server = database.server.as_ref().unwrap().connect().connect().await.unwrap();
+    let sql = format!(
+        "CREATE OR REPLACE FUNCTION clock_us() RETURNS BIGINT LANGUAGE SQL VOLATILE \
+         AS 'SELECT (extract(epoch FROM clock_timestamp()) * 1000000)::BIGINT + ({ahead_s} * 1000000::BIGINT)'"
+    );
+    server.execute(AssertSqlSafe(sql)).await.unwrap();
+}
+
+#[tokio::test]
+async fn regress_a_step_of_the_databases_clock_decides_about_no_lease() {
+    let database = Fresh::postgres().await;
+    let (a, b) = (supervisor("a"), supervisor("b"));
+    let (mut writer_a, mut writer_b) = (database.store.writer(), database.store.writer());
+    writer_a.sign_in(&a, &[]).await.unwrap();
+    let lease = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
+    writer_b.sign_in(&b, &[]).await.unwrap();
+    // A living owner keeps its lease, whatever the clock does.
+    for ahead_s in [3600, -120, 0, 7200] {
+        set_clock(&database, ahead_s).await;
+        for _ in 0..3 {
+            let roll = writer_b.sign_in(&b, &[]).await.unwrap();
+            assert!(!roll.leases[0].free, "{ahead_s}");
+            assert!(writer_b.acquire(&b, &fleet()).await.unwrap().is_none(), "{ahead_s}");
+            writer_a.sign_in(&a, std::slice::from_ref(&lease)).await.unwrap();
+        }
+    }
+    // A dead one loses it, although its lease seems to live for hours.
+    set_clock(&database, 0).await;
+    let taken = until("taken over", async || {
+        let roll = writer_b.sign_in(&b, &[]).await.unwrap();
+        roll.leases[0].free.then_some(())?;
+        assert!(roll.present.iter().all(|one| one.supervisor == "b"), "the dead owner is not present");
+        writer_b.acquire(&b, &fleet()).await.unwrap()
+    })
+    .await;
+    assert!(taken.epoch() > lease.epoch() && !lease.is_fresh());
 }
 
 #[tokio::test]
@@ -163,6 +203,7 @@ async fn an_epoch_that_the_database_has_lost_is_not_given_again() {
     let mut writer = database.store.writer();
     writer.sign_in(&a, &[]).await.unwrap();
     server.execute("UPDATE leases SET epoch = (clock_us() + 86400000000) / 1000").await.unwrap();
+    writer.sign_in(&a, &[]).await.unwrap();
     let lost = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
     let robot = rows::robot(&mut writer, &lost).await;
     writer.commit(&lost, &contacts(&robot, 0..3)).await.unwrap();

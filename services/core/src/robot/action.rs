@@ -84,6 +84,11 @@ pub enum ActionProblem {
         "the robot is offline or silent, or has not said its time yet: a manual setpoint is sent now or not at all"
     )]
     RobotOffline,
+    /// The robot's times pass at another rate than the supervisor's.
+    #[error(
+        "the robot's times pass too slowly or too fast, so a setpoint would not expire in time: is t_us in microseconds?"
+    )]
+    WrongTimeUnit,
     /// The robot's factsheet names no touch test.
     #[error("the robot can do no touch test: its factsheet names none")]
     NoTouchTests,

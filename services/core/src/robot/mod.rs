@@ -40,8 +40,8 @@ pub use view::WhiskerView;
 pub use what_if::{Planned, WhatIf, WhatIfError};
 
 use crate::units::Micros;
-use event::{Factsheet, Link};
-use state::clock::{Clock, TimeKind};
+use event::{Contact, Factsheet, Link};
+use state::clock::{Clock, TimeKind, TimeTrust};
 use state::deadline::TickDeadline;
 use state::head::Head;
 use state::index::WhiskerIndexTable;
@@ -157,9 +157,9 @@ impl Robot {
                 if self.is_old(boot_id) {
                     return Outcome::OldBoot;
                 }
-                let is_plausible = self.head.clock.plausible(now).contains(&robot_time);
+                let trust = self.head.clock.trust(now, robot_time);
                 self.head.clock.hear(now, robot_time, TimeKind::Live);
-                if !is_plausible {
+                if trust == TimeTrust::Far {
                     // The next one comes within seconds.
                     return Outcome::BadTime;
                 }
@@ -307,7 +307,7 @@ impl Robot {
         params: &Params,
         now: Micros,
         (boot_id, seq): (&str, u64),
-        contacts: &[event::Contact<'_>],
+        contacts: &[Contact<'_>],
         missed: &[event::MissedTouch<'_>],
         effects: &mut Vec<Effect>,
     ) -> Outcome {
@@ -333,28 +333,33 @@ impl Robot {
             }
         }
         let is_newest = !self.is_old(boot_id);
-        let plausible =
-            if is_newest { self.head.clock.plausible(now) } else { self.head.clock.plausible_of_older_boot(now) };
+        let before = self.head.clock.clone();
+        let trust = |robot_time| match is_newest {
+            true => before.trust(now, robot_time),
+            false => before.trust_of_older_boot(now, robot_time),
+        };
         if is_newest {
             // One sample for each message, however many contacts it has; an implausible time if it has no other.
             let touched = contacts.iter().map(|contact| contact.robot_time);
             let mut times = touched.chain(missed.iter().map(|one| one.robot_time));
-            let newest = times.clone().filter(|time| plausible.contains(time)).max().or_else(|| times.next_back());
+            let sound = times.clone().filter(|&time| trust(time) == TimeTrust::Sound).max();
+            let newest = sound.or_else(|| times.next_back());
             self.head.clock.hear(now, newest.unwrap_or_default(), TimeKind::Recorded);
         }
         for (position, contact) in contacts.iter().enumerate() {
-            if plausible.contains(&contact.robot_time) {
-                self.contact(params, now, position, contact, effects);
-                if is_newest {
-                    self.note_touch(params, contact);
-                }
-            } else {
-                // Only this contact is rejected: other whiskers' times can still be right, and the message is accounted
-                // for.
+            let trust = trust(contact.robot_time);
+            if trust == TimeTrust::Far {
                 effects.push(Effect::BadTime { position });
             }
+            // A wrong time makes no reading wrong. The contact counts, and what rests on times leaves it out.
+            let untimed = Contact { robot_time: Micros::default(), ..*contact };
+            let contact = if trust == TimeTrust::Sound { contact } else { &untimed };
+            self.contact(params, now, position, contact, effects);
+            if is_newest {
+                self.note_touch(params, contact);
+            }
         }
-        for one in missed.iter().filter(|one| plausible.contains(&one.robot_time)) {
+        for one in missed.iter().filter(|one| trust(one.robot_time) != TimeTrust::Far) {
             self.missed_touch(params, now, one, effects);
         }
         Outcome::Taken

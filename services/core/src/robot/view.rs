@@ -79,6 +79,20 @@ impl Robot {
         (self.head.boot_id.as_ref().map(ShortText::as_str), self.head.link)
     }
 
+    /// How far its clock is ahead of the supervisor's, in microseconds; `None` while that is not known, or if nothing was
+    /// heard within the last minute.
+    #[must_use]
+    pub fn clock_ahead_us(&self, now: Micros) -> Option<i64> {
+        self.head.clock.ahead_us(now)
+    }
+
+    /// Whether its times pass too slowly or too fast to be in microseconds. Then no setpoint goes out, because none would
+    /// expire in time.
+    #[must_use]
+    pub fn has_wrong_time_unit(&self) -> bool {
+        self.head.clock.has_wrong_unit()
+    }
+
     /// Message numbers of a boot, as its receipts state them.
     #[must_use]
     pub fn sequence(&self, boot_id: &str) -> Option<&Sequence> {

@@ -50,6 +50,7 @@ use vibrissa_protocol::Name;
 
 use crate::action_notifier::ActionNotifier;
 use crate::black_box::FleetBoxes;
+use crate::clocks::RobotClocks;
 use crate::ending::Ending;
 use crate::inbox::Inbox;
 use crate::log_inbox::{LogBatch, LogStart};
@@ -116,6 +117,8 @@ pub(crate) struct Engine {
     program: Metrics,
     readiness: Readiness,
     metrics: FleetMetrics,
+    /// Takes the clocks of the robots.
+    robot_clocks: RobotClocks,
     /// Time of the next survey of the robots, at the earliest.
     survey_from: Instant,
     /// Whether the contacts are archived.
@@ -233,6 +236,10 @@ impl Engine {
             if self.survey_from <= Instant::now() {
                 let begun = Instant::now();
                 fleet_metrics::survey_robots(&mut self.shards, &self.place, &self.program, &self.metrics);
+                // From a log messages come late, so they tell nothing about the time.
+                if self.log_from.is_none() {
+                    self.robot_clocks.show(&self.place, self.shards.clocks_ahead_us(wall_clock()));
+                }
                 self.survey_from = begun + begun.elapsed() * SURVEY_SHARE;
             }
             self.judge_hearing(now(inbox));

@@ -27,6 +27,7 @@ use super::shard::stepper::Stepper;
 use super::{ContactRetention, Engine, Limits, fleet_metrics};
 use crate::action_notifier::ActionNotifier;
 use crate::black_box::BlackBoxes;
+use crate::clocks::RobotClocks;
 use crate::events::EventSink;
 use crate::kafka::LogReader;
 use crate::log_inbox::LogStart;
@@ -69,6 +70,8 @@ pub(crate) struct EngineOptions {
     pub(crate) log: Option<LogReader>,
     /// Black boxes of the robots.
     pub(crate) boxes: BlackBoxes,
+    /// Takes the clocks of the robots.
+    pub(crate) robot_clocks: RobotClocks,
     /// Whether the contacts are archived.
     pub(crate) is_archived: bool,
     /// Commits together with the other shards of this supervisor.
@@ -176,6 +179,7 @@ impl EngineOptions {
             limits: self.limits,
             joint: self.joint,
             new_robots: Bucket::new(new_robots_per_minute, new_robots_per_minute),
+            robot_clocks: self.robot_clocks,
             survey_from: Instant::now(),
             is_archived: self.is_archived,
             fleet,

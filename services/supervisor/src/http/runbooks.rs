@@ -31,6 +31,7 @@ pages! {
     "VibrissaApprovalWaiting.md",
     "VibrissaArchiveBehind.md",
     "VibrissaBrokerDisconnected.md",
+    "VibrissaClockDisagrees.md",
     "VibrissaCommitLag.md",
     "VibrissaCompensationErrorHigh.md",
     "VibrissaContactLag.md",

@@ -10,6 +10,7 @@ use prometheus::{Error, Result};
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
+use super::clocks::CLOCKS;
 use super::subjects::{SUBJECTS, subject};
 use super::{Metrics, PUBLISHING, RECEIVING, RobotSample, WhiskerSample};
 
@@ -82,6 +83,7 @@ fn everything() -> Result<Metrics> {
     }
     fleet.mqtt_node_failures.know("broker:1883");
     metrics.http.answered(&Method::GET, None, StatusCode::OK, Duration::ZERO);
+    metrics.clocks.show(CLOCKS.map(|clock| (clock, Some(0))));
     for listener in ["main", "monitoring"] {
         let _ = metrics.http.connections(listener);
     }

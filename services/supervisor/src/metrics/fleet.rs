@@ -80,6 +80,9 @@ of_fleet! {
         "Robots of which the database refused rows within the last minute; their messages are committed few at a time.";
     /// Contacts of accepted messages, by use.
     contacts: Counters = "vibrissa_contacts_total", "Contacts of accepted messages, by use.", labels::USED;
+    /// Recorded contacts whose time is far from their robot's clock. Their time is not used.
+    contacts_bad_time: IntCounter = "vibrissa_contacts_bad_time_total",
+        "Recorded contacts whose time is far from their robot's clock; their time is not used.";
     /// Time of receipt up to which all contacts are archived, s since 1970 UTC; 0 without an archive.
     archive_position_timestamp_seconds: Gauge = "vibrissa_archive_position_timestamp_seconds",
         "Time of receipt up to which all contacts are archived, since 1970 UTC; 0 without an archive or elsewhere.";

@@ -71,6 +71,7 @@ pub(super) const REASON: Labels<1> = by_one("reason", || {
         "over_share",
         "state_backward",
         "suspect",
+        "time_unit",
         "too_large",
         "too_many",
         "too_many_boots",

@@ -4,6 +4,7 @@
 //! All other labels have values of the program or of its configuration only: names of robots come from topics, and
 //! any client that may publish can make them up.
 
+mod clocks;
 mod document;
 mod fleet;
 mod http;
@@ -24,6 +25,7 @@ use prometheus::{Encoder, Gauge, IntCounter, IntGauge, IntGaugeVec, Opts, Regist
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
+pub use clocks::ClockMetrics;
 pub use document::document;
 pub use fleet::FleetMetrics;
 pub use http::{ConnectionMetrics, HttpMetrics};
@@ -58,6 +60,8 @@ pub struct Metrics {
     pub partitions_dropped: IntCounter,
     /// Rows that were deleted because they were too old, outside of dropped partitions.
     pub old_rows_removed: IntCounter,
+    /// Other clocks, compared with this supervisor's.
+    pub clocks: ClockMetrics,
     /// Metrics of the HTTP servers.
     pub http: HttpMetrics,
     /// Metrics of webhooks.
@@ -128,6 +132,7 @@ impl Metrics {
         }
         Ok(Self {
             families: Arc::new(fleet::Families::declare(&registry)?),
+            clocks: ClockMetrics::declare(&registry)?,
             http: HttpMetrics::declare(&registry)?,
             webhooks: WebhookMetrics::declare(&registry)?,
             build,

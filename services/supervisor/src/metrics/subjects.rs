@@ -135,6 +135,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             "vibrissa_lease_",
             "vibrissa_fleet_shards",
             "vibrissa_database_",
+            "vibrissa_clock_",
             "vibrissa_partitions_",
             "vibrissa_old_rows_",
             "vibrissa_upkeep_",
@@ -147,6 +148,10 @@ pub(super) const SUBJECTS: &[Subject] = &[
                 "histogram_quantile(0.99, sum by (fleet, le) (rate(vibrissa_database_commit_seconds_bucket[5m])))",
             ),
             ("Failed attempts to use the database", "increase(vibrissa_database_errors_total[15m])"),
+            (
+                "Clocks that disagree with a supervisor's",
+                "max by (instance, clock) (abs(vibrissa_clock_ahead_seconds)) > 1",
+            ),
         ],
     },
     Subject {

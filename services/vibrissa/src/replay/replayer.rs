@@ -77,8 +77,6 @@ struct Known {
     tests: RecordedTests,
     /// The newest factsheet of a boot whose birth has not come yet: brokers send retained messages in any order.
     early: Option<protocol::Factsheet>,
-    /// Contacts with implausible times since the last message.
-    bad_times: u64,
 }
 
 /// A message that is being processed.
@@ -251,9 +249,6 @@ impl Replayer {
         let params = self.params.clone();
         let known = self.robots.entry(key).or_insert_with(Known::new);
         let refused = known.message(&params, step, message, sink)?;
-        for _ in 0..std::mem::take(&mut known.bad_times) {
-            self.refusals.count(Some((step.fleet, step.name)), "bad_time");
-        }
         for (reason, problem) in refused {
             self.refuse(step, reason, &problem, sink)?;
         }
@@ -267,7 +262,7 @@ type Refused = (&'static str, String);
 impl Known {
     fn new() -> Self {
         let robot = Robot::new(EPOCH, Numbers::default());
-        Self { robot, answers: Answers::default(), tests: RecordedTests::default(), early: None, bad_times: 0 }
+        Self { robot, answers: Answers::default(), tests: RecordedTests::default(), early: None }
     }
 
     /// A robot as it was at the beginning of a black box.
@@ -429,7 +424,6 @@ impl Known {
         let mut effects = Vec::new();
         let outcome = self.robot.step(params, step.at, event, &mut effects);
         for effect in &effects {
-            self.bad_times += u64::from(matches!(effect, Effect::BadTime { .. }));
             if let Effect::Command(command) = effect
                 && let Some(view) = self.robot.whisker(command.whisker)
             {

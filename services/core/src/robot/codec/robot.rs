@@ -238,7 +238,9 @@ impl Robot {
     /// Continues under a new epoch and listens from `now` on. It marks nothing as changed: a supervisor that restores
     /// the robot again takes it up again.
     pub fn take_up(&mut self, epoch: u64, now: Micros) {
-        self.head.without_mark().epoch = epoch;
+        let head = self.head.without_mark();
+        head.epoch = epoch;
+        head.clock.take_up();
         self.expect_stray_pressures();
         self.listen_from(now);
     }

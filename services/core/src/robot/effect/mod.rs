@@ -35,7 +35,7 @@ pub enum Effect {
         /// The whisker concerned.
         whisker: WhiskerIndex,
     },
-    /// This contact of the message has an implausible time and is ignored.
+    /// The time of this contact is far from its robot's clock. The contact counts, its time does not.
     BadTime {
         /// Position in the message.
         position: usize,

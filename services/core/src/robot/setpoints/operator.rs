@@ -82,6 +82,9 @@ impl Robot {
         let highest = self.whiskers[index].pressure_limit();
         let in_range = Megapascal::new(pressure_mpa).ok().filter(|pressure| *pressure <= highest);
         let pressure = in_range.ok_or(ActionProblem::PressureOutOfRange { asked_mpa: pressure_mpa, highest })?;
+        if self.has_wrong_time_unit() {
+            return Err(ActionProblem::WrongTimeUnit);
+        }
         if !self.can_be_told(params, now) {
             return Err(ActionProblem::RobotOffline);
         }

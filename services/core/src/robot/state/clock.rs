@@ -26,6 +26,12 @@
 //!   contacts come. A setpoint then expires early, which is safe.
 //! - A robot that lies in most of its messages: an offset of its choice, for its own setpoints.
 //!
+//! An offset rests on the clock of the supervisor that measured it. Another supervisor, or one whose clock was stepped,
+//! begins without samples: [`Clock::take_up`]. So a supervisor's wrong clock makes no time of a robot wrong.
+//!
+//! A robot that states its times in another unit, such as milliseconds, is decades off, and its times pass too slowly. Then a
+//! setpoint would live for hours. So a clock that is far off is known only after its rate is: see [`TimeUnit`].
+//!
 //! The first two samples are not checked by others. They are believed where they agree with the supervisor's clock
 //! within [`NEAR`] (the contract asks for 2 s); otherwise no setpoint goes out before the third.
 
@@ -52,9 +58,33 @@ const NEAR_US: i64 = 10_000_000;
 const AHEAD_MAX_US: i64 = 60_000_000;
 /// Times further behind than this are, too, in microseconds: 30 days, because contacts may wait out a long outage.
 const BEHIND_MAX_US: i64 = 30 * 86_400_000_000;
+/// Samples closer together than this say nothing about the rate of a clock, in microseconds.
+const RATE_SPAN_MIN_US: i64 = 100_000;
 /// The contract's times end at 2^53 us, in the year 2255. A clock that is less than a day before that lets no setpoint
 /// expire.
 const LATEST: Micros = Micros((1 << 53) - 86_400_000_000);
+
+/// Trust in a time that a robot states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::robot) enum TimeTrust {
+    /// It can be right.
+    Sound,
+    /// It is far from the supervisor's clock, and the robot's is not known yet. Either may be wrong.
+    Unproved,
+    /// It is far from the robot's own clock.
+    Far,
+}
+
+/// Whether a robot's times are in microseconds, by how fast they pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::robot) enum TimeUnit {
+    /// They agree with the supervisor's clock, or pass at between half and twice its rate.
+    Right,
+    /// Too few messages tell.
+    Unproved,
+    /// They pass at another rate.
+    Wrong,
+}
 
 /// How a message's time relates to the moment at which the robot sent it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -135,8 +165,44 @@ impl Clock {
     /// The current time by the robot's clock. `None` until that clock is known well enough to expire a setpoint by it.
     pub(in crate::robot) fn robot_time(&self, now: Micros) -> Option<Micros> {
         let offset_us = self.offset_us()?;
-        let is_known = self.samples.len() >= SETTLED || offset_us.abs() <= NEAR_US;
+        let is_settled = self.samples.len() >= SETTLED && self.unit() == TimeUnit::Right;
+        let is_known = is_settled || offset_us.abs() <= NEAR_US;
         Some(Micros(now.0.saturating_add_signed(offset_us))).filter(|robot_time| is_known && *robot_time < LATEST)
+    }
+
+    /// The unit of the robot's times. Most pairs of successive samples decide, so that a step of a clock does not.
+    fn unit(&self) -> TimeUnit {
+        if self.offset_us().is_none_or(|offset_us| offset_us.abs() <= AHEAD_MAX_US) {
+            return TimeUnit::Right;
+        }
+        let (mut right, mut wrong) = (0, 0);
+        for (one, next) in self.samples.iter().zip(self.samples.iter().skip(1)) {
+            let span_us = offset_us(one.at, next.at);
+            if span_us < RATE_SPAN_MIN_US {
+                continue;
+            }
+            let passed_us = next.offset_us.saturating_sub(one.offset_us).saturating_add(span_us);
+            let is_right = (span_us / 2..=2 * span_us).contains(&passed_us);
+            *(if is_right { &mut right } else { &mut wrong }) += 1;
+        }
+        match right + wrong {
+            0 | 1 => TimeUnit::Unproved,
+            _ if wrong > right => TimeUnit::Wrong,
+            _ => TimeUnit::Right,
+        }
+    }
+
+    /// Whether messages that were sent just now show that the robot's times are not in microseconds. Contacts may be sent
+    /// again, faster than they were made.
+    pub(in crate::robot) fn has_wrong_unit(&self) -> bool {
+        self.live() >= SETTLED && self.unit() == TimeUnit::Wrong
+    }
+
+    /// How far the robot's clock is ahead of the supervisor's, in microseconds: by messages that were sent just now, the
+    /// last of them within a minute.
+    pub(in crate::robot) fn ahead_us(&self, now: Micros) -> Option<i64> {
+        let is_heard = self.heard.is_some_and(|heard| now.since(heard) < LIVE_FOR);
+        self.settled_us().filter(|_| is_heard && self.live() >= SETTLED)
     }
 
     /// When a message was received last, by the supervisor's clock.
@@ -153,10 +219,34 @@ impl Clock {
         }
     }
 
+    /// Trust in a time of this boot.
+    pub(in crate::robot) fn trust(&self, now: Micros, robot_time: Micros) -> TimeTrust {
+        self.trust_within(&self.plausible(now), robot_time)
+    }
+
+    /// Trust in a time of an older boot.
+    pub(in crate::robot) fn trust_of_older_boot(&self, now: Micros, robot_time: Micros) -> TimeTrust {
+        self.trust_within(&self.plausible_of_older_boot(now), robot_time)
+    }
+
+    /// The supervisor's clock alone is no reason to reject a time: only the robot's own clock, once it is known, is.
+    fn trust_within(&self, plausible: &RangeInclusive<Micros>, robot_time: Micros) -> TimeTrust {
+        match (plausible.contains(&robot_time), self.settled_us()) {
+            (true, _) => TimeTrust::Sound,
+            (false, None) => TimeTrust::Unproved,
+            (false, Some(_)) => TimeTrust::Far,
+        }
+    }
+
+    /// Forgets the offset: it was measured by another supervisor's clock.
+    pub(in crate::robot) fn take_up(&mut self) {
+        self.samples.clear();
+    }
+
     /// The times that can be right: neither further ahead than [`AHEAD_MAX_US`] of both clocks, nor further behind
     /// than [`BEHIND_MAX_US`]. Before the estimate has settled, no time is too far behind: the robot may believe it is
     /// 1970.
-    pub(in crate::robot) fn plausible(&self, now: Micros) -> RangeInclusive<Micros> {
+    fn plausible(&self, now: Micros) -> RangeInclusive<Micros> {
         let earliest = self.settled_us().map_or(Micros::default(), |settled_us| {
             let offset_us = settled_us.min(0).saturating_sub(BEHIND_MAX_US);
             Micros(now.0.saturating_add_signed(offset_us))
@@ -165,7 +255,7 @@ impl Clock {
     }
 
     /// The same for an older boot, whose clock may have been further behind.
-    pub(in crate::robot) fn plausible_of_older_boot(&self, now: Micros) -> RangeInclusive<Micros> {
+    fn plausible_of_older_boot(&self, now: Micros) -> RangeInclusive<Micros> {
         let offset_us = self.settled_us().unwrap_or(0).max(0).saturating_add(AHEAD_MAX_US);
         Micros::default()..=Micros(now.0.saturating_add_signed(offset_us))
     }

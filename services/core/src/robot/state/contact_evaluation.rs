@@ -12,7 +12,7 @@ use crate::robot::health::array_shift::{ABSORBED, UNSTEADY_SHARE};
 use crate::robot::params::Params;
 use crate::robot::state::place::Placed;
 use crate::robot::state::whisker::Whisker;
-use crate::units::{ContactRatio, Megapascal};
+use crate::units::{ContactRatio, Megapascal, Micros};
 
 /// Result of one contact.
 pub(in crate::robot) struct ContactResult {
@@ -58,7 +58,8 @@ impl Whisker {
         if off_by_mpa > params.health.settled_within_mpa {
             return ContactResult::unused(ContactUse::Unsettled);
         }
-        if self.command.is_none() {
+        // 0 stands for a time that is not trusted.
+        if self.command.is_none() && contact.robot_time > Micros(0) {
             self.leak.read(&params.health.leak, Source::Contact, contact.robot_time, contact.pressure);
         }
         let placed = match placed {

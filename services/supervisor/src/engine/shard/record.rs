@@ -67,10 +67,12 @@ impl Stepper {
                 self.metrics.contacts_refused.inc();
             }
             Effect::BadTime { position } => {
-                let problem = format!("contact {position} has an implausible time");
-                self.violation("bad_time", &problem, &name);
-                known.refusals.count((RobotTopic::Contacts, "bad_time"), &problem, now);
-                self.metrics.contacts_refused.inc();
+                self.metrics.contacts_bad_time.inc();
+                let problem = format!(
+                    "the time of contact {position} is far from the robot's clock; the contact is recorded, its time \
+                     is not used"
+                );
+                self.warn_seldom("bad_time", &problem, &name);
             }
             Effect::Condition { whisker, from, to } => {
                 self.batch.rows_mut().records.push(Record::Health(HealthRow {

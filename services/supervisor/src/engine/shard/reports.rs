@@ -161,6 +161,10 @@ impl Stepper {
         let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
         let outcome = self.step(known, now, &event, None);
         self.has_unannounced |= outcome == Outcome::OldBoot && is_unannounced(known, boot_id);
+        if known.robot.has_wrong_time_unit() {
+            let problem = "its times pass too slowly or too fast: is t_us in microseconds? No setpoint is sent";
+            self.violation("time_unit", problem, &known.name);
+        }
         if outcome == Outcome::BadTime {
             self.violation("bad_time", "a status with an implausible time", &known.name);
         }

@@ -298,6 +298,11 @@ impl Stepper {
     /// Counts a message that violates the contract, and warns at most once a minute per reason.
     pub(super) fn violation(&mut self, reason: &'static str, problem: &str, robot: &Name) {
         self.metrics.refuse(reason, problem, robot.as_str());
+        self.warn_seldom(reason, problem, robot);
+    }
+
+    /// Warns at most once a minute per reason.
+    pub(super) fn warn_seldom(&mut self, reason: &'static str, problem: &str, robot: &Name) {
         let now = Instant::now();
         if self.warned.get(reason).is_none_or(|&before| now.duration_since(before) >= WARNING_INTERVAL) {
             self.warned.insert(reason, now);

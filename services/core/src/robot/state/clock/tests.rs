@@ -67,7 +67,7 @@ fn a_robot_in_1970_is_known_by_its_third_message_and_one_in_time_by_its_first() 
     let since_1970_us = 5_000_000 - START.0 as i64;
     for message in 0..3 {
         assert_eq!(clock.robot_time(at(100)), None, "{message}");
-        clock.hear(at(message), told(at(message), since_1970_us), TimeKind::Recorded);
+        clock.hear(at(200 * message), told(at(200 * message), since_1970_us), TimeKind::Recorded);
     }
     assert_eq!(ahead_us(&clock, at(10_000), since_1970_us), 0);
     assert!(clock.plausible(at(10_000)).contains(&Micros(15_000_000)));
@@ -198,4 +198,57 @@ fn property_what_is_stored_is_read_again() {
     }
     let too_many = [1, 8, 0];
     assert!(borsh::from_slice::<Clock>(&too_many).is_err());
+}
+
+/// A robot that counts `per_second` units each second, from `from` on, and says so in messages of both kinds.
+fn counting(from: u64, per_second: f64, messages: u64) -> Clock {
+    let mut clock = Clock::default();
+    for message in 0..messages {
+        let now = at(300 * message);
+        let robot_time = Micros(from + (0.3 * message as f64 * per_second) as u64);
+        let kind = if message % 5 == 0 { TimeKind::Live } else { TimeKind::Recorded };
+        clock.hear(now, robot_time, kind);
+        let is_of_microseconds = (500_000.0..=2_000_000.0).contains(&per_second);
+        assert!(clock.robot_time(now).is_none() || is_of_microseconds, "{per_second} {message}");
+    }
+    clock
+}
+
+#[test]
+fn regress_times_in_another_unit_let_no_setpoint_out() {
+    for (from, per_second) in [
+        (1_795_248_000_000, 1e3),
+        (1_795_248_000, 1.0),
+        (7_000, 1e3),
+        (7, 1.0),
+        (179_524_800_000, 1e2),
+        (1_795_248_000_000, 1e9),
+        (7_000_000, 4e6),
+        (7_000_000, 2.5e5),
+    ] {
+        let clock = counting(from, per_second, 60);
+        assert!(clock.has_wrong_unit(), "{from} {per_second}");
+        assert_eq!(clock.robot_time(at(18_000)), None, "{from} {per_second}");
+    }
+    // Microseconds since the robot's start, also by a bad oscillator.
+    for per_second in [1e6, 0.6e6, 1.8e6] {
+        let clock = counting(7_000_000, per_second, 60);
+        assert!(!clock.has_wrong_unit() && clock.robot_time(at(18_000)).is_some(), "{per_second}");
+    }
+}
+
+#[test]
+fn neither_steps_nor_delays_look_like_another_unit() {
+    let mut clock = Clock::default();
+    hear(&mut clock, 0, 20, -YEAR_US, TimeKind::Live);
+    for step in 1..8 {
+        hear(&mut clock, 10_000 * step, 20, -YEAR_US / step as i64, TimeKind::Live);
+        assert!(!clock.has_wrong_unit(), "{step}");
+    }
+    // Contacts of an outage are sent again within seconds.
+    let mut clock = Clock::default();
+    for message in 0..200 {
+        clock.hear(at(100 * message), Micros(1_000_000 * (1 + message)), TimeKind::Recorded);
+        assert!(!clock.has_wrong_unit());
+    }
 }

@@ -1,0 +1,80 @@
+//! The median clock of the robots of this supervisor's fleets.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use vibrissa_edge::shard::FleetShard;
+
+use super::judge::{NEAR_US, median};
+
+/// Fewer robots say nothing about the time.
+const ROBOTS_MIN: usize = 3;
+/// A robot whose clock is before this time (2020-01-01 UTC, in µs since 1970) was never set.
+const SET_FROM_US: i64 = 1_577_836_800_000_000;
+/// A robot of a fleet counts only up to this number, so that a very large fleet costs nothing.
+pub(crate) const ROBOTS_MAX: usize = 200;
+
+/// How far the clocks of robots are ahead of the supervisor's, by shard. Clones share their content.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct RobotClocks(Arc<Mutex<BTreeMap<FleetShard, Vec<i64>>>>);
+
+impl RobotClocks {
+    /// Takes in how far the robots of a shard are ahead, in µs.
+    pub(crate) fn show(&self, shard: &FleetShard, ahead_us: Vec<i64>) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(shard.clone(), ahead_us);
+    }
+
+    /// Forgets a shard that is not supervised here any more.
+    pub(crate) fn forget(&self, shard: &FleetShard) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).remove(shard);
+    }
+
+    /// How far the robots' median is ahead at `now_us`.
+    pub(crate) fn vote(&self, now_us: i64) -> Option<i64> {
+        let all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        vote(all.values().flatten().copied().collect(), now_us)
+    }
+}
+
+/// The median of clocks that were set, if most of them agree: robots that keep no time agree on nothing.
+fn vote(mut ahead_us: Vec<i64>, now_us: i64) -> Option<i64> {
+    ahead_us.retain(|one| now_us.saturating_add(*one) >= SET_FROM_US);
+    let count = ahead_us.len();
+    let middle = median(ahead_us.clone()).filter(|_| count >= ROBOTS_MIN)?;
+    let agreeing = ahead_us.iter().filter(|&&one| one.abs_diff(middle) <= NEAR_US as u64).count();
+    (2 * agreeing > count).then_some(middle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOW_US: i64 = 1_795_248_000_000_000;
+
+    #[test]
+    fn most_robots_that_agree_have_a_vote_and_others_do_not() {
+        let hour_us = 3_600_000_000;
+        assert_eq!(vote(vec![10, 20, 30, hour_us], NOW_US), Some(20));
+        assert_eq!(vote(vec![hour_us; 5], NOW_US), Some(hour_us));
+        assert_eq!(vote(vec![10, 20], NOW_US), None, "too few");
+        assert_eq!(vote(vec![0, hour_us, 2 * hour_us, 3 * hour_us], NOW_US), None, "they agree on nothing");
+        // Boards without a battery begin in 1970.
+        let since_1970 = 7_000_000 - NOW_US;
+        assert_eq!(vote(vec![since_1970; 9], NOW_US), None);
+        assert_eq!(vote([vec![since_1970; 9], vec![5; 3]].concat(), NOW_US), Some(5));
+        // A supervisor in 1970 hears from its robots that it is not.
+        assert_eq!(vote(vec![-since_1970; 3], 7_000_000), Some(-since_1970));
+    }
+
+    #[test]
+    fn the_robots_of_all_shards_vote_together() {
+        let clocks = RobotClocks::default();
+        let fleet = |name| FleetShard::whole(vibrissa_protocol::Name::new(name).unwrap());
+        clocks.show(&fleet("a"), vec![1, 2]);
+        assert_eq!(clocks.vote(NOW_US), None);
+        clocks.show(&fleet("b"), vec![3]);
+        assert_eq!(clocks.vote(NOW_US), Some(2));
+        clocks.forget(&fleet("b"));
+        assert_eq!(clocks.vote(NOW_US), None);
+    }
+}
