@@ -5,7 +5,7 @@ use std::time::Duration;
 use vibrissa_core::robot::Numbers;
 use vibrissa_edge::shard::robot_hash;
 
-use super::database::{Link, on};
+use super::database::on;
 use super::load::{held, next_number};
 use super::{Lease, StoreError, Writer, failed};
 
@@ -41,7 +41,7 @@ impl Writer {
     /// The database cannot be written, or the lease is lost.
     pub async fn decommission(&mut self, lease: &Lease, robot_id: i64, now_us: i64) -> Result<(), StoreError> {
         const WHAT: &str = "decommission a robot";
-        self.attempt(WHAT, PATIENCE, async |link: &mut Link| {
+        self.attempt(WHAT, PATIENCE, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
             for sql in LEAVE {
                 on!(&mut tx, |tx| sqlx::query(sql).bind(robot_id).bind(now_us).execute(&mut **tx).await.map(drop))
@@ -73,7 +73,7 @@ impl Writer {
         const LAST: &str = "SELECT (SELECT max(trim_id) FROM trims WHERE robot_id = $1), \
              (SELECT max(compensation_id) FROM compensations WHERE robot_id = $1)";
         let fleet = lease.fleet().as_str();
-        self.attempt(WHAT, PATIENCE, async |link: &mut Link| {
+        self.attempt(WHAT, PATIENCE, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
             let former: i64 = on!(&mut tx, |tx| sqlx::query_scalar(FORMER)
                 .bind(fleet)
