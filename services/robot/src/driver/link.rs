@@ -209,6 +209,8 @@ fn serial(path: &Path, baud: u32) -> io::Result<Link> {
 
 #[cfg(test)]
 mod tests {
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+
     use super::*;
 
     #[tokio::test]
@@ -231,5 +233,39 @@ mod tests {
         drop(listen_at(&socket).unwrap());
         assert_eq!(std::fs::metadata(&socket).unwrap().permissions().mode() & 0o777, 0o600);
         std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    async fn door(token: Option<&str>) -> (Door, SocketAddr) {
+        let way = Way::Listen("127.0.0.1:0".to_owned());
+        let driver = DriverConfig { way, restart: true, token: token.map(str::to_owned), token_file: None };
+        let door = Door::open(&driver).await.unwrap();
+        let Place::Listen(listener) = &door.place else { panic!("it listens") };
+        let address = listener.local_addr().unwrap();
+        (door, address)
+    }
+
+    #[tokio::test]
+    async fn regress_at_a_port_only_the_peer_with_the_token_becomes_the_driver() {
+        let token = "0123456789abcdef";
+        let (door, address) = door(Some(token)).await;
+        let _silent = TcpStream::connect(address).await.unwrap();
+        let mut wrong = TcpStream::connect(address).await.unwrap();
+        wrong.write_all(b"{\"type\":\"hello\",\"version\":1}\n").await.unwrap();
+        let mut right = TcpStream::connect(address).await.unwrap();
+        let lines = format!("{{\"type\":\"token\",\"token\":\"{token}\"}}\nfirst line\n");
+        right.write_all(lines.as_bytes()).await.unwrap();
+        let mut link = door.link().await.unwrap();
+        let mut line = [0; 10];
+        link.reader.read_exact(&mut line).await.unwrap();
+        assert_eq!(&line, b"first line", "the token is no line");
+        let mut told = Vec::new();
+        assert_eq!(wrong.read_to_end(&mut told).await.unwrap_or(0), 0, "it hears nothing");
+    }
+
+    #[tokio::test]
+    async fn without_a_token_a_program_of_the_same_user_becomes_the_driver() {
+        let (door, address) = door(None).await;
+        let _driver = TcpStream::connect(address).await.unwrap();
+        door.link().await.unwrap();
     }
 }
