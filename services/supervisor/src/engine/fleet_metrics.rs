@@ -14,6 +14,7 @@ use vibrissa_edge::words::Word;
 use super::message::MessageTimes;
 use super::robot::KnownRobot;
 use super::shard::shards::Shards;
+use crate::clocks::ROBOTS_MAX;
 use crate::inbox::Inbox;
 use crate::metrics::{FleetMetrics, INBOX, Metrics, OUTBOX, RobotSample, WhiskerSample, Word as Label};
 use vibrissa_edge::clock::wall_clock;
@@ -140,6 +141,11 @@ pub(super) fn survey_robots(shards: &mut Shards, place: &FleetShard, program: &M
     if let Some(whiskers) = &program.whiskers {
         whiskers.show(place, shards.in_service().map(|known| sample(known.name.as_str(), known)).collect());
     }
+}
+
+/// How far the clocks of some robots are ahead, in µs.
+pub(super) fn clocks_ahead_us(shards: &Shards, now: Micros) -> Vec<i64> {
+    shards.robots().filter_map(|known| known.robot.clock_ahead_us(now)).take(ROBOTS_MAX).collect()
 }
 
 /// Updates the gauges of the queues; `outbox` is the number of publications that wait, and their limit.

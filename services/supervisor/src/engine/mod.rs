@@ -238,7 +238,8 @@ impl Engine {
                 fleet_metrics::survey_robots(&mut self.shards, &self.place, &self.program, &self.metrics);
                 // From a log messages come late, so they tell nothing about the time.
                 if self.log_from.is_none() {
-                    self.robot_clocks.show(&self.place, self.shards.clocks_ahead_us(wall_clock()));
+                    let ahead_us = fleet_metrics::clocks_ahead_us(&self.shards, wall_clock());
+                    self.robot_clocks.show(&self.place, ahead_us);
                 }
                 self.survey_from = begun + begun.elapsed() * SURVEY_SHARE;
             }

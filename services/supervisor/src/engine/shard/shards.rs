@@ -9,7 +9,6 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 
 use super::{Receipts, Shard};
-use crate::clocks::ROBOTS_MAX;
 use crate::ending::Ending;
 use crate::engine::allow_list::AllowList;
 use crate::engine::commit::checkpoint::CheckpointRate;
@@ -91,11 +90,6 @@ impl Shards {
     /// The robots that the allow list does not exclude.
     pub(crate) fn in_service(&self) -> impl Iterator<Item = &KnownRobot> {
         self.robots().filter(|known| !known.is_excluded)
-    }
-
-    /// How far the clocks of some robots are ahead, in µs.
-    pub(crate) fn clocks_ahead_us(&self, now: Micros) -> Vec<i64> {
-        self.robots().filter_map(|known| known.robot.clock_ahead_us(now)).take(ROBOTS_MAX).collect()
     }
 
     pub(crate) fn robots_mut(&mut self) -> impl Iterator<Item = &mut KnownRobot> {
