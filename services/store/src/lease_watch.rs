@@ -4,7 +4,8 @@
 //! not changed for a time to live is free, whatever the database's wall clock says: that clock may be stepped. A step
 //! back would leave the fleet without an owner, and a step ahead would take it from a living one.
 //!
-//! The database's clock counts only where it can be right, see [`left`]: it tells how old the last renewal is.
+//! The database's clock counts only at the first reading, for at most a time to live: so whoever has just started does not
+//! wait for a lease that has expired long ago.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -56,16 +57,9 @@ impl<T: PartialEq + Copy> Watched<T> {
 
     fn again(&mut self, reading: &Reading<T>, now: Instant) {
         if self.renewal != reading.renewal {
-            *self = Self { renewal: reading.renewal, until: now + left(reading) };
+            *self = Self { renewal: reading.renewal, until: now + reading.time_to_live };
         }
     }
-}
-
-/// Time that a row has left which was renewed since the last reading. More than a time to live, or none, cannot be: then
-/// the database's clock was stepped.
-fn left<T>(reading: &Reading<T>) -> Duration {
-    let left = Duration::from_micros(u64::try_from(reading.left_us).unwrap_or_default());
-    if left.is_zero() { reading.time_to_live } else { left.min(reading.time_to_live) }
 }
 
 /// The leases and members that a supervisor watches.
@@ -245,7 +239,7 @@ mod tests {
         for turn in 1..=20 {
             now += TURN;
             let is_alive = watch.is_alive("a", &reading(9, 120_000_000), now);
-            assert_eq!(is_alive, TURN * turn < Duration::from_micros(1_900_000), "turn {turn}");
+            assert_eq!(is_alive, TURN * turn < TIME_TO_LIVE, "turn {turn}");
         }
         watch.retain_members(|_| false);
         assert!(watch.members.is_empty());
