@@ -112,8 +112,9 @@ impl VerifyingKey {
             AlgorithmParameters::RSA(_) => CoreJsonWebKeyType::RSA,
             AlgorithmParameters::EllipticCurve(_) => CoreJsonWebKeyType::EllipticCurve,
             AlgorithmParameters::OctetKeyPair(_) => CoreJsonWebKeyType::OctetKeyPair,
-            AlgorithmParameters::OctetKey(_) => CoreJsonWebKeyType::Symmetric,
-            // Another kind verifies nothing. The list may grow with versions of the library.
+            // Neither a shared secret nor an unknown kind verifies anything.
+            AlgorithmParameters::OctetKey(_) | AlgorithmParameters::Other(_) => CoreJsonWebKeyType::Symmetric,
+            // The list may grow with versions of the library.
             _ => CoreJsonWebKeyType::Symmetric,
         };
         Self { kid: key.common.key_id.clone().map(JsonWebKeyId::new), key: Some(key), kind }
