@@ -40,6 +40,12 @@ pub fn failure(problem: &Error) -> String {
     told.to_owned()
 }
 
+/// Why a request has no answer, if that is what this error is about.
+#[must_use]
+pub fn known(cause: &(dyn std::error::Error + 'static)) -> Option<String> {
+    cause.downcast_ref().map(failure)
+}
+
 #[cfg(test)]
 mod tests {
     use std::io;

@@ -35,10 +35,7 @@ fn told(cause: &(dyn std::error::Error + 'static)) -> String {
     if let Some(problem) = cause.downcast_ref::<serde_json::Error>() {
         return plain::data(&problem.to_string());
     }
-    if let Some(problem) = cause.downcast_ref::<ureq::Error>() {
-        return outgoing::failure(problem);
-    }
-    plain::text(&cause.to_string())
+    outgoing::known(cause).unwrap_or_else(|| plain::text(&cause.to_string()))
 }
 
 /// The problem and its causes; a cause that a previous text already includes is omitted.
