@@ -103,7 +103,7 @@ impl Clocks {
         }
         let own_robots = robots.vote(wall_clock().0 as i64);
         let database = membership.database_ahead_us;
-        let others = || membership.present.iter().filter(|one| one.supervisor != supervisor).map(|one| &one.clock);
+        let others = || membership.present.iter().filter(move |one| one.supervisor != supervisor).map(|one| &one.clock);
         // Others say how far they are ahead of the database.
         let from_here = |of: fn(&ClockReport) -> Option<i64>| {
             database.into_iter().flat_map(move |database| others().filter_map(of).map(move |ahead| ahead + database))
@@ -178,6 +178,7 @@ impl Clocks {
             return None;
         }
         let why = match (in_force.standing, in_force.is_host_off) {
+            _ if in_force.follows_host => "the host's clock was stepped, and this supervisor follows it",
             (Standing::Wrong, _) => "most other clocks contradict this supervisor's",
             (Standing::Doubtful, _) => "clocks disagree, and no majority tells which is right",
             (Standing::Agrees, true) => {
