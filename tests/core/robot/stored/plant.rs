@@ -4,12 +4,12 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::policy::Mode;
-use vibrissa_core::robot::effect::{Command, CommandKey, TestState};
+use vibrissa_core::robot::effect::{AlarmKind, Command, CommandKey, TestState};
 use vibrissa_core::robot::event::{
     ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, MissedTouch, RegulatorState,
     Rejection, SetpointReport, Task, TestReport, TouchTests, WhiskerSheet, WhiskerStatus,
 };
-use vibrissa_core::robot::{OperatorAction, Params, Place, Robot, Scope};
+use vibrissa_core::robot::{OperatorAction, Params, Place, Robot, Scope, WhiskerView};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 
 use super::{ARRAY, BOOTS, WHISKERS, YEAR_US};
@@ -116,7 +116,10 @@ impl Plant {
     pub(super) fn action(&mut self, robot: &Robot) -> OperatorAction<'static> {
         let whisker = Place { array: ARRAY, whisker: self.random.random_range(0..WHISKERS) };
         let proposed = robot.compensations().iter().find(|one| one.is_proposed()).map(|one| one.id());
-        match (proposed, self.random.random_range(0..17)) {
+        if let Some(failed) = Self::with_failed_setpoint(robot).filter(|_| self.random.random_bool(0.3)) {
+            return OperatorAction::Retry(failed);
+        }
+        match (proposed, self.random.random_range(0..16)) {
             (Some(compensation), 0..8) => OperatorAction::Approve { compensation },
             (Some(compensation), 8..12) => OperatorAction::Refuse { compensation },
             (_, 0) => OperatorAction::Hold(Scope::Robot),
@@ -127,9 +130,16 @@ impl Plant {
             (_, 12) => OperatorAction::Replaced(whisker),
             (_, 13) => OperatorAction::TouchTest(whisker),
             (_, 14) => OperatorAction::RefuseTouchTest(Self::with_proposed_test(robot).unwrap_or(whisker)),
-            (_, 15) => OperatorAction::Retry(whisker),
             (_, _) => OperatorAction::Rebaseline(whisker),
         }
+    }
+
+    fn with_failed_setpoint(robot: &Robot) -> Option<Place<'static>> {
+        let mut views = (0..robot.whisker_count()).filter_map(|index| robot.whisker(index));
+        let has_failed =
+            |view: &WhiskerView<'_>| view.standing.kinds().any(|kind| kind == AlarmKind::SetpointFailed) && !view.held;
+        let failed = views.find(|view| !robot.is_held() && has_failed(view));
+        failed.map(|view| Place { array: ARRAY, whisker: view.sheet.number })
     }
 
     fn with_proposed_test(robot: &Robot) -> Option<Place<'static>> {
