@@ -2,6 +2,9 @@ use std::path::PathBuf;
 
 use crate::{DatabaseAddress, Store, StoreError};
 
+/// A change of a file's bytes.
+type Change = fn(&mut Vec<u8>);
+
 /// A folder that is removed at the end.
 struct Folder(PathBuf);
 
@@ -89,7 +92,7 @@ async fn regress_an_installation_does_not_go_on_with_an_empty_database() {
 async fn regress_a_damaged_file_is_refused_with_its_remedy() {
     let folder = Folder::filled().await;
     let whole = std::fs::read(folder.file()).unwrap();
-    let changes: [(&str, fn(&mut Vec<u8>)); 4] = [
+    let changes: [(&str, Change); 4] = [
         ("200 flipped bits", |bytes| {
             let (mut at, length) = (12_345_u64, bytes.len() as u64);
             for _ in 0..200 {
