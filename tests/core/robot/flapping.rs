@@ -151,6 +151,15 @@ fn a_flapping_fault_goes_on_as_it_was_after_a_restart() {
         plant.status(state, 0.7);
         let (head, whiskers) = (plant.robot.to_bytes().unwrap(), 0..usize::from(WHISKERS));
         let whiskers: Vec<_> = whiskers.map(|index| plant.robot.whisker_to_bytes(index).unwrap()).collect();
-        assert_eq!(Robot::restore(&head, &whiskers).unwrap(), plant.robot, "after {at} statuses");
+        // The restored robot goes on in place of the other.
+        let restored = Robot::restore(&head, &whiskers).unwrap();
+        assert_eq!(restored.to_bytes().unwrap(), head, "after {at} statuses");
+        let again =
+            (0..usize::from(WHISKERS)).all(|index| restored.whisker_to_bytes(index).unwrap() == whiskers[index]);
+        assert!(again, "after {at} statuses");
+        plant.robot = restored;
     }
+    let whiskers = usize::from(WHISKERS);
+    assert_eq!(plant.raised(AlarmKind::Fault(Fault::Leak)), whiskers);
+    assert!(plant.changes() <= 6 * whiskers, "{} changes", plant.changes());
 }
