@@ -66,7 +66,7 @@ fn cells(line: &str) -> StringRecord {
 
 /// Spreadsheets write empty cells behind the last column, and in columns without a name.
 fn check_width(cells: &StringRecord, header: &StringRecord) -> Result<()> {
-    let named = header.iter().rposition(|column| !column.is_empty()).map_or(0, |last| last + 1);
+    let named = (0..header.len()).rfind(|&index| !header[index].is_empty()).map_or(0, |last| last + 1);
     let is_nameless = |index: usize| header.get(index).is_none_or(str::is_empty);
     let extra = cells.iter().enumerate().any(|(index, cell)| is_nameless(index) && !cell.is_empty());
     ensure!(
