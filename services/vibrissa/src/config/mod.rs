@@ -244,7 +244,7 @@ fn models(reader: &mut Reader, formulation: Formulation) -> Option<Vec<(String, 
     for text in reader.texts(Key::Calibrations)? {
         let loaded = calibration_file::load(Path::new(&text), formulation).map_err(|problem| match problem {
             // The full error would show a line of the file, which may be the wrong file.
-            CalibrationFileError::Parse { reason, .. } => format!("calibration file {text}: {}", reason.message()),
+            CalibrationFileError::Parse { reason, .. } => format!("calibration file {text}: {reason}"),
             problem @ (CalibrationFileError::Read { .. }
             | CalibrationFileError::Name { .. }
             | CalibrationFileError::Model { .. }) => problem.to_string(),
