@@ -8,7 +8,7 @@ pub mod check_robot;
 pub mod completions;
 pub mod config;
 pub mod contract;
-mod decommission;
+pub mod decommission;
 pub mod evaluate;
 pub mod export;
 pub mod metrics;
