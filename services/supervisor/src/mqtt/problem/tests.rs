@@ -5,10 +5,16 @@ use rustls::pki_types::ServerName;
 
 use super::*;
 
-/// An error of webpki, which rustls hands on as it is.
-#[derive(Debug, thiserror::Error)]
+/// An error of webpki, which rustls hands on as it is. Its `Debug` output is the name of its variant.
+#[derive(thiserror::Error)]
 #[error("{0}")]
 struct Foreign(&'static str);
+
+impl fmt::Debug for Foreign {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
 
 /// What people read about a certificate of their broker.
 fn told(defect: CertificateError) -> String {
