@@ -25,6 +25,10 @@ fn regress_no_version_in_a_lock_file_has_a_known_vulnerability() {
     std::fs::write(&lock, package).unwrap();
     let (status, output) = checked(&[], &[&lock]);
     assert!(status == 1 && output.contains("quick-xml 0.39.4 is vulnerable (RUSTSEC-2026-0194)"), "{output}");
+    let rules = folder.path().join("deny.toml");
+    std::fs::write(&rules, "[advisories]\nignore = [\"RUSTSEC-2026-0194\", \"RUSTSEC-2026-0195\"]\n").unwrap();
+    assert_eq!(checked(&[], &[&lock]).0, 0, "the rules beside it ignore both");
+    std::fs::remove_file(&rules).unwrap();
     std::fs::write(&lock, package.replace("0.39.4", "0.41.0")).unwrap();
     assert_eq!(checked(&[], &[&lock]).0, 0, "{output}");
 }
