@@ -47,6 +47,7 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,
         mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
+        mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
         http: ([127, 0, 0, 1], 0).into(),
         params,
     })
