@@ -182,9 +182,9 @@ async fn poll(mut event_loop: EventLoop, sender: mpsc::UnboundedSender<Heard>) {
     }
 }
 
-/// A message of the contract; `None` for a probe of a supervisor.
+/// A message of the contract; `None` for a probe of a supervisor, and for an empty one, which clears a retained message.
 fn decoded(topic: &str, payload: Vec<u8>, retained: bool, qos: QoS, expiry_s: Option<u32>) -> Option<Heard> {
-    if RobotTopic::probed_on(topic).is_some() {
+    if payload.is_empty() || RobotTopic::probed_on(topic).is_some() {
         return None;
     }
     let topic = Topic::parse(topic).expect("a topic of the contract");
