@@ -87,7 +87,7 @@ fn of_sqlstate(code: &str) -> Option<&'static str> {
         "28P01" | "28000" => "password authentication failed: correct the user or database.password_file",
         "3D000" => "the database does not exist: create it, or correct database.url",
         "3F000" | "42P01" | "42703" | "42883" => {
-            "a table, column or function is missing: was the database restored in part, or changed by hand?"
+            "a part of the tables is missing: was the database restored in part, or changed by hand?"
         }
         "42501" => "this user may not do it: grant the right, docs/postgresql.md lists them",
         "53100" => "the server's disk is full: free space there",
@@ -134,7 +134,7 @@ fn of_sqlite(code: &str) -> Option<&'static str> {
         (_, 19) => "a rule of the table refuses the row",
         (_, 20 | 25) => "a value cannot be stored",
         (_, 21) => "the library was used wrongly: report it as a bug",
-        (_, 1) => "a table or column is missing: was the file changed by hand, or by another program?",
+        (_, 1) => "a part of the tables is missing: was the file changed by hand, or by another program?",
         _ => return None,
     })
 }
@@ -183,7 +183,7 @@ mod tests {
         let mut database = sqlx::SqliteConnection::connect("sqlite::memory:").await.unwrap();
         let problem = sqlx::query("SELECT secret FROM nowhere").execute(&mut database).await.unwrap_err();
         let (short, long) = (outline(&problem), for_log(&problem));
-        assert!(short.starts_with("a table or column is missing:") && !short.contains("nowhere"), "{short}");
+        assert!(short.starts_with("a part of the tables is missing:") && !short.contains("nowhere"), "{short}");
         assert!(long.contains("nowhere") && !long.contains("SELECT") && !long.contains("error returned"), "{long}");
     }
 }

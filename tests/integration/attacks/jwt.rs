@@ -12,7 +12,7 @@ use tokio::net::TcpListener;
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_tests::jwt::{header, signed};
 
-use crate::started::{Place, Started};
+use crate::started::{Place, ROOT, Started};
 
 /// An identity provider with one key under several ids, each with different members. It counts the requests for its
 /// keys.
@@ -61,6 +61,9 @@ impl Provider {
 
     fn supervise(&self, place: &Place) -> Started {
         let keys = format!("{}/keys", self.issuer);
+        // The embedded broker needs a password as soon as HTTP needs tokens; here nobody uses it.
+        let password = place.folder.path().join("mqtt.password");
+        std::fs::write(&password, ROOT).unwrap();
         place.start(&[
             "--http",
             "127.0.0.1:0",
@@ -70,6 +73,10 @@ impl Provider {
             "vibrissa",
             "--http-oidc-jwks-url",
             &keys,
+            "--mqtt-username",
+            "robots",
+            "--mqtt-password-file",
+            &password.display().to_string(),
         ])
     }
 
