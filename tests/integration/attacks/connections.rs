@@ -218,7 +218,9 @@ async fn regress_connections_of_mqtt_never_take_the_last_file_descriptor_or_fill
     }
     for _ in 0..20 {
         for path in ["/livez", "/metrics"] {
-            assert_eq!(try_get(program.monitoring, path).await.unwrap().0, 200, "{path}");
+            // Without a free descriptor a connection is closed for the next one.
+            let is_told = async || try_get(program.monitoring, path).await.is_ok_and(|(status, _)| status == 200);
+            until_true(path, is_told).await;
         }
     }
     let log = program.logged();

@@ -3,7 +3,7 @@
 
 use axum::extract::Request;
 use axum::http::uri::Authority;
-use axum::http::{HeaderMap, HeaderName, Uri, Version, header};
+use axum::http::{HeaderMap, HeaderName, Uri, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
@@ -24,20 +24,17 @@ static SINGLE: [HeaderName; 9] = [
 
 /// Lets a request pass that has one meaning.
 pub(super) async fn refuse(request: Request, next: Next) -> Response {
-    match require_one_meaning(request.version(), request.uri(), request.headers()) {
+    match require_one_meaning(request.uri(), request.headers()) {
         Ok(()) => next.run(request).await,
         Err(detail) => Problem::new(Kind::Malformed, detail).into_response(),
     }
 }
 
-fn require_one_meaning(version: Version, target: &Uri, headers: &HeaderMap) -> Result<(), String> {
+fn require_one_meaning(target: &Uri, headers: &HeaderMap) -> Result<(), String> {
     if let Some(name) = SINGLE.iter().find(|name| headers.get_all(*name).iter().nth(1).is_some()) {
         return Err(format!("the request has several {name} headers: send one"));
     }
-    let Some(told) = headers.get(header::HOST) else {
-        let is_needed = version >= Version::HTTP_11 || target.authority().is_some();
-        return if is_needed { Err("the request has no Host header: send one".to_owned()) } else { Ok(()) };
-    };
+    let Some(told) = headers.get(header::HOST) else { return Ok(()) };
     let told = told.to_str().unwrap_or("\u{fffd}");
     if told.is_empty() && target.authority().is_none() {
         return Ok(());
@@ -70,16 +67,16 @@ mod tests {
 
     use super::*;
 
-    fn check(version: Version, target: &str, told: &[(&'static str, &'static str)]) -> Result<(), String> {
+    fn check(target: &str, told: &[(&'static str, &'static str)]) -> Result<(), String> {
         let mut headers = HeaderMap::new();
         for (name, value) in told {
             headers.append(*name, HeaderValue::from_static(value));
         }
-        require_one_meaning(version, &target.parse().unwrap(), &headers)
+        require_one_meaning(&target.parse().unwrap(), &headers)
     }
 
     fn hosted(target: &str, host: &'static str) -> bool {
-        check(Version::HTTP_11, target, &[("host", host)]).is_ok()
+        check(target, &[("host", host)]).is_ok()
     }
 
     #[test]
@@ -90,12 +87,12 @@ mod tests {
             for values in [["localhost", "evil.example"], ["localhost", "localhost"]] {
                 let twice = values.map(|value| (name, value));
                 let told = if name == "host" { twice.to_vec() } else { [&[host][..], &twice].concat() };
-                let refused = check(Version::HTTP_11, "/v1/me", &told).unwrap_err();
+                let refused = check("/v1/me", &told).unwrap_err();
                 assert!(refused.contains(name), "{refused}");
             }
         }
         let twice = [host, ("accept", "a/b"), ("accept", "c/d"), ("if-match", "\"1\""), ("if-match", "\"2\"")];
-        assert_eq!(check(Version::HTTP_11, "/v1/me", &twice), Ok(()), "lists may come in parts");
+        assert_eq!(check("/v1/me", &twice), Ok(()), "lists may come in parts");
     }
 
     #[test]
@@ -130,7 +127,6 @@ mod tests {
         for host in ["a, b", "a b", "a@b", "http://a", "a/b", "a:b", "a:99999", ":80", "a?b", "a#b", "[::1", "a:1:2"] {
             assert!(!hosted("/", host), "{host}");
         }
-        assert_eq!(check(Version::HTTP_10, "/", &[]), Ok(()));
-        assert!(check(Version::HTTP_11, "/", &[]).is_err());
+        assert_eq!(check("/", &[]), Ok(()), "where a host is needed, its absence is refused");
     }
 }
