@@ -60,8 +60,8 @@ impl Engine {
     }
 }
 
-/// Whether a robot works: then it would be back at once.
+/// Whether a robot works: this supervisor hears it.
 fn is_in_service(known: &KnownRobot) -> bool {
     let is_silent = known.robot.standing().any(|kind| kind == AlarmKind::RobotSilent);
-    known.robot.connection_state().1 == Link::Online && !is_silent && !known.is_excluded
+    known.robot.connection_state().1 == Link::Online && known.is_heard && !is_silent && !known.is_excluded
 }
