@@ -47,7 +47,6 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,
         mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
-        mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
         http: ([127, 0, 0, 1], 0).into(),
         params,
     })

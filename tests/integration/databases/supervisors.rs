@@ -466,7 +466,6 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
         broker: Some(BrokerAddress::new("127.0.0.1", broker.port())),
         mqtt_port: 0,
         mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
-        mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
         http: ([127, 0, 0, 1], 0).into(),
         webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,
