@@ -111,7 +111,7 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::KafkaSasl => ["plain", "scram-sha-256", "plain"],
         Key::KafkaIngestTopic | Key::KafkaEventsTopic | Key::KafkaContactsTopic => ["t0", "t1", "t2"],
         Key::KafkaPublishContacts => ["none", "all", "none"],
-        Key::KafkaWaitingMibMax => ["5", "50", "500"],
+        Key::KafkaWaitingMibMax | Key::RecordsDays => ["5", "50", "500"],
         Key::HttpListen => ["127.0.0.1:81", "127.0.0.1:82", "[::1]:83"],
         Key::HttpTokenFile => ["token0", "token1", "token2"],
         Key::HttpOidcIssuer | Key::HttpOidcJwksUrl => ["https://i0.example", "https://i1.example", "http://[::1]:9"],
