@@ -79,9 +79,9 @@ async fn names_of_the_log_resolve(demo: &LiveDemo) {
     for expected in [
         format!("new robot registered robot={fleet}/crawler-1"),
         format!("are left of 70.0 mm whisker={fleet}/crawler-1/left/2"),
-        format!("shorter for longer whisker={fleet}/crawler-1/left/2 by={fleet}/crawler-1/left/"),
+        format!(" whisker={fleet}/crawler-1/left/2 by={fleet}/crawler-1/left/"),
         "compensation begins: ".to_owned(),
-        format!("MPa, shorter for longer whisker={fleet}/crawler-1/left/"),
+        "setpoint sent: ".to_owned(),
         format!("setpoint applied whisker={fleet}/crawler-1/left/"),
         format!("whisker={fleet}/crawler-2/nose/2 alarm=\"UNCOMPENSATED\""),
         format!("subject={fleet}/crawler-1/left/2"),

@@ -234,7 +234,7 @@ impl LinkState {
         link.failed.remove(node);
         let was_closed_alone = link.closed_alone.take_if(|closed| *closed == side).is_some();
         let deaf_since = link.deaf_since.take_if(|_| side == Side::Receiving);
-        let deaf_s = deaf_since.map(|since| since.elapsed().as_secs_f32());
+        let deaf_s = deaf_since.map(|since| since.elapsed().as_secs());
         let is_quiet = std::mem::take(&mut link.is_quiet);
         let (own, _) = link.sides(side);
         let connected = State::Connected(node.clone());

@@ -139,7 +139,7 @@ fn decided(known: &KnownRobot, decision: &Decision) {
         return warn!(whisker = %target, candidates = decision.candidates.len(), "no whisker can compensate for it");
     };
     let (by, case) = (known.full_name_of(chosen.whisker), told(chosen.case));
-    let pressure_mpa = chosen.pressure.map(|pressure| pressure.mpa());
+    let pressure_mpa = chosen.pressure.map(|pressure| (1e4 * pressure.mpa()).round() / 1e4);
     let error_percent = chosen.predicted_error.map(|error| (1000.0 * error).round() / 10.0);
     let what = if decision.proposed { "compensation proposed, an operator decides" } else { "compensation begins" };
     info!(whisker = %target, %by, compensation_id, pressure_mpa, error_percent, "{what}: {case}");
