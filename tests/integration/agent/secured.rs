@@ -2,6 +2,7 @@
 //! restart once it is mended.
 
 use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Arc, Mutex};
@@ -29,7 +30,9 @@ impl Bench {
         let (folder, authority) = (tempfile::tempdir().unwrap(), Authority::new("ours"));
         write(folder.path(), "ca.crt", &authority.certificate());
         write(folder.path(), "other.crt", &Authority::new("theirs").certificate());
-        write(folder.path(), "password", &format!("{PASSWORD}\n"));
+        let password = write(folder.path(), "password", &format!("{PASSWORD}\n"));
+        // The agent warns of a file that everyone can read.
+        fs::set_permissions(password, fs::Permissions::from_mode(0o600)).unwrap();
         Self { folder, authority }
     }
 
