@@ -6,6 +6,9 @@
 /// Clocks further apart than this disagree, in microseconds.
 pub(crate) const NEAR_US: i64 = 1_000_000;
 
+/// A clock before this time (2020-01-01 UTC, in µs since 1970) was never set.
+pub(crate) const SET_FROM_US: i64 = 1_577_836_800_000_000;
+
 /// A clock besides this supervisor's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Source {
@@ -99,11 +102,13 @@ impl Readings {
         !is_near(self.host, 0)
     }
 
-    /// Whether this supervisor must follow the host's clock: more voters confirm the step than contradict it, or there is
-    /// nobody to ask.
-    pub(crate) fn follows_host(&self) -> bool {
+    /// Whether this supervisor, whose time is `now_us`, must follow the host's clock: more voters confirm the step than
+    /// contradict it, or there is nobody to ask. It does not follow a clock that was reset to 1970: records of that time
+    /// would be deleted as old.
+    pub(crate) fn follows_host(&self, now_us: i64) -> bool {
         let (with_host, with_us) = (self.near(self.host), self.near(0));
-        self.is_host_off() && (with_host > with_us || with_host == 0 && with_us == 0)
+        let is_confirmed = with_host > with_us || with_host == 0 && with_us == 0;
+        self.is_host_off() && is_confirmed && now_us.saturating_add(self.host) >= SET_FROM_US
     }
 }
 
@@ -123,7 +128,8 @@ mod tests {
 
     const SECOND_US: i64 = 1_000_000;
     const HOUR_US: i64 = 3_600 * SECOND_US;
-    const TO_1970_US: i64 = -1_795_248_000 * SECOND_US;
+    const NOW_US: i64 = 1_795_248_000 * SECOND_US;
+    const TO_1970_US: i64 = -NOW_US;
 
     fn readings(host: i64, database: Option<i64>, robots: Option<i64>, supervisors: &[i64]) -> Readings {
         Readings { host, database, robots, supervisors: supervisors.to_vec() }
@@ -160,19 +166,22 @@ mod tests {
 
     #[test]
     fn a_step_of_the_hosts_clock_is_followed_only_if_others_confirm_it_or_nobody_is_there() {
-        for step_us in [HOUR_US, -HOUR_US, TO_1970_US] {
-            assert!(readings(step_us, None, None, &[]).follows_host(), "there is nobody to ask");
-            assert!(!readings(step_us, None, Some(0), &[]).follows_host());
-            assert!(!readings(step_us, Some(0), Some(0), &[0, 0]).follows_host());
+        for step_us in [HOUR_US, -HOUR_US, 24 * HOUR_US] {
+            assert!(readings(step_us, None, None, &[]).follows_host(NOW_US), "there is nobody to ask");
+            assert!(!readings(step_us, None, Some(0), &[]).follows_host(NOW_US));
+            assert!(!readings(step_us, Some(0), Some(0), &[0, 0]).follows_host(NOW_US));
             // The database shares the host.
-            assert!(!readings(step_us, Some(step_us), Some(0), &[]).follows_host());
+            assert!(!readings(step_us, Some(step_us), Some(0), &[]).follows_host(NOW_US));
             // The host is set right.
-            assert!(readings(step_us, Some(step_us), Some(step_us), &[]).follows_host());
-            assert!(readings(step_us, Some(0), Some(step_us), &[step_us]).follows_host());
+            assert!(readings(step_us, Some(step_us), Some(step_us), &[]).follows_host(NOW_US));
+            assert!(readings(step_us, Some(0), Some(step_us), &[step_us]).follows_host(NOW_US));
             // Robots that know no time are no reason to keep a wrong one.
-            assert!(readings(step_us, None, Some(5 * step_us), &[]).follows_host());
+            assert!(readings(step_us, None, Some(5 * step_us), &[]).follows_host(NOW_US));
         }
-        assert!(!readings(NEAR_US, None, None, &[]).follows_host());
+        assert!(!readings(NEAR_US, None, None, &[]).follows_host(NOW_US));
+        // A clock that is reset to 1970 is not followed, and one that is set later is.
+        assert!(!readings(TO_1970_US, None, None, &[]).follows_host(NOW_US));
+        assert!(readings(-TO_1970_US, None, None, &[]).follows_host(5 * SECOND_US));
     }
 
     #[test]

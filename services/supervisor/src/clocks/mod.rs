@@ -18,6 +18,7 @@ use vibrissa_store::{ClockReport, Membership};
 
 use crate::metrics::Metrics;
 use crate::readiness::Readiness;
+pub(crate) use judge::SET_FROM_US;
 use judge::{Readings, Source, Standing};
 pub(crate) use robots::{ROBOTS_MAX, RobotClocks};
 
@@ -118,7 +119,7 @@ impl Clocks {
         let judgement = Judgement {
             standing: self.readings.standing(),
             is_host_off: self.readings.is_host_off(),
-            follows_host: self.readings.follows_host(),
+            follows_host: self.readings.follows_host(wall_clock().0 as i64),
         };
         if self.settling.take(judgement, Instant::now()) {
             self.log();
@@ -142,7 +143,7 @@ impl Clocks {
     /// Whether the time line must follow a step of its host's clock. Supervision of all fleets must end before
     /// [`Self::follow_host`]: its times would not fit any more.
     pub(crate) fn must_follow_host(&self) -> bool {
-        self.settling.in_force.follows_host && self.readings.follows_host()
+        self.settling.in_force.follows_host && self.readings.follows_host(wall_clock().0 as i64)
     }
 
     /// Moves the time line to the host's clock.

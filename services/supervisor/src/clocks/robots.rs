@@ -5,12 +5,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use vibrissa_edge::shard::FleetShard;
 
-use super::judge::{NEAR_US, median};
+use super::judge::{NEAR_US, SET_FROM_US, median};
 
 /// Fewer robots say nothing about the time.
 const ROBOTS_MIN: usize = 3;
-/// A robot whose clock is before this time (2020-01-01 UTC, in µs since 1970) was never set.
-const SET_FROM_US: i64 = 1_577_836_800_000_000;
 /// A robot of a fleet counts only up to this number, so that a very large fleet costs nothing.
 pub(crate) const ROBOTS_MAX: usize = 200;
 

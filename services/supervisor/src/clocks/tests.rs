@@ -31,7 +31,7 @@ fn problem(readings: Readings) -> Option<String> {
     clocks.settling.in_force = Judgement {
         standing: readings.standing(),
         is_host_off: readings.is_host_off(),
-        follows_host: readings.follows_host(),
+        follows_host: readings.follows_host(1_795_248_000_000_000),
     };
     clocks.problem()
 }

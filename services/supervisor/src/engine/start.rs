@@ -27,7 +27,7 @@ use super::shard::stepper::Stepper;
 use super::{ContactRetention, Engine, Limits, fleet_metrics};
 use crate::action_notifier::ActionNotifier;
 use crate::black_box::BlackBoxes;
-use crate::clocks::RobotClocks;
+use crate::clocks::{RobotClocks, SET_FROM_US};
 use crate::events::EventSink;
 use crate::kafka::LogReader;
 use crate::log_inbox::LogStart;
@@ -41,6 +41,8 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::words::Word as _;
 use vibrissa_store::{Lease, StoreError, Writer};
 
+/// A day in µs.
+const DAY_US: i64 = 86_400_000_000;
 /// Largest number of shards per fleet.
 const SHARDS_MAX: usize = 16;
 
@@ -155,7 +157,11 @@ impl EngineOptions {
         let committer = Committer::new(lease.clone(), writer, program.clone(), self.log.clone(), self.joint.join());
         let workers = Handle::current();
         let mut pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
-        pipeline.set_contacts_from(contacts_from_us);
+        // Contacts that a host receives before its clock is set would be deleted as old.
+        let is_clock_set = wall_clock().0 as i64 >= SET_FROM_US;
+        let last_owner_us = i64::try_from(epoch.saturating_mul(1000)).unwrap_or_default();
+        let set_from_us = if is_clock_set { 0 } else { last_owner_us.saturating_sub(DAY_US) };
+        pipeline.set_contacts_from(contacts_from_us.max(set_from_us));
         if log_from.is_some() {
             pipeline.schedule().gather_for_a_tick();
         }
