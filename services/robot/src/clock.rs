@@ -20,6 +20,9 @@ const MONOTONIC: ClockId = ClockId::Monotonic;
 const STARTED_US: u64 = 3_600_000_000;
 /// Part of the passed time by which the robot's clock runs faster or slower to follow the system's.
 const FOLLOWED: i64 = 20;
+/// Difference up to which both clocks are the same, in microseconds: they are read one after the other. Then the times that a
+/// driver takes from the system's clock are in the messages as they are.
+const SAME_US: i64 = 1_000;
 /// A system's clock further ahead than this had not been set when the agent started, as without a battery. It is taken over at
 /// once, in microseconds: a supervisor accepts such a jump, because it leads to the right time.
 const UNSET_US: i64 = 2 * 3_600_000_000;
@@ -60,8 +63,12 @@ impl RobotClock {
         let most_us = signed(passed_us) / FOLLOWED;
         let is_unset = ahead_us > UNSET_US;
         self.at = self.at.max(at);
-        self.stamp_us =
-            if is_unset { system_us } else { even_us.saturating_add_signed(ahead_us.clamp(-most_us, most_us)) };
+        let is_same = ahead_us.abs() <= SAME_US && system_us >= self.stamp_us;
+        self.stamp_us = if is_unset || is_same {
+            system_us
+        } else {
+            even_us.saturating_add_signed(ahead_us.clamp(-most_us, most_us))
+        };
         let told = if is_unset {
             Some(Told::TakenOver(ahead_us))
         } else {
@@ -164,6 +171,18 @@ mod tests {
         let (stamps, told) = stamps(8 * 3_600, 1);
         assert_eq!(stamps[0], NOW_US + 8 * 3_600 * S);
         assert_eq!(told, [Told::TakenOver(8 * 3_600_000_000)]);
+    }
+
+    #[test]
+    fn regress_while_nobody_sets_the_systems_clock_the_stamps_are_its_times() {
+        let mut clock = RobotClock::new(Moment::of_us(STARTED_US), NOW_US);
+        let mut passed_us = 0;
+        for step in 1..1000 {
+            // The clocks are read one after the other, with pauses of any length between the calls.
+            passed_us += if step % 5 == 0 { 40_000 } else { 1 + step % 7 };
+            let (now, _) = clock.go_on(Moment::of_us(STARTED_US + passed_us - step % 3), NOW_US + passed_us);
+            assert_eq!(now.stamp_us, NOW_US + passed_us, "step {step}");
+        }
     }
 
     #[test]
