@@ -39,19 +39,20 @@ async fn number(supervised: &Supervised, sql: &'static str) -> u64 {
 #[tokio::test]
 async fn regress_a_status_that_flaps_is_one_alarm_for_each_whisker_and_fills_no_disk() {
     const BYTES: &str = "SELECT CAST(page_count * page_size AS TEXT) FROM pragma_page_count(), pragma_page_size()";
-    const ALARMS: &str = "SELECT CAST(count(*) AS TEXT) FROM alarms";
+    const ALARMS: &str = "SELECT CAST(count(*) AS TEXT) FROM alarms WHERE kind = 'LEAK'";
     const CHANGES: &str = "SELECT CAST(count(*) AS TEXT) FROM health_changes";
     const FED: &str = "SELECT CAST(count(*) AS TEXT) FROM changes";
     let supervised = Supervised::start(Kind::Sqlite, &[]).await;
-    let mut robot = HandRobot::born(supervised.port(), "r", array(ArrayType::Type2, &[70.0; WHISKERS])).await;
-    until_true("the layout is written", async || {
-        number(&supervised, "SELECT CAST(count(*) AS TEXT) FROM whiskers").await == 1000
-    })
-    .await;
     let lasts_s = std::env::var("FLAPPING_S").map_or(LASTS_S, |text| text.parse().unwrap());
     let mut other = HandRobot::born(supervised.port(), "other", array(ArrayType::Type2, &[70.0])).await;
     let (back, mut without) = work(other, Duration::from_secs(lasts_s / 4)).await;
     other = back;
+    // Born now, because its silence would be an alarm, too.
+    let mut robot = HandRobot::born(supervised.port(), "r", array(ArrayType::Type2, &[70.0; WHISKERS])).await;
+    until_true("the layout is written", async || {
+        number(&supervised, "SELECT CAST(count(*) AS TEXT) FROM whiskers").await == 1001
+    })
+    .await;
     let working = tokio::spawn(work(other, Duration::from_secs(lasts_s)));
     let (before, begun) = (number(&supervised, BYTES).await, Instant::now());
     let mut statuses = 0;
