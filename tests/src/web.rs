@@ -54,8 +54,11 @@ pub async fn send(
     let headers: String = headers.iter().map(|(name, value)| format!("{name}: {value}\r\n")).collect();
     let typed =
         body.as_ref().map(|body| format!("Content-Type: application/json\r\nContent-Length: {}\r\n", body.len()));
-    let host =
-        if headers.to_ascii_lowercase().contains("host:") { String::new() } else { format!("Host: {address}\r\n") };
+    let host = if headers.to_ascii_lowercase().lines().any(|line| line.starts_with("host:")) {
+        String::new()
+    } else {
+        format!("Host: {address}\r\n")
+    };
     let (typed, body) = (typed.unwrap_or_default(), body.unwrap_or_default());
     let request = format!("{method} {path} HTTP/1.1\r\n{host}{headers}{typed}Connection: close\r\n\r\n{body}");
     stream.write_all(request.as_bytes()).await?;
