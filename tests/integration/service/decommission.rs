@@ -16,7 +16,7 @@ const ROBOT: &str = "/v1/fleets/f/robots/old";
 
 async fn born(running: &Running, name: &str) -> HandRobot {
     let mut robot = HandRobot::born(running.port(), name, array(ArrayType::Type1, &[70.0, 65.0])).await;
-    robot.touch(0, 5).await;
+    robot.touch(0, 30).await;
     robot.receipted().await;
     robot
 }
@@ -31,6 +31,7 @@ async fn decommission(running: &Running) -> (u16, Value) {
 async fn robots(running: &Running, list: &str) -> Vec<String> {
     let mut names: Vec<String> =
         running.list(list).await.iter().map(|row| row["robot"].as_str().unwrap().to_owned()).collect();
+    names.sort();
     names.dedup();
     names
 }
@@ -94,7 +95,7 @@ async fn regress_a_decommissioned_robot_is_forgotten_and_its_history_stays() {
     let whiskers = running.list("whiskers?robot=old").await;
     let learned: Vec<_> = whiskers.iter().map(|row| (row["whisker"].as_i64(), row["contacts"].as_i64())).collect();
     assert_eq!(learned.len(), 2, "{whiskers:?}");
-    assert!(learned.iter().all(|(_, contacts)| contacts.is_some_and(|contacts| contacts <= 4)), "anew: {learned:?}");
+    assert!(learned.iter().all(|(_, contacts)| contacts.is_some_and(|contacts| contacts < 15)), "anew: {learned:?}");
     running.service.stop().await;
 }
 
