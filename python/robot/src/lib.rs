@@ -65,7 +65,7 @@ impl Agent {
         let _ = vibrissa_robot::log::start(filter);
         let named = |problem: String| PyValueError::new_err(format!("{}: {problem}", config.display()));
         let read = configured(&config, socket).map_err(named)?;
-        exposure::exposures(&config, &read).iter().for_each(|exposure| tracing::warn!("{exposure}"));
+        exposure::warn(&config, &read);
         let (stop, stopping) = watch::channel(false);
         let failure = Failure::default();
         let shared = Arc::clone(&failure);

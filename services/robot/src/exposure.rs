@@ -51,6 +51,11 @@ pub fn exposures(path: &Path, config: &Config) -> Vec<String> {
     found
 }
 
+/// Logs each warning.
+pub fn warn(path: &Path, config: &Config) {
+    exposures(path, config).iter().for_each(|exposure| tracing::warn!("{exposure}"));
+}
+
 fn text((host, port): (String, u16)) -> String {
     address(&host, port)
 }

@@ -44,14 +44,13 @@ fn main() -> ExitCode {
 fn started(path: &std::path::Path, is_check: bool) -> anyhow::Result<()> {
     use anyhow::Context;
     let config = Config::read(path).with_context(|| path.display().to_string())?;
-    let exposures = exposure::exposures(path, &config);
     if is_check {
         config.broker.transport()?;
         println!("{}: robot {} of fleet {} is well configured", path.display(), config.robot, config.fleet);
-        exposures.iter().for_each(|exposure| println!("warning: {exposure}"));
+        exposure::exposures(path, &config).iter().for_each(|exposure| println!("warning: {exposure}"));
         return Ok(());
     }
-    exposures.iter().for_each(|exposure| tracing::warn!("{exposure}"));
+    exposure::warn(path, &config);
     // One thread: a robot has few messages, and each thread costs memory.
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(2).build()?;
     runtime.block_on(async {
