@@ -146,7 +146,6 @@ fn what_does_not_go_together_is_told_at_the_key_that_is_too_many() {
     let exists = env!("CARGO_MANIFEST_PATH");
     for (text, key) in [
         ("mqtt.url = \"mqtt://h\"\nmqtt.port = 1883", "mqtt.port"),
-        ("mqtt.username = \"u\"\nmqtt.password = \"p\"", "mqtt.username"),
         ("mqtt.url = \"mqtt://h\"\nmqtt.username = \"u\"", "mqtt.username"),
         ("mqtt.url = \"mqtt://h\"\nmqtt.password = \"p\"", "mqtt.password"),
         ("mqtt.url = \"mqtt://h\"\nmqtt.ca_file = FILE", "mqtt.ca_file"),
