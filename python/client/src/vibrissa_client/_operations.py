@@ -317,6 +317,42 @@ class Operations:
             ),
         )
 
+    def retry_whisker(
+        self,
+        fleet: str,
+        robot: str,
+        array: str,
+        whisker: int,
+        body: Optional[models.Why] = None,
+        *,
+        idempotency_key: Optional[str] = None,
+    ) -> models.Action:
+        """Try a failed setpoint of a whisker again at once.
+
+        The supervisor decides anew about compensators, and sends the setpoint. After unanswered and postponed setpoints it does
+        so by itself, after growing pauses; not after a refusal by the robot. Refused with 409 if no setpoint of the
+        whisker has failed, or it is held.
+
+        Args:
+            fleet: Name of the fleet.
+            robot: Name of the robot.
+            array: Name of the array.
+            whisker: Number of the whisker in its array.
+
+        Requires the role OPERATOR.
+        """
+        return cast(
+            "models.Action",
+            self._send(
+                Request(
+                    "POST",
+                    f"/v1/fleets/{quoted(fleet)}/robots/{quoted(robot)}/arrays/{quoted(array)}/whiskers/{quoted(whisker)}/retry",
+                    headers={"Idempotency-Key": idempotency_key},
+                    body=body,
+                )
+            ),
+        )
+
     def test_whisker(
         self,
         fleet: str,
@@ -584,6 +620,8 @@ class Operations:
                 "REACH_LOST",
                 "VENTED",
                 "ROBOT_SILENT",
+                "RECEIPTS_UNHEARD",
+                "DUPLICATE_ROBOT",
                 "STALE",
                 "GAUGE_OPEN",
                 "GAUGE_SHORT",
@@ -678,6 +716,8 @@ class Operations:
                 "REACH_LOST",
                 "VENTED",
                 "ROBOT_SILENT",
+                "RECEIPTS_UNHEARD",
+                "DUPLICATE_ROBOT",
                 "STALE",
                 "GAUGE_OPEN",
                 "GAUGE_SHORT",
@@ -757,6 +797,8 @@ class Operations:
                 "REACH_LOST",
                 "VENTED",
                 "ROBOT_SILENT",
+                "RECEIPTS_UNHEARD",
+                "DUPLICATE_ROBOT",
                 "STALE",
                 "GAUGE_OPEN",
                 "GAUGE_SHORT",
@@ -851,6 +893,8 @@ class Operations:
                 "REACH_LOST",
                 "VENTED",
                 "ROBOT_SILENT",
+                "RECEIPTS_UNHEARD",
+                "DUPLICATE_ROBOT",
                 "STALE",
                 "GAUGE_OPEN",
                 "GAUGE_SHORT",
@@ -918,6 +962,8 @@ class Operations:
                 "REACH_LOST",
                 "VENTED",
                 "ROBOT_SILENT",
+                "RECEIPTS_UNHEARD",
+                "DUPLICATE_ROBOT",
                 "STALE",
                 "GAUGE_OPEN",
                 "GAUGE_SHORT",
@@ -1009,6 +1055,8 @@ class Operations:
                 "REACH_LOST",
                 "VENTED",
                 "ROBOT_SILENT",
+                "RECEIPTS_UNHEARD",
+                "DUPLICATE_ROBOT",
                 "STALE",
                 "GAUGE_OPEN",
                 "GAUGE_SHORT",
@@ -1246,10 +1294,12 @@ class Operations:
                 "REBASELINE",
                 "TOUCH_TEST",
                 "REFUSE_TOUCH_TEST",
+                "RETRY",
                 "POLICY",
                 "CALIBRATION",
                 "CALIBRATION_UPLOAD",
                 "ALLOWED_ROBOTS",
+                "DECOMMISSION",
                 "SHARDS",
                 "LABEL_SET",
                 "LABEL_REMOVE",
@@ -1359,10 +1409,12 @@ class Operations:
                 "REBASELINE",
                 "TOUCH_TEST",
                 "REFUSE_TOUCH_TEST",
+                "RETRY",
                 "POLICY",
                 "CALIBRATION",
                 "CALIBRATION_UPLOAD",
                 "ALLOWED_ROBOTS",
+                "DECOMMISSION",
                 "SHARDS",
                 "LABEL_SET",
                 "LABEL_REMOVE",
@@ -1936,7 +1988,7 @@ class Operations:
         self,
         *,
         fleet: Optional[str] = None,
-        connection: Optional[Literal["ONLINE", "OFFLINE", "CONNECTION_BROKEN"]] = None,
+        connection: Optional[Literal["ONLINE", "SILENT", "OFFLINE", "CONNECTION_BROKEN"]] = None,
         attention: Optional[bool] = None,
         held: Optional[bool] = None,
         label: Optional[str] = None,
@@ -1992,7 +2044,7 @@ class Operations:
         self,
         *,
         fleet: Optional[str] = None,
-        connection: Optional[Literal["ONLINE", "OFFLINE", "CONNECTION_BROKEN"]] = None,
+        connection: Optional[Literal["ONLINE", "SILENT", "OFFLINE", "CONNECTION_BROKEN"]] = None,
         attention: Optional[bool] = None,
         held: Optional[bool] = None,
         label: Optional[str] = None,
@@ -2048,6 +2100,33 @@ class Operations:
         """
         return cast(
             "models.RobotSummary", self._send(Request("GET", f"/v1/fleets/{quoted(fleet)}/robots/{quoted(robot)}"))
+        )
+
+    def decommission_robot(
+        self, fleet: str, robot: str, body: Optional[models.Why] = None, *, idempotency_key: Optional[str] = None
+    ) -> models.Action:
+        """Decommission a robot that has left for good.
+
+        It leaves all lists, metrics and limits, its alarms end, its compensations and setpoints end, and its retained messages are
+        cleared at the broker. Its history stays. Its learned state is forgotten: its next boot is registered anew, if the allow list permits it. Refused with 409 while the robot is connected and heard, unless the allow list
+        excludes it.
+
+        Args:
+            fleet: Name of the fleet.
+            robot: Name of the robot.
+
+        Requires the role ENGINEER.
+        """
+        return cast(
+            "models.Action",
+            self._send(
+                Request(
+                    "DELETE",
+                    f"/v1/fleets/{quoted(fleet)}/robots/{quoted(robot)}",
+                    headers={"Idempotency-Key": idempotency_key},
+                    body=body,
+                )
+            ),
         )
 
     def list_arrays(
@@ -2138,6 +2217,58 @@ class Operations:
             "models.Array",
             self._send(Request("GET", f"/v1/fleets/{quoted(fleet)}/robots/{quoted(robot)}/arrays/{quoted(array)}")),
         )
+
+    def list_refusals(
+        self,
+        fleet: str,
+        robot: str,
+        *,
+        limit: Optional[int] = None,
+        cursor: Optional[str] = None,
+        sort: Optional[Literal["refused_at", "refused"]] = None,
+        order: Optional[Literal["ascending", "descending"]] = None,
+    ) -> models.PageRefusalCount:
+        """Refusals of a robot, by topic and reason: messages, and contacts and other entries of messages. The other entries of their messages were accepted.
+
+        Args:
+            fleet: Name of the fleet.
+            robot: Name of the robot.
+            limit: Maximum number of rows per page. CSV without a limit has all rows from the cursor on.
+            cursor: `next_cursor` of the previous page; omit it for the first page.
+            sort: Column by which the list is sorted.
+            order: Order of the list; by default that of the sort column.
+
+        Requires the role VIEWER.
+        """
+        return cast(
+            "models.PageRefusalCount",
+            self._send(
+                Request(
+                    "GET",
+                    f"/v1/fleets/{quoted(fleet)}/robots/{quoted(robot)}/refusals",
+                    query={"limit": limit, "cursor": cursor, "sort": sort, "order": order},
+                )
+            ),
+        )
+
+    def all_refusals(
+        self,
+        fleet: str,
+        robot: str,
+        *,
+        limit: Optional[int] = None,
+        sort: Optional[Literal["refused_at", "refused"]] = None,
+        order: Optional[Literal["ascending", "descending"]] = None,
+    ) -> Iterator[models.RefusalCount]:
+        """The rows of all pages of `list_refusals`; `limit` is the length of a page."""
+        cursor: Optional[str] = None
+        while True:
+            page = self.list_refusals(fleet=fleet, robot=robot, limit=limit, sort=sort, order=order, cursor=cursor)
+            for row in page["items"]:
+                yield row
+            cursor = page.get("next_cursor")
+            if cursor is None:
+                return
 
     def start(self, fleet: str, body: models.NewRollout, *, idempotency_key: Optional[str] = None) -> models.Action:
         """Begin a staged roll-out: 5 % of the robots get the change, then 25 %, then all.
@@ -4288,6 +4419,42 @@ class AsyncOperations:
             ),
         )
 
+    async def retry_whisker(
+        self,
+        fleet: str,
+        robot: str,
+        array: str,
+        whisker: int,
+        body: Optional[models.Why] = None,
+        *,
+        idempotency_key: Optional[str] = None,
+    ) -> models.Action:
+        """Try a failed setpoint of a whisker again at once.
+
+        The supervisor decides anew about compensators, and sends the setpoint. After unanswered and postponed setpoints it does
+        so by itself, after growing pauses; not after a refusal by the robot. Refused with 409 if no setpoint of the
+        whisker has failed, or it is held.
+
+        Args:
+            fleet: Name of the fleet.
+            robot: Name of the robot.
+            array: Name of the array.
+            whisker: Number of the whisker in its array.
+
+        Requires the role OPERATOR.
+        """
+        return cast(
+            "models.Action",
+            await self._send(
+                Request(
+                    "POST",
+                    f"/v1/fleets/{quoted(fleet)}/robots/{quoted(robot)}/arrays/{quoted(array)}/whiskers/{quoted(whisker)}/retry",
+                    headers={"Idempotency-Key": idempotency_key},
+                    body=body,
+                )
+            ),
+        )
+
     async def test_whisker(
         self,
         fleet: str,
@@ -4555,6 +4722,8 @@ class AsyncOperations:
                 "REACH_LOST",
                 "VENTED",
                 "ROBOT_SILENT",
+                "RECEIPTS_UNHEARD",
+                "DUPLICATE_ROBOT",
                 "STALE",
                 "GAUGE_OPEN",
                 "GAUGE_SHORT",
@@ -4649,6 +4818,8 @@ class AsyncOperations:
                 "REACH_LOST",
                 "VENTED",
                 "ROBOT_SILENT",
+                "RECEIPTS_UNHEARD",
+                "DUPLICATE_ROBOT",
                 "STALE",
                 "GAUGE_OPEN",
                 "GAUGE_SHORT",
@@ -4728,6 +4899,8 @@ class AsyncOperations:
                 "REACH_LOST",
                 "VENTED",
                 "ROBOT_SILENT",
+                "RECEIPTS_UNHEARD",
+                "DUPLICATE_ROBOT",
                 "STALE",
                 "GAUGE_OPEN",
                 "GAUGE_SHORT",
@@ -4822,6 +4995,8 @@ class AsyncOperations:
                 "REACH_LOST",
                 "VENTED",
                 "ROBOT_SILENT",
+                "RECEIPTS_UNHEARD",
+                "DUPLICATE_ROBOT",
                 "STALE",
                 "GAUGE_OPEN",
                 "GAUGE_SHORT",
@@ -4889,6 +5064,8 @@ class AsyncOperations:
                 "REACH_LOST",
                 "VENTED",
                 "ROBOT_SILENT",
+                "RECEIPTS_UNHEARD",
+                "DUPLICATE_ROBOT",
                 "STALE",
                 "GAUGE_OPEN",
                 "GAUGE_SHORT",
@@ -4980,6 +5157,8 @@ class AsyncOperations:
                 "REACH_LOST",
                 "VENTED",
                 "ROBOT_SILENT",
+                "RECEIPTS_UNHEARD",
+                "DUPLICATE_ROBOT",
                 "STALE",
                 "GAUGE_OPEN",
                 "GAUGE_SHORT",
@@ -5229,10 +5408,12 @@ class AsyncOperations:
                 "REBASELINE",
                 "TOUCH_TEST",
                 "REFUSE_TOUCH_TEST",
+                "RETRY",
                 "POLICY",
                 "CALIBRATION",
                 "CALIBRATION_UPLOAD",
                 "ALLOWED_ROBOTS",
+                "DECOMMISSION",
                 "SHARDS",
                 "LABEL_SET",
                 "LABEL_REMOVE",
@@ -5342,10 +5523,12 @@ class AsyncOperations:
                 "REBASELINE",
                 "TOUCH_TEST",
                 "REFUSE_TOUCH_TEST",
+                "RETRY",
                 "POLICY",
                 "CALIBRATION",
                 "CALIBRATION_UPLOAD",
                 "ALLOWED_ROBOTS",
+                "DECOMMISSION",
                 "SHARDS",
                 "LABEL_SET",
                 "LABEL_REMOVE",
@@ -5935,7 +6118,7 @@ class AsyncOperations:
         self,
         *,
         fleet: Optional[str] = None,
-        connection: Optional[Literal["ONLINE", "OFFLINE", "CONNECTION_BROKEN"]] = None,
+        connection: Optional[Literal["ONLINE", "SILENT", "OFFLINE", "CONNECTION_BROKEN"]] = None,
         attention: Optional[bool] = None,
         held: Optional[bool] = None,
         label: Optional[str] = None,
@@ -5991,7 +6174,7 @@ class AsyncOperations:
         self,
         *,
         fleet: Optional[str] = None,
-        connection: Optional[Literal["ONLINE", "OFFLINE", "CONNECTION_BROKEN"]] = None,
+        connection: Optional[Literal["ONLINE", "SILENT", "OFFLINE", "CONNECTION_BROKEN"]] = None,
         attention: Optional[bool] = None,
         held: Optional[bool] = None,
         label: Optional[str] = None,
@@ -6050,6 +6233,33 @@ class AsyncOperations:
         return cast(
             "models.RobotSummary",
             await self._send(Request("GET", f"/v1/fleets/{quoted(fleet)}/robots/{quoted(robot)}")),
+        )
+
+    async def decommission_robot(
+        self, fleet: str, robot: str, body: Optional[models.Why] = None, *, idempotency_key: Optional[str] = None
+    ) -> models.Action:
+        """Decommission a robot that has left for good.
+
+        It leaves all lists, metrics and limits, its alarms end, its compensations and setpoints end, and its retained messages are
+        cleared at the broker. Its history stays. Its learned state is forgotten: its next boot is registered anew, if the allow list permits it. Refused with 409 while the robot is connected and heard, unless the allow list
+        excludes it.
+
+        Args:
+            fleet: Name of the fleet.
+            robot: Name of the robot.
+
+        Requires the role ENGINEER.
+        """
+        return cast(
+            "models.Action",
+            await self._send(
+                Request(
+                    "DELETE",
+                    f"/v1/fleets/{quoted(fleet)}/robots/{quoted(robot)}",
+                    headers={"Idempotency-Key": idempotency_key},
+                    body=body,
+                )
+            ),
         )
 
     async def list_arrays(
@@ -6142,6 +6352,60 @@ class AsyncOperations:
                 Request("GET", f"/v1/fleets/{quoted(fleet)}/robots/{quoted(robot)}/arrays/{quoted(array)}")
             ),
         )
+
+    async def list_refusals(
+        self,
+        fleet: str,
+        robot: str,
+        *,
+        limit: Optional[int] = None,
+        cursor: Optional[str] = None,
+        sort: Optional[Literal["refused_at", "refused"]] = None,
+        order: Optional[Literal["ascending", "descending"]] = None,
+    ) -> models.PageRefusalCount:
+        """Refusals of a robot, by topic and reason: messages, and contacts and other entries of messages. The other entries of their messages were accepted.
+
+        Args:
+            fleet: Name of the fleet.
+            robot: Name of the robot.
+            limit: Maximum number of rows per page. CSV without a limit has all rows from the cursor on.
+            cursor: `next_cursor` of the previous page; omit it for the first page.
+            sort: Column by which the list is sorted.
+            order: Order of the list; by default that of the sort column.
+
+        Requires the role VIEWER.
+        """
+        return cast(
+            "models.PageRefusalCount",
+            await self._send(
+                Request(
+                    "GET",
+                    f"/v1/fleets/{quoted(fleet)}/robots/{quoted(robot)}/refusals",
+                    query={"limit": limit, "cursor": cursor, "sort": sort, "order": order},
+                )
+            ),
+        )
+
+    async def all_refusals(
+        self,
+        fleet: str,
+        robot: str,
+        *,
+        limit: Optional[int] = None,
+        sort: Optional[Literal["refused_at", "refused"]] = None,
+        order: Optional[Literal["ascending", "descending"]] = None,
+    ) -> AsyncIterator[models.RefusalCount]:
+        """The rows of all pages of `list_refusals`; `limit` is the length of a page."""
+        cursor: Optional[str] = None
+        while True:
+            page = await self.list_refusals(
+                fleet=fleet, robot=robot, limit=limit, sort=sort, order=order, cursor=cursor
+            )
+            for row in page["items"]:
+                yield row
+            cursor = page.get("next_cursor")
+            if cursor is None:
+                return
 
     async def start(
         self, fleet: str, body: models.NewRollout, *, idempotency_key: Optional[str] = None

@@ -19,6 +19,8 @@ AlarmKindWord: TypeAlias = Literal[
     "REACH_LOST",
     "VENTED",
     "ROBOT_SILENT",
+    "RECEIPTS_UNHEARD",
+    "DUPLICATE_ROBOT",
     "STALE",
     "GAUGE_OPEN",
     "GAUGE_SHORT",
@@ -29,7 +31,7 @@ AlarmKindWord: TypeAlias = Literal[
     "SUPPLY_LOW",
 ]
 """
-`UNCOMPENSATED`: trimmed, no compensator available; `SETPOINT_FAILED`: a setpoint failed for good; `SENSITIVITY_LOSS`: sensitivity loss not explained by a cut; `ERODING`: eroding; `ARRAY_SHIFT`: shift shared by the whole array; `BASELINE_DRIFT`: baseline drift of the gauge; `PROPOSED`: a compensation waits for approval; `REACH_LOST`: no contacts near the tip any more; `VENTED`: vented by the robot itself, and not filled again; `ROBOT_SILENT`: the robot is silent or not connected; `STALE`: stale: no contacts; `GAUGE_OPEN`: gauge open; `GAUGE_SHORT`: gauge shorted; `GAUGE_SATURATED`: gauge saturated; `GAUGE`: gauge faulty; `LEAK`: leaking; `REGULATOR`: regulator faulty; `SUPPLY_LOW`: air supply low.
+`UNCOMPENSATED`: trimmed, no compensator available; `SETPOINT_FAILED`: setpoints have failed; `SENSITIVITY_LOSS`: sensitivity loss not explained by a cut; `ERODING`: eroding; `ARRAY_SHIFT`: shift shared by the whole array; `BASELINE_DRIFT`: baseline drift of the gauge; `PROPOSED`: a compensation waits for approval; `REACH_LOST`: no contacts near the tip any more; `VENTED`: vented by the robot itself, and not filled again; `ROBOT_SILENT`: the robot is silent or not connected; `RECEIPTS_UNHEARD`: the robot does not hear its receipts; `DUPLICATE_ROBOT`: two robots use this name; `STALE`: stale: no contacts; `GAUGE_OPEN`: gauge open; `GAUGE_SHORT`: gauge shorted; `GAUGE_SATURATED`: gauge saturated; `GAUGE`: gauge faulty; `LEAK`: leaking; `REGULATOR`: regulator faulty; `SUPPLY_LOW`: air supply low.
 """
 
 
@@ -85,7 +87,7 @@ class ArraySummary(TypedDict):
     """
     connection: str
     """
-    Connection state of the robot: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+    Connection state of the robot: `ONLINE`, `SILENT` (connected, but not heard), `OFFLINE` or `CONNECTION_BROKEN`.
     """
     whiskers: int
     """
@@ -122,6 +124,10 @@ class ArraySummary(TypedDict):
     alarms: int
     """
     Number of standing alarms that are not shelved.
+    """
+    alarms_shelved: int
+    """
+    Number of standing alarms that are shelved.
     """
     attention: int
     """
@@ -491,7 +497,11 @@ class FleetSummary(TypedDict):
     """
     robots_online: int
     """
-    Number of robots that are connected (`ONLINE`).
+    Number of robots that are connected and heard (`ONLINE`).
+    """
+    robots_silent: int
+    """
+    Number of robots that are connected, but not heard (`SILENT`).
     """
     whiskers: int
     """
@@ -532,6 +542,10 @@ class FleetSummary(TypedDict):
     alarms: int
     """
     Number of standing alarms that are not shelved.
+    """
+    alarms_shelved: int
+    """
+    Number of standing alarms that are shelved.
     """
     attention: int
     """
@@ -613,12 +627,6 @@ Value of a label.
 LevelWord: TypeAlias = Literal["WARNING", "URGENT", "CRITICAL"]
 """
 `WARNING`: warning: plan for it; `URGENT`: urgent: look within the working day; `CRITICAL`: critical: act now.
-"""
-
-
-LinkWord: TypeAlias = Literal["ONLINE", "OFFLINE", "CONNECTION_BROKEN"]
-"""
-`ONLINE`: online; `OFFLINE`: offline; `CONNECTION_BROKEN`: connection broken.
 """
 
 
@@ -870,6 +878,12 @@ Bytes of a message as text; CBOR as JSON, and a replacement character for invali
 """
 
 
+PresenceWord: TypeAlias = Literal["ONLINE", "SILENT", "OFFLINE", "CONNECTION_BROKEN"]
+"""
+`ONLINE`: online; `SILENT`: connected, but silent; `OFFLINE`: offline; `CONNECTION_BROKEN`: connection broken.
+"""
+
+
 class Problem(TypedDict):
     """
     Body of an error response (RFC 9457).
@@ -996,7 +1010,7 @@ class RobotFilter(TypedDict):
     """
     Name of the robot.
     """
-    connection: NotRequired[Optional[LinkWord]]
+    connection: NotRequired[Optional[PresenceWord]]
     attention: NotRequired[Optional[bool]]
     """
     True: only robots with something that needs attention; false: only the others.
@@ -1556,7 +1570,7 @@ class Whisker(TypedDict):
     heard_at: NotRequired[Optional[Time]]
     connection: str
     """
-    Connection state of the robot: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+    Connection state of the robot: `ONLINE`, `SILENT`, `OFFLINE` or `CONNECTION_BROKEN`.
     """
     leak_per_s: NotRequired[Optional[float]]
     """
@@ -1730,7 +1744,7 @@ class Action(TypedDict):
     kind: str
     """
     Kind of action: `APPROVE`, `REFUSE`, `SETPOINT`, `HOLD`, `RELEASE`, `REPLACED`, `REBASELINE`, `TOUCH_TEST`,
-    `REFUSE_TOUCH_TEST`, `POLICY`, `ALARM_ACKNOWLEDGE`, `ALARM_SHELVE`, `ALARM_UNSHELVE` ...
+    `REFUSE_TOUCH_TEST`, `RETRY`, `POLICY`, `ALARM_ACKNOWLEDGE`, `ALARM_SHELVE`, `ALARM_UNSHELVE` ...
     """
     parameters: dict[str, Any]
     """
@@ -1997,7 +2011,7 @@ class Array(TypedDict):
     """
     connection: str
     """
-    Connection state of its robot: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+    Connection state of its robot: `ONLINE`, `SILENT`, `OFFLINE` or `CONNECTION_BROKEN`.
     """
     alarms: int
     """
@@ -3148,7 +3162,7 @@ class OverviewRobot(TypedDict):
     """
     connection: str
     """
-    Connection state: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+    Connection state: `ONLINE`, `SILENT`, `OFFLINE` or `CONNECTION_BROKEN`.
     """
     attention: int
     """
@@ -3514,6 +3528,45 @@ class RecentContact(TypedDict):
     """
 
 
+class RefusalCount(TypedDict):
+    """
+    Refusals of a robot for one reason. Refused contacts are not recorded; the others of their message are.
+    """
+
+    fleet: str
+    """
+    Name of the fleet.
+    """
+    robot: str
+    """
+    Name of the robot.
+    """
+    topic: str
+    """
+    Topic of the message below the robot's level, such as `contacts`.
+    """
+    reason: str
+    """
+    Reason, as in the metric `vibrissa_messages_refused_total`.
+    """
+    refused: int
+    """
+    Number of refused messages, and of refused contacts or other entries of messages.
+    """
+    first_at: Time
+    """
+    Time of the first refusal, by the supervisor's clock.
+    """
+    refused_at: Time
+    """
+    Time of the newest refusal, by the supervisor's clock.
+    """
+    problem: str
+    """
+    The newest refusal in words, with the place in the message.
+    """
+
+
 class RobotSummary(TypedDict):
     """
     A robot with counts of its whiskers, alarms and proposals.
@@ -3533,7 +3586,7 @@ class RobotSummary(TypedDict):
     """
     connection: str
     """
-    Connection state: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
+    Connection state: `ONLINE`, `SILENT` (connected, but not heard), `OFFLINE` or `CONNECTION_BROKEN`.
     """
     boot_id: NotRequired[Optional[str]]
     """
@@ -3579,6 +3632,10 @@ class RobotSummary(TypedDict):
     alarms: int
     """
     Number of standing alarms that are not shelved.
+    """
+    alarms_shelved: int
+    """
+    Number of standing alarms that are shelved.
     """
     proposals: int
     """
@@ -4302,6 +4359,21 @@ class PageQuarantined(TypedDict):
     """
 
     items: list[Quarantined]
+    """
+    Rows of the page.
+    """
+    next_cursor: NotRequired[Optional[str]]
+    """
+    `cursor` of the next page; null on the last page.
+    """
+
+
+class PageRefusalCount(TypedDict):
+    """
+    A page of a list.
+    """
+
+    items: list[RefusalCount]
     """
     Rows of the page.
     """
