@@ -214,7 +214,8 @@ async fn a_broker_that_wants_a_client_certificate_gets_one() {
     let folder = bench.folder.path();
     let save = |identity: &Identity| {
         write(folder, "me.crt", &identity.certificate);
-        write(folder, "me.key", &identity.key);
+        let key = write(folder, "me.key", &identity.key);
+        fs::set_permissions(key, fs::Permissions::from_mode(0o600)).unwrap();
     };
     save(&Authority::new("theirs").client("r"));
     let certificate = "ca_file = \"ca.crt\"\nclient_certificate_file = \"me.crt\"\nclient_key_file = \"me.key\"";
