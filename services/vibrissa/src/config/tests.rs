@@ -161,6 +161,13 @@ fn what_does_not_go_together_is_told_at_the_key_that_is_too_many() {
 }
 
 #[test]
+fn user_and_password_without_an_external_broker_are_those_of_the_embedded_one() {
+    let config = read(&from_file("mqtt.username = \"u\"\nmqtt.password = \"p\"")).config.unwrap();
+    assert_eq!(config.broker, None);
+    assert_eq!(config.mqtt_credentials.map(|one| one.username).as_deref(), Some("u"));
+}
+
+#[test]
 fn an_unknown_key_is_told_with_the_nearest_one() {
     let line = one_wrong(&from_file("[mqtt]\nca_fil = \"x\""));
     assert_eq!(line, "mqtt.ca_fil (file v.toml): no such key; did you mean mqtt.ca_file?");
