@@ -214,6 +214,8 @@ async fn goes_on(database: &DatabaseAddress, broker: &Mosquitto, robot: &mut Obe
     until_true("ready", async || is_ready(&service).await).await;
     assert_eq!(setpoint_states(&service).await, [""; 0], "the backup contains no setpoint");
 
+    // Its contacts let this robot's clock pass faster than time. A new supervisor would wait for a rate that can be right.
+    robot.robot.clock_us = vibrissa_edge::clock::wall_clock().0;
     robot.robot.settle().await;
     robot.robot.status().await;
     let released = robot.obeys().await;
