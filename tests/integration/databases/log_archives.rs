@@ -33,6 +33,8 @@ async fn a_position_advances_over_its_plan_only(database: &Fresh) {
 
     // A lease that was lost writes nothing.
     writer.release(&lease).await.unwrap();
+    // Reads the changed row: a lease is acquired only as it was read.
+    writer.sign_in(&a, &[]).await.unwrap();
     let next = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
     let refused = writer.plan_log_archive(&lease, &span(9, 12), ("other", 300)).await.unwrap_err();
     assert!(matches!(refused, StoreError::LeaseLost { .. }), "{refused}");
