@@ -43,7 +43,7 @@ type List = (&'static str, fn(&str) -> Result<(), Refusal>);
 
 /// A message with lists of independent entries.
 pub(super) trait Parted: Checked + DeserializeOwned {
-    /// The lists.
+    /// Lists of the message whose entries are checked one by one.
     const LISTS: &[List];
 
     /// Checks the message apart from the entries, and removes those that are wrong.

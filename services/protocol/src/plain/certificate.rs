@@ -2,7 +2,7 @@
 
 use super::{variant, words};
 
-/// What is wrong with a certificate, and what to do. `debug` is the error's `Debug` output, or its text, which is the same.
+/// Defect of a certificate, and its remedy. `debug` is the error's `Debug` output, or its text, which is the same.
 #[must_use]
 pub fn certificate(debug: &str) -> String {
     let told = match variant(debug) {

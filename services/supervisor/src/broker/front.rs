@@ -37,7 +37,7 @@ const PAUSE: Duration = Duration::from_millis(100);
 const CHUNK_BYTES: usize = 16 << 10;
 /// Memory that a piece of bytes needs beside them.
 const PIECE_OVERHEAD_BYTES: usize = 64;
-/// Interval at which the library removes what has ended.
+/// Interval at which the library removes ended sessions and expired messages.
 const SWEEP_EVERY: Duration = Duration::from_secs(60);
 
 /// The library's parts, shared by all connections.
@@ -82,7 +82,7 @@ impl Front {
         connections.shutdown().await;
     }
 
-    /// Removes at times what has ended.
+    /// Removes ended sessions and expired messages from time to time.
     async fn sweep(self: Arc<Self>) {
         let mut sweeps = interval(SWEEP_EVERY);
         loop {

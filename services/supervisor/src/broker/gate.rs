@@ -26,7 +26,7 @@ const BURST: Duration = Duration::from_millis(500);
 
 type Answer<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
 
-/// The checks.
+/// Checks of connections and publications at the embedded broker.
 #[derive(Debug)]
 pub(super) struct Gate {
     /// Hash of user name and password; `None` admits everyone.
