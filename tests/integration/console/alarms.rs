@@ -66,7 +66,7 @@ async fn a_hundred_and_twenty_silent_robots_are_one_row_that_unfolds_and_is_ackn
     assert!(height < 2500.0, "{height} px on a phone");
 
     // The runbook opens from the alarm.
-    let runbook = stage.browser.js("document.querySelector('.storm details a').getAttribute('href')").await;
+    let runbook = stage.browser.js("new URL(document.querySelector('.storm details a').href).pathname").await;
     let (status, words) = try_get(stage.service.http, runbook.as_str().unwrap()).await.unwrap();
     assert_eq!((status, words.contains("ROBOT_SILENT")), (200, true), "{words}");
 
