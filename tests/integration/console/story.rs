@@ -120,9 +120,9 @@ async fn from_the_cut_on_the_page_to_the_replay_of_its_black_box() {
     for one in [&trim, &alarm] {
         let ended = |found: &Value| found["black_box_id"] == one["black_box_id"] && found["state"] != "RECORDING";
         let ended = demo.item("/v1/black-boxes", ended).await;
-        // It may be PARTIAL: while the whiskers are learned, contacts are so many that a thousandth of the memory holds less
-        // than ten seconds. It still begins with a state.
-        assert_eq!((&ended["has_state"], &ended["left_out"]), (&json!(true), &json!(0)), "{ended}");
+        // It may be PARTIAL, and may leave messages after the event out: a robot whose receipts are late repeats messages, so
+        // that a thousandth of the memory holds less than ten seconds. It still begins with a state.
+        assert_eq!(ended["has_state"], true, "{ended}");
     }
     save(&mut browser, &url(ALARMS), &alarm).await;
     save(&mut browser, &url(CRAWLER), &trim).await;

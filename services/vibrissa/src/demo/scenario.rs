@@ -79,7 +79,7 @@ pub const INCIDENTS: [Incident; 5] = [
         array: "nose",
         whisker: 1,
         at_contact: 300,
-        what: What::Erosion { rate_mm_per_contact: 0.003, until_length_mm: 64.0 },
+        what: What::Erosion { rate_mm_per_contact: 0.002, until_length_mm: 64.0 },
     },
     Incident {
         robot: "crawler-2",

@@ -5,6 +5,7 @@ mod incidents;
 mod routes;
 mod terminal;
 
+use std::pin::pin;
 use std::time::Duration;
 
 use anyhow::Context;
@@ -64,9 +65,11 @@ pub(super) async fn run(service: &Service, fleet: &Fleet, incidents: &Incidents)
     let mut lines = Some(terminal::lines());
     let mut last: WhiskerName = FIRST_WHISKER.parse().map_err(anyhow::Error::msg)?;
     let mut look = tokio::time::interval(LOOK_EVERY);
+    // One future for all turns: a new one would miss a signal that comes while a branch is carried out.
+    let mut interrupted = pin!(tokio::signal::ctrl_c());
     loop {
         tokio::select! {
-            interrupted = tokio::signal::ctrl_c() => return interrupted.context("waiting for Ctrl-C"),
+            interrupted = &mut interrupted => return interrupted.context("waiting for Ctrl-C"),
             _ = look.tick() => story.tell(&service.store).await?,
             line = next(&mut lines) => match line.map(|line| terminal::parse(&line, &last)) {
                 // Standard input is closed.
