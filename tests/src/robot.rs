@@ -41,6 +41,8 @@ pub struct HandRobot {
     pub array: ArrayFacts,
     /// Touch tests that its factsheet names; none at first.
     pub touch_tests: Vec<TouchTestKind>,
+    /// Whether the factsheet states that the robot multiplies its readings.
+    pub applies_gain: bool,
     name: Name,
     model: Model,
     state: Vec<State>,
@@ -136,6 +138,7 @@ impl HandRobot {
             state: array.whiskers.iter().map(state).collect(),
             array,
             touch_tests: Vec::new(),
+            applies_gain: false,
             fleet,
             name: Name::robot(name).expect("a robot's name"),
             model: Model::nguyen_2021(Formulation::Published),
@@ -194,6 +197,7 @@ impl HandRobot {
             on_supervisor_loss: OnSupervisorLoss::Hold,
             arrays: vec![self.array.clone()],
             touch_tests: self.touch_tests.clone(),
+            applies_gain: self.applies_gain,
         }
     }
 

@@ -205,6 +205,7 @@ impl World {
             expires_us: command.expires.0,
             reason: setpoint_reason(command.reason),
             gain: command.gain.map(|gain| CONTACT_RATIOS.into_iter().zip(gain).collect()).unwrap_or_default(),
+            reading_gain: None,
         };
         self.next_seq();
         let answers = self.robot.receive(RobotTopic::Setpoint, &encode(&setpoint), self.now_us);

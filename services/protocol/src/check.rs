@@ -78,6 +78,8 @@ pub(crate) const TEMPERATURE_C: Range = range!(between -100 and 300 " degrees Ce
 pub(crate) const SLEW_MPA_PER_S: Range = range!(above 0 to 10 " MPa/s");
 /// Factor on a strain, dimensionless.
 pub(crate) const GAIN: Range = range!(above 0 to 1000 "");
+/// Factor on all readings of a whisker, dimensionless.
+pub(crate) const READING_GAIN: Range = range!(between 0.05 and 20 "");
 
 impl Range {
     /// Returns a refusal if the number is outside the range.
@@ -136,6 +138,11 @@ pub(crate) fn keep_valid<T: Checked>(list: &str, items: &mut Vec<T>, refused: &m
         index += 1;
         checked.map_err(|refusal| refused.push(refusal.within(list, index - 1))).is_ok()
     });
+}
+
+/// Checks the factor on all readings of a whisker, if the message states one.
+pub(crate) fn reading_gain(factor: Option<f64>) -> Result<(), Refusal> {
+    factor.map_or(Ok(()), |factor| READING_GAIN.check("reading_gain", factor))
 }
 
 /// Checks pairs of contact ratio and factor.

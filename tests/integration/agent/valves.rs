@@ -149,6 +149,7 @@ impl Rig {
             expires_us: now_us() + 30_000_000,
             reason: SetpointReason::SelfCompensation,
             gain: vec![],
+            reading_gain: None,
         }
     }
 

@@ -156,5 +156,6 @@ fn setpoint(robot: &RobotHandle, epoch: u64, version: u64) -> Setpoint {
         expires_us: now_us + 30_000_000,
         reason: SetpointReason::Operator,
         gain: vec![],
+        reading_gain: None,
     }
 }

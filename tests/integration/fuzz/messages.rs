@@ -39,7 +39,7 @@ static GOOD: LazyLock<Vec<(Topic, Value)>> = LazyLock::new(|| {
             json!({"command_id": command, "epoch": 12, "version": 57, "robot_boot_id": "b7", "array": "left",
                 "whisker": 0, "pressure_mpa": 0.048, "slew_mpa_per_s": 0.02, "issued": "2026-11-21T08:00:01.000Z",
                 "expires_us": 1_795_248_031_000_000_u64, "reason": "SELF_COMPENSATION",
-                "gain": [[0.45, 0.861], [0.7, 0.953], [1.0, 1.0]]}),
+                "gain": [[0.45, 0.861], [0.7, 0.953], [1.0, 1.0]], "reading_gain": 0.887}),
         ),
         (
             "r/setpoint_state",

@@ -202,6 +202,7 @@ impl<'a> Subject<'a> {
             expires_us: command.expires.0,
             reason: setpoint_reason(command.reason),
             gain: command.gain.map(|gain| CONTACT_RATIOS.into_iter().zip(gain).collect()).unwrap_or_default(),
+            reading_gain: None,
         };
         let topic = RobotTopic::Setpoint.of(&Name::new("f").unwrap(), &Name::new("r").unwrap());
         let read = decode(&topic, &encode(&setpoint));

@@ -205,6 +205,7 @@ async fn a_setpoint_is_applied() {
         expires_us: now_us() + 30_000_000,
         reason: SetpointReason::SelfCompensation,
         gain: vec![(1.0, 1.0)],
+        reading_gain: None,
     };
     observer.send(RobotTopic::Setpoint, &setpoint).await;
     for expected in [SetpointOutcome::Received, SetpointOutcome::Applying, SetpointOutcome::Applied] {

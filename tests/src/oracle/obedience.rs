@@ -193,6 +193,7 @@ mod tests {
             expires_us: 1_000,
             reason: SetpointReason::SelfCompensation,
             gain: vec![],
+            reading_gain: None,
         };
         HeardSetpoint { at_us, boot_id, setpoint }
     }

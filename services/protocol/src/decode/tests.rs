@@ -1,6 +1,9 @@
 use super::*;
 use crate::document::Channel;
-use crate::document::examples::{CONNECTION, CONTACTS, ESTIMATE, FACTSHEET, RECEIPT, SETPOINT, SETPOINT_STATE, STATUS};
+use crate::document::examples::{
+    CONNECTION, CONTACTS, ESTIMATE, ESTIMATE_GAIN, FACTSHEET, FACTSHEET_GAIN, RECEIPT, SETPOINT, SETPOINT_GAIN,
+    SETPOINT_STATE, STATUS,
+};
 use crate::{ContactPlace, Distance};
 
 fn topic(last: &str) -> Topic {
@@ -316,4 +319,40 @@ fn a_list_of_contacts_is_used_again() {
     let first = decode_contacts(CONTACTS.as_bytes(), Vec::new()).unwrap();
     assert_eq!(decode_contacts(CONTACTS.as_bytes(), first.contacts.clone()), Ok(first));
     assert_eq!(decode_contacts(b"{", Vec::new()).unwrap_err(), refused("contacts", "{"));
+}
+
+#[test]
+fn a_robot_applies_gains_only_if_its_factsheet_says_so() {
+    for (text, applies) in [(FACTSHEET.to_owned(), false), (FACTSHEET_GAIN.to_owned(), true)] {
+        let Message::Factsheet(sheet) = decode(&topic("factsheet"), text.as_bytes()).unwrap() else { panic!() };
+        assert_eq!(sheet.applies_gain, applies, "{text}");
+    }
+    for wrong in ["1", "null", r#""yes""#] {
+        let refusal = refused_after("factsheet", FACTSHEET_GAIN, "true", wrong);
+        assert!(matches!(&refusal, Refusal::Malformed { path, .. } if path == "applies_gain"), "{refusal}");
+    }
+}
+
+#[test]
+fn a_reading_gain_outside_its_range_or_no_number_is_refused_by_its_name() {
+    for (kind, text, place) in
+        [("setpoint", SETPOINT_GAIN, "reading_gain"), ("estimate", ESTIMATE_GAIN, "whiskers[0].reading_gain")]
+    {
+        for bad in ["0", "0.0499", "20.01", "-1", "1e300"] {
+            assert_out_of_range(&refused_after(kind, text, "0.887", bad), place);
+        }
+        for bad in [r#""0.887""#, "[0.887]", "true", "{}"] {
+            let refusal = refused_after(kind, text, "0.887", bad);
+            assert!(matches!(&refusal, Refusal::Malformed { path, .. } if path == place), "{refusal}");
+        }
+        for bad in ["NaN", "Infinity", "1e999"] {
+            assert_eq!(refused_after(kind, text, "0.887", bad).label(), "not_json", "{bad}");
+        }
+        for good in ["0.05", "20", "1", "null"] {
+            let text = text.replacen("0.887", good, 1);
+            assert!(decode(&topic(kind), text.as_bytes()).is_ok(), "{text}");
+        }
+    }
+    let Message::Setpoint(setpoint) = decode(&topic("setpoint"), SETPOINT.as_bytes()).unwrap() else { panic!() };
+    assert_eq!(setpoint.reading_gain, None);
 }

@@ -111,7 +111,12 @@ impl Channel {
                 "A pressure to hold. Never retained, and it expires in the broker, too. The robot accepts it only if \
                  robot_boot_id is its own, (epoch, version) is higher than any seen for that whisker, expires_us is \
                  in the future by its own clock, and the pressure is in its factsheet's range. A repeated command_id \
-                 is answered again and not applied again."
+                 is answered again and not applied again. Pressure and reading_gain belong together. A robot with \
+                 applies_gain multiplies each reading of the whisker by the reading_gain of the setpoint that it \
+                 reported APPLIED last. It changes the factor with that report. A setpoint that is REJECTED, SUPERSEDED or FAILED changes \
+                 nothing, nor does a leak or another fault. If the robot gives the chamber another pressure by itself \
+                 (without a supervisor, or for its own protection), the factor is 1 from that moment until the next APPLIED. In a \
+                 new boot the factor is 1, or that of the estimate. Contacts have the strain before the factor."
             }
             Self::Robot(RobotTopic::SetpointState) => {
                 "Progress of a setpoint: RECEIVED, APPLYING, then one of APPLIED, REJECTED, FAILED or SUPERSEDED."
@@ -129,7 +134,9 @@ impl Channel {
                  changed by half the width of its 95 % interval or by 0.2 mm, when a condition, pressure or gain \
                  changes, after each birth and when a supervisor takes the fleet over; at most once a second. The robot \
                  ignores an estimate whose (epoch, version) is not higher than that of the last one that it took in \
-                 this boot. It computes contact ratios with length_mm and corrects its readings with gain. Before the \
+                 this boot. It computes contact ratios with length_mm and corrects its readings with gain. A robot with \
+                 applies_gain takes reading_gain only before its first APPLIED of the boot for that whisker, and only if \
+                 pressure_mpa is the pressure that it holds by itself (within 0.0001 MPa). Before the \
                  first estimate of a boot the robot does not know the present lengths: the factory length is no \
                  evidence of them, so it sends distances instead of ratios."
             }
@@ -157,7 +164,9 @@ impl Channel {
             Self::Robot(RobotTopic::Connection) => {
                 &[("birth", examples::CONNECTION), ("last_will", examples::CONNECTION_WILL)]
             }
-            Self::Robot(RobotTopic::Factsheet) => &[("two_whiskers", examples::FACTSHEET)],
+            Self::Robot(RobotTopic::Factsheet) => {
+                &[("two_whiskers", examples::FACTSHEET), ("applies_gain", examples::FACTSHEET_GAIN)]
+            }
             Self::Robot(RobotTopic::Contacts) => {
                 &[("one_contact", examples::CONTACTS), ("touch_test", examples::CONTACTS_TOUCH_TEST)]
             }
@@ -165,7 +174,9 @@ impl Channel {
                 &[("all_is_well", examples::STATUS), ("contacts_were_dropped", examples::STATUS_DROPPED)]
             }
             Self::Robot(RobotTopic::Receipt) => &[("one_is_missing", examples::RECEIPT)],
-            Self::Robot(RobotTopic::Setpoint) => &[("self_compensation", examples::SETPOINT)],
+            Self::Robot(RobotTopic::Setpoint) => {
+                &[("self_compensation", examples::SETPOINT), ("air_and_gain", examples::SETPOINT_GAIN)]
+            }
             Self::Robot(RobotTopic::SetpointState) => {
                 &[("applied", examples::SETPOINT_STATE), ("rejected", examples::SETPOINT_STATE_REJECTED)]
             }
@@ -175,7 +186,9 @@ impl Channel {
             Self::Robot(RobotTopic::TestState) => {
                 &[("done", examples::TEST_STATE), ("rejected", examples::TEST_STATE_REJECTED)]
             }
-            Self::Robot(RobotTopic::Estimate) => &[("trimmed_and_compensated", examples::ESTIMATE)],
+            Self::Robot(RobotTopic::Estimate) => {
+                &[("trimmed_and_compensated", examples::ESTIMATE), ("air_and_gain", examples::ESTIMATE_GAIN)]
+            }
             Self::SupervisorState => &[("online", examples::SUPERVISOR_STATE)],
             Self::SupervisorRequest => &[("birth", examples::SUPERVISOR_REQUEST)],
         }

@@ -7,6 +7,8 @@ pub const CONNECTION_WILL: &str =
     r#"{"boot_id":"b7","seq":1,"timestamp":"2026-11-21T08:00:00.000Z","state":"CONNECTION_BROKEN"}"#;
 /// Two whiskers that can compensate for each other.
 pub const FACTSHEET: &str = r#"{"boot_id":"b7","seq":0,"timestamp":"2026-11-21T08:00:00.000Z","model":"crawler-2","on_supervisor_loss":"HOLD","arrays":[{"array":"left","type":"TYPE_1","whiskers":[{"whisker":0,"x_mm":0.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":70.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[1]},{"whisker":1,"x_mm":25.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":65.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[0]}]}]}"#;
+/// A robot that multiplies its readings by `reading_gain`.
+pub const FACTSHEET_GAIN: &str = r#"{"boot_id":"b7","seq":0,"timestamp":"2026-11-21T08:00:00.000Z","model":"crawler-3","on_supervisor_loss":"NOMINAL","arrays":[{"array":"nose","type":"TYPE_1","whiskers":[{"whisker":0,"x_mm":0.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":70.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[]}]}],"applies_gain":true}"#;
 /// A message with one contact.
 pub const CONTACTS: &str = r#"{"boot_id":"b7","seq":1812,"contacts":[{"array":"left","whisker":0,"t_us":1795248000123456,"ratio":0.85,"deflection_mm":2.4,"strain":0.009671,"pressure_mpa":0.1002,"temperature_c":24.1}]}"#;
 /// A chamber at its setpoint.
@@ -17,6 +19,8 @@ pub const STATUS_DROPPED: &str = r#"{"boot_id":"b7","seq":78,"t_us":179524800112
 pub const RECEIPT: &str = r#"{"boot_id":"s3","seq":410,"robot_boot_id":"b7","next":1810,"held":[[1811,1813]]}"#;
 /// A trimmed whisker compensates for itself.
 pub const SETPOINT: &str = r#"{"boot_id":"s3","seq":9,"command_id":"0198c5d2-6c1e-7d3b-9a55-3f0f5a1f2c11","epoch":1795248000000,"version":57,"robot_boot_id":"b7","array":"left","whisker":0,"pressure_mpa":0.048,"slew_mpa_per_s":0.02,"issued":"2026-11-21T08:00:01.000Z","expires_us":1795248031000000,"reason":"SELF_COMPENSATION","gain":[[0.45,0.861],[0.7,0.953],[1.0,1.0]]}"#;
+/// A trimmed whisker compensates for itself: air for the shape of the response, and one gain for its level.
+pub const SETPOINT_GAIN: &str = r#"{"boot_id":"s3","seq":10,"command_id":"0198c5d2-7f10-7b2c-8d41-90ab5c3e7f22","epoch":1795248000000,"version":58,"robot_boot_id":"b7","array":"nose","whisker":0,"pressure_mpa":0.082,"slew_mpa_per_s":0.02,"issued":"2026-11-21T08:00:01.000Z","expires_us":1795248031000000,"reason":"SELF_COMPENSATION","gain":[],"reading_gain":0.887}"#;
 /// The chamber has reached the pressure.
 pub const SETPOINT_STATE: &str = r#"{"boot_id":"b7","seq":31,"command_id":"0198c5d2-6c1e-7d3b-9a55-3f0f5a1f2c11","state":"APPLIED","t_us":1795248002123456,"pressure_mpa":0.0481}"#;
 /// A rejected setpoint with its reason.
@@ -25,6 +29,8 @@ pub const SETPOINT_STATE_REJECTED: &str = r#"{"boot_id":"b7","seq":32,"command_i
 pub const REQUEST: &str = r#"{"boot_id":"s3","seq":2,"request":"FACTSHEET"}"#;
 /// A trimmed whisker that compensates for itself, and a whole one.
 pub const ESTIMATE: &str = r#"{"boot_id":"s3","seq":4,"epoch":1795248000000,"version":5,"timestamp":"2026-11-21T08:00:09.000Z","whiskers":[{"array":"left","whisker":0,"length_mm":62.1,"length_low_mm":61.82,"length_high_mm":62.38,"condition":"TRIMMED","pressure_mpa":0.048,"gain":[[0.45,1.02],[1.0,0.99]]},{"array":"left","whisker":1,"length_mm":65.0,"length_low_mm":64.8,"length_high_mm":65.2,"condition":"HEALTHY","pressure_mpa":0.1,"gain":[]}]}"#;
+/// A trimmed whisker whose robot multiplies its readings.
+pub const ESTIMATE_GAIN: &str = r#"{"boot_id":"s3","seq":5,"epoch":1795248000000,"version":6,"timestamp":"2026-11-21T08:00:10.000Z","whiskers":[{"array":"nose","whisker":0,"length_mm":65.1,"length_low_mm":64.8,"length_high_mm":65.4,"condition":"TRIMMED","pressure_mpa":0.082,"gain":[],"reading_gain":0.887}]}"#;
 /// A supervisor owns the fleet.
 pub const SUPERVISOR_STATE: &str = r#"{"boot_id":"s3","seq":0,"state":"ONLINE","epoch":1795248000000}"#;
 /// Asks every robot of the fleet for its birth and factsheet.

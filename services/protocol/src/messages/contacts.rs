@@ -64,7 +64,8 @@ pub struct Contact {
     /// Deflection of the whisker at the contact, in mm; at least 0.01.
     #[cfg_attr(feature = "documents", schemars(transform = DEFLECTION_MM.in_schema()))]
     pub deflection_mm: f64,
-    /// Mean strain over the gauge grid, in m/m; between -1 and 1. It is 0 or has a magnitude of at least 1e-9.
+    /// Mean strain over the gauge grid, in m/m; between -1 and 1. It is 0 or has a magnitude of at least 1e-9. It is the
+    /// strain as measured, before any gain: the supervisor measures the gain with it.
     #[cfg_attr(feature = "documents", schemars(transform = STRAIN.in_schema()))]
     pub strain: f64,
     /// The chamber's measured gauge pressure in MPa.
@@ -147,8 +148,8 @@ pub struct Distance {
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-fn is_false(tip: &bool) -> bool {
-    !tip
+pub(super) fn is_false(word: &bool) -> bool {
+    !word
 }
 
 impl Contact {

@@ -3,7 +3,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::check::{LENGTH_BOUND_MM, LENGTH_MM, PRESSURE_MPA};
+use crate::check::{LENGTH_BOUND_MM, LENGTH_MM, PRESSURE_MPA, READING_GAIN};
 use crate::{ARRAYS_MAX, BootId, Name, Refusal, Timestamp, WHISKERS_MAX, WhiskerCondition, check};
 
 /// The rule about a length and its interval, in refusals.
@@ -64,6 +64,12 @@ pub struct WhiskerEstimate {
     /// interpolation. Empty if the strain needs none. It is the gain of the setpoint that the robot applied last.
     #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::gain"))]
     pub gain: Vec<(f64, f64)>,
+    /// Factor on each reading of the whisker that belongs to `pressure_mpa`; absent = 1. It is the `reading_gain` of the
+    /// setpoint that the robot applied last. A robot uses it only before its first APPLIED of this boot for the whisker, and
+    /// only while the pressure that it holds by itself is `pressure_mpa`. Never sent to robots without `applies_gain`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "documents", schemars(transform = READING_GAIN.in_schema()))]
+    pub reading_gain: Option<f64>,
 }
 
 impl Estimate {
@@ -84,7 +90,8 @@ impl WhiskerEstimate {
             return Err(Refusal::OutOfRange { path, value, allowed: WITHIN_INTERVAL });
         }
         PRESSURE_MPA.check("pressure_mpa", self.pressure_mpa)?;
-        check::gain(&self.gain)
+        check::gain(&self.gain)?;
+        check::reading_gain(self.reading_gain)
     }
 }
 

@@ -36,6 +36,9 @@ pub struct Factsheet {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "documents", schemars(length(max = 2)))]
     pub touch_tests: Vec<TouchTestKind>,
+    /// Whether the robot multiplies its readings by `reading_gain`; false if absent.
+    #[serde(default, skip_serializing_if = "super::contacts::is_false")]
+    pub applies_gain: bool,
 }
 
 /// One array of whiskers.

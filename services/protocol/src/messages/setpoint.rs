@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::check::{PRESSURE_MPA, SLEW_MPA_PER_S};
+use crate::check::{PRESSURE_MPA, READING_GAIN, SLEW_MPA_PER_S};
 use crate::{BootId, Name, Refusal, SetpointError, SetpointOutcome, SetpointReason, Timestamp, check};
 
 /// `setpoint`: a pressure for a robot to hold in one chamber.
@@ -53,6 +53,12 @@ pub struct Setpoint {
     /// rising ratio, for interpolation.
     #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::gain"))]
     pub gain: Vec<(f64, f64)>,
+    /// Factor on each reading of the whisker, the same at every contact ratio; absent = 1. It belongs to `pressure_mpa`: a
+    /// robot whose factsheet states `applies_gain` uses it from the moment at which it reports APPLIED, and not before.
+    /// Never sent to other robots.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "documents", schemars(transform = READING_GAIN.in_schema()))]
+    pub reading_gain: Option<f64>,
 }
 
 /// `setpoint_state`: progress or result of a setpoint.
@@ -92,7 +98,8 @@ impl Checked for Setpoint {
         check::integer("version", self.version)?;
         SLEW_MPA_PER_S.check("slew_mpa_per_s", self.slew_mpa_per_s)?;
         check::integer("expires_us", self.expires_us)?;
-        check::gain(&self.gain)
+        check::gain(&self.gain)?;
+        check::reading_gain(self.reading_gain)
     }
 }
 

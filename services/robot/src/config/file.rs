@@ -17,6 +17,8 @@ pub(super) struct File {
     pub(super) on_supervisor_loss: OnSupervisorLoss,
     #[serde(default)]
     pub(super) touch_tests: Vec<TouchTestKind>,
+    #[serde(default)]
+    pub(super) applies_gain: bool,
     pub(super) broker: FileBroker,
     #[serde(default)]
     pub(super) outbox: FileOutbox,

@@ -186,6 +186,7 @@ impl Config {
             on_supervisor_loss: file.on_supervisor_loss,
             arrays,
             touch_tests: file.touch_tests,
+            applies_gain: file.applies_gain,
         };
         Ok(Self { fleet: file.fleet, robot: file.robot, facts, broker, limits, outbox_file, driver })
     }

@@ -131,6 +131,7 @@ mod tests {
             expires_us: NOW_US + 1,
             reason: SetpointReason::Operator,
             gain: vec![],
+            reading_gain: None,
         }
     }
 

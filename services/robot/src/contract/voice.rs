@@ -19,6 +19,8 @@ pub struct Facts {
     pub arrays: Vec<ArrayFacts>,
     /// Touch tests that the robot can do by itself.
     pub touch_tests: Vec<TouchTestKind>,
+    /// Whether the robot multiplies its readings by `reading_gain`.
+    pub applies_gain: bool,
 }
 
 /// Boot id of a robot, and the next `seq` of each topic in that boot.
@@ -116,6 +118,7 @@ impl Voice {
             on_supervisor_loss: facts.on_supervisor_loss,
             arrays: facts.arrays.clone(),
             touch_tests: facts.touch_tests.clone(),
+            applies_gain: facts.applies_gain,
         }
     }
 

@@ -104,6 +104,7 @@ impl Robot {
             on_supervisor_loss: OnSupervisorLoss::Hold,
             arrays: self.arrays.iter().enumerate().map(array).collect(),
             touch_tests: Vec::new(),
+            applies_gain: false,
         })
     }
 

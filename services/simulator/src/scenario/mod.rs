@@ -57,6 +57,8 @@ pub struct Behaviour {
     pub places: Places,
     /// Touch tests that robots can do.
     pub touch_tests: Vec<TouchTestKind>,
+    /// Whether robots multiply their readings by `reading_gain`, as their factsheets then state.
+    pub applies_gain: bool,
     /// Use of the readings of all arrays, as factsheets state it.
     pub task: Option<Task>,
     /// Whether robots detect leaks and broken gauges; otherwise they report both as OK.
@@ -79,6 +81,7 @@ impl Default for Behaviour {
             supervisor_lost_after_s: 60.0,
             places: Places::Ratio,
             touch_tests: Vec::new(),
+            applies_gain: false,
             task: None,
             notices_faults: true,
             journal: false,

@@ -225,6 +225,7 @@ impl Bench {
             expires_us: self.heard.robot_clock_us() + VALID.as_micros() as u64,
             reason: SetpointReason::Operator,
             gain: Vec::new(),
+            reading_gain: None,
         }
     }
 

@@ -228,6 +228,7 @@ fn estimate_of(array: &Name, whisker: u16, length_mm: f64, pressure_mpa: f64) ->
         condition: WhiskerCondition::Healthy,
         pressure_mpa,
         gain: Vec::new(),
+        reading_gain: None,
     }
 }
 

@@ -52,6 +52,7 @@ impl Scene {
             expires_us: now_us() + 30_000_000,
             reason: SetpointReason::Operator,
             gain: vec![],
+            reading_gain: None,
         }
     }
 

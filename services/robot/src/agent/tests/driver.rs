@@ -17,6 +17,7 @@ fn a_driver_is_greeted_with_all_it_needs() {
         condition: WhiskerCondition::Trimmed,
         pressure_mpa: 0.1,
         gain: vec![(0.5, 0.9)],
+        reading_gain: None,
     };
     let of = |version| Estimate {
         boot_id: supervisor(),

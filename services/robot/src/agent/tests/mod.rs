@@ -142,6 +142,7 @@ impl Bench {
             expires_us: self.now_us + 30 * S,
             reason: SetpointReason::SelfCompensation,
             gain: vec![],
+            reading_gain: None,
         }
     }
 

@@ -15,6 +15,7 @@ fn estimate(bench: &mut Bench, (epoch, version): (u64, u64), lengths_mm: &[(u16,
         condition: WhiskerCondition::Trimmed,
         pressure_mpa: 0.1,
         gain: Vec::new(),
+        reading_gain: None,
     };
     let whiskers = lengths_mm.iter().map(entry).collect();
     let timestamp = Timestamp(bench.now_us);

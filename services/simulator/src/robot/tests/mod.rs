@@ -120,6 +120,7 @@ impl Bench {
             expires_us: self.now_us + 30 * S,
             reason: SetpointReason::SelfCompensation,
             gain: vec![(1.0, 1.0)],
+            reading_gain: None,
         };
         self.send(RobotTopic::Setpoint, &encode(&setpoint));
         setpoint

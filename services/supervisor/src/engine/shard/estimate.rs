@@ -82,6 +82,7 @@ fn entry(array: Name, whisker: u16, state: &WhiskerState) -> Option<protocol::Wh
         condition: whisker_condition(state.condition),
         pressure_mpa: rounded(state.pressure_mpa, 1e5),
         gain: gain.map(Iterator::collect).unwrap_or_default(),
+        reading_gain: None,
     })
 }
 

@@ -55,6 +55,7 @@ impl Stepper {
             expires_us: command.expires.0,
             reason: setpoint_reason(command.reason),
             gain: gain(command),
+            reading_gain: None,
         };
         let stopwatch = match sent {
             Sent::First => {

@@ -89,6 +89,7 @@ fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
             on_supervisor_loss: protocol::OnSupervisorLoss::Hold,
             arrays: Vec::new(),
             touch_tests: Vec::new(),
+            applies_gain: false,
         };
         raw_message(robot, RobotTopic::Factsheet, protocol::encode(&facts))
     };
