@@ -1,6 +1,6 @@
 """The agent of a robot with soft whiskers: it keeps the contract with the supervisor, your program moves the air."""
 
-from ._events import Estimate, Event, Refused, SetPressure, Test, WhiskerFacts
+from ._events import Estimate, Event, ReadingGain, Refused, SetPressure, Test, WhiskerFacts
 from ._link import AgentEnded
 from ._robot import AsyncRobot, Robot
 
@@ -9,6 +9,7 @@ __all__ = [
     "AsyncRobot",
     "Estimate",
     "Event",
+    "ReadingGain",
     "Refused",
     "Robot",
     "SetPressure",

@@ -32,6 +32,18 @@ class SetPressure:
 
 
 @dataclass(frozen=True)
+class ReadingGain:
+    """Multiply each reading of the whisker by this factor from now on, at every contact ratio.
+
+    Only with `applies_gain` in the configuration. Contacts keep the strain as measured. It is repeated every 2 s.
+    """
+
+    array: str
+    whisker: int
+    reading_gain: float
+
+
+@dataclass(frozen=True)
 class Test:
     """Do a touch test: report its progress by `test_state`, and its contacts with its `test_id`."""
 
@@ -69,7 +81,7 @@ class Refused:
     remedy: str
 
 
-Event = Union[SetPressure, Test, Estimate, Refused]
+Event = Union[SetPressure, ReadingGain, Test, Estimate, Refused]
 
 
 def whiskers_of(line: Mapping[str, Any]) -> list[WhiskerFacts]:
@@ -85,6 +97,8 @@ def event_of(line: Mapping[str, Any]) -> Optional[Event]:
     kind = line.get("type")
     if kind == "set_pressure":
         return SetPressure(line["array"], line["whisker"], line["pressure_mpa"], line["slew_mpa_per_s"])
+    if kind == "reading_gain":
+        return ReadingGain(line["array"], line["whisker"], line["reading_gain"])
     if kind == "test":
         return Test(
             line["test_id"],

@@ -1,12 +1,12 @@
 //! One whisker's chamber, as the agent knows it from the driver.
 
-use vibrissa_protocol::{Gauge, Name, PlaceKind, Regulator, SetpointError, WhiskerFacts, WhiskerStatus};
+use vibrissa_protocol::{Gauge, Name, PlaceKind, Regulator, Setpoint, SetpointError, WhiskerFacts, WhiskerStatus};
 
 use vibrissa_regulator::{Command, Condition, Params};
 
 use super::strain::Stream;
 use crate::config::Limits;
-use crate::contract::{Moment, Now};
+use crate::contract::{Moment, Now, ReadingGain};
 use crate::driver::{Opening, ToDriver};
 
 /// Change of pressure that valves of small robots manage, in MPa/s.
@@ -23,6 +23,7 @@ fn valves(max_mpa: f64) -> vibrissa_regulator::Regulator {
 #[derive(Debug)]
 pub(super) struct Applying {
     pub(super) command_id: String,
+    reading_gain: Option<f64>,
     pub(super) fails_at: Moment,
     /// Since when all readings are at the target.
     near_since: Option<Moment>,
@@ -57,6 +58,8 @@ pub(super) struct Chamber {
     pub(super) temperature_c: Option<f64>,
     supply_mpa: Option<f64>,
     pub(super) applying: Option<Applying>,
+    /// Factor on the readings, which the driver is told only if it applies gains.
+    pub(super) gain: ReadingGain,
     /// The newest estimate, for a driver that starts later.
     pub(super) estimate: Option<ToDriver>,
     /// Regulates the pressure with pulses of the valves, if the driver does not.
@@ -85,6 +88,7 @@ impl Chamber {
             temperature_c: None,
             supply_mpa: None,
             applying: None,
+            gain: ReadingGain::new(facts.pressure_mpa),
             estimate: None,
             valves: limits.regulate.then(|| Box::new(valves(facts.pressure_max_mpa))),
             stream: None,
@@ -102,25 +106,49 @@ impl Chamber {
         }
     }
 
+    /// The line with the factor on the readings.
+    pub(super) fn reading_gain(&self) -> ToDriver {
+        let (array, whisker) = (self.array.clone(), self.number);
+        ToDriver::ReadingGain { array, whisker, reading_gain: self.gain.factor() }
+    }
+
     /// Returns to the nominal pressure, as at a start.
     pub(super) fn restart(&mut self, slew_mpa_per_s: f64) {
         self.target_mpa = self.nominal_mpa;
         self.slew_mpa_per_s = slew_mpa_per_s;
         self.applying = None;
+        self.gain = ReadingGain::new(self.nominal_mpa);
         self.estimate = None;
         self.told = Moment::BEFORE_ALL;
     }
 
     /// Begins to apply a setpoint.
-    pub(super) fn apply(&mut self, command_id: &str, now: Now, limits: &Limits) {
+    pub(super) fn apply(&mut self, setpoint: &Setpoint, now: Now, limits: &Limits) {
+        self.target_mpa = setpoint.pressure_mpa;
+        self.slew_mpa_per_s = setpoint.slew_mpa_per_s;
         let way_mpa = self.reading.map_or(self.max_mpa, |reading| (self.target_mpa - reading.pressure_mpa).abs());
         let way_us = (way_mpa / self.slew_mpa_per_s.min(VALVES_MPA_PER_S) * 1e6) as u64;
         self.applying = Some(Applying {
-            command_id: command_id.to_owned(),
+            command_id: setpoint.command_id.clone(),
+            reading_gain: setpoint.reading_gain,
             fails_at: now.at + way_us + limits.fail_after_us,
             near_since: None,
             is_settled: false,
         });
+    }
+
+    /// The setpoint is applied: its gain is in force. Returns its id.
+    pub(super) fn applied(&mut self) -> Option<String> {
+        let applying = self.applying.take()?;
+        self.gain.applied(self.target_mpa, applying.reading_gain);
+        Some(applying.command_id)
+    }
+
+    /// Changes the pressure without a setpoint.
+    pub(super) fn leave(&mut self, target_mpa: f64, slew_mpa_per_s: f64) {
+        self.target_mpa = target_mpa;
+        self.slew_mpa_per_s = slew_mpa_per_s;
+        self.gain.left(target_mpa);
     }
 
     /// Takes a reading.

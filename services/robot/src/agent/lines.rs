@@ -28,10 +28,9 @@ impl Agent {
             pressure_max_mpa: chamber.max_mpa,
         });
         out.push(Output::Tell(ToDriver::Hello { version: VERSION, whiskers: whiskers.collect() }));
-        for chamber in &mut self.chambers {
-            chamber.told = now.at;
-            out.push(Output::Tell(chamber.set_pressure()));
-            out.extend(chamber.estimate.clone().map(Output::Tell));
+        for at in 0..self.chambers.len() {
+            self.tell_pressure(at, now, out);
+            out.extend(self.chambers[at].estimate.clone().map(Output::Tell));
         }
     }
 

@@ -63,10 +63,7 @@ impl Agent {
         let id = setpoint.command_id.as_str();
         self.answer(id, Some(at), Answer::plain(SetpointOutcome::Received), now, out);
         self.supersede(at, now, out);
-        let chamber = &mut self.chambers[at];
-        chamber.target_mpa = setpoint.pressure_mpa;
-        chamber.slew_mpa_per_s = setpoint.slew_mpa_per_s;
-        chamber.apply(id, now, &self.limits);
+        self.chambers[at].apply(setpoint, now, &self.limits);
         self.tell_pressure(at, now, out);
         self.answer(id, Some(at), Answer::plain(SetpointOutcome::Applying), now, out);
     }
@@ -88,13 +85,22 @@ impl Agent {
         self.publish(RobotTopic::SetpointState, encode(&state), out);
     }
 
-    fn tell_pressure(&mut self, at: usize, now: Now, out: &mut Vec<Output>) {
+    /// Tells the driver what to hold.
+    pub(super) fn tell_pressure(&mut self, at: usize, now: Now, out: &mut Vec<Output>) {
         let chamber = &mut self.chambers[at];
         chamber.told = now.at;
         out.push(Output::Tell(chamber.set_pressure()));
+        self.tell_gain(at, out);
     }
 
-    /// Tells the driver again what to hold, so that it can notice a dead agent by its silence.
+    /// Tells the driver the factor on the readings, if it applies gains. Older drivers do not know the line.
+    pub(super) fn tell_gain(&self, at: usize, out: &mut Vec<Output>) {
+        if self.facts.applies_gain && self.driver.is_there {
+            out.push(Output::Tell(self.chambers[at].reading_gain()));
+        }
+    }
+
+    /// Tells the driver again what to hold, and the factor on its readings, so that it can notice a dead agent by its silence.
     pub(super) fn repeat_pressures(&mut self, now: Now, out: &mut Vec<Output>) {
         if !self.driver.is_there {
             return;
@@ -111,15 +117,20 @@ impl Agent {
         for at in 0..self.chambers.len() {
             let chamber = &mut self.chambers[at];
             let Some(fails_at) = chamber.fails_at() else { continue };
-            let answer = if chamber.is_settled() {
-                Answer::plain(SetpointOutcome::Applied)
+            let (answer, id) = if chamber.is_settled() {
+                (Answer::plain(SetpointOutcome::Applied), chamber.applied())
             } else if now.at >= fails_at {
-                Answer { outcome: SetpointOutcome::Failed, error: Some(chamber.failure(now, &self.limits)) }
+                let error = Some(chamber.failure(now, &self.limits));
+                let id = chamber.applying.take().map(|applying| applying.command_id);
+                (Answer { outcome: SetpointOutcome::Failed, error }, id)
             } else {
                 continue;
             };
-            if let Some(applying) = chamber.applying.take() {
-                self.answer(&applying.command_id, Some(at), answer, now, out);
+            if answer.outcome == SetpointOutcome::Applied {
+                self.tell_gain(at, out);
+            }
+            if let Some(id) = id {
+                self.answer(&id, Some(at), answer, now, out);
             }
         }
     }
@@ -135,8 +146,7 @@ impl Agent {
                 return;
             };
             self.supersede(at, now, out);
-            self.chambers[at].target_mpa = target_mpa;
-            self.chambers[at].slew_mpa_per_s = self.limits.own_slew_mpa_per_s;
+            self.chambers[at].leave(target_mpa, self.limits.own_slew_mpa_per_s);
             if self.driver.is_there {
                 self.tell_pressure(at, now, out);
             }
@@ -160,9 +170,16 @@ impl Agent {
                 condition: one.condition,
                 gain: one.gain.clone(),
             };
-            self.chambers[at].estimate = Some(line.clone());
+            let chamber = &mut self.chambers[at];
+            chamber.estimate = Some(line.clone());
+            let before = chamber.gain.factor();
+            chamber.gain.estimated(one.pressure_mpa, one.reading_gain);
+            let has_other_gain = chamber.gain.factor() != before;
             if self.driver.is_there {
                 out.push(Output::Tell(line));
+            }
+            if has_other_gain {
+                self.tell_gain(at, out);
             }
         }
     }

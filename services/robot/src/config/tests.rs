@@ -23,6 +23,9 @@ fn the_smallest_configuration_has_the_defaults() {
     assert_eq!(config.driver.way, Way::Command(vec!["python3".to_owned(), "driver.py".to_owned()]));
     assert_eq!((config.limits.outbox_bytes, config.limits.driver_silent_us), (1 << 20, 5_000_000));
     assert_eq!(config.facts.arrays[0].whiskers.len(), 2);
+    assert!(!config.facts.applies_gain);
+    let text = EXAMPLE.replacen("robot = ", "applies_gain = true\nrobot = ", 1);
+    assert!(Config::from_toml_str(&text, Path::new("")).unwrap().facts.applies_gain);
 }
 
 #[test]

@@ -264,6 +264,15 @@ pub enum ToDriver {
         /// Highest rate of change, in MPa/s.
         slew_mpa_per_s: f64,
     },
+    /// Multiply each reading of the whisker by this factor. Only to drivers of robots that apply gains.
+    ReadingGain {
+        /// Array of the whisker.
+        array: Name,
+        /// Its number.
+        whisker: u16,
+        /// The factor.
+        reading_gain: f64,
+    },
     /// Open a valve for a pulse; close both valves afterwards.
     Valve {
         /// Array of the whisker.
@@ -351,6 +360,7 @@ pub struct HelloWhisker {
 pub(crate) fn is_own(line: &[u8]) -> bool {
     let starts = [
         &br#"{"type":"set_pressure","#[..],
+        br#"{"type":"reading_gain","#,
         br#"{"type":"valve","#,
         br#"{"type":"test","#,
         br#"{"type":"estimate","#,

@@ -15,6 +15,7 @@ impl Robot {
             let at = self.places.get(&(entry.array.clone(), entry.whisker));
             if let Some(whisker) = at.and_then(|&at| self.whiskers.get_mut(at)) {
                 whisker.estimated_mm = Some(entry.length_mm);
+                whisker.gain.estimated(entry.pressure_mpa, entry.reading_gain);
             }
         }
     }

@@ -52,7 +52,8 @@ impl Robot {
         whisker.regulator.set((setpoint.pressure_mpa - less_mpa).max(0.0), slew_mpa_per_s);
         self.journal.write(|| JournalEntry::Applied(heard(setpoint, self.voice.boot_id(), now_us)));
         let fails_at_us = now_us + whisker.regulator.patience_us();
-        whisker.applying = Some(Applying { command_id: id.to_owned(), fails_at_us });
+        let (pressure_mpa, reading_gain) = (setpoint.pressure_mpa, setpoint.reading_gain);
+        whisker.applying = Some(Applying { command_id: id.to_owned(), pressure_mpa, reading_gain, fails_at_us });
         if !is_short {
             self.answer(id, Some(at), Answer::plain(SetpointOutcome::Applying), now_us, out);
         }
@@ -82,6 +83,7 @@ impl Robot {
                 continue;
             };
             let answer = if whisker.regulator.is_settled() {
+                whisker.gain.applied(applying.pressure_mpa, applying.reading_gain);
                 Answer::plain(SetpointOutcome::Applied)
             } else if at_us >= applying.fails_at_us && !never_fails {
                 Answer { outcome: SetpointOutcome::Failed, error: Some(whisker.regulator.failure()) }
@@ -105,6 +107,7 @@ impl Robot {
                 return;
             };
             self.whiskers[at].regulator.set(target_mpa, OWN_SLEW_MPA_PER_S);
+            self.whiskers[at].gain.left(target_mpa);
             if let Some(replaced) = self.whiskers[at].applying.take() {
                 self.answer(&replaced.command_id, Some(at), Answer::plain(SetpointOutcome::Superseded), at_us, out);
             }

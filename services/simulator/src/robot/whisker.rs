@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use vibrissa_core::mechanics::{ContactOnChamber, ModelError};
 use vibrissa_protocol::{Gauge, Name, Regulator as Condition, WhiskerStatus};
+use vibrissa_robot::contract::ReadingGain;
 
 use super::RobotConfig;
 use crate::plant::{LengthChange, Plant, Streams, Truth};
@@ -27,6 +28,9 @@ pub struct Whisker {
     pub(super) seen: Option<(u64, u64)>,
     /// Length of the newest estimate, mm.
     pub(super) estimated_mm: Option<f64>,
+    /// Factor on the readings, which the robot uses only if it applies gains.
+    pub(super) gain: ReadingGain,
+    applies_gain: bool,
     /// The setpoint that is being applied.
     pub(super) applying: Option<Applying>,
     /// Events by number of contacts, in order.
@@ -39,6 +43,8 @@ pub struct Whisker {
 #[derive(Debug)]
 pub(super) struct Applying {
     pub(super) command_id: String,
+    pub(super) pressure_mpa: f64,
+    pub(super) reading_gain: Option<f64>,
     pub(super) fails_at_us: u64,
 }
 
@@ -72,6 +78,8 @@ impl Whisker {
             notices_faults: config.behaviour.notices_faults,
             seen: None,
             estimated_mm: None,
+            gain: ReadingGain::new(facts.pressure_mpa),
+            applies_gain: config.behaviour.applies_gain,
             applying: None,
             events: VecDeque::new(),
             reported: (Condition::Ok, Gauge::Ok),
@@ -82,6 +90,7 @@ impl Whisker {
     pub(super) fn restart(&mut self) {
         self.seen = None;
         self.estimated_mm = None;
+        self.gain = ReadingGain::new(self.facts.pressure_mpa);
         self.applying = None;
         self.regulator.set(self.facts.pressure_mpa, super::setpoints::OWN_SLEW_MPA_PER_S);
     }
@@ -133,6 +142,12 @@ impl Whisker {
     #[must_use]
     pub fn estimated_length_mm(&self) -> Option<f64> {
         self.estimated_mm
+    }
+
+    /// Factor by which the robot multiplies the whisker's readings now; 1 for a robot that applies no gain.
+    #[must_use]
+    pub fn reading_gain(&self) -> f64 {
+        if self.applies_gain { self.gain.factor() } else { 1.0 }
     }
 
     /// Takes the supervisor's estimate of the length, in mm.

@@ -2,6 +2,7 @@
 
 mod driver;
 mod fuzz;
+mod gains;
 mod restart;
 mod setpoints;
 mod strain;

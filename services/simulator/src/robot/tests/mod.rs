@@ -4,6 +4,7 @@ mod connection;
 mod delivery;
 mod estimates;
 mod events;
+mod gains;
 mod journal;
 mod setpoints;
 mod touch_tests;
@@ -105,6 +106,10 @@ impl Bench {
     }
 
     fn setpoint(&mut self, version: u64, pressure_mpa: f64) -> Setpoint {
+        self.setpoint_with_gain(version, pressure_mpa, None)
+    }
+
+    fn setpoint_with_gain(&mut self, version: u64, pressure_mpa: f64, reading_gain: Option<f64>) -> Setpoint {
         let setpoint = Setpoint {
             boot_id: supervisor(),
             seq: version,
@@ -120,7 +125,7 @@ impl Bench {
             expires_us: self.now_us + 30 * S,
             reason: SetpointReason::SelfCompensation,
             gain: vec![(1.0, 1.0)],
-            reading_gain: None,
+            reading_gain,
         };
         self.send(RobotTopic::Setpoint, &encode(&setpoint));
         setpoint
