@@ -91,12 +91,12 @@ fn the_whole_robot_has_less_than_100_lines_that_fit_a_screen() {
 
 /// The block's functions with estimates in any order.
 #[test]
-fn its_robot_orders_estimates_divides_by_the_newest_length_and_interpolates_the_gain() {
-    const BEFORE: &str = "import types\nARRAY, LEVEL, HANDLERS = 'left', '', {}\n";
+fn its_robot_orders_estimates_divides_by_the_newest_length_and_applies_gains() {
+    const BEFORE: &str = "import types\nARRAY, LEVEL, HANDLERS, NOMINAL_MPA = 'left', '', {}, 0.1\n";
     const AFTER: &str = r#"
-w = types.SimpleNamespace(number=1)
-def tell(epoch, version, length_mm, gain):
-    entry = {"array": "left", "whisker": 1, "length_mm": length_mm, "gain": gain}
+w = types.SimpleNamespace(number=1, gain=None)
+def tell(epoch, version, length_mm, gain, **more):
+    entry = {"array": "left", "whisker": 1, "length_mm": length_mm, "gain": gain, **more}
     HANDLERS["estimate"]({"epoch": epoch, "version": version, "whiskers": [entry]})
 assert contact_ratio(w, 30.0) is None and corrected(w, 0.5, 0.01) == 0.01
 tell(7, 3, 60.0, [[0.5, 1.0], [0.7, 1.2], [1.0, 1.1]])
@@ -107,6 +107,11 @@ for ratio, factor in [(0.4, 1.0), (0.5, 1.0), (0.6, 1.1), (0.7, 1.2), (0.85, 1.1
     assert abs(corrected(w, ratio, 0.01) - 0.01 * factor) < 1e-12, (ratio, corrected(w, ratio, 0.01))
 tell(8, 0, 40.0, [])
 assert contact_ratio(w, 30.0) == 0.75 and corrected(w, 0.6, 0.01) == 0.01
+for version, pressure_mpa, factor in [(1, 0.08, 1.0), (2, 0.1, 1.5)]:
+    tell(8, version, 40.0, [], pressure_mpa=pressure_mpa, reading_gain=1.5)
+    assert reading_gain(w) == factor, pressure_mpa
+w.gain = 0.8  # a setpoint was applied in this boot: the estimate may be older
+assert abs(corrected(w, 0.6, 0.01) - 0.008) < 1e-12
 print("all is well")
 "#;
     let [_, _, estimates] = blocks();
