@@ -16,6 +16,7 @@ pub mod touch_tests;
 pub mod webhooks;
 pub mod words;
 
+use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::event::{
     ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, MissedTouch, RegulatorState,
     Rejection, SetpointReport, Task, TouchTests, WhiskerSheet, WhiskerStatus,
@@ -68,7 +69,15 @@ pub fn factsheet(sheet: &protocol::Factsheet, known: &[&str]) -> Result<Factshee
     let arrays = sheet.arrays.iter().map(|array| array_sheet(array, known)).collect::<Result<_, _>>()?;
     let can = |kind| sheet.touch_tests.contains(&kind);
     let touch_tests = TouchTests { tip: can(protocol::TouchTestKind::Tip), wall: can(protocol::TouchTestKind::Wall) };
-    Ok(Factsheet { arrays, touch_tests })
+    Ok(Factsheet { arrays, touch_tests, applies_gain: sheet.applies_gain })
+}
+
+/// A gain as a robot applies it: pairs of contact ratio and factor, or one factor on all readings.
+#[must_use]
+pub fn gain(gain: Option<&[f64; CONTACT_RATIOS.len()]>) -> (Vec<(f64, f64)>, Option<f64>) {
+    let one = gain.and_then(vibrissa_core::robot::one_number);
+    let by_ratio = gain.filter(|_| one.is_none()).map(|gain| CONTACT_RATIOS.into_iter().zip(*gain).collect());
+    (by_ratio.unwrap_or_default(), one)
 }
 
 fn array_sheet(array: &protocol::ArrayFacts, known: &[&str]) -> Result<ArraySheet, EdgeError> {

@@ -255,6 +255,7 @@ words! {
     Objective {
         Tip => "TIP" "equal sensitivity at the tip (Eq. 34)",
         Mean => "MEAN" "least mean error over contact ratios",
+        Shape => "SHAPE" "air for the shape, a gain for the level; the tip for robots without gains",
     }
     LongerForShorter {
         Never => "NEVER" "never",

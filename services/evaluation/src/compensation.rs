@@ -6,6 +6,7 @@
 //! learns everything as in service: from noisy contacts, through a cold start, a cut that it detects itself, and a
 //! dithering regulator. The plant itself, without noise, gives the true result.
 
+pub mod reading;
 mod summary;
 mod truth;
 
@@ -13,7 +14,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use vibrissa_core::mechanics::{CONTACT_RATIOS, ErrorProfile, Formulation, Objective, Offset};
-use vibrissa_core::policy::{Fitness, PolicyParams, propose};
+use vibrissa_core::policy::{Fitness, propose};
 use vibrissa_core::robot::Params;
 use vibrissa_core::robot::effect::{CandidateRecord, Command, Effect, Refinement};
 use vibrissa_core::units::{Megapascal, Millimetre};
@@ -210,7 +211,6 @@ pub fn run(trial: &Trial) -> Outcome {
 fn mean_setpoint_mpa(trial: &Trial, world: &World, index: usize, target_offset: Offset) -> Option<f64> {
     let one = world.core.whisker(index)?;
     let model = world.params.model(&one.sheet.model)?;
-    let params = PolicyParams { objective: Objective::Mean, ..world.params.policy };
     let target = vibrissa_core::mechanics::Target {
         length: Millimetre::known(trial.case.target_mm()),
         pressure: Megapascal::known(START_MPA),
@@ -222,8 +222,9 @@ fn mean_setpoint_mpa(trial: &Trial, world: &World, index: usize, target_offset: 
         pressure_max: one.sheet.pressure_max,
         offset: one.offset,
         own: Default::default(),
+        objective: Objective::Mean,
     };
-    let proposal = propose(&params, model, target, target_offset, &fitness, trial.case == Case::Itself);
+    let proposal = propose(&world.params.policy, model, target, target_offset, &fitness, trial.case == Case::Itself);
     proposal.setpoint.map(|setpoint| setpoint.pressure.mpa())
 }
 

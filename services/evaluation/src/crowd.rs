@@ -230,7 +230,7 @@ fn factsheet(whiskers: u16) -> Factsheet {
         task: Task::Ratio,
         whiskers: (0..whiskers).map(sheet).collect(),
     };
-    Factsheet { arrays: vec![array], touch_tests: TouchTests::default() }
+    Factsheet { arrays: vec![array], touch_tests: TouchTests::default(), applies_gain: false }
 }
 
 fn readings(params: &Params) -> Vec<Reading> {

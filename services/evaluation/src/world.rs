@@ -1,6 +1,5 @@
 //! A simulated robot connected directly to the core, in simulated time: real messages, no network, no waiting.
 
-use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::effect::{Command, CommandKey, Effect, TouchTest};
 use vibrissa_core::robot::{Event, Numbers, OperatorAction, Outcome, Params, Robot};
 use vibrissa_core::units::Micros;
@@ -57,6 +56,12 @@ impl World {
         let births = world.robot.connected(START_US);
         world.deliver(births);
         world
+    }
+
+    /// Seconds since the start.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        (self.now_us - START_US) as f64 / 1e6
     }
 
     /// Runs until `seconds` after the start.
@@ -190,6 +195,7 @@ impl World {
 
     fn send(&mut self, command: &Command) {
         let whisker = self.core.whisker(command.whisker).expect("there");
+        let (gain, reading_gain) = edge::gain(command.gain.as_ref());
         let setpoint = protocol::Setpoint {
             boot_id: BootId::new("s").expect("a boot id"),
             seq: self.seq,
@@ -204,8 +210,8 @@ impl World {
             issued: Timestamp(command.issued.0),
             expires_us: command.expires.0,
             reason: setpoint_reason(command.reason),
-            gain: command.gain.map(|gain| CONTACT_RATIOS.into_iter().zip(gain).collect()).unwrap_or_default(),
-            reading_gain: None,
+            gain,
+            reading_gain,
         };
         self.next_seq();
         let answers = self.robot.receive(RobotTopic::Setpoint, &encode(&setpoint), self.now_us);

@@ -5,6 +5,7 @@ mod fit;
 mod golden;
 mod paper;
 mod properties;
+mod shape;
 
 use vibrissa_core::mechanics::{Compensator, Target};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};

@@ -149,7 +149,7 @@ proptest! {
     fn property_setpoint_meets_the_tip_and_is_finite(
         target_model in models(), model in models(), target_offset in offsets(), offset in offsets(),
         length_mm in 20.0..120.0, target_mm in 20.0..120.0, before_mpa in 0.0..0.2, target_mpa in 0.0..0.2,
-        objective in prop_oneof![Just(Objective::Tip), Just(Objective::Mean)],
+        objective in prop_oneof![Just(Objective::Tip), Just(Objective::Mean), Just(Objective::Shape)],
     ) {
         let solution = solve_setpoint(
             &target_model, target(target_mm, target_mpa), target_offset,
@@ -159,6 +159,7 @@ proptest! {
         prop_assert!((0.0..=0.2).contains(&setpoint.pressure.mpa()));
         prop_assert!(setpoint.error.by_ratio.iter().all(|error| error.is_finite() && *error >= 0.0));
         prop_assert!(setpoint.gain.by_ratio.iter().all(|gain| gain.is_finite() && *gain > 0.0));
+        prop_assert!(setpoint.reading_gain == 1.0 || objective == Objective::Shape);
         let used = setpoint.error.by_ratio.iter().zip(setpoint.error.used).filter(|(_, used)| *used);
         let mean = used.map(|(error, _)| error).sum::<f64>() / setpoint.error.ratios_used().max(1) as f64;
         prop_assert!((setpoint.error.mean - mean).abs() <= 1e-12 * mean.max(1.0));
@@ -230,7 +231,7 @@ fn property_contact_on_the_chamber_is_refused_and_left_out() {
 #[test]
 fn property_nothing_to_compensate_has_no_error() {
     let model = Model::nguyen_2021(Formulation::Published);
-    for objective in [Objective::Tip, Objective::Mean] {
+    for objective in [Objective::Tip, Objective::Mean, Objective::Shape] {
         let same = solve_setpoint(
             &model,
             target(70.0, 0.1),

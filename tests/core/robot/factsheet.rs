@@ -27,6 +27,7 @@ fn factsheet() -> Factsheet {
             whiskers: vec![whisker],
         }],
         touch_tests: TouchTests::default(),
+        applies_gain: false,
     }
 }
 

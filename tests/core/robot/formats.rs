@@ -10,6 +10,7 @@ const ROBOT_6: &[u8] = include_bytes!("../../data/formats/robot-6.bin");
 const ROBOT_7: &[u8] = include_bytes!("../../data/formats/robot-7.bin");
 const ROBOT_8: &[u8] = include_bytes!("../../data/formats/robot-8.bin");
 const ROBOT_9: &[u8] = include_bytes!("../../data/formats/robot-9.bin");
+const ROBOT_10: &[u8] = include_bytes!("../../data/formats/robot-10.bin");
 const WHISKERS_5: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-5-0.bin"),
     include_bytes!("../../data/formats/whisker-5-1.bin"),
@@ -67,7 +68,7 @@ fn golden_whiskers_of_older_versions_are_read_and_become_version_12() {
     for older in [WHISKERS_6, WHISKERS_7, WHISKERS_8, WHISKERS_9, WHISKERS_10, WHISKERS_11, WHISKERS_12] {
         assert_eq!(robot, restored(older).unwrap());
     }
-    assert_eq!(robot.to_bytes().unwrap(), ROBOT_9);
+    assert_eq!(robot.to_bytes().unwrap(), ROBOT_10);
     for (index, bytes) in WHISKERS_12.into_iter().enumerate() {
         assert_eq!(robot.whisker_to_bytes(index).unwrap(), bytes, "whisker {index}");
     }
@@ -77,15 +78,15 @@ fn golden_whiskers_of_older_versions_are_read_and_become_version_12() {
 }
 
 #[test]
-fn golden_robots_of_older_versions_become_version_9() {
+fn golden_robots_of_older_versions_become_version_10() {
     let robot = restored(WHISKERS_6).unwrap();
     let bytes = robot.to_bytes().unwrap();
     if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        std::fs::write("../data/formats/robot-9.bin", &bytes).unwrap();
+        std::fs::write("../data/formats/robot-10.bin", &bytes).unwrap();
     }
-    assert_eq!((ROBOT_5[0], bytes[0]), (5, 9));
-    assert_eq!(bytes, ROBOT_9);
-    for head in [ROBOT_6, ROBOT_7, ROBOT_8, ROBOT_9] {
+    assert_eq!((ROBOT_5[0], bytes[0]), (5, 10));
+    assert_eq!(bytes, ROBOT_10);
+    for head in [ROBOT_6, ROBOT_7, ROBOT_8, ROBOT_9, ROBOT_10] {
         assert_eq!(Robot::restore(head, &WHISKERS_6.map(<[u8]>::to_vec)).unwrap(), robot);
     }
 }

@@ -101,6 +101,7 @@ impl LargeArray {
         Factsheet {
             arrays: vec![ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type1, task: Task::Ratio, whiskers }],
             touch_tests: TouchTests::default(),
+            applies_gain: false,
         }
     }
 

@@ -16,6 +16,8 @@ const EQUAL_LOG: f64 = 1e-12;
 const MEAN_CELLS: u32 = 16;
 /// Tolerance of the pressure of the least mean error, in MPa.
 const MEAN_TOLERANCE_MPA: f64 = 1e-7;
+/// Tolerance of the pressure of the best shape, in MPa.
+const SHAPE_TOLERANCE_MPA: f64 = 1e-9;
 
 /// Quantity that a setpoint is solved for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
@@ -26,6 +28,9 @@ pub enum Objective {
     /// Least mean of eq. 35 over [`CONTACT_RATIOS`]. Better by the model's prediction, but more dependent on the
     /// model.
     Mean,
+    /// A response that is the target's times one number: air corrects the shape over the contact ratio, and a gain on
+    /// the readings corrects the level. Only for robots that multiply their readings.
+    Shape,
 }
 
 /// The whisker whose sensitivity the compensator shall have.
@@ -57,9 +62,13 @@ pub struct Setpoint {
     pub pressure: Megapascal,
     /// k2 at that pressure; the paper reports both.
     pub k2: f64,
-    /// Predicted error by eq. 35.
+    /// Predicted error of the reading by eq. 35: that of the pressure with [`Self::reading_gain`] applied.
     pub error: ErrorProfile,
-    /// Predicted residual gain.
+    /// Predicted mean error of the pressure alone by eq. 35, as a ratio.
+    pub air_error: f64,
+    /// Factor on each reading, above 0; 1 unless the objective is [`Objective::Shape`].
+    pub reading_gain: f64,
+    /// Predicted residual gain; [`Self::reading_gain`] at each contact ratio with [`Objective::Shape`].
     pub gain: GainProfile,
 }
 
@@ -97,6 +106,11 @@ impl Solution {
 /// mean, except for small ripples between the zeros. Contact ratios that lie on the chamber at the highest pressure
 /// are excluded. A minimum at an end of the range counts as out of range. If there is nothing to compensate at any
 /// contact ratio, the tip decides.
+///
+/// [`Objective::Shape`] minimises the variance of ln(s_target / s_compensator) over the contact ratios, on the same grid,
+/// then by golden section to 1e-9 MPa. The gain is e to the mean of that logarithm. The variance is the square of a
+/// difference in shape that changes steadily with the pressure, so it has one valley. Without a choice of pressure
+/// (`pressure_max` is at most `pressure_min`) the gain alone remains.
 ///
 /// # Errors
 /// One of the two whiskers is cut into its chamber.
@@ -164,10 +178,12 @@ pub fn solve_setpoint_as_felt(
     Ok(match objective {
         Objective::Tip => question.solve_tip(),
         Objective::Mean => question.solve_mean(),
+        Objective::Shape => question.solve_shape(),
     })
 }
 
-/// Pressure with the least mean of eq. 35, against measured responses before the compensation and of the target.
+/// Best pressure for [`Objective::Mean`] or [`Objective::Shape`], against measured responses before the compensation and
+/// of the target. [`Objective::Tip`] is taken as the former: a refinement reduces the mean of eq. 35.
 ///
 /// `None` if the compensator is cut into its chamber, or if the target's response at the tip is unknown.
 #[must_use]
@@ -175,12 +191,16 @@ pub fn least_error(
     model: &Model,
     compensator: Compensator,
     deviation: &dyn Deviation,
-    before: ByRatio,
-    target: ByRatio,
+    (before, target): (ByRatio, ByRatio),
+    objective: Objective,
 ) -> Option<Solution> {
     model.check_length(compensator.length).ok()?;
     let wanted_log = target[TIP]?.ln();
-    Some(Question { model, compensator, deviation, before, target, wanted_log }.solve_mean())
+    let question = Question { model, compensator, deviation, before, target, wanted_log };
+    Some(match objective {
+        Objective::Tip | Objective::Mean => question.solve_mean(),
+        Objective::Shape => question.solve_shape(),
+    })
 }
 
 /// Index of the tip, a = 1, in [`CONTACT_RATIOS`].
@@ -244,10 +264,37 @@ impl Question<'_> {
             weighed.iter().map(|&(k, target, weight)| weight * (after[k].unwrap_or(target) - target).abs()).sum()
         };
         let least_mpa = root::least(low_mpa, high_mpa, MEAN_CELLS, MEAN_TOLERANCE_MPA, total_error);
-        let setpoint = self.setpoint(least_mpa);
-        if least_mpa == low_mpa {
+        self.within(least_mpa, self.setpoint(least_mpa))
+    }
+
+    fn solve_shape(&self) -> Solution {
+        let (low_mpa, high_mpa) = self.range_mpa();
+        let at_high = self.after(high_mpa);
+        let used: Vec<usize> =
+            (0..CONTACT_RATIOS.len()).filter(|&k| self.target[k].is_some() && at_high[k].is_some()).collect();
+        // Mean and variance of ln(target / compensator).
+        let shape = |pressure_mpa: f64| {
+            let after = self.after(pressure_mpa);
+            let logs: Vec<f64> = used.iter().filter_map(|&k| Some((self.target[k]? / after[k]?).ln())).collect();
+            let count = logs.len().max(1) as f64;
+            let mean = logs.iter().sum::<f64>() / count;
+            (mean, logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / count)
+        };
+        let setpoint = |pressure_mpa: f64| self.setpoint_with(pressure_mpa, shape(pressure_mpa).0.exp());
+        if low_mpa == high_mpa {
+            return Solution::InRange(setpoint(low_mpa));
+        }
+        let least_mpa =
+            root::least(low_mpa, high_mpa, MEAN_CELLS, SHAPE_TOLERANCE_MPA, |pressure_mpa| shape(pressure_mpa).1);
+        self.within(least_mpa, setpoint(least_mpa))
+    }
+
+    /// A minimum at an end of the range counts as out of range.
+    fn within(&self, pressure_mpa: f64, setpoint: Setpoint) -> Solution {
+        let (low_mpa, high_mpa) = self.range_mpa();
+        if pressure_mpa == low_mpa {
             Solution::NeedsBelow(setpoint)
-        } else if least_mpa == high_mpa {
+        } else if pressure_mpa == high_mpa {
             Solution::NeedsAbove(setpoint)
         } else {
             Solution::InRange(setpoint)
@@ -261,11 +308,19 @@ impl Question<'_> {
     fn setpoint(&self, pressure_mpa: f64) -> Setpoint {
         let pressure = Megapascal::known(pressure_mpa);
         let after = self.after(pressure_mpa);
+        let error = ErrorProfile::new(&after, &self.before, &self.target);
+        let gain = GainProfile::new(&after, &self.target);
+        Setpoint { pressure, k2: self.model.k2(pressure), error, air_error: error.mean, reading_gain: 1.0, gain }
+    }
+
+    /// A setpoint whose robot multiplies its readings.
+    fn setpoint_with(&self, pressure_mpa: f64, reading_gain: f64) -> Setpoint {
+        let read = self.after(pressure_mpa).map(|after| Some(reading_gain * after?));
         Setpoint {
-            pressure,
-            k2: self.model.k2(pressure),
-            error: ErrorProfile::new(&after, &self.before, &self.target),
-            gain: GainProfile::new(&after, &self.target),
+            error: ErrorProfile::new(&read, &self.before, &self.target),
+            reading_gain,
+            gain: GainProfile { by_ratio: [reading_gain; CONTACT_RATIOS.len()] },
+            ..self.setpoint(pressure_mpa)
         }
     }
 }

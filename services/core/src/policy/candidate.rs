@@ -5,7 +5,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use super::params::{LongerForShorter, PolicyParams};
 use crate::estimation::{Belief, Weights};
 use crate::mechanics::{
-    CONTACT_RATIOS, Compensator, Deviation, Family, LogChanges, Model, Offset, Setpoint, Solution, Target,
+    CONTACT_RATIOS, Compensator, Deviation, Family, LogChanges, Model, Objective, Offset, Setpoint, Solution, Target,
     solve_setpoint_as_felt,
 };
 use crate::units::{ContactRatio, Megapascal, Millimetre};
@@ -82,6 +82,8 @@ pub struct Fitness<'a> {
     pub offset: Offset,
     /// The whisker's own calibration: change of its offset with pressure. All zero if none is known.
     pub own: Weights,
+    /// The policy's objective for its robot.
+    pub objective: Objective,
 }
 
 /// Result for one candidate.
@@ -127,13 +129,17 @@ pub fn propose(
     let solved = solve_setpoint_as_felt(
         (target_model, target, &|_: Megapascal| at_target),
         (compensator.model, asked, &AsFelt::new(compensator)),
-        params.objective,
+        compensator.objective,
     );
     match solved {
         Err(_) => Proposal { case, setpoint: None, refused: Some(Refused::CutIntoChamber) },
         Ok(solution) => {
             let setpoint = *solution.setpoint();
-            Proposal { case, setpoint: Some(setpoint), refused: refusal(params, case, &solution) }
+            Proposal {
+                case,
+                setpoint: Some(setpoint),
+                refused: refusal(params, case, compensator.objective, &solution),
+            }
         }
     }
 }
@@ -177,14 +183,15 @@ fn straight(offset: Offset) -> [f64; CONTACT_RATIOS.len()] {
     CONTACT_RATIOS.map(|a| offset.at(ContactRatio::known(a)))
 }
 
-fn refusal(params: &PolicyParams, case: Case, solution: &Solution) -> Option<Refused> {
+fn refusal(params: &PolicyParams, case: Case, objective: Objective, solution: &Solution) -> Option<Refused> {
     match solution {
         _ if case == Case::LongerForShorter && params.longer_for_shorter == LongerForShorter::Never => {
             Some(Refused::CaseNotAllowed)
         }
-        Solution::NeedsBelow(_) => Some(Refused::NeedsBelowRange),
-        Solution::NeedsAbove(_) => Some(Refused::NeedsAboveRange),
-        Solution::InRange(setpoint) => {
+        Solution::NeedsBelow(_) if objective != Objective::Shape => Some(Refused::NeedsBelowRange),
+        Solution::NeedsAbove(_) if objective != Objective::Shape => Some(Refused::NeedsAboveRange),
+        // A gain makes up for air out of range, as far as the predicted error says.
+        Solution::InRange(setpoint) | Solution::NeedsBelow(setpoint) | Solution::NeedsAbove(setpoint) => {
             (setpoint.error.mean > params.predicted_error_max).then_some(Refused::ErrorAboveLimit)
         }
     }

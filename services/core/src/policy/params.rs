@@ -92,7 +92,8 @@ macro_rules! params {
         pub struct PolicyParams {
             /// Who starts a compensation. Open proposals stay proposals when this becomes automatic.
             pub mode: Mode,
-            /// Quantity that the setpoint solver matches.
+            /// Quantity that the setpoint solver matches. [`Objective::Shape`] is for robots that apply gains; the others
+            /// then get the paper's, [`Objective::Tip`].
             pub objective: Objective,
             /// When a longer whisker may compensate for a shorter one.
             pub longer_for_shorter: LongerForShorter,
@@ -103,7 +104,7 @@ macro_rules! params {
             fn default() -> Self {
                 Self {
                     mode: Mode::default(),
-                    objective: Objective::Tip,
+                    objective: Objective::Shape,
                     longer_for_shorter: LongerForShorter::default(),
                     $($name: $default,)+
                 }
@@ -111,6 +112,15 @@ macro_rules! params {
         }
 
         impl PolicyParams {
+            /// The objective for a robot, by whether it multiplies its readings by a gain.
+            #[must_use]
+            pub fn objective_for(&self, applies_gain: bool) -> Objective {
+                match self.objective {
+                    Objective::Shape if !applies_gain => Objective::Tip,
+                    objective => objective,
+                }
+            }
+
             /// The numbers of a policy, in the order of their declaration.
             pub const NUMBERS: &[PolicyNumber] = &[$(PolicyNumber {
                 name: stringify!($name),

@@ -93,6 +93,8 @@ pub struct Factsheet {
     pub arrays: Vec<ArraySheet>,
     /// Touch tests that it can do by itself.
     pub touch_tests: TouchTests,
+    /// It multiplies its readings by the reading gain of the setpoint applied last.
+    pub applies_gain: bool,
 }
 
 /// Touch tests that a robot can do by itself.

@@ -28,7 +28,7 @@ mod what_if;
 
 pub use action::{ActionProblem, OperatorAction, Place, Scope};
 pub use codec::robot::RestoreError;
-pub use compensation::Compensation;
+pub use compensation::{Compensation, one_number};
 pub use effect::Effect;
 pub use event::Event;
 pub use params::Params;

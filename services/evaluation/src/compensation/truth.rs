@@ -36,6 +36,17 @@ impl Truth {
         ErrorProfile::new(&self.after(pressure_mpa, gain), &self.before, &self.target)
     }
 
+    /// Eq. 35 at a pressure with the one gain that is best for its mean on this plant.
+    #[must_use]
+    pub fn best_gain_error(&self, pressure_mpa: f64) -> f64 {
+        let after = self.after(pressure_mpa, None);
+        // The mean of absolute values is least where one of them is 0.
+        let gains = (0..CONTACT_RATIOS.len()).filter_map(|k| Some(self.target[k]? / after[k]?));
+        gains
+            .map(|gain| self.error(pressure_mpa, Some(&[gain; CONTACT_RATIOS.len()])).mean)
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// Sensitivities at a pressure, with an optional gain on the strain; per mm.
     #[must_use]
     pub fn after(&self, pressure_mpa: f64, gain: Option<&[f64; CONTACT_RATIOS.len()]>) -> ByRatio {

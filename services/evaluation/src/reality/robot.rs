@@ -347,5 +347,5 @@ fn factsheet(layout: Layout, place: Place) -> Factsheet {
         Layout::Neighbours | Layout::Together => vec![array((ARRAYS[0], 0..WHISKERS))],
         Layout::Single => (0..WHISKERS).map(|number| array((ARRAYS[number], number..number + 1))).collect(),
     };
-    Factsheet { arrays, touch_tests: TouchTests { tip: false, wall: place.has_tests() } }
+    Factsheet { arrays, touch_tests: TouchTests { tip: false, wall: place.has_tests() }, applies_gain: false }
 }

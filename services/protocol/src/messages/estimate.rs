@@ -3,7 +3,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::check::{LENGTH_BOUND_MM, LENGTH_MM, PRESSURE_MPA, READING_GAIN};
+use crate::check::{LENGTH_BOUND_MM, LENGTH_MM, PRESSURE_MPA};
 use crate::{ARRAYS_MAX, BootId, Name, Refusal, Timestamp, WHISKERS_MAX, WhiskerCondition, check};
 
 /// The rule about a length and its interval, in refusals.
@@ -68,7 +68,7 @@ pub struct WhiskerEstimate {
     /// setpoint that the robot applied last. A robot uses it only before its first APPLIED of this boot for the whisker, and
     /// only while the pressure that it holds by itself is `pressure_mpa`. Never sent to robots without `applies_gain`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "documents", schemars(transform = READING_GAIN.in_schema()))]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::check::READING_GAIN.in_schema()))]
     pub reading_gain: Option<f64>,
 }
 

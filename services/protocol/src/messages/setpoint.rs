@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::check::{PRESSURE_MPA, READING_GAIN, SLEW_MPA_PER_S};
+use crate::check::{PRESSURE_MPA, SLEW_MPA_PER_S};
 use crate::{BootId, Name, Refusal, SetpointError, SetpointOutcome, SetpointReason, Timestamp, check};
 
 /// `setpoint`: a pressure for a robot to hold in one chamber.
@@ -57,7 +57,7 @@ pub struct Setpoint {
     /// robot whose factsheet states `applies_gain` uses it from the moment at which it reports APPLIED, and not before.
     /// Never sent to other robots.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "documents", schemars(transform = READING_GAIN.in_schema()))]
+    #[cfg_attr(feature = "documents", schemars(transform = crate::check::READING_GAIN.in_schema()))]
     pub reading_gain: Option<f64>,
 }
 

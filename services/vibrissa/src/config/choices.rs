@@ -139,6 +139,8 @@ pub enum ObjectiveArg {
     Tip,
     /// Least mean error over the contact ratios.
     Mean,
+    /// Air for the shape and a gain on the readings for the level.
+    Shape,
 }
 
 impl From<ObjectiveArg> for Objective {
@@ -146,6 +148,7 @@ impl From<ObjectiveArg> for Objective {
         match arg {
             ObjectiveArg::Tip => Self::Tip,
             ObjectiveArg::Mean => Self::Mean,
+            ObjectiveArg::Shape => Self::Shape,
         }
     }
 }

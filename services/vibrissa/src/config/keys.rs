@@ -248,9 +248,10 @@ policy_numbers! { keys {
         "Interpretation of the paper's equations: published (as printed) or consistent (with its Table 2)";
     PolicyMode: "policy.mode", Kind::Text, Some(r#""automatic""#),
         "Start of compensations: automatic, or advise (an operator approves each); a policy set over HTTP overrides it";
-    PolicyObjective: "policy.objective", Kind::Text, Some(r#""tip""#),
-        "Objective of the setpoint solver: tip (equal sensitivity at the tip) or mean (least mean error over the \
-         contact ratios)";
+    PolicyObjective: "policy.objective", Kind::Text, Some(r#""shape""#),
+        "Objective of the setpoint solver: tip (equal sensitivity at the tip, as in the paper), mean (least mean error \
+         over the contact ratios) or shape (air for the shape over the contact ratios, and a gain on the readings for \
+         the level: for robots whose factsheet says applies_gain; the others get tip)";
     PolicyLongerForShorter: "policy.longer_for_shorter", Kind::Text, Some(r#""last-resort""#),
         "Whether a longer whisker may compensate for a shorter one: never, last-resort or allowed";
 } {

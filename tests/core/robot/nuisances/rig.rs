@@ -156,6 +156,7 @@ impl Rig {
             factsheet: &Factsheet {
                 arrays: vec![array],
                 touch_tests: TouchTests { tip: false, wall: tests != Tests::NotOffered },
+                applies_gain: false,
             },
         });
         rig.status();

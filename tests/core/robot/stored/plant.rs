@@ -311,5 +311,6 @@ pub(super) fn factsheet(layout: usize) -> Factsheet {
     Factsheet {
         arrays: vec![ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type1, task: Task::Ratio, whiskers }],
         touch_tests: TouchTests { tip: false, wall: layout != 1 },
+        applies_gain: layout == 2,
     }
 }

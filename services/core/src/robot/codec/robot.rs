@@ -20,11 +20,13 @@ use crate::units::Micros;
 
 /// Version of the head's bytes. Raise it with every change of the format: bytes of two versions may have the same
 /// length.
-const STATE_VERSION: u16 = 9;
+const STATE_VERSION: u16 = 10;
 /// The end of a head up to version 7: no alarm for silence stands, and no silence has ended. The next step raises it.
 const NO_SILENCE: [u8; 9] = [0; 9];
 /// The end of a head up to version 8: nothing shows a second robot of the same name.
 const NO_DUPLICATE: [u8; 10] = [0; 10];
+/// The end of a head up to version 9: robots applied no gain.
+const NO_GAIN: [u8; 1] = [0];
 
 /// The head of version 6. No test was due after a pause or by a schedule.
 #[derive(BorshDeserialize)]
@@ -163,13 +165,14 @@ impl From<HeadOfVersion4> for HeadOfVersion5 {
     }
 }
 
-/// Reads the head of this version or of version 4 to 8.
+/// Reads the head of this version or of version 4 to 9.
 fn head_of(mut bytes: &[u8]) -> Result<Head, RestoreError> {
     let version = u16::deserialize(&mut bytes).map_err(|_| RestoreError::Head)?;
     let head = match version {
         STATE_VERSION => borsh::from_slice::<Head>(bytes),
-        8 => borsh::from_slice::<Head>(&[bytes, &NO_DUPLICATE].concat()),
-        7 => borsh::from_slice::<Head>(&[bytes, &NO_SILENCE, &NO_DUPLICATE].concat()),
+        9 => borsh::from_slice::<Head>(&[bytes, &NO_GAIN].concat()),
+        8 => borsh::from_slice::<Head>(&[bytes, &NO_DUPLICATE, &NO_GAIN].concat()),
+        7 => borsh::from_slice::<Head>(&[bytes, &NO_SILENCE, &NO_DUPLICATE, &NO_GAIN].concat()),
         6 => borsh::from_slice::<HeadOfVersion6>(bytes).map(Head::from),
         5 => borsh::from_slice::<HeadOfVersion5>(bytes).map(Head::from),
         4 => borsh::from_slice::<HeadOfVersion4>(bytes).map(HeadOfVersion5::from).map(Head::from),

@@ -174,6 +174,9 @@ impl Robot {
         if self.whiskers[running.compensator()].noise.is_lasting(&params.noise) {
             felt.responses.moves(&[[UNNOTICED_SHIFT_SD; CONTACT_RATIOS.len()]], &[AFTER]);
         }
+        if let Some(gain) = running.reading_gain() {
+            felt.read_with(gain);
+        }
         let (mean, sd) = felt.expected_error(&params.cubature);
         Some(CompensationError {
             compensation: running.id,
@@ -212,7 +215,9 @@ impl Robot {
                 before.log_per_mm += one.whole.measured(ratio, least).map_or(0.0, |bin| bin.mean() - whole_offset);
             }
         }
-        let (error, sd) = error_with_sd(after, before, target)?;
+        let by_gain = running.reading_gain().map_or(0.0, f64::ln);
+        let read = LogResponse { log_per_mm: after.log_per_mm + by_gain, ..after };
+        let (error, sd) = error_with_sd(read, before, target)?;
         Some(ErrorBin {
             ratio: ratio.a(),
             contacts: running.after.measured(ratio, least).map_or(0, |bin| bin.contacts()),

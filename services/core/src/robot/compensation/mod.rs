@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::estimation::{Belief, ResponseBins};
-use crate::mechanics::CONTACT_RATIOS;
+use crate::mechanics::{CONTACT_RATIOS, Model, Objective};
 use crate::policy::{Case, Fitness, Ineligible, Mode, Offer, Proposal, Refused, assign, propose};
 use crate::robot::Robot;
 use crate::robot::compensation::prediction::cases_for_each;
@@ -87,6 +87,13 @@ impl Compensation {
         &self.refining.gain
     }
 
+    /// Factor on each of the compensator's readings, as published last; `None` if the gain depends on the contact ratio,
+    /// because air corrects the level, too ([`Objective::Tip`] and [`Objective::Mean`]).
+    #[must_use]
+    pub fn reading_gain(&self) -> Option<f64> {
+        one_number(&self.refining.gain)
+    }
+
     /// Whether the robot has applied the setpoint with this pressure and gain.
     #[must_use]
     pub fn is_settled(&self) -> bool {
@@ -98,6 +105,12 @@ impl Compensation {
     pub fn is_proposed(&self) -> bool {
         self.proposed
     }
+}
+
+/// The value of a gain that is the same at all contact ratios. Only [`Objective::Shape`] gives such gains.
+#[must_use]
+pub fn one_number(gain: &[f64; CONTACT_RATIOS.len()]) -> Option<f64> {
+    gain.iter().all(|one| *one == gain[0]).then_some(gain[0])
 }
 
 /// One candidate for a target, and its proposal.
@@ -274,7 +287,8 @@ impl Robot {
         let (fit, proposal) = match (reason, broken.model(params), one.model(params)) {
             (None, Some(target_model), Some(model)) => {
                 let belief = one.belief(model);
-                let fitness = one.fitness(model, &belief, is_self);
+                let objective = params.policy.objective_for(self.head.applies_gain);
+                let fitness = one.fitness(model, &belief, is_self, objective);
                 let asked = (broken.target(), broken.whole_offset());
                 let proposal = propose(&params.policy, target_model, asked.0, asked.1, &fitness, is_self);
                 let by_operator = broken.refused_servers.contains(&one.sheet.number).then_some(Refused::Operator);
@@ -452,7 +466,7 @@ impl Whisker {
 
     /// As the policy sees it: in its own role, at its nominal pressure. A compensation that is over may still
     /// hold its pressure, and the release be on its way: that must decide nothing.
-    fn fitness<'p>(&self, model: &'p crate::mechanics::Model, belief: &Belief, is_self: bool) -> Fitness<'p> {
+    fn fitness<'p>(&self, model: &'p Model, belief: &Belief, is_self: bool, objective: Objective) -> Fitness<'p> {
         Fitness {
             model,
             length: self.filter.length().length,
@@ -461,6 +475,7 @@ impl Whisker {
             // A trimmed whisker's offset is best known as it is now.
             offset: if is_self { self.filter.offset() } else { self.whole_offset() },
             own: belief.predict,
+            objective,
         }
     }
 }

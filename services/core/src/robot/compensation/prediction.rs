@@ -53,7 +53,9 @@ impl Robot {
         let differs = sum(&own.by_ratio(), &since_whole);
         let before = sum(&log_curve(model, fitness.length, fitness.pressure, &mut known), &differs);
         let moved = Belief::change(&belief.mean, &from, &to);
+        let by_gain = [setpoint.reading_gain.ln(); CONTACT_RATIOS.len()];
         let after = sum(&sum(&log_curve(model, fitness.length, setpoint.pressure, &mut known), &differs), &moved);
+        let after = sum(&after, &by_gain);
         let at_target = log_curve(target_model, broken.sheet.length, broken.sheet.pressure, &mut known);
         let mut responses = Uncertain { mean: [after, before, sum(&at_target, &whole.by_ratio())], causes: Vec::new() };
 

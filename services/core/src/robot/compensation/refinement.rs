@@ -12,20 +12,26 @@
 //! A gain by contact ratio corrects the errors that no single pressure can correct. It goes with each setpoint, and is
 //! published anew, with the same pressure, when the contacts determine it better than the one in force: once for each
 //! doubling of the contacts, whether the gain wanders or not.
+//!
+//! A robot that multiplies its readings by one number ([`Objective::Shape`]) has its pressure refined for the shape of the
+//! response, and gets the number anew after each evaluation that changes it.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::estimation::uncertainty::{Curve, Uncertain, mean_error, moments};
 use crate::estimation::{Belief, Carried, ResponseBins, Visit};
-use crate::mechanics::{CONTACT_RATIOS, Compensator, Setpoint, least_error};
+use crate::mechanics::{CONTACT_RATIOS, Compensator, Objective, Setpoint, least_error};
 use crate::policy::Case;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
-use crate::robot::compensation::responses::{LevelFrom, MeasuredResponses, sum};
+use crate::robot::compensation::responses::{LevelFrom, MeasuredResponses, reading_gain, sum};
 use crate::robot::effect::{Condition, Effect, Reason, Refinement, RefinementOutcome};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Desired;
 use crate::units::Megapascal;
+
+/// A reading gain is published anew if it has changed by more than this, log sensitivity: contacts tell no less.
+const READING_GAIN_STEP: f64 = 0.001;
 
 /// Parameters of the refinement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,11 +159,17 @@ impl Robot {
         let found = outcome(params, running, look.as_ref());
         let stays = has_lost && found == RefinementOutcome::Refined;
         let outcome = if stays { RefinementOutcome::HeldUncertain } else { found };
-        let (error, error_sd) = (felt.error(None), felt.error_sd(&params.cubature, None));
+        let objective = running.objective();
+        let in_force = running.reading_gain().map(|_| &running.refining.gain);
+        let (error, error_sd) = (felt.error(in_force), felt.error_sd(&params.cubature, in_force));
         let gain_error = felt.error(Some(&running.refining.gain));
-        let own_gain_error = felt.error_of_own_gain(&params.cubature);
+        let own_gain_error = felt.error_of_own_gain(&params.cubature, objective);
         let moves = outcome == RefinementOutcome::Refined;
-        let gain_better = gain_error > params.refinement.gain_margin.max(1.5 * own_gain_error);
+        let gain_better = match running.reading_gain() {
+            None => gain_error > params.refinement.gain_margin.max(1.5 * own_gain_error),
+            // One number from all contacts is better than the same from fewer.
+            Some(gain) => (felt.gain(objective)[0] / gain).ln().abs() > READING_GAIN_STEP,
+        };
         if gain_better && !moves {
             // A gain that wanders faster than this would be published again and again, without effect.
             self.head.compensations[at].refining.due = contacts.saturating_mul(2);
@@ -179,7 +191,7 @@ impl Robot {
         effects.push(Effect::Refined(Box::new(record)));
         match &look {
             Some(look) if moves => self.move_to(at, look),
-            Some(_) | None if gain_better => self.publish_gain(at, felt.gain()),
+            Some(_) | None if gain_better => self.publish_gain(at, felt.gain(objective)),
             Some(_) | None => {}
         }
     }
@@ -202,7 +214,7 @@ impl Robot {
     /// The best pressure within the compensation's limits, by the present knowledge of the compensator.
     fn look(&self, params: &Params, running: &Compensation, felt: &MeasuredResponses) -> Option<Look> {
         let one = &self.whiskers[running.compensator()];
-        let model = one.model(params)?;
+        let (model, objective) = (one.model(params)?, running.objective());
         let (belief, family) = (one.belief(model), model.family());
         let changes = |pressure: Megapascal| family.log_changes(model, running.length, pressure);
         let from = changes(running.pressure);
@@ -224,7 +236,7 @@ impl Robot {
         let [before, target] =
             [crate::robot::compensation::responses::BEFORE, crate::robot::compensation::responses::TARGET]
                 .map(|response| felt.per_mm(response));
-        let best = *least_error(model, compensator, &deviation, before, target)?.setpoint();
+        let best = *least_error(model, compensator, &deviation, (before, target), objective)?.setpoint();
         let to = changes(best.pressure);
         let mut known = felt.known;
         let there = sum(
@@ -237,13 +249,23 @@ impl Robot {
         both.causes.extend(felt.responses.causes.iter().map(|[a, b, t]| [*a, *b, *t, *a]));
         let causes = belief.causes(&from, &to);
         both.moves(&causes, &[3]);
+        // With an objective that uses the gain, each pressure comes with its own.
+        let gain_at = |response: &Curve| match objective {
+            Objective::Tip | Objective::Mean => [1.0; CONTACT_RATIOS.len()],
+            Objective::Shape => reading_gain(response, &target, &known),
+        };
+        let [by_gain_here, by_gain_there] = [after, there].map(|response| gain_at(&response).map(f64::ln));
         let cases = both.cases(&params.cubature, |[here, before, target, there]| {
-            (mean_error(here, before, target, &known), mean_error(there, before, target, &known))
+            let (here, there) = (sum(here, &by_gain_here), sum(there, &by_gain_there));
+            (mean_error(&here, before, target, &known), mean_error(&there, before, target, &known))
         });
         let (error, sd) = moments(&cases.iter().map(|case| case.1).collect::<Vec<_>>());
         let (gained, _) = moments(&cases.iter().map(|case| case.0 - case.1).collect::<Vec<_>>());
         let better = cases.iter().filter(|case| case.1 < case.0).count() as f64 / cases.len() as f64;
-        let gain = std::array::from_fn(|k| (target[k] - there[k]).exp());
+        let gain = match objective {
+            Objective::Tip | Objective::Mean => std::array::from_fn(|k| (target[k] - there[k]).exp()),
+            Objective::Shape => gain_at(&there),
+        };
         let carried = held.carried(&Belief::change(&belief.predict, &from, &to), &causes);
         Some(Look { best, error, sd, gained, better, gain, carried })
     }
@@ -271,6 +293,11 @@ impl Robot {
 }
 
 impl Compensation {
+    /// The objective by which it is refined. A gain that is one number tells [`Objective::Shape`].
+    fn objective(&self) -> Objective {
+        if self.reading_gain().is_some() { Objective::Shape } else { Objective::Mean }
+    }
+
     /// The setpoint that its compensator shall hold now.
     pub(in crate::robot) fn desired(&self, reason: Reason) -> Desired {
         Desired { pressure: self.pressure, reason, compensation: Some(self.id), gain: Some(self.refining.gain) }

@@ -2,7 +2,7 @@
 
 use crate::estimation::uncertainty::{Curve, Uncertain, interval95, mean_error, moments};
 use crate::estimation::{Belief, Carried, CubatureCases, Nominal, OwnCalibration, ResponseBins, Smooth};
-use crate::mechanics::{ByRatio, CONTACT_RATIOS, Model, Offset, Setpoint};
+use crate::mechanics::{ByRatio, CONTACT_RATIOS, Model, Objective, Offset, Setpoint};
 use crate::policy::Case;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
@@ -76,15 +76,23 @@ impl MeasuredResponses {
         move |[after, before, target]| mean_error(&sum(after, &log_gain), before, target, &self.known)
     }
 
-    /// The remaining gain: target / compensator.
-    pub(in crate::robot) fn gain(&self) -> Curve {
+    /// The remaining gain: target / compensator, by contact ratio or as one number.
+    pub(in crate::robot) fn gain(&self, objective: Objective) -> Curve {
         let [after, _, target] = &self.responses.mean;
-        std::array::from_fn(|k| (target[k] - after[k]).exp())
+        match objective {
+            Objective::Tip | Objective::Mean => std::array::from_fn(|k| (target[k] - after[k]).exp()),
+            Objective::Shape => reading_gain(after, target, &self.told()),
+        }
     }
 
     /// The error that a gain measured now would leave, for it is measured no better than the responses.
-    pub(in crate::robot) fn error_of_own_gain(&self, even: &CubatureCases) -> f64 {
-        moments(&self.responses.cases(even, self.error_of(log_gain(Some(&self.gain()))))).0
+    pub(in crate::robot) fn error_of_own_gain(&self, even: &CubatureCases, objective: Objective) -> f64 {
+        moments(&self.responses.cases(even, self.error_of(log_gain(Some(&self.gain(objective)))))).0
+    }
+
+    /// The responses as the robot reads them, with a factor on the compensator's.
+    pub(in crate::robot) fn read_with(&mut self, reading_gain: f64) {
+        self.responses.mean[AFTER].iter_mut().for_each(|log| *log += reading_gain.ln());
     }
 
     /// A response as sensitivities, where all three are known.
@@ -178,6 +186,12 @@ impl Robot {
         responses.moves(&causes, &[AFTER]);
         responses.moves(&[lag], &[AFTER]);
     }
+}
+
+/// The one factor that brings a response closest to the target over these contact ratios, in log sensitivity.
+pub(in crate::robot) fn reading_gain(after: &Curve, target: &Curve, over: &[bool; CONTACT_RATIOS.len()]) -> Curve {
+    let logs: Vec<f64> = (0..CONTACT_RATIOS.len()).filter(|&k| over[k]).map(|k| target[k] - after[k]).collect();
+    [(logs.iter().sum::<f64>() / logs.len().max(1) as f64).exp(); CONTACT_RATIOS.len()]
 }
 
 /// A curve between its points.

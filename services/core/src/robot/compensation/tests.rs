@@ -47,6 +47,7 @@ fn robot(params: &Params, kind: ArrayKind, lengths_mm: &[f64], neighbours: impl 
     let factsheet = Factsheet {
         arrays: vec![ArraySheet { name: "a".to_owned(), kind, task: Task::Ratio, whiskers }],
         touch_tests: TouchTests::default(),
+        applies_gain: false,
     };
     let mut robot = Robot::new(1, Numbers::default());
     robot.lay_out(params, &factsheet, &mut Vec::new());

@@ -116,7 +116,8 @@ pub struct CompensationError {
     pub contacts: u32,
     /// The bins that are measured.
     pub bins: Vec<ErrorBin>,
-    /// Mean over the contact ratios about which contacts tell, and over the cases that they leave open, as a ratio.
+    /// Mean over the contact ratios about which contacts tell, and over the cases that they leave open, as a ratio: of the
+    /// reading, with the reading gain in force where the robot applies one.
     pub mean: f64,
     /// Standard deviation of the mean. It includes what the gain may have wandered.
     pub sd: f64,

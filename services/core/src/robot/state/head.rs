@@ -47,6 +47,8 @@ pub(in crate::robot) struct Head {
     pub heard_again: Micros,
     /// Watch for a second robot of the same name.
     pub duplicate: DuplicateWatch,
+    /// The robot multiplies its readings by the reading gain of the setpoint applied last.
+    pub applies_gain: bool,
 }
 
 /// An array of the factsheet.
@@ -84,6 +86,7 @@ impl Head {
             silent: false,
             heard_again: Micros::default(),
             duplicate: DuplicateWatch::default(),
+            applies_gain: false,
         }
     }
 }

@@ -38,6 +38,7 @@ impl Robot {
         let told = || factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (&array.name, one)));
         let arrays = self.head.arrays.iter().map(|array| (array.name.as_str(), array.kind, array.task));
         self.head.touch_tests == factsheet.touch_tests
+            && self.head.applies_gain == factsheet.applies_gain
             && arrays.eq(factsheet.arrays.iter().map(|array| (array.name.as_str(), array.kind, array.task)))
             && self.whiskers.len() == told().count()
             && self.whiskers.iter().zip(told()).all(|(one, (array, sheet))| {
@@ -69,6 +70,7 @@ impl Robot {
             (one.target, one.compensator) = (moved(one.target()), moved(one.compensator()));
         }
         self.head.touch_tests = factsheet.touch_tests;
+        self.head.applies_gain = factsheet.applies_gain;
         self.move_test_times(&moves);
         self.head.undecided = true;
     }
@@ -107,7 +109,8 @@ impl Robot {
         Moves { from, to }
     }
 
-    /// Ends the compensations of whiskers that are gone or replaced; by old indices.
+    /// Ends the compensations of whiskers that are gone or replaced, by old indices, and those with a gain that the robot
+    /// does not apply any more.
     fn end_moved(&mut self, factsheet: &Factsheet, moves: &Moves, effects: &mut Vec<Effect>) {
         let over: Vec<(u32, EndReason)> = self
             .head
@@ -116,7 +119,8 @@ impl Robot {
             .filter_map(|one| {
                 let fates = [moves.to[one.target()], moves.to[one.compensator()]];
                 let is_replaced = fates.iter().any(|fate| matches!(fate, Fate::Replaced(_)));
-                if fates.contains(&Fate::Gone) || !self.is_still_allowed(one, factsheet) {
+                let lacks_gain = one.reading_gain().is_some() && !factsheet.applies_gain;
+                if fates.contains(&Fate::Gone) || lacks_gain || !self.is_still_allowed(one, factsheet) {
                     Some((one.id, EndReason::LayoutChanged))
                 } else {
                     is_replaced.then_some((one.id, EndReason::Replaced))

@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::event::Link;
+use vibrissa_edge as edge;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::words::{length_interval_mm, whisker_condition};
 use vibrissa_protocol::{self as protocol, Name, PAYLOAD_MAX_BYTES, RobotTopic, Timestamp, WhiskerCondition, encode};
@@ -72,7 +72,7 @@ fn entry(array: Name, whisker: u16, state: &WhiskerState) -> Option<protocol::Wh
     let (low_mm, high_mm) = length_interval_mm(&state.length);
     let length_mm = state.length.length.mm().clamp(LENGTH_MM.0, LENGTH_MM.1);
     let bounds_are_known = low_mm.is_finite() && high_mm.is_finite();
-    let gain = state.gain.as_deref().map(|gain| CONTACT_RATIOS.into_iter().zip(gain.map(|one| rounded(one, 1e4))));
+    let (gain, reading_gain) = edge::gain(state.gain.as_deref());
     bounds_are_known.then(|| protocol::WhiskerEstimate {
         array,
         whisker,
@@ -81,8 +81,8 @@ fn entry(array: Name, whisker: u16, state: &WhiskerState) -> Option<protocol::Wh
         length_high_mm: rounded(high_mm.clamp(length_mm, BOUND_MAX_MM), 1e3),
         condition: whisker_condition(state.condition),
         pressure_mpa: rounded(state.pressure_mpa, 1e5),
-        gain: gain.map(Iterator::collect).unwrap_or_default(),
-        reading_gain: None,
+        gain: gain.into_iter().map(|(ratio, one)| (ratio, rounded(one, 1e4))).collect(),
+        reading_gain: reading_gain.map(|one| rounded(one, 1e4)),
     })
 }
 
@@ -101,7 +101,8 @@ fn encode_within(estimate: &mut protocol::Estimate, most: usize) -> Vec<u8> {
         }
         let kept = (estimate.whiskers.len() * most / payload.len()).min(estimate.whiskers.len() - 1);
         estimate.whiskers.sort_by_key(|one| {
-            matches!(one.condition, WhiskerCondition::Healthy | WhiskerCondition::Learning) && one.gain.is_empty()
+            let has_gain = !one.gain.is_empty() || one.reading_gain.is_some();
+            matches!(one.condition, WhiskerCondition::Healthy | WhiskerCondition::Learning) && !has_gain
         });
         estimate.whiskers.truncate(kept);
     }
@@ -110,6 +111,7 @@ fn encode_within(estimate: &mut protocol::Estimate, most: usize) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use vibrissa_core::estimation::LengthEstimate;
+    use vibrissa_core::mechanics::CONTACT_RATIOS;
     use vibrissa_core::robot::effect::Condition;
     use vibrissa_core::units::Millimetre;
     use vibrissa_protocol::{BootId, Message, Topic, decode};
@@ -118,7 +120,7 @@ mod tests {
 
     fn state(length_mm: f64, sd_mm: f64, condition: Condition) -> WhiskerState {
         let length = LengthEstimate { length: Millimetre::known(length_mm), sd_mm };
-        let gain = (condition == Condition::Trimmed).then(|| Box::new([1.023_456; CONTACT_RATIOS.len()]));
+        let gain = (condition == Condition::Trimmed).then(|| Box::new(CONTACT_RATIOS.map(|a| 1.473_456 - a)));
         WhiskerState { length, condition, pressure_mpa: 0.051_234_567, gain }
     }
 
@@ -143,6 +145,17 @@ mod tests {
         let first = &read.whiskers[0];
         assert_eq!((first.length_low_mm, first.length_mm, first.length_high_mm), (69.412, 70.0, 70.588));
         assert_eq!((first.pressure_mpa, first.gain[0]), (0.051_23, (0.45, 1.0235)));
+        assert_eq!(first.reading_gain, None);
+    }
+
+    #[test]
+    fn a_gain_that_is_one_number_is_sent_as_one() {
+        let one = WhiskerState {
+            gain: Some(Box::new([0.887_12; CONTACT_RATIOS.len()])),
+            ..state(65.0, 0.3, Condition::Trimmed)
+        };
+        let sent = estimate(&[one]);
+        assert_eq!((sent.whiskers[0].gain.len(), sent.whiskers[0].reading_gain), (0, Some(0.8871)));
     }
 
     #[test]

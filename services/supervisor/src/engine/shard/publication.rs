@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 use vibrissa_core::robot::effect::{Command, TouchTest};
 use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp, encode};
 
-use super::rows::gain;
 use super::stepper::Stepper;
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::seqs::Seqs;
@@ -40,6 +39,7 @@ impl Stepper {
             self.metrics.setpoints_expired_unsent.inc();
             return;
         }
+        let (gain, reading_gain) = edge::gain(command.gain.as_ref());
         let setpoint = protocol::Setpoint {
             boot_id: self.boot_id.clone(),
             seq: known.seqs.next_setpoint(),
@@ -54,8 +54,8 @@ impl Stepper {
             issued: Timestamp(command.issued.0),
             expires_us: command.expires.0,
             reason: setpoint_reason(command.reason),
-            gain: gain(command),
-            reading_gain: None,
+            gain,
+            reading_gain,
         };
         let stopwatch = match sent {
             Sent::First => {

@@ -1,0 +1,173 @@
+//! Compensations of robots that multiply their readings: air for the shape, a gain for the level.
+
+use rayon::prelude::*;
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::policy::LongerForShorter;
+use vibrissa_core::robot::Params;
+use vibrissa_core::robot::effect::{CandidateRecord, CompensationError, Effect};
+use vibrissa_simulator::scenario::Change;
+
+use super::{
+    CASES, CONTACTS_AFTER, CONTACTS_PER_SECOND, Case, START_MPA, Trial, Truth, WHOLE_CONTACTS, plants, scenario,
+};
+use crate::World;
+
+/// Contacts after the setpoint at which the error of the reading is looked at.
+pub const LOOKS: [u32; 2] = [300, 800];
+/// Remaining lengths of a whisker of 70 mm that serves itself and that air alone cannot serve, mm.
+pub const SHORT_MM: [f64; 4] = [55.0, 50.0, 45.0, 40.0];
+
+/// Remaining length of a target that a neighbour shall serve, mm.
+const STUMP_MM: f64 = 40.0;
+
+/// True errors of the reading (eq. 35 on the plant), and the statements about them.
+#[derive(Debug, Clone)]
+pub struct Reading {
+    /// The trial with this result.
+    pub trial: Trial,
+    /// Chosen candidate of the decision.
+    pub chosen: CandidateRecord,
+    /// Error with pressure and gain of the decision.
+    pub open: f64,
+    /// Error after each of [`LOOKS`].
+    pub looks: [f64; LOOKS.len()],
+    /// Error at the end.
+    pub end: f64,
+    /// Distance of the held pressure from the nominal one, MPa.
+    pub moved_mpa: f64,
+    /// Error of the held pressure with the best gain on this plant: no estimate of the gain can do better.
+    pub best_gain: f64,
+    /// Last measured error.
+    pub measured: Option<CompensationError>,
+    /// Number of setpoints sent.
+    pub setpoints: usize,
+}
+
+/// The trials: those of the paper's cases, and short whiskers that serve themselves.
+#[must_use]
+pub fn trials(seed: u64, count: usize) -> Vec<Trial> {
+    let mut trials = super::trials(seed, count);
+    for (plant, rubber) in plants(seed, count).iter().enumerate() {
+        for length_mm in SHORT_MM {
+            let number = trials.len() as u64;
+            let seed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number);
+            trials.push(Trial { case: Case::Itself, length_mm, plant, rubber: *rubber, seed });
+        }
+    }
+    trials
+}
+
+/// Runs the trials on all processors; none for a target that was not served.
+pub fn evaluate(trials: &[Trial], done: &(dyn Fn() + Sync)) -> Vec<Option<Reading>> {
+    trials
+        .par_iter()
+        .map(|trial| {
+            let reading = run(trial);
+            done();
+            reading
+        })
+        .collect()
+}
+
+/// Runs one trial.
+#[must_use]
+pub fn run(trial: &Trial) -> Option<Reading> {
+    let mut params = Params::nguyen_2021(Formulation::Published);
+    params.policy.predicted_error_max = f64::INFINITY;
+    let mut scenario = scenario(trial);
+    scenario.behaviour.applies_gain = std::env::var_os("AIR").is_none();
+    if trial.case != Case::Itself {
+        // With a gain, even such a whisker serves itself, but a neighbour has a lower predicted error.
+        params.policy.own_role_cost = 0.0;
+        params.policy.longer_for_shorter = LongerForShorter::Allowed;
+        for event in &mut scenario.robots[0].events {
+            event.change = Change::Trim { length_mm: STUMP_MM };
+        }
+    }
+    let mut world = World::new(&scenario, params);
+    let truth = Truth::new(trial);
+    let mut now_s = WHOLE_CONTACTS as f64 / CONTACTS_PER_SECOND;
+    let end_s = now_s + CONTACTS_AFTER as f64 / CONTACTS_PER_SECOND;
+    let is_settled = |world: &World| world.core.compensations().first().is_some_and(|one| one.is_settled());
+    while !is_settled(&world) && now_s < end_s {
+        now_s += 0.05;
+        world.run_until_s(now_s);
+    }
+    let index = world.core.compensations().first()?.compensator();
+    let open = error(&world, &truth, None)?;
+    let (mut looks, mut pressures) = ([open; LOOKS.len()], Vec::new());
+    for (look, contacts) in looks.iter_mut().zip(LOOKS) {
+        hold(&mut world, index, now_s + f64::from(contacts) / CONTACTS_PER_SECOND, &mut pressures);
+        *look = error(&world, &truth, Some(&pressures))?;
+    }
+    hold(&mut world, index, end_s, &mut pressures);
+    let chosen = world.picked(|effect| match effect {
+        Effect::Decided(decision) => decision.chosen.map(|at| decision.candidates[at]),
+        _ => None,
+    });
+    let measured = world.picked(|effect| match effect {
+        Effect::Error(error) => Some(CompensationError::clone(error)),
+        _ => None,
+    });
+    if std::env::var_os("PROBE").is_some() {
+        for (at, e) in &world.effects { if matches!(e, Effect::Fault { .. }) { eprintln!("{:.2} {:?}", (at.0 - crate::world::START_US) as f64/1e6, e); } }
+    }
+    let sent = sent(&world);
+    let (held_mpa, _) = *sent.last()?;
+    Some(Reading {
+        trial: *trial,
+        chosen: chosen.into_iter().next()?,
+        open,
+        looks,
+        end: error(&world, &truth, Some(&pressures))?,
+        moved_mpa: (held_mpa - START_MPA).abs(),
+        best_gain: truth.best_gain_error(held_mpa),
+        measured: measured.into_iter().last(),
+        setpoints: sent.len(),
+    })
+}
+
+/// Pressures and gains sent so far.
+fn sent(world: &World) -> Vec<(f64, Option<[f64; 12]>)> {
+    world.picked(|effect| match effect {
+        Effect::Command(command) => Some((command.pressure.mpa(), command.gain)),
+        _ => None,
+    })
+}
+
+/// Runs on, and notes the true pressure of the compensator. A regulator with a coarse sensor holds another pressure than it
+/// reports.
+fn hold(world: &mut World, index: usize, end_s: f64, pressures: &mut Vec<f64>) {
+    let mut at_s = world.seconds();
+    while at_s < end_s {
+        at_s += 0.1;
+        world.run_until_s(at_s);
+        pressures.push(world.robot.whiskers()[index].regulator().pressure_mpa());
+    }
+}
+
+/// True error of the reading with the last gain, at the mean of the true pressures since the setpoint, or at the setpoint.
+fn error(world: &World, truth: &Truth, pressures: Option<&Vec<f64>>) -> Option<f64> {
+    let (setpoint_mpa, gain) = *sent(world).last()?;
+    let held_mpa = pressures.map_or(setpoint_mpa, |all| {
+        let newest = &all[all.len().saturating_sub(30)..];
+        newest.iter().sum::<f64>() / newest.len() as f64
+    });
+    Some(truth.error(held_mpa, gain.as_ref()).mean)
+}
+
+/// The readings of a case, apart from the short whiskers.
+pub fn of(case: Case, readings: &[Option<Reading>]) -> impl Iterator<Item = &Reading> {
+    readings
+        .iter()
+        .flatten()
+        .filter(move |one| one.trial.case == case && case.lengths_mm().contains(&one.trial.length_mm))
+}
+
+/// The readings of one length that a whisker of 70 mm is trimmed to.
+pub fn of_length(length_mm: f64, readings: &[Option<Reading>]) -> impl Iterator<Item = &Reading> {
+    readings.iter().flatten().filter(move |one| one.trial.case == Case::Itself && one.trial.length_mm == length_mm)
+}
+
+/// The cases, in order.
+pub const ALL: [Case; 3] = CASES;
