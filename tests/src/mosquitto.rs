@@ -51,7 +51,7 @@ impl Drop for Frozen {
 }
 
 /// Settings of a broker beside its port.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Builder {
     tls: Option<Tls>,
     users: Vec<(String, String)>,
@@ -64,7 +64,7 @@ pub struct Builder {
 }
 
 /// Certificates of a listener: its own, and the authority of its clients.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Tls {
     server: Identity,
     clients: Option<String>,

@@ -1,5 +1,6 @@
 //! Runs `vibrissa run` for tests of its connections to the broker.
 
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use nix::sys::signal::Signal;
@@ -38,9 +39,14 @@ impl Supervised {
         Self { process: Process::start(launch), http, log }
     }
 
+    /// Address of its HTTP server.
+    pub(crate) fn address(&self) -> SocketAddr {
+        ([127, 0, 0, 1], self.http).into()
+    }
+
     /// State and text of `/readyz`; None without an answer.
     pub(crate) async fn ready(&self) -> Option<(bool, String)> {
-        let (status, body) = try_get(([127, 0, 0, 1], self.http).into(), "/readyz").await.ok()?;
+        let (status, body) = try_get(self.address(), "/readyz").await.ok()?;
         let told: Value = serde_json::from_str(&body).unwrap();
         assert_eq!(told["ready"] == true, status == 200, "{body}");
         Some((status == 200, body))
@@ -63,7 +69,7 @@ impl Supervised {
 
     /// Sum of a metric's series whose labels contain this text.
     pub(crate) async fn metric(&self, name: &str, labels: &str) -> f64 {
-        let (_, text) = try_get(([127, 0, 0, 1], self.http).into(), "/metrics").await.unwrap();
+        let (_, text) = try_get(self.address(), "/metrics").await.unwrap();
         let series = text.lines().filter_map(|line| line.rsplit_once(' '));
         let values = series.filter(|(series, _)| {
             series

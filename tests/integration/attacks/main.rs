@@ -8,6 +8,7 @@
 )]
 
 mod access;
+mod access_list;
 mod allow_list;
 mod clocks;
 mod connections;

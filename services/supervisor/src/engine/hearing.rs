@@ -2,36 +2,52 @@
 
 use std::time::{Duration, Instant};
 
+use tracing::warn;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::RobotTopic;
 
 use super::Engine;
+use super::shard::Found;
 use crate::promises::Promise;
 
 /// Receipts that have waited for longer have not reached the robots, which therefore send again.
 const RECEIPTS_LATE: Duration = Duration::from_secs(2);
-/// Name of this part in the service's readiness.
-const PART: &str = "engine";
+/// Names of these parts in the service's readiness.
+const FACTSHEETS: &str = "factsheets";
+const RECEIPTS: &str = "receipts";
 
 impl Engine {
     /// Judges whether robots hear their receipts, and whether factsheets arrive.
     pub(super) fn judge_hearing(&mut self, now: Micros) {
         let is_late = self.metrics.promises.age(Promise::Receipted).is_some_and(|age| age > RECEIPTS_LATE);
-        let (mut missing, mut one) = (0, None);
+        let (mut without, mut deaf) = (Found::default(), Found::default());
         for shard in self.shards.iter_mut() {
-            shard.judge_receipts(now, is_late);
-            let (count, name) = shard.without_factsheet(Instant::now());
-            missing += count;
-            one = one.or(name);
+            shard.judge_receipts(now, is_late, &mut deaf);
+            shard.find_without_factsheet(Instant::now(), &mut without);
         }
-        self.metrics.robots_without_factsheet.set(missing);
-        let notice = one.map(|robot| {
+        let had_none = self.metrics.robots_without_factsheet.get() == 0;
+        self.metrics.robots_without_factsheet.set(without.count);
+        let notice = without.one.map(|robot| {
             let topic = RobotTopic::Factsheet.of(&self.fleet, &robot);
+            let notice = format!(
+                "{} robot(s) announced themselves, and no factsheet has arrived: let them publish topics such as {topic} in \
+                 the broker's access list, and check its limit of the size of packets",
+                without.count
+            );
+            if had_none {
+                warn!(fleet = %self.fleet, "{notice}");
+            }
+            notice
+        });
+        self.readiness.notice_of(&self.place, FACTSHEETS, notice);
+        let notice = deaf.one.map(|robot| {
+            let topic = RobotTopic::Receipt.of(&self.fleet, &robot);
             format!(
-                "{missing} robot(s) announced themselves, and no factsheet has arrived: let them publish topics such as \
-                 {topic} in the broker's access list, and check its limit of the size of packets"
+                "{} robot(s) send contacts again that have receipts: let them read topics such as {topic} in the broker's \
+                 access list",
+                deaf.count
             )
         });
-        self.readiness.notice_of(&self.place, PART, notice);
+        self.readiness.notice_of(&self.place, RECEIPTS, notice);
     }
 }

@@ -5,8 +5,9 @@ use std::time::{Duration, Instant};
 
 /// Limit of the topics that are remembered: they contain names of robots.
 const TOPICS_MAX: usize = 64;
-/// How long a refusal is remembered if nothing more is published on the topic.
-const KEPT: Duration = Duration::from_secs(600);
+/// How long a refusal is remembered if nothing more is published on the topic: twice the longest pause between two tries of a
+/// setpoint, so that readiness does not come and go with them.
+const KEPT: Duration = Duration::from_secs(2 * 3600);
 
 /// The last refusal on a topic.
 #[derive(Debug)]
@@ -63,6 +64,18 @@ fn is_kept(refused: &Refused, now: Instant) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use vibrissa_core::robot::params::CommandParams;
+
+    #[test]
+    fn regress_a_refused_setpoint_is_remembered_until_it_is_tried_again() {
+        let pause = Duration::from_secs_f64(CommandParams::default().retry_after_max.as_s());
+        let (mut refusals, mut now) = (Refusals::default(), Instant::now());
+        for _ in 0..24 {
+            refusals.refused("whisker/v1/f/r/setpoint", "no", now);
+            now += pause;
+            assert_eq!(refusals.told(now), ["no"]);
+        }
+    }
 
     #[test]
     fn refusals_are_bounded_and_forgotten_once_nothing_more_is_published() {

@@ -19,7 +19,7 @@ use crate::engine::robot::seqs::Seqs;
 
 /// Limit of announced robots per fleet; beyond it, the one announced first is forgotten.
 const ANNOUNCED_MAX: usize = 1024;
-/// How long after its last birth a robot is remembered without a factsheet.
+/// How long after its last message a robot is remembered without a factsheet.
 const PATIENCE: Duration = Duration::from_secs(600);
 
 /// A robot whose factsheet is missing.
@@ -27,7 +27,8 @@ const PATIENCE: Duration = Duration::from_secs(600);
 pub(super) struct Announcement {
     pub(super) robot: Robot,
     pub(super) seqs: Seqs,
-    since: Instant,
+    /// Time of its last message.
+    heard: Instant,
     /// Time of its first birth, since when the factsheet has been missing.
     first: Instant,
     /// Receipt time and payload of the last connection message, for the first black box.
@@ -64,13 +65,13 @@ impl Announced {
         if known.is_none() && self.robots.len() >= self.most {
             self.robots.shift_remove_index(0);
         }
-        let since = Instant::now();
+        let heard = Instant::now();
         let (robot, seqs, first) = known.map_or_else(
-            || (Robot::new(epoch, Numbers::default()), Seqs::default(), since),
+            || (Robot::new(epoch, Numbers::default()), Seqs::default(), heard),
             |known| (known.robot, known.seqs, known.first),
         );
         let birth = (now, raw.payload.clone());
-        let mut announcement = Announcement { robot, seqs, since, first, birth };
+        let mut announcement = Announcement { robot, seqs, heard, first, birth };
         announcement.step(stepper, name, now, event);
         self.robots.insert(name.clone(), announcement);
     }
@@ -83,13 +84,14 @@ impl Announced {
     /// Handles a message that is useless without a factsheet.
     pub(super) fn early(&mut self, stepper: &mut Stepper, name: &Name, now: Micros, event: &Event<'_>) {
         if let Some(announcement) = self.robots.get_mut(name) {
+            announcement.heard = Instant::now();
             announcement.step(stepper, name, now, event);
         }
     }
 
     /// Handles a tick: requests missing factsheets again, and forgets robots whose factsheet has not arrived in time.
     pub(super) fn tick(&mut self, stepper: &mut Stepper, now: Micros) {
-        self.robots.retain(|_, announcement| announcement.since.elapsed() < PATIENCE);
+        self.robots.retain(|_, announcement| announcement.heard.elapsed() < PATIENCE);
         for (name, announcement) in &mut self.robots {
             announcement.step(stepper, name, now, &Event::Tick);
         }

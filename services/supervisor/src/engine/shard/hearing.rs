@@ -13,16 +13,33 @@ use super::Shard;
 /// How long a robot may be announced without a factsheet: it is requested several times in between.
 const FACTSHEET_PATIENCE: Duration = Duration::from_secs(30);
 
+/// Robots with a trouble: their number, and the name of one.
+#[derive(Debug, Default)]
+pub(crate) struct Found {
+    pub(crate) count: i64,
+    pub(crate) one: Option<Name>,
+}
+
+impl Found {
+    fn add(&mut self, robot: &Name) {
+        self.count += 1;
+        self.one.get_or_insert_with(|| robot.clone());
+    }
+}
+
 impl Shard {
-    /// Raises the alarm of robots that do not hear their receipts, and clears it. `is_late` says that receipts could not be
-    /// sent: then repeats say nothing about robots.
-    pub(crate) fn judge_receipts(&mut self, now: Micros, is_late: bool) {
+    /// Raises the alarm of robots that do not hear their receipts, and clears it. Adds those whose alarm stands to `deaf`.
+    /// `is_late` says that receipts could not be sent: then repeats say nothing about robots.
+    pub(crate) fn judge_receipts(&mut self, now: Micros, is_late: bool, deaf: &mut Found) {
         for known in self.robots.values_mut().filter(|known| !known.rests) {
+            let change = if is_late { None } else { known.repeats.take_change(now) };
+            if known.repeats.stands() {
+                deaf.add(&known.name);
+            }
             if is_late {
                 known.repeats.excuse();
-                continue;
             }
-            let Some(is_unheard) = known.repeats.take_change(now) else { continue };
+            let Some(is_unheard) = change else { continue };
             let kind = AlarmKind::ReceiptsUnheard;
             let effect = if is_unheard {
                 let topic = RobotTopic::Receipt.of(&self.stepper.fleet, &known.name).to_string();
@@ -35,23 +52,17 @@ impl Shard {
         }
     }
 
-    /// Number of robots that have announced themselves and whose factsheets have not arrived in time, and the name of one.
-    pub(crate) fn without_factsheet(&mut self, now: Instant) -> (i64, Option<Name>) {
-        let (mut count, mut one) = (0, None);
+    /// Adds the robots that have announced themselves and whose factsheets have not arrived in time.
+    pub(crate) fn find_without_factsheet(&mut self, now: Instant, without: &mut Found) {
         for known in self.robots.values_mut() {
             let (boot_id, link) = known.robot.connection_state();
             let is_numbered = boot_id.is_none_or(|boot_id| known.boots.get(boot_id).is_some());
             let is_missing = !is_numbered && link == Link::Online && known.refused_boot.is_none();
             known.factsheet_missing = is_missing.then(|| known.factsheet_missing.unwrap_or(now));
             if known.factsheet_missing.is_some_and(|since| now.saturating_duration_since(since) >= FACTSHEET_PATIENCE) {
-                count += 1;
-                one.get_or_insert_with(|| known.name.clone());
+                without.add(&known.name);
             }
         }
-        for name in self.announced.overdue(now, FACTSHEET_PATIENCE) {
-            count += 1;
-            one.get_or_insert_with(|| name.clone());
-        }
-        (count, one)
+        self.announced.overdue(now, FACTSHEET_PATIENCE).for_each(|name| without.add(name));
     }
 }

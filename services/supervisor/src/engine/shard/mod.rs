@@ -40,6 +40,8 @@ use crate::engine::robot::Robots;
 use crate::engine::robot::seqs::Seqs;
 use crate::inbox::Delayed;
 
+pub(crate) use hearing::Found;
+
 use announced::Announced;
 use stepper::Stepper;
 
