@@ -391,14 +391,21 @@ impl HandRobot {
     /// receipted and must be sent again.
     pub async fn settle(&mut self) {
         let message = self.message(Vec::new());
-        wait::until("a receipt for an empty message", async || {
-            self.tell(RobotTopic::Contacts, &message).await;
+        self.deliver(vec![message]).await;
+    }
+
+    /// Sends contacts messages, and sends those again that are not receipted, as robots do, until all are.
+    pub async fn deliver(&mut self, mut messages: Vec<Contacts>) {
+        wait::until("receipts for all messages", async || {
+            for message in &messages {
+                self.tell(RobotTopic::Contacts, message).await;
+            }
             while let Some(heard) = self.mqtt.next(SEND_AGAIN).await {
-                if let Message::Receipt(receipt) = &heard.message
-                    && receipt.robot_boot_id == message.boot_id
-                    && receipt.covers(message.seq)
-                {
-                    return Some(());
+                if let Message::Receipt(receipt) = &heard.message {
+                    messages.retain(|one| receipt.robot_boot_id != one.boot_id || !receipt.covers(one.seq));
+                    if messages.is_empty() {
+                        return Some(());
+                    }
                 }
                 self.heard.push_back(heard);
             }

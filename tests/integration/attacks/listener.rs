@@ -33,7 +33,10 @@ impl Supervised {
         let launch = Launch {
             program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
             arguments: all.iter().map(|&argument| argument.to_owned()).collect(),
-            environment: vec![("RUST_LOG".to_owned(), "info,vibrissa=debug".to_owned())],
+            environment: vec![
+                ("RUST_LOG".to_owned(), "info,vibrissa=debug".to_owned()),
+                ("VIBRISSA_TEST_CLOCK_FILE".to_owned(), clock_file(folder, name).display().to_string()),
+            ],
             log: log.clone(),
         };
         Self { process: Process::start(launch), http, log }
@@ -94,6 +97,17 @@ impl Supervised {
         self.process.signal(Signal::SIGTERM);
         assert!(self.process.ended(PATIENCE).await.expect("the program must end").success());
     }
+}
+
+/// Sets the clock of the host of the supervisor of this name so far ahead of the true time, in microseconds.
+pub(crate) fn set_host_clock(folder: &Path, name: &str, ahead_us: i64) {
+    let new = folder.join(format!("{name}.clock.new"));
+    std::fs::write(&new, ahead_us.to_string()).unwrap();
+    std::fs::rename(new, clock_file(folder, name)).unwrap();
+}
+
+fn clock_file(folder: &Path, name: &str) -> PathBuf {
+    folder.join(format!("{name}.clock"))
 }
 
 /// Waits until a metric reaches this value.

@@ -37,6 +37,7 @@ mod supervised;
 mod takeover;
 mod unheard_owner;
 mod with_limits;
+mod wrong_clock;
 
 use tokio::sync::{Mutex, MutexGuard};
 

@@ -37,6 +37,13 @@ struct Judgement {
     follows_host: bool,
 }
 
+impl Judgement {
+    /// Whether a supervisor with a right clock should have the fleets: the others contradict this one, or its host.
+    fn is_wrong(self) -> bool {
+        self.standing == Standing::Wrong || self.is_host_off && !self.follows_host
+    }
+}
+
 /// The latest judgement, and the one in force.
 #[derive(Debug, Default)]
 struct Settling {
@@ -128,7 +135,7 @@ impl Clocks {
         self.report = ClockReport {
             ahead_us: database.map(|ahead| -ahead),
             robots_ahead_us: own_robots.zip(database).map(|(robots, database)| robots - database),
-            is_wrong: in_force.standing == Standing::Wrong,
+            is_wrong: in_force.is_wrong(),
         };
         self.hold_back.set(&self.readings);
         metrics.clocks.show(Source::ALL.map(|source| (source.label(), self.readings.of(source))));
