@@ -87,11 +87,13 @@ pub struct FlappingParams {
     pub alarm_on_delay: Micros,
     /// The alarm is cleared once the fault has been away for this long: longer than the 10 s between two statuses.
     pub alarm_off_delay: Micros,
-    /// Number of changes that follow each other quickly from which on a fault is latched.
+    /// Number of quick changes, or of slow ones, from which on a fault is latched; at most 15.
     pub latch_changes: u8,
     /// A fault that has not changed for this long is steady: no longer latched, and its next change the first one. At least
     /// as long as both delays.
     pub steady_after: Micros,
+    /// After this time without a change the slow changes before are forgotten, and a fault is not latched any more.
+    pub forgotten_after: Micros,
 }
 
 impl Default for FlappingParams {
@@ -101,6 +103,7 @@ impl Default for FlappingParams {
             alarm_off_delay: Micros::from_s(15.0),
             latch_changes: 6,
             steady_after: Micros::from_s(600.0),
+            forgotten_after: Micros::from_s(2.0 * 3600.0),
         }
     }
 }

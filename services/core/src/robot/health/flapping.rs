@@ -3,8 +3,10 @@
 //! A fault counts for the policy as soon as it comes. Changes that follow each other quickly are counted: from
 //! [`FlappingParams::latch_changes`] on the fault is latched, and the whisker has the worst that was seen, until nothing has
 //! changed for [`FlappingParams::steady_after`]. So a fault that flaps gives a few changes and one alarm, however often it
-//! comes and goes. Silence is no such fault: it ends with the next message.
+//! comes and goes. Slow changes, each after a steady time, are counted, too, and latch the fault until nothing has changed for
+//! [`FlappingParams::forgotten_after`]. Silence is no such fault: it ends with the next message.
 
+use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::robot::effect::Fault;
@@ -12,15 +14,49 @@ use crate::robot::params::FlappingParams;
 use crate::robot::state::whisker::Whisker;
 use crate::units::Micros;
 
-/// The newest changes of a whisker's fault, until it is steady again.
+/// Numbers of a fault's changes. A stored byte has both, in four bits each. In a byte of a version that counted only quick
+/// ones, a number above 15 latches the fault for longer, once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Changes {
+    /// Changes that have followed each other quickly.
+    quick: u8,
+    /// Changes after a steady time, none of them long after the one before.
+    slow: u8,
+}
+
+impl Changes {
+    const MAX: u8 = 15;
+
+    /// Counts a change. The first one after a steady time is a slow one.
+    fn count(&mut self) {
+        if self.quick == 0 {
+            self.slow = self.slow.saturating_add(1).min(Self::MAX);
+        }
+        self.quick = self.quick.saturating_add(1).min(Self::MAX);
+    }
+}
+
+impl BorshSerialize for Changes {
+    fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
+        (self.quick | self.slow << 4).serialize(writer)
+    }
+}
+
+impl BorshDeserialize for Changes {
+    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+        let byte = u8::deserialize_reader(reader)?;
+        Ok(Self { quick: byte & Self::MAX, slow: byte >> 4 })
+    }
+}
+
+/// The newest changes of a whisker's fault, until they are forgotten.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub(in crate::robot) struct Flapping {
     /// By the newest evidence.
     present: Option<Fault>,
     /// Time of its last change by the supervisor's clock; 0 if it has not changed since it was steady.
     changed: Micros,
-    /// Number of changes that have followed each other quickly.
-    changes: u8,
+    changes: Changes,
     /// The whisker's fault: the present one, or the worst one while it is latched.
     told: Option<Fault>,
     /// The fault whose alarm stands.
@@ -30,24 +66,27 @@ pub(in crate::robot) struct Flapping {
 impl Flapping {
     /// A fault, or none, that has not changed for long.
     fn steady(fault: Option<Fault>) -> Self {
-        Self { present: fault, changed: Micros(0), changes: 0, told: fault, alarm: fault }
+        Self { present: fault, changed: Micros(0), changes: Changes::default(), told: fault, alarm: fault }
     }
 
     /// Takes the newest evidence in.
     fn observe(&mut self, params: &FlappingParams, now: Micros, present: Option<Fault>) {
         let unchanged_for = now.since(self.changed);
         if unchanged_for >= params.steady_after {
-            self.changes = 0;
+            self.changes.quick = 0;
+        }
+        if unchanged_for >= params.forgotten_after {
+            self.changes.slow = 0;
         }
         if present != self.present {
             (self.present, self.changed) = (present, now);
-            self.changes = self.changes.saturating_add(1);
+            self.changes.count();
         }
         let unchanged_for = now.since(self.changed);
-        let is_latched = self.changes >= params.latch_changes;
+        let is_latched = self.changes.quick.max(self.changes.slow) >= params.latch_changes;
         self.told = if is_latched { worst(self.told, present) } else { present };
         self.alarm = match (self.alarm, self.told) {
-            (None, Some(_)) if self.changes <= 1 && unchanged_for < params.alarm_on_delay => None,
+            (None, Some(_)) if self.changes.quick <= 1 && unchanged_for < params.alarm_on_delay => None,
             (Some(alarm), told)
                 if worst(Some(alarm), told) == Some(alarm) && unchanged_for < params.alarm_off_delay =>
             {
@@ -59,12 +98,13 @@ impl Flapping {
 
     /// Whether nothing follows from it any more.
     fn is_over(&self, params: &FlappingParams, now: Micros) -> bool {
-        now.since(self.changed) >= params.steady_after && self.told == self.present && self.alarm == self.present
+        now.since(self.changed) >= params.forgotten_after && self.told == self.present && self.alarm == self.present
     }
 
     /// When time alone changes something.
-    fn times(&self, params: &FlappingParams) -> [Micros; 3] {
-        [params.alarm_on_delay, params.alarm_off_delay, params.steady_after].map(|delay| self.changed.after(delay))
+    fn times(&self, params: &FlappingParams) -> [Micros; 4] {
+        [params.alarm_on_delay, params.alarm_off_delay, params.steady_after, params.forgotten_after]
+            .map(|delay| self.changed.after(delay))
     }
 }
 

@@ -45,6 +45,51 @@ fn regress_a_fault_that_flaps_for_ten_minutes_is_one_alarm_and_a_few_changes() {
     }
 }
 
+/// A day of a fault that comes and goes, with a status every 10 s. Returns how often the fault and the alarm change.
+fn day(is_leaking: impl FnMut(u64) -> bool) -> (usize, usize) {
+    let all = history((0..86_400).step_by(10).map(is_leaking).map(|is| LEAK.filter(|_| is)), 10.0);
+    let changes = |of: fn(&Flapping) -> Option<Fault>| all.windows(2).filter(|two| of(&two[0]) != of(&two[1])).count();
+    (changes(|one| one.told), changes(|one| one.alarm))
+}
+
+#[test]
+fn regress_a_fault_that_flaps_slowly_gives_a_few_rows_a_day() {
+    for half_period_s in [610, 900, 1800, 3600, 7190, 7200, 7210, 14_400] {
+        let (changes, alarms) = day(|second| second / half_period_s % 2 == 1);
+        assert!(changes <= 12 && alarms <= 12, "{half_period_s} s: {changes} changes, {alarms} of the alarm");
+    }
+    // A burst of quick changes, then a steady time that just ends the latch.
+    for (burst_s, pause_s) in [(20, 610), (60, 700), (200, 1200), (200, 7100)] {
+        let (changes, alarms) = day(|second| second % (burst_s + pause_s) < burst_s && second / 10 % 2 == 1);
+        assert!(changes <= 36 && alarms <= 36, "{burst_s} s of {pause_s} s: {changes} and {alarms}");
+    }
+}
+
+#[test]
+fn property_no_pattern_of_a_fault_gives_many_rows_a_day() {
+    for seed in 1..200_u64 {
+        let (mut random, mut is, mut until) = (seed, false, 0);
+        let (changes, alarms) = day(|second| {
+            if second >= until {
+                random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                // Pauses from 10 s to 3 h, the short ones as likely as the long ones.
+                until = second + (10.0 * 1080_f64.powf((random >> 33) as f64 / f64::from(1_u32 << 31))) as u64;
+                is = !is;
+            }
+            is
+        });
+        assert!(changes <= 72 && alarms <= 72, "seed {seed}: {changes} changes, {alarms} of the alarm");
+    }
+}
+
+#[test]
+fn the_stored_byte_has_both_numbers() {
+    for changes in [Changes::default(), Changes { quick: 6, slow: 1 }, Changes { quick: 15, slow: 15 }] {
+        let bytes = borsh::to_vec(&changes).expect("a byte");
+        assert_eq!((bytes.len(), borsh::from_slice::<Changes>(&bytes).expect("a byte")), (1, changes));
+    }
+}
+
 #[test]
 fn a_lasting_fault_is_raised_within_the_on_delay_and_a_short_one_is_not() {
     let short = history([LEAK, LEAK, None].into_iter().chain([None; 40]), 0.4);
@@ -84,7 +129,8 @@ fn brute_force_a_fault_counts_at_once_and_everything_is_as_present_once_it_is_st
             let end = history(present.iter().copied(), step_s).pop().expect("steps");
             if step_s >= 1.0 {
                 assert_eq!((end.told, end.alarm), (last, last), "{code} at {step_s} s");
-                assert!(end.is_over(&params, START.after(Micros::from_s(present.len() as f64 * step_s))));
+                let then = START.after(Micros::from_s(present.len() as f64 * step_s)).after(params.forgotten_after);
+                assert!(end.is_over(&params, then));
             }
         }
     }
