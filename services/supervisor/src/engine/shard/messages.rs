@@ -127,13 +127,14 @@ impl Shard {
         let is_new = is_birth && newest != Some(message.boot_id.as_str());
         let is_back = is_birth && !is_new && link != Link::Online;
         if is_back && !known.account.affords(ledger::ROBOT, raw.received, 0) {
-            self.stepper.violation("over_budget", "its connection changes too often", &known.name);
+            let refusal = (RobotTopic::Connection, "over_budget");
+            self.stepper.violation_of(known, refusal, "its connection changes too often", raw.received);
             known.refused_boot = Some(message.boot_id.clone());
             return;
         }
         if is_new && !known.new_boots.take(Instant::now()) {
             let problem = "too many new boots: the last accepted boot stays in force until the limit allows another";
-            self.stepper.metrics.refuse("too_many_boots", problem, raw.robot.as_str());
+            self.stepper.refuse(known, (RobotTopic::Connection, "too_many_boots"), &problem, raw.received);
             known.refused_boot = Some(message.boot_id.clone());
             return;
         }

@@ -163,7 +163,7 @@ impl Stepper {
         self.has_unannounced |= outcome == Outcome::OldBoot && is_unannounced(known, boot_id);
         if known.robot.has_wrong_time_unit() {
             let problem = "its times pass too slowly or too fast: is t_us in microseconds? No setpoint is sent";
-            self.violation("time_unit", problem, &known.name);
+            self.violation_of(known, (RobotTopic::Status, "time_unit"), problem, now);
         }
         if outcome == Outcome::BadTime {
             self.violation("bad_time", "a status with an implausible time", &known.name);

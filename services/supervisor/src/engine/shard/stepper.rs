@@ -287,10 +287,11 @@ impl Stepper {
     }
 
     /// Charges an effect to the accounts of its robot and fleet. Returns false for one that is not recorded.
-    pub(super) fn admit(&mut self, known: &mut KnownRobot, now: Micros, effect: &Effect) -> bool {
+    pub(crate) fn admit(&mut self, known: &mut KnownRobot, now: Micros, effect: &Effect) -> bool {
         let is_admitted = ledger::admit(&mut known.account, &mut self.account, now, effect);
         if !is_admitted {
-            self.violation("over_budget", "a change of health beyond the budget is not recorded", &known.name);
+            let problem = "its faults change too often: a change beyond the budget is not recorded";
+            self.violation_of(known, (RobotTopic::Status, "over_budget"), problem, now);
         }
         is_admitted
     }
@@ -299,6 +300,18 @@ impl Stepper {
     pub(super) fn violation(&mut self, reason: &'static str, problem: &str, robot: &Name) {
         self.metrics.refuse(reason, problem, robot.as_str());
         self.warn_seldom(reason, problem, robot);
+    }
+
+    /// As [`Self::violation`], shown on the robot's page, too.
+    pub(super) fn violation_of(
+        &mut self,
+        known: &mut KnownRobot,
+        (topic, reason): (RobotTopic, &'static str),
+        problem: &'static str,
+        now: Micros,
+    ) {
+        self.violation(reason, problem, &known.name);
+        known.refusals.count((topic, reason), &problem, now);
     }
 
     /// Warns at most once a minute per reason.

@@ -1,5 +1,6 @@
 //! Bounds of the rows that a robot adds to the database.
 
+use vibrissa_core::robot::effect::{Effect, Fault};
 use vibrissa_store::batch::Record;
 
 use super::*;
@@ -27,12 +28,52 @@ fn regress_a_status_that_flaps_for_ten_minutes_adds_few_rows() {
     assert!(changes <= 6 * usize::from(WHISKERS), "{changes} changes of health");
 }
 
+/// Number of refusals on the page of robot `r1`.
+fn refused(shard: &Shard, topic: &str, reason: &str) -> u64 {
+    let of_these = shard.robots()["r1"].refusals.totals().filter(|total| (total.0, total.1) == (topic, reason));
+    of_these.map(|(_, _, count)| count).sum()
+}
+
+#[test]
+fn regress_a_change_that_is_not_recorded_is_told_on_the_robots_page() {
+    let (mut shard, now) = (shard(1), Micros(1_795_260_000_000_000));
+    let (robots, stepper) = shard.parts();
+    let known = &mut robots["r1"];
+    let change = Effect::Fault { whisker: 0, from: None, to: Some(Fault::Leak) };
+    while stepper.admit(known, now, &change) {}
+    assert_eq!(refused(&shard, "status", "over_budget"), 1);
+}
+
+#[test]
+fn regress_a_robot_whose_times_are_in_milliseconds_is_told_on_its_page() {
+    let (mut shard, start) = (shard(1), Micros(1_795_260_000_000_000));
+    for seq in 0..30 {
+        let now = start.after(Micros::from_s(10.0 * seq as f64));
+        let whisker = protocol::WhiskerStatus {
+            array: Name::new("a").unwrap(),
+            whisker: 0,
+            pressure_mpa: PRESSURE_MPA,
+            setpoint_mpa: PRESSURE_MPA,
+            regulator: protocol::Regulator::Ok,
+            gauge: protocol::Gauge::Ok,
+        };
+        let (boot_id, t_us) = (BootId::new("b").unwrap(), now.0 / 1000);
+        let status = protocol::Status { boot_id, seq, t_us, whiskers: vec![whisker], contacts_dropped: None };
+        shard.handle(&raw_message(RobotTopic::Status, protocol::encode(&status), now));
+    }
+    assert!(refused(&shard, "status", "time_unit") > 0);
+}
+
+fn raw_message(kind: RobotTopic, payload: Vec<u8>, received: Micros) -> RawMessage {
+    let robot = Name::robot("r1").unwrap();
+    let topic = kind.of(&Name::new("f").unwrap(), &robot);
+    RawMessage { topic, robot, kind, payload: payload.into(), received }
+}
+
 fn connection(state: protocol::ConnectionState, received: Micros) -> RawMessage {
     let connection =
         protocol::Connection { boot_id: BootId::new("b").unwrap(), seq: 0, timestamp: protocol::Timestamp(0), state };
-    let (robot, kind) = (Name::robot("r1").unwrap(), RobotTopic::Connection);
-    let topic = kind.of(&Name::new("f").unwrap(), &robot);
-    RawMessage { topic, robot, kind, payload: protocol::encode(&connection).into(), received }
+    raw_message(RobotTopic::Connection, protocol::encode(&connection), received)
 }
 
 #[test]
@@ -49,6 +90,7 @@ fn regress_a_connection_that_flaps_is_charged_and_then_refused_until_the_budget_
     let alarms = told(&mut shard, |record| matches!(record, Record::RobotAlarm(_)));
     let changes = told(&mut shard, |record| matches!(record, Record::Health(_)));
     assert!(alarms > 100 && (alarms * 1200 + changes * 300) < 5 << 20, "{alarms} alarms, {changes} changes");
+    assert!(refused(&shard, "connection", "over_budget") > 10_000, "on its page");
     let is_online = |shard: &Shard| shard.robots()["r1"].robot.connection_state().1 == Link::Online;
     assert!(!is_online(&shard));
     // The last birth is accepted later.
