@@ -1,15 +1,14 @@
 //! Compensations of robots that multiply their readings: air for the shape, a gain for the level.
 
 use rayon::prelude::*;
-use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::mechanics::{CONTACT_RATIOS, Formulation};
 use vibrissa_core::policy::LongerForShorter;
 use vibrissa_core::robot::Params;
 use vibrissa_core::robot::effect::{CandidateRecord, CompensationError, Effect};
+use vibrissa_edge::words::Z95;
 use vibrissa_simulator::scenario::Change;
 
-use super::{
-    CASES, CONTACTS_AFTER, CONTACTS_PER_SECOND, Case, START_MPA, Trial, Truth, WHOLE_CONTACTS, plants, scenario,
-};
+use super::{CONTACTS_AFTER, CONTACTS_PER_SECOND, Case, START_MPA, Trial, Truth, WHOLE_CONTACTS, plants, scenario};
 use crate::World;
 
 /// Contacts after the setpoint at which the error of the reading is looked at.
@@ -75,7 +74,7 @@ pub fn run(trial: &Trial) -> Option<Reading> {
     let mut params = Params::nguyen_2021(Formulation::Published);
     params.policy.predicted_error_max = f64::INFINITY;
     let mut scenario = scenario(trial);
-    scenario.behaviour.applies_gain = std::env::var_os("AIR").is_none();
+    scenario.behaviour.applies_gain = true;
     if trial.case != Case::Itself {
         // With a gain, even such a whisker serves itself, but a neighbour has a lower predicted error.
         params.policy.own_role_cost = 0.0;
@@ -109,9 +108,6 @@ pub fn run(trial: &Trial) -> Option<Reading> {
         Effect::Error(error) => Some(CompensationError::clone(error)),
         _ => None,
     });
-    if std::env::var_os("PROBE").is_some() {
-        for (at, e) in &world.effects { if matches!(e, Effect::Fault { .. }) { eprintln!("{:.2} {:?}", (at.0 - crate::world::START_US) as f64/1e6, e); } }
-    }
     let sent = sent(&world);
     let (held_mpa, _) = *sent.last()?;
     Some(Reading {
@@ -128,7 +124,7 @@ pub fn run(trial: &Trial) -> Option<Reading> {
 }
 
 /// Pressures and gains sent so far.
-fn sent(world: &World) -> Vec<(f64, Option<[f64; 12]>)> {
+fn sent(world: &World) -> Vec<(f64, Option<[f64; CONTACT_RATIOS.len()]>)> {
     world.picked(|effect| match effect {
         Effect::Command(command) => Some((command.pressure.mpa(), command.gain)),
         _ => None,
@@ -156,6 +152,50 @@ fn error(world: &World, truth: &Truth, pressures: Option<&Vec<f64>>) -> Option<f
     Some(truth.error(held_mpa, gain.as_ref()).mean)
 }
 
+/// Means over some readings, as ratios.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReadingSummary {
+    /// Number of readings.
+    pub served: usize,
+    /// Error with pressure and gain of the decision.
+    pub open: f64,
+    /// Error after each of [`LOOKS`].
+    pub looks: [f64; LOOKS.len()],
+    /// Error at the end.
+    pub end: f64,
+    /// Least error that any gain has at the held pressure.
+    pub best_gain: f64,
+    /// Distance of the held pressure from the nominal one, MPa.
+    pub moved_mpa: f64,
+    /// Share of the readings whose error with the decision's setpoint lies in the predicted 95 % interval.
+    pub predicted_coverage: f64,
+    /// Share of the readings whose error at the end lies in the measured 95 % interval.
+    pub measured_coverage: f64,
+}
+
+/// The means; `None` without any reading.
+#[must_use]
+pub fn summary<'r>(readings: impl Iterator<Item = &'r Reading>) -> Option<ReadingSummary> {
+    let all: Vec<&Reading> = readings.collect();
+    let mean = |of: &dyn Fn(&Reading) -> f64| all.iter().map(|one| of(one)).sum::<f64>() / all.len() as f64;
+    let share = |of: &dyn Fn(&Reading) -> Option<bool>| mean(&|one| f64::from(u8::from(of(one).unwrap_or_default())));
+    (!all.is_empty()).then(|| ReadingSummary {
+        served: all.len(),
+        open: mean(&|one| one.open),
+        looks: std::array::from_fn(|look| mean(&|one| one.looks[look])),
+        end: mean(&|one| one.end),
+        best_gain: mean(&|one| one.best_gain),
+        moved_mpa: mean(&|one| one.moved_mpa),
+        predicted_coverage: share(&|one| {
+            one.chosen.predicted_error_interval.map(|(low, high)| (low..=high).contains(&one.open))
+        }),
+        measured_coverage: share(&|one| {
+            let measured = one.measured.as_ref()?;
+            Some((measured.mean - one.end).abs() <= Z95 * measured.sd)
+        }),
+    })
+}
+
 /// The readings of a case, apart from the short whiskers.
 pub fn of(case: Case, readings: &[Option<Reading>]) -> impl Iterator<Item = &Reading> {
     readings
@@ -169,5 +209,49 @@ pub fn of_length(length_mm: f64, readings: &[Option<Reading>]) -> impl Iterator<
     readings.iter().flatten().filter(move |one| one.trial.case == Case::Itself && one.trial.length_mm == length_mm)
 }
 
-/// The cases, in order.
-pub const ALL: [Case; 3] = CASES;
+#[cfg(test)]
+mod tests {
+    use vibrissa_core::mechanics::Objective;
+
+    use super::*;
+
+    fn trial(case: Case, length_mm: f64) -> Trial {
+        Trial { case, length_mm, plant: 0, rubber: plants(5, 1)[0], seed: 5 }
+    }
+
+    /// Setpoints of the first 800 contacts.
+    fn setpoints(applies_gain: bool, objective: Objective) -> Vec<(f64, Option<[f64; CONTACT_RATIOS.len()]>)> {
+        let mut scenario = scenario(&trial(Case::Itself, 65.0));
+        scenario.behaviour.applies_gain = applies_gain;
+        let mut params = Params::nguyen_2021(Formulation::Published);
+        params.policy.objective = objective;
+        let mut world = World::new(&scenario, params);
+        world.run_until_s((WHOLE_CONTACTS as f64 + 800.0) / CONTACTS_PER_SECOND);
+        sent(&world)
+    }
+
+    #[test]
+    fn paper_a_robot_without_gains_gets_the_papers_pressures_and_gains() {
+        let by_paper = setpoints(false, Objective::Tip);
+        assert!(!by_paper.is_empty());
+        assert_eq!(setpoints(false, Objective::Shape), by_paper);
+        assert_eq!(setpoints(true, Objective::Tip), by_paper);
+        let with_gain = setpoints(true, Objective::Shape);
+        assert!(with_gain[0].0 > by_paper[0].0 + 0.02, "{with_gain:?} {by_paper:?}");
+    }
+
+    #[test]
+    fn a_gain_brings_the_reading_to_the_target_and_serves_short_whiskers() {
+        for (case, length_mm, open, after_800) in [
+            (Case::Shorter, 65.0, 0.12, 0.04),
+            (Case::Itself, 65.0, 0.15, 0.04),
+            (Case::Longer, 70.0, 0.12, 0.05),
+            (Case::Itself, 50.0, 0.05, 0.02),
+            (Case::Itself, 40.0, 0.04, 0.03),
+        ] {
+            let reading = run(&trial(case, length_mm)).expect("a compensation");
+            assert!(reading.open < open && reading.looks[1] < after_800, "{case:?} {length_mm}: {reading:?}");
+            assert!(reading.chosen.case == vibrissa_core::policy::Case::SelfCompensation || case != Case::Itself);
+        }
+    }
+}

@@ -75,6 +75,7 @@ pub fn run(args: &PaperArgs, out: &mut dyn Write) -> Result<()> {
         .collect::<Result<Vec<_>>>()?;
     print_setpoints(&solved, out)?;
     print_errors(&solved, out)?;
+    print_beyond(out)?;
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| format!("creating the folder {}", folder.display()))?;
         for path in figures::paper::draw(folder)? {
@@ -85,17 +86,66 @@ pub fn run(args: &PaperArgs, out: &mut dyn Write) -> Result<()> {
 }
 
 fn solve(experiment: &Experiment, formulation: Formulation) -> Result<Setpoint> {
+    solve_for(experiment.compensator_mm, experiment.target_mm, formulation, Objective::Tip)
+}
+
+fn solve_for(compensator_mm: f64, target_mm: f64, formulation: Formulation, objective: Objective) -> Result<Setpoint> {
     let model = Model::nguyen_2021(formulation);
     let start = Megapascal::new(START_MPA)?;
-    let target = Target { length: Millimetre::new(experiment.target_mm)?, pressure: start };
+    let target = Target { length: Millimetre::new(target_mm)?, pressure: start };
     let compensator = Compensator {
-        length: Millimetre::new(experiment.compensator_mm)?,
+        length: Millimetre::new(compensator_mm)?,
         pressure: start,
         pressure_min: Megapascal::ZERO,
         pressure_max: Megapascal::EXAMINED_MAX,
     };
     let none = Offset::NONE;
-    Ok(*solve_setpoint(&model, target, none, &model, compensator, none, Objective::Tip)?.setpoint())
+    Ok(*solve_setpoint(&model, target, none, &model, compensator, none, objective)?.setpoint())
+}
+
+/// Compensator and target of the table beyond the paper, mm.
+const BEYOND_MM: [(f64, f64); 7] =
+    [(69.0, 70.0), (65.0, 70.0), (60.0, 70.0), (55.0, 70.0), (50.0, 70.0), (40.0, 70.0), (70.0, 65.0)];
+
+/// Air for the shape and one gain on the readings, beside the objectives that use air alone.
+fn print_beyond(out: &mut dyn Write) -> Result<()> {
+    writeln!(
+        out,
+        "
+Beyond the paper: a robot that multiplies its readings by one number needs air only for the shape of the
+response over the contact ratio (objective shape). The paper's pressure for the tip (tip) and the best single pressure
+(mean) have air alone. Out of range, they have the error of
+the nearest pressure.
+
+{:<20} {:>20} {:>20} {:>31}
+{:<20} {:>20} {:>20} {:>12} {:>9} {:>8}",
+        "",
+        "tip",
+        "mean",
+        "shape, with a gain",
+        "mm",
+        "MPa      error (%)",
+        "MPa      error (%)",
+        "MPa",
+        "gain",
+        "error (%)"
+    )?;
+    for (compensator_mm, target_mm) in BEYOND_MM {
+        let solved = |objective| solve_for(compensator_mm, target_mm, Formulation::Published, objective);
+        let [tip, mean, shape] = [solved(Objective::Tip)?, solved(Objective::Mean)?, solved(Objective::Shape)?];
+        let air = |one: &Setpoint| format!("{:.4} {:>10.2}", one.pressure.mpa(), 100.0 * one.error.mean);
+        writeln!(
+            out,
+            "{:<20} {:>20} {:>20} {:>12.4} {:>9.3} {:>8.2}",
+            format!("{compensator_mm} for {target_mm}"),
+            air(&tip),
+            air(&mean),
+            shape.pressure.mpa(),
+            shape.reading_gain,
+            100.0 * shape.error.mean
+        )?;
+    }
+    Ok(())
 }
 
 type Solved<'a> = (&'a Experiment, Setpoint, Setpoint);

@@ -130,6 +130,8 @@ impl Answer {
             "solution": self.verdict(),
             "setpoint_mpa": setpoint.pressure.mpa(),
             "k2": setpoint.k2,
+            "reading_gain": setpoint.reading_gain,
+            "predicted_error_of_air_alone": (setpoint.error.ratios_used() > 0).then_some(setpoint.air_error),
             "predicted_error_mean": (setpoint.error.ratios_used() > 0).then_some(setpoint.error.mean),
             "by_contact_ratio": ratios.collect::<Vec<_>>(),
             "compensable_length_min_mm": shortest.mm(),
@@ -158,7 +160,13 @@ impl Answer {
         writeln!(out, "compensator           {length_mm} mm, before at {} MPa", self.compensator.pressure.mpa())?;
         writeln!(out, "setpoint              {:.4} MPa", setpoint.pressure.mpa())?;
         writeln!(out, "k2                    {:.4}", setpoint.k2)?;
+        if setpoint.reading_gain != 1.0 {
+            writeln!(out, "reading gain          {:.4}", setpoint.reading_gain)?;
+        }
         writeln!(out, "mean predicted error  {}", self.mean_in_words())?;
+        if setpoint.reading_gain != 1.0 {
+            writeln!(out, "  of the air alone    {:.2} %", 100.0 * setpoint.air_error)?;
+        }
         writeln!(
             out,
             "compensable lengths   {:.1} to {:.1} mm for this target, at the tip",

@@ -8,6 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_edge::words::Word;
+use vibrissa_evaluation::compensation::reading::{self, Reading, ReadingSummary, SHORT_MM};
 use vibrissa_evaluation::compensation::{
     CASES, CONTACTS_AFTER, Case, Outcome, PLANT_ERROR, START_MPA, Served, Summary, WHOLE_CONTACTS, evaluate, summary,
     trials,
@@ -57,17 +58,21 @@ fn name(case: Case) -> &'static str {
 /// The output or a file cannot be written.
 pub fn run(args: &CompensationArgs, out: &mut dyn Write) -> Result<()> {
     let trials = trials(args.seed, usize::from(args.plants));
-    let progress = Progress::start(trials.len() as u64, "compensations")?;
+    let read = reading::trials(args.seed, usize::from(args.plants));
+    let progress = Progress::start((trials.len() + read.len()) as u64, "compensations")?;
     let outcomes = evaluate(&trials, &|| progress.step());
+    let readings = reading::evaluate(&read, &|| progress.step());
     drop(progress);
     let summaries: Vec<Summary> = CASES.into_iter().filter_map(|case| summary(case, &outcomes)).collect();
     if args.json {
         let trials: Vec<Value> = outcomes.iter().map(trial_json).collect();
         let whole = json!({ "seed": args.seed, "plants": args.plants,
-            "cases": summaries.iter().map(summary_json).collect::<Vec<_>>(), "trials": trials });
+            "cases": summaries.iter().map(summary_json).collect::<Vec<_>>(), "trials": trials,
+            "with_reading_gain": rows(&readings).iter().map(|(name, one)| reading_json(name, one)).collect::<Vec<_>>() });
         writeln!(out, "{}", serde_json::to_string_pretty(&whole)?)?;
     } else {
         print(args, &summaries, out)?;
+        print_readings(&rows(&readings), out)?;
     }
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| format!("creating the folder {}", folder.display()))?;
@@ -77,6 +82,60 @@ pub fn run(args: &CompensationArgs, out: &mut dyn Write) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Rows of the table of readings: the cases, their nearest length, and short whiskers.
+fn rows(readings: &[Option<Reading>]) -> Vec<(String, ReadingSummary)> {
+    let mut rows = Vec::new();
+    for case in CASES {
+        rows.push((name(case).to_owned(), reading::summary(reading::of(case, readings))));
+    }
+    let nearest = reading::of(Case::Shorter, readings).filter(|one| one.trial.length_mm == 65.0);
+    rows.push(("  65 mm for 70 mm alone".to_owned(), reading::summary(nearest)));
+    for length_mm in SHORT_MM {
+        let short = reading::summary(reading::of_length(length_mm, readings));
+        rows.push((format!("self: 70 mm trimmed to {length_mm}"), short));
+    }
+    rows.into_iter().filter_map(|(name, summary)| Some((name, summary?))).collect()
+}
+
+fn print_readings(rows: &[(String, ReadingSummary)], out: &mut dyn Write) -> Result<()> {
+    writeln!(
+        out,
+        "
+Robots that multiply their readings (applies_gain): air for the shape, one gain for the level. Errors of the reading
+with the setpoint of the decision, after contacts at the setpoint, and at the end; \"least\": that any gain has at the held
+pressure; \"moved\": air moved. A regulator with steps of 1.2 kPa hides 0.2 % of a reading, 6 % of the difference that a
+cut of 1 mm makes.
+
+{:<30} {:>6} {:>7} {:>7} {:>6} {:>6} {:>10} {:>19} {:>18} {:>7}",
+        "mean error (%)", "open", "300", "800", "end", "least", "moved kPa", "predicted interval", "measured interval", "served"
+    )?;
+    for (name, one) in rows {
+        writeln!(
+            out,
+            "{name:<30} {:>6.2} {:>7.2} {:>7.2} {:>6.2} {:>6.2} {:>10.1} {:>19} {:>18} {:>7}",
+            100.0 * one.open,
+            100.0 * one.looks[0],
+            100.0 * one.looks[1],
+            100.0 * one.end,
+            100.0 * one.best_gain,
+            1000.0 * one.moved_mpa,
+            format!("holds {:.1} %", 100.0 * one.predicted_coverage),
+            format!("holds {:.1} %", 100.0 * one.measured_coverage),
+            one.served
+        )?;
+    }
+    Ok(())
+}
+
+fn reading_json(name: &str, one: &ReadingSummary) -> Value {
+    json!({
+        "name": name.trim(), "served": one.served, "open_error": one.open, "error_after_300_contacts": one.looks[0],
+        "error_after_800_contacts": one.looks[1], "error_at_end": one.end, "least_error_of_any_gain": one.best_gain,
+        "moved_mpa": one.moved_mpa, "predicted_interval_coverage": one.predicted_coverage,
+        "measured_interval_coverage": one.measured_coverage,
+    })
 }
 
 fn print(args: &CompensationArgs, summaries: &[Summary], out: &mut dyn Write) -> Result<()> {
