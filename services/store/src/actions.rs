@@ -11,6 +11,7 @@ use vibrissa_edge::clock::wall_clock;
 use super::bulk::ChildAction;
 use super::database::{Tx, on};
 use super::from_row::from_row;
+use super::set_aside::Tried;
 use super::shards::ask_shards;
 use super::{Lease, Store, StoreError, Writer, failed};
 
@@ -111,6 +112,15 @@ from_row! {
     }
 }
 
+/// Actions that wait for an answer.
+#[derive(Debug, Default)]
+pub struct Pending {
+    /// The actions, in the order of their requests.
+    pub actions: Vec<Action>,
+    /// Numbers of those that cannot be read.
+    pub unreadable: Vec<i64>,
+}
+
 impl Action {
     /// Whether the action waits for an answer.
     #[must_use]
@@ -162,8 +172,10 @@ impl Store {
              SELECT fleet, 1 AS pending, CAST(0 AS BIGINT) AS version FROM actions \
              WHERE state = 'PENDING' AND not_before_us <= $1 AND fleet IS NOT NULL \
              UNION ALL SELECT fleet, 0, version FROM allowed_robots) w GROUP BY fleet";
-        on!(&self.pool, |pool| sqlx::query_as(SQL).bind(now_us).fetch_all(pool).await)
-            .map_err(failed("read the fleets with pending actions"))
+        let rows: Vec<Tried<FleetWork>> =
+            on!(&self.pool, |pool| sqlx::query_as(SQL).bind(now_us).fetch_all(pool).await)
+                .map_err(failed("read the fleets with pending actions"))?;
+        Ok(self.set_aside.readable("actions", rows))
     }
 
     /// Requests an action. It stays pending until the fleet's owner, here or at another supervisor, answers it.
@@ -211,7 +223,7 @@ impl Writer {
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn pending(&mut self, lease: &Lease, most: i64) -> Result<Vec<Action>, StoreError> {
+    pub async fn pending(&mut self, lease: &Lease, most: i64) -> Result<Pending, StoreError> {
         const WHAT: &str = "read pending actions";
         // The limit is not a parameter: with a parameter there, SQLite would prepare the statement anew each time.
         let of_shard = match lease.shard().is_whole() {
@@ -227,18 +239,30 @@ impl Writer {
              ORDER BY action_id LIMIT {most}"
         );
         let (fleet, now_us) = (lease.fleet().as_str(), wall_clock().0 as i64);
-        self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| {
-                let query = sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).bind(now_us);
-                let query = match lease.shard().is_whole() {
-                    true => query,
-                    false => query.bind(lease.shard_number()).bind(i64::from(lease.shard().count())),
-                };
-                query.fetch_all(link).await
+        let rows: Vec<Tried<Action>> = self
+            .attempt(WHAT, PATIENCE, async |link| {
+                on!(link, |link| {
+                    let query = sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).bind(now_us);
+                    let query = match lease.shard().is_whole() {
+                        true => query,
+                        false => query.bind(lease.shard_number()).bind(i64::from(lease.shard().count())),
+                    };
+                    query.fetch_all(link).await
+                })
+                .map_err(failed(WHAT))
             })
-            .map_err(failed(WHAT))
-        })
-        .await
+            .await?;
+        let mut pending = Pending::default();
+        for row in rows {
+            match row {
+                Tried::Read(action) => pending.actions.push(action),
+                Tried::Unreadable(row) => {
+                    self.set_aside.add("actions", &row);
+                    pending.unreadable.extend(row.id);
+                }
+            }
+        }
+        Ok(pending)
     }
 }
 

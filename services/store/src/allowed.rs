@@ -1,11 +1,13 @@
 //! Lists of allowed robots that operators have set, and the robots that were turned away.
 
+use sqlx::{ColumnIndex, Decode, FromRow, Row, Type};
 use tokio::time::Duration;
 use vibrissa_protocol::Name;
 
 use super::actions::{Asked, NewAction, record_done};
 use super::database::on;
 use super::from_row::from_row;
+use super::set_aside::{SetAside, Tried};
 use super::{Lease, Store, StoreError, Writer, failed};
 
 /// Time limit for a query or transaction of an engine.
@@ -43,6 +45,40 @@ from_row! {
     }
 }
 
+/// A list as it is stored. Of a damaged one the readable names are in force: a list that cannot be read must not admit everybody.
+struct StoredList {
+    read: Tried<AllowedReading>,
+    version: i64,
+    names: Option<String>,
+}
+
+impl<'r, R: Row> FromRow<'r, R> for StoredList
+where
+    AllowedReading: FromRow<'r, R>,
+    usize: ColumnIndex<R>,
+    &'static str: ColumnIndex<R>,
+    i64: for<'v> Decode<'v, R::Database> + Type<R::Database>,
+    Option<Vec<u8>>: Decode<'r, R::Database>,
+{
+    fn from_row(row: &'r R) -> sqlx::Result<Self> {
+        let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+        Ok(Self {
+            read: Tried::from_row(row)?,
+            version: row.try_get("version")?,
+            names: row.try_get_unchecked::<Option<Vec<u8>>, _>("robots")?.map(text),
+        })
+    }
+}
+
+impl StoredList {
+    fn reading(self, set_aside: &SetAside) -> AllowedReading {
+        let Self { read, version, names: robots } = self;
+        let damaged =
+            || AllowedReading { version, robots, changed_us: 0, changed_by: "unknown".to_owned(), reason: None };
+        set_aside.read("allowed_robots", read).unwrap_or_else(damaged)
+    }
+}
+
 /// The valid names in a stored list.
 pub fn names_of(robots: &str) -> impl Iterator<Item = Name> {
     robots.lines().filter_map(|line| Name::robot(line).ok())
@@ -57,8 +93,10 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn allowed_robots(&self, fleet: &str) -> Result<Option<AllowedReading>, StoreError> {
-        on!(&self.pool, |pool| sqlx::query_as(NEWEST).bind(fleet).bind(0_i64).fetch_optional(pool).await)
-            .map_err(failed("read the list of allowed robots"))
+        let stored: Option<StoredList> =
+            on!(&self.pool, |pool| sqlx::query_as(NEWEST).bind(fleet).bind(0_i64).fetch_optional(pool).await)
+                .map_err(failed("read the list of allowed robots"))?;
+        Ok(stored.map(|stored| stored.reading(&self.set_aside)))
     }
 
     /// The robots that were turned away, those with the newest messages first.
@@ -129,11 +167,13 @@ impl Writer {
     pub async fn allowed_robots(&mut self, lease: &Lease, after: i64) -> Result<Option<AllowedReading>, StoreError> {
         const WHAT: &str = "read the list of allowed robots";
         let fleet = lease.fleet().as_str();
-        self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_as(NEWEST).bind(fleet).bind(after).fetch_optional(link).await)
-                .map_err(failed(WHAT))
-        })
-        .await
+        let stored: Option<StoredList> = self
+            .attempt(WHAT, PATIENCE, async |link| {
+                on!(link, |link| sqlx::query_as(NEWEST).bind(fleet).bind(after).fetch_optional(link).await)
+                    .map_err(failed(WHAT))
+            })
+            .await?;
+        Ok(stored.map(|stored| stored.reading(&self.set_aside)))
     }
 
     /// Replaces the shard's rows of robots that were turned away.

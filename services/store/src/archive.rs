@@ -5,12 +5,13 @@
 //! written down before the file, so that every attempt writes the same contacts under the same name.
 
 use futures_util::TryStreamExt as _;
-use sqlx::{Postgres, Sqlite};
+use sqlx::{Postgres, Row as _, Sqlite};
 
 use super::database::{Either, Tx, on};
 use super::export::{CONTACTS, Cell, cell};
 use super::from_row::from_row;
 use super::partitions::DAY_US;
+use super::set_aside::Tried;
 use super::{Lease, Store, StoreError, Writer, failed};
 use std::time::Duration;
 use tokio::sync::mpsc;
@@ -269,7 +270,9 @@ impl Store {
                 while let Some(row) = found.try_next().await.map_err(failed(WHAT))? {
                     let cells: sqlx::Result<Vec<Cell>> =
                         CONTACTS.columns.iter().map(|column| cell(&row, column)).collect();
-                    group.push(cells.map_err(failed(WHAT))?);
+                    let cells = Tried::of(&row, cells).map_err(failed(WHAT))?;
+                    let received_us = row.try_get("received_at").ok();
+                    group.extend(self.set_aside.read("contacts", cells.named("received_us", received_us)));
                     // If nobody receives the rows any more, their reader has failed and says so.
                     if group.len() == GROUP_ROWS && rows.send(std::mem::take(&mut group)).await.is_err() {
                         return Ok(());

@@ -3,6 +3,7 @@
 use super::actions::{Asked, NewAction, record_done};
 use super::database::{Tx, on};
 use super::from_row::from_row;
+use super::set_aside::Tried;
 use super::{Lease, Store, StoreError, Writer, failed};
 use borsh::{BorshDeserialize, BorshSerialize};
 use tokio::time::Duration;
@@ -55,8 +56,10 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn active_calibrations(&self, fleet: &str) -> Result<Vec<ActiveCalibration>, StoreError> {
-        on!(&self.pool, |pool| sqlx::query_as(ACTIVE).bind(fleet).fetch_all(pool).await)
-            .map_err(failed("read the active calibrations"))
+        let rows: Vec<Tried<ActiveCalibration>> =
+            on!(&self.pool, |pool| sqlx::query_as(ACTIVE).bind(fleet).fetch_all(pool).await)
+                .map_err(failed("read the active calibrations"))?;
+        Ok(self.set_aside.readable("calibrations", rows))
     }
 
     /// Stores a calibration under the model's next version, and records the action in the audit log. Returns its
@@ -106,10 +109,12 @@ impl Writer {
     pub async fn calibrations(&mut self, lease: &Lease) -> Result<Vec<ActiveCalibration>, StoreError> {
         const WHAT: &str = "read the active calibrations";
         let fleet = lease.fleet().as_str();
-        self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_as(ACTIVE).bind(fleet).fetch_all(link).await).map_err(failed(WHAT))
-        })
-        .await
+        let rows: Vec<Tried<ActiveCalibration>> = self
+            .attempt(WHAT, PATIENCE, async |link| {
+                on!(link, |link| sqlx::query_as(ACTIVE).bind(fleet).fetch_all(link).await).map_err(failed(WHAT))
+            })
+            .await?;
+        Ok(self.set_aside.readable("calibrations", rows))
     }
 }
 

@@ -4,12 +4,14 @@
 //! a [`Mark`] and never misses one, even if several supervisors write at once.
 
 use serde::Serialize;
+use sqlx::{ColumnIndex, Decode, FromRow, Row, Type};
 use utoipa::ToSchema;
 
 use super::batch::Record;
 use super::database::{Either, Tx, on};
 use super::from_row::from_row;
 use super::row::columns;
+use super::set_aside::Tried;
 use super::tables::{CHANGES, InFleet};
 use super::time::Time;
 use super::{Store, StoreError, failed};
@@ -76,6 +78,25 @@ impl Change {
     #[must_use]
     pub fn mark(&self) -> Mark {
         Mark { tx: self.tx, change_id: self.change_id }
+    }
+}
+
+/// A change with its mark, which is known also if the change cannot be read.
+struct Marked {
+    mark: Mark,
+    change: Tried<Change>,
+}
+
+impl<'r, R: Row> FromRow<'r, R> for Marked
+where
+    usize: ColumnIndex<R>,
+    &'static str: ColumnIndex<R>,
+    i64: for<'v> Decode<'v, R::Database> + Type<R::Database>,
+    Change: FromRow<'r, R>,
+{
+    fn from_row(row: &'r R) -> sqlx::Result<Self> {
+        let mark = Mark { tx: row.try_get("tx")?, change_id: row.try_get("change_id")? };
+        Ok(Self { mark, change: Tried::from_row(row)?.named("change_id", Some(mark.change_id)) })
     }
 }
 
@@ -199,14 +220,14 @@ macro_rules! named_changes {
 }
 
 impl Store {
-    /// The oldest [`CHANGES_MAX`] changes after a mark, in order. Changes younger than a transaction that has not
+    /// The oldest [`CHANGES_MAX`] changes after a mark, in order, each with its mark; `None` for one that cannot be read. Changes younger than a transaction that has not
     /// ended are left to the next query: an older change may still appear before them.
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn changes_after(&self, mark: Mark) -> Result<Vec<Change>, StoreError> {
+    pub async fn changes_after(&self, mark: Mark) -> Result<Vec<(Mark, Option<Change>)>, StoreError> {
         const WHAT: &str = "read the changes";
-        match &self.pool {
+        let rows: Vec<Marked> = match &self.pool {
             Either::Sqlite(pool) => {
                 let sql = named_changes!(" ORDER BY c.tx, c.change_id LIMIT $3");
                 sqlx::query_as(sql).bind(mark.tx).bind(mark.change_id).bind(CHANGES_MAX).fetch_all(pool).await
@@ -219,7 +240,8 @@ impl Store {
                 sqlx::query_as(sql).bind(mark.tx).bind(mark.change_id).bind(CHANGES_MAX).fetch_all(pool).await
             }
         }
-        .map_err(failed(WHAT))
+        .map_err(failed(WHAT))?;
+        Ok(rows.into_iter().map(|row| (row.mark, self.set_aside.read("changes", row.change))).collect())
     }
 
     /// The first and the last mark of the feed; `None` if it is empty. Changes of transactions that have not ended

@@ -55,6 +55,7 @@ mod row;
 pub mod secret;
 pub mod series;
 pub mod sessions;
+mod set_aside;
 pub mod shards;
 mod sign_in;
 mod sqlite;
@@ -77,6 +78,7 @@ pub use load::{NumberedWhisker, RobotState, StoredRobot};
 pub use membership::{ClockReport, FleetLease, FleetsHeard, Membership, Present, Supervisor};
 pub use postgres::{NoServer, Refusal, Replication};
 pub use resolution::Resolution;
+pub use set_aside::SetAside;
 pub use writer::Writer;
 
 use database::{ACQUIRE_PATIENCE, Either, Options, Pool, on};
@@ -88,6 +90,7 @@ pub struct Store {
     pool: Pool,
     options: Arc<Options>,
     name: Arc<str>,
+    set_aside: SetAside,
 }
 
 impl Store {
@@ -102,7 +105,7 @@ impl Store {
             DatabaseAddress::Sqlite(path) => sqlite::open(path, &name, supervisor).await?,
             DatabaseAddress::Postgres(address) => postgres::open(address, supervisor),
         };
-        Ok(Self { pool, options: Arc::new(options), name })
+        Ok(Self { pool, options: Arc::new(options), name, set_aside: SetAside::default() })
     }
 
     /// Opens the database for a command beside the service, and migrates its tables. An SQLite file that a supervisor
@@ -119,7 +122,7 @@ impl Store {
             (Err(StoreError::InUse { .. }), DatabaseAddress::Sqlite(path)) => {
                 let name: Arc<str> = address.to_string().into();
                 let (pool, options) = sqlite::open_beside(path, &name).await?;
-                Ok(Self { pool, options: Arc::new(options), name })
+                Ok(Self { pool, options: Arc::new(options), name, set_aside: SetAside::default() })
             }
             (Err(problem), _) => Err(problem),
         }
@@ -166,7 +169,13 @@ impl Store {
     /// A writer with its own connection.
     #[must_use]
     pub fn writer(&self) -> Writer {
-        Writer::new(self.options.clone())
+        Writer::new(self.options.clone(), self.set_aside.clone())
+    }
+
+    /// The rows that could not be read.
+    #[must_use]
+    pub fn set_aside(&self) -> &SetAside {
+        &self.set_aside
     }
 
     /// Ends an operation with an error if the database gets a new leader meanwhile: the former one may never answer.

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use sqlx::{Database, Encode, Postgres, QueryBuilder, Row, Sqlite, Type};
+use sqlx::{Database, Encode, FromRow as _, Postgres, QueryBuilder, Sqlite, Type};
 use vibrissa_core::robot::event::ArrayKind;
 use vibrissa_core::robot::{Numbers, RestoreError, Robot, WhiskerView};
 use vibrissa_core::units::Micros;
 
 use super::database::{Either, Link, Tx, on};
 use super::from_row::from_row;
+use super::set_aside::{SetAside, Tried};
 use super::shards::of_shard;
 use super::{Lease, Store, StoreError, Writer, failed};
 use vibrissa_edge::words::Word;
@@ -89,6 +90,77 @@ impl Store {
     }
 }
 
+/// Some robots of a shard.
+#[derive(Debug, Default)]
+pub struct StoredRobots {
+    /// The robots, in the order of their numbers.
+    pub robots: Vec<StoredRobot>,
+    /// Number of the last robot that was read, or set aside; `None` if there is none.
+    pub last: Option<i64>,
+}
+
+from_row! {
+    /// The row of a robot.
+    struct RobotHead {
+        robot_id: i64,
+        robot: String,
+        state: Option<Vec<u8>>,
+        journal_number: i64,
+        is_held: i32,
+        last_trim: Option<i64>,
+        last_compensation: Option<i64>,
+    }
+
+    /// A robot of whose row more than this cannot be read.
+    struct RobotName {
+        robot_id: i64,
+        robot: String,
+    }
+
+    /// The row of a whisker.
+    struct WhiskerHead {
+        robot_id: i64,
+        whisker_id: i64,
+        state: Vec<u8>,
+        rollup: Option<Vec<u8>>,
+    }
+
+    /// The row of a boot.
+    struct BootNumber {
+        robot_id: i64,
+        boot: i64,
+        boot_id: String,
+    }
+}
+
+impl From<RobotHead> for StoredRobot {
+    fn from(row: RobotHead) -> Self {
+        Self {
+            robot_id: row.robot_id,
+            robot: row.robot,
+            state: row.state,
+            whisker_ids: Vec::new(),
+            whisker_states: Vec::new(),
+            rollups: Vec::new(),
+            boots: BTreeMap::new(),
+            journal_number: row.journal_number,
+            held: row.is_held != 0,
+            numbers: Numbers {
+                next_trim: next_number(row.last_trim),
+                next_compensation: next_number(row.last_compensation),
+            },
+        }
+    }
+}
+
+impl From<RobotName> for RobotHead {
+    /// A state without bytes is one that cannot be read.
+    fn from(RobotName { robot_id, robot }: RobotName) -> Self {
+        let (last_trim, last_compensation) = (None, None);
+        Self { robot_id, robot, state: Some(Vec::new()), journal_number: 0, is_held: 0, last_trim, last_compensation }
+    }
+}
+
 from_row! {
     /// State of a robot (position -1) or of one of its whiskers.
     struct StateRow {
@@ -104,9 +176,10 @@ impl Writer {
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn robots(&mut self, lease: &Lease, after: i64, most: i64) -> Result<Vec<StoredRobot>, StoreError> {
+    pub async fn robots(&mut self, lease: &Lease, after: i64, most: i64) -> Result<StoredRobots, StoreError> {
         const WHAT: &str = "load the robots";
-        let load = async |link: &mut Link| robots(link, lease, after, most).await.map_err(failed(WHAT));
+        let set_aside = self.set_aside.clone();
+        let load = async |link: &mut Link| robots(link, lease, (after, most), &set_aside).await.map_err(failed(WHAT));
         self.attempt(WHAT, LOAD_PATIENCE, load).await
     }
 
@@ -116,8 +189,10 @@ impl Writer {
     /// The database cannot be read.
     pub async fn robot(&mut self, lease: &Lease, robot_id: i64) -> Result<Option<StoredRobot>, StoreError> {
         const WHAT: &str = "load a robot";
-        let load = async |link: &mut Link| robots(link, lease, robot_id - 1, 1).await.map_err(failed(WHAT));
-        let next = self.attempt(WHAT, NUMBER_PATIENCE, load).await?.pop();
+        let set_aside = self.set_aside.clone();
+        let load =
+            async |link: &mut Link| robots(link, lease, (robot_id - 1, 1), &set_aside).await.map_err(failed(WHAT));
+        let next = self.attempt(WHAT, NUMBER_PATIENCE, load).await?.robots.pop();
         Ok(next.filter(|robot| robot.robot_id == robot_id))
     }
 
@@ -191,8 +266,14 @@ pub(super) async fn held<'c>(link: &'c mut Link, lease: &Lease, what: &'static s
     Ok(tx)
 }
 
-/// At most `most` robots of a shard with numbers above `after`.
-async fn robots(link: &mut Link, lease: &Lease, after: i64, most: i64) -> sqlx::Result<Vec<StoredRobot>> {
+/// At most `most` robots of a shard with numbers above `after`. One damaged row costs its robot what it has learned, and
+/// keeps no other robot from being loaded.
+async fn robots(
+    link: &mut Link,
+    lease: &Lease,
+    (after, most): (i64, i64),
+    set_aside: &SetAside,
+) -> sqlx::Result<StoredRobots> {
     const ROBOTS: &str = concat!(
         "SELECT robot_id, robot, state, journal_number, \
          CASE WHEN r.held OR EXISTS (SELECT 1 FROM whiskers w WHERE w.robot_id = r.robot_id AND w.held) \
@@ -221,39 +302,45 @@ async fn robots(link: &mut Link, lease: &Lease, after: i64, most: i64) -> sqlx::
             query.bind($from).bind($to).fetch_all($link).await?
         }};
     }
-    let mut robots: BTreeMap<i64, StoredRobot> = BTreeMap::new();
+    let (mut robots, mut bounds) = (BTreeMap::new(), None);
+    let mut seen = |robot_id: i64| bounds = Some((bounds.map_or(robot_id, |(first, _)| first), robot_id));
     on!(&mut *link, |link| for row in rows!(&mut *link, ROBOTS, after, most) {
-        let robot = StoredRobot {
-            robot_id: row.get("robot_id"),
-            robot: row.get("robot"),
-            state: row.get("state"),
-            journal_number: row.get("journal_number"),
-            held: row.get::<i32, _>("is_held") != 0,
-            whisker_ids: Vec::new(),
-            whisker_states: Vec::new(),
-            rollups: Vec::new(),
-            boots: BTreeMap::new(),
-            numbers: Numbers {
-                next_trim: next_number(row.get("last_trim")),
-                next_compensation: next_number(row.get("last_compensation")),
-            },
+        let head = match Tried::<RobotHead>::from_row(&row)? {
+            Tried::Read(head) => head,
+            Tried::Unreadable(problem) => {
+                set_aside.add("robots", &problem);
+                problem.id.into_iter().for_each(&mut seen);
+                let Ok(name) = RobotName::from_row(&row) else { continue };
+                name.into()
+            }
         };
-        robots.insert(robot.robot_id, robot);
+        seen(head.robot_id);
+        robots.insert(head.robot_id, StoredRobot::from(head));
     });
-    let (Some(&first), Some(&last)) = (robots.keys().next(), robots.keys().next_back()) else { return Ok(Vec::new()) };
+    let Some((first, last)) = bounds else { return Ok(StoredRobots::default()) };
     on!(&mut *link, |link| for row in rows!(&mut *link, WHISKERS, first, last) {
-        if let Some(robot) = robots.get_mut(&row.get("robot_id")) {
-            robot.whisker_ids.push(row.get("whisker_id"));
-            robot.whisker_states.push(row.get("state"));
-            robot.rollups.push(row.get("rollup"));
+        let whisker = match Tried::<WhiskerHead>::from_row(&row)? {
+            Tried::Read(whisker) => whisker,
+            Tried::Unreadable(problem) => {
+                set_aside.add("whiskers", &problem);
+                let Some(robot_id) = problem.id else { continue };
+                // A state without bytes cannot be read.
+                WhiskerHead { robot_id, whisker_id: 0, state: Vec::new(), rollup: None }
+            }
+        };
+        if let Some(robot) = robots.get_mut(&whisker.robot_id) {
+            robot.whisker_ids.push(whisker.whisker_id);
+            robot.whisker_states.push(whisker.state);
+            robot.rollups.push(whisker.rollup);
         }
     });
     on!(link, |link| for row in rows!(link, BOOTS, first, last) {
-        if let Some(robot) = robots.get_mut(&row.get("robot_id")) {
-            robot.boots.insert(row.get("boot_id"), row.get("boot"));
+        let Some(boot) = set_aside.read("boots", Tried::<BootNumber>::from_row(&row)?) else { continue };
+        if let Some(robot) = robots.get_mut(&boot.robot_id) {
+            robot.boots.insert(boot.boot_id, boot.boot);
         }
     });
-    Ok(robots.into_values().collect())
+    Ok(StoredRobots { robots: robots.into_values().collect(), last: Some(last) })
 }
 
 /// The number after the last one. A number in the database has the robot's number in its upper 32 bits.

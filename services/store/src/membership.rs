@@ -333,22 +333,24 @@ async fn sqlite_membership(link: &mut SqliteConnection, supervisor: &Supervisor)
         "SELECT fleet, shard, shards, shards_wanted, epoch, owner, holder FROM leases ORDER BY fleet, shard";
     let rows = sqlx::query(SQL).fetch_all(link).await?;
     let lease = |shard: FleetShard, row: Option<&SqliteRow>| {
-        let owner: Option<String> = row.and_then(|row| row.get("owner"));
+        // Nobody else has the file, so a damaged row must not keep the fleet from being supervised.
+        let text = |column| row.and_then(|row| row.try_get(column).ok().flatten());
+        let owner: Option<String> = text("owner");
         FleetLease {
             shard,
-            shards_wanted: row.map_or(1, |row| row.get("shards_wanted")),
-            epoch: row.map_or(0, |row| row.get::<i64, _>("epoch")) as u64,
+            shards_wanted: row.and_then(|row| row.try_get("shards_wanted").ok()).unwrap_or(1),
+            epoch: row.and_then(|row| row.try_get::<i64, _>("epoch").ok()).unwrap_or_default() as u64,
             free: owner.as_deref() != Some(&*supervisor.id),
             free_in: None,
             owner,
-            holder: row.and_then(|row| row.get("holder")),
+            holder: text("holder"),
         }
     };
     let leases = supervisor.fleets.iter().flat_map(|fleet| {
-        let of_fleet = rows.iter().filter(|row| row.get::<&str, _>("fleet") == fleet.as_str());
+        let of_fleet = rows.iter().filter(|row| row.try_get("fleet").is_ok_and(|told: &str| told == fleet.as_str()));
         let leases: Vec<_> = of_fleet
             .filter_map(|row| {
-                let shard = FleetShard::new(fleet.clone(), row.get("shard"), row.get("shards"))?;
+                let shard = FleetShard::new(fleet.clone(), row.try_get("shard").ok()?, row.try_get("shards").ok()?)?;
                 Some(lease(shard, Some(row)))
             })
             .collect();

@@ -10,6 +10,7 @@ use vibrissa_edge::words::named;
 
 use super::database::on;
 use super::from_row::from_row;
+use super::set_aside::Tried;
 use super::{Lease, Store, StoreError, Writer, failed};
 
 /// Time limit for reading the policy.
@@ -60,40 +61,70 @@ macro_rules! policy {
 
         /// The columns; the numbers of the policy are the last ones.
         const COLUMNS: &str = concat!(
-            "fleet, version, mode, objective, longer_for_shorter, changed_us, changed_by, reason, action_id",
+            "version, fleet, mode, objective, longer_for_shorter, changed_us, changed_by, reason, action_id",
             $(", ", stringify!($name),)+
         );
     };
 }
 policy_numbers!(policy);
 
+const TABLE: &str = "policies";
+const VERSION: &str = "SELECT coalesce(max(version), 0) FROM policies WHERE fleet = $1";
+
 fn newest() -> String {
     format!("SELECT {COLUMNS} FROM policies WHERE fleet = $1 ORDER BY version DESC LIMIT 1")
 }
 
 impl Store {
-    /// The newest policy that an operator has set for a fleet; `None` if the policy of the configuration is in force.
+    /// The newest policy that an operator has set for a fleet; `None` if the policy of the configuration is in force, because
+    /// none was set, or because it cannot be read.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn policy(&self, fleet: &str) -> Result<Option<PolicyReading>, StoreError> {
         let sql = newest();
-        on!(&self.pool, |pool| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).fetch_optional(pool).await)
+        let read: Option<Tried<PolicyReading>> =
+            on!(&self.pool, |pool| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).fetch_optional(pool).await)
+                .map_err(failed("read the policy"))?;
+        Ok(read.and_then(|row| self.set_aside.read(TABLE, row)))
+    }
+
+    /// Version of the newest policy that an operator has set for a fleet, also if it cannot be read; 0 without one.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn policy_version(&self, fleet: &str) -> Result<i64, StoreError> {
+        on!(&self.pool, |pool| sqlx::query_scalar(VERSION).bind(fleet).fetch_one(pool).await)
             .map_err(failed("read the policy"))
     }
 }
 
 impl Writer {
     /// The newest policy that an operator has set for the lease's fleet; `None` if the policy of the configuration is
-    /// in force.
+    /// in force, because none was set, or because it cannot be read.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn policy(&mut self, lease: &Lease) -> Result<Option<PolicyReading>, StoreError> {
         const WHAT: &str = "read the policy";
         let (sql, fleet) = (newest(), lease.fleet().as_str());
+        let read: Option<Tried<PolicyReading>> = self
+            .attempt(WHAT, PATIENCE, async |link| {
+                on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).fetch_optional(link).await)
+                    .map_err(failed(WHAT))
+            })
+            .await?;
+        Ok(read.and_then(|row| self.set_aside.read(TABLE, row)))
+    }
+
+    /// Version of the newest policy that an operator has set for the lease's fleet, also if it cannot be read; 0 without one.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn policy_version(&mut self, lease: &Lease) -> Result<i64, StoreError> {
+        const WHAT: &str = "read the policy";
         self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).fetch_optional(link).await)
+            on!(link, |link| sqlx::query_scalar(VERSION).bind(lease.fleet().as_str()).fetch_one(link).await)
                 .map_err(failed(WHAT))
         })
         .await

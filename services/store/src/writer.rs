@@ -11,7 +11,7 @@ use vibrissa_protocol::Name;
 
 use super::database::{Either, Link, Options};
 use super::lease_watch::LeaseWatch;
-use super::{Batch, Lease, StoreError, commit, failed};
+use super::{Batch, Lease, SetAside, StoreError, commit, failed};
 
 /// Time limit for one attempt: a server that hangs counts as unreachable.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -29,16 +29,19 @@ pub struct Writer {
     pub(super) highest_epochs: BTreeMap<Name, u64>,
     /// Tells leases and members that are alive, by this process's monotonic clock.
     pub(super) lease_watch: LeaseWatch,
+    /// Rows that could not be read.
+    pub(super) set_aside: SetAside,
 }
 
 impl Writer {
-    pub(super) fn new(options: Arc<Options>) -> Self {
+    pub(super) fn new(options: Arc<Options>, set_aside: SetAside) -> Self {
         let changes = match &*options {
             Either::Sqlite(_) => None,
             Either::Postgres(route) => Some(route.changes()),
         };
         let (last_epochs, highest_epochs) = (BTreeMap::new(), BTreeMap::new());
-        Self { options, link: None, changes, last_epochs, highest_epochs, lease_watch: LeaseWatch::default() }
+        let lease_watch = LeaseWatch::default();
+        Self { options, link: None, changes, last_epochs, highest_epochs, lease_watch, set_aside }
     }
 
     /// Writes a batch in one transaction. Idempotent: retrying the same batch after an error never writes it twice.

@@ -23,18 +23,21 @@ pub(crate) fn with_model(params: &Params, file: &CalibrationFile) -> Result<Arc<
     Ok(Arc::new(params))
 }
 
-/// The parameters with the calibrations that are active in the fleet.
-pub(crate) fn with_calibrations(params: Arc<Params>, active: &[ActiveCalibration]) -> Arc<Params> {
-    active.iter().fold(params, |params, one| {
+/// The parameters with the calibrations that are active in the fleet, and the number of those that cannot be used.
+pub(crate) fn with_calibrations(params: Arc<Params>, active: &[ActiveCalibration]) -> (Arc<Params>, u64) {
+    let mut unusable = 0;
+    let params = active.iter().fold(params, |params, one| {
         let read = serde_json::from_str(&one.calibration).map_err(|problem| problem.to_string());
         read.and_then(|file| with_model(&params, &file)).unwrap_or_else(|problem| {
             error!(
                 calibration = one.calibration_id,
                 problem, "cannot use an active calibration, using the one of the configuration"
             );
+            unusable += 1;
             params
         })
-    })
+    });
+    (params, unusable)
 }
 
 /// The parameters with the policy that an operator has set, if there is one.

@@ -10,6 +10,7 @@ use vibrissa_edge::shard::FleetShard;
 
 use crate::mqtt::{LinkState, NodesInUse};
 use crate::promises::{Ages, PATIENCE, Promises};
+use vibrissa_store::SetAside;
 
 /// Time for which `/readyz` names items that were set aside.
 const SET_ASIDE_TOLD: Duration = Duration::from_secs(600);
@@ -22,6 +23,7 @@ pub struct Readiness(Arc<Mutex<Parts>>);
 struct Parts {
     problems: BTreeMap<String, String>,
     notices: BTreeMap<String, String>,
+    rows: SetAside,
     shards: BTreeMap<FleetShard, Standing>,
     links: BTreeMap<FleetShard, (LinkState, Promises)>,
     /// Time of the last answer of the database, by the renewal of the leases; `None` before the first.
@@ -82,7 +84,13 @@ impl Readiness {
     /// Findings that people must know although the service works.
     #[must_use]
     pub fn notices(&self) -> Vec<String> {
-        self.parts().notices.values().cloned().collect()
+        let parts = self.parts();
+        parts.notices.values().cloned().chain(parts.rows.notices()).collect()
+    }
+
+    /// Includes the database's rows that cannot be read among the findings.
+    pub(crate) fn tells_rows(&self, rows: SetAside) {
+        self.parts().rows = rows;
     }
 
     /// Names unreadable items of a shard, which were set aside, for a while.

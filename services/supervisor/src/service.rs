@@ -194,6 +194,7 @@ impl Service {
         let follow = |path| robots_file::follow(path, stopped.clone()).map_err(anyhow::Error::msg);
         let robots_file = options.limits.robots_file.map(follow).transpose().context("limits.robots_file")?;
         let readiness = Readiness::default();
+        readiness.tells_rows(store.set_aside().clone());
         let action_notifier = ActionNotifier::default();
         let params = Arc::new(options.params);
         let hold_back = HoldBack::default();

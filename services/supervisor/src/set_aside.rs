@@ -14,11 +14,26 @@ pub(crate) enum Reader {
     Checkpoint,
     /// The policy in force.
     Policy,
+    /// Active calibrations.
+    Calibration,
+    /// The open roll-out.
+    Rollout,
+    /// Events for Kafka that wait in the outbox.
+    EventOutbox,
 }
 
 impl Reader {
     /// All readers.
-    pub(crate) const ALL: [Self; 5] = [Self::Log, Self::Journal, Self::IntentLog, Self::Checkpoint, Self::Policy];
+    pub(crate) const ALL: [Self; 8] = [
+        Self::Log,
+        Self::Journal,
+        Self::IntentLog,
+        Self::Checkpoint,
+        Self::Policy,
+        Self::Calibration,
+        Self::Rollout,
+        Self::EventOutbox,
+    ];
 
     /// The reader as a label of metrics.
     pub(crate) const fn word(self) -> &'static str {
@@ -28,6 +43,9 @@ impl Reader {
             Self::IntentLog => "INTENT_LOG",
             Self::Checkpoint => "CHECKPOINT",
             Self::Policy => "POLICY",
+            Self::Calibration => "CALIBRATION",
+            Self::Rollout => "ROLLOUT",
+            Self::EventOutbox => "EVENT_OUTBOX",
         }
     }
 }

@@ -92,9 +92,15 @@ fn golden_robots_of_older_versions_become_version_10() {
 }
 
 #[test]
-fn a_whisker_of_a_later_version_is_refused() {
-    let mut later = WHISKERS_12[0].to_vec();
-    later[0] += 1;
-    let refused = restored([&later, WHISKERS_12[1], WHISKERS_12[2]]);
-    assert_eq!(refused.err(), Some(RestoreError::Whisker(0)));
+fn regress_bytes_of_a_later_version_are_told_from_damaged_ones() {
+    let of_whisker = |by: u8| {
+        let mut later = WHISKERS_12[0].to_vec();
+        later[0] += by;
+        restored([&later, WHISKERS_12[1], WHISKERS_12[2]]).err()
+    };
+    assert_eq!([of_whisker(1), of_whisker(100)], [Some(RestoreError::Newer); 2]);
+    assert_eq!(of_whisker(101), Some(RestoreError::Whisker(0)), "no program had so many versions");
+    let of_head = |version: u8| Robot::restore(&[&[version, 0], &ROBOT_9[2..]].concat(), &[]).err();
+    assert_eq!([of_head(11), of_head(110)], [Some(RestoreError::Newer); 2]);
+    assert_eq!([of_head(0), of_head(111)], [Some(RestoreError::Head); 2]);
 }

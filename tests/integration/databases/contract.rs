@@ -227,7 +227,7 @@ async fn mail(store: &Store, writer: &mut Writer, lease: &Lease) -> (Value, Valu
     assert_eq!(store.ask(&keyed).await.unwrap(), Asked::Again(known.clone()));
     let other = NewAction { whisker: Some(0), ..keyed };
     assert_eq!(store.ask(&other).await.unwrap(), Asked::Different(known.clone()));
-    let pending = writer.pending(lease, 2).await.unwrap();
+    let pending = writer.pending(lease, 2).await.unwrap().actions;
     assert_eq!(pending.iter().map(|one| one.action_id).collect::<Vec<_>>(), [1, 2]);
     assert_eq!(pending[0], known);
     assert_eq!((writer.policy(lease).await.unwrap(), store.action(99).await.unwrap()), (None, None));
@@ -259,7 +259,7 @@ async fn mail(store: &Store, writer: &mut Writer, lease: &Lease) -> (Value, Valu
     let (mut asked, policy) = (store.action(1).await.unwrap().unwrap(), writer.policy(lease).await.unwrap());
     assert_eq!(asked.refusal(), Some(("HELD", "released first")));
     assert_eq!(policy, store.policy("f").await.unwrap());
-    assert_eq!(writer.pending(lease, 10).await.unwrap().len(), 2);
+    assert_eq!(writer.pending(lease, 10).await.unwrap().actions.len(), 2);
     (asked.asked_us, asked.expires_us) = (0, 0);
     (json!(asked), json!(policy))
 }
@@ -296,7 +296,8 @@ pub(crate) async fn written_and_read(database: &Fresh, together: usize) -> Value
         store.all::<ActionRow>(&ACTIONS, Vec::new()).await.unwrap().into_iter().map(|row| row.test_id).collect();
     let lengths = store.lengths("r", "left", 0, 500).await.unwrap();
     let changes = store.changes_after(Mark { tx: 0, change_id: 0 }).await.unwrap();
-    let stored = writer.robots(&lease, 0, i64::MAX).await.unwrap();
+    let changes: Vec<_> = changes.into_iter().filter_map(|(_, change)| change).collect();
+    let stored = writer.robots(&lease, 0, i64::MAX).await.unwrap().robots;
     let stored = stored.iter().map(|robot| {
         json!([
             robot.robot,

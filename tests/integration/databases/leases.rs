@@ -110,7 +110,11 @@ async fn the_dispossessed_write_nothing(database: &Fresh) {
         assert!(matches!(problem, Err(StoreError::LeaseLost { .. })), "{problem:?}");
     }
     assert_eq!(database.store.contact_count().await.unwrap(), 3);
-    assert_eq!(writer_b.robots(&new, 0, i64::MAX).await.unwrap().len(), 1, "the former owner must not create a robot");
+    assert_eq!(
+        writer_b.robots(&new, 0, i64::MAX).await.unwrap().robots.len(),
+        1,
+        "the former owner must not create a robot"
+    );
     writer_b.commit(&new, &contacts(&robot, 3..4)).await.unwrap();
     assert_eq!(database.store.contact_count().await.unwrap(), 4);
 }

@@ -227,7 +227,7 @@ async fn of_the_first_version(folder: &str, address: &DatabaseAddress) {
     writer.sign_in(&crate::supervisor("s"), &[]).await.unwrap();
     let lease = writer.acquire(&crate::supervisor("s"), &crate::fleet()).await.unwrap().unwrap();
     assert!(lease.epoch() > 7);
-    let robots = writer.robots(&lease, 0, i64::MAX).await.unwrap();
+    let robots = writer.robots(&lease, 0, i64::MAX).await.unwrap().robots;
     assert_eq!((robots.len(), robots[0].numbers.next_trim, robots[0].numbers.next_compensation), (1, 1, 1));
     assert_eq!(store.contact_count().await.unwrap(), 1);
     let whiskers = store.all::<Whisker>(&WHISKERS, Vec::new()).await.unwrap();

@@ -50,7 +50,7 @@ async fn robots_and_actions_follow_their_shards(database: &Fresh) {
     for (lease, portion) in leases.iter().zip([1, 2, 100]) {
         let mut after = 0;
         loop {
-            let some = writer.robots(lease, after, portion).await.unwrap();
+            let some = writer.robots(lease, after, portion).await.unwrap().robots;
             assert!(some.len() <= portion as usize && some.is_sorted_by_key(|robot| robot.robot_id));
             let Some(last) = some.last() else { break };
             after = last.robot_id;
@@ -76,7 +76,7 @@ async fn robots_and_actions_follow_their_shards(database: &Fresh) {
     }
     database.store.ask(&asks("POLICY", r#"{"expected_version":0}"#)).await.unwrap();
     for lease in &leases {
-        let pending = writer.pending(lease, 100).await.unwrap();
+        let pending = writer.pending(lease, 100).await.unwrap().actions;
         let mut robots: Vec<&str> = pending.iter().filter_map(|one| one.robot.as_deref()).collect();
         robots.sort_unstable();
         let first = lease.shard().is_first();

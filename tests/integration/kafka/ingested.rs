@@ -216,6 +216,33 @@ async fn regress_a_damaged_batch_is_set_aside_and_compressed_ones_are_read() {
     assert!(program.log().contains("records of the log cannot be read and are set aside"));
 }
 
+/// Kafka's own implementations of the codecs have compressed these batches.
+#[tokio::test]
+async fn regress_a_codec_of_the_topic_is_read_or_named_with_the_remedy() {
+    let Some(mut kafka) = Kafka::start(1).await else { return };
+    kafka.create_topic(MESSAGES, 1).await;
+    let broker = Mosquitto::start();
+    let program = program(&kafka, &broker, &[]).await;
+    let mut robot = robot(&broker, &program).await;
+    let all = messages(&mut robot, 40);
+    let mut kept = Vec::new();
+    for (codec, part) in ["lz4", "zstd", "gzip", "snappy"].into_iter().zip(all.chunks(10)) {
+        kafka.restart_with_codec(0, codec).await;
+        kafka.write(MESSAGES, 0, records("r", part)).await;
+        if matches!(codec, "gzip" | "snappy") {
+            kept.extend_from_slice(part);
+            stored(&program, &kept).await;
+            continue;
+        }
+        let told = format!("a batch is compressed with {codec}, which is not read: set compression.type");
+        until_true(codec, async || program.log().contains(&told)).await;
+        let (_, readyz) = vibrissa_tests::web::try_get(program.http, "/readyz").await.unwrap();
+        assert!(readyz.contains(&told), "{readyz}");
+    }
+    let counted = "vibrissa_items_set_aside_total{fleet=\"f\",reader=\"LOG\"";
+    assert_eq!(program.metric(counted).await, 20.0);
+}
+
 #[tokio::test]
 async fn negative_control_a_position_before_the_state_loses_contacts() {
     let Some(kafka) = Kafka::start(1).await else { return };

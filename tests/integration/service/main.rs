@@ -27,6 +27,7 @@ mod replaced;
 mod restart;
 mod rollouts;
 mod schemathesis;
+mod set_aside;
 mod setpoint_command;
 mod setpoints;
 mod start;

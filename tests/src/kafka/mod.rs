@@ -142,6 +142,18 @@ impl Kafka {
         self.until_answers(at).await;
     }
 
+    /// Makes a broker store all new batches with a codec, by a restart.
+    ///
+    /// # Panics
+    /// Its settings cannot be written.
+    pub async fn restart_with_codec(&mut self, at: usize, codec: &str) {
+        self.kill(at);
+        let path = self._folder.path().join(at.to_string()).join("server.properties");
+        let mut settings = fs::OpenOptions::new().append(true).open(path).expect("the broker's settings");
+        writeln!(settings, "compression.type={codec}").expect("the broker's settings");
+        self.restart(at).await;
+    }
+
     /// Starts a killed broker again, without waiting.
     pub fn begin_restart(&mut self, at: usize) {
         self.brokers[at].restart();

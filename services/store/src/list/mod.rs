@@ -15,6 +15,7 @@ use sqlx::{ColumnIndex, Decode, FromRow, Postgres, Row, Sqlite, Type};
 use vibrissa_edge::labels::LabelConditions;
 
 use super::database::Either;
+use super::set_aside::{SetAside, Tried};
 use super::{Store, StoreError, failed};
 
 pub(super) use filter::push_filters;
@@ -164,11 +165,12 @@ pub struct Rows<T> {
     pub next: Option<Position>,
 }
 
-/// Converts rows, without the one beyond the limit, which only shows that there is a next page.
-fn rows_of<T, R: Row>(rows: &[R], list: &List, selection: &Selection) -> sqlx::Result<Rows<T>>
+/// Converts the readable rows, without the one beyond the limit, which only shows that there is a next page.
+fn rows_of<T, R: Row>(rows: &[R], (list, selection): (&List, &Selection), set_aside: &SetAside) -> sqlx::Result<Rows<T>>
 where
     T: for<'r> FromRow<'r, R>,
     &'static str: ColumnIndex<R>,
+    usize: ColumnIndex<R>,
     i64: for<'r> Decode<'r, R::Database> + Type<R::Database>,
     f64: for<'r> Decode<'r, R::Database> + Type<R::Database>,
     String: for<'r> Decode<'r, R::Database> + Type<R::Database>,
@@ -176,9 +178,11 @@ where
     let limit = selection.limit as usize;
     let shown = &rows[..rows.len().min(limit)];
     let last = shown.last().filter(|_| rows.len() > limit);
+    let tried = |row: &R| Tried::from_row(row).map(|tried| tried.named(list.id, row.try_get(list.id).ok()));
+    let tried = shown.iter().map(tried).collect::<sqlx::Result<_>>()?;
     Ok(Rows {
         next: last.map(|row| position_of(row, selection.sort, list.id)).transpose()?,
-        rows: shown.iter().map(T::from_row).collect::<sqlx::Result<_>>()?,
+        rows: set_aside.readable(list.what.trim_start_matches("list the "), tried),
     })
 }
 
@@ -207,11 +211,19 @@ impl Store {
         let rows = match &self.pool {
             Either::Sqlite(pool) => {
                 let mut sql = statement::<Sqlite>(list, selection, "");
-                sql.build().persistent(false).fetch_all(pool).await.and_then(|rows| rows_of(&rows, list, selection))
+                sql.build()
+                    .persistent(false)
+                    .fetch_all(pool)
+                    .await
+                    .and_then(|rows| rows_of(&rows, (list, selection), &self.set_aside))
             }
             Either::Postgres(pool) => {
                 let mut sql = statement::<Postgres>(list, selection, "");
-                sql.build().persistent(false).fetch_all(pool).await.and_then(|rows| rows_of(&rows, list, selection))
+                sql.build()
+                    .persistent(false)
+                    .fetch_all(pool)
+                    .await
+                    .and_then(|rows| rows_of(&rows, (list, selection), &self.set_aside))
             }
         };
         rows.map_err(failed(list.what))

@@ -11,6 +11,7 @@ use utoipa::ToSchema;
 
 use super::database::on;
 use super::from_row::from_row;
+use super::set_aside::Tried;
 use super::time::Time;
 use super::{Lease, Store, StoreError, Writer, failed};
 
@@ -202,12 +203,12 @@ impl Writer {
              changed_robots, unchanged_robots, changed_error, unchanged_error, started_us, stage_us, updated_us, started_by, \
              reason FROM rollouts WHERE fleet = $1 AND state IN ('RUNNING', 'PAUSED')";
         let fleet = lease.fleet().as_str();
-        let stored: Option<Stored> = self
+        let stored: Option<Tried<Stored>> = self
             .attempt(WHAT, PATIENCE, async |link| {
                 on!(link, |link| sqlx::query_as(SQL).bind(fleet).fetch_optional(link).await).map_err(failed(WHAT))
             })
             .await?;
-        Ok(stored.map(Into::into))
+        Ok(stored.and_then(|row| self.set_aside.read("rollouts", row)).map(Into::into))
     }
 
     /// The mean error of each robot of the lease's fleet over the decisions since a time: the newest measured error of each

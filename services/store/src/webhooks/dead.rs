@@ -5,9 +5,11 @@ use sqlx::{AssertSqlSafe, SqlSafeStr as _};
 use super::DEAD_LETTERS_MAX;
 use super::event::{EventRow, select};
 use super::queue::Job;
+use super::{EVENTS, Placed};
 use crate::actions::{Asked, NewAction, record_done};
 use crate::database::{Tx, on};
 use crate::from_row::from_row;
+use crate::set_aside::Tried;
 use crate::{Store, StoreError, failed};
 
 from_row! {
@@ -51,15 +53,17 @@ impl Store {
              WHERE webhook_id = $1";
         let end = "JOIN webhook_dead_letters d ON d.event_id = e.event_id WHERE d.webhook_id = $1 \
              ORDER BY e.tx, e.place, e.event_id";
-        let letters: Vec<DeadLetterRow> =
+        let letters: Vec<Tried<DeadLetterRow>> =
             on!(&self.pool, |pool| sqlx::query_as(LETTERS).bind(webhook_id).fetch_all(pool).await)
                 .map_err(failed(WHAT))?;
-        let events: Vec<EventRow> =
+        let events: Vec<Placed<EventRow>> =
             on!(&self.pool, |pool| sqlx::query_as(select(end)).bind(webhook_id).fetch_all(pool).await)
                 .map_err(failed(WHAT))?;
+        let letters = self.set_aside.readable("webhook_dead_letters", letters);
         let mut letters: std::collections::HashMap<i64, DeadLetterRow> =
             letters.into_iter().map(|letter| (letter.event_id, letter)).collect();
-        Ok(events.into_iter().filter_map(|event| Some((letters.remove(&event.event_id)?, event))).collect())
+        let events = events.into_iter().filter_map(|event| self.set_aside.read(EVENTS, event.event));
+        Ok(events.filter_map(|event| Some((letters.remove(&event.event_id)?, event))).collect())
     }
 
     /// Delivers dead letters of a target again or deletes them: those of the numbers, or all. Returns how many.

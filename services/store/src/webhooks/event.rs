@@ -1,7 +1,7 @@
 //! Events of the outbox, with the names and values that their payloads need.
 
 use sqlx::{AssertSqlSafe, SqlSafeStr};
-use vibrissa_edge::webhooks::EventKind;
+use vibrissa_edge::webhooks::{EventKind, Interest};
 use vibrissa_edge::words::named;
 
 use super::Place;
@@ -63,6 +63,11 @@ impl EventRow {
     #[must_use]
     pub fn event_kind(&self) -> Option<EventKind> {
         named(&self.kind)
+    }
+
+    /// Whether a target wants it.
+    pub(super) fn is_in(&self, interest: &Interest) -> bool {
+        self.event_kind().is_some_and(|kind| interest.includes(&self.fleet, kind, self.word.as_deref()))
     }
 
     /// Place of the event in the outbox.

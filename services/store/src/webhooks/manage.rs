@@ -5,6 +5,7 @@ use sqlx::AssertSqlSafe;
 use super::{COLUMNS, WEBHOOKS_MAX, WEBHOOKS_PER_FLEET_MAX, WebhookRow};
 use crate::actions::{Asked, NewAction, record_done};
 use crate::database::{Either, Tx, on};
+use crate::set_aside::Tried;
 use crate::{Store, StoreError, failed};
 
 /// Properties of a target.
@@ -48,8 +49,10 @@ impl Store {
     /// The database cannot be read.
     pub async fn webhooks(&self) -> Result<Vec<WebhookRow>, StoreError> {
         let sql = format!("SELECT {COLUMNS} FROM webhooks ORDER BY name LIMIT {WEBHOOKS_MAX}");
-        on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql)).fetch_all(pool).await)
-            .map_err(failed("list the webhooks"))
+        let rows: Vec<Tried<WebhookRow>> =
+            on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql)).fetch_all(pool).await)
+                .map_err(failed("list the webhooks"))?;
+        Ok(self.set_aside.readable("webhooks", rows))
     }
 
     /// The target of this number; `None` if there is none.

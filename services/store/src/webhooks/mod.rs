@@ -13,8 +13,11 @@ pub mod upkeep;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::webhooks::Interest;
 
+use sqlx::{Decode, FromRow, Row, Type};
+
 use super::database::{Either, Pool, Tx};
 use super::from_row::from_row;
+use super::set_aside::Tried;
 
 /// Largest number of webhooks. Each may hold a thread, of which there are 512.
 pub const WEBHOOKS_MAX: i64 = 200;
@@ -78,6 +81,8 @@ from_row! {
     }
 }
 
+/// Table of the events, for names of unreadable ones.
+const EVENTS: &str = "webhook_events";
 /// Columns of [`WebhookRow`].
 const COLUMNS: &str = "webhook_id, name, url, fleets, kinds, level, enabled, previous_until_us, created_us, changed_us, \
      changed_by, done_tx, done_place, done_event, streak, next_us, last_us, last_status, last_problem, last_success_us, \
@@ -104,6 +109,24 @@ pub struct Place {
     pub place: i64,
     /// Number of the event.
     pub event_id: i64,
+}
+
+/// An event with its place, which is known also if the event cannot be read.
+struct Placed<T> {
+    at: Place,
+    event: Tried<T>,
+}
+
+impl<'r, R: Row, T: FromRow<'r, R>> FromRow<'r, R> for Placed<T>
+where
+    usize: sqlx::ColumnIndex<R>,
+    &'static str: sqlx::ColumnIndex<R>,
+    i64: for<'v> Decode<'v, R::Database> + Type<R::Database>,
+{
+    fn from_row(row: &'r R) -> sqlx::Result<Self> {
+        let at = Place { tx: row.try_get("tx")?, place: row.try_get("place")?, event_id: row.try_get("event_id")? };
+        Ok(Self { at, event: Tried::from_row(row)? })
+    }
 }
 
 /// Condition for events whose order is settled: in PostgreSQL an older transaction may still commit earlier events.

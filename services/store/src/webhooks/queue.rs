@@ -6,9 +6,10 @@
 use sqlx::AssertSqlSafe;
 
 use super::event::{EventRow, select};
-use super::{COLUMNS, Place, WebhookRow, now_us, now_us_of, settled};
+use super::{COLUMNS, EVENTS, Place, Placed, WebhookRow, now_us, now_us_of, settled};
 use crate::database::{Tx, on};
 use crate::from_row::from_row;
+use crate::set_aside::{SetAside, Tried};
 use crate::{Store, StoreError, failed};
 
 /// Number of events that one query reads.
@@ -125,7 +126,7 @@ impl Store {
         hold_us: i64,
     ) -> Result<Option<Job>, StoreError> {
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
-        let job = take(&mut tx, webhook_id, holder, hold_us).await.map_err(failed(WHAT))?;
+        let job = take(&mut tx, webhook_id, (holder, hold_us), &self.set_aside).await.map_err(failed(WHAT))?;
         tx.commit().await.map_err(failed(WHAT))?;
         Ok(job)
     }
@@ -183,7 +184,9 @@ impl Store {
         let Some(mut after) = interests.iter().map(|(done, _)| *done).min() else { return Ok(queues) };
         loop {
             let events = self.brief_events(after).await?;
-            for event in &events {
+            let last = events.last().map(|event| event.at).filter(|_| events.len() as i64 == EVENTS_A_QUERY);
+            for event in events {
+                let Some(event) = self.set_aside.read(EVENTS, event.event) else { continue };
                 for (queue, (done, interest)) in queues.iter_mut().zip(&interests) {
                     if event.at() > *done && event.is_in(interest) {
                         queue.waiting += 1;
@@ -192,15 +195,15 @@ impl Store {
                     }
                 }
             }
-            match events.last() {
-                Some(last) if events.len() as i64 == EVENTS_A_QUERY => after = last.at(),
-                _ => return Ok(queues),
+            match last {
+                Some(last) => after = last,
+                None => return Ok(queues),
             }
         }
     }
 
     /// The oldest events after a place, without their details.
-    async fn brief_events(&self, after: Place) -> Result<Vec<Brief>, StoreError> {
+    async fn brief_events(&self, after: Place) -> Result<Vec<Placed<Brief>>, StoreError> {
         let sql = format!(
             "SELECT event_id, tx, place, occurred_us, kind, word, fleet FROM webhook_events e \
              WHERE (e.tx, e.place, e.event_id) > ($1, $2, $3) ORDER BY e.tx, e.place, e.event_id \
@@ -241,7 +244,12 @@ impl Brief {
     }
 }
 
-async fn take(tx: &mut Tx<'_>, webhook_id: i64, holder: &str, hold_us: i64) -> sqlx::Result<Option<Job>> {
+async fn take(
+    tx: &mut Tx<'_>,
+    webhook_id: i64,
+    (holder, hold_us): (&str, i64),
+    set_aside: &SetAside,
+) -> sqlx::Result<Option<Job>> {
     const HOLD: &str = "UPDATE webhooks SET holder = $2, held_until_us = $3 + $4 \
          WHERE webhook_id = $1 AND enabled AND next_us <= $3 AND (held_until_us <= $3 OR holder = $2)";
     let now_us = now_us(tx).await?;
@@ -257,13 +265,15 @@ async fn take(tx: &mut Tx<'_>, webhook_id: i64, holder: &str, hold_us: i64) -> s
         return Ok(None);
     }
     let sql = format!("SELECT {COLUMNS} FROM webhooks WHERE webhook_id = $1");
-    let webhook: WebhookRow =
+    let webhook: Tried<WebhookRow> =
         on!(&mut *tx, |tx| sqlx::query_as(AssertSqlSafe(sql)).bind(webhook_id).fetch_one(&mut **tx).await)?;
+    // It stays held: nobody can deliver to it.
+    let Some(webhook) = set_aside.read("webhooks", webhook) else { return Ok(None) };
     let keys: Keys = on!(&mut *tx, |tx| sqlx::query_as(KEYS).bind(webhook_id).fetch_one(&mut **tx).await)?;
-    let again = next_dead(tx, webhook_id).await?;
+    let again = next_dead(tx, webhook_id, set_aside).await?;
     let (event, is_again) = match again {
         Some(event) => (Some(event), true),
-        None => (next_new(tx, &webhook).await?, false),
+        None => (next_new(tx, &webhook, set_aside).await?, false),
     };
     let Some(event) = event else {
         const RELEASE: &str = "UPDATE webhooks SET holder = NULL, held_until_us = 0 WHERE webhook_id = $1";
@@ -274,15 +284,25 @@ async fn take(tx: &mut Tx<'_>, webhook_id: i64, holder: &str, hold_us: i64) -> s
     Ok(Some(Job { webhook, event, secrets: keys.valid(now_us), attempts, is_again, age_us }))
 }
 
-/// The oldest dead letter that shall be delivered again.
-async fn next_dead(tx: &mut Tx<'_>, webhook_id: i64) -> sqlx::Result<Option<EventRow>> {
+/// The oldest dead letter that shall be delivered again. One that cannot be read stays a dead letter.
+async fn next_dead(tx: &mut Tx<'_>, webhook_id: i64, set_aside: &SetAside) -> sqlx::Result<Option<EventRow>> {
+    const GIVEN_UP: &str = "UPDATE webhook_dead_letters SET again = FALSE WHERE webhook_id = $1 AND event_id = $2";
     let end = "JOIN webhook_dead_letters d ON d.event_id = e.event_id WHERE d.webhook_id = $1 AND d.again \
          ORDER BY e.tx, e.place, e.event_id LIMIT 1";
-    on!(tx, |tx| sqlx::query_as(select(end)).bind(webhook_id).fetch_optional(&mut **tx).await)
+    loop {
+        let next: Option<Placed<EventRow>> =
+            on!(&mut *tx, |tx| sqlx::query_as(select(end)).bind(webhook_id).fetch_optional(&mut **tx).await)?;
+        let Some(next) = next else { return Ok(None) };
+        if let Some(event) = set_aside.read(EVENTS, next.event) {
+            return Ok(Some(event));
+        }
+        let event_id = next.at.event_id;
+        on!(&mut *tx, |tx| sqlx::query(GIVEN_UP).bind(webhook_id).bind(event_id).execute(&mut **tx).await.map(drop))?;
+    }
 }
 
-/// The next event that the target wants. Those before it, which it does not want, are done.
-async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow) -> sqlx::Result<Option<EventRow>> {
+/// The next event that the target wants. Those before it are done: it does not want them, or they cannot be read and are lost.
+async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow, set_aside: &SetAside) -> sqlx::Result<Option<EventRow>> {
     let interest = webhook.interest();
     let end = format!(
         "WHERE (e.tx, e.place, e.event_id) > ($1, $2, $3) {} ORDER BY e.tx, e.place, e.event_id LIMIT {EVENTS_A_QUERY}",
@@ -290,21 +310,28 @@ async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow) -> sqlx::Result<Option<
     );
     let mut done = webhook.done();
     loop {
-        let events: Vec<EventRow> = on!(&mut *tx, |tx| sqlx::query_as(select(&end))
+        let events: Vec<Placed<EventRow>> = on!(&mut *tx, |tx| sqlx::query_as(select(&end))
             .bind(done.tx)
             .bind(done.place)
             .bind(done.event_id)
             .fetch_all(&mut **tx)
             .await)?;
         let is_last = (events.len() as i64) < EVENTS_A_QUERY;
-        for event in events {
-            let is_wanted =
-                event.event_kind().is_some_and(|kind| interest.includes(&event.fleet, kind, event.word.as_deref()));
-            if is_wanted {
-                advance(tx, webhook.webhook_id, done).await?;
-                return Ok(Some(event));
+        for Placed { at, event } in events {
+            match set_aside.read(EVENTS, event) {
+                Some(event) if event.event_kind().is_none() => {
+                    let (event_id, kind) = (event.event_id, &event.kind);
+                    set_aside.note(format!("the row event_id = {event_id} of {EVENTS}: unknown kind {kind:?}"));
+                    super::dead::lose(tx, webhook.webhook_id, 1).await?;
+                }
+                Some(event) if event.is_in(&interest) => {
+                    advance(tx, webhook.webhook_id, done).await?;
+                    return Ok(Some(event));
+                }
+                Some(_) => {}
+                None => super::dead::lose(tx, webhook.webhook_id, 1).await?,
             }
-            done = event.at();
+            done = at;
         }
         if is_last {
             advance(tx, webhook.webhook_id, done).await?;

@@ -6,9 +6,9 @@ use vibrissa_edge::guidance::Level;
 use vibrissa_edge::webhooks::{EventKind, kinds};
 use vibrissa_edge::words::{Word as _, Words as _};
 
-use super::EVENTS_MAX;
 use super::dead::lose;
 use super::queue::Brief;
+use super::{EVENTS, EVENTS_MAX, Placed};
 use crate::database::{Either, Tx, on};
 use crate::{Store, StoreError, failed};
 
@@ -74,9 +74,12 @@ impl Store {
                 locked.map_err(failed(WHAT))?;
             }
             let sql = AssertSqlSafe(excess());
-            let events: Vec<Brief> =
+            let events: Vec<Placed<Brief>> =
                 on!(&mut tx, |tx| sqlx::query_as(sql).bind(before_us).bind(EVENTS_MAX).fetch_all(&mut **tx).await)
                     .map_err(failed(WHAT))?;
+            let ids: Vec<i64> = events.iter().map(|event| event.at.event_id).collect();
+            let events: Vec<Brief> =
+                events.into_iter().filter_map(|event| self.set_aside.read(EVENTS, event.event)).collect();
             for webhook in self.webhooks().await? {
                 let (done, interest) = (webhook.done(), webhook.interest());
                 let lost = events.iter().filter(|event| event.at() > done && event.is_in(&interest)).count() as i64;
@@ -84,7 +87,7 @@ impl Store {
                     lose(&mut tx, webhook.webhook_id, lost).await.map_err(failed(WHAT))?;
                 }
             }
-            remove(&mut tx, &events).await.map_err(failed(WHAT))?;
+            remove(&mut tx, &ids).await.map_err(failed(WHAT))?;
             tx.commit().await.map_err(failed(WHAT))?;
         }
     }
@@ -115,9 +118,9 @@ impl Store {
 }
 
 /// Removes events with their dead letters, which are counted as lost.
-async fn remove(tx: &mut Tx<'_>, events: &[Brief]) -> sqlx::Result<()> {
+async fn remove(tx: &mut Tx<'_>, events: &[i64]) -> sqlx::Result<()> {
     // The list contains only numbers, no text from outside.
-    let list: Vec<String> = events.iter().map(|event| event.event_id.to_string()).collect();
+    let list: Vec<String> = events.iter().map(i64::to_string).collect();
     let list = if list.is_empty() { "NULL".to_owned() } else { list.join(", ") };
     for sql in [
         format!(

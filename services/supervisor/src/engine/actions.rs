@@ -100,6 +100,15 @@ impl Execution<'_> {
         pipeline.answer(action_id);
     }
 
+    /// Refuses an action whose row cannot be read. Otherwise it would wait for ever, and hold up others.
+    pub(super) fn refuse_unreadable(&mut self, action_id: i64, pipeline: &mut Pipeline) {
+        let problem = "UNREADABLE: the stored request is damaged; request the action again".to_owned();
+        self.metrics.actions.count(["UNKNOWN", "REFUSED"]);
+        let (state, problem, done_us) = ("REFUSED", Some(problem), wall_clock().0 as i64);
+        self.shards.record(Record::Answer { action_id, robot_id: 0, state, problem, done_us });
+        pipeline.answer(action_id);
+    }
+
     /// Sets the parameters for all robots.
     pub(super) fn set_params(&mut self, params: Arc<Params>) {
         self.shards.set_params(&params);

@@ -5,7 +5,7 @@ use vibrissa_core::rollout::Verdict;
 use vibrissa_core::units::Micros;
 use vibrissa_edge::actions::RecordedKind;
 use vibrissa_edge::words::Word as _;
-use vibrissa_store::actions::Action;
+use vibrissa_store::actions::{Action, Pending};
 
 use super::Engine;
 use super::actions::{ACTIONS_MAX, Execution};
@@ -37,7 +37,8 @@ impl Engine {
                 return Ok(());
             }
         };
-        if pending.len() as i64 == ACTIONS_MAX {
+        let Pending { actions: pending, unreadable } = pending;
+        if (pending.len() + unreadable.len()) as i64 == ACTIONS_MAX {
             self.action_sent.notify_one();
         }
         let enters_stage = |action: &Action| ENTERING.iter().any(|kind| action.kind == kind.word());
@@ -52,6 +53,9 @@ impl Engine {
         let mut execution = Execution { place, shards, in_force, rollout, robots_of_fleet, metrics, now };
         for action in others {
             execution.handle(action, suspects, pipeline);
+        }
+        for action_id in unreadable {
+            execution.refuse_unreadable(action_id, pipeline);
         }
         for action in leaving {
             self.decommission(action).await?;

@@ -31,7 +31,7 @@ use crate::clocks::{RobotClocks, SET_FROM_US};
 use crate::events::EventSink;
 use crate::kafka::LogReader;
 use crate::log_inbox::LogStart;
-use crate::metrics::Metrics;
+use crate::metrics::{FleetMetrics, Metrics};
 use crate::params;
 use crate::readiness::Readiness;
 use crate::robots_file::RobotsFile;
@@ -85,6 +85,9 @@ pub(crate) struct EngineOptions {
 /// The part of a shard that is not ready while stored items were set aside.
 const STORED: &str = "stored";
 
+/// The part of a shard with robots that wait for a newer version of the program.
+const NEWER: &str = "newer program";
+
 /// One shard per core.
 fn shard_count() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from).min(SHARDS_MAX)
@@ -107,8 +110,12 @@ impl EngineOptions {
         let policy = writer.policy(&lease).await?;
         metrics.set_aside(Reader::Policy, policy.iter().filter(|policy| policy.params().is_none()).count() as u64);
         let params = params::with_policy(self.params, policy.as_ref());
-        let params = params::with_calibrations(params, &writer.calibrations(&lease).await?);
-        let policy_version = policy.map_or(0, |policy| policy.version);
+        let (params, unusable) = params::with_calibrations(params, &writer.calibrations(&lease).await?);
+        metrics.set_aside(Reader::Calibration, unusable);
+        let policy_version = match policy {
+            Some(policy) => policy.version,
+            None => writer.policy_version(&lease).await?,
+        };
         let stepper = || {
             let (fleet, boot_id, params) = (fleet.clone(), boot_id.clone(), params.clone());
             Stepper::new(fleet, boot_id, params, metrics.clone())
@@ -120,7 +127,7 @@ impl EngineOptions {
                 shard.stepper_mut().set_events(EventMaker::new(sink.clone()));
             }
         }
-        let rollout = open_rollout(&mut writer, &lease, &params).await?;
+        let rollout = open_rollout(&mut writer, &lease, &params, &metrics).await?;
         shards.set_trial(rollout.as_ref().map(Rollout::trial).as_ref());
         // The first shard compares and decides; the others follow it.
         let rollout = rollout.filter(|_| lease.shard().is_first());
@@ -131,6 +138,7 @@ impl EngineOptions {
             let what = format!("{set_aside} stored items cannot be read and are set aside: see the log");
             readiness.tell_set_aside(lease.shard(), STORED, what);
         }
+        readiness.notice_of(lease.shard(), NEWER, shards.left_to_newer_program());
         // Also without an archive here: the last owner may have had one.
         let contacts_from_us = writer.archive_floor(&fleet).await?;
         let log_from = match &self.log {
@@ -203,11 +211,19 @@ impl EngineOptions {
 
 /// The roll-out that the last owner left running or paused. One that this program cannot read stays as it is: its robots get
 /// what is in force in the fleet.
-async fn open_rollout(writer: &mut Writer, lease: &Lease, params: &Arc<Params>) -> Result<Option<Rollout>, StoreError> {
+async fn open_rollout(
+    writer: &mut Writer,
+    lease: &Lease,
+    params: &Arc<Params>,
+    metrics: &FleetMetrics,
+) -> Result<Option<Rollout>, StoreError> {
     let Some(row) = writer.open_rollout(lease).await? else { return Ok(None) };
     let rollout_id = row.rollout_id;
     Ok(Rollout::restored(row, params)
-        .inspect_err(|problem| error!(fleet = %lease.fleet(), rollout_id, problem, "cannot go on with a roll-out"))
+        .inspect_err(|problem| {
+            error!(fleet = %lease.fleet(), rollout_id, problem, "cannot go on with a roll-out");
+            metrics.set_aside(Reader::Rollout, 1);
+        })
         .ok())
 }
 

@@ -45,6 +45,7 @@ async fn readyz(State(readiness): State<Readiness>) -> Response {
 
 async fn metrics(State(app): State<App>) -> Result<Response, Problem> {
     app.metrics.http.streams.set(app.streams.count() as i64);
+    app.metrics.rows_set_aside(app.store.set_aside().count());
     let text = app.metrics.text().map_err(|problem| {
         tracing::error!(%problem, "cannot encode the metrics");
         Problem::new(Kind::Internal, "the metrics cannot be encoded; see the log")

@@ -197,7 +197,7 @@ impl App {
     pub async fn params_of(&self, fleet: &str) -> Result<Arc<Params>, StoreError> {
         let policy = self.store.policy(fleet).await?;
         let params = params::with_policy(self.params.clone(), policy.as_ref());
-        Ok(params::with_calibrations(params, &self.store.active_calibrations(fleet).await?))
+        Ok(params::with_calibrations(params, &self.store.active_calibrations(fleet).await?).0)
     }
 }
 

@@ -50,12 +50,12 @@ impl LogReader {
         }
         let next = search.readable;
         self.skipped(Skipped::Unreadable, next.abs_diff(at));
-        let problem = problem.map(|why| why.to_string());
+        let problem = problem.map(|why| why.to_string()).unwrap_or_default();
         error!(
             fleet = %self.shard, topic = self.topic(), from = at, to = next, problem,
             "records of the log cannot be read and are set aside: robots send contacts without a receipt again"
         );
-        self.tell_set_aside(at, next);
+        self.tell_set_aside(at, next, &problem);
         Ok(Fetched { records: Vec::new(), next, end })
     }
 }

@@ -26,6 +26,7 @@ use crate::backoff::Backoff;
 use crate::events::{EventId, OutboxRoom, published};
 use crate::kafka_options::EventTopics;
 use crate::metrics::FleetMetrics;
+use crate::set_aside::Reader;
 
 /// Interval between two looks into the outbox without a notice.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
@@ -136,6 +137,7 @@ impl Publisher {
             let WaitingEvents { shard, epoch, number, events, is_damaged, bytes: _ } = row;
             if *is_damaged {
                 self.metrics.events_lost.inc();
+                self.metrics.set_aside(Reader::EventOutbox, 1);
                 error!(fleet = %self.shard, shard, epoch, number, "cannot read the rest of these events, it is lost");
             }
             for (event, index) in events.iter().zip(0..) {

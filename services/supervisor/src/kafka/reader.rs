@@ -235,9 +235,9 @@ impl LogReader {
     }
 
     /// Tells for a while that records were set aside.
-    pub(super) fn tell_set_aside(&self, from: i64, to: i64) {
+    pub(super) fn tell_set_aside(&self, from: i64, to: i64, why: &str) {
         let (last, topic) = (to - 1, &self.topic);
-        let problem = format!("records {from} to {last} of {topic:?} cannot be read and are set aside: see the log");
+        let problem = format!("records {from} to {last} of {topic:?} cannot be read and are set aside: {why}");
         self.metrics.set_aside(Reader::Log, to.abs_diff(from));
         self.readiness.tell_set_aside(&self.shard, PART, problem);
     }

@@ -62,6 +62,7 @@ pub(super) const REASON: Labels<1> = by_one("reason", || {
         "duplicate_robot",
         "inbox_full",
         "malformed",
+        "newer_state",
         "not_allowed",
         "not_cbor",
         "not_json",

@@ -60,6 +60,8 @@ pub struct Metrics {
     pub partitions_dropped: IntCounter,
     /// Rows that were deleted because they were too old, outside of dropped partitions.
     pub old_rows_removed: IntCounter,
+    /// Stored rows that cannot be read.
+    rows_set_aside: IntCounter,
     /// Other clocks, compared with this supervisor's.
     pub clocks: ClockMetrics,
     /// Metrics of the HTTP servers.
@@ -116,8 +118,12 @@ impl Metrics {
             "vibrissa_old_rows_removed_total",
             "Rows deleted because they were too old, outside of dropped partitions.",
         )?;
+        let rows_set_aside = IntCounter::new(
+            "vibrissa_rows_set_aside_total",
+            "Stored rows that could not be read and were set aside, each counted once.",
+        )?;
         registry.register(Box::new(upkeep_timestamp_seconds.clone()))?;
-        for counter in [&upkeep_errors, &partitions_dropped, &old_rows_removed] {
+        for counter in [&upkeep_errors, &partitions_dropped, &old_rows_removed, &rows_set_aside] {
             registry.register(Box::new(counter.clone()))?;
         }
         registry.register(Box::new(build.clone()))?;
@@ -145,6 +151,7 @@ impl Metrics {
             upkeep_errors,
             partitions_dropped,
             old_rows_removed,
+            rows_set_aside,
             whiskers,
             registry,
         })
@@ -168,6 +175,11 @@ impl Metrics {
             true => self.of_fleet(shard.fleet()),
             false => self.families.of([shard.fleet().as_str(), &shard.number().to_string()]),
         }
+    }
+
+    /// Sets the number of stored rows that could not be read so far.
+    pub fn rows_set_aside(&self, rows: usize) {
+        self.rows_set_aside.inc_by((rows as u64).saturating_sub(self.rows_set_aside.get()));
     }
 
     /// Counts a failed attempt to use the database.

@@ -140,6 +140,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
             "vibrissa_old_rows_",
             "vibrissa_upkeep_",
             "vibrissa_items_set_aside_",
+            "vibrissa_rows_set_aside_",
         ],
         queries: &[
             ("Fleets that no supervisor holds", "max by (fleet) (vibrissa_lease_held) == 0"),

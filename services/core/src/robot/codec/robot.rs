@@ -21,6 +21,8 @@ use crate::units::Micros;
 /// Version of the head's bytes. Raise it with every change of the format: bytes of two versions may have the same
 /// length.
 const STATE_VERSION: u16 = 10;
+/// Bytes of a version up to this one are taken for those of a newer program; beyond it they are damaged.
+const NEWEST_VERSION: u16 = STATE_VERSION + 100;
 /// The end of a head up to version 7: no alarm for silence stands, and no silence has ended. The next step raises it.
 const NO_SILENCE: [u8; 9] = [0; 9];
 /// The end of a head up to version 8: nothing shows a second robot of the same name.
@@ -176,6 +178,7 @@ fn head_of(mut bytes: &[u8]) -> Result<Head, RestoreError> {
         6 => borsh::from_slice::<HeadOfVersion6>(bytes).map(Head::from),
         5 => borsh::from_slice::<HeadOfVersion5>(bytes).map(Head::from),
         4 => borsh::from_slice::<HeadOfVersion4>(bytes).map(HeadOfVersion5::from).map(Head::from),
+        version if (STATE_VERSION + 1..=NEWEST_VERSION).contains(&version) => return Err(RestoreError::Newer),
         _ => return Err(RestoreError::Head),
     };
     head.map_err(|_| RestoreError::Head)
@@ -216,6 +219,9 @@ impl Robot {
         // `collect` into a `Result` does not reserve: a million whiskers took 5 % more memory.
         let mut whiskers: Vec<Whisker> = Vec::with_capacity(stored.len());
         for (index, bytes) in stored.iter().enumerate() {
+            if Whisker::is_of_newer_program(bytes) {
+                return Err(RestoreError::Newer);
+            }
             whiskers.push(borsh::from_slice(bytes).map_err(|_| RestoreError::Whisker(index))?);
         }
         let within = |index: u32| (index as usize) < whiskers.len();
@@ -320,11 +326,14 @@ impl Robot {
 /// Reason why stored bytes cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum RestoreError {
-    /// The head has another version or is damaged.
-    #[error("the stored state of the robot is not of this version of the program")]
+    /// A newer version of the program has written the head, or a whisker.
+    #[error("a newer version of the program has written the stored state of the robot")]
+    Newer,
+    /// The head has an unknown version or is damaged.
+    #[error("the stored state of the robot is not of this version of the program, or damaged")]
     Head,
-    /// The whisker of this index has another version or is damaged.
-    #[error("the stored state of whisker index {0} is not of this version of the program")]
+    /// The whisker of this index has an unknown version or is damaged.
+    #[error("the stored state of whisker index {0} is not of this version of the program, or damaged")]
     Whisker(usize),
     /// Whiskers of a compensation are missing.
     #[error("the stored state of the robot names whiskers that are not stored")]

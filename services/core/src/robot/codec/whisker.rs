@@ -16,6 +16,8 @@ use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
 const VERSION: u32 = 12;
+/// Bytes of a version up to this one are taken for those of a newer program; beyond it they are damaged.
+const NEWEST_VERSION: u32 = VERSION + 100;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
 const FIRST_MARKED: u32 = 6;
 /// Added to the version; the flags of an older whisker are less than this.
@@ -26,6 +28,12 @@ const STEPS_BEFORE_8: usize = 5;
 const NEVER: Micros = Micros(u64::MAX);
 
 impl Whisker {
+    /// Whether bytes have a version that this program does not know yet. Versions far beyond it are damage.
+    pub(super) fn is_of_newer_program(mut bytes: &[u8]) -> bool {
+        let first = encoding::read_u32(&mut bytes).unwrap_or_default();
+        first.checked_sub(VERSION_MARK).is_some_and(|version| (VERSION + 1..=NEWEST_VERSION).contains(&version))
+    }
+
     /// Flags of the whisker, in stored order.
     fn is(&self) -> [bool; 9] {
         [

@@ -18,6 +18,7 @@ use crate::kafka::LogReader;
 use crate::log_inbox::LogRecord;
 use crate::metrics::FleetMetrics;
 use crate::set_aside::Reader;
+use vibrissa_edge::full_name::FullName;
 use vibrissa_store::StoredRobot;
 use vibrissa_store::batch::Batch;
 use vibrissa_store::{Lease, Refused, StoreError, Writer};
@@ -84,12 +85,16 @@ pub(crate) async fn recover(
     let mut after = -1;
     loop {
         let some = writer.robots(lease, after, ROBOTS_AT_A_TIME).await?;
-        let Some(newest) = some.last() else { break };
-        after = newest.robot_id;
-        for stored in some {
+        let Some(newest) = some.last else { break };
+        after = newest;
+        for stored in some.robots {
             last = last.max(stored.journal_number);
-            if let Ok(name) = Name::robot(&stored.robot) {
-                replay.load(stored, name, lease.epoch(), shards);
+            match Name::robot(&stored.robot) {
+                Ok(name) => replay.load(stored, name, lease.epoch(), shards),
+                Err(_) => {
+                    error!(fleet = %lease.fleet(), robot = stored.robot, "a stored robot has no valid name and is left out");
+                    metrics.set_aside(Reader::Checkpoint, 1);
+                }
             }
         }
     }
@@ -149,8 +154,17 @@ impl Replay {
         let (robot_id, journal_number) = (stored.robot_id, stored.journal_number);
         let (robots, stepper) = shards.of(&name).parts();
         let (params, retention) = (stepper.params_of(&name), stepper.retention());
-        let (known, forgotten) =
-            KnownRobot::restored((stepper.fleet().clone(), name.clone()), stored, epoch, params, retention);
+        let restored = KnownRobot::restored((stepper.fleet().clone(), name.clone()), stored, epoch, params, retention);
+        let Some((known, forgotten)) = restored else {
+            let robot = FullName::robot(stepper.fleet().as_str(), name.as_str());
+            error!(
+                %robot,
+                "a newer vibrissa has written the robot's state: it is kept, and the robot is not supervised. Start the newer \
+                 program, or restore the back-up from before the upgrade (docs/operations.md, Upgrade and downgrade)"
+            );
+            stepper.count_set_aside(Reader::Checkpoint, 1);
+            return shards.of(&name).leave_to_newer_program(name.clone());
+        };
         stepper.count_set_aside(Reader::Checkpoint, forgotten.iter().count() as u64);
         stepper.batch_mut().rows_mut().records.extend(forgotten);
         if !known.whisker_ids.is_empty() {

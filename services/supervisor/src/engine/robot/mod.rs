@@ -20,7 +20,7 @@ use smallvec::SmallVec;
 use tracing::error;
 use vibrissa_core::policy::Case;
 use vibrissa_core::robot::event::Factsheet;
-use vibrissa_core::robot::{Event, OperatorAction, Params, Robot, Scope};
+use vibrissa_core::robot::{Event, OperatorAction, Params, RestoreError, Robot, Scope};
 use vibrissa_core::text::ShortText;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{BootId, Name};
@@ -145,16 +145,16 @@ impl KnownRobot {
         }
     }
 
-    /// A robot as it was stored, before it is taken over. Bytes of another version of the program cannot be read: then
+    /// A robot as it was stored, before it is taken over. If its bytes are damaged, or of a version that is not read any more,
     /// the robot starts without learned state and without alarms, as the returned record says, and is held as a whole
-    /// if any part of it was.
+    /// if any part of it was. `None` if a newer version of the program has written them: they are for that version.
     pub(crate) fn restored(
         (fleet, name): (Name, Name),
         stored: StoredRobot,
         epoch: u64,
         params: &Params,
         retention: ContactRetention,
-    ) -> (Self, Option<Record>) {
+    ) -> Option<(Self, Option<Record>)> {
         let restored = stored.state.as_ref().map(|state| Robot::restore(state, &stored.whisker_states));
         let mut forgotten = None;
         let (robot, whisker_ids) = match restored {
@@ -162,7 +162,8 @@ impl KnownRobot {
                 robot.share_models(params);
                 (robot, stored.whisker_ids)
             }
-            Some(Err(problem)) => {
+            Some(Err(RestoreError::Newer)) => return None,
+            Some(Err(problem @ (RestoreError::Head | RestoreError::Whisker(_) | RestoreError::Layout))) => {
                 let robot = FullName::robot(fleet.as_str(), name.as_str());
                 error!(%robot, %problem, "cannot read the checkpoint, its learned state is lost");
                 let now = wall_clock();
@@ -179,7 +180,7 @@ impl KnownRobot {
         let rollups = if whisker_ids.is_empty() { &[][..] } else { &stored.rollups };
         let history = History::taken_up(retention, rollups, wall_clock());
         let new = Self::new((fleet, name), stored.robot_id, robot, retention);
-        (Self { whisker_ids, boots: stored.boots.into(), history, ..new }, forgotten)
+        Some((Self { whisker_ids, boots: stored.boots.into(), history, ..new }, forgotten))
     }
 
     /// Starts supervision under a new epoch.

@@ -75,8 +75,13 @@ impl Shard {
         }
     }
 
-    /// Whether the fleet's allow list permits the robot; a refusal is counted.
+    /// Whether the fleet's allow list permits the robot, and this program can go on with its state; a refusal is counted.
     fn permits(&mut self, raw: &RawMessage) -> bool {
+        if self.of_newer_program.contains(&raw.robot) {
+            let problem = "a newer version of the program has written the robot's state: start that version";
+            self.stepper.violation("newer_state", problem, &raw.robot);
+            return false;
+        }
         let is_allowed = self.allow_list.permits(&raw.robot);
         if !is_allowed {
             let problem = "the robot is not on the allow list";

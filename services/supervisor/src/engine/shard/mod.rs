@@ -22,7 +22,7 @@ pub(crate) mod shards;
 pub(crate) mod stepper;
 mod touch_tests;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::hash::RandomState;
 
 use vibrissa_core::robot::{Event, Outcome};
@@ -74,6 +74,8 @@ pub(crate) struct Shard {
     /// The first robot whose estimate may be published next: each gets its turn.
     estimates_resume_at: usize,
     allow_list: AllowList,
+    /// Robots whose state a newer version of the program has written. It is kept for that version, so nothing of them is taken.
+    of_newer_program: BTreeSet<Name>,
     /// Numbers of robots that were decommissioned in this epoch, should they come back.
     former: BTreeMap<Name, Former>,
     /// Robots that are not on the allow list.
@@ -97,6 +99,7 @@ impl Shard {
             tick_resumes_at: None,
             estimates_resume_at: 0,
             allow_list: AllowList::default(),
+            of_newer_program: BTreeSet::new(),
             former: BTreeMap::new(),
             refused_robots: RefusedRobots::default(),
             hashers: RandomState::new(),
@@ -171,6 +174,16 @@ impl Shard {
                 self.stepper.exclude(known, is_excluded);
             }
         }
+    }
+
+    /// Refuses a robot whose state a newer version of the program has written.
+    pub(crate) fn leave_to_newer_program(&mut self, name: Name) {
+        self.of_newer_program.insert(name);
+    }
+
+    /// The robots that wait for a newer version of the program.
+    pub(crate) fn of_newer_program(&self) -> &BTreeSet<Name> {
+        &self.of_newer_program
     }
 
     /// Forgets a robot that was decommissioned, and clears its retained messages at the broker.

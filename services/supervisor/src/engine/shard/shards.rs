@@ -96,6 +96,20 @@ impl Shards {
         self.shards.iter_mut().flat_map(|shard| shard.robots_mut().values_mut())
     }
 
+    /// The robots that wait for a newer version of the program, in words; `None` without any.
+    pub(crate) fn left_to_newer_program(&self) -> Option<String> {
+        const NAMES_MAX: usize = 10;
+        let names: Vec<&str> =
+            self.shards.iter().flat_map(|shard| shard.of_newer_program()).map(Name::as_str).collect();
+        let told = names.iter().take(NAMES_MAX).copied().collect::<Vec<_>>().join(", ");
+        (!names.is_empty()).then(|| {
+            format!(
+                "a newer vibrissa has written the state of {} robots ({told}), which are not supervised: start the newer program",
+                names.len()
+            )
+        })
+    }
+
     /// Number of known robots.
     pub(crate) fn robot_count(&self) -> usize {
         self.shards.iter().map(|shard| shard.robots().len()).sum()

@@ -65,7 +65,8 @@ struct Follower {
     mark: Mark,
     /// Whether the client's last event is no longer stored, so that it may have missed others.
     is_reset_due: bool,
-    waiting: std::collections::VecDeque<Change>,
+    /// Changes with their marks; `None` for one that cannot be read.
+    waiting: std::collections::VecDeque<(Mark, Option<Change>)>,
     changed: watch::Receiver<u64>,
     stop: watch::Receiver<bool>,
     /// Time at which the stream ends and the client must reconnect.
@@ -159,9 +160,9 @@ impl Follower {
                     continue;
                 }
             }
-            while let Some(change) = self.waiting.pop_front() {
-                self.mark = change.mark();
-                if self.concerns(&change) {
+            while let Some((mark, change)) = self.waiting.pop_front() {
+                self.mark = mark;
+                if let Some(change) = change.filter(|change| self.concerns(change)) {
                     let event = Event::default().event("change").id(self.mark.to_string());
                     return Some(event.json_data(&change).unwrap_or_else(|_| Event::default().comment("unreadable")));
                 }

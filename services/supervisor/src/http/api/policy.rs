@@ -82,7 +82,7 @@ struct Parameters {
 
 /// Version of the policy that is in force in a fleet.
 pub(super) async fn version_of(app: &App, fleet: &str) -> Result<i64, Problem> {
-    Ok(app.store.policy(fleet).await?.map_or(0, |policy| policy.version))
+    Ok(app.store.policy_version(fleet).await?)
 }
 
 async fn in_force(app: &App, at: &FleetPath) -> Result<PolicyRow, Problem> {
@@ -90,7 +90,12 @@ async fn in_force(app: &App, at: &FleetPath) -> Result<PolicyRow, Problem> {
         return Err(Problem::not_found(at));
     }
     let set: Option<PolicyRow> = app.store.first(&POLICIES, at.filters()).await?;
-    Ok(set.unwrap_or_else(|| PolicyRow::configured(at.fleet.to_string(), &app.params.policy)))
+    if let Some(set) = set {
+        return Ok(set);
+    }
+    // The version counts also if its policy cannot be read, so that another one can replace it.
+    let version = app.store.policy_version(at.fleet.as_str()).await?;
+    Ok(PolicyRow { version, ..PolicyRow::configured(at.fleet.to_string(), &app.params.policy) })
 }
 
 /// The policy in force. A change must send its `ETag` as `If-Match`.
