@@ -1,7 +1,8 @@
 //! Access to metrics and readiness, and the listener for monitoring.
 
-use std::net::{IpAddr, Ipv4Addr};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use tokio::sync::watch;
 use vibrissa_core::mechanics::Formulation;
@@ -15,6 +16,8 @@ use vibrissa_supervisor::http::access::{Access, AccessOptions, Role, Scope};
 use vibrissa_supervisor::http::{App, serve};
 use vibrissa_supervisor::metrics::Metrics;
 use vibrissa_supervisor::readiness::Readiness;
+use vibrissa_tests::postgres::Postgres;
+use vibrissa_tests::proxy::Proxy;
 use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::{ask, try_get};
 
@@ -54,27 +57,33 @@ async fn regress_whoever_comes_through_a_proxy_to_loopback_needs_a_token() {
     assert_eq!(through_proxy.status, 200, "liveness must be public");
 }
 
+/// Serves with the rules of a listener beyond loopback.
+async fn beyond_loopback(store: &Store, readiness: Readiness) -> (SocketAddr, watch::Sender<bool>) {
+    let (stop, stopped) = watch::channel(false);
+    let params = Arc::new(Params::nguyen_2021(Formulation::Published));
+    let access = Access::new(&AccessOptions::default(), IpAddr::V4(Ipv4Addr::UNSPECIFIED));
+    let (metrics, notifier) = (Metrics::new(false).unwrap(), ActionNotifier::default());
+    let app = App::new(store.clone(), metrics, readiness, access, notifier, params, stopped.clone());
+    (serve(&([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap().address, stop)
+}
+
+/// The header of a new token.
+async fn token(store: &Store, name: &str, scope: Scope) -> String {
+    let now_us = now_us() as i64;
+    let (name, expires_us, created_by) = (name.to_owned(), now_us + 3_600_000_000, "test".to_owned());
+    let new = NewToken { name, role: Role::Viewer, scope, expires_us, created_by };
+    format!("Bearer {}", create(store, &new, now_us).await.unwrap().0)
+}
+
 /// The listener of this test is on loopback, but the rules depend on the address given to `Access::new`.
 #[tokio::test]
 async fn regress_beyond_loopback_metrics_and_readiness_need_a_token_for_all_fleets() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(&DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")), "test").await.unwrap();
     store.prepare().await.unwrap();
-    let (_stop, stopped) = watch::channel(false);
-    let params = Arc::new(Params::nguyen_2021(Formulation::Published));
-    let access = Access::new(&AccessOptions::default(), IpAddr::V4(Ipv4Addr::UNSPECIFIED));
-    let (metrics, readiness) = (Metrics::new(false).unwrap(), Readiness::default());
-    let app = App::new(store.clone(), metrics, readiness, access, ActionNotifier::default(), params, stopped.clone());
-    let http = serve(&([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap().address;
-
-    let now_us = now_us() as i64;
-    let token = async |name: &str, scope: Scope| {
-        let (name, expires_us, created_by) = (name.to_owned(), now_us + 3_600_000_000, "test".to_owned());
-        create(&store, &NewToken { name, role: Role::Viewer, scope, expires_us, created_by }, now_us).await.unwrap().0
-    };
-    let of_all = format!("Bearer {}", token("all", Scope::All).await);
-    let fleet = Scope::Only([Name::new("f").unwrap()].into());
-    let of_one = format!("Bearer {}", token("one", fleet).await);
+    let (http, _stop) = beyond_loopback(&store, Readiness::default()).await;
+    let of_all = token(&store, "all", Scope::All).await;
+    let of_one = token(&store, "one", Scope::Only([Name::new("f").unwrap()].into())).await;
     for path in ["/readyz", "/metrics"] {
         let status =
             async |headers: &[(&str, &str)]| ask(http, "GET", path, headers).await.map(|answer| answer.status).unwrap();
@@ -84,4 +93,36 @@ async fn regress_beyond_loopback_metrics_and_readiness_need_a_token_for_all_flee
         assert_eq!(status(&[("Authorization", &of_all)]).await, 200, "{path}");
     }
     assert_eq!(try_get(http, "/livez").await.unwrap().0, 200);
+}
+
+/// `/readyz` is what an orchestrator asks while the database hangs.
+#[tokio::test]
+async fn regress_beyond_loopback_readiness_is_told_while_the_database_hangs() {
+    let server = Postgres::start().await;
+    let proxy = Proxy::to(server.port()).await;
+    let database: DatabaseAddress = Postgres::url(proxy.port()).parse().unwrap();
+    let store = Store::open(&database, "test").await.unwrap();
+    store.prepare().await.unwrap();
+    let readiness = Readiness::default();
+    let (http, _stop) = beyond_loopback(&store, readiness.clone()).await;
+    let (known, unknown) = (token(&store, "known", Scope::All).await, token(&store, "unknown", Scope::All).await);
+    let readyz = async |token: &str| {
+        let answer = ask(http, "GET", "/readyz", &[("Authorization", token)]).await.unwrap();
+        (answer.status, answer.body)
+    };
+    assert_eq!(readyz(&known).await.0, 200);
+    proxy.stall(true);
+    readiness.set("database", Some("it does not answer".to_owned()));
+    // Also after the time for which a caller is not looked up again.
+    let begun = Instant::now();
+    until_true("more than five seconds", async || {
+        let (status, body) = readyz(&known).await;
+        assert!(status == 503 && body.contains("it does not answer"), "{status} {body}");
+        begun.elapsed() > Duration::from_secs(6)
+    })
+    .await;
+    let (status, body) = readyz(&unknown).await;
+    assert!(status == 503 && body.contains("cannot be checked now"), "{status} {body}");
+    proxy.stall(false);
+    until_true("an answer to the other token", async || readyz(&unknown).await.1.contains("it does not answer")).await;
 }

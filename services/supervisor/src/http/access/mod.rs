@@ -34,6 +34,7 @@ use vibrissa_protocol::Name;
 
 use self::guests::{Guests, client};
 use self::known::{HASHES_MAX, Hash, Known};
+use self::monitoring::Monitors;
 use self::oidc::{Oidc, OidcOptions};
 use self::session::SignIn;
 use super::client_address::TrustedProxies;
@@ -193,6 +194,7 @@ pub struct Access {
     limiter: Arc<DefaultKeyedRateLimiter<String>>,
     guests: Arc<Guests>,
     known: Known,
+    monitors: Monitors,
     proxies: TrustedProxies,
 }
 
@@ -219,6 +221,7 @@ impl Access {
             limiter: Arc::new(RateLimiter::keyed(quota)),
             guests: Arc::default(),
             known: Known::default(),
+            monitors: Monitors::default(),
             proxies: TrustedProxies::default(),
         }
     }
