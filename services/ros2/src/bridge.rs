@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use ros2_client::builtin_interfaces::Time;
 
 use crate::health::{self, Counts};
-use crate::messages::{Contact, DiagnosticArray, FluidPressure, Header};
+use crate::messages::{Contact, DiagnosticArray, Float64, FluidPressure, Header};
 use crate::units::{Pressures, line_of};
 use crate::whisker::Whisker;
 use crate::words::{Estimate, FromAgent, LINE_MAX, Named, ToAgent, VERSION};
 
-/// Most whiskers of a robot: each has two topics.
+/// Most whiskers of a robot: each has two or three topics.
 pub const WHISKERS_MAX: usize = 256;
 /// Interval of reports on `/diagnostics`, seconds.
 const REPORT_EVERY_S: f64 = 1.0;
@@ -39,6 +39,8 @@ pub enum Output {
     Open(Vec<Named>),
     /// Publishes the setpoint of a whisker, by index.
     Setpoint(usize, FluidPressure),
+    /// Publishes the factor on the readings of a whisker, by index.
+    ReadingGain(usize, Float64),
     /// Publishes a report.
     Report(DiagnosticArray),
     /// Logs a problem.
@@ -112,6 +114,11 @@ impl Bridge {
                 let index = self.find(&array, whisker)?;
                 self.whiskers[index].command(now_s, pressure_mpa, slew_mpa_per_s)?;
                 Ok(Vec::new())
+            }
+            FromAgent::ReadingGain { array, whisker, reading_gain } => {
+                let index = self.find(&array, whisker)?;
+                self.whiskers[index].multiply(reading_gain)?;
+                Ok(vec![Output::ReadingGain(index, Float64 { data: reading_gain })])
             }
             FromAgent::Valve {} => Err("the agent pulses valves: set regulate = false for a ROS robot".to_owned()),
             FromAgent::Test { test_id } => {

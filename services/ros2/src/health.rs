@@ -45,6 +45,7 @@ fn of_whisker(robot: &str, now_s: f64, whisker: &Whisker) -> DiagnosticStatus {
     let numbers = [
         number("pressure_mpa", pressure_mpa),
         number("setpoint_mpa", whisker.setpoint_mpa()),
+        number("reading_gain", whisker.reading_gain),
         number("length_mm", estimate.map(|estimate| estimate.length_mm)),
         number("length_low_mm", estimate.map(|estimate| estimate.length_low_mm)),
         number("length_high_mm", estimate.map(|estimate| estimate.length_high_mm)),

@@ -119,6 +119,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
                 Output::Open(whiskers) => node.open(&topics(&arguments.namespace, &whiskers)?)?,
                 // A subscriber that does not confirm must not stop the others.
                 Output::Setpoint(index, setpoint) => log(&mut limited, now_s, node.publish_setpoint(index, setpoint)),
+                Output::ReadingGain(index, factor) => log(&mut limited, now_s, node.publish_gain(index, factor)),
                 Output::Report(report) => log(&mut limited, now_s, node.publish_report(report)),
                 Output::Log(problem) => log(&mut limited, now_s, Err(problem)),
                 Output::Stop(reason) => return Err(reason),

@@ -41,6 +41,13 @@ pub struct FluidPressure {
     pub variance: f64,
 }
 
+/// `std_msgs/msg/Float64`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Float64 {
+    /// The number.
+    pub data: f64,
+}
+
 /// `diagnostic_msgs/msg/KeyValue`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct KeyValue {

@@ -1,5 +1,6 @@
 //! The ROS 2 node: its topics, and the threads that wait for messages.
 
+use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -18,7 +19,7 @@ use rustdds::DomainParticipantBuilder;
 use serde::de::DeserializeOwned;
 
 use crate::bridge::Input;
-use crate::messages::{Contact, DiagnosticArray, FluidPressure};
+use crate::messages::{Contact, DiagnosticArray, Float64, FluidPressure};
 use crate::names::WhiskerTopics;
 
 /// Contacts that wait for the bridge.
@@ -46,6 +47,9 @@ pub struct RosNode {
     namespace: String,
     reports: Publisher<DiagnosticArray>,
     setpoints: Vec<Publisher<FluidPressure>>,
+    /// Topics of the whiskers, and the publishers of their factors: only robots that apply gains have them.
+    whiskers: Vec<WhiskerTopics>,
+    gains: BTreeMap<usize, Publisher<Float64>>,
     inputs: SyncSender<Input>,
     shed: Arc<AtomicU64>,
 }
@@ -94,7 +98,9 @@ impl RosNode {
         );
         let reports = node.create_publisher(&topic.map_err(failed)?, None).map_err(failed)?;
         let shed = Arc::new(AtomicU64::new(0));
-        Ok(Self { node, namespace: place.namespace.clone(), reports, setpoints: Vec::new(), inputs, shed })
+        let namespace = place.namespace.clone();
+        let (setpoints, whiskers, gains) = (Vec::new(), Vec::new(), BTreeMap::new());
+        Ok(Self { node, namespace, reports, setpoints, whiskers, gains, inputs, shed })
     }
 
     /// Opens the topics of the whiskers.
@@ -119,6 +125,7 @@ impl RosNode {
             let setpoints = self.node.create_publisher(&topic.map_err(failed)?, None).map_err(failed)?;
             self.setpoints.push(setpoints);
         }
+        self.whiskers = whiskers.to_vec();
         let (inputs, shed) = (self.inputs.clone(), Arc::clone(&self.shed));
         thread::spawn(move || listen(&contacts, &pressures, &inputs, &shed));
         Ok(())
@@ -150,6 +157,25 @@ impl RosNode {
     pub fn publish_setpoint(&self, index: usize, setpoint: FluidPressure) -> Result<(), String> {
         let publisher = self.setpoints.get(index).ok_or("the whisker has no topic")?;
         publisher.publish(setpoint).map_err(|problem| format!("setpoint: {}", problem.forget_data()))
+    }
+
+    /// Publishes the factor on a whisker's readings.
+    ///
+    /// # Errors
+    /// DDS refuses the topic, or subscribers do not confirm it in time.
+    pub fn publish_gain(&mut self, index: usize, factor: Float64) -> Result<(), String> {
+        if !self.gains.contains_key(&index) {
+            let whisker = self.whiskers.get(index).ok_or("the whisker has no topic")?;
+            let topic = self.node.create_topic(
+                &named(&whisker.namespace, "reading_gain")?,
+                MessageTypeName::new("std_msgs", "Float64"),
+                &reliable(Durability::TransientLocal, 1),
+            );
+            let publisher = self.node.create_publisher(&topic.map_err(failed)?, None).map_err(failed)?;
+            self.gains.insert(index, publisher);
+        }
+        let publisher = self.gains.get(&index).ok_or("the whisker has no topic")?;
+        publisher.publish(factor).map_err(|problem| format!("reading_gain: {}", problem.forget_data()))
     }
 
     /// Publishes a report.

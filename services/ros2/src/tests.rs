@@ -5,7 +5,7 @@ use serde_json::json;
 
 use crate::bridge::{Bridge, Input, Output, Settings};
 use crate::log::Limited;
-use crate::messages::{Contact, DiagnosticArray, FluidPressure, Header, Level};
+use crate::messages::{Contact, DiagnosticArray, Float64, FluidPressure, Header, Level};
 use crate::names::topics;
 use crate::units::Pressures;
 use crate::words::{Named, ToAgent};
@@ -200,6 +200,21 @@ fn bad_contacts_are_counted_and_the_reason_is_reported() {
     let value = |key: &str| of_bridge.values.iter().find(|one| one.key == key).map(|one| one.value.as_str());
     assert_eq!((value("refused"), value("shed")), (Some("5"), Some("3")));
     assert_eq!(value("last_problem"), Some("an unreadable contact: too short"));
+}
+
+#[test]
+fn the_factor_on_readings_is_published_and_appears_in_the_report() {
+    let mut bridge = bridge(Pressures::Gauge);
+    read(&mut bridge, 0.0, 100_000.0);
+    let line = |factor: f64| json!({"type": "reading_gain", "array": "left", "whisker": 0, "reading_gain": factor});
+    let told = say(&mut bridge, 0.1, &line(0.887));
+    assert_eq!(told, [Output::ReadingGain(0, Float64 { data: 0.887 })]);
+    for wrong in [0.0, -1.0, 21.0] {
+        assert!(matches!(&say(&mut bridge, 0.1, &line(wrong))[..], [Output::Log(_)]), "{wrong}");
+    }
+    let report = report(tick(&mut bridge, 0.2));
+    let values = &report.status[1].values;
+    assert!(values.iter().any(|pair| pair.key == "reading_gain" && pair.value == "0.8870"), "{values:?}");
 }
 
 #[test]

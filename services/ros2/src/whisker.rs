@@ -12,6 +12,8 @@ const READING_EVERY_S: f64 = 0.05;
 const SILENCE_EVERY_S: f64 = 2.0;
 /// Interval in which an unchanged setpoint is repeated, so that a board can vent if it hears none, seconds.
 const REPEAT_S: f64 = 1.0;
+/// Factors on readings that the contract allows.
+const GAINS: std::ops::RangeInclusive<f64> = 0.05..=20.0;
 /// Smallest change that is published at once, MPa.
 const CHANGE_MPA: f64 = 1e-6;
 
@@ -41,6 +43,8 @@ pub(crate) struct Whisker {
     /// When the silence was last reported; `None` while readings come.
     silent_at_s: Option<f64>,
     pub(crate) estimate: Option<Estimate>,
+    /// Factor on the readings; `None` for a robot that applies no gain.
+    pub(crate) reading_gain: Option<f64>,
 }
 
 impl Whisker {
@@ -55,6 +59,7 @@ impl Whisker {
             published: None,
             silent_at_s: None,
             estimate: None,
+            reading_gain: None,
         }
     }
 
@@ -86,6 +91,15 @@ impl Whisker {
             return Err(format!("{}: the agent commands a slew of {slew_mpa_per_s} MPa/s", self.name()));
         }
         self.command = Some(Timed { at_s: now_s, value: Command { pressure_mpa, slew_mpa_per_s } });
+        Ok(())
+    }
+
+    /// Takes a factor on the readings.
+    pub(crate) fn multiply(&mut self, reading_gain: f64) -> Result<(), String> {
+        if !GAINS.contains(&reading_gain) {
+            return Err(format!("{}: the agent tells a factor of {reading_gain} on readings", self.name()));
+        }
+        self.reading_gain = Some(reading_gain);
         Ok(())
     }
 

@@ -57,6 +57,15 @@ pub enum FromAgent {
         /// Greatest change of pressure, MPa/s.
         slew_mpa_per_s: f64,
     },
+    /// Multiply the readings by this factor. Only for robots that apply gains.
+    ReadingGain {
+        /// Name of the array.
+        array: String,
+        /// Number of the whisker in its array.
+        whisker: u16,
+        /// The factor.
+        reading_gain: f64,
+    },
     /// A pulse of a valve: only for boards without a regulator.
     Valve {},
     /// Do a touch test.
