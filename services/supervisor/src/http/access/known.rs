@@ -1,5 +1,5 @@
 //! The hashes of all valid credentials in the database. A wrong token or cookie is refused by them, so that a flood of
-//! wrong ones reads the database a few times per second at most, and keeps no right one out.
+//! wrong ones reads the database ten times per second at most, and keeps no right one out.
 //!
 //! A hash that is not known may be new: then the hashes are read again, for all requests that wait for them.
 
@@ -17,7 +17,7 @@ use vibrissa_store::StoreError;
 pub(super) type Hash = [u8; 32];
 
 /// Shortest interval from one read of the hashes to the next.
-const READ_EVERY: Duration = Duration::from_millis(200);
+const READ_EVERY: Duration = Duration::from_millis(100);
 /// Largest number of hashes. With more in the database each credential is looked up there.
 pub(super) const HASHES_MAX: u32 = 100_000;
 

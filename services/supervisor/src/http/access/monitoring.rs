@@ -18,8 +18,9 @@ use crate::http::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::Store;
 
-/// Longest look-up of a caller: `/readyz` answers within 300 ms, also while the database hangs.
-const LOOK_UP_MAX: Duration = Duration::from_millis(150);
+/// Longest look-up of a caller: `/readyz` answers within 300 ms, also while the database hangs. Longer than a new token has to
+/// wait for others (`known.rs`).
+const LOOK_UP_MAX: Duration = Duration::from_millis(250);
 /// Time for which a caller who was identified is not looked up again.
 const FRESH: Duration = Duration::from_secs(5);
 /// Limit of the remembered callers.
@@ -79,8 +80,10 @@ impl Monitors {
         if let Some((caller, _)) = known.as_ref().filter(|(_, identified)| identified.elapsed() < FRESH) {
             return Ok(caller.clone());
         }
-        let hangs = || Problem::new(Kind::Unavailable, "the token cannot be checked now: nothing answers in time");
-        let found = timeout(LOOK_UP_MAX, look_up).await.unwrap_or_else(|_| Err(hangs()));
+        let Ok(found) = timeout(LOOK_UP_MAX, look_up).await else {
+            let hangs = "the token is not known here, and cannot be checked now: nothing answers in time";
+            return known.map(|(caller, _)| caller).ok_or_else(|| Problem::new(Kind::Unauthenticated, hangs));
+        };
         match found {
             Ok(caller) => {
                 let mut callers = self.callers();
@@ -129,7 +132,7 @@ mod tests {
         monitors.age();
         assert_eq!(monitors.identified(&token("known"), pending()).await.unwrap(), Caller::local());
         let unknown = monitors.identified(&token("unknown"), pending()).await;
-        assert_eq!(unknown.unwrap_err().kind, Kind::Unavailable);
+        assert_eq!(unknown.unwrap_err().kind, Kind::Unauthenticated);
     }
 
     #[tokio::test]
