@@ -129,6 +129,8 @@ rules! {
         "The numbers of a contact are within their ranges: ratio from 0.01 to 1, deflection from 0.01 mm, and so on.";
     ContactsOnFactsheet = "contacts-on-factsheet", "contacts", Every, Talking,
         "Contacts are of whiskers in the factsheet.";
+    StrainAsMeasured = "strain-as-measured", "contacts", Every, Talking,
+        "The strain of a contact is as measured, without the reading_gain by which the robot multiplies its readings.";
     PlaceAsStated = "place-as-stated", "contacts", Every, Talking,
         "Contacts have the place that the factsheet states for their whisker; those of a touch test have its own.";
     ContactsResent = "contacts-resent", "contacts", Receipts, Talking,

@@ -116,7 +116,8 @@ impl Channel {
                  reported APPLIED last. It changes the factor with that report. A setpoint that is REJECTED, SUPERSEDED or FAILED changes \
                  nothing, nor does a leak or another fault. If the robot gives the chamber another pressure by itself \
                  (without a supervisor, or for its own protection), the factor is 1 from that moment until the next APPLIED. In a \
-                 new boot the factor is 1, or that of the estimate. Contacts have the strain before the factor."
+                 new boot the factor is 1, or that of the estimate. Contacts have the strain before the factor. Where a \
+                 robot uses gain, it does not use reading_gain: gain is the whole correction."
             }
             Self::Robot(RobotTopic::SetpointState) => {
                 "Progress of a setpoint: RECEIVED, APPLYING, then one of APPLIED, REJECTED, FAILED or SUPERSEDED."

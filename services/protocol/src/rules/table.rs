@@ -21,6 +21,9 @@ first answer to a setpoint, 30 s for the final state of a setpoint, 60 s until a
 in which a message may still arrive although a receipt covers it. It waits 7 s for the answer to a request for births. A
 pressure counts as reached within 0.005 MPa of its setpoint, and may be as far ahead of its ramp.
 
+No message shows the `reading_gain` that a robot uses, so no rule of this table tests it. Test at the robot that the factor
+changes with the report APPLIED (see `setpoint` in [asyncapi.yaml](asyncapi.yaml)).
+
 | rule | topic | applies to | tested | requirement |
 | --- | --- | --- | --- | --- |
 ";

@@ -83,6 +83,8 @@ impl Robot {
     /// A contact changed by the fault, before it is put into a message; `number` counts the whisker's contacts.
     pub(super) fn contact_as_sent(&self, mut contact: Contact, number: u64) -> Contact {
         let is_fifth = number % 5 == 4;
+        let at = self.places.get(&(contact.array.clone(), contact.whisker));
+        contact.strain *= at.map_or(1.0, |&at| self.strain_factor(at));
         if self.breaks(Misbehaviour::ContactsAhead) {
             contact.t_us += HOUR_US;
         }
@@ -96,6 +98,11 @@ impl Robot {
             contact.whisker = NO_WHISKER;
         }
         contact
+    }
+
+    /// Factor on the strain of a whisker's contacts.
+    pub(super) fn strain_factor(&self, at: usize) -> f64 {
+        if self.breaks(Misbehaviour::MultipliesStrain) { self.whiskers[at].reading_gain() } else { 1.0 }
     }
 
     /// A receipt changed by the fault.

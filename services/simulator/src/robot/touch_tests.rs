@@ -65,6 +65,7 @@ impl Robot {
     fn touch_on_request(&mut self, one: &UnderWay, at_us: u64) {
         let test = &one.test;
         let turn = |list: &[f64]| list.get(usize::from(one.touches) % list.len().max(1)).copied();
+        let factor = self.strain_factor(one.whisker);
         let whisker = &mut self.whiskers[one.whisker];
         let pressure_mpa = whisker.regulator.pressure_mpa();
         let distance_mm = turn(&test.distances_mm).filter(|_| test.kind == TouchTestKind::Wall);
@@ -74,6 +75,7 @@ impl Robot {
             (Ok(Some((reading, touch))), _) => {
                 let mut contact = contact_of(whisker, &reading, at_us);
                 contact.test_id = test_id;
+                contact.strain *= factor;
                 let places = if test.kind == TouchTestKind::Tip { Places::TipDistance } else { Places::Distance };
                 places.state(&mut contact, &touch, whisker.estimated_mm);
                 self.batch.push(contact);

@@ -76,6 +76,8 @@ misbehaviours! {
     UnknownWhiskerTouched = "unknown-whisker-touched", Some(Rule::ContactsOnFactsheet);
     /// Every fifth contact has a distance in place of the contact ratio that the factsheet states.
     AnotherPlace = "another-place", Some(Rule::PlaceAsStated);
+    /// Contacts have the strain times `reading_gain`. For robots with `applies_gain`.
+    MultipliesStrain = "multiplies-strain", Some(Rule::StrainAsMeasured);
     /// Touch tests are DONE without a touch.
     TestsWithoutTouch = "tests-without-touch", Some(Rule::TestDone);
     /// Touch tests for other boots are done.

@@ -2,7 +2,7 @@
 //!
 //! It receives all messages of the robot ([`listener`]: rules for every message). Then it tests, in this order,
 //! contacts and receipts ([`contacts`]), status and requests ([`opening`]), setpoints ([`setpoints`], [`refusals`]),
-//! touch tests ([`touch_tests`]), and a restart ([`restart`]).
+//! touch tests ([`touch_tests`]), the gain of readings ([`gains`]), and a restart ([`restart`]).
 //!
 //! If somebody helps at the robot ([`action`]), it also tests a closed air supply ([`supply`]), a full memory ([`memory`]),
 //! the loss of the supervisor ([`silence`]), the end of the robot's program ([`farewell`]), and estimates of lengths
@@ -22,6 +22,7 @@ mod contacts;
 mod divisor;
 mod estimates;
 mod farewell;
+mod gains;
 mod ledger;
 mod listener;
 mod log;
@@ -134,6 +135,8 @@ async fn run(bench: &mut Bench, connection: &Connection, progress: Told<'_>) -> 
         bench.refusals(&trial).await?;
         progress(Progress::Step("touch tests"));
         bench.touch_tests(&trial).await?;
+        progress(Progress::Step("the gain of readings"));
+        bench.gains(&trial).await?;
     }
     progress(Progress::Step("malformed messages"));
     bench.malformed().await?;

@@ -5,7 +5,7 @@ use vibrissa_protocol::{BootId, Message, Rule, TestState, TouchTestError, TouchT
 use super::bench::{Bench, Trial};
 use super::listener::Listener;
 
-/// Distance of the touch as a part of the whisker's length: no robot fails to reach the whisker there.
+/// Distance of the touch as a part of the whisker's length.
 const NEAR: f64 = 0.6;
 
 impl Bench {
@@ -14,16 +14,20 @@ impl Bench {
     /// # Errors
     /// The connection broke, or a supervisor appeared.
     pub(super) async fn touch_tests(&mut self, trial: &Trial) -> anyhow::Result<()> {
-        let factsheet = self.heard.factsheet.clone();
-        let Some(kind) = factsheet.as_ref().and_then(|factsheet| factsheet.touch_tests.first().copied()) else {
+        let Some((kind, near_mm)) = self.kind_of_test(trial) else {
             self.skip(&[Rule::TestDone, Rule::TestWrongBoot], "the factsheet names no touch test");
             return Ok(());
         };
-        let arrays = factsheet.iter().flat_map(|factsheet| &factsheet.arrays).filter(|one| one.array == trial.array);
-        let whisker = arrays.flat_map(|one| &one.whiskers).find(|one| one.whisker == trial.whisker);
-        let near_mm = NEAR * whisker.map_or(0.0, |one| one.length_mm);
         self.test_done(trial, kind, near_mm).await?;
         self.test_of_another_boot(trial, kind, near_mm).await
+    }
+
+    /// A touch test that the factsheet names, and a distance at which no robot fails to reach the whisker, in mm.
+    pub(super) fn kind_of_test(&self, trial: &Trial) -> Option<(TouchTestKind, f64)> {
+        let factsheet = self.heard.factsheet.as_ref()?;
+        let arrays = factsheet.arrays.iter().filter(|one| one.array == trial.array);
+        let whisker = arrays.flat_map(|one| &one.whiskers).find(|one| one.whisker == trial.whisker)?;
+        Some((factsheet.touch_tests.first().copied()?, NEAR * whisker.length_mm))
     }
 
     async fn test_done(&mut self, trial: &Trial, kind: TouchTestKind, near_mm: f64) -> anyhow::Result<()> {
@@ -69,7 +73,7 @@ impl Bench {
 }
 
 /// States of a test since a position in the log.
-fn states(heard: &Listener, mark: usize, id: &str) -> Vec<TestState> {
+pub(super) fn states(heard: &Listener, mark: usize, id: &str) -> Vec<TestState> {
     let mut found = Vec::new();
     for entry in &heard.log[mark..] {
         if let Message::TestState(state) = &entry.message

@@ -3,6 +3,7 @@
 use vibrissa_protocol::{Estimate, WhiskerCondition, WhiskerEstimate};
 
 use super::*;
+use crate::scenario::Misbehaviour;
 
 fn applying(edit: impl FnOnce(&mut Scenario)) -> Bench {
     Bench::connected(|scenario| {
@@ -138,4 +139,10 @@ fn a_robot_that_applies_no_gain_has_the_gain_1_and_contacts_never_have_it() {
     let (half, of_applying) = strains(|scenario| scenario.behaviour.applies_gain = true);
     assert_eq!((none, half), (1.0, 0.5));
     assert_eq!(as_measured, of_applying);
+    let (_, multiplied) = strains(|scenario| {
+        scenario.behaviour.applies_gain = true;
+        scenario.behaviour.misbehaviour = Some(Misbehaviour::MultipliesStrain);
+    });
+    let halved = as_measured.iter().zip(&multiplied).filter(|(right, wrong)| **wrong == 0.5 * **right).count();
+    assert!(halved > 10 && as_measured.len() == multiplied.len(), "{halved} of {}", multiplied.len());
 }
