@@ -774,9 +774,9 @@ class NewWebhookSecret(TypedDict):
     """
 
 
-ObjectiveWord: TypeAlias = Literal["TIP", "MEAN"]
+ObjectiveWord: TypeAlias = Literal["TIP", "MEAN", "SHAPE"]
 """
-`TIP`: equal sensitivity at the tip (Eq. 34); `MEAN`: least mean error over contact ratios.
+`TIP`: equal sensitivity at the tip (Eq. 34); `MEAN`: least mean error over contact ratios; `SHAPE`: air for the shape, a gain for the level; the tip for robots without gains.
 """
 
 

@@ -113,9 +113,8 @@ fn print_beyond(out: &mut dyn Write) -> Result<()> {
         out,
         "
 Beyond the paper: a robot that multiplies its readings by one number needs air only for the shape of the
-response over the contact ratio (objective shape). The paper's pressure for the tip (tip) and the best single pressure
-(mean) have air alone. Out of range, they have the error of
-the nearest pressure.
+response over the contact ratio (objective shape). The paper's pressure for the tip (tip) and the best single
+pressure (mean) have air alone; out of range, they have the error of the nearest pressure.
 
 {:<20} {:>20} {:>20} {:>31}
 {:<20} {:>20} {:>20} {:>12} {:>9} {:>8}",

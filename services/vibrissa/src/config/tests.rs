@@ -113,7 +113,7 @@ fn a_wrong_type_is_told_with_an_example() {
         ("lease.time_to_live_s = 0.4", "must be from 0.5 to 60.0, not 0.4"),
         ("lease.time_to_live_s = nan", "not NaN"),
         ("lease.time_to_live_s = inf", "not inf"),
-        ("policy.objective = \"best\"", "must be tip, mean or shape, not \"best\""),
+        ("policy.objective = \"best\"", "must be tip or mean or shape, not \"best\""),
         ("http.listen = \"8080\"", "must be an address and a port such as 127.0.0.1:8080"),
         ("http.monitoring_listen = \"9464\"", "must be an address and a port such as 127.0.0.1:9464"),
         ("http.monitoring_listen = \"127.0.0.1:8080\"", "must be another address or port than http.listen"),

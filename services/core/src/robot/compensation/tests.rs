@@ -3,7 +3,7 @@
 use super::*;
 use crate::estimation::LengthFilter;
 use crate::estimation::filter::{LENGTH, STATES};
-use crate::mechanics::Formulation;
+use crate::mechanics::{Formulation, Objective};
 use crate::policy::LongerForShorter;
 use crate::robot::Numbers;
 use crate::robot::event::{ArraySheet, Factsheet, TouchTests, WhiskerSheet};
@@ -146,6 +146,7 @@ fn cost(params: &Params, robot: &Robot, target: usize, compensator: usize) -> Op
         pressure_max: one.sheet.pressure_max,
         offset: one.filter.offset(),
         own: one.belief(model).predict,
+        objective: Objective::Tip,
     };
     let proposal = propose(&params.policy, model, broken.target(), broken.filter.offset(), &fitness, is_self);
     Some(params.policy.cost(proposal.case, proposal.predicted_error()?, false))
