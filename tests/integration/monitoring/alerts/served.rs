@@ -61,7 +61,8 @@ fn is_served(document: &Value, address: &str) -> bool {
     served.any(|(_, operations)| names.iter().all(|name| takes(&operations["get"], name)))
 }
 
-#[tokio::test]
+// The service and its robots share the threads with the test, which asks all the time.
+#[tokio::test(flavor = "multi_thread")]
 async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
     let folder = tempfile::tempdir().unwrap();
     let mut params = Params::nguyen_2021(Formulation::Published);
