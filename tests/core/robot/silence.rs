@@ -129,9 +129,9 @@ fn alarms_that_an_older_version_raised_for_each_whisker_of_a_silent_robot_become
         plant
     };
     let mut plant = silent_alone(0);
-    // Version 7 ended before the alarm for silence, the end of the last silence, and the watch for a second robot.
+    // Version 7 ended before the alarm for silence, the end of the last silence, the watch for a second robot, and gains.
     let mut head = plant.robot.to_bytes().unwrap();
-    head.truncate(head.len() - 19);
+    head.truncate(head.len() - 20);
     head[0] = 7;
     let whiskers = [0, 1].map(|index| silent_alone(index as u16).robot.whisker_to_bytes(index).unwrap());
     plant.robot = Robot::restore(&head, &whiskers).unwrap();

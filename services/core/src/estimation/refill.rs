@@ -28,9 +28,6 @@ const LEAST_S: f64 = 60.0;
 const GAP_MAX_S: f64 = 20.0;
 /// A leap is a change of more than this many refills ...
 const LEAP_REFILLS: f64 = 1.5;
-/// Readings that follow closer than this are skipped: noise makes one in some hundred readings leap, and a robot that touches a
-/// hundred times a second would seem to leak.
-const LEAST_GAP: Micros = Micros(200_000);
 /// ... between readings at most this far apart, in seconds.
 const LEAP_GAP_S: f64 = 2.5;
 /// Changes are limited to this many refills, so that no single event dominates.
@@ -80,7 +77,7 @@ impl Refills {
         }
         let refills = (mpa / refill_mpa) as f32;
         if self.averaged != 0 {
-            if at < before.after(LEAST_GAP) {
+            if at <= before {
                 return;
             }
             // The averages of the first scale are the readings.
