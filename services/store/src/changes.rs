@@ -220,7 +220,8 @@ macro_rules! named_changes {
 }
 
 impl Store {
-    /// The oldest [`CHANGES_MAX`] changes after a mark, in order, each with its mark; `None` for one that cannot be read. Changes younger than a transaction that has not
+    /// The oldest [`CHANGES_MAX`] changes after a mark, in order, each with its mark; `None` for one that cannot be
+    /// read. Changes younger than a transaction that has not
     /// ended are left to the next query: an older change may still appear before them.
     ///
     /// # Errors
