@@ -22,9 +22,9 @@ fn brute_force_no_pressure_is_much_better_than_the_refined_one_and_the_gain_does
         }
         for outcome in &outcomes {
             let Outcome::Served(served) = outcome else { continue };
-            // 69 mm for 70 mm differ by 3.5 %: what thousands of contacts tell of it is still some per cent off.
+            // 69 mm for 70 mm differ by 3.5 %: a step of the pressure sensor, 1.2 kPa, is some per cent of that.
             let (closed, best) = (served.closed.1.mean, served.best.1.mean);
-            assert!(closed <= best + 0.1, "seed {seed}: {closed} {best} {:?}", served.trial);
+            assert!(closed <= best + 0.12, "seed {seed}: {closed} {best} {:?}", served.trial);
         }
         all.extend(outcomes);
     }

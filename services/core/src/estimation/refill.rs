@@ -10,6 +10,8 @@
 //! Refills faster than the readings leave no such trace, but make the readings leap: by more than one refill
 //! between two readings, which noise alone hardly ever does.
 
+use std::ops::RangeInclusive;
+
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -22,14 +24,15 @@ const SCALES: usize = 5;
 const LONGEST: u8 = 1 << (SCALES - 1);
 /// Time constant with which old changes fade, in seconds.
 const MEMORY_S: f64 = 150.0;
-/// Least time before any bound is reported, and least time that event rates are divided by, in seconds.
+/// Least time that sums are divided by, in seconds.
 const LEAST_S: f64 = 60.0;
 /// Longest gap between readings, in seconds; after a longer one the averages start anew.
 const GAP_MAX_S: f64 = 20.0;
 /// A leap is a change of more than this many refills ...
 const LEAP_REFILLS: f64 = 1.5;
-/// ... between readings at most this far apart, in seconds.
-const LEAP_GAP_S: f64 = 2.5;
+/// ... between readings this far apart, in seconds. Noise makes the same share of the readings leap, however fast they come:
+/// a hundred a second at the border of two sensor steps would leap as often as those of a leak.
+const LEAP_GAP_S: RangeInclusive<f64> = 0.05..=2.5;
 /// Changes are limited to this many refills, so that no single event dominates.
 const CHANGE_MAX: f32 = 4.0;
 /// Lower bounds lie this many standard deviations below the estimate, since they are tested again and again during
@@ -106,7 +109,7 @@ impl Refills {
             scale.cubes *= keep;
             scale.squared_cubes *= keep;
         }
-        if seconds <= LEAP_GAP_S && f64::from(leap.abs()) > LEAP_REFILLS {
+        if LEAP_GAP_S.contains(&seconds) && f64::from(leap.abs()) > LEAP_REFILLS {
             self.leaps += 1.0;
         }
     }
@@ -115,11 +118,8 @@ impl Refills {
     /// smallest refill.
     #[must_use]
     pub fn least_mpa_per_s(&self, refill_mpa: f64) -> f64 {
-        let seconds = f64::from(self.seconds);
-        if seconds < LEAST_S {
-            return 0.0;
-        }
-        refill_mpa * self.scales.iter().map(Scale::least_sum).fold(0.0, f64::max) / seconds
+        let most = self.scales.iter().map(Scale::least_sum).fold(0.0, f64::max);
+        refill_mpa * most / f64::from(self.seconds).max(LEAST_S)
     }
 
     /// Lower bound of the number of leaps per second.
