@@ -36,7 +36,7 @@ use vibrissa_tests::oracle::recorded;
 use vibrissa_tests::oracle::robots::Robots;
 
 use hostile::{Behaviour, Hostile};
-use owner::Watch;
+use owner::{START_PATIENCE, Watch};
 use plan::Control;
 use refusals::Refusals;
 use replay::Replay;
@@ -54,6 +54,10 @@ const PROGRESS: Duration = Duration::from_secs(30);
 const LONGEST_DAYS: f64 = 25.0;
 /// The recording is complete when two counts of rows this far apart are equal.
 const SETTLED: Duration = Duration::from_secs(1);
+/// A run with robots that take any setpoint ends once so many were repeated after they had expired ...
+const LATE_REPEATS: u64 = 5;
+/// ... or fails after this time.
+const LATE_PATIENCE: Duration = Duration::from_secs(120);
 /// Contacts per second without and with `--cluster`.
 const RATE: f64 = 2000.0;
 const CLUSTER_RATE: f64 = 200.0;
@@ -143,7 +147,8 @@ fn main() -> anyhow::Result<ExitCode> {
     ensure!(arguments.seconds <= longest_s, "--seconds must be at most {longest_s}: older contacts are removed");
     ensure!(arguments.hostile < arguments.robots, "--hostile must be below --robots: only the others are judged");
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().context("starting the runtime")?;
-    let folder = tempfile::tempdir().context("a temporary folder")?;
+    // An error needs the logs, too.
+    let folder = tempfile::Builder::new().disable_cleanup(true).tempdir().context("a temporary folder")?;
     let logs = arguments.logs.clone().unwrap_or_else(|| folder.path().to_owned());
     std::fs::create_dir_all(&logs).context("the folder for logs")?;
     let violations = if arguments.cluster {
@@ -151,6 +156,7 @@ fn main() -> anyhow::Result<ExitCode> {
             Ok(report) => shown(&report, arguments.json)?.violations(),
             Err(missing) => {
                 eprintln!("skipped: chaos in a cluster: {missing}");
+                std::fs::remove_dir_all(folder.path()).context("removing the logs")?;
                 return Ok(ExitCode::from(SKIPPED));
             }
         }
@@ -158,11 +164,12 @@ fn main() -> anyhow::Result<ExitCode> {
         shown(&runtime.block_on(unless_interrupted(run(&arguments, &logs)))?, arguments.json)?.violations()
     };
     if violations.is_empty() {
+        std::fs::remove_dir_all(folder.path()).context("removing the logs")?;
         return Ok(ExitCode::SUCCESS);
     }
     eprintln!("chaos: {}", violations.join("; "));
     if arguments.logs.is_none() {
-        eprintln!("chaos: logs are in {}", folder.keep().display());
+        eprintln!("chaos: logs are in {}", folder.path().display());
     }
     Ok(ExitCode::FAILURE)
 }
@@ -220,14 +227,15 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
     let panics_before = stage::panics(logs);
     let mut stage = Stage::set(&program, control, logs, &names).await;
     let watch = Watch::start(stage.database.connect());
-    let replay = Replay::start(("127.0.0.1", stage.broker.port()), (REPLAY_USER, SUPERVISOR_PASSWORD), seed);
+    let mut replay = Replay::start(("127.0.0.1", stage.broker.port()), (REPLAY_USER, SUPERVISOR_PASSWORD), seed);
     let refusals = Refusals::start(stage.supervisors.iter().map(|supervisor| supervisor.http).collect());
     let scenarios = scenario::scenarios(seed, seconds, honest, arguments.rate.unwrap_or(RATE), control, ROBOT_LINKS);
     let robots = Robots::start(&scenarios, &stage::brokers(&stage.robot_links))?;
     let behaviours = Behaviour::chosen(&arguments.hostile_only, &arguments.hostile_without);
     let hostile = Hostile::start(hostile_names, &stage.robot_links, &behaviours, seed);
     let started = Instant::now();
-    ensure!(watch.owner(0).await.is_some(), "no supervisor acquires the fleet: see the supervisors' logs in {logs:?}");
+    let owner = watch.owner(0, START_PATIENCE).await;
+    ensure!(owner.is_some(), "no supervisor acquires the fleet: see the supervisors' logs in {logs:?}");
 
     let mut striker = Striker::new(&mut stage, &watch);
     let mut progress = Progress::new(&robots, started, seconds);
@@ -236,6 +244,12 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
         striker.strike(&strike).await;
     }
     progress.wait_until(seconds).await;
+    if control == Control::RobotIgnoresEpochs {
+        let late = replay.late(LATE_REPEATS);
+        tokio::time::timeout(LATE_PATIENCE, late)
+            .await
+            .context("hardly any setpoint was repeated after it had expired")?;
+    }
     let (struck, mut surprises) = (striker.struck, striker.surprises);
     surprises.ended += stage.revive();
     let run_s = started.elapsed().as_secs_f64();

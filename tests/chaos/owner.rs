@@ -15,7 +15,9 @@ const PAUSE: Duration = Duration::from_millis(20);
 /// Time limit of a query; a slower database counts as down.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Time in which a supervisor must become owner and record contacts before a fault for the owner strikes.
-const OWNER_PATIENCE: Duration = Duration::from_secs(15);
+pub const OWNER_PATIENCE: Duration = Duration::from_secs(15);
+/// The same at the start, when no fault has struck yet: servers and supervisors start on a machine with other tests.
+pub const START_PATIENCE: Duration = Duration::from_secs(120);
 
 /// An owner that has recorded contacts.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -63,9 +65,9 @@ impl Watch {
         locked(&self.seen).reigns.clone()
     }
 
-    /// Waits for an owner with at least this epoch that has recorded contacts.
-    pub async fn owner(&self, epoch_min: i64) -> Option<Reign> {
-        let deadline = Instant::now() + OWNER_PATIENCE;
+    /// Waits for an owner with at least this epoch that has recorded contacts, for at most this time.
+    pub async fn owner(&self, epoch_min: i64, patience: Duration) -> Option<Reign> {
+        let deadline = Instant::now() + patience;
         loop {
             let last = {
                 let seen = locked(&self.seen);

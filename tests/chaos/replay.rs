@@ -9,17 +9,21 @@ use std::time::Duration;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rumqttc::{AsyncClient, Event, EventLoop, MqttOptions, Packet, PublishOptions, QoS};
+use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use vibrissa_protocol::{RobotTopic, Setpoint};
 
 use crate::scenario::fleet;
 
 /// Delays in seconds: while the setpoint is being applied or shortly after, and after it has expired.
-const DELAYS_S: [std::ops::Range<f64>; 2] = [0.5..5.0, 13.0..18.0];
+const DELAYS_S: [std::ops::Range<f64>; 2] = [0.5..5.0, LATE_S..18.0];
+/// A setpoint has expired after this time, in seconds.
+const LATE_S: f64 = 13.0;
 
 /// Repeats setpoints until it is dropped.
 pub struct Replay {
     count: Arc<AtomicU64>,
+    late: watch::Receiver<u64>,
     task: JoinHandle<()>,
 }
 
@@ -37,17 +41,29 @@ impl Replay {
         options.set_credentials(user, password.to_owned());
         let (client, events) = AsyncClient::builder(options).capacity(1000).build();
         let count = Arc::new(AtomicU64::new(0));
-        let task = tokio::spawn(repeat(client, events, ChaCha8Rng::seed_from_u64(seed), count.clone()));
-        Self { count, task }
+        let (late, told) = watch::channel(0);
+        let task = tokio::spawn(repeat(client, events, ChaCha8Rng::seed_from_u64(seed), count.clone(), late));
+        Self { count, late: told, task }
     }
 
     /// Number of setpoints that were published again.
     pub fn count(&self) -> u64 {
         self.count.load(Ordering::Relaxed)
     }
+
+    /// Waits until so many setpoints were published again after they had expired.
+    pub async fn late(&mut self, least: u64) {
+        self.late.wait_for(|&late| late >= least).await.expect("it repeats until it is dropped");
+    }
 }
 
-async fn repeat(client: AsyncClient, mut events: EventLoop, mut random: ChaCha8Rng, count: Arc<AtomicU64>) {
+async fn repeat(
+    client: AsyncClient,
+    mut events: EventLoop,
+    mut random: ChaCha8Rng,
+    count: Arc<AtomicU64>,
+    late: watch::Sender<u64>,
+) {
     let filter = RobotTopic::Setpoint.fleet_filter(&fleet());
     let mut known = HashSet::new();
     loop {
@@ -65,12 +81,15 @@ async fn repeat(client: AsyncClient, mut events: EventLoop, mut random: ChaCha8R
                 for delay_s in DELAYS_S {
                     let after = Duration::from_secs_f64(random.random_range(delay_s));
                     let (client, topic, payload) = (client.clone(), topic.clone(), publish.payload.clone());
-                    let count = count.clone();
+                    let (count, late) = (count.clone(), late.clone());
                     tokio::spawn(async move {
                         tokio::time::sleep(after).await;
                         // Without a connection the message waits in the client and arrives even later.
                         let again = client.try_publish(topic, payload, PublishOptions::new(QoS::AtLeastOnce));
                         count.fetch_add(u64::from(again.is_ok()), Ordering::Relaxed);
+                        if after.as_secs_f64() >= LATE_S {
+                            late.send_modify(|late| *late += u64::from(again.is_ok()));
+                        }
                     });
                 }
             }

@@ -8,7 +8,7 @@ use tokio::time::sleep;
 use vibrissa_tests::proxy::Proxy;
 
 use crate::forget::forget;
-use crate::owner::{Reign, Watch};
+use crate::owner::{OWNER_PATIENCE, Reign, Watch};
 use crate::plan::{Fault, Manner, Strike};
 use crate::stage::{FORGET_USER, SUPERVISOR_PASSWORD, Stage, Supervisor};
 
@@ -64,7 +64,7 @@ impl<'a> Striker<'a> {
     /// Injects one fault and returns when the damage is repaired.
     pub async fn strike(&mut self, strike: &Strike) {
         self.surprises.ended += self.stage.revive();
-        let reign = self.watch.owner(self.epoch_min).await;
+        let reign = self.watch.owner(self.epoch_min, OWNER_PATIENCE).await;
         let Some((owner, reign)) = reign.and_then(|reign| Some((self.place(&reign)?, reign))) else {
             eprintln!("chaos: no owner in time: skipping {}", strike.fault);
             self.surprises.ownerless += 1;

@@ -19,6 +19,16 @@ fn chaos(arguments: &[&str]) -> (i32, Value) {
     (output.status.code().expect("an exit code"), result.expect("a line of JSON"))
 }
 
+/// Runs with a planted defect until the harness detects it as expected. The faults of one run may spare the defect by chance:
+/// contacts are lost only if some were receipted in the moment of the fault.
+fn is_caught(name: &str, run: impl Fn(&str) -> (i32, Value), as_expected: impl Fn(&Value) -> bool) {
+    let caught = ["1", "2", "3", "4"].into_iter().any(|seed| {
+        let (code, result) = run(seed);
+        code == 1 && as_expected(&result)
+    });
+    assert!(caught, "{name} is not detected in four runs");
+}
+
 fn count(result: &Value, name: &str) -> u64 {
     result[name].as_u64().unwrap_or_else(|| panic!("no {name}: {result}"))
 }
@@ -61,18 +71,15 @@ fn a_cluster_loses_nothing_and_its_controls_are_caught() {
     assert_eq!(code, 0);
     assert!(result["faults"].as_array().expect("faults").len() >= 5, "each part fails");
     assert_eq!(result["rounds_s"].as_array().expect("a round").len(), 1);
-    let control = |name: &str, seconds: &str| {
-        let (code, result) = cluster(&["--seed", "1", "--seconds", seconds, "--control", name]).expect("it ran before");
-        assert_eq!(code, 1, "{name} is not detected");
-        result
+    let control = |name: &str, arguments: &[&str], expected: &str| {
+        let run =
+            |seed: &str| cluster(&[&["--seed", seed, "--control", name], arguments].concat()).expect("it ran before");
+        is_caught(name, run, |result| count(result, expected) > 0);
     };
-    assert!(count(&control("asynchronous", "40"), "missing") > 0);
-    assert!(count(&control("no-fence", "30"), "duplicate") > 0);
+    control("asynchronous", &["--seconds", "40"], "missing");
+    control("no-fence", &["--seconds", "30"], "duplicate");
     if has_kafka {
-        let early = ["--kafka", "1", "--seed", "1", "--seconds", "20", "--control", "offset-before-state"];
-        let (code, result) = cluster(&early).expect("it ran before");
-        assert_eq!(code, 1, "offset-before-state is not detected");
-        assert!(count(&result, "missing") > 0);
+        control("offset-before-state", &["--seconds", "20", "--kafka", "1"], "missing");
     }
 }
 
@@ -85,15 +92,13 @@ fn nothing_is_lost_nothing_is_stale_and_every_control_is_caught() {
     let done = result["hostile"].as_object().expect("behaviours");
     assert!(done.len() > 10 && done.values().all(|count| count.as_u64() > Some(0)), "{done:?}");
 
-    let control = |name: &str, seconds: &str| {
+    let control = |name: &str, seconds: &str, expected: &[&str]| {
         // No hostile robots: the harness must catch each control alone.
-        let (code, result) = chaos(&["--seed", "1", "--seconds", seconds, "--control", name, "--hostile", "0"]);
-        assert_eq!(code, 1, "{name} is not detected");
-        result
+        let run = |seed: &str| chaos(&["--seed", seed, "--seconds", seconds, "--control", name, "--hostile", "0"]);
+        is_caught(name, run, |result| expected.iter().all(|one| count(result, one) > 0));
     };
-    assert!(count(&control("receipt-before-commit", "22"), "missing") > 0);
-    assert!(count(&control("no-fence", "20"), "duplicate") > 0);
-    let result = control("robot-ignores-epochs", "20");
-    assert!(count(&result, "applied_twice") > 0 && count(&result, "applied_stale") > 0);
-    assert!(count(&control("no-robot-buffer", "20"), "missing") > 0);
+    control("receipt-before-commit", "22", &["missing"]);
+    control("no-fence", "20", &["duplicate"]);
+    control("robot-ignores-epochs", "20", &["applied_twice", "applied_stale"]);
+    control("no-robot-buffer", "20", &["missing"]);
 }
