@@ -90,6 +90,7 @@ fn robot(number: usize, name: &Name, seconds: f64, random: &mut ChaCha8Rng) -> R
         robot: name.clone(),
         model: "chaos".to_owned(),
         on_supervisor_loss: OnSupervisorLoss::Hold,
+        applies_gain: false,
         arrays: vec![ArrayScenario { array: array(), array_type, whiskers: (0..WHISKERS).map(whisker).collect() }],
         events: trims(seconds, random),
     }

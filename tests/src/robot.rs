@@ -198,6 +198,7 @@ impl HandRobot {
             arrays: vec![self.array.clone()],
             touch_tests: self.touch_tests.clone(),
             applies_gain: self.applies_gain,
+            air_control: None,
         }
     }
 

@@ -18,8 +18,8 @@ pub mod words;
 
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, MissedTouch, RegulatorState,
-    Rejection, SetpointReport, Task, TouchTests, WhiskerSheet, WhiskerStatus,
+    AirControl, ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, MissedTouch,
+    RegulatorState, Rejection, SetpointReport, Task, TouchTests, WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, OutOfUnitRange, Strain};
 use vibrissa_protocol as protocol;
@@ -69,7 +69,12 @@ pub fn factsheet(sheet: &protocol::Factsheet, known: &[&str]) -> Result<Factshee
     let arrays = sheet.arrays.iter().map(|array| array_sheet(array, known)).collect::<Result<_, _>>()?;
     let can = |kind| sheet.touch_tests.contains(&kind);
     let touch_tests = TouchTests { tip: can(protocol::TouchTestKind::Tip), wall: can(protocol::TouchTestKind::Wall) };
-    Ok(Factsheet { arrays, touch_tests, applies_gain: sheet.applies_gain })
+    let air_control = match sheet.air_control {
+        Some(protocol::AirControl::FillAndVent) | None => AirControl::FillAndVent,
+        Some(protocol::AirControl::VentOnly) => AirControl::VentOnly,
+        Some(protocol::AirControl::None) => AirControl::None,
+    };
+    Ok(Factsheet { arrays, touch_tests, applies_gain: sheet.applies_gain, air_control })
 }
 
 /// A gain as a robot applies it: pairs of contact ratio and factor, or one factor on all readings.

@@ -181,6 +181,7 @@ words! {
         NeedsAboveRange => "NEEDS_ABOVE_RANGE" "it would need more than its maximum pressure",
         ErrorAboveLimit => "ERROR_ABOVE_LIMIT" "the predicted error is above the policy's limit",
         CutIntoChamber => "CUT_INTO_CHAMBER" "it is cut into its chamber",
+        GainOutOfRange => "GAIN_OUT_OF_RANGE" "the factor on its readings would be outside 0.05 to 20",
         CostsMore => "COSTS_MORE" "another candidate costs less",
         Operator => "OPERATOR_REFUSED" "an operator refused it";
         Ineligible(Ineligible)

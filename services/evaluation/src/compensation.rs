@@ -9,6 +9,7 @@
 pub mod reading;
 mod summary;
 mod truth;
+pub mod weakened;
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -219,7 +220,7 @@ fn mean_setpoint_mpa(trial: &Trial, world: &World, index: usize, target_offset: 
         model,
         length: one.length.length,
         pressure: Megapascal::known(START_MPA),
-        pressure_max: one.sheet.pressure_max,
+        pressures: (Megapascal::ZERO, one.sheet.pressure_max),
         offset: one.offset,
         own: Default::default(),
         objective: Objective::Mean,
@@ -301,6 +302,7 @@ pub fn scenario(trial: &Trial) -> Scenario {
             robot: name("r"),
             model: "evaluation".to_owned(),
             on_supervisor_loss: OnSupervisorLoss::Hold,
+            applies_gain: false,
             arrays: vec![ArrayScenario { array: name("a"), array_type, whiskers }],
             events: vec![cut],
         }],

@@ -230,7 +230,12 @@ fn factsheet(whiskers: u16) -> Factsheet {
         task: Task::Ratio,
         whiskers: (0..whiskers).map(sheet).collect(),
     };
-    Factsheet { arrays: vec![array], touch_tests: TouchTests::default(), applies_gain: false }
+    Factsheet {
+        arrays: vec![array],
+        touch_tests: TouchTests::default(),
+        applies_gain: false,
+        air_control: Default::default(),
+    }
 }
 
 fn readings(params: &Params) -> Vec<Reading> {

@@ -39,7 +39,7 @@ pub use rules::Rule;
 pub use timestamp::Timestamp;
 pub use topic::{QualityOfService, RobotTopic, Topic};
 pub use words::{
-    ArrayType, ConnectionState, Gauge, OnSupervisorLoss, PlaceKind, Regulator, RequestKind, SetpointError,
+    AirControl, ArrayType, ConnectionState, Gauge, OnSupervisorLoss, PlaceKind, Regulator, RequestKind, SetpointError,
     SetpointOutcome, SetpointReason, SupervisorPresence, SupervisorRequestKind, Task, TouchTestError, TouchTestKind,
     TouchTestOutcome, TouchTestReason, WhiskerCondition,
 };

@@ -90,6 +90,17 @@ words!(
     }
 );
 words!(
+    /// Ways in which a robot can change the pressure of its chambers.
+    AirControl {
+        /// It has a supply, and vents.
+        FillAndVent = "FILL_AND_VENT",
+        /// It can only vent: no setpoint is above the factsheet's `pressure_mpa`.
+        VentOnly = "VENT_ONLY",
+        /// It cannot change the pressure: each setpoint has the factsheet's `pressure_mpa`, and a gain.
+        None = "NONE",
+    }
+);
+words!(
     /// Behaviour of a robot's chambers without a supervisor.
     OnSupervisorLoss {
         /// Keep the last setpoint.

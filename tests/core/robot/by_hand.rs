@@ -52,7 +52,12 @@ impl ByHand {
         };
         let array =
             ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type2, task: Task::Ratio, whiskers: vec![sheet] };
-        let factsheet = Factsheet { arrays: vec![array], touch_tests: TouchTests::default(), applies_gain: false };
+        let factsheet = Factsheet {
+            arrays: vec![array],
+            touch_tests: TouchTests::default(),
+            applies_gain: false,
+            air_control: Default::default(),
+        };
         let born = self.step(&Event::Connection { boot_id, link: Link::Online });
         let told = self.step(&Event::Factsheet { boot_id, factsheet: &factsheet });
         if born == Outcome::Taken {

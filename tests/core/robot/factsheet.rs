@@ -28,6 +28,7 @@ fn factsheet() -> Factsheet {
         }],
         touch_tests: TouchTests::default(),
         applies_gain: false,
+        air_control: Default::default(),
     }
 }
 

@@ -34,7 +34,12 @@ impl Plant {
         };
         let whiskers = (0..WHISKERS).map(sheet).collect();
         let array = ArraySheet { name: "left".to_owned(), kind: ArrayKind::Type2, task: Task::Ratio, whiskers };
-        let factsheet = Factsheet { arrays: vec![array], touch_tests: TouchTests::default(), applies_gain: false };
+        let factsheet = Factsheet {
+            arrays: vec![array],
+            touch_tests: TouchTests::default(),
+            applies_gain: false,
+            air_control: Default::default(),
+        };
         let params = Params::nguyen_2021(Formulation::Published);
         let mut plant = Self { robot: Robot::new(1, Numbers::default()), params, now: START, effects: Vec::new() };
         plant.connection(Link::Online);

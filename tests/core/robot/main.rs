@@ -12,6 +12,7 @@ mod false_alarms;
 mod faults;
 mod flapping;
 mod formats;
+mod gains;
 mod health;
 mod late_status;
 mod leak;
@@ -58,6 +59,7 @@ fn scenario(seed: u64, array_type: ArrayType, lengths_mm: &[f64]) -> Scenario {
             robot: name("r"),
             model: "m".to_owned(),
             on_supervisor_loss: vibrissa_protocol::OnSupervisorLoss::Hold,
+            applies_gain: false,
             arrays: vec![array],
             events: Vec::new(),
         }],

@@ -124,7 +124,8 @@ fn property_curvature_habits_and_outliers_are_in_the_readings() {
 #[test]
 fn the_ideal_row_finds_all_cuts_as_soon_as_the_evaluation_of_detection() {
     let row = Row::real(Nuisance::Ideal);
-    let plan = Plan { seed: 1, rows: vec![row], place: Place::Ratio, contacts: 60_000, incidents: 14 };
+    let plan =
+        Plan { seed: 1, rows: vec![row], place: Place::Ratio, applies_gain: false, contacts: 60_000, incidents: 14 };
     let figures = &evaluate(&plan, &|| ())[0];
     assert!(figures.healthy.contacts > 60_000, "the others beside a cut whisker count, too");
     assert_eq!((figures.healthy.trims, figures.healthy.conditions()), (0, 0));
@@ -142,7 +143,7 @@ fn the_ideal_row_finds_all_cuts_as_soon_as_the_evaluation_of_detection() {
 #[test]
 fn figures_do_not_depend_on_the_number_of_threads() {
     let rows = vec![Row::real(Nuisance::Mix), Row::real(Nuisance::Leak)];
-    let plan = Plan { seed: 2, rows, place: Place::Ratio, contacts: 6000, incidents: 3 };
+    let plan = Plan { seed: 2, rows, place: Place::Ratio, applies_gain: false, contacts: 6000, incidents: 3 };
     let with = |threads: usize| -> Vec<Figures> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| evaluate(&plan, &|| ()))
@@ -156,7 +157,14 @@ fn figures_do_not_depend_on_the_number_of_threads() {
 fn each_row_runs_and_each_word_names_its_row() {
     for nuisance in Nuisance::ALL {
         assert_eq!(Nuisance::of_word(nuisance.word()), Some(nuisance));
-        let plan = Plan { seed: 3, rows: vec![Row::real(nuisance)], place: Place::Ratio, contacts: 600, incidents: 1 };
+        let plan = Plan {
+            seed: 3,
+            rows: vec![Row::real(nuisance)],
+            place: Place::Ratio,
+            applies_gain: false,
+            contacts: 600,
+            incidents: 1,
+        };
         let figures = &evaluate(&plan, &|| ())[0];
         let whiskers = if nuisance == Nuisance::Scrape { 4 } else { 1 };
         assert_eq!(figures.found.len(), whiskers, "{}", nuisance.word());
@@ -168,7 +176,7 @@ fn each_row_runs_and_each_word_names_its_row() {
 fn property_touch_tests_tell_small_cuts_from_a_wandering_gain() {
     let found = |place| {
         let rows = vec![Row::real(Nuisance::Mix)];
-        let plan = Plan { seed: 106, rows, place, contacts: 6000, incidents: 42 };
+        let plan = Plan { seed: 106, rows, place, applies_gain: false, contacts: 6000, incidents: 42 };
         let figures = evaluate(&plan, &|| ()).remove(0);
         let small = figures.found.iter().filter(|one| one.size_mm <= 2.0);
         let called: Vec<&Found> = small.filter(|one| one.call.is_some()).collect();
@@ -183,7 +191,14 @@ fn property_touch_tests_tell_small_cuts_from_a_wandering_gain() {
 #[test]
 fn property_each_place_finds_the_cuts_that_it_can_show() {
     let found = |place| {
-        let plan = Plan { seed: 4, rows: vec![Row::real(Nuisance::Ideal)], place, contacts: 6000, incidents: 7 };
+        let plan = Plan {
+            seed: 4,
+            rows: vec![Row::real(Nuisance::Ideal)],
+            place,
+            applies_gain: false,
+            contacts: 6000,
+            incidents: 7,
+        };
         let figures = evaluate(&plan, &|| ()).remove(0);
         assert_eq!(figures.healthy.trims, 0, "{place:?}");
         figures.found_from_2_mm().ratio().unwrap()

@@ -55,7 +55,12 @@ fn told(world: &World, change: impl FnOnce(&mut ArraySheet)) -> Factsheet {
     let kind = world.core.whisker(0).unwrap().kind;
     let mut array = ArraySheet { name: "left".to_owned(), kind, task: Task::Ratio, whiskers: whiskers.collect() };
     change(&mut array);
-    Factsheet { arrays: vec![array], touch_tests: TouchTests::default(), applies_gain: false }
+    Factsheet {
+        arrays: vec![array],
+        touch_tests: TouchTests::default(),
+        applies_gain: false,
+        air_control: Default::default(),
+    }
 }
 
 fn tell(world: &mut World, factsheet: &Factsheet) {

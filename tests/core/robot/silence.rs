@@ -34,7 +34,12 @@ impl Plant {
         let whisker_sheets = (0..whiskers).map(sheet).collect();
         let array =
             ArraySheet { name: "left".to_owned(), kind: ArrayKind::Type2, task: Task::Ratio, whiskers: whisker_sheets };
-        let factsheet = Factsheet { arrays: vec![array], touch_tests: TouchTests::default(), applies_gain: false };
+        let factsheet = Factsheet {
+            arrays: vec![array],
+            touch_tests: TouchTests::default(),
+            applies_gain: false,
+            air_control: Default::default(),
+        };
         let params = Params::nguyen_2021(Formulation::Published);
         let mut plant = Self { robot: Robot::new(1, Numbers::default()), params, now: START, whiskers };
         plant.step(&Event::Connection { boot_id: "b", link: Link::Online });
@@ -129,9 +134,9 @@ fn alarms_that_an_older_version_raised_for_each_whisker_of_a_silent_robot_become
         plant
     };
     let mut plant = silent_alone(0);
-    // Version 7 ended before the alarm for silence, the end of the last silence, the watch for a second robot, and gains.
+    // Version 7 ended before the alarm for silence, the end of the last silence, the watch for a second robot, gains, air and places.
     let mut head = plant.robot.to_bytes().unwrap();
-    head.truncate(head.len() - 20);
+    head.truncate(head.len() - 22);
     head[0] = 7;
     let whiskers = [0, 1].map(|index| silent_alone(index as u16).robot.whisker_to_bytes(index).unwrap());
     plant.robot = Robot::restore(&head, &whiskers).unwrap();

@@ -35,7 +35,12 @@ impl Taken {
         };
         let array =
             ArraySheet { name: "left".to_owned(), kind: ArrayKind::Type2, task: Task::Ratio, whiskers: vec![sheet] };
-        let factsheet = Factsheet { arrays: vec![array], touch_tests: TouchTests::default(), applies_gain: false };
+        let factsheet = Factsheet {
+            arrays: vec![array],
+            touch_tests: TouchTests::default(),
+            applies_gain: false,
+            air_control: Default::default(),
+        };
         let params = Params::nguyen_2021(Formulation::Published);
         let mut met = Self { robot: Robot::new(1, Numbers::default()), params, now: Micros::from_s(1000.0) };
         met.step(&Event::Connection { boot_id: "b1", link: Link::Online });

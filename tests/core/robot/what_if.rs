@@ -54,7 +54,8 @@ fn just_before(scenario: &Scenario, params: &Params, time: Micros) -> World {
 
 /// The decision taken at that time, in the form of a prediction.
 fn done(world: &World, time: Micros) -> WhatIf {
-    let mut answer = WhatIf { decisions: Vec::new(), ended: Vec::new(), setpoints: Vec::new() };
+    let mut answer =
+        WhatIf { decisions: Vec::new(), ended: Vec::new(), setpoints: Vec::new(), by_objective: Vec::new() };
     for (_, effect) in world.effects.iter().filter(|(at, _)| *at == time) {
         match effect {
             Effect::Decided(decision) => answer.decisions.push((**decision).clone()),
@@ -86,13 +87,44 @@ fn property_what_would_be_done_is_what_is_then_done() {
             let unchanged = before.core.clone();
             let asked = before.core.what_if(&params, trim.whisker, trim.length_after.length).expect("an answer");
             assert_eq!(before.core, unchanged);
-            assert_eq!(asked, done(&world, *time), "seed {seed}, {trim:?}");
+            let by_objective = asked.by_objective.clone();
+            assert_eq!(asked, WhatIf { by_objective, ..done(&world, *time) }, "seed {seed}, {trim:?}");
             compared += 1;
             served += usize::from(asked.decisions.iter().any(|decision| decision.chosen.is_some()));
             ended += asked.ended.len();
         }
     }
     assert!(compared > 300 && served > 200 && ended > 5, "{compared} compared, {served} served, {ended} ended");
+}
+
+/// The compensation with an objective is the one that a robot gets with it.
+#[test]
+fn property_each_objective_is_answered_as_it_would_be_decided() {
+    use vibrissa_core::mechanics::Objective;
+    for seed in 0..20 {
+        let (mut scenario, mut params) = any_scenario(seed);
+        scenario.robots[0].events.clear();
+        let mut world = World::new(&scenario, params.clone());
+        world.run_until_s(SECONDS);
+        let length = Millimetre::known(world.core.whisker(0).expect("one").length.length.mm() - 6.0);
+        let asked = world.core.what_if(&params, 0, length).expect("an answer");
+        let objectives: Vec<Objective> = asked.by_objective.iter().map(|one| one.0).collect();
+        assert_eq!(objectives, [Objective::Tip, Objective::Mean, Objective::Shape]);
+        for (objective, told) in asked.by_objective {
+            scenario.robots[0].applies_gain = objective == Objective::Shape;
+            params.policy.objective = objective;
+            let mut world = World::new(&scenario, params.clone());
+            world.run_until_s(SECONDS);
+            let own = world.core.what_if(&params, 0, length).expect("an answer");
+            let decision = own.decisions.iter().find(|one| one.target == 0).expect("a decision");
+            let chosen = decision.chosen.map(|at| &decision.candidates[at]);
+            assert_eq!(told.map(|one| one.compensator), chosen.map(|one| one.whisker), "seed {seed} {objective:?}");
+            let Some((told, chosen)) = told.zip(chosen) else { continue };
+            assert_eq!((Some(told.pressure), Some(told.predicted_error)), (chosen.pressure, chosen.predicted_error));
+            assert_eq!(told.predicted_error_interval, chosen.predicted_error_interval);
+            assert_eq!(told.reading_gain.is_some(), objective == Objective::Shape);
+        }
+    }
 }
 
 fn calm() -> World {

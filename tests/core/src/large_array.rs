@@ -102,6 +102,7 @@ impl LargeArray {
             arrays: vec![ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type1, task: Task::Ratio, whiskers }],
             touch_tests: TouchTests::default(),
             applies_gain: false,
+            air_control: Default::default(),
         }
     }
 

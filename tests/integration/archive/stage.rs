@@ -121,6 +121,7 @@ fn robot(number: usize) -> RobotScenario {
         robot: name(&format!("r{number}")),
         model: "archive".to_owned(),
         on_supervisor_loss: OnSupervisorLoss::Hold,
+        applies_gain: false,
         arrays: vec![ArrayScenario {
             array: name("left"),
             array_type: ArrayType::Type1,

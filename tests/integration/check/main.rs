@@ -108,9 +108,9 @@ fn scenario_of(fleet: &str, name: &str, fault: Option<Misbehaviour>) -> Scenario
         kept_messages = 200
         supervisor_lost_after_s = 10.0
         touch_tests = ["WALL"]
-        applies_gain = true
         [[robots]]
         robot = "{name}"
+        applies_gain = true
         [[robots.arrays]]
         array = "left"
         type = "TYPE_1"

@@ -35,7 +35,12 @@ fn known(epoch: u64) -> Robot {
         task: Task::Ratio,
         whiskers: vec![whisker(0), whisker(1)],
     };
-    let factsheet = Factsheet { arrays: vec![array], touch_tests: TouchTests::default(), applies_gain: false };
+    let factsheet = Factsheet {
+        arrays: vec![array],
+        touch_tests: TouchTests::default(),
+        applies_gain: false,
+        air_control: Default::default(),
+    };
     let params = Params::nguyen_2021(Formulation::Published);
     let mut robot = Robot::new(epoch, Numbers::default());
     let mut effects = Vec::new();

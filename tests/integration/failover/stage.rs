@@ -218,6 +218,7 @@ fn robot(number: usize) -> RobotScenario {
         robot: name(&format!("r{number}")),
         model: "failover".to_owned(),
         on_supervisor_loss: OnSupervisorLoss::Hold,
+        applies_gain: false,
         arrays: vec![ArrayScenario {
             array: name("left"),
             array_type: if number.is_multiple_of(2) { ArrayType::Type1 } else { ArrayType::Type2 },

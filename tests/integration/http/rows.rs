@@ -93,7 +93,12 @@ fn known(epoch: u64) -> Robot {
     };
     let whiskers = (0..3).map(whisker).collect();
     let array = ArraySheet { name: "left".to_owned(), kind: ArrayKind::Type1, task: Task::Ratio, whiskers };
-    let factsheet = Factsheet { arrays: vec![array], touch_tests: TouchTests::default(), applies_gain: false };
+    let factsheet = Factsheet {
+        arrays: vec![array],
+        touch_tests: TouchTests::default(),
+        applies_gain: false,
+        air_control: Default::default(),
+    };
     let params = Params::nguyen_2021(Formulation::Published);
     let mut robot = Robot::new(epoch, Numbers::default());
     let mut effects = Vec::new();

@@ -1,5 +1,7 @@
 //! One candidate: can this whisker compensate for the target, at which pressure, and with what error?
 
+use std::ops::RangeInclusive;
+
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::params::{LongerForShorter, PolicyParams};
@@ -9,6 +11,9 @@ use crate::mechanics::{
     solve_setpoint_as_felt,
 };
 use crate::units::{ContactRatio, Megapascal, Millimetre};
+
+/// Factors on readings that a robot takes: a weaker whisker tells hardly anything but noise.
+pub const READING_GAINS: RangeInclusive<f64> = 0.05..=20.0;
 
 /// The paper's cases of compensation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, BorshSerialize, BorshDeserialize)]
@@ -59,12 +64,15 @@ pub enum Refused {
     NeedsAboveRange,
     /// The predicted error exceeds the limit.
     ErrorAboveLimit,
-    /// The cut reaches the chamber, where the model is invalid.
+    /// The cut reaches the chamber, where the model is invalid. With a gain: so little is left that contacts at some of
+    /// [`CONTACT_RATIOS`] would lie on the chamber.
     CutIntoChamber,
     /// Another candidate costs less, or this one serves better elsewhere in the array.
     CostsMore,
     /// An operator has rejected it for this target.
     Operator,
+    /// The factor on the readings is not within [`READING_GAINS`].
+    GainOutOfRange,
 }
 
 /// An eligible candidate as the policy sees it.
@@ -76,8 +84,8 @@ pub struct Fitness<'a> {
     pub length: Millimetre,
     /// Present pressure of the whisker.
     pub pressure: Megapascal,
-    /// Highest pressure that the factsheet allows.
-    pub pressure_max: Megapascal,
+    /// Lowest and highest pressure that the robot can hold.
+    pub pressures: (Megapascal, Megapascal),
     /// Offset from the model at the present pressure.
     pub offset: Offset,
     /// The whisker's own calibration: change of its offset with pressure. All zero if none is known.
@@ -117,12 +125,13 @@ pub fn propose(
     } else {
         Case::LongerForShorter
     };
-    let limit = compensator.pressure_max.mpa().min(Megapascal::EXAMINED_MAX.mpa());
+    let (pressure_min, highest) = compensator.pressures;
+    let limit = highest.mpa().min(Megapascal::EXAMINED_MAX.mpa());
     let highest = if is_self { limit.min(compensator.pressure.mpa()) } else { limit };
     let asked = Compensator {
         length: compensator.length,
         pressure: compensator.pressure,
-        pressure_min: Megapascal::ZERO,
+        pressure_min,
         pressure_max: Megapascal::known(highest),
     };
     let at_target = straight(target_offset);
@@ -135,11 +144,13 @@ pub fn propose(
         Err(_) => Proposal { case, setpoint: None, refused: Some(Refused::CutIntoChamber) },
         Ok(solution) => {
             let setpoint = *solution.setpoint();
-            Proposal {
-                case,
-                setpoint: Some(setpoint),
-                refused: refusal(params, case, compensator.objective, &solution),
-            }
+            // Where its chamber is, no gain gives a reading.
+            let (model, length) = (compensator.model, compensator.length);
+            let lacks_places = compensator.objective == Objective::Shape
+                && model.log_sensitivities(length, setpoint.pressure).contains(&None);
+            let refused = refusal(params, case, compensator.objective, &solution)
+                .or(lacks_places.then_some(Refused::CutIntoChamber));
+            Proposal { case, setpoint: Some(setpoint), refused }
         }
     }
 }
@@ -190,6 +201,7 @@ fn refusal(params: &PolicyParams, case: Case, objective: Objective, solution: &S
         }
         Solution::NeedsBelow(_) if objective != Objective::Shape => Some(Refused::NeedsBelowRange),
         Solution::NeedsAbove(_) if objective != Objective::Shape => Some(Refused::NeedsAboveRange),
+        _ if !READING_GAINS.contains(&solution.setpoint().reading_gain) => Some(Refused::GainOutOfRange),
         // A gain makes up for air out of range, as far as the predicted error says.
         Solution::InRange(setpoint) | Solution::NeedsBelow(setpoint) | Solution::NeedsAbove(setpoint) => {
             (setpoint.error.mean > params.predicted_error_max).then_some(Refused::ErrorAboveLimit)

@@ -8,5 +8,5 @@ pub mod candidate;
 pub mod params;
 
 pub use assignment::{Offer, assign};
-pub use candidate::{Case, Fitness, Ineligible, Proposal, Refused, propose};
+pub use candidate::{Case, Fitness, Ineligible, Proposal, READING_GAINS, Refused, propose};
 pub use params::{LongerForShorter, Mode, PolicyNumber, PolicyParams};

@@ -95,6 +95,20 @@ pub struct Factsheet {
     pub touch_tests: TouchTests,
     /// It multiplies its readings by the reading gain of the setpoint applied last.
     pub applies_gain: bool,
+    /// Ways in which it can change the pressure of its chambers.
+    pub air_control: AirControl,
+}
+
+/// Ways in which a robot can change the pressure of its chambers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
+pub enum AirControl {
+    /// It has a supply, and vents.
+    #[default]
+    FillAndVent,
+    /// It can only vent: no pressure above the one at which the whisker is used.
+    VentOnly,
+    /// It cannot change the pressure.
+    None,
 }
 
 /// Touch tests that a robot can do by itself.

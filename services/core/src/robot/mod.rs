@@ -37,7 +37,7 @@ pub use state::head::Array;
 pub use state::sequence::{Admission, Sequence, Sequences};
 pub use state::whisker::Whisker;
 pub use view::WhiskerView;
-pub use what_if::{Planned, WhatIf, WhatIfError};
+pub use what_if::{Planned, Served, WhatIf, WhatIfError};
 
 use crate::units::Micros;
 use event::{Contact, Factsheet, Link};

@@ -112,6 +112,12 @@ impl Robot {
             .filter_map(|(index, one)| Some((one.rare.length_test.as_ref()?.key_under_way()?, index)))
     }
 
+    /// Whether it multiplies its readings by the reading gain of the setpoint applied last.
+    #[must_use]
+    pub fn applies_gain(&self) -> bool {
+        self.head.applies_gain
+    }
+
     /// Compensations in force, and those that wait for approval.
     #[must_use]
     pub fn compensations(&self) -> &[Compensation] {

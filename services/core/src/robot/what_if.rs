@@ -5,8 +5,8 @@ use super::effect::{Condition, Decision, Effect, EndReason, Reason, WhiskerIndex
 use super::event::Link;
 use super::params::Params;
 use crate::estimation::filter::{LENGTH, STATES};
-use crate::mechanics::CONTACT_RATIOS;
-use crate::policy::Mode;
+use crate::mechanics::{CONTACT_RATIOS, Objective};
+use crate::policy::{Case, Mode};
 use crate::units::{Megapascal, Millimetre};
 
 /// Predicted decisions after a cut.
@@ -19,6 +19,26 @@ pub struct WhatIf {
     pub ended: Vec<(u32, EndReason)>,
     /// Pressures that would be commanded.
     pub setpoints: Vec<Planned>,
+    /// The compensation of the cut whisker with each objective of the policy; none with those by which no whisker serves
+    /// it.
+    pub by_objective: Vec<(Objective, Option<Served>)>,
+}
+
+/// A compensation that would serve the cut whisker.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Served {
+    /// Whisker that would serve.
+    pub compensator: WhiskerIndex,
+    /// Case of the paper.
+    pub case: Case,
+    /// Pressure to hold.
+    pub pressure: Megapascal,
+    /// Factor on each reading; none with an objective for robots that apply no gain.
+    pub reading_gain: Option<f64>,
+    /// Predicted mean error of the reading (Eq. 35), as a ratio.
+    pub predicted_error: f64,
+    /// Its 95 % interval.
+    pub predicted_error_interval: Option<(f64, f64)>,
 }
 
 /// A setpoint that would be sent after the cut.
@@ -70,11 +90,38 @@ impl Robot {
         // The decision is shown as if it were approved.
         let mut automatic = params.clone();
         automatic.policy.mode = Mode::Automatic;
+        let by_objective = copy.by_objective(&automatic, whisker);
         copy.decide(&automatic, &mut effects);
         copy.reconcile_all(&automatic, now, &mut effects);
         // Setpoints that were wanted before the cut have nothing to do with it.
         let is_new = |index: WhiskerIndex| copy.whiskers[index].desired != self.whiskers[index].desired;
-        Ok(WhatIf::of(effects, is_new))
+        Ok(WhatIf { by_objective, ..WhatIf::of(effects, is_new) })
+    }
+
+    /// The compensation of a cut whisker with each objective. With SHAPE the robot counts as one that applies a gain, with the
+    /// others as one that does not.
+    fn by_objective(&self, params: &Params, whisker: WhiskerIndex) -> Vec<(Objective, Option<Served>)> {
+        let served = |objective: Objective| {
+            let (mut copy, mut params, mut effects) = (self.clone(), params.clone(), Vec::new());
+            params.policy.objective = objective;
+            copy.head.applies_gain = objective == Objective::Shape;
+            copy.decide(&params, &mut effects);
+            let one = copy.head.compensations.iter().find(|one| one.target() == whisker)?;
+            let decisions = WhatIf::of(effects, |_| false).decisions;
+            let interval = decisions
+                .iter()
+                .filter(|decision| decision.target == whisker)
+                .find_map(|decision| decision.candidates.get(decision.chosen?)?.predicted_error_interval);
+            Some(Served {
+                compensator: one.compensator(),
+                case: one.case,
+                pressure: one.pressure,
+                reading_gain: one.reading_gain(),
+                predicted_error: one.predicted_error,
+                predicted_error_interval: interval,
+            })
+        };
+        [Objective::Tip, Objective::Mean, Objective::Shape].map(|objective| (objective, served(objective))).to_vec()
     }
 
     /// Brings the robot into the state after a detected trim of known length.
@@ -110,7 +157,8 @@ impl Robot {
 impl WhatIf {
     #[expect(clippy::wildcard_enum_match_arm, reason = "a decision has few kinds of effects; the rest is not its own")]
     fn of(effects: Vec<Effect>, is_new: impl Fn(WhiskerIndex) -> bool) -> Self {
-        let mut answer = Self { decisions: Vec::new(), ended: Vec::new(), setpoints: Vec::new() };
+        let mut answer =
+            Self { decisions: Vec::new(), ended: Vec::new(), setpoints: Vec::new(), by_objective: Vec::new() };
         for effect in effects {
             match effect {
                 Effect::Decided(decision) => answer.decisions.push(*decision),

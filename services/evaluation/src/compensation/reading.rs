@@ -6,7 +6,9 @@ use vibrissa_core::policy::LongerForShorter;
 use vibrissa_core::robot::Params;
 use vibrissa_core::robot::effect::{CandidateRecord, CompensationError, Effect};
 use vibrissa_edge::words::Z95;
-use vibrissa_simulator::scenario::Change;
+use vibrissa_protocol::{AirControl, TouchTestKind};
+use vibrissa_simulator::places::Places;
+use vibrissa_simulator::scenario::{Behaviour, Change};
 
 use super::{CONTACTS_AFTER, CONTACTS_PER_SECOND, Case, START_MPA, Trial, Truth, WHOLE_CONTACTS, plants, scenario};
 use crate::World;
@@ -19,11 +21,43 @@ pub const SHORT_MM: [f64; 4] = [55.0, 50.0, 45.0, 40.0];
 /// Remaining length of a target that a neighbour shall serve, mm.
 const STUMP_MM: f64 = 40.0;
 
+/// The robot's air, and its knowledge of the places of contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Setting {
+    /// Air both ways, and the contact ratio.
+    Usual,
+    /// No air: the gain alone.
+    NoAir,
+    /// The distance from the base, and touch tests against a wall.
+    Distance,
+    /// Each contact is at the tip.
+    Tip,
+}
+
+impl Setting {
+    /// All settings but the usual one.
+    pub const OTHERS: [Self; 3] = [Self::NoAir, Self::Distance, Self::Tip];
+
+    fn apply(self, behaviour: &mut Behaviour) {
+        match self {
+            Self::Usual => {}
+            Self::NoAir => behaviour.air_control = Some(AirControl::None),
+            Self::Distance => {
+                behaviour.places = Places::Distance;
+                behaviour.touch_tests = vec![TouchTestKind::Wall];
+            }
+            Self::Tip => behaviour.places = Places::Tip,
+        }
+    }
+}
+
 /// True errors of the reading (eq. 35 on the plant), and the statements about them.
 #[derive(Debug, Clone)]
 pub struct Reading {
     /// The trial with this result.
     pub trial: Trial,
+    /// Setting of the robot.
+    pub setting: Setting,
     /// Chosen candidate of the decision.
     pub chosen: CandidateRecord,
     /// Error with pressure and gain of the decision.
@@ -42,9 +76,10 @@ pub struct Reading {
     pub setpoints: usize,
 }
 
-/// The trials: those of the paper's cases, and short whiskers that serve themselves.
+/// The trials: those of the paper's cases, short whiskers that serve themselves, and self-compensation in the other
+/// settings.
 #[must_use]
-pub fn trials(seed: u64, count: usize) -> Vec<Trial> {
+pub fn trials(seed: u64, count: usize) -> Vec<(Trial, Setting)> {
     let mut trials = super::trials(seed, count);
     for (plant, rubber) in plants(seed, count).iter().enumerate() {
         for length_mm in SHORT_MM {
@@ -53,15 +88,21 @@ pub fn trials(seed: u64, count: usize) -> Vec<Trial> {
             trials.push(Trial { case: Case::Itself, length_mm, plant, rubber: *rubber, seed });
         }
     }
-    trials
+    let own: Vec<Trial> = trials.iter().filter(|one| is_usual_length(Case::Itself, one)).copied().collect();
+    let others = Setting::OTHERS.into_iter().flat_map(|setting| own.iter().map(move |one| (*one, setting)));
+    trials.iter().map(|one| (*one, Setting::Usual)).chain(others).collect()
+}
+
+fn is_usual_length(case: Case, trial: &Trial) -> bool {
+    trial.case == case && case.lengths_mm().contains(&trial.length_mm)
 }
 
 /// Runs the trials on all processors; none for a target that was not served.
-pub fn evaluate(trials: &[Trial], done: &(dyn Fn() + Sync)) -> Vec<Option<Reading>> {
+pub fn evaluate(trials: &[(Trial, Setting)], done: &(dyn Fn() + Sync)) -> Vec<Option<Reading>> {
     trials
         .par_iter()
-        .map(|trial| {
-            let reading = run(trial);
+        .map(|(trial, setting)| {
+            let reading = run(trial, *setting);
             done();
             reading
         })
@@ -70,11 +111,12 @@ pub fn evaluate(trials: &[Trial], done: &(dyn Fn() + Sync)) -> Vec<Option<Readin
 
 /// Runs one trial.
 #[must_use]
-pub fn run(trial: &Trial) -> Option<Reading> {
+pub fn run(trial: &Trial, setting: Setting) -> Option<Reading> {
     let mut params = Params::nguyen_2021(Formulation::Published);
     params.policy.predicted_error_max = f64::INFINITY;
     let mut scenario = scenario(trial);
-    scenario.behaviour.applies_gain = true;
+    setting.apply(&mut scenario.behaviour);
+    scenario.robots[0].applies_gain = true;
     if trial.case != Case::Itself {
         // With a gain, even such a whisker serves itself, but a neighbour has a lower predicted error.
         params.policy.own_role_cost = 0.0;
@@ -112,6 +154,7 @@ pub fn run(trial: &Trial) -> Option<Reading> {
     let (held_mpa, _) = *sent.last()?;
     Some(Reading {
         trial: *trial,
+        setting,
         chosen: chosen.into_iter().next()?,
         open,
         looks,
@@ -198,15 +241,18 @@ pub fn summary<'r>(readings: impl Iterator<Item = &'r Reading>) -> Option<Readin
 
 /// The readings of a case, apart from the short whiskers.
 pub fn of(case: Case, readings: &[Option<Reading>]) -> impl Iterator<Item = &Reading> {
-    readings
-        .iter()
-        .flatten()
-        .filter(move |one| one.trial.case == case && case.lengths_mm().contains(&one.trial.length_mm))
+    of_setting(Setting::Usual, readings).filter(move |one| is_usual_length(case, &one.trial))
+}
+
+/// The readings of a setting.
+pub fn of_setting(setting: Setting, readings: &[Option<Reading>]) -> impl Iterator<Item = &Reading> {
+    readings.iter().flatten().filter(move |one| one.setting == setting)
 }
 
 /// The readings of one length that a whisker of 70 mm is trimmed to.
 pub fn of_length(length_mm: f64, readings: &[Option<Reading>]) -> impl Iterator<Item = &Reading> {
-    readings.iter().flatten().filter(move |one| one.trial.case == Case::Itself && one.trial.length_mm == length_mm)
+    let is_it = move |one: &&Reading| one.trial.case == Case::Itself && one.trial.length_mm == length_mm;
+    of_setting(Setting::Usual, readings).filter(is_it)
 }
 
 #[cfg(test)]
@@ -222,7 +268,7 @@ mod tests {
     /// Setpoints of the first 800 contacts.
     fn setpoints(applies_gain: bool, objective: Objective) -> Vec<(f64, Option<[f64; CONTACT_RATIOS.len()]>)> {
         let mut scenario = scenario(&trial(Case::Itself, 65.0));
-        scenario.behaviour.applies_gain = applies_gain;
+        scenario.robots[0].applies_gain = applies_gain;
         let mut params = Params::nguyen_2021(Formulation::Published);
         params.policy.objective = objective;
         let mut world = World::new(&scenario, params);
@@ -249,9 +295,23 @@ mod tests {
             (Case::Itself, 50.0, 0.05, 0.02),
             (Case::Itself, 40.0, 0.04, 0.03),
         ] {
-            let reading = run(&trial(case, length_mm)).expect("a compensation");
+            let reading = run(&trial(case, length_mm), Setting::Usual).expect("a compensation");
             assert!(reading.open < open && reading.looks[1] < after_800, "{case:?} {length_mm}: {reading:?}");
             assert!(reading.chosen.case == vibrissa_core::policy::Case::SelfCompensation || case != Case::Itself);
+        }
+    }
+
+    #[test]
+    fn a_robot_without_air_is_served_by_the_gain_alone() {
+        let reading = run(&trial(Case::Itself, 65.0), Setting::NoAir).expect("a compensation");
+        assert!(reading.moved_mpa == 0.0 && reading.open < 0.12 && reading.end < 0.09, "{reading:?}");
+    }
+
+    #[test]
+    fn a_robot_that_knows_no_ratio_keeps_the_gain_of_the_decision_or_better() {
+        for setting in [Setting::Distance, Setting::Tip] {
+            let reading = run(&trial(Case::Itself, 65.0), setting).expect("a compensation");
+            assert!(reading.open < 0.15 && reading.end < 0.15, "{setting:?}: {reading:?}");
         }
     }
 }

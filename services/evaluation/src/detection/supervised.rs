@@ -62,7 +62,12 @@ impl Supervised {
             ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type2, task: Task::Ratio, whiskers: vec![sheet] };
         one.step(&Event::Factsheet {
             boot_id: BOOT,
-            factsheet: &Factsheet { arrays: vec![array], touch_tests: TouchTests::default(), applies_gain: false },
+            factsheet: &Factsheet {
+                arrays: vec![array],
+                touch_tests: TouchTests::default(),
+                applies_gain: false,
+                air_control: Default::default(),
+            },
         });
         one
     }

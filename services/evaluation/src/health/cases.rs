@@ -64,6 +64,7 @@ pub(super) fn case(seed: u64, class: Class, number: u32) -> Case {
             robot: name("robot"),
             model: "evaluation".to_owned(),
             on_supervisor_loss: OnSupervisorLoss::Hold,
+            applies_gain: false,
             arrays: vec![ArrayScenario { array: name(ARRAY), array_type, whiskers }],
             events,
         }],

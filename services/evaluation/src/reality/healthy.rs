@@ -3,7 +3,7 @@
 use vibrissa_core::robot::effect::{AlarmKind, Condition, Effect, Fault};
 
 use super::robot::{Layout, Robot, WHISKERS};
-use super::{Place, Row, seed};
+use super::{RobotKind, Row, seed};
 
 /// Rounds of contacts of one robot: a little more than a day.
 const ROUNDS_MAX: u64 = 30_000;
@@ -115,10 +115,10 @@ pub(super) fn robots(row: Row, contacts: u64) -> (u64, u64) {
 
 /// Runs one robot. After each false report that changes a condition, an operator has the whisker learned anew.
 #[must_use]
-pub(super) fn run(row: Row, place: Place, plan_seed: u64, number: u64, rounds: u64) -> Healthy {
+pub(super) fn run(row: Row, kind: RobotKind, plan_seed: u64, number: u64, rounds: u64) -> Healthy {
     let layout = Layout::ALL[number as usize % Layout::ALL.len()];
     let nuisances = row.nuisances();
-    let mut robot = Robot::new(nuisances, place, layout, seed(plan_seed, 0, number));
+    let mut robot = Robot::new(nuisances, kind, layout, seed(plan_seed, 0, number));
     let mut healthy = Healthy::default();
     let has_leak = nuisances.leak > 0.0;
     let is_leak = |effect: &Effect| {

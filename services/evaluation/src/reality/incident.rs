@@ -5,6 +5,7 @@ mod compensated;
 use rand::Rng;
 use vibrissa_core::mechanics::{ByRatio, CONTACT_RATIOS};
 use vibrissa_core::robot::effect::{Condition, Effect, EndReason, Reason};
+use vibrissa_core::robot::one_number;
 use vibrissa_edge::words::Z95;
 
 pub use self::compensated::Compensated;
@@ -14,7 +15,7 @@ use super::robot::{Layout, Robot, WHISKERS};
 use super::row::Incident;
 use super::truth::{Reference, whole};
 use super::whisker::stream;
-use super::{Place, Row, seed};
+use super::{RobotKind, Row, seed};
 
 /// Sizes of the cuts, mm: each trial takes the next.
 pub const SIZES_MM: [f64; 7] = [1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 16.0];
@@ -81,7 +82,7 @@ struct Case {
 
 /// Runs one trial: the whiskers that were cut or worn, and reports about the others.
 #[must_use]
-pub(super) fn run(row: Row, place: Place, plan_seed: u64, number: u64) -> (Vec<Found>, Healthy) {
+pub(super) fn run(row: Row, kind: RobotKind, plan_seed: u64, number: u64) -> (Vec<Found>, Healthy) {
     let incident = row.incident();
     let own_seed = seed(plan_seed, 1, number);
     let mut random = stream(own_seed, u64::MAX - 1);
@@ -98,7 +99,7 @@ pub(super) fn run(row: Row, place: Place, plan_seed: u64, number: u64) -> (Vec<F
     let layout = layouts[number as usize % layouts.len()];
     let size_mm = SIZES_MM[number as usize % SIZES_MM.len()];
     let mut trial = Trial {
-        robot: Robot::new(row.nuisances(), place, layout, own_seed),
+        robot: Robot::new(row.nuisances(), kind, layout, own_seed),
         incident,
         round: 0,
         cases: Vec::new(),
@@ -245,7 +246,7 @@ impl Trial {
                 {
                     let compensator = &robot.whiskers[chosen.whisker];
                     let reference = Reference::new(case.whole, compensator);
-                    let truth = reference.error(compensator, pressure.mpa());
+                    let truth = reference.error(compensator, pressure.mpa(), 1.0);
                     let compensator = chosen.whisker;
                     case.predicted = Some(Prediction { compensator, error, interval, truth, reference });
                 }
@@ -255,6 +256,12 @@ impl Trial {
                 if let Some(case) = self.cases.iter_mut().find(of) {
                     case.gain = command.gain.or(case.gain);
                     if matches!(command.reason, Reason::Compensation(_)) {
+                        if let Some((decided, gain)) =
+                            case.predicted.as_mut().zip(command.gain.as_ref().and_then(one_number))
+                        {
+                            let compensator = &robot.whiskers[decided.compensator];
+                            decided.truth = decided.reference.error(compensator, command.pressure.mpa(), gain);
+                        }
                         case.setpoint = case.setpoint.or(Some(round - case.changed));
                     }
                 }

@@ -98,6 +98,8 @@ pub struct Plan {
     pub rows: Vec<Row>,
     /// Kind of place that the robots state with their contacts.
     pub place: Place,
+    /// Whether the robots multiply their readings.
+    pub applies_gain: bool,
     /// Number of contacts of healthy whiskers in each row.
     pub contacts: u64,
     /// Number of robots in each row on which something is cut or wears off.
@@ -111,7 +113,18 @@ enum Trial {
     Incident { number: u64 },
 }
 
+/// The kind of all robots of a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct RobotKind {
+    place: Place,
+    applies_gain: bool,
+}
+
 impl Plan {
+    fn kind(&self) -> RobotKind {
+        RobotKind { place: self.place, applies_gain: self.applies_gain }
+    }
+
     fn trials_of(&self, row: Row) -> Vec<Trial> {
         let (robots, rounds) = healthy::robots(row, self.contacts);
         let healthy = (0..robots).map(|number| Trial::Healthy { number, rounds });
@@ -137,9 +150,9 @@ pub fn evaluate(plan: &Plan, done: &(dyn Fn() + Sync)) -> Vec<Figures> {
         .map(|&(at, row, trial)| {
             let (found, healthy) = match trial {
                 Trial::Healthy { number, rounds } => {
-                    (Vec::new(), healthy::run(row, plan.place, plan.seed, number, rounds))
+                    (Vec::new(), healthy::run(row, plan.kind(), plan.seed, number, rounds))
                 }
-                Trial::Incident { number } => incident::run(row, plan.place, plan.seed, number),
+                Trial::Incident { number } => incident::run(row, plan.kind(), plan.seed, number),
             };
             done();
             (at, found, healthy)
@@ -161,7 +174,7 @@ pub fn evaluate(plan: &Plan, done: &(dyn Fn() + Sync)) -> Vec<Figures> {
 #[must_use]
 pub fn run(row: Row, place: Place, seed: u64, contacts: u64) -> Figures {
     let incidents = 10 * SIZES_MM.len() as u32;
-    let plan = Plan { seed, rows: vec![row], place, contacts, incidents };
+    let plan = Plan { seed, rows: vec![row], place, applies_gain: false, contacts, incidents };
     let mut figures = evaluate(&plan, &|| ());
     figures.remove(0)
 }

@@ -9,11 +9,11 @@ use vibrissa_core::robot::event::{
 use vibrissa_core::robot::{Event, Numbers, OperatorAction, Params, Place as At, Robot as Core};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 
-use super::Place;
 use super::air::Air;
 use super::course::Course;
 use super::nuisances::Nuisances;
 use super::whisker::{Circumstances, NOMINAL_MPA, Touch, Whisker};
+use super::{Place, RobotKind};
 
 /// Number of whiskers of a robot.
 pub(super) const WHISKERS: usize = 6;
@@ -103,7 +103,8 @@ fn params(place: Place) -> Params {
 impl Robot {
     /// A robot with whole whiskers, connected.
     #[must_use]
-    pub(super) fn new(nuisances: Nuisances, place: Place, layout: Layout, seed: u64) -> Self {
+    pub(super) fn new(nuisances: Nuisances, kind: RobotKind, layout: Layout, seed: u64) -> Self {
+        let place = kind.place;
         let numbers = 0..WHISKERS as u64;
         let mut robot = Self {
             place,
@@ -126,7 +127,7 @@ impl Robot {
             every_s: if nuisances.leak > 0.0 { LEAK_STATUS_S } else { STATUS_S },
         };
         robot.step(&Event::Connection { boot_id: BOOT, link: Link::Online });
-        robot.step(&Event::Factsheet { boot_id: BOOT, factsheet: &factsheet(layout, place) });
+        robot.step(&Event::Factsheet { boot_id: BOOT, factsheet: &factsheet(layout, kind) });
         robot
     }
 
@@ -323,7 +324,7 @@ fn command_of(effect: &Effect) -> Option<Command> {
     }
 }
 
-fn factsheet(layout: Layout, place: Place) -> Factsheet {
+fn factsheet(layout: Layout, RobotKind { place, applies_gain }: RobotKind) -> Factsheet {
     let sheet = |number: usize| {
         let is_neighbour = |other: &u16| layout != Layout::Single && usize::from(*other).abs_diff(number) == 1;
         WhiskerSheet {
@@ -347,5 +348,10 @@ fn factsheet(layout: Layout, place: Place) -> Factsheet {
         Layout::Neighbours | Layout::Together => vec![array((ARRAYS[0], 0..WHISKERS))],
         Layout::Single => (0..WHISKERS).map(|number| array((ARRAYS[number], number..number + 1))).collect(),
     };
-    Factsheet { arrays, touch_tests: TouchTests { tip: false, wall: place.has_tests() }, applies_gain: false }
+    Factsheet {
+        arrays,
+        touch_tests: TouchTests { tip: false, wall: place.has_tests() },
+        applies_gain,
+        air_control: Default::default(),
+    }
 }

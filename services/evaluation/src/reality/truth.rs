@@ -22,10 +22,10 @@ impl Reference {
         Self { before: per_mm(compensator, compensator.length_mm, NOMINAL_MPA), target: whole_target }
     }
 
-    /// Eq. 35, mean over the contact ratios, at a pressure of the compensator.
+    /// Eq. 35, mean over the contact ratios, at a pressure of the compensator, with a factor on its readings.
     #[must_use]
-    pub(super) fn error(&self, compensator: &Whisker, pressure_mpa: f64) -> f64 {
-        let after = per_mm(compensator, compensator.length_mm, pressure_mpa);
+    pub(super) fn error(&self, compensator: &Whisker, pressure_mpa: f64, reading_gain: f64) -> f64 {
+        let after = per_mm(compensator, compensator.length_mm, pressure_mpa).map(|one| Some(reading_gain * one?));
         ErrorProfile::new(&after, &self.before, &self.target).mean
     }
 

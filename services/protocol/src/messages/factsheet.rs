@@ -6,8 +6,8 @@ use super::Checked;
 use crate::check::{LENGTH_MM, PLACE_MM, PRESSURE_MPA};
 use crate::name::short_text;
 use crate::{
-    ARRAYS_MAX, ArrayType, BootId, Name, OnSupervisorLoss, PlaceKind, Refusal, Task, Timestamp, TouchTestKind,
-    WHISKERS_MAX, check,
+    ARRAYS_MAX, AirControl, ArrayType, BootId, Name, OnSupervisorLoss, PlaceKind, Refusal, Task, Timestamp,
+    TouchTestKind, WHISKERS_MAX, check,
 };
 
 /// `factsheet`: arrays and whiskers of a robot.
@@ -39,6 +39,9 @@ pub struct Factsheet {
     /// Whether the robot multiplies its readings by `reading_gain`; false if absent.
     #[serde(default, skip_serializing_if = "super::contacts::is_false")]
     pub applies_gain: bool,
+    /// Ways in which the robot can change the pressure of its chambers; `FILL_AND_VENT` if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub air_control: Option<AirControl>,
 }
 
 /// One array of whiskers.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use serde::Deserialize;
-use vibrissa_protocol::{ArrayType, Name, OnSupervisorLoss, PlaceKind, Task, TouchTestKind};
+use vibrissa_protocol::{AirControl, ArrayType, Name, OnSupervisorLoss, PlaceKind, Task, TouchTestKind};
 use vibrissa_segmenter::Params;
 
 #[derive(Debug, Deserialize)]
@@ -19,6 +19,7 @@ pub(super) struct File {
     pub(super) touch_tests: Vec<TouchTestKind>,
     #[serde(default)]
     pub(super) applies_gain: bool,
+    pub(super) air_control: Option<AirControl>,
     pub(super) broker: FileBroker,
     #[serde(default)]
     pub(super) outbox: FileOutbox,

@@ -187,6 +187,7 @@ impl Config {
             arrays,
             touch_tests: file.touch_tests,
             applies_gain: file.applies_gain,
+            air_control: file.air_control,
         };
         Ok(Self { fleet: file.fleet, robot: file.robot, facts, broker, limits, outbox_file, driver })
     }

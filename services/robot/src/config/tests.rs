@@ -24,8 +24,9 @@ fn the_smallest_configuration_has_the_defaults() {
     assert_eq!((config.limits.outbox_bytes, config.limits.driver_silent_us), (1 << 20, 5_000_000));
     assert_eq!(config.facts.arrays[0].whiskers.len(), 2);
     assert!(!config.facts.applies_gain);
-    let text = EXAMPLE.replacen("robot = ", "applies_gain = true\nrobot = ", 1);
-    assert!(Config::from_toml_str(&text, Path::new("")).unwrap().facts.applies_gain);
+    let text = EXAMPLE.replacen("robot = ", "applies_gain = true\nair_control = \"NONE\"\nrobot = ", 1);
+    let facts = Config::from_toml_str(&text, Path::new("")).unwrap().facts;
+    assert_eq!((facts.applies_gain, facts.air_control), (true, Some(vibrissa_protocol::AirControl::None)));
 }
 
 #[test]

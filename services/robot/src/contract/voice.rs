@@ -1,8 +1,8 @@
 //! Messages that a robot sends, numbered by topic and boot.
 
 use vibrissa_protocol::{
-    ArrayFacts, BootId, Connection, ConnectionState, Contact, Contacts, Factsheet, MissedTouch, OnSupervisorLoss,
-    SetpointState, Status, TestState, Timestamp, TouchTestKind, WhiskerStatus,
+    AirControl, ArrayFacts, BootId, Connection, ConnectionState, Contact, Contacts, Factsheet, MissedTouch,
+    OnSupervisorLoss, SetpointState, Status, TestState, Timestamp, TouchTestKind, WhiskerStatus,
 };
 
 use super::commands::Answer;
@@ -21,6 +21,8 @@ pub struct Facts {
     pub touch_tests: Vec<TouchTestKind>,
     /// Whether the robot multiplies its readings by `reading_gain`.
     pub applies_gain: bool,
+    /// Ways in which the robot can change the pressure of its chambers.
+    pub air_control: Option<AirControl>,
 }
 
 /// Boot id of a robot, and the next `seq` of each topic in that boot.
@@ -119,6 +121,7 @@ impl Voice {
             arrays: facts.arrays.clone(),
             touch_tests: facts.touch_tests.clone(),
             applies_gain: facts.applies_gain,
+            air_control: facts.air_control,
         }
     }
 

@@ -105,6 +105,7 @@ impl Robot {
             arrays: self.arrays.iter().enumerate().map(array).collect(),
             touch_tests: Vec::new(),
             applies_gain: false,
+            air_control: None,
         })
     }
 

@@ -110,7 +110,8 @@ pub(super) fn facts(config: &RobotConfig) -> Facts {
         on_supervisor_loss: config.robot.on_supervisor_loss,
         arrays: config.robot.arrays.iter().map(|array| array_facts(&config.behaviour, array)).collect(),
         touch_tests: config.behaviour.touch_tests.clone(),
-        applies_gain: config.behaviour.applies_gain,
+        applies_gain: config.robot.applies_gain,
+        air_control: config.behaviour.air_control,
     }
 }
 

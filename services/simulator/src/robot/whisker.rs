@@ -79,7 +79,7 @@ impl Whisker {
             seen: None,
             estimated_mm: None,
             gain: ReadingGain::new(facts.pressure_mpa),
-            applies_gain: config.behaviour.applies_gain,
+            applies_gain: config.robot.applies_gain,
             applying: None,
             events: VecDeque::new(),
             reported: (Condition::Ok, Gauge::Ok),

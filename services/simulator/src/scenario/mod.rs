@@ -5,7 +5,7 @@ mod event;
 mod misbehaviour;
 
 use serde::{Deserialize, Serialize};
-use vibrissa_protocol::{ArrayType, Name, OnSupervisorLoss, Task, TouchTestKind, plain};
+use vibrissa_protocol::{AirControl, ArrayType, Name, OnSupervisorLoss, Task, TouchTestKind, plain};
 
 pub use check::BadScenario;
 pub use event::{Change, Event};
@@ -57,8 +57,8 @@ pub struct Behaviour {
     pub places: Places,
     /// Touch tests that robots can do.
     pub touch_tests: Vec<TouchTestKind>,
-    /// Whether robots multiply their readings by `reading_gain`, as their factsheets then state.
-    pub applies_gain: bool,
+    /// Ways in which robots can change the pressure of their chambers, as their factsheets state it.
+    pub air_control: Option<AirControl>,
     /// Use of the readings of all arrays, as factsheets state it.
     pub task: Option<Task>,
     /// Whether robots detect leaks and broken gauges; otherwise they report both as OK.
@@ -81,7 +81,7 @@ impl Default for Behaviour {
             supervisor_lost_after_s: 60.0,
             places: Places::Ratio,
             touch_tests: Vec::new(),
-            applies_gain: false,
+            air_control: None,
             task: None,
             notices_faults: true,
             journal: false,
@@ -122,6 +122,9 @@ pub struct RobotScenario {
     /// Behaviour without a supervisor.
     #[serde(default = "default_on_supervisor_loss")]
     pub on_supervisor_loss: OnSupervisorLoss,
+    /// Whether it multiplies its readings by `reading_gain`, as its factsheet then states.
+    #[serde(default)]
+    pub applies_gain: bool,
     /// Arrays of the robot, with distinct names.
     pub arrays: Vec<ArrayScenario>,
     /// Events that happen to the robot.

@@ -124,6 +124,7 @@ fn factsheet() -> Factsheet {
         arrays: vec![ArraySheet { name: "a".to_owned(), kind: ArrayKind::Type1, task: Task::Ratio, whiskers }],
         touch_tests: TouchTests::default(),
         applies_gain: false,
+        air_control: Default::default(),
     }
 }
 

@@ -127,6 +127,7 @@ fn robot(name: &str, array: ArrayScenario) -> Result<RobotScenario, BadName> {
         robot: Name::robot(name)?,
         model: "crawler".to_owned(),
         on_supervisor_loss: OnSupervisorLoss::Hold,
+        applies_gain: false,
         arrays: vec![array],
         events,
     })

@@ -157,6 +157,7 @@ impl Rig {
                 arrays: vec![array],
                 touch_tests: TouchTests { tip: false, wall: tests != Tests::NotOffered },
                 applies_gain: false,
+                air_control: Default::default(),
             },
         });
         rig.status();

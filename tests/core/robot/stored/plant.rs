@@ -6,8 +6,8 @@ use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::policy::Mode;
 use vibrissa_core::robot::effect::{AlarmKind, Command, CommandKey, TestState};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, MissedTouch, RegulatorState,
-    Rejection, SetpointReport, Task, TestReport, TouchTests, WhiskerSheet, WhiskerStatus,
+    AirControl, ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, MissedTouch,
+    RegulatorState, Rejection, SetpointReport, Task, TestReport, TouchTests, WhiskerSheet, WhiskerStatus,
 };
 use vibrissa_core::robot::{OperatorAction, Params, Place, Robot, Scope, WhiskerView};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
@@ -312,5 +312,6 @@ pub(super) fn factsheet(layout: usize) -> Factsheet {
         arrays: vec![ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type1, task: Task::Ratio, whiskers }],
         touch_tests: TouchTests { tip: false, wall: layout != 1 },
         applies_gain: layout == 2,
+        air_control: if layout == 2 { AirControl::VentOnly } else { AirControl::FillAndVent },
     }
 }

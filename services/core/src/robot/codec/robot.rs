@@ -27,8 +27,9 @@ const NEWEST_VERSION: u16 = STATE_VERSION + 100;
 const NO_SILENCE: [u8; 9] = [0; 9];
 /// The end of a head up to version 8: nothing shows a second robot of the same name.
 const NO_DUPLICATE: [u8; 10] = [0; 10];
-/// The end of a head up to version 9: robots applied no gain.
-const NO_GAIN: [u8; 1] = [0];
+/// The end of a head up to version 9: robots applied no gain, and had a supply of air. The next contact tells the kind of
+/// places.
+const NO_GAIN: [u8; 3] = [0; 3];
 
 /// The head of version 6. No test was due after a pause or by a schedule.
 #[derive(BorshDeserialize)]

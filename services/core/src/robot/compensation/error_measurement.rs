@@ -174,9 +174,11 @@ impl Robot {
         if self.whiskers[running.compensator()].noise.is_lasting(&params.noise) {
             felt.responses.moves(&[[UNNOTICED_SHIFT_SD; CONTACT_RATIOS.len()]], &[AFTER]);
         }
-        if let Some(gain) = running.reading_gain() {
+        let air_alone = running.reading_gain().map(|gain| {
+            let by_air = felt.expected_error(&params.cubature);
             felt.read_with(gain);
-        }
+            by_air
+        });
         let (mean, sd) = felt.expected_error(&params.cubature);
         Some(CompensationError {
             compensation: running.id,
@@ -184,6 +186,7 @@ impl Robot {
             contacts: running.after.contacts(),
             mean,
             sd,
+            air_alone,
             bins,
             with_gain: running.error_with_gain(self, params),
         })
@@ -210,7 +213,7 @@ impl Robot {
             let (_, slope) = model.sensitivity_and_slope(ratio, running.length, &morphology).ok()?;
             before.variance += slope.powi(2) * length_variance;
             // A trimmed whisker's own offset is best known from its own measured whole response.
-            if running.case == crate::policy::Case::SelfCompensation && target.origin == Origin::Measured {
+            if running.before.is_none() && target.origin == Origin::Measured {
                 let whole_offset = one.whole_offset().at(ratio);
                 before.log_per_mm += one.whole.measured(ratio, least).map_or(0.0, |bin| bin.mean() - whole_offset);
             }

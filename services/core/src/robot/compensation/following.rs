@@ -72,7 +72,7 @@ impl Robot {
         let length = whisker.filter.length();
         let belief = whisker.belief(model);
         let objective = params.policy.objective_for(self.head.applies_gain);
-        let fitness = whisker.fitness(model, &belief, true, objective);
+        let fitness = whisker.fitness(model, &belief, true, (objective, self.head.air_control));
         let proposal = propose(&params.policy, model, whisker.target(), whisker.whole_offset(), &fitness, true);
         // Where even zero pressure is too high, the gain makes up for the rest.
         let goes_on = matches!(proposal.refused, None | Some(Refused::NeedsBelowRange));

@@ -17,7 +17,7 @@ use crate::robot::Robot;
 use crate::robot::compensation::prediction::cases_for_each;
 use crate::robot::compensation::refinement::Refining;
 use crate::robot::effect::{CandidateRecord, Condition, Decision, Effect, EndReason, Fault, Reason, WhiskerIndex};
-use crate::robot::event::{ArrayKind, Task};
+use crate::robot::event::{AirControl, ArrayKind, Task};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
 use crate::units::{Megapascal, Millimetre};
@@ -37,7 +37,8 @@ pub struct Compensation {
     pub(in crate::robot) length: Millimetre,
     pub(in crate::robot) pressure_before: Megapascal,
     pub(in crate::robot) pressure: Megapascal,
-    /// The compensator's own whole response, for a neighbour; its model serves for the trimmed one itself.
+    /// The compensator's own response before, for a neighbour or for a whisker of full length that has lost sensitivity; its
+    /// model serves for the trimmed one itself.
     pub(in crate::robot) before: Option<ResponseBins>,
     /// Its response at the setpoint, against the model at `length`.
     pub(in crate::robot) after: ResponseBins,
@@ -191,7 +192,7 @@ impl Robot {
 
     fn decide_array(&mut self, params: &Params, array: u16, effects: &mut Vec<Effect>) {
         let targets: Vec<usize> = (0..self.whiskers.len())
-            .filter(|&index| self.whiskers[index].array == array && self.is_target(index))
+            .filter(|&index| self.whiskers[index].array == array && self.is_target(params, index))
             .filter(|&index| !self.holds(index) && !self.serving(index).any(|one| self.is_fixed(params, one)))
             .collect();
         if targets.is_empty() {
@@ -223,18 +224,28 @@ impl Robot {
             let whole_mm = whisker.sheet.length.mm();
             let neighbours = whisker.sheet.neighbours.iter().filter_map(|&number| self.place(whisker.array, number));
             let is_covered = neighbours.map(|index| &self.whiskers[index]).any(|one| {
-                one.ineligible(false).is_none() && one.filter.length().length.mm() >= whole_mm - REACH_TOLERANCE_MM
+                one.ineligible(false, false).is_none()
+                    && one.filter.length().length.mm() >= whole_mm - REACH_TOLERANCE_MM
             });
             let whisker = &mut self.whiskers[target];
             (whisker.undecided, whisker.unserved) = (false, !is_covered);
         }
     }
 
-    /// Whether it needs a compensator: it is trimmed, or it is served although it has become something else
-    /// since (which keeps its compensator from being given away).
-    fn is_target(&self, index: WhiskerIndex) -> bool {
+    /// Whether it needs a compensator: it is trimmed, or a gain can make up for its loss of sensitivity, or it is served and
+    /// has become something else since. A served one keeps its compensator.
+    fn is_target(&self, params: &Params, index: WhiskerIndex) -> bool {
         let one = &self.whiskers[index];
-        one.condition == Condition::Trimmed || one.undecided || self.server(index).is_some()
+        one.condition == Condition::Trimmed
+            || one.undecided
+            || self.is_served_by_gain(params, index)
+            || self.server(index).is_some()
+    }
+
+    /// Whether it has lost sensitivity, and its robot multiplies its readings: then a gain alone serves it.
+    fn is_served_by_gain(&self, params: &Params, index: WhiskerIndex) -> bool {
+        self.whiskers[index].condition == Condition::SensitivityLoss
+            && params.policy.objective_for(self.head.applies_gain) == Objective::Shape
     }
 
     /// Whether decisions leave it as it is: its target is held, or it runs where compensations must be approved, and is
@@ -260,9 +271,10 @@ impl Robot {
     /// Evaluates all candidates for a broken whisker: itself and, in a Type 1 array, its neighbours.
     fn ask<'p>(&self, params: &'p Params, target: WhiskerIndex) -> Vec<CandidateProposal<'p>> {
         let whisker = &self.whiskers[target];
+        let is_cut = self.server(target).is_some() || !self.is_served_by_gain(params, target);
         let neighbours: &[u16] = match self.head.arrays[usize::from(whisker.array)].kind {
-            ArrayKind::Type1 => &whisker.sheet.neighbours,
-            ArrayKind::Type2 => &[],
+            ArrayKind::Type1 if is_cut => &whisker.sheet.neighbours,
+            ArrayKind::Type1 | ArrayKind::Type2 => &[],
         };
         let candidates =
             std::iter::once(target).chain(neighbours.iter().filter_map(|&number| self.place(whisker.array, number)));
@@ -283,12 +295,14 @@ impl Robot {
             .next();
         let held = self.holds(compensator).then_some(Ineligible::Held);
         let is_self = target == compensator;
-        let reason = one.ineligible(is_self).or(held);
+        let by_gain = is_self && self.is_served_by_gain(params, compensator);
+        let reason = one.ineligible(is_self, by_gain).or(held);
         let (fit, proposal) = match (reason, broken.model(params), one.model(params)) {
             (None, Some(target_model), Some(model)) => {
                 let belief = one.belief(model);
                 let objective = params.policy.objective_for(self.head.applies_gain);
-                let fitness = one.fitness(model, &belief, is_self, objective);
+                let air = if by_gain { AirControl::None } else { self.head.air_control };
+                let fitness = one.fitness(model, &belief, is_self, (objective, air));
                 let asked = (broken.target(), broken.whole_offset());
                 let proposal = propose(&params.policy, target_model, asked.0, asked.1, &fitness, is_self);
                 let by_operator = broken.refused_servers.contains(&one.sheet.number).then_some(Refused::Operator);
@@ -381,6 +395,11 @@ impl Robot {
         let Ok(Proposal { case, setpoint: Some(setpoint), .. }) = chosen.proposal else { return };
         let is_self = chosen.target == chosen.compensator;
         let one = &self.whiskers[chosen.compensator];
+        let has_lost = one.condition == Condition::SensitivityLoss;
+        let mut carried = one.carried(params, &setpoint);
+        if has_lost {
+            carried.shift(one.whole_lag(one.filter.offset()));
+        }
         let begun = Compensation {
             id,
             target: chosen.target as u32,
@@ -390,11 +409,11 @@ impl Robot {
             length: one.filter.length().length,
             pressure_before: one.sheet.pressure,
             pressure: setpoint.pressure,
-            before: (!is_self).then(|| one.present_whole()),
+            before: (!is_self || has_lost).then(|| one.present_whole()),
             after: ResponseBins::default(),
             settled: false,
             length_sd_mm: one.filter.length().sd_mm,
-            refining: Refining::new(setpoint.gain.by_ratio, one.carried(params, &setpoint)),
+            refining: Refining::new(setpoint.gain.by_ratio, carried),
             proposed: params.policy.mode == Mode::Advise,
         };
         self.whiskers[chosen.target].unserved = false;
@@ -428,7 +447,7 @@ fn choose(params: &Params, targets: &[usize], asked: &[CandidateProposal<'_>]) -
 
 impl Whisker {
     /// Reason why it cannot be a candidate, if there is one. A trimmed whisker may still serve itself.
-    fn ineligible(&self, for_itself: bool) -> Option<Ineligible> {
+    fn ineligible(&self, for_itself: bool, by_gain: bool) -> Option<Ineligible> {
         match self.fault {
             Some(Fault::Stale) => return Some(Ineligible::Stale),
             Some(Fault::Gauge(_)) => return Some(Ineligible::GaugeFault),
@@ -446,7 +465,7 @@ impl Whisker {
             Condition::Learning => Some(Ineligible::Learning),
             Condition::Suspected => Some(Ineligible::Suspected),
             Condition::Eroding => Some(Ineligible::Eroding),
-            Condition::SensitivityLoss => Some(Ineligible::SensitivityLoss),
+            Condition::SensitivityLoss => (!by_gain).then_some(Ineligible::SensitivityLoss),
         }
     }
 
@@ -466,12 +485,18 @@ impl Whisker {
 
     /// As the policy sees it: in its own role, at its nominal pressure. A compensation that is over may still
     /// hold its pressure, and the release be on its way: that must decide nothing.
-    fn fitness<'p>(&self, model: &'p Model, belief: &Belief, is_self: bool, objective: Objective) -> Fitness<'p> {
+    fn fitness<'p>(
+        &self,
+        model: &'p Model,
+        belief: &Belief,
+        is_self: bool,
+        (objective, air): (Objective, AirControl),
+    ) -> Fitness<'p> {
         Fitness {
             model,
             length: self.filter.length().length,
             pressure: self.sheet.pressure,
-            pressure_max: self.sheet.pressure_max,
+            pressures: self.pressures(air),
             // A trimmed whisker's offset is best known as it is now.
             offset: if is_self { self.filter.offset() } else { self.whole_offset() },
             own: belief.predict,

@@ -221,7 +221,8 @@ impl Robot {
         let held = felt.held;
         let deviation =
             |pressure: Megapascal| sum(&held.by_ratio(), &Belief::change(&belief.predict, &from, &changes(pressure)));
-        let limit = one.sheet.pressure_max.mpa().min(Megapascal::EXAMINED_MAX.mpa());
+        let (pressure_min, highest) = one.pressures(self.head.air_control);
+        let limit = highest.mpa().min(Megapascal::EXAMINED_MAX.mpa());
         let highest = match running.case {
             // Lower than before, or the strain would grow beyond what the cut did.
             Case::SelfCompensation => limit.min(running.pressure_before.mpa()),
@@ -230,7 +231,7 @@ impl Robot {
         let compensator = Compensator {
             length: running.length,
             pressure: running.pressure_before,
-            pressure_min: Megapascal::ZERO,
+            pressure_min,
             pressure_max: Megapascal::known(highest),
         };
         let [before, target] =

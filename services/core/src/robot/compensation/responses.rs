@@ -3,7 +3,7 @@
 use crate::estimation::uncertainty::{Curve, Uncertain, interval95, mean_error, moments};
 use crate::estimation::{Belief, Carried, CubatureCases, Nominal, OwnCalibration, ResponseBins, Smooth};
 use crate::mechanics::{ByRatio, CONTACT_RATIOS, Model, Objective, Offset, Setpoint};
-use crate::policy::Case;
+use crate::policy::READING_GAINS;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
 use crate::robot::params::Params;
@@ -119,7 +119,10 @@ impl Robot {
         let mut log = |model: &Model, length, pressure| log_curve(model, length, pressure, &mut known);
         let after_mean = sum(&log(model, running.length, running.pressure), &held.by_ratio());
         let target_mean = sum(&log(target_model, target.sheet.length, target.sheet.pressure), &whole.by_ratio());
-        let (before_mean, before) = if running.case == Case::SelfCompensation {
+        let (before_mean, before) = if let Some(before) = &running.before {
+            let before = Smooth::through(before);
+            (sum(&log(model, one.sheet.length, running.pressure_before), &before.by_ratio()), Some(before))
+        } else {
             // Between its cut and its setpoint the whisker had too few contacts for a measured response: the model at
             // the estimated length, with the deviation that it had while whole.
             let belief = one.belief(model);
@@ -128,12 +131,15 @@ impl Robot {
             });
             let mean = sum(&log(model, running.length, running.pressure_before), &sum(&whole.by_ratio(), &moved));
             (mean, None)
-        } else {
-            let before = Smooth::through(running.before.as_ref().unwrap_or(&one.whole));
-            (sum(&log(model, one.sheet.length, running.pressure_before), &before.by_ratio()), Some(before))
         };
         let mut responses = Uncertain { mean: [after_mean, before_mean, target_mean], causes: Vec::new() };
         self.level(params, running, &held, after, from, &mut responses);
+        let sd_mm = one.filter.length().sd_mm.max(running.length_sd_mm);
+        let by_length = |pressure| by_length(model, running.length, pressure, sd_mm);
+        if self.head.states_distance {
+            // Its ratios are distances over the estimated length.
+            responses.moves(&[by_length(running.pressure)], if before.is_some() { &[AFTER] } else { &[AFTER, BEFORE] });
+        }
         match before {
             Some(before) => {
                 responses.moves(&whole.causes(), &[TARGET]);
@@ -144,8 +150,9 @@ impl Robot {
             None => {
                 responses.moves(&whole.causes(), &[TARGET, BEFORE]);
                 responses.moves(&[target.lag(params, &target.whole)], &[TARGET, BEFORE]);
-                let sd_mm = one.filter.length().sd_mm.max(running.length_sd_mm);
-                responses.moves(&[by_length(model, running.length, running.pressure_before, sd_mm)], &[BEFORE]);
+                if !self.head.states_distance {
+                    responses.moves(&[by_length(running.pressure_before)], &[BEFORE]);
+                }
             }
         }
         Some(MeasuredResponses { responses, held, known })
@@ -191,7 +198,8 @@ impl Robot {
 /// The one factor that brings a response closest to the target over these contact ratios, in log sensitivity.
 pub(in crate::robot) fn reading_gain(after: &Curve, target: &Curve, over: &[bool; CONTACT_RATIOS.len()]) -> Curve {
     let logs: Vec<f64> = (0..CONTACT_RATIOS.len()).filter(|&k| over[k]).map(|k| target[k] - after[k]).collect();
-    [(logs.iter().sum::<f64>() / logs.len().max(1) as f64).exp(); CONTACT_RATIOS.len()]
+    let gain = (logs.iter().sum::<f64>() / logs.len().max(1) as f64).exp();
+    [gain.clamp(*READING_GAINS.start(), *READING_GAINS.end()); CONTACT_RATIOS.len()]
 }
 
 /// A curve between its points.

@@ -48,6 +48,7 @@ fn robot(params: &Params, kind: ArrayKind, lengths_mm: &[f64], neighbours: impl 
         arrays: vec![ArraySheet { name: "a".to_owned(), kind, task: Task::Ratio, whiskers }],
         touch_tests: TouchTests::default(),
         applies_gain: false,
+        air_control: Default::default(),
     };
     let mut robot = Robot::new(1, Numbers::default());
     robot.lay_out(params, &factsheet, &mut Vec::new());
@@ -143,7 +144,7 @@ fn cost(params: &Params, robot: &Robot, target: usize, compensator: usize) -> Op
         model,
         length: one.filter.length().length,
         pressure: one.sheet.pressure,
-        pressure_max: one.sheet.pressure_max,
+        pressures: (Megapascal::ZERO, one.sheet.pressure_max),
         offset: one.filter.offset(),
         own: one.belief(model).predict,
         objective: Objective::Tip,

@@ -121,6 +121,9 @@ pub struct CompensationError {
     pub mean: f64,
     /// Standard deviation of the mean. It includes what the gain may have wandered.
     pub sd: f64,
+    /// The mean without the reading gain, with its standard deviation. None where the robot applies none: `mean` is that of
+    /// the air alone.
+    pub air_alone: Option<(f64, f64)>,
     /// The same with the gain in force applied, over all contact ratios, with its standard deviation: from
     /// contacts since that gain was published. None while these are too few.
     pub with_gain: Option<(f64, f64)>,

@@ -79,7 +79,9 @@ impl Robot {
         effects: &mut Vec<Effect>,
     ) -> Result<(), ActionProblem> {
         let index = self.at(place)?;
-        let highest = self.whiskers[index].pressure_limit();
+        let one = &self.whiskers[index];
+        let (limit, (_, own)) = (one.pressure_limit(), one.pressures(self.head.air_control));
+        let highest = if own < limit { own } else { limit };
         let in_range = Megapascal::new(pressure_mpa).ok().filter(|pressure| *pressure <= highest);
         let pressure = in_range.ok_or(ActionProblem::PressureOutOfRange { asked_mpa: pressure_mpa, highest })?;
         if self.has_wrong_time_unit() {

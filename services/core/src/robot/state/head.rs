@@ -2,7 +2,7 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use crate::robot::event::{ArrayKind, Link, Task, TouchTests};
+use crate::robot::event::{AirControl, ArrayKind, Link, Task, TouchTests};
 use crate::robot::health::duplicate::DuplicateWatch;
 use crate::robot::state::clock::Clock;
 use crate::robot::touch_tests::{TestBudget, TestTimes};
@@ -49,6 +49,10 @@ pub(in crate::robot) struct Head {
     pub duplicate: DuplicateWatch,
     /// The robot multiplies its readings by the reading gain of the setpoint applied last.
     pub applies_gain: bool,
+    /// Ways in which the robot can change the pressure of its chambers.
+    pub air_control: AirControl,
+    /// The place of the newest contact was a distance: its contact ratio is no better known than the length.
+    pub states_distance: bool,
 }
 
 /// An array of the factsheet.
@@ -87,6 +91,8 @@ impl Head {
             heard_again: Micros::default(),
             duplicate: DuplicateWatch::default(),
             applies_gain: false,
+            air_control: AirControl::FillAndVent,
+            states_distance: false,
         }
     }
 }

@@ -39,6 +39,7 @@ impl Robot {
         let arrays = self.head.arrays.iter().map(|array| (array.name.as_str(), array.kind, array.task));
         self.head.touch_tests == factsheet.touch_tests
             && self.head.applies_gain == factsheet.applies_gain
+            && self.head.air_control == factsheet.air_control
             && arrays.eq(factsheet.arrays.iter().map(|array| (array.name.as_str(), array.kind, array.task)))
             && self.whiskers.len() == told().count()
             && self.whiskers.iter().zip(told()).all(|(one, (array, sheet))| {
@@ -70,7 +71,7 @@ impl Robot {
             (one.target, one.compensator) = (moved(one.target()), moved(one.compensator()));
         }
         self.head.touch_tests = factsheet.touch_tests;
-        self.head.applies_gain = factsheet.applies_gain;
+        (self.head.applies_gain, self.head.air_control) = (factsheet.applies_gain, factsheet.air_control);
         self.move_test_times(&moves);
         self.head.undecided = true;
     }

@@ -9,7 +9,7 @@ use crate::estimation::{
 };
 use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target};
 use crate::robot::effect::{Command, CommandState, Condition, Fault, Reason};
-use crate::robot::event::RegulatorState;
+use crate::robot::event::{AirControl, RegulatorState};
 use crate::robot::health::alarms::Standing;
 use crate::robot::health::gauge::GaugeWatch;
 use crate::robot::params::Params;
@@ -328,6 +328,16 @@ impl Whisker {
             self.detector = Detector::default();
             self.cannot_deny();
             self.air.learned_at = setpoint;
+        }
+    }
+
+    /// The lowest and the highest pressure that a robot with such air can hold in it, by its factsheet.
+    pub(in crate::robot) fn pressures(&self, air: AirControl) -> (Megapascal, Megapascal) {
+        let (own, highest) = (self.sheet.pressure, self.sheet.pressure_max);
+        match air {
+            AirControl::FillAndVent => (Megapascal::ZERO, highest),
+            AirControl::VentOnly => (Megapascal::ZERO, if own < highest { own } else { highest }),
+            AirControl::None => (own, own),
         }
     }
 

@@ -39,6 +39,15 @@ impl Robot {
         contact: &Contact<'_>,
         effects: &mut Vec<Effect>,
     ) {
+        let states_distance = match contact.place {
+            ContactPlace::Distance(_) => true,
+            ContactPlace::Ratio { .. } | ContactPlace::Tip(_) => false,
+            ContactPlace::Unknown => self.head.states_distance,
+        };
+        // Tests state distances, whatever the robot knows otherwise.
+        if !contact.is_test && states_distance != self.head.states_distance {
+            self.head.states_distance = states_distance;
+        }
         let whisker = &mut self.whiskers[index];
         let is_evidence = match contact.place {
             ContactPlace::Distance(at) => {

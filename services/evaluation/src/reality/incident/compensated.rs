@@ -61,7 +61,7 @@ impl Trial {
             Compensated {
                 predicted: (decided.error, decided.interval, decided.truth),
                 measured: measured.map(|error| (error.mean, error.sd)),
-                truth: reference.error(one, held_mpa),
+                truth: reference.error(one, held_mpa, running.reading_gain().unwrap_or(1.0)),
                 reading: case.gain.map(|gain| reference.reading_error(one, held_mpa, &gain)),
             }
         })

@@ -7,7 +7,7 @@ use crate::scenario::Misbehaviour;
 
 fn applying(edit: impl FnOnce(&mut Scenario)) -> Bench {
     Bench::connected(|scenario| {
-        scenario.behaviour.applies_gain = true;
+        scenario.robots[0].applies_gain = true;
         edit(scenario);
     })
 }
@@ -45,7 +45,7 @@ fn gain_around(bench: &mut Bench, outcome: SetpointOutcome) -> (f64, f64) {
 #[test]
 fn the_factsheet_says_whether_gains_are_applied() {
     for applies in [false, true] {
-        let mut bench = Bench::connected(|scenario| scenario.behaviour.applies_gain = applies);
+        let mut bench = Bench::connected(|scenario| scenario.robots[0].applies_gain = applies);
         let sheets = bench.sent().into_iter();
         let told =
             sheets.filter_map(|one| if let Message::Factsheet(sheet) = one { Some(sheet.applies_gain) } else { None });
@@ -136,11 +136,11 @@ fn a_robot_that_applies_no_gain_has_the_gain_1_and_contacts_never_have_it() {
         (gain, contacts.filter(|one| one.whisker == 0).map(|one| one.strain).collect::<Vec<_>>())
     };
     let (none, as_measured) = strains(|_| {});
-    let (half, of_applying) = strains(|scenario| scenario.behaviour.applies_gain = true);
+    let (half, of_applying) = strains(|scenario| scenario.robots[0].applies_gain = true);
     assert_eq!((none, half), (1.0, 0.5));
     assert_eq!(as_measured, of_applying);
     let (_, multiplied) = strains(|scenario| {
-        scenario.behaviour.applies_gain = true;
+        scenario.robots[0].applies_gain = true;
         scenario.behaviour.misbehaviour = Some(Misbehaviour::MultipliesStrain);
     });
     let halved = as_measured.iter().zip(&multiplied).filter(|(right, wrong)| **wrong == 0.5 * **right).count();

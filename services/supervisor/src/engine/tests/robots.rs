@@ -90,6 +90,7 @@ fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
             arrays: Vec::new(),
             touch_tests: Vec::new(),
             applies_gain: false,
+            air_control: Default::default(),
         };
         raw_message(robot, RobotTopic::Factsheet, protocol::encode(&facts))
     };

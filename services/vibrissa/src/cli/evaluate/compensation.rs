@@ -8,7 +8,8 @@ use clap::Args;
 use serde_json::{Value, json};
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_edge::words::Word;
-use vibrissa_evaluation::compensation::reading::{self, Reading, ReadingSummary, SHORT_MM};
+use vibrissa_evaluation::compensation::reading::{self, Reading, ReadingSummary, SHORT_MM, Setting};
+use vibrissa_evaluation::compensation::weakened::{self, Loss, Readout, STIFFENED_TO, WORN_TO_MM};
 use vibrissa_evaluation::compensation::{
     CASES, CONTACTS_AFTER, Case, Outcome, PLANT_ERROR, START_MPA, Served, Summary, WHOLE_CONTACTS, evaluate, summary,
     trials,
@@ -59,20 +60,24 @@ fn name(case: Case) -> &'static str {
 pub fn run(args: &CompensationArgs, out: &mut dyn Write) -> Result<()> {
     let trials = trials(args.seed, usize::from(args.plants));
     let read = reading::trials(args.seed, usize::from(args.plants));
-    let progress = Progress::start((trials.len() + read.len()) as u64, "compensations")?;
+    let weakened_count = 2 * u64::from(args.plants);
+    let progress = Progress::start((trials.len() + read.len()) as u64 + weakened_count, "compensations")?;
     let outcomes = evaluate(&trials, &|| progress.step());
     let readings = reading::evaluate(&read, &|| progress.step());
+    let readouts = weakened::evaluate(args.seed, usize::from(args.plants), &|| progress.step());
     drop(progress);
     let summaries: Vec<Summary> = CASES.into_iter().filter_map(|case| summary(case, &outcomes)).collect();
     if args.json {
         let trials: Vec<Value> = outcomes.iter().map(trial_json).collect();
         let whole = json!({ "seed": args.seed, "plants": args.plants,
             "cases": summaries.iter().map(summary_json).collect::<Vec<_>>(), "trials": trials,
-            "with_reading_gain": rows(&readings).iter().map(|(name, one)| reading_json(name, one)).collect::<Vec<_>>() });
+            "with_reading_gain": rows(&readings).iter().map(|(name, one)| reading_json(name, one)).collect::<Vec<_>>(),
+            "losses": losses(&readouts).iter().map(|(name, one)| readout_json(name, one)).collect::<Vec<_>>() });
         writeln!(out, "{}", serde_json::to_string_pretty(&whole)?)?;
     } else {
         print(args, &summaries, out)?;
         print_readings(&rows(&readings), out)?;
+        print_losses(&losses(&readouts), out)?;
     }
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| format!("creating the folder {}", folder.display()))?;
@@ -95,6 +100,15 @@ fn rows(readings: &[Option<Reading>]) -> Vec<(String, ReadingSummary)> {
     for length_mm in SHORT_MM {
         let short = reading::summary(reading::of_length(length_mm, readings));
         rows.push((format!("self: 70 mm trimmed to {length_mm}"), short));
+    }
+    for setting in Setting::OTHERS {
+        let name = match setting {
+            Setting::Usual => "self",
+            Setting::NoAir => "self, no air: gain alone",
+            Setting::Distance => "self, DISTANCE with tests",
+            Setting::Tip => "self, TIP",
+        };
+        rows.push((name.to_owned(), reading::summary(reading::of_setting(setting, readings))));
     }
     rows.into_iter().filter_map(|(name, summary)| Some((name, summary?))).collect()
 }
@@ -127,6 +141,52 @@ cut of 1 mm makes.
         )?;
     }
     Ok(())
+}
+
+/// Mean of each loss over its plants.
+fn losses(readouts: &[(Loss, Readout)]) -> Vec<(String, Readout)> {
+    let named =
+        [(Loss::Stiffened, format!("stiffened to {STIFFENED_TO}")), (Loss::Worn, format!("worn to {WORN_TO_MM} mm"))];
+    let mean = |of: Loss| {
+        let all: Vec<&Readout> = readouts.iter().filter(|(loss, _)| *loss == of).map(|(_, one)| one).collect();
+        let mean = |of: &dyn Fn(&Readout) -> f64| all.iter().map(|one| of(one)).sum::<f64>() / all.len().max(1) as f64;
+        Readout {
+            unserved: mean(&|one| one.unserved),
+            early: mean(&|one| one.early),
+            end: mean(&|one| one.end),
+            setpoints: all.iter().map(|one| one.setpoints).max().unwrap_or_default(),
+        }
+    };
+    named.into_iter().map(|(loss, name)| (name, mean(loss))).collect()
+}
+
+fn print_losses(rows: &[(String, Readout)], out: &mut dyn Write) -> Result<()> {
+    writeln!(
+        out,
+        "
+Whiskers of 70 mm that lose sensitivity in place, or wear off: relative error of the reading, mean over the contact ratios.
+
+{:<30} {:>9} {:>14} {:>8} {:>20}",
+        "mean error of reading (%)", "unserved", "800 contacts", "end", "setpoints, at most"
+    )?;
+    for (name, one) in rows {
+        writeln!(
+            out,
+            "{name:<30} {:>9.2} {:>14.2} {:>8.2} {:>20}",
+            100.0 * one.unserved,
+            100.0 * one.early,
+            100.0 * one.end,
+            one.setpoints
+        )?;
+    }
+    Ok(())
+}
+
+fn readout_json(name: &str, one: &Readout) -> Value {
+    json!({
+        "name": name, "unserved_error": one.unserved, "error_after_800_contacts": one.early, "error_at_end": one.end,
+        "setpoints_max": one.setpoints,
+    })
 }
 
 fn reading_json(name: &str, one: &ReadingSummary) -> Value {

@@ -32,6 +32,9 @@ pub struct RealityArgs {
     /// Place that the robots know of their contacts; `RATIO_TESTS` and `DISTANCE_TESTS` are with touch tests.
     #[arg(long, default_value = "RATIO", value_parser = one_of(Place::ALL.to_vec(), Place::word))]
     place: Place,
+    /// Let the robots multiply their readings: air for the shape, one gain for the level.
+    #[arg(long)]
+    gains: bool,
     /// Print everything as JSON instead of a table.
     #[arg(long)]
     json: bool,
@@ -67,7 +70,14 @@ fn rows_of(text: &str) -> Result<Rows, String> {
 pub fn run(args: &RealityArgs, out: &mut dyn Write) -> Result<()> {
     let named: Vec<Row> = args.rows.iter().flat_map(|rows| rows.0.iter().copied()).collect();
     let rows = if named.is_empty() { Row::of(&Nuisance::ALL) } else { named };
-    let plan = Plan { seed: args.seed, rows, place: args.place, contacts: args.contacts, incidents: args.cuts };
+    let plan = Plan {
+        seed: args.seed,
+        rows,
+        place: args.place,
+        applies_gain: args.gains,
+        contacts: args.contacts,
+        incidents: args.cuts,
+    };
     let progress = Progress::start(plan.trials(), "robots")?;
     let found = evaluate(&plan, &|| progress.step());
     drop(progress);
@@ -90,7 +100,8 @@ fn print(plan: &Plan, found: &[Figures], out: &mut dyn Write) -> Result<()> {
     writeln!(
         out,
         "\
-Robots with six whiskers; place of a contact: {}. Each row has one nuisance at a multiple of the strength of real whiskers.
+Robots with six whiskers; {}; place of a contact: {}.
+Each row has one nuisance at a multiple of the strength of real whiskers.
 
 found, >=2mm   cuts reported as a trim (wear: also as erosion); those of 2 mm or more in %
 alarm ...      contacts from the cut to the suspicion, to the report, to the setpoint: median and 90 %
@@ -101,6 +112,7 @@ compensation   mean of eq. 35 in %: true, measured, predicted; how often a 95 % 
 read, lost     error of a reading with the published gain, in %: 300 contacts after the first setpoint, and at the end;
                compensations that ended without cause
 ",
+        if plan.applies_gain { "they multiply their readings" } else { "air alone" },
         plan.place.word()
     )?;
     writeln!(
@@ -187,6 +199,7 @@ fn json(plan: &Plan, found: &[Figures]) -> Value {
     json!({
         "seed": plan.seed,
         "place": plan.place.word(),
+        "applies_gain": plan.applies_gain,
         "healthy_contacts_a_row": plan.contacts,
         "robots_with_cuts_a_row": plan.incidents,
         "rows": found.iter().map(row_json).collect::<Vec<_>>(),
@@ -278,8 +291,11 @@ mod tests {
         let told = |json: bool, svg: Option<PathBuf>| {
             let rows = vec![rows_of("ideal").unwrap(), rows_of("ar1:2").unwrap()];
             let mut out = Vec::new();
-            run(&RealityArgs { seed: 5, contacts: 3000, cuts: 4, rows, place: Place::Ratio, json, svg }, &mut out)
-                .unwrap();
+            run(
+                &RealityArgs { seed: 5, contacts: 3000, cuts: 4, rows, place: Place::Ratio, gains: true, json, svg },
+                &mut out,
+            )
+            .unwrap();
             String::from_utf8(out).unwrap()
         };
         let table = told(false, Some(folder.clone()));

@@ -1,0 +1,128 @@
+//! Robots that multiply their readings: a gain serves what air cannot.
+
+use vibrissa_core::mechanics::{Formulation, Objective};
+use vibrissa_core::policy::{Case, LongerForShorter};
+use vibrissa_core::robot::Params;
+use vibrissa_core::robot::effect::{AlarmKind, Command, CompensationError, Condition, Decision, Effect};
+use vibrissa_evaluation::World;
+use vibrissa_protocol::{AirControl, ArrayType};
+use vibrissa_simulator::Scenario;
+use vibrissa_simulator::scenario::{Change, Event as Planned};
+
+/// Start pressure of every whisker, MPa.
+const NOMINAL_MPA: f64 = 0.1;
+/// Share of its sensitivity that whisker 0 keeps.
+const KEPT: f64 = 0.6;
+
+/// One whisker of 70 mm, which stiffens after 400 contacts.
+fn stiffening(applies_gain: bool) -> Scenario {
+    let mut scenario = super::scenario(71, ArrayType::Type2, &[70.0]);
+    scenario.robots[0].applies_gain = applies_gain;
+    let change = Change::Temperature { sensitivity_factor: KEPT, temperature_c: 24.0 };
+    scenario.robots[0].events.push(Planned { array: Some(super::name("left")), ..Planned::robot_at_s(8.0, change) });
+    scenario
+}
+
+fn run(scenario: &Scenario, objective: Objective, seconds: f64) -> World {
+    let mut params = Params::nguyen_2021(Formulation::Published);
+    params.policy.objective = objective;
+    let mut world = World::new(scenario, params);
+    world.run_until_s(seconds);
+    world
+}
+
+fn commands(world: &World) -> Vec<Command> {
+    world.picked(|effect| if let Effect::Command(command) = effect { Some((**command).clone()) } else { None })
+}
+
+#[test]
+fn a_loss_of_sensitivity_is_served_by_a_gain_at_the_same_pressure_and_still_told() {
+    let world = run(&stiffening(true), Objective::Shape, 30.0);
+    let whisker = world.core.whisker(0).expect("there");
+    assert_eq!(whisker.condition, Condition::SensitivityLoss);
+    assert!(whisker.standing.kinds().any(|kind| kind == AlarmKind::SensitivityLoss), "the operator learns of it");
+    let [one] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    assert_eq!((one.target(), one.compensator(), one.case()), (0, 0, Case::SelfCompensation));
+    let gain = one.reading_gain().expect("one number");
+    assert!((gain * KEPT - 1.0).abs() < 0.02, "{gain}");
+    assert!(one.is_settled());
+    assert!(commands(&world).iter().all(|command| command.pressure.mpa() == NOMINAL_MPA), "no air is moved");
+    // Eq. 35: with the gain hardly anything of the loss is left, without it everything.
+    let error: CompensationError = world
+        .picked(|effect| if let Effect::Error(error) = effect { Some((**error).clone()) } else { None })
+        .pop()
+        .expect("a measured error");
+    let (by_air, _) = error.air_alone.expect("the error without the gain");
+    assert!(error.mean < 0.1 && (by_air - 1.0).abs() < 0.1, "{error:?}");
+}
+
+#[test]
+fn a_loss_of_sensitivity_without_gains_moves_nothing() {
+    for (applies_gain, objective) in [(false, Objective::Shape), (true, Objective::Tip), (true, Objective::Mean)] {
+        let world = run(&stiffening(applies_gain), objective, 30.0);
+        assert_eq!(world.core.whisker(0).expect("there").condition, Condition::SensitivityLoss);
+        assert_eq!((world.core.compensations().len(), commands(&world).len()), (0, 0), "{applies_gain} {objective:?}");
+    }
+}
+
+#[test]
+fn the_error_of_the_air_alone_is_told_only_where_a_gain_is_applied() {
+    for applies_gain in [false, true] {
+        let mut scenario = super::scenario(72, ArrayType::Type2, &[70.0]);
+        scenario.robots[0].applies_gain = applies_gain;
+        scenario.robots[0].events.push(Planned::at_contact(
+            400,
+            super::name("left"),
+            0,
+            Change::Trim { length_mm: 65.0 },
+        ));
+        let world = run(&scenario, Objective::Shape, 30.0);
+        let errors =
+            world.picked(|effect| if let Effect::Error(error) = effect { Some((**error).clone()) } else { None });
+        assert!(!errors.is_empty());
+        assert!(errors.iter().all(|error| error.air_alone.is_some() == applies_gain), "{errors:?}");
+        let last = errors.last().expect("one");
+        assert!(last.air_alone.is_none_or(|(air, _)| air > 3.0 * last.mean), "{last:?}");
+    }
+}
+
+/// The decision for a cut whisker of 66 mm with a longer neighbour, which must lower or raise its pressure.
+fn decided(air_control: Option<AirControl>, applies_gain: bool) -> Decision {
+    let mut scenario = super::scenario(73, ArrayType::Type1, &[66.0, 70.0]);
+    scenario.behaviour.air_control = air_control;
+    scenario.robots[0].applies_gain = applies_gain;
+    scenario.robots[0].events.push(Planned::at_contact(400, super::name("left"), 0, Change::Trim { length_mm: 58.0 }));
+    let mut params = Params::nguyen_2021(Formulation::Published);
+    params.policy.longer_for_shorter = LongerForShorter::Allowed;
+    let mut world = World::new(&scenario, params);
+    world.run_until_s(20.0);
+    world
+        .picked(|effect| if let Effect::Decided(decision) = effect { Some((**decision).clone()) } else { None })
+        .into_iter()
+        .next()
+        .expect("a decision")
+}
+
+#[test]
+fn a_robot_gets_no_pressure_that_its_air_cannot_give() {
+    let pressures = |air_control| {
+        let decision = decided(air_control, true);
+        let of = |whisker| decision.candidates.iter().find(|one| one.whisker == whisker).expect("asked");
+        [of(0), of(1)].map(|one| one.pressure.expect("solved").mpa())
+    };
+    let [own, longer] = pressures(None);
+    assert!(own < NOMINAL_MPA && longer > NOMINAL_MPA, "{own} {longer}");
+    assert_eq!(pressures(Some(AirControl::FillAndVent)), [own, longer]);
+    let [own_by_venting, longer_by_venting] = pressures(Some(AirControl::VentOnly));
+    assert_eq!(own_by_venting, own);
+    assert!((longer_by_venting - NOMINAL_MPA).abs() < 1e-6, "{longer_by_venting}");
+    assert_eq!(pressures(Some(AirControl::None)), [NOMINAL_MPA; 2]);
+}
+
+/// Without air and without a gain there is nothing to compensate with.
+#[test]
+fn a_robot_without_air_and_gain_is_not_compensated() {
+    let decision = decided(Some(AirControl::None), false);
+    assert_eq!(decision.chosen, None);
+    assert!(decision.candidates.iter().all(|one| one.refused.is_some()), "{decision:?}");
+}
