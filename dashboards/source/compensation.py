@@ -25,6 +25,7 @@ NAME = "compensation"
 
 MEASURED = "vibrissa_compensation_error_mean_ratio"
 WITH_GAIN = "vibrissa_compensation_error_with_gain_mean_ratio"
+AIR_ALONE = "vibrissa_compensation_air_error_mean_ratio"
 PREDICTED = "vibrissa_compensation_predicted_error_mean_ratio"
 PAPER = [
     promql(f"vector({words.PAPER_CASE_1})", "paper, case 1 (shorter for longer, and itself)"),
@@ -101,10 +102,16 @@ def over_time():
             overrides=PAPER_LINES,
         ),
         timeseries(
-            "Predicted, measured, with the gain",
-            "By case: predicted error, measured error, and measured error with the published gain.",
+            "Predicted, measured, with the gain, by air alone",
+            "By case: predicted error, measured error of the reading, and measured error with the published gain. For robots"
+            " that apply a gain also the error of the air alone.",
             "percentunit",
-            [by_case(PREDICTED, "predicted"), by_case(MEASURED, "measured"), by_case(WITH_GAIN, "with gain")],
+            [
+                by_case(PREDICTED, "predicted"),
+                by_case(MEASURED, "measured"),
+                by_case(WITH_GAIN, "with gain"),
+                by_case(AIR_ALONE, "air alone"),
+            ],
             size=(12, 10),
         ),
         heatmap(

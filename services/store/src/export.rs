@@ -161,6 +161,7 @@ pub static EXPORTS: [&ExportTable; 5] = [
             predicted_error_high Real or null, held_pressure_mpa Real or null, candidate_count Whole, look_count Whole, last_look Text or null,
             measured_error Real or null, measured_error_low Real or null, measured_error_high Real or null, measured_pressure_mpa Real or null,
             measured_error_with_gain Real or null, measured_error_with_gain_low Real or null, measured_error_with_gain_high Real or null,
+            measured_air_error Real or null, measured_air_error_low Real or null, measured_air_error_high Real or null,
             measured_bins Whole or null, measured_contacts Whole or null, measured_at Time or null, setpoint_state Text or null, decided_at Time,
             ended_at Time or null, end_reason Text or null,
         ],
@@ -175,7 +176,8 @@ pub static EXPORTS: [&ExportTable; 5] = [
             compensation_error_id Whole, compensation_id Whole, fleet Text, robot Text, array Text, target_whisker Whole,
             compensator_whisker Whole or null, compensation_case Text or null, recorded_at Time, contacts Whole, bins Whole,
             pressure_mpa Real or null, error Real, error_low Real, error_high Real, error_with_gain Real or null,
-            error_with_gain_low Real or null, error_with_gain_high Real or null,
+            error_with_gain_low Real or null, error_with_gain_high Real or null, air_error Real or null,
+            air_error_low Real or null, air_error_high Real or null,
         ],
     },
 ];

@@ -88,6 +88,17 @@ async fn a_question_what_if_is_in_the_address_and_shows_candidates_and_curve() {
     assert!(candidates > 1, "{told}");
     let rows = "document.querySelectorAll('[id^=part-candidates] + .table tbody tr').length";
     assert_eq!(stage.browser.js(rows).await, json!(candidates));
+    // The objectives beside one another; the robot applies no gain, so the paper's is in force.
+    let objectives = told["by_objective"].as_array().unwrap();
+    assert_eq!(objectives.len(), 3, "{told}");
+    let in_force: Vec<_> = objectives.iter().filter(|one| one["in_force"] == true).collect();
+    assert!(in_force.len() == 1 && in_force[0]["objective"] == "TIP", "{told}");
+    let of = |objective: &str| objectives.iter().find(|one| one["objective"] == objective).unwrap();
+    assert!(of("SHAPE")["predicted_error"].as_f64() < of("MEAN")["predicted_error"].as_f64(), "{told}");
+    assert!(of("SHAPE")["reading_gain"].is_f64() && of("TIP")["reading_gain"].is_null(), "{told}");
+    let rows = "[...document.querySelectorAll('main table')]\
+                .find((one) => one.caption?.textContent.includes('Objectives of the policy'))?.tBodies[0].rows.length";
+    assert_eq!(stage.browser.js(rows).await, json!(3));
     stage.browser.until("the curve", "document.querySelector('what-if-chart [data-state=drawn]')").await;
     let curve = "document.querySelectorAll('what-if-chart tbody tr').length";
     assert_eq!(stage.browser.js(curve).await, json!(12));

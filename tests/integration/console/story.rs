@@ -25,7 +25,7 @@ const ROBOTS: usize = 1000;
 const WHISKERS: usize = 6;
 const CRAWLER: &str = "#/fleets/demo/robots/crawler-1";
 const TARGET: &str = "#/fleets/demo/robots/crawler-1/arrays/left/whiskers/2";
-const ALARMS: &str = "#/alarms?robot=crawler-2";
+const ALARMS: &str = "#/alarms?robot=crawler-1";
 
 #[derive(Parser)]
 struct Line {
@@ -72,9 +72,9 @@ async fn crowd(demo: &LiveDemo) -> Crowd {
     });
     let known = async || {
         let answer = ask(demo.http, "GET", "/v1/fleets/demo", &[]).await.ok()?.json();
-        // Two robots and nine whiskers are the demo's own.
+        // Two robots and ten whiskers are the demo's own.
         let known = [answer["robots"].as_u64()?, answer["whiskers"].as_u64()?];
-        (known == [ROBOTS as u64 + 2, (ROBOTS * WHISKERS) as u64 + 9]).then_some(())
+        (known == [ROBOTS as u64 + 2, (ROBOTS * WHISKERS) as u64 + 10]).then_some(())
     };
     patiently("all robots are known", known).await;
     Crowd { stop, thread }
@@ -108,9 +108,9 @@ async fn from_the_cut_on_the_page_to_the_replay_of_its_black_box() {
     browser.until("the cut on the page", "document.querySelector('main').innerText.includes('rimmed')").await;
 
     // A cut that no whisker can compensate for raises an alarm, with a hint.
-    browser.open(&url("#/fleets/demo/robots/crawler-2/arrays/nose/whiskers/2")).await;
-    press(&mut browser, "Cut 22 mm", "Crawler-2/nose/2 is cut by 22 mm to 48.0 mm.").await;
-    let alarm = demo.item("/v1/alarms?robot=crawler-2&kind=UNCOMPENSATED", |one| one["black_box_id"].is_i64()).await;
+    browser.open(&url("#/fleets/demo/robots/crawler-1/arrays/tail/whiskers/0")).await;
+    press(&mut browser, "Cut 22 mm", "Crawler-1/tail/0 is cut by 22 mm to 48.0 mm.").await;
+    let alarm = demo.item("/v1/alarms?robot=crawler-1&kind=UNCOMPENSATED", |one| one["black_box_id"].is_i64()).await;
     let hint = alarm["hint"].as_str().unwrap();
     browser.open(&url(ALARMS)).await;
     let says_hint = format!("document.querySelector('main').innerText.includes({})", json!(hint));
@@ -127,7 +127,7 @@ async fn from_the_cut_on_the_page_to_the_replay_of_its_black_box() {
     save(&mut browser, &url(ALARMS), &alarm).await;
     save(&mut browser, &url(CRAWLER), &trim).await;
     let found = replayed(&file(folder.path(), &alarm).await, "TRIM");
-    assert!(found.iter().any(|one| one["array"] == "nose" && one["whisker"] == 2), "{found:?}");
+    assert!(found.iter().any(|one| one["array"] == "tail" && one["whisker"] == 0), "{found:?}");
     let found = replayed(&file(folder.path(), &trim).await, "TRIM");
     let names = ["length_before_mm", "length_after_mm", "contacts_to_detect"];
     let same = |one: &&Value| names.iter().all(|name| one[name] == trim[name]);

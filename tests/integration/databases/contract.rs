@@ -150,6 +150,7 @@ pub(crate) fn records(numbered: &Numbered) -> Vec<Record> {
             pressure_mpa: 0.048,
             error: interval(mean),
             with_gain: (recorded_us > 12).then_some(interval(0.02)),
+            air_error: (recorded_us > 12).then_some(interval(0.6)),
             bins: ratios.iter().map(|&ratio| bin(ratio)).collect(),
         }))
     };
@@ -352,6 +353,7 @@ async fn both_databases_give_back_the_same() {
     assert_eq!(lite["candidates"][0]["predicted_error_high"], 0.375);
     assert_eq!(lite["candidates"][1]["predicted_error_high"], Value::Null);
     assert_eq!(decided["measured_error_with_gain"], 0.02);
+    assert_eq!(decided["measured_air_error"], 0.6);
     assert_eq!(decided["held_pressure_mpa"], 0.048);
     assert_eq!((&decided["look_count"], &decided["last_look"]), (&json!(2), &json!("HELD_UNPREDICTABLE")));
     let looks = lite["looks"].as_array().unwrap();

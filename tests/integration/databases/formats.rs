@@ -6,18 +6,20 @@
 use vibrissa_core::units::Micros;
 use vibrissa_store::Batch;
 use vibrissa_store::batch::{
-    ContactRow, EventRow, Record, RobotAlarmClearedRow, RobotAlarmRow, TouchTestProgressRow, TouchTestRow,
+    ContactRow, ErrorBinRow, ErrorRow, EventRow, Interval, Record, RobotAlarmClearedRow, RobotAlarmRow,
+    TouchTestProgressRow, TouchTestRow,
 };
 use vibrissa_store::rollouts::{Compared, RolloutChange, RolloutEvent, RolloutRow};
 use vibrissa_supervisor::engine::rollup::Open;
 
 #[test]
-fn golden_batches_of_older_versions_are_read_and_become_version_6() {
+fn golden_batches_of_older_versions_are_read_and_become_version_7() {
     let of_version_1 = include_bytes!("../../data/formats/batch-1.bin");
     let of_version_2 = include_bytes!("../../data/formats/batch-2.bin");
     let of_version_3 = include_bytes!("../../data/formats/batch-3.bin");
     let of_version_4 = include_bytes!("../../data/formats/batch-4.bin");
     let of_version_5 = include_bytes!("../../data/formats/batch-5.bin");
+    let of_version_6 = include_bytes!("../../data/formats/batch-6.bin");
     let mut batch = Batch::from_bytes(of_version_1).unwrap();
     assert!(!batch.records.is_empty() && !batch.whiskers.is_empty(), "{batch:?}");
     // The batch of version 1 has no contacts; one of version 1 with contacts is read in the store's own tests.
@@ -35,12 +37,42 @@ fn golden_batches_of_older_versions_are_read_and_become_version_6() {
     let (robot, body) = ("r".to_owned(), r#"{"type":"TRIM"}"#.to_owned());
     batch.events.push(EventRow { robot_id, robot, is_contacts: false, body });
     batch.log_next = Some(9);
+    assert_eq!(format!("{:?}", Batch::from_bytes(of_version_6).unwrap()), format!("{batch:?}"));
+    batch.records.extend([None, Some(interval(0.6))].map(|air_error| Record::Error(Box::new(error(air_error)))));
     if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        std::fs::write("data/formats/batch-6.bin", batch.to_bytes().unwrap()).unwrap();
+        std::fs::write("data/formats/batch-7.bin", batch.to_bytes().unwrap()).unwrap();
     }
-    let of_version_6 = std::fs::read("data/formats/batch-6.bin").unwrap();
-    assert!(batch.to_bytes().unwrap() == of_version_6, "the bytes have changed");
-    assert_eq!(format!("{:?}", Batch::from_bytes(&of_version_6).unwrap()), format!("{batch:?}"));
+    let of_version_7 = std::fs::read("data/formats/batch-7.bin").unwrap();
+    assert!(batch.to_bytes().unwrap() == of_version_7, "the bytes have changed");
+    assert_eq!(format!("{:?}", Batch::from_bytes(&of_version_7).unwrap()), format!("{batch:?}"));
+}
+
+fn interval(mean: f64) -> Interval {
+    Interval { mean, low: mean - 0.01, high: mean + 0.01 }
+}
+
+/// A measured error with one bin.
+fn error(air_error: Option<Interval>) -> ErrorRow {
+    let bin = ErrorBinRow {
+        ratio: 0.7,
+        contacts: 9,
+        after_per_mm: 0.004,
+        before_per_mm: 0.003,
+        before_origin: "MEASURED",
+        target_per_mm: 0.0035,
+        target_origin: "MODEL",
+        error: interval(0.2),
+    };
+    ErrorRow {
+        compensation_id: 3,
+        recorded_us: 4,
+        contacts: 9,
+        pressure_mpa: 0.08,
+        error: interval(0.02),
+        with_gain: Some(interval(0.02)),
+        air_error,
+        bins: vec![bin],
+    }
 }
 
 /// A roll-out after a comparison.

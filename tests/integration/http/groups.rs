@@ -42,6 +42,7 @@ fn check(item: &Value, group: &[&WrittenError]) {
     close("error_low", mean(group.iter().map(|one| one.row.error.low)));
     close("error_high", mean(group.iter().map(|one| one.row.error.high)));
     close("error_with_gain", mean(group.iter().filter_map(|one| Some(one.row.with_gain?.mean))));
+    close("air_error", mean(group.iter().filter_map(|one| Some(one.row.air_error?.mean))));
 }
 
 async fn groups_are_those_of_the_rows(served: &Served) {

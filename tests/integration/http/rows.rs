@@ -411,7 +411,7 @@ impl<'a> Decided<'a> {
         };
         let mut bins = vec![bin(0.5, interval()), bin(0.9, interval())];
         bins.truncate(if self.number.is_multiple_of(3) { 1 } else { 2 });
-        let (error, gain) = (interval(), interval());
+        let (error, gain, air) = (interval(), interval(), interval());
         ErrorRow {
             compensation_id: self.compensation_id,
             recorded_us: START_US + i64::from(random.random_range(0..20_u32)) * 90_000_000,
@@ -419,6 +419,7 @@ impl<'a> Decided<'a> {
             pressure_mpa: 0.048,
             error,
             with_gain: random.random_bool(0.5).then_some(gain),
+            air_error: random.random_bool(0.5).then_some(air),
             bins,
         }
     }

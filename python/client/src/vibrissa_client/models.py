@@ -334,6 +334,10 @@ class ErrorByCase(TypedDict):
     """
     Mean error with the residual gain applied, over the compensations that have one, as a ratio.
     """
+    air_error: NotRequired[Optional[float]]
+    """
+    Mean error of the air alone, over the compensations whose robots apply a gain, as a ratio.
+    """
 
 
 class ErrorByRatio(TypedDict):
@@ -409,6 +413,10 @@ class ErrorByWhisker(TypedDict):
     error_with_gain: NotRequired[Optional[float]]
     """
     Mean error with the residual gain applied, over the compensations that have one, as a ratio.
+    """
+    air_error: NotRequired[Optional[float]]
+    """
+    Mean error of the air alone, over the compensations whose robots apply a gain, as a ratio.
     """
 
 
@@ -1421,6 +1429,49 @@ class WhatIfEnd(TypedDict):
     """
 
 
+class WhatIfObjective(TypedDict):
+    """
+    Compensation of the cut whisker with one objective, for a robot that applies a gain exactly if the objective needs one.
+    """
+
+    objective: str
+    """
+    Objective: `TIP`, `MEAN` or `SHAPE`.
+    """
+    in_force: bool
+    """
+    Whether the policy and the robot have it now.
+    """
+    compensator_whisker: NotRequired[Optional[int]]
+    """
+    Number of the compensator in its array; null if no candidate is suitable.
+    """
+    case: NotRequired[Optional[str]]
+    """
+    Case of the paper: `SELF_COMPENSATION`, `SHORTER_FOR_LONGER` or `LONGER_FOR_SHORTER`.
+    """
+    pressure_mpa: NotRequired[Optional[float]]
+    """
+    Pressure to hold, MPa.
+    """
+    reading_gain: NotRequired[Optional[float]]
+    """
+    Factor on each reading; null with an objective that needs no gain.
+    """
+    predicted_error: NotRequired[Optional[float]]
+    """
+    Predicted mean error of the reading (Eq. 35), as a ratio.
+    """
+    predicted_error_low: NotRequired[Optional[float]]
+    """
+    Lower bound of the 95 % interval of `predicted_error`, as a ratio.
+    """
+    predicted_error_high: NotRequired[Optional[float]]
+    """
+    Upper bound of the 95 % interval of `predicted_error`, as a ratio.
+    """
+
+
 class WhatIfSensitivity(TypedDict):
     """
     Predicted sensitivities at a contact ratio, in strain per mm of deflection (Eq. 31, averaged over the gauge's grid).
@@ -1440,7 +1491,7 @@ class WhatIfSensitivity(TypedDict):
     """
     compensated_per_mm: NotRequired[Optional[float]]
     """
-    Compensator at the pressure of its setpoint; null without a compensator.
+    Reading of the compensator at the pressure of its setpoint, with its reading gain; null without a compensator.
     """
 
 
@@ -2471,6 +2522,19 @@ class CompensationSummary(TypedDict):
     """
     Upper bound of the 95 % interval of `measured_error_with_gain`, as a ratio.
     """
+    measured_air_error: NotRequired[Optional[float]]
+    """
+    Newest measured mean error of the air alone, without the gain on the readings, as a ratio. Null where the robot
+    applies none: then `measured_error` is the error of the air alone.
+    """
+    measured_air_error_low: NotRequired[Optional[float]]
+    """
+    Lower bound of the 95 % interval of `measured_air_error`, as a ratio.
+    """
+    measured_air_error_high: NotRequired[Optional[float]]
+    """
+    Upper bound of the 95 % interval of `measured_air_error`, as a ratio.
+    """
     measured_bins: NotRequired[Optional[int]]
     """
     Number of contact-ratio bins in the newest measurement.
@@ -2603,6 +2667,10 @@ class ErrorByTime(TypedDict):
     """
     Mean error with the residual gain applied, over the compensations that have one, as a ratio.
     """
+    air_error: NotRequired[Optional[float]]
+    """
+    Mean error of the air alone, over the compensations whose robots apply a gain, as a ratio.
+    """
 
 
 class ErrorStatement(TypedDict):
@@ -2681,6 +2749,19 @@ class ErrorStatement(TypedDict):
     error_with_gain_high: NotRequired[Optional[float]]
     """
     Upper bound of the 95 % interval of `error_with_gain`, as a ratio.
+    """
+    air_error: NotRequired[Optional[float]]
+    """
+    Mean error of the air alone, without the gain on the readings, as a ratio. Null where the robot applies none: then
+    `error` is the error of the air alone.
+    """
+    air_error_low: NotRequired[Optional[float]]
+    """
+    Lower bound of the 95 % interval of `air_error`, as a ratio.
+    """
+    air_error_high: NotRequired[Optional[float]]
+    """
+    Upper bound of the 95 % interval of `air_error`, as a ratio.
     """
 
 
@@ -4137,6 +4218,10 @@ class WhatIfAnswer(TypedDict):
     setpoints: list[WhatIfSetpoint]
     """
     Setpoints that would be sent.
+    """
+    by_objective: list[WhatIfObjective]
+    """
+    Compensation of the cut whisker with each objective of the policy, beside one another.
     """
     by_ratio: list[WhatIfSensitivity]
     """

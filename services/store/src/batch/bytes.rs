@@ -3,17 +3,28 @@
 use borsh::io::{Error, ErrorKind, Result};
 use vibrissa_core::policy::PolicyParams;
 
-use super::{Batch, EventRow, version_1};
+use super::{Batch, ErrorRow, EventRow, Interval, Record, version_1};
 
 /// First byte of the serialized batch: the format version.
-const VERSION: u8 = 6;
+const VERSION: u8 = 7;
 const _: () = assert!(PolicyParams::NUMBERS.len() == 3, "raise VERSION: the rows of policies have other numbers");
 
 impl Batch {
+    fn errors(&self) -> impl Iterator<Item = &ErrorRow> {
+        self.records.iter().filter_map(|record| if let Record::Error(row) = record { Some(&**row) } else { None })
+    }
+
+    fn errors_mut(&mut self) -> impl Iterator<Item = &mut ErrorRow> {
+        self.records
+            .iter_mut()
+            .filter_map(|record| if let Record::Error(row) = record { Some(&mut **row) } else { None })
+    }
+
     /// Serializes the batch; `None` if a value in it cannot be serialized.
     #[must_use]
     pub fn to_bytes(&self) -> Option<Vec<u8>> {
-        borsh::to_vec(&(VERSION, self, &self.events, self.log_next)).ok()
+        let air_errors: Vec<Option<Interval>> = self.errors().map(|row| row.air_error).collect();
+        borsh::to_vec(&(VERSION, self, &self.events, self.log_next, air_errors)).ok()
     }
 
     /// Deserializes a batch.
@@ -22,10 +33,19 @@ impl Batch {
     /// The bytes are not a batch of a version that this program reads.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         match bytes.split_first() {
-            // Version 2 has no touch tests, version 3 no alarms about robots, version 4 no roll-outs, version 5 neither events nor a position in a log; they are the same otherwise.
-            Some((&(2..VERSION), rest)) => borsh::from_slice(rest),
-            Some((&VERSION, rest)) => {
+            // Version 2 has no touch tests, version 3 no alarms about robots, version 4 no roll-outs, version 5 neither events
+            // nor a position in a log, version 6 no errors of the air alone; they are the same otherwise.
+            Some((2..=5, rest)) => borsh::from_slice(rest),
+            Some((6, rest)) => {
                 let (batch, events, log_next) = borsh::from_slice::<(Self, Vec<EventRow>, Option<i64>)>(rest)?;
+                Ok(Self { events, log_next, ..batch })
+            }
+            Some((&VERSION, rest)) => {
+                type Parts = (Batch, Vec<EventRow>, Option<i64>, Vec<Option<Interval>>);
+                let (mut batch, events, log_next, air_errors) = borsh::from_slice::<Parts>(rest)?;
+                for (row, air_error) in batch.errors_mut().zip(air_errors) {
+                    row.air_error = air_error;
+                }
                 Ok(Self { events, log_next, ..batch })
             }
             Some((1, rest)) => borsh::from_slice::<version_1::Batch>(rest).map(Into::into),
@@ -85,6 +105,6 @@ mod tests {
             assert!(Batch::from_bytes(&bytes[..end]).is_err(), "{end}");
         }
         let newer = [&[VERSION + 1], &bytes[1..]].concat();
-        assert!(Batch::from_bytes(&newer).unwrap_err().to_string().contains("version 7"));
+        assert!(Batch::from_bytes(&newer).unwrap_err().to_string().contains("version 8"));
     }
 }

@@ -81,6 +81,10 @@ row! {
         pub error: Interval = ["error", "error_low", "error_high"],
         /// Mean error with the gain in force applied, as a ratio.
         pub with_gain: Option<Interval> = ["error_with_gain", "error_with_gain_low", "error_with_gain_high"],
+        /// Mean error of the air alone, without the reading gain, as a ratio; `None` where the robot applies no gain. Not
+        /// among the bytes of the row, but behind those of its batch.
+        #[borsh(skip)]
+        pub air_error: Option<Interval> = ["air_error", "air_error_low", "air_error_high"],
         /// The error in each contact-ratio bin.
         pub bins: Vec<ErrorBinRow> = [],
     }

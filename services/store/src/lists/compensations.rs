@@ -73,6 +73,13 @@ from_row! {
         pub measured_error_with_gain_low: Option<f64>,
         /// Upper bound of the 95 % interval of `measured_error_with_gain`, as a ratio.
         pub measured_error_with_gain_high: Option<f64>,
+        /// Newest measured mean error of the air alone, without the gain on the readings, as a ratio. Null where the robot
+        /// applies none: then `measured_error` is the error of the air alone.
+        pub measured_air_error: Option<f64>,
+        /// Lower bound of the 95 % interval of `measured_air_error`, as a ratio.
+        pub measured_air_error_low: Option<f64>,
+        /// Upper bound of the 95 % interval of `measured_air_error`, as a ratio.
+        pub measured_air_error_high: Option<f64>,
         /// Number of contact-ratio bins in the newest measurement.
         pub measured_bins: Option<i64>,
         /// Number of contacts in the newest measurement.
@@ -230,7 +237,9 @@ pub static COMPENSATIONS: List = List {
              e.error AS measured_error, e.error_low AS measured_error_low, e.error_high AS measured_error_high, \
              e.pressure_mpa AS measured_pressure_mpa, e.error_with_gain AS measured_error_with_gain, \
              e.error_with_gain_low AS measured_error_with_gain_low, \
-             e.error_with_gain_high AS measured_error_with_gain_high, e.bins AS measured_bins, \
+             e.error_with_gain_high AS measured_error_with_gain_high, e.air_error AS measured_air_error, \
+             e.air_error_low AS measured_air_error_low, e.air_error_high AS measured_air_error_high, \
+             e.bins AS measured_bins, \
              e.contacts AS measured_contacts, e.recorded_us AS measured_at, \
              (SELECT state FROM setpoints s WHERE s.compensation_id = c.compensation_id \
               ORDER BY epoch DESC, version DESC LIMIT 1) AS setpoint_state, \

@@ -56,6 +56,13 @@ from_row! {
         pub error_with_gain_low: Option<f64>,
         /// Upper bound of the 95 % interval of `error_with_gain`, as a ratio.
         pub error_with_gain_high: Option<f64>,
+        /// Mean error of the air alone, without the gain on the readings, as a ratio. Null where the robot applies none: then
+        /// `error` is the error of the air alone.
+        pub air_error: Option<f64>,
+        /// Lower bound of the 95 % interval of `air_error`, as a ratio.
+        pub air_error_low: Option<f64>,
+        /// Upper bound of the 95 % interval of `air_error`, as a ratio.
+        pub air_error_high: Option<f64>,
     }
 
     /// Mean errors in a span of time, over the newest measurement of each compensation in that span.
@@ -75,6 +82,8 @@ from_row! {
         pub error_high: f64,
         /// Mean error with the residual gain applied, over the compensations that have one, as a ratio.
         pub error_with_gain: Option<f64>,
+        /// Mean error of the air alone, over the compensations whose robots apply a gain, as a ratio.
+        pub air_error: Option<f64>,
     }
 
     /// Mean errors of one case of the paper, over the newest measurement of each compensation.
@@ -95,6 +104,8 @@ from_row! {
         pub error_high: f64,
         /// Mean error with the residual gain applied, over the compensations that have one, as a ratio.
         pub error_with_gain: Option<f64>,
+        /// Mean error of the air alone, over the compensations whose robots apply a gain, as a ratio.
+        pub air_error: Option<f64>,
     }
 
     /// Mean errors in one contact-ratio bin, over the newest measurement of each compensation.
@@ -141,6 +152,8 @@ from_row! {
         pub error_high: f64,
         /// Mean error with the residual gain applied, over the compensations that have one, as a ratio.
         pub error_with_gain: Option<f64>,
+        /// Mean error of the air alone, over the compensations whose robots apply a gain, as a ratio.
+        pub air_error: Option<f64>,
     }
 }
 
@@ -160,7 +173,7 @@ pub static ERRORS: List = List {
     select: "SELECT e.compensation_error_id, e.compensation_id, fleet, robot, \"array\", t.whisker AS target_whisker, \
              k.whisker AS compensator_whisker, compensation_case, e.recorded_us AS recorded_at, e.contacts, e.bins, \
              e.pressure_mpa, e.error, e.error_low, e.error_high, e.error_with_gain, e.error_with_gain_low, \
-             e.error_with_gain_high FROM compensation_errors e \
+             e.error_with_gain_high, e.air_error, e.air_error_low, e.air_error_high FROM compensation_errors e \
              JOIN compensations c ON c.compensation_id = e.compensation_id \
              JOIN robots r ON r.robot_id = c.robot_id JOIN whiskers t ON t.whisker_id = c.target_whisker_id \
              JOIN arrays y ON y.array_id = t.array_id LEFT JOIN whiskers k ON k.whisker_id = c.compensator_whisker_id",
@@ -174,7 +187,7 @@ pub static ERRORS: List = List {
 macro_rules! means {
     () => {
         "count(*) AS compensations, avg(g.error) AS error, avg(g.error_low) AS error_low, \
-         avg(g.error_high) AS error_high, avg(g.error_with_gain) AS error_with_gain"
+         avg(g.error_high) AS error_high, avg(g.error_with_gain) AS error_with_gain, avg(g.air_error) AS air_error"
     };
 }
 

@@ -86,7 +86,7 @@ function bounds(length, sd) {
   return length === null ? { low: null, high: null } : { low: length - half, high: length + half };
 }
 
-/** Measured errors of compensations for the whisker, as ratios in order of time: `{ at, error, low, high, withGain }`. */
+/** Measured errors of compensations for the whisker, as ratios in order of time: `{ at, error, low, high, withGain, air }`. */
 export async function errorsOf(whisker, window) {
   const where = { ...named(whisker), ...between(window) };
   const told = (at) => (one) => ({
@@ -95,6 +95,7 @@ export async function errorsOf(whisker, window) {
     low: one.error_low,
     high: one.error_high,
     withGain: one.error_with_gain,
+    air: one.air_error,
   });
   if (resolutionOf(window) === "contacts" || !has("GET", "/v1/errors/by-time")) {
     const items = await list("/v1/errors", { ...where, limit: 1_000 });

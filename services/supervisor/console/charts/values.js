@@ -72,6 +72,7 @@ function errorsTable(rows) {
       when,
       { name: "Error", numeric: true, cell: (row) => interval(row.error, row.low, row.high, percent) },
       { name: "Error with gain", numeric: true, cell: (row) => percent(row.withGain) },
+      { name: "Error by air alone", numeric: true, cell: (row) => percent(row.air) },
     ],
   });
 }

@@ -52,7 +52,9 @@ export default {
           "Measured error",
           `${error(decision, "measured_error")}${decision.measured_contacts ? `, ${decision.measured_contacts.toLocaleString("en")} contacts` : ""}`,
         ],
-        ["Measured error with gain", error(decision, "measured_error_with_gain")],
+        decision.measured_air_error === null
+          ? ["Measured error with gain", error(decision, "measured_error_with_gain")]
+          : ["Measured error by air alone", error(decision, "measured_air_error")],
       ]),
       section("Candidates", candidatesTable(decision, "Candidates and reasons")),
       section("Error by contact ratio", errorChart(decision), ratiosTable(decision.errors_by_ratio ?? [])),

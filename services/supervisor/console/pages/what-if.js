@@ -6,11 +6,11 @@ import { whatIfChart } from "../charts/ratio.js";
 import { h } from "../dom.js";
 import { count, mpa } from "../format.js";
 import { problemPanel } from "../notices.js";
-import { candidatesTable } from "../parts/decisions.js";
+import { candidatesTable, error } from "../parts/decisions.js";
 import { fleetsOf } from "../parts/fleets.js";
 import { api, link } from "../places.js";
-import { section, trail } from "../table.js";
-import { END_REASONS, say, SETPOINT_REASONS } from "../words.js";
+import { section, table, trail } from "../table.js";
+import { END_REASONS, OBJECTIVES, say, SETPOINT_REASONS } from "../words.js";
 
 /** Most robots that the field for the robot suggests. */
 const ROBOTS = 100;
@@ -100,6 +100,7 @@ function result(answer, own) {
         ? null
         : h("p", { class: "empty" }, "No decision would be made: the whisker is held, or it has a fault."),
     ),
+    answer.decisions.length ? section("The three objectives", objectivesTable(answer.by_objective)) : null,
     answer.by_ratio.length
       ? section(
           "Predicted sensitivity",
@@ -107,7 +108,7 @@ function result(answer, own) {
           h(
             "p",
             { class: "hint" },
-            "Strain per mm of deflection at the contact (Eq. 31, averaged over the gauge's grid), each with the learned offset of its whisker. Before and after the cut the whisker has its nominal pressure; compensated is the compensator at the pressure of its setpoint.",
+            "Strain per mm of deflection at the contact (Eq. 31, averaged over the gauge's grid), each with the learned offset of its whisker. Before and after the cut the whisker has its nominal pressure; compensated is the reading of the compensator at the pressure of its setpoint, with its gain if the robot applies one.",
           ),
         )
       : null,
@@ -118,6 +119,26 @@ function result(answer, own) {
       ),
     ),
   ];
+}
+
+/** The compensation with each objective, the one in force marked. */
+function objectivesTable(rows) {
+  return table({
+    caption: "Objectives of the policy",
+    rows,
+    key: (row) => row.objective,
+    columns: [
+      {
+        name: "Objective",
+        head: true,
+        cell: (row) => [say(OBJECTIVES, row.objective), row.in_force ? h("strong", {}, " (in force)") : null],
+      },
+      { name: "Compensator", cell: (row) => (row.compensator_whisker === null ? "none is suitable" : `whisker ${row.compensator_whisker}`) },
+      { name: "Pressure", numeric: true, cell: (row) => mpa(row.pressure_mpa) },
+      { name: "Gain", numeric: true, cell: (row) => (row.reading_gain === null ? "none" : row.reading_gain.toFixed(3)) },
+      { name: "Predicted error of the reading", numeric: true, cell: (row) => error(row, "predicted_error") },
+    ],
+  });
 }
 
 function told({ array, target_whisker: target, compensator_whisker: compensator }) {

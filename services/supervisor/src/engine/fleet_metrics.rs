@@ -37,6 +37,7 @@ struct CaseSurvey {
     predicted: Mean,
     measured: Mean,
     with_gain: Mean,
+    air_alone: Mean,
     worst: Option<f64>,
 }
 
@@ -96,14 +97,13 @@ impl Survey {
         for one in in_force {
             let case = self.cases.entry(one.case().word()).or_default();
             case.in_force += 1;
-            let Some((error, with_gain)) = known.errors.get(one.id()) else { continue };
+            let Some(error) = known.errors.get(one.id()) else { continue };
             // Means over the same compensations, so that they are comparable.
             case.predicted.add(one.predicted_error());
-            case.measured.add(error);
-            case.worst = Some(case.worst.map_or(error, |worst| worst.max(error)));
-            if let Some(with_gain) = with_gain {
-                case.with_gain.add(with_gain);
-            }
+            case.measured.add(error.reading);
+            case.worst = Some(case.worst.map_or(error.reading, |worst| worst.max(error.reading)));
+            error.with_gain.into_iter().for_each(|error| case.with_gain.add(error));
+            error.air_alone.into_iter().for_each(|error| case.air_alone.add(error));
         }
     }
 }
@@ -137,6 +137,7 @@ pub(super) fn survey_robots(shards: &mut Shards, place: &FleetShard, program: &M
     metrics.compensation_error_mean_ratio.set_all(mean(|one| one.measured.value()));
     metrics.compensation_error_worst_ratio.set_all(mean(|one| one.worst));
     metrics.compensation_error_with_gain_mean_ratio.set_all(mean(|one| one.with_gain.value()));
+    metrics.compensation_air_error_mean_ratio.set_all(mean(|one| one.air_alone.value()));
     metrics.compensation_predicted_error_mean_ratio.set_all(mean(|one| one.predicted.value()));
     if let Some(whiskers) = &program.whiskers {
         whiskers.show(place, shards.in_service().map(|known| sample(known.name.as_str(), known)).collect());

@@ -155,6 +155,11 @@ of_fleet! {
     compensation_error_with_gain_mean_ratio: Quantities = "vibrissa_compensation_error_with_gain_mean_ratio",
         "Mean of the newest measured errors of the compensations in force, with the published gains applied.",
         labels::CASE;
+    /// Mean of the newest measured errors of the air alone, over the compensations whose robots apply a gain, by case, as a
+    /// ratio.
+    compensation_air_error_mean_ratio: Quantities = "vibrissa_compensation_air_error_mean_ratio",
+        "Mean of the newest measured errors of the compensations in force, without the gain that their robots apply.",
+        labels::CASE;
     /// Mean predicted error of the compensations in force, by case, as a ratio.
     compensation_predicted_error_mean_ratio: Quantities = "vibrissa_compensation_predicted_error_mean_ratio",
         "Mean predicted error of the compensations in force, as of their decisions.", labels::CASE;
@@ -298,11 +303,12 @@ of_fleet! {
 
 impl FleetMetrics {
     /// The gauges whose series exist only while their values are known.
-    pub(super) fn quantities(&self) -> [&Quantities; 4] {
+    pub(super) fn quantities(&self) -> [&Quantities; 5] {
         [
             &self.compensation_error_mean_ratio,
             &self.compensation_error_worst_ratio,
             &self.compensation_error_with_gain_mean_ratio,
+            &self.compensation_air_error_mean_ratio,
             &self.compensation_predicted_error_mean_ratio,
         ]
     }

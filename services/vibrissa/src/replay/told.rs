@@ -249,6 +249,9 @@ struct ErrorLine {
     error_with_gain: Option<f64>,
     error_with_gain_low: Option<f64>,
     error_with_gain_high: Option<f64>,
+    air_error: Option<f64>,
+    air_error_low: Option<f64>,
+    air_error_high: Option<f64>,
     pressure_mpa: f64,
     bins: Vec<BinLine>,
 }
@@ -438,6 +441,7 @@ fn response_line(response: &Response, source: Option<&protocol::Contacts>) -> Re
 fn error_line(error: &CompensationError) -> ErrorLine {
     let (error_low, error_high) = interval(error.mean, error.sd);
     let with_gain = error.with_gain.map(|(mean, sd)| interval(mean, sd));
+    let air_alone = error.air_alone.map(|(mean, sd)| interval(mean, sd));
     let bins = error.bins.iter().map(bin_line).collect();
     ErrorLine {
         compensation: error.compensation,
@@ -448,6 +452,9 @@ fn error_line(error: &CompensationError) -> ErrorLine {
         error_with_gain: error.with_gain.map(|(mean, _)| mean),
         error_with_gain_low: with_gain.map(|(low, _)| low),
         error_with_gain_high: with_gain.map(|(_, high)| high),
+        air_error: error.air_alone.map(|(mean, _)| mean),
+        air_error_low: air_alone.map(|(low, _)| low),
+        air_error_high: air_alone.map(|(_, high)| high),
         pressure_mpa: error.pressure.mpa(),
         bins,
     }

@@ -5,9 +5,20 @@ use std::collections::BTreeMap;
 use vibrissa_core::robot::effect::CompensationError;
 use vibrissa_core::robot::{Params, Robot};
 
-/// Last measured compensation errors with and without the published gain, by number of the compensation.
+/// Last measured errors of a compensation (Eq. 35), as ratios.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MeasuredError {
+    /// Error of the reading.
+    pub(crate) reading: f64,
+    /// Error with the published gain.
+    pub(crate) with_gain: Option<f64>,
+    /// Error of the air alone, where the robot applies a gain.
+    pub(crate) air_alone: Option<f64>,
+}
+
+/// Last measured errors by number of the compensation.
 #[derive(Debug, Default)]
-pub(crate) struct MeasuredErrors(BTreeMap<u32, (f64, Option<f64>)>);
+pub(crate) struct MeasuredErrors(BTreeMap<u32, MeasuredError>);
 
 impl MeasuredErrors {
     /// Restores the errors from the state of a loaded robot.
@@ -21,11 +32,14 @@ impl MeasuredErrors {
 
     /// Adds a measurement, which replaces earlier ones of its compensation.
     pub(crate) fn measured(&mut self, error: &CompensationError) {
-        self.0.insert(error.compensation, (error.mean, error.with_gain.map(|(mean, _)| mean)));
+        let mean = |one: Option<(f64, f64)>| one.map(|(mean, _)| mean);
+        let measured =
+            MeasuredError { reading: error.mean, with_gain: mean(error.with_gain), air_alone: mean(error.air_alone) };
+        self.0.insert(error.compensation, measured);
     }
 
-    /// Last error of a compensation without the gain, and with it.
-    pub(crate) fn get(&self, compensation: u32) -> Option<(f64, Option<f64>)> {
+    /// Last errors of a compensation.
+    pub(crate) fn get(&self, compensation: u32) -> Option<MeasuredError> {
         self.0.get(&compensation).copied()
     }
 

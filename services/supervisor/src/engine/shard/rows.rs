@@ -89,6 +89,7 @@ pub(super) fn error_row(robot_id: i64, recorded_us: i64, error: &CompensationErr
         pressure_mpa: error.pressure.mpa(),
         error: interval(error.mean, error.sd),
         with_gain: error.with_gain.map(|(mean, sd)| interval(mean, sd)),
+        air_error: error.air_alone.map(|(mean, sd)| interval(mean, sd)),
         bins: error.bins.iter().map(bin_row).collect(),
     }
 }

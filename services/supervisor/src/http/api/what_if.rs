@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
-use vibrissa_core::mechanics::CONTACT_RATIOS;
+use vibrissa_core::mechanics::{CONTACT_RATIOS, Objective};
 use vibrissa_core::robot::effect::{CandidateRecord, Decision};
-use vibrissa_core::robot::{Params, Planned, Robot, WhatIf};
+use vibrissa_core::robot::{Params, Planned, Robot, Served, WhatIf, one_number};
 use vibrissa_core::units::{ContactRatio, Millimetre};
 use vibrissa_edge::words::Word;
 
@@ -44,6 +44,8 @@ pub struct WhatIfAnswer {
     pub ended: Vec<WhatIfEnd>,
     /// Setpoints that would be sent.
     pub setpoints: Vec<WhatIfSetpoint>,
+    /// Compensation of the cut whisker with each objective of the policy, beside one another.
+    pub by_objective: Vec<WhatIfObjective>,
     /// Predicted sensitivities at the contact ratios 0.45, 0.50 .. 1.00, each with the learned offset of the whisker that
     /// feels the contact; empty if the answering supervisor does not know the whisker's model.
     pub by_ratio: Vec<WhatIfSensitivity>,
@@ -58,7 +60,7 @@ pub struct WhatIfSensitivity {
     pub before_per_mm: Option<f64>,
     /// Whisker after the cut, at its nominal pressure.
     pub after_per_mm: Option<f64>,
-    /// Compensator at the pressure of its setpoint; null without a compensator.
+    /// Reading of the compensator at the pressure of its setpoint, with its reading gain; null without a compensator.
     pub compensated_per_mm: Option<f64>,
 }
 
@@ -77,6 +79,30 @@ pub struct WhatIfDecision {
     pub compensator_whisker: Option<u16>,
     /// Candidates in the order of evaluation.
     pub candidates: Vec<Candidate>,
+}
+
+/// Compensation of the cut whisker with one objective, for a robot that applies a gain exactly if the objective needs one.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct WhatIfObjective {
+    /// Objective: `TIP`, `MEAN` or `SHAPE`.
+    pub objective: String,
+    /// Whether the policy and the robot have it now.
+    pub in_force: bool,
+    /// Number of the compensator in its array; null if no candidate is suitable.
+    #[schema(minimum = 0)]
+    pub compensator_whisker: Option<u16>,
+    /// Case of the paper: `SELF_COMPENSATION`, `SHORTER_FOR_LONGER` or `LONGER_FOR_SHORTER`.
+    pub case: Option<String>,
+    /// Pressure to hold, MPa.
+    pub pressure_mpa: Option<f64>,
+    /// Factor on each reading; null with an objective that needs no gain.
+    pub reading_gain: Option<f64>,
+    /// Predicted mean error of the reading (Eq. 35), as a ratio.
+    pub predicted_error: Option<f64>,
+    /// Lower bound of the 95 % interval of `predicted_error`, as a ratio.
+    pub predicted_error_low: Option<f64>,
+    /// Upper bound of the 95 % interval of `predicted_error`, as a ratio.
+    pub predicted_error_high: Option<f64>,
 }
 
 /// A compensation that would end.
@@ -116,17 +142,19 @@ fn by_ratio(
     params: &Params,
     index: usize,
     length: Millimetre,
-    decisions: &[Decision],
+    answer: &WhatIf,
 ) -> Vec<WhatIfSensitivity> {
     let Some(view) = robot.whisker(index) else { return Vec::new() };
     let Some(model) = params.model(&view.sheet.model) else { return Vec::new() };
-    let own = decisions.iter().find(|one| one.target == index);
+    let own = answer.decisions.iter().find(|one| one.target == index);
     let chosen = own.and_then(|one| one.candidates.get(one.chosen?));
     let compensator = chosen.and_then(|one| {
         let view = robot.whisker(one.whisker)?;
         // A whisker that serves itself has the length of the cut.
         let length = if one.whisker == index { length } else { one.length.length };
-        Some((params.model(&view.sheet.model)?, view.offset, length, one.pressure?))
+        let planned = answer.setpoints.iter().find(|planned| planned.whisker == one.whisker);
+        let reading_gain = planned.and_then(|planned| one_number(planned.gain.as_ref()?)).unwrap_or(1.0);
+        Some((params.model(&view.sheet.model)?, view.offset, length, one.pressure?, reading_gain))
     });
     let sensitivity = |a: f64| {
         let ratio = ContactRatio::new(a).ok()?;
@@ -138,8 +166,8 @@ fn by_ratio(
             ratio: a,
             before_per_mm: own(view.sheet.length),
             after_per_mm: own(length),
-            compensated_per_mm: compensator.and_then(|(model, offset, length, pressure)| {
-                Some(per_mm(model, ratio, length.mm(), pressure.mpa())? * offset.at(ratio).exp())
+            compensated_per_mm: compensator.and_then(|(model, offset, length, pressure, reading_gain)| {
+                Some(reading_gain * per_mm(model, ratio, length.mm(), pressure.mpa())? * offset.at(ratio).exp())
             }),
         })
     };
@@ -151,7 +179,7 @@ impl Names<'_> {
         self.robot.whisker(index).map_or_else(Default::default, |view| (view.array.to_owned(), view.sheet.number))
     }
 
-    fn answer(&self, answer: &WhatIf, by_ratio: Vec<WhatIfSensitivity>) -> WhatIfAnswer {
+    fn answer(&self, answer: &WhatIf, in_force: Objective, by_ratio: Vec<WhatIfSensitivity>) -> WhatIfAnswer {
         let ended = answer.ended.iter().map(|&(number, reason)| WhatIfEnd {
             compensation_id: wide_id(self.robot_id, number),
             reason: reason.word().to_owned(),
@@ -160,7 +188,23 @@ impl Names<'_> {
             decisions: answer.decisions.iter().map(|one| self.decision(one)).collect(),
             ended: ended.collect(),
             setpoints: answer.setpoints.iter().map(|one| self.setpoint(one)).collect(),
+            by_objective: answer.by_objective.iter().map(|one| self.objective(one, in_force)).collect(),
             by_ratio,
+        }
+    }
+
+    fn objective(&self, &(objective, served): &(Objective, Option<Served>), in_force: Objective) -> WhatIfObjective {
+        let interval = served.and_then(|served| served.predicted_error_interval);
+        WhatIfObjective {
+            objective: objective.word().to_owned(),
+            in_force: objective == in_force,
+            compensator_whisker: served.map(|served| self.name(served.compensator).1),
+            case: served.map(|served| served.case.word().to_owned()),
+            pressure_mpa: served.map(|served| served.pressure.mpa()),
+            reading_gain: served.and_then(|served| served.reading_gain),
+            predicted_error: served.map(|served| served.predicted_error),
+            predicted_error_low: interval.map(|interval| interval.0),
+            predicted_error_high: interval.map(|interval| interval.1),
         }
     }
 
@@ -234,8 +278,9 @@ async fn get_what_if(
     let (params, robot_id) = (app.params_of(at.fleet.as_str()).await?, stored.robot_id);
     let answered = tokio::task::spawn_blocking(move || {
         let answer = robot.what_if(&params, index, length)?;
-        let curve = by_ratio(&robot, &params, index, length, &answer.decisions);
-        Ok::<_, vibrissa_core::robot::WhatIfError>(Names { robot: &robot, robot_id }.answer(&answer, curve))
+        let curve = by_ratio(&robot, &params, index, length, &answer);
+        let in_force = params.policy.objective_for(robot.applies_gain());
+        Ok::<_, vibrissa_core::robot::WhatIfError>(Names { robot: &robot, robot_id }.answer(&answer, in_force, curve))
     });
     let answered = answered.await.map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))?;
     answered.map(Json).map_err(|problem| Problem::new(Kind::Refused, problem.to_string()))
