@@ -17,18 +17,18 @@ async fn paper_a_typed_cut_is_called_and_compensated_and_a_replaced_whisker_is_l
     demo.prints("not done: crawler-1/left/2 is 70.0 mm long: cut more than 0 and at most 30.0 mm, not 50").await;
     demo.type_line("leak 7");
     demo.prints(
-        "not done: there is no whisker crawler-1/left/7; there are crawler-1/left/0 to 5, crawler-2/nose/0 to 2",
+        "not done: there is no whisker crawler-1/left/7; there are crawler-1/left/0 to 5, crawler-1/tail/0, crawler-2/nose/0 to 2",
     )
     .await;
     demo.type_line("cut 5 whisker 2");
     demo.prints("crawler-1/left/2 is cut by 5 mm to 65.0 mm").await;
-    demo.type_line("cut 22 crawler-2/nose/2");
+    demo.type_line("cut 22 crawler-1/tail/0");
 
     let trim = demo.item(&format!("/v1/trims?{OF_WHISKER}&whisker=2"), |_| true).await;
     let length_mm = trim["length_after_mm"].as_f64().unwrap();
     assert!((length_mm - 65.0).abs() < 1.5, "{trim}");
-    let uncompensated = |one: &Value| one["whisker"] == 2 && one["kind"] == "UNCOMPENSATED";
-    let alarm = demo.item("/v1/alarms?robot=crawler-2", uncompensated).await;
+    let uncompensated = |one: &Value| one["array"] == "tail" && one["kind"] == "UNCOMPENSATED";
+    let alarm = demo.item("/v1/alarms?robot=crawler-1", uncompensated).await;
     assert!(alarm["hint"].as_str().is_some_and(|hint| !hint.is_empty()), "{alarm}");
     let applied = |one: &Value| one["setpoint_state"] == "APPLIED";
     let decision = demo.item(&format!("/v1/compensations?{OF_WHISKER}&target_whisker=2"), applied).await;
@@ -83,7 +83,7 @@ async fn names_of_the_log_resolve(demo: &LiveDemo) {
         "compensation begins: ".to_owned(),
         "setpoint sent: ".to_owned(),
         format!("setpoint applied whisker={fleet}/crawler-1/left/"),
-        format!("whisker={fleet}/crawler-2/nose/2 alarm=\"UNCOMPENSATED\""),
+        format!("whisker={fleet}/crawler-1/tail/0 alarm=\"UNCOMPENSATED\""),
         format!("subject={fleet}/crawler-1/left/2"),
     ] {
         assert!(log.iter().any(|line| line.contains(&expected)), "{expected}\n{}", log.join("\n"));

@@ -91,7 +91,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     };
     let service = Service::start_with(service_options, routes).await?;
     let broker = vibrissa_simulator::Broker::new(service.broker.host.clone(), service.broker.port);
-    println!("vibrissa demo: two robots with nine whiskers, over MQTT on {broker:?}; HTTP on http://{}", service.http);
+    println!("vibrissa demo: two robots with ten whiskers, over MQTT on {broker:?}; HTTP on http://{}", service.http);
     let mut scenario = scenario::scenario(options.seed)?;
     if options.serving == Serving::AtOnce {
         scenario.robots.iter_mut().for_each(|robot| robot.events.clear());
@@ -106,8 +106,8 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
         return Ok(true);
     }
     println!(
-        "Each whisker has {CONTACTS_PER_SECOND} contacts a second (time-lapse). Three are cut, one erodes, one is cut \
-         too short.\n"
+        "Each whisker has {CONTACTS_PER_SECOND} contacts a second (time-lapse). Four are cut, one erodes, one is cut \
+         too short. crawler-2 multiplies its readings, crawler-1 has air alone.\n"
     );
     let fleet = Fleet::start(&scenario, &broker)?;
     watch(&service.store).await?;

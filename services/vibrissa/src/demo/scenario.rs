@@ -7,6 +7,8 @@ use vibrissa_simulator::scenario::{ArrayScenario, Behaviour, Change, Event, Nois
 
 /// Contacts of each whisker per second: time-lapse, so that the demo takes half a minute.
 pub const CONTACTS_PER_SECOND: f64 = 60.0;
+/// The robot that multiplies its readings.
+pub const MULTIPLIES: &str = "crawler-2";
 /// The fleet's name.
 pub const FLEET: &str = "demo";
 
@@ -52,7 +54,7 @@ pub enum What {
 }
 
 /// All incidents of the demo.
-pub const INCIDENTS: [Incident; 5] = [
+pub const INCIDENTS: [Incident; 6] = [
     Incident {
         robot: "crawler-1",
         array: "left",
@@ -66,6 +68,13 @@ pub const INCIDENTS: [Incident; 5] = [
         whisker: 4,
         at_contact: 420,
         what: What::Trim { length_mm: 56.0, case: Case::ShorterForLonger, by: &[3, 5] },
+    },
+    Incident {
+        robot: "crawler-1",
+        array: "tail",
+        whisker: 0,
+        at_contact: 480,
+        what: What::TooShort { length_mm: 48.0 },
     },
     Incident {
         robot: "crawler-2",
@@ -86,16 +95,18 @@ pub const INCIDENTS: [Incident; 5] = [
         array: "nose",
         whisker: 2,
         at_contact: 480,
-        what: What::TooShort { length_mm: 48.0 },
+        what: What::Trim { length_mm: 48.0, case: Case::SelfCompensation, by: &[2] },
     },
 ];
 
-/// A Type 1 array of six and three single whiskers (Type 2).
+/// Two robots. One has air alone, with a Type 1 array of six and a single whisker (Type 2). The other multiplies its readings,
+/// and has three single whiskers.
 ///
 /// # Errors
 /// Never: the names are valid.
 pub fn scenario(seed: u64) -> Result<Scenario, BadName> {
     let left = array("left", ArrayType::Type1, &[70.0, 68.0, 70.0, 65.0, 70.0, 68.0])?;
+    let tail = array("tail", ArrayType::Type2, &[70.0])?;
     let nose = array("nose", ArrayType::Type2, &[70.0, 70.0, 70.0])?;
     Ok(Scenario {
         seed,
@@ -108,11 +119,11 @@ pub fn scenario(seed: u64) -> Result<Scenario, BadName> {
         },
         noise: Noise::default(),
         calibration_error: 0.03,
-        robots: vec![robot("crawler-1", left)?, robot("crawler-2", nose)?],
+        robots: vec![robot("crawler-1", vec![left, tail])?, robot("crawler-2", vec![nose])?],
     })
 }
 
-fn robot(name: &str, array: ArrayScenario) -> Result<RobotScenario, BadName> {
+fn robot(name: &str, arrays: Vec<ArrayScenario>) -> Result<RobotScenario, BadName> {
     let mut events = Vec::new();
     for incident in INCIDENTS.iter().filter(|incident| incident.robot == name) {
         let change = match incident.what {
@@ -127,8 +138,8 @@ fn robot(name: &str, array: ArrayScenario) -> Result<RobotScenario, BadName> {
         robot: Name::robot(name)?,
         model: "crawler".to_owned(),
         on_supervisor_loss: OnSupervisorLoss::Hold,
-        applies_gain: false,
-        arrays: vec![array],
+        applies_gain: name == MULTIPLIES,
+        arrays,
         events,
     })
 }

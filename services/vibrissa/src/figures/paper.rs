@@ -9,7 +9,9 @@ use vibrissa_core::mechanics::{
 };
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 
-use super::{Axes, BLUE, Chart, INK, Panel, VERMILION, along_palette, chart, drawing, legend, name_at_right_ends};
+use super::{
+    Axes, BLUE, Chart, GREEN, INK, PURPLE, Panel, VERMILION, along_palette, chart, drawing, legend, name_at_right_ends,
+};
 
 /// The paper's intact whisker.
 const LENGTH_MM: f64 = 70.0;
@@ -25,10 +27,11 @@ const MM_PER_M: f64 = 1e3;
 /// A file cannot be written.
 pub fn draw(folder: &Path) -> Result<Vec<PathBuf>> {
     let model = Model::nguyen_2021(Formulation::Published);
-    let figures: [(&str, (u32, u32), Figure); 6] = [
+    let figures: [(&str, (u32, u32), Figure); 7] = [
         ("fig-7-normal-mode.svg", (880, 640), normal_mode),
         ("fig-8-pressure.svg", (1400, 1600), pressures),
         ("fig-9-compensation.svg", (1300, 520), compensation),
+        ("beyond-the-paper.svg", (880, 480), beyond),
         ("fig-9a-case-1.svg", (1400, 1600), |root, model| by_deflection(root, model, &CASES[0])),
         ("fig-9b-self.svg", (1400, 1600), |root, model| by_deflection(root, model, &CASES[1])),
         ("fig-9c-case-2.svg", (1400, 1600), |root, model| by_deflection(root, model, &CASES[2])),
@@ -107,6 +110,9 @@ const CASES: [Case; 3] = [
     Case { title: "Self: trimmed from 70 to 65 mm", length_mm: 65.0, target_mm: 70.0 },
     Case { title: "Case 2: 70 mm for a neighbour of 65 mm", length_mm: 70.0, target_mm: 65.0 },
 ];
+/// Lengths of the compensator in the figure beyond the paper, and their steps, mm.
+const BEYOND_MM: (f64, f64) = (38.0, 70.0);
+const BEYOND_STEP_MM: f64 = 0.5;
 /// Initial pressure of both whiskers.
 const START_MPA: f64 = 0.1;
 
@@ -168,6 +174,49 @@ fn compensation(root: &Panel<'_>, model: &Model) -> Result<()> {
         legend(&mut chart, SeriesLabelPosition::UpperRight)?;
     }
     Ok(())
+}
+
+/// Predicted mean error over the compensator's length, for a target of 70 mm: air alone, gain alone, and both.
+fn beyond(root: &Panel<'_>, model: &Model) -> Result<()> {
+    let axes = Axes {
+        title: "Compensation error of a shorter whisker for one of 70 mm (Eq. 35, mean over the contact ratios)",
+        x: ("length of the compensator (mm)", BEYOND_MM.0..BEYOND_MM.1),
+        y: ("predicted mean error (%)", 0.0..80.0),
+    };
+    let mut chart = chart(root, &axes, 0)?;
+    let whole = Megapascal::EXAMINED_MAX.mpa();
+    // Objective, range of the pressure in MPa, name.
+    let ways = [
+        (Objective::Tip, (0.0, whole), "the paper's pressure: equal at the tip", VERMILION),
+        (Objective::Mean, (0.0, whole), "best single pressure, air alone", GREEN),
+        (Objective::Shape, (START_MPA, START_MPA), "one gain, no air", PURPLE),
+        (Objective::Shape, (0.0, whole), "air for the shape, one gain", BLUE),
+    ];
+    for (objective, range_mpa, name, colour) in ways {
+        let steps = ((BEYOND_MM.1 - BEYOND_MM.0) / BEYOND_STEP_MM) as u32;
+        let points = (0..steps)
+            .map(|step| BEYOND_MM.0 + BEYOND_STEP_MM * f64::from(step))
+            .map(|length_mm| Ok((length_mm, 100.0 * predicted_error(model, length_mm, objective, range_mpa)?)))
+            .collect::<Result<Vec<_>>>()?;
+        let line = colour.stroke_width(2);
+        let series = chart.draw_series(LineSeries::new(points, line)).map_err(drawing)?;
+        series.label(name).legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], line));
+    }
+    legend(&mut chart, SeriesLabelPosition::UpperRight)
+}
+
+/// Predicted mean error as a ratio, for a target of [`LENGTH_MM`].
+fn predicted_error(model: &Model, length_mm: f64, objective: Objective, (low, high): (f64, f64)) -> Result<f64> {
+    let start = Megapascal::new(START_MPA)?;
+    let target = Target { length: Millimetre::new(LENGTH_MM)?, pressure: start };
+    let compensator = Compensator {
+        length: Millimetre::new(length_mm)?,
+        pressure: start,
+        pressure_min: Megapascal::new(low)?,
+        pressure_max: Megapascal::new(high)?,
+    };
+    let none = Offset::NONE;
+    Ok(solve_setpoint(model, target, none, model, compensator, none, objective)?.setpoint().error.mean)
 }
 
 /// Fig. 9A to C: before, target and after against deflection, a panel for each contact ratio.

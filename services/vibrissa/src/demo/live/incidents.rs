@@ -157,7 +157,10 @@ impl Opened {
                         Some(_) | None => arrays.push((whisker.array().clone(), whisker.number())),
                     }
                 }
-                arrays.into_iter().map(|(array, last)| format!("{name}/{array}/0 to {last}")).collect::<Vec<_>>()
+                let told = |(array, last): (Name, u16)| {
+                    if last == 0 { format!("{name}/{array}/0") } else { format!("{name}/{array}/0 to {last}") }
+                };
+                arrays.into_iter().map(told).collect::<Vec<_>>()
             })
         };
         self.robots.iter().flat_map(of_robot).collect::<Vec<_>>().join(", ")

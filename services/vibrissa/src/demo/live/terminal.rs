@@ -13,7 +13,7 @@ const LINES_WAITING: usize = 16;
 
 /// The commands of the terminal.
 pub(super) const MENU: &str = "  cut 5 whisker 2         cut whisker 2 by 5 mm
-  cut 22 crawler-2/nose/2 too short for any compensation: an alarm with a hint
+  cut 22 crawler-1/tail/0 too short for air alone: an alarm with a hint
   erode whisker 1         wear whisker 1 off with each contact
   leak whisker 3          let the chamber of whisker 3 leak
   heat 10                 heat the whiskers of the array by 10 K: no cut must be called
