@@ -5,7 +5,7 @@ use vibrissa_core::policy::{Case, LongerForShorter};
 use vibrissa_core::robot::Params;
 use vibrissa_core::robot::effect::{AlarmKind, Command, CompensationError, Condition, Decision, Effect};
 use vibrissa_evaluation::World;
-use vibrissa_protocol::{AirControl, ArrayType};
+use vibrissa_protocol::{AirControl, ArrayType, Task};
 use vibrissa_simulator::Scenario;
 use vibrissa_simulator::scenario::{Change, Event as Planned};
 
@@ -63,6 +63,18 @@ fn a_loss_of_sensitivity_without_gains_moves_nothing() {
         assert_eq!(world.core.whisker(0).expect("there").condition, Condition::SensitivityLoss);
         assert_eq!((world.core.compensations().len(), commands(&world).len()), (0, 0), "{applies_gain} {objective:?}");
     }
+}
+
+/// It keeps its reach, so it needs nobody: an alarm would send an operator for nothing.
+#[test]
+fn regress_a_loss_of_sensitivity_in_an_array_that_reads_distances_is_no_loss_of_reach() {
+    let mut scenario = stiffening(true);
+    scenario.behaviour.task = Some(Task::Distance);
+    let world = run(&scenario, Objective::Shape, 30.0);
+    let whisker = world.core.whisker(0).expect("there");
+    assert_eq!(whisker.condition, Condition::SensitivityLoss);
+    assert!(!whisker.standing.kinds().any(|kind| kind == AlarmKind::Uncompensated));
+    assert_eq!((world.core.compensations().len(), commands(&world).len()), (0, 0));
 }
 
 #[test]

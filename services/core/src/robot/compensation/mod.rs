@@ -242,9 +242,12 @@ impl Robot {
             || self.server(index).is_some()
     }
 
-    /// Whether it has lost sensitivity, and its robot multiplies its readings: then a gain alone serves it.
+    /// Whether it has lost sensitivity, and its robot multiplies its readings: then a gain alone serves it. An array that reads
+    /// distances gets no setpoints.
     fn is_served_by_gain(&self, params: &Params, index: WhiskerIndex) -> bool {
-        self.whiskers[index].condition == Condition::SensitivityLoss
+        let one = &self.whiskers[index];
+        one.condition == Condition::SensitivityLoss
+            && self.head.arrays[usize::from(one.array)].task != Task::Distance
             && params.policy.objective_for(self.head.applies_gain) == Objective::Shape
     }
 
