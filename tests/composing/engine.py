@@ -7,6 +7,8 @@ import subprocess
 import time
 from pathlib import Path
 
+from .programs import programs
+
 # Time limit for the daemon's start and stop, s.
 DAEMON_PATIENCE_S = 60
 
@@ -96,7 +98,7 @@ class Images:
         context = self.folder / "standins"
         shutil.copytree(here, context)
         (context / "prebuilt").mkdir()
-        for program in ("vibrissa", "vibrissa-simulator"):
+        for program in programs():
             shutil.copy(self.binaries / program, context / "prebuilt")
         for name in ("rust", "mosquitto", "postgres", "prometheus", "grafana"):
             run("docker", "build", "--quiet", "--target", name, "--tag", self.tag(name), "--build-arg",

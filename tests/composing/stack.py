@@ -10,8 +10,8 @@ import urllib.request
 from pathlib import Path
 
 from .engine import run
+from .programs import PROJECT
 
-PROJECT = Path(__file__).parent.parent.parent
 # Stand-in for each image.
 STAND_INS = {"eclipse-mosquitto": "mosquitto", "postgres": "postgres", "prom/prometheus": "prometheus", "grafana/grafana": "grafana"}
 # Default time limit of waits, s.

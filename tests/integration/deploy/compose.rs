@@ -30,7 +30,7 @@ static RESOLVED: LazyLock<Value> = LazyLock::new(|| {
     serde_json::from_slice(&python.wait_with_output().unwrap().stdout).unwrap()
 });
 
-fn services() -> BTreeMap<&'static str, &'static Value> {
+pub(crate) fn services() -> BTreeMap<&'static str, &'static Value> {
     RESOLVED["services"].as_object().unwrap().iter().map(|(name, service)| (name.as_str(), service)).collect()
 }
 

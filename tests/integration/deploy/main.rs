@@ -10,6 +10,7 @@ mod profiles;
 mod sbom;
 mod scale;
 mod secrets;
+mod stand_ins;
 mod structure;
 mod systemd;
 mod words;
