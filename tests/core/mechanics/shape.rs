@@ -1,7 +1,8 @@
 //! Air for the shape, gain for the level: [`Objective::Shape`].
 
 use vibrissa_core::mechanics::{
-    CONTACT_RATIOS, Compensator, Formulation, Model, Objective, Offset, Setpoint, Solution, solve_setpoint,
+    CONTACT_RATIOS, Compensator, EVEN_WEIGHTS, Formulation, Model, Objective, Offset, RatioWeights, Setpoint, Solution,
+    solve_setpoint, solve_setpoint_as_felt,
 };
 use vibrissa_core::units::{ContactRatio, Megapascal};
 
@@ -73,9 +74,43 @@ fn logs(model: &Model, length_mm: f64, target_mm: f64, q: Megapascal) -> [f64; C
     })
 }
 
-fn moments(logs: &[f64]) -> (f64, f64) {
-    let mean = logs.iter().sum::<f64>() / logs.len() as f64;
-    (mean, logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / logs.len() as f64)
+fn moments(weights: &RatioWeights, logs: &[f64; CONTACT_RATIOS.len()]) -> (f64, f64) {
+    let all: f64 = weights.iter().sum();
+    let mean_of =
+        |of: &dyn Fn(f64) -> f64| weights.iter().zip(logs).map(|(weight, log)| weight * of(*log)).sum::<f64>();
+    let mean = mean_of(&|log| log) / all;
+    (mean, mean_of(&|log| (log - mean).powi(2)) / all)
+}
+
+/// A robot that touches its whiskers near the tip, mostly.
+const NEAR_THE_TIP: RatioWeights = [0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 2.0, 5.0, 2.0, 0.1, 0.1];
+
+fn weighted(model: &Model, length_mm: f64, target_mm: f64, weights: &RatioWeights) -> Setpoint {
+    let straight = |_: Megapascal| [0.0; CONTACT_RATIOS.len()];
+    *solve_setpoint_as_felt(
+        (model, target(target_mm, 0.1), &straight),
+        (model, compensator(length_mm, 0.1), &straight),
+        Objective::Shape,
+        weights,
+    )
+    .unwrap()
+    .setpoint()
+}
+
+/// Where the robot touches, the reading is better for it.
+#[test]
+fn property_the_shape_is_best_where_the_weights_are() {
+    for formulation in [Formulation::Published, Formulation::Consistent] {
+        let model = Model::nguyen_2021(formulation);
+        for (length_mm, target_mm) in [(65.0, 70.0), (55.0, 70.0), (40.0, 70.0), (70.0, 65.0)] {
+            let error = |weights| {
+                let error = weighted(&model, length_mm, target_mm, weights).error;
+                error.by_ratio.iter().zip(NEAR_THE_TIP).map(|(error, weight)| weight * error).sum::<f64>()
+            };
+            let (own, even) = (error(&NEAR_THE_TIP), error(&EVEN_WEIGHTS));
+            assert!(own < 0.9 * even, "{length_mm} for {target_mm}: {own} {even}");
+        }
+    }
 }
 
 /// Ever finer grids around the best point of the last one.
@@ -87,27 +122,29 @@ fn brute_force_the_best_shape() {
         for (length_mm, target_mm) in
             [(69.0, 70.0), (65.0, 70.0), (55.0, 70.0), (40.0, 70.0), (70.0, 65.0), (85.0, 70.0)]
         {
-            let variance = |q: f64| moments(&logs(&model, length_mm, target_mm, mpa(q))).1;
-            let (mut low, mut high) = (0.0, 0.2);
-            let mut best = 0.0;
-            let mut valleys = None;
-            while high - low > 1e-9 {
-                let grid: Vec<f64> =
-                    (0..=STEPS).map(|k| low + (high - low) * f64::from(k) / f64::from(STEPS)).collect();
-                let values: Vec<f64> = grid.iter().map(|&q| variance(q)).collect();
-                valleys.get_or_insert(values.windows(3).filter(|w| w[1] < w[0] && w[1] < w[2]).count());
-                let at = (0..values.len()).min_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap();
-                best = grid[at];
-                (low, high) = (grid[at.saturating_sub(1)], grid[(at + 1).min(values.len() - 1)]);
+            for weights in [EVEN_WEIGHTS, NEAR_THE_TIP] {
+                let variance = |q: f64| moments(&weights, &logs(&model, length_mm, target_mm, mpa(q))).1;
+                let (mut low, mut high) = (0.0, 0.2);
+                let mut best = 0.0;
+                let mut valleys = None;
+                while high - low > 1e-9 {
+                    let grid: Vec<f64> =
+                        (0..=STEPS).map(|k| low + (high - low) * f64::from(k) / f64::from(STEPS)).collect();
+                    let values: Vec<f64> = grid.iter().map(|&q| variance(q)).collect();
+                    valleys.get_or_insert(values.windows(3).filter(|w| w[1] < w[0] && w[1] < w[2]).count());
+                    let at = (0..values.len()).min_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap();
+                    best = grid[at];
+                    (low, high) = (grid[at.saturating_sub(1)], grid[(at + 1).min(values.len() - 1)]);
+                }
+                let ours = weighted(&model, length_mm, target_mm, &weights);
+                let (q, gain) = (ours.pressure, ours.reading_gain);
+                assert!((q.mpa() - best).abs() < 1e-8, "{length_mm} for {target_mm}: {} and {best}", q.mpa());
+                assert!(variance(q.mpa()) <= variance(best) + 1e-15, "{length_mm} for {target_mm}");
+                let expected = moments(&weights, &logs(&model, length_mm, target_mm, q)).0.exp();
+                assert!((gain / expected - 1.0).abs() < 1e-9, "{length_mm} for {target_mm}: {gain} and {expected}");
+                // One valley, so the search may rely on its grid.
+                assert!(valleys.unwrap() <= 1, "{length_mm} for {target_mm}");
             }
-            let ours = shape(&model, length_mm, target_mm);
-            let (q, gain) = (ours.pressure, ours.reading_gain);
-            assert!((q.mpa() - best).abs() < 1e-8, "{length_mm} for {target_mm}: {} and {best}", q.mpa());
-            assert!(variance(q.mpa()) <= variance(best) + 1e-15, "{length_mm} for {target_mm}");
-            let expected = moments(&logs(&model, length_mm, target_mm, q)).0.exp();
-            assert!((gain / expected - 1.0).abs() < 1e-9, "{length_mm} for {target_mm}: {gain} and {expected}");
-            // One valley, so the search may rely on its grid.
-            assert!(valleys.unwrap() <= 1, "{length_mm} for {target_mm}");
         }
     }
 }

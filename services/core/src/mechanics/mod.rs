@@ -40,7 +40,9 @@ pub use geometry::Geometry;
 pub use length::{CutIntoChamber, LengthError};
 pub use model::{Formulation, Model, ModelError};
 pub use morphology::Morphology;
-pub use profile::{ByRatio, CONTACT_RATIOS, ErrorProfile, GainProfile, Offset, compensation_error};
+pub use profile::{
+    ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, ErrorProfile, GainProfile, Offset, RatioWeights, compensation_error,
+};
 pub use range::compensable_range;
 pub use sensitivity::{ContactOnChamber, Response};
 pub use setpoint::{

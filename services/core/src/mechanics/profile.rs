@@ -12,6 +12,12 @@ pub const CONTACT_RATIOS: [f64; 12] = [0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.
 /// One number for each of [`CONTACT_RATIOS`]; `None` where the contact would lie on the chamber.
 pub type ByRatio = [Option<f64>; CONTACT_RATIOS.len()];
 
+/// Weights of [`CONTACT_RATIOS`], each at least 0, at least one above 0. Only their ratios count.
+pub type RatioWeights = [f64; CONTACT_RATIOS.len()];
+
+/// All contact ratios count alike.
+pub const EVEN_WEIGHTS: RatioWeights = [1.0; CONTACT_RATIOS.len()];
+
 /// Deviation of a real whisker from its model, as a straight line over the contact ratio a:
 /// `ln s_real = ln s_model + level + slope * (a - 0.725)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]

@@ -4,7 +4,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::length::CutIntoChamber;
 use super::model::Model;
-use super::profile::{self, ByRatio, CONTACT_RATIOS, ErrorProfile, GainProfile, Offset};
+use super::profile::{self, ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, ErrorProfile, GainProfile, Offset, RatioWeights};
 use super::{range, root};
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
@@ -107,8 +107,8 @@ impl Solution {
 /// are excluded. A minimum at an end of the range counts as out of range. If there is nothing to compensate at any
 /// contact ratio, the tip decides.
 ///
-/// [`Objective::Shape`] minimises the variance of ln(s_target / s_compensator) over the contact ratios, on the same grid,
-/// then by golden section to 1e-9 MPa. The gain is e to the mean of that logarithm. The variance is the square of a
+/// [`Objective::Shape`] minimises the variance of ln(s_target / s_compensator) over the contact ratios, all with one weight,
+/// on the same grid, then by golden section to 1e-9 MPa. The gain is e to the mean of that logarithm. The variance is the square of a
 /// difference in shape that changes steadily with the pressure, so it has one valley. Without a choice of pressure
 /// (`pressure_max` is at most `pressure_min`) the gain alone remains.
 ///
@@ -128,6 +128,7 @@ pub fn solve_setpoint(
         (target_model, target, &straight(target_offset)),
         (compensator_model, compensator, &straight(compensator_offset)),
         objective,
+        &EVEN_WEIGHTS,
     )
 }
 
@@ -149,7 +150,8 @@ impl<F: Fn(Megapascal) -> [f64; CONTACT_RATIOS.len()]> Deviation for F {
     }
 }
 
-/// [`solve_setpoint`] for whiskers whose deviation from the model depends on the pressure.
+/// [`solve_setpoint`] for whiskers whose deviation from the model depends on the pressure. The weights apply to the mean and
+/// the variance of [`Objective::Shape`].
 ///
 /// # Errors
 /// One of the two whiskers is cut into its chamber.
@@ -157,6 +159,7 @@ pub fn solve_setpoint_as_felt(
     (target_model, target, target_deviation): (&Model, Target, &dyn Deviation),
     (model, compensator, deviation): (&Model, Compensator, &dyn Deviation),
     objective: Objective,
+    weights: &RatioWeights,
 ) -> Result<Solution, CutIntoChamber> {
     target_model.check_length(target.length)?;
     model.check_length(compensator.length)?;
@@ -171,6 +174,7 @@ pub fn solve_setpoint_as_felt(
         model,
         compensator,
         deviation,
+        weights,
         before: after(model, compensator.length, deviation, compensator.pressure),
         target: target_per_mm,
         wanted_log: log_at_tip(target_model, target.length, target.pressure) + at_target[TIP],
@@ -183,7 +187,8 @@ pub fn solve_setpoint_as_felt(
 }
 
 /// Best pressure for [`Objective::Mean`] or [`Objective::Shape`], against measured responses before the compensation and
-/// of the target. [`Objective::Tip`] is taken as the former: a refinement reduces the mean of eq. 35.
+/// of the target. [`Objective::Tip`] is taken as the former: a refinement reduces the mean of eq. 35. The weights apply to
+/// [`Objective::Shape`].
 ///
 /// `None` if the compensator is cut into its chamber, or if the target's response at the tip is unknown.
 #[must_use]
@@ -193,10 +198,11 @@ pub fn least_error(
     deviation: &dyn Deviation,
     (before, target): (ByRatio, ByRatio),
     objective: Objective,
+    weights: &RatioWeights,
 ) -> Option<Solution> {
     model.check_length(compensator.length).ok()?;
     let wanted_log = target[TIP]?.ln();
-    let question = Question { model, compensator, deviation, before, target, wanted_log };
+    let question = Question { model, compensator, deviation, weights, before, target, wanted_log };
     Some(match objective {
         Objective::Tip | Objective::Mean => question.solve_mean(),
         Objective::Shape => question.solve_shape(),
@@ -211,6 +217,7 @@ struct Question<'a> {
     model: &'a Model,
     compensator: Compensator,
     deviation: &'a dyn Deviation,
+    weights: &'a RatioWeights,
     before: ByRatio,
     target: ByRatio,
     /// Log sensitivity of the target at its tip.
@@ -275,10 +282,11 @@ impl Question<'_> {
         // Mean and variance of ln(target / compensator).
         let shape = |pressure_mpa: f64| {
             let after = self.after(pressure_mpa);
-            let logs: Vec<f64> = used.iter().filter_map(|&k| Some((self.target[k]? / after[k]?).ln())).collect();
-            let count = logs.len().max(1) as f64;
-            let mean = logs.iter().sum::<f64>() / count;
-            (mean, logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / count)
+            let log = |k: usize| Some((self.weights[k], (self.target[k]? / after[k]?).ln()));
+            let logs: Vec<(f64, f64)> = used.iter().filter_map(|&k| log(k)).collect();
+            let mean = weighted_mean(&logs);
+            let squares: Vec<(f64, f64)> = logs.iter().map(|(weight, log)| (*weight, (log - mean).powi(2))).collect();
+            (mean, weighted_mean(&squares))
         };
         let setpoint = |pressure_mpa: f64| self.setpoint_with(pressure_mpa, shape(pressure_mpa).0.exp());
         if low_mpa == high_mpa {
@@ -323,6 +331,13 @@ impl Question<'_> {
             ..self.setpoint(pressure_mpa)
         }
     }
+}
+
+/// Mean of pairs of weight and value; 0 without any weight.
+fn weighted_mean(weighed: &[(f64, f64)]) -> f64 {
+    let (sum, weights) =
+        weighed.iter().fold((0.0, 0.0), |(sum, all), (weight, value)| (sum + weight * value, all + weight));
+    if weights > 0.0 { sum / weights } else { 0.0 }
 }
 
 /// ln s(1, La, Q) of a whisker that is not cut into its chamber.

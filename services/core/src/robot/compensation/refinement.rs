@@ -237,7 +237,7 @@ impl Robot {
         let [before, target] =
             [crate::robot::compensation::responses::BEFORE, crate::robot::compensation::responses::TARGET]
                 .map(|response| felt.per_mm(response));
-        let best = *least_error(model, compensator, &deviation, (before, target), objective)?.setpoint();
+        let best = *least_error(model, compensator, &deviation, (before, target), objective, &felt.weights)?.setpoint();
         let to = changes(best.pressure);
         let mut known = felt.known;
         let there = sum(
@@ -253,7 +253,7 @@ impl Robot {
         // With an objective that uses the gain, each pressure comes with its own.
         let gain_at = |response: &Curve| match objective {
             Objective::Tip | Objective::Mean => [1.0; CONTACT_RATIOS.len()],
-            Objective::Shape => reading_gain(response, &target, &known),
+            Objective::Shape => reading_gain(response, &target, &known, &felt.weights),
         };
         let [by_gain_here, by_gain_there] = [after, there].map(|response| gain_at(&response).map(f64::ln));
         let cases = both.cases(&params.cubature, |[here, before, target, there]| {

@@ -2,7 +2,7 @@
 
 use crate::estimation::uncertainty::{Curve, Uncertain, interval95, mean_error, moments};
 use crate::estimation::{Belief, Carried, CubatureCases, Nominal, OwnCalibration, ResponseBins, Smooth};
-use crate::mechanics::{ByRatio, CONTACT_RATIOS, Model, Objective, Offset, Setpoint};
+use crate::mechanics::{ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, Model, Objective, Offset, RatioWeights, Setpoint};
 use crate::policy::READING_GAINS;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
@@ -16,6 +16,11 @@ const NORMAL_975: f64 = 1.959_964;
 /// Largest standard deviation of the compensator's response relative to the target where contacts tell it, log sensitivity: a
 /// cut of 5 mm is 0.17.
 const TOLD_SD: f64 = 0.05;
+
+/// Contacts from which the distribution of a whisker's contact ratios is known.
+const LEARNED_RATIOS_CONTACTS: u32 = 100;
+/// Part of the weights that does not depend on the robot's contacts.
+const EVEN_SHARE: f64 = 0.2;
 
 /// Indices of the responses.
 pub(in crate::robot) const AFTER: usize = 0;
@@ -38,6 +43,8 @@ pub(in crate::robot) struct MeasuredResponses {
     pub held: Smooth,
     /// Where all three are known: the contact lies beyond each chamber.
     pub known: [bool; CONTACT_RATIOS.len()],
+    /// Share of each contact ratio in the compensator's contacts.
+    pub weights: RatioWeights,
 }
 
 impl MeasuredResponses {
@@ -81,7 +88,7 @@ impl MeasuredResponses {
         let [after, _, target] = &self.responses.mean;
         match objective {
             Objective::Tip | Objective::Mean => std::array::from_fn(|k| (target[k] - after[k]).exp()),
-            Objective::Shape => reading_gain(after, target, &self.told()),
+            Objective::Shape => reading_gain(after, target, &self.told(), &self.weights),
         }
     }
 
@@ -155,7 +162,7 @@ impl Robot {
                 }
             }
         }
-        Some(MeasuredResponses { responses, held, known })
+        Some(MeasuredResponses { responses, held, known, weights: one.usual_ratios() })
     }
 }
 
@@ -196,9 +203,15 @@ impl Robot {
 }
 
 /// The one factor that brings a response closest to the target over these contact ratios, in log sensitivity.
-pub(in crate::robot) fn reading_gain(after: &Curve, target: &Curve, over: &[bool; CONTACT_RATIOS.len()]) -> Curve {
-    let logs: Vec<f64> = (0..CONTACT_RATIOS.len()).filter(|&k| over[k]).map(|k| target[k] - after[k]).collect();
-    let gain = (logs.iter().sum::<f64>() / logs.len().max(1) as f64).exp();
+pub(in crate::robot) fn reading_gain(
+    after: &Curve,
+    target: &Curve,
+    over: &[bool; CONTACT_RATIOS.len()],
+    weights: &RatioWeights,
+) -> Curve {
+    let used = || (0..CONTACT_RATIOS.len()).filter(|&k| over[k]);
+    let all: f64 = used().map(|k| weights[k]).sum();
+    let gain = (used().map(|k| weights[k] * (target[k] - after[k])).sum::<f64>() / all.max(f64::MIN_POSITIVE)).exp();
     [gain.clamp(*READING_GAINS.start(), *READING_GAINS.end()); CONTACT_RATIOS.len()]
 }
 
@@ -236,6 +249,17 @@ impl Whisker {
         let contact_variance = self.contact_log_sd(params).powi(2) * self.noise.inflation();
         let remembered = contact_variance * bins.felt().map(|bin| 1.0 / bin.variance()).sum::<f64>();
         self.walks.doubt().rate * (remembered / 3.0).sqrt()
+    }
+
+    /// Share of each contact ratio in the contacts of its whole time. A fifth is spread evenly: habits change, and the best
+    /// shape over a short part of a whisker would move much air for nothing elsewhere.
+    pub(in crate::robot) fn usual_ratios(&self) -> RatioWeights {
+        let contacts = self.whole.contacts();
+        if contacts < LEARNED_RATIOS_CONTACTS {
+            return EVEN_WEIGHTS;
+        }
+        let share = |k: usize| f64::from(self.whole.bin(k).contacts()) / f64::from(contacts);
+        std::array::from_fn(|k| (1.0 - EVEN_SHARE) * share(k) + EVEN_SHARE / CONTACT_RATIOS.len() as f64)
     }
 
     /// Belief about its own calibration.
