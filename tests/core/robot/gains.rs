@@ -2,8 +2,8 @@
 
 use vibrissa_core::mechanics::{Formulation, Objective};
 use vibrissa_core::policy::{Case, LongerForShorter};
-use vibrissa_core::robot::Params;
 use vibrissa_core::robot::effect::{AlarmKind, Command, CompensationError, Condition, Decision, Effect};
+use vibrissa_core::robot::{Event, OperatorAction, Outcome, Params, Place, Scope};
 use vibrissa_evaluation::World;
 use vibrissa_protocol::{AirControl, ArrayType, Task};
 use vibrissa_simulator::Scenario;
@@ -137,4 +137,68 @@ fn a_robot_without_air_and_gain_is_not_compensated() {
     let decision = decided(Some(AirControl::None), false);
     assert_eq!(decision.chosen, None);
     assert!(decision.candidates.iter().all(|one| one.refused.is_some()), "{decision:?}");
+}
+
+/// A whisker of 70 mm, cut to 65 mm and served, whose chamber then leaks faster than it can be filled.
+fn leaking(applies_gain: bool, air_control: Option<AirControl>) -> World {
+    let mut scenario = super::scenario(74, ArrayType::Type2, &[70.0]);
+    scenario.robots[0].applies_gain = applies_gain;
+    scenario.behaviour.air_control = air_control;
+    let changes = [
+        (400, Change::Trim { length_mm: 65.0 }),
+        (1500, Change::Leak { rate_mpa_per_s: 0.2 }),
+        // Repaired after the end of this run.
+        (4600, Change::Leak { rate_mpa_per_s: 0.0 }),
+    ];
+    for (contact, change) in changes {
+        scenario.robots[0].events.push(Planned::at_contact(contact, super::name("left"), 0, change));
+    }
+    run(&scenario, Objective::Shape, 90.0)
+}
+
+#[test]
+fn a_cut_whisker_whose_chamber_leaks_is_served_by_a_gain_on_the_empty_chamber() {
+    let world = leaking(true, None);
+    let [one] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    assert_eq!((one.target(), one.compensator(), one.case()), (0, 0, Case::SelfCompensation));
+    let sent: Vec<f64> = commands(&world).iter().map(|command| command.pressure.mpa()).collect();
+    assert!(sent[0] > 0.05, "air for the shape while it is tight: {sent:?}");
+    let emptied = sent.iter().position(|&pressure_mpa| pressure_mpa == 0.0).expect("it is emptied");
+    assert!(sent[emptied..].iter().all(|&pressure_mpa| pressure_mpa == 0.0), "and stays empty: {sent:?}");
+    assert!(one.is_settled() && one.reading_gain().expect("one number") > 1.0, "an empty chamber is less sensitive");
+    let last: CompensationError = world
+        .picked(|effect| if let Effect::Error(error) = effect { Some((**error).clone()) } else { None })
+        .pop()
+        .expect("a measured error");
+    // Less air corrects the shape too much: more remains than at the best pressure, and less than half.
+    let (by_air, _) = last.air_alone.expect("the error without the gain");
+    assert!(last.pressure.mpa() == 0.0 && last.mean < 0.5 * by_air, "{last:?}");
+}
+
+#[test]
+fn a_leaking_whisker_without_gains_or_valves_is_not_served() {
+    for (applies_gain, air_control) in [(false, None), (true, Some(AirControl::None))] {
+        let world = leaking(applies_gain, air_control);
+        assert!(world.core.compensations().is_empty(), "{applies_gain} {air_control:?}");
+        assert!(commands(&world).iter().all(|command| command.pressure.mpa() > 0.0));
+    }
+}
+
+#[test]
+fn a_repaired_chamber_gets_air_again_when_an_operator_has_shown_that_it_holds() {
+    let mut world = leaking(true, None);
+    world.run_until_s(120.0);
+    assert!(commands(&world).last().expect("sent").pressure.mpa() == 0.0, "an empty chamber shows no leak");
+    let whisker = Place { array: "left", whisker: 0 };
+    for action in [
+        OperatorAction::Setpoint { whisker, pressure_mpa: NOMINAL_MPA },
+        OperatorAction::Release(Scope::Whisker(whisker)),
+    ] {
+        assert_eq!(world.step(&Event::Operator(&action)), Outcome::Taken, "{action:?}");
+        world.run_until_s(world.seconds() + 30.0);
+        assert_eq!(world.core.whisker(0).expect("there").fault, None, "{action:?}");
+    }
+    let [one] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    let last = commands(&world).pop().expect("sent");
+    assert!(one.is_settled() && (0.05..NOMINAL_MPA).contains(&last.pressure.mpa()), "{last:?}");
 }

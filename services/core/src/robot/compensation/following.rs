@@ -72,7 +72,11 @@ impl Robot {
         let length = whisker.filter.length();
         let belief = whisker.belief(model);
         let objective = params.policy.objective_for(self.head.applies_gain);
-        let fitness = whisker.fitness(model, &belief, true, (objective, self.head.air_control));
+        let running = &self.head.compensations[at];
+        let leaks = running.refining.keeps_pressure();
+        let pressures =
+            if leaks { (running.pressure, running.pressure) } else { whisker.pressures(self.head.air_control) };
+        let fitness = whisker.fitness(model, &belief, true, (objective, pressures));
         let proposal = propose(&params.policy, model, whisker.target(), whisker.whole_offset(), &fitness, true);
         // Where even zero pressure is too high, the gain makes up for the rest.
         let goes_on = matches!(proposal.refused, None | Some(Refused::NeedsBelowRange));
@@ -86,7 +90,8 @@ impl Robot {
         (running.length, running.length_sd_mm) = (length.length, length.sd_mm);
         (running.pressure, running.predicted_error) = (setpoint.pressure, setpoint.error.mean);
         running.after = crate::estimation::ResponseBins::default();
-        running.refining = Refining::new(setpoint.gain.by_ratio, carried);
+        let gain = setpoint.gain.by_ratio;
+        running.refining = if leaks { Refining::of_gain(gain, carried) } else { Refining::new(gain, carried) };
         // Not settled until the robot has taken it: that is what makes it be sent.
         running.settled = false;
         let desired = running.desired(Reason::Refinement);

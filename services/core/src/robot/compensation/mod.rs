@@ -17,7 +17,7 @@ use crate::robot::Robot;
 use crate::robot::compensation::prediction::cases_for_each;
 use crate::robot::compensation::refinement::Refining;
 use crate::robot::effect::{CandidateRecord, Condition, Decision, Effect, EndReason, Fault, Reason, WhiskerIndex};
-use crate::robot::event::{AirControl, ArrayKind, Task};
+use crate::robot::event::{AirControl, ArrayKind, RegulatorState, Task};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
 use crate::units::{Megapascal, Millimetre};
@@ -169,7 +169,7 @@ impl Robot {
             // A held target is not decided on: what serves it is better than nothing until it is.
             if target.undecided && !self.holds(one.target()) {
                 over.push((one.id, EndReason::TargetTrimmedAgain));
-            } else if compensator.is_unfit_to_go_on(one.case) {
+            } else if compensator.is_unfit_to_go_on(one) {
                 over.push((one.id, EndReason::CompensatorBroken));
             }
         }
@@ -224,7 +224,7 @@ impl Robot {
             let whole_mm = whisker.sheet.length.mm();
             let neighbours = whisker.sheet.neighbours.iter().filter_map(|&number| self.place(whisker.array, number));
             let is_covered = neighbours.map(|index| &self.whiskers[index]).any(|one| {
-                one.ineligible(false, false).is_none()
+                one.ineligible(false, false, false).is_none()
                     && one.filter.length().length.mm() >= whole_mm - REACH_TOLERANCE_MM
             });
             let whisker = &mut self.whiskers[target];
@@ -249,6 +249,18 @@ impl Robot {
         one.condition == Condition::SensitivityLoss
             && self.head.arrays[usize::from(one.array)].task != Task::Distance
             && params.policy.objective_for(self.head.applies_gain) == Objective::Shape
+    }
+
+    /// The only pressure at which a gain serves a whisker whose chamber leaks: that of the room. None if it is not leaking, or
+    /// if its robot cannot vent it or multiply its readings. A leak that the supervisor alone suspects, at a pressure that the
+    /// regulator holds, is no reason to empty the chamber.
+    fn pressure_of_leaking(&self, params: &Params, index: WhiskerIndex) -> Option<Megapascal> {
+        let one = &self.whiskers[index];
+        let serves = one.fault == Some(Fault::Leak)
+            && (one.air.regulator == RegulatorState::Leak || one.air.unheld_since.is_some())
+            && self.head.air_control != AirControl::None
+            && params.policy.objective_for(self.head.applies_gain) == Objective::Shape;
+        serves.then_some(Megapascal::ZERO)
     }
 
     /// Whether decisions leave it as it is: its target is held, or it runs where compensations must be approved, and is
@@ -299,13 +311,14 @@ impl Robot {
         let held = self.holds(compensator).then_some(Ineligible::Held);
         let is_self = target == compensator;
         let by_gain = is_self && self.is_served_by_gain(params, compensator);
-        let reason = one.ineligible(is_self, by_gain).or(held);
+        let objective = params.policy.objective_for(self.head.applies_gain);
+        let only = self.pressure_of_leaking(params, compensator).or(by_gain.then_some(one.sheet.pressure));
+        let reason = one.ineligible(is_self, by_gain, only.is_some()).or(held);
         let (fit, proposal) = match (reason, broken.model(params), one.model(params)) {
             (None, Some(target_model), Some(model)) => {
                 let belief = one.belief(model);
-                let objective = params.policy.objective_for(self.head.applies_gain);
-                let air = if by_gain { AirControl::None } else { self.head.air_control };
-                let fitness = one.fitness(model, &belief, is_self, (objective, air));
+                let pressures = only.map_or_else(|| one.pressures(self.head.air_control), |only| (only, only));
+                let fitness = one.fitness(model, &belief, is_self, (objective, pressures));
                 let asked = (broken.target(), broken.whole_offset());
                 let proposal = propose(&params.policy, target_model, asked.0, asked.1, &fitness, is_self);
                 let by_operator = broken.refused_servers.contains(&one.sheet.number).then_some(Refused::Operator);
@@ -399,10 +412,12 @@ impl Robot {
         let is_self = chosen.target == chosen.compensator;
         let one = &self.whiskers[chosen.compensator];
         let has_lost = one.condition == Condition::SensitivityLoss;
+        let leaks = one.fault == Some(Fault::Leak);
         let mut carried = one.carried(params, &setpoint);
         if has_lost {
             carried.shift(one.whole_lag(one.filter.offset()));
         }
+        let gain = setpoint.gain.by_ratio;
         let begun = Compensation {
             id,
             target: chosen.target as u32,
@@ -416,7 +431,7 @@ impl Robot {
             after: ResponseBins::default(),
             settled: false,
             length_sd_mm: one.filter.length().sd_mm,
-            refining: Refining::new(setpoint.gain.by_ratio, carried),
+            refining: if leaks { Refining::of_gain(gain, carried) } else { Refining::new(gain, carried) },
             proposed: params.policy.mode == Mode::Advise,
         };
         self.whiskers[chosen.target].unserved = false;
@@ -450,10 +465,11 @@ fn choose(params: &Params, targets: &[usize], asked: &[CandidateProposal<'_>]) -
 
 impl Whisker {
     /// Reason why it cannot be a candidate, if there is one. A trimmed whisker may still serve itself.
-    fn ineligible(&self, for_itself: bool, by_gain: bool) -> Option<Ineligible> {
+    fn ineligible(&self, for_itself: bool, by_gain: bool, serves_leaking: bool) -> Option<Ineligible> {
         match self.fault {
             Some(Fault::Stale) => return Some(Ineligible::Stale),
             Some(Fault::Gauge(_)) => return Some(Ineligible::GaugeFault),
+            Some(Fault::Leak) if serves_leaking => {}
             Some(Fault::Leak | Fault::Regulator | Fault::SupplyLow) => return Some(Ineligible::Leaking),
             None => {}
         }
@@ -474,13 +490,17 @@ impl Whisker {
 
     /// Whether it can no longer serve. Silence alone ends nothing: the pressure is still in the chamber. A cut whisker
     /// that compensates for itself goes on when it erodes or loses sensitivity: it is still cut.
-    fn is_unfit_to_go_on(&self, case: Case) -> bool {
+    fn is_unfit_to_go_on(&self, serving: &Compensation) -> bool {
         let broken = match self.condition {
-            Condition::Trimmed | Condition::Eroding | Condition::SensitivityLoss => case != Case::SelfCompensation,
+            Condition::Trimmed | Condition::Eroding | Condition::SensitivityLoss => {
+                serving.case != Case::SelfCompensation
+            }
             Condition::Learning | Condition::Healthy | Condition::Suspected => false,
         };
         let faulty = match self.fault {
-            Some(Fault::Gauge(_) | Fault::Leak | Fault::Regulator) => true,
+            Some(Fault::Gauge(_) | Fault::Regulator) => true,
+            // An empty chamber has no pressure to lose.
+            Some(Fault::Leak) => !serving.refining.keeps_pressure(),
             Some(Fault::Stale | Fault::SupplyLow) | None => false,
         };
         broken || faulty
@@ -493,13 +513,13 @@ impl Whisker {
         model: &'p Model,
         belief: &Belief,
         is_self: bool,
-        (objective, air): (Objective, AirControl),
+        (objective, pressures): (Objective, (Megapascal, Megapascal)),
     ) -> Fitness<'p> {
         Fitness {
             model,
             length: self.filter.length().length,
             pressure: self.sheet.pressure,
-            pressures: self.pressures(air),
+            pressures,
             // A trimmed whisker's offset is best known as it is now.
             offset: if is_self { self.filter.offset() } else { self.whole_offset() },
             own: belief.predict,

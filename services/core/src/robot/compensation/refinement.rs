@@ -25,13 +25,16 @@ use crate::policy::Case;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
 use crate::robot::compensation::responses::{LevelFrom, MeasuredResponses, reading_gain, sum};
-use crate::robot::effect::{Condition, Effect, Reason, Refinement, RefinementOutcome};
+use crate::robot::effect::{Condition, Effect, Fault, Reason, Refinement, RefinementOutcome};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Desired;
 use crate::units::Megapascal;
 
 /// A reading gain is published anew if it has changed by more than this, log sensitivity: contacts tell no less.
 const READING_GAIN_STEP: f64 = 0.001;
+
+/// Number of steps that leaves none.
+const KEEPS_PRESSURE: u8 = u8::MAX;
 
 /// Parameters of the refinement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,6 +91,16 @@ impl Refining {
         Self { steps: 0, due: 0, carried, gain, since_gain: ResponseBins::default() }
     }
 
+    /// The chamber leaks: only the gain is refined.
+    pub(in crate::robot) fn of_gain(gain: Curve, carried: Carried) -> Self {
+        Self { steps: KEEPS_PRESSURE, ..Self::new(gain, carried) }
+    }
+
+    /// Whether the pressure stays as it is, because the chamber leaks or leaked when this was decided.
+    pub(in crate::robot) fn keeps_pressure(&self) -> bool {
+        self.steps == KEEPS_PRESSURE
+    }
+
     /// The same steps and gain, without any contacts at the present pressure.
     pub(in crate::robot) fn felt_anew(&self) -> Self {
         Self { steps: self.steps, ..Self::new(self.gain, Carried::default()) }
@@ -135,7 +148,11 @@ impl Robot {
         // A suspicion is for the detector to settle first.
         let calm = match one.condition {
             Condition::Healthy | Condition::Trimmed | Condition::SensitivityLoss => {
-                one.fault.is_none() && one.rare.pending_trim.is_none()
+                let is_sound = match one.fault {
+                    Some(Fault::Leak) => running.refining.keeps_pressure(),
+                    other => other.is_none(),
+                };
+                is_sound && one.rare.pending_trim.is_none()
             }
             Condition::Learning | Condition::Suspected | Condition::Eroding => false,
         };
