@@ -6,6 +6,7 @@
 //! learns everything as in service: from noisy contacts, through a cold start, a cut that it detects itself, and a
 //! dithering regulator. The plant itself, without noise, gives the true result.
 
+mod noise_limit;
 pub mod reading;
 mod summary;
 mod truth;

@@ -10,6 +10,7 @@ use vibrissa_protocol::{AirControl, TouchTestKind};
 use vibrissa_simulator::places::Places;
 use vibrissa_simulator::scenario::{Behaviour, Change};
 
+use super::noise_limit::noise_limit;
 use super::{CONTACTS_AFTER, CONTACTS_PER_SECOND, Case, START_MPA, Trial, Truth, WHOLE_CONTACTS, plants, scenario};
 use crate::World;
 
@@ -70,6 +71,8 @@ pub struct Reading {
     pub moved_mpa: f64,
     /// Error of the held pressure with the best gain on this plant: no estimate of the gain can do better.
     pub best_gain: f64,
+    /// Error that the noise of the contacts leaves after each of [`LOOKS`].
+    pub noise_limits: [f64; LOOKS.len()],
     /// Last measured error.
     pub measured: Option<CompensationError>,
     /// Number of setpoints sent.
@@ -161,6 +164,8 @@ pub fn run(trial: &Trial, setting: Setting) -> Option<Reading> {
         end: error(&world, &truth, Some(&pressures))?,
         moved_mpa: (held_mpa - START_MPA).abs(),
         best_gain: truth.best_gain_error(held_mpa),
+        noise_limits: LOOKS
+            .map(|contacts| noise_limit(&truth, trial.case, setting != Setting::NoAir, contacts, &scenario.noise)),
         measured: measured.into_iter().last(),
         setpoints: sent.len(),
     })
@@ -208,6 +213,8 @@ pub struct ReadingSummary {
     pub end: f64,
     /// Least error that any gain has at the held pressure.
     pub best_gain: f64,
+    /// Error that the noise of the contacts leaves after each of [`LOOKS`].
+    pub noise_limits: [f64; LOOKS.len()],
     /// Distance of the held pressure from the nominal one, MPa.
     pub moved_mpa: f64,
     /// Share of the readings whose error with the decision's setpoint lies in the predicted 95 % interval.
@@ -228,6 +235,7 @@ pub fn summary<'r>(readings: impl Iterator<Item = &'r Reading>) -> Option<Readin
         looks: std::array::from_fn(|look| mean(&|one| one.looks[look])),
         end: mean(&|one| one.end),
         best_gain: mean(&|one| one.best_gain),
+        noise_limits: std::array::from_fn(|look| mean(&|one| one.noise_limits[look])),
         moved_mpa: mean(&|one| one.moved_mpa),
         predicted_coverage: share(&|one| {
             one.chosen.predicted_error_interval.map(|(low, high)| (low..=high).contains(&one.open))
