@@ -56,8 +56,17 @@ impl Plant {
     }
 
     /// One status of all whiskers; ticks follow for `seconds`.
-    fn status(&mut self, (regulator, gauge): (RegulatorState, GaugeState), seconds: f64) {
-        let pressure = Megapascal::known(0.1);
+    fn status(&mut self, state: (RegulatorState, GaugeState), seconds: f64) {
+        self.status_of(state, 0.1, seconds);
+    }
+
+    /// One status of sound whiskers that hold `pressure_mpa`.
+    fn status_at(&mut self, pressure_mpa: f64, seconds: f64) {
+        self.status_of(OK, pressure_mpa, seconds);
+    }
+
+    fn status_of(&mut self, (regulator, gauge): (RegulatorState, GaugeState), pressure_mpa: f64, seconds: f64) {
+        let pressure = Megapascal::known(pressure_mpa);
         let status = |whisker| WhiskerStatus { array: "left", whisker, pressure, setpoint: pressure, regulator, gauge };
         let whiskers: Vec<_> = (0..WHISKERS).map(status).collect();
         self.step(&Event::Status { boot_id: "b", robot_time: self.now, whiskers: &whiskers });
@@ -167,4 +176,49 @@ fn a_flapping_fault_goes_on_as_it_was_after_a_restart() {
     let whiskers = usize::from(WHISKERS);
     assert_eq!(plant.raised(AlarmKind::Fault(Fault::Leak)), whiskers);
     assert!(plant.changes() <= 6 * whiskers, "{} changes", plant.changes());
+}
+
+#[test]
+fn regress_a_setpoint_that_is_nominal_and_0_in_turns_is_one_alarm_for_each_whisker() {
+    let all = usize::from(WHISKERS);
+    for pause_s in [0.3, 2.0, 10.0] {
+        let mut plant = Plant::new();
+        // A robot that vents within a minute of its birth is filled again.
+        for _ in 0..7 {
+            plant.status(OK, 10.0);
+        }
+        for _ in 0..(600.0 / pause_s) as usize / 2 {
+            plant.status_at(0.0, pause_s);
+            plant.status_at(0.1, pause_s);
+        }
+        assert_eq!(plant.raised(AlarmKind::Vented), all, "every {pause_s} s");
+        let known = plant.effects.len();
+        plant.status_at(0.0, 1.0);
+        plant.status_at(0.1, 1.0);
+        assert_eq!(plant.effects.len(), known, "{:?}", &plant.effects[known..]);
+        // Over once the robot has held the pressure for ten minutes.
+        for _ in 0..70 {
+            plant.status(OK, 10.0);
+        }
+        assert_eq!(plant.count(|effect| matches!(effect, Effect::AlarmCleared { kind: AlarmKind::Vented, .. })), all);
+    }
+}
+
+#[test]
+fn a_lasting_vent_is_one_alarm_that_ends_after_the_off_delay() {
+    let mut plant = Plant::new();
+    for _ in 0..7 {
+        plant.status(OK, 10.0);
+    }
+    let all = usize::from(WHISKERS);
+    plant.status_at(0.0, 2.0);
+    assert_eq!(plant.raised(AlarmKind::Vented), all);
+    plant.status_at(0.0, 9000.0);
+    assert_eq!(plant.raised(AlarmKind::Vented), all);
+    let cleared = |plant: &Plant| plant.count(|effect| matches!(effect, Effect::AlarmCleared { .. }));
+    let known = cleared(&plant);
+    plant.status_at(0.1, 10.0);
+    assert_eq!(cleared(&plant), known);
+    plant.status_at(0.1, 10.0);
+    assert!(plant.count(|one| matches!(one, Effect::AlarmCleared { kind: AlarmKind::Vented, .. })) == all);
 }

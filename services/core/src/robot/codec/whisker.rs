@@ -7,15 +7,16 @@ use crate::detection::{Detector, Stored};
 use crate::encoding;
 use crate::estimation::filter::{STATES, STATES_BEFORE_7};
 use crate::estimation::{GainWalks, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Temperatures};
+use crate::robot::health::flapping::{Flapping, Vent};
 use crate::robot::setpoints::tries::Tries;
 use crate::robot::state::factsheet::{Sheet, read_numbers, write_numbers};
 use crate::robot::state::rare_state::{Rare, RareState};
 use crate::robot::state::tracked::DecisionBasis;
-use crate::robot::state::whisker::{Air, Whisker};
+use crate::robot::state::whisker::{Air, Holds, Whisker};
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 12;
+const VERSION: u32 = 13;
 /// Bytes of a version up to this one are taken for those of a newer program; beyond it they are damaged.
 const NEWEST_VERSION: u32 = VERSION + 100;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
@@ -50,7 +51,7 @@ impl Whisker {
     }
 
     /// Presence of the parts that few whiskers have, in stored order.
-    fn has(&self) -> [bool; 13] {
+    fn has(&self) -> [bool; 14] {
         [
             self.rare.pending_trim.is_some(),
             self.rare.whole_offset.is_some(),
@@ -65,6 +66,7 @@ impl Whisker {
             self.rare.length_test.is_some(),
             self.rare.set_at != Micros::default(),
             self.rare.flapping.is_some(),
+            self.rare.vents.is_some(),
         ]
     }
 }
@@ -93,7 +95,7 @@ impl BorshSerialize for Whisker {
         self.rare.unsteady.iter().try_for_each(|one| one.serialize(writer))?;
         self.desired.iter().try_for_each(|one| one.serialize(writer))?;
         self.command.iter().try_for_each(|one| one.serialize(writer))?;
-        let [.., refused, waits, _, _, set, _] = self.has();
+        let [.., refused, waits, _, _, set, _, _] = self.has();
         if refused {
             write_numbers(&self.refused_servers, writer)?;
         }
@@ -105,7 +107,8 @@ impl BorshSerialize for Whisker {
         if set {
             (self.rare.set_at, self.rare.set_heard).serialize(writer)?;
         }
-        self.rare.flapping.iter().try_for_each(|one| one.serialize(writer))
+        self.rare.flapping.iter().try_for_each(|one| one.serialize(writer))?;
+        self.rare.vents.iter().try_for_each(|one| one.serialize(writer))
     }
 }
 
@@ -138,6 +141,8 @@ impl BorshDeserialize for Whisker {
             set,
             // Not before version 12.
             flapping,
+            // Not before version 13.
+            vents,
         ] = has;
         let array =
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
@@ -192,6 +197,7 @@ impl BorshDeserialize for Whisker {
                 set_at: Micros::default(),
                 set_heard: Micros::default(),
                 flapping: None,
+                vents: None,
             }),
             desired: of(desired, reader)?,
             command: of(command, reader)?,
@@ -215,6 +221,11 @@ impl BorshDeserialize for Whisker {
         }
         if flapping {
             read.rare.get_or_insert().flapping = of(true, reader)?;
+        }
+        if vents {
+            read.rare.get_or_insert().vents = of(true, reader)?;
+        } else if version < 13 && holds == Holds::Vented {
+            read.rare.get_or_insert().vents = Some(Flapping::steady(Some(Vent)));
         }
         Ok(read)
     }

@@ -8,7 +8,7 @@ use crate::encoding;
 use crate::robot::effect::{AlarmKind, Condition, Effect, Fault, WhiskerIndex};
 use crate::robot::health::duplicate::DuplicateWatch;
 use crate::robot::params::Params;
-use crate::robot::state::whisker::{Holds, Whisker};
+use crate::robot::state::whisker::Whisker;
 use crate::robot::{Compensation, Robot};
 use crate::units::Micros;
 
@@ -206,7 +206,7 @@ impl Whisker {
             self.unserved || is_tried,
             proposed,
             self.rare.reach.as_ref().is_some_and(|reach| reach.is_lost()),
-            self.holds == Holds::Vented && self.desired.is_none(),
+            self.has_vented_alarm(),
         ];
         Standing { fault: self.fault_with_alarm(), kinds: encoding::pack_flags(is) }
     }

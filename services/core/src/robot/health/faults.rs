@@ -100,7 +100,7 @@ impl Robot {
         explained.iter().all(|known| (setpoint.mpa() - known.mpa()).abs() > params.health.settled_within_mpa)
     }
 
-    /// Brings a whisker's fault up to date.
+    /// Brings a whisker's fault, and the alarms that statuses flip, up to date.
     pub(in crate::robot) fn refresh_fault(
         &mut self,
         params: &Params,
@@ -114,17 +114,22 @@ impl Robot {
         if flapping != whisker.rare.flapping {
             self.whiskers[index].rare.get_or_insert().flapping = flapping;
         }
+        let vents = self.whiskers[index].vents_with_evidence(&params.health.flapping, now);
+        if vents != self.whiskers[index].rare.vents {
+            self.whiskers[index].rare.get_or_insert().vents = vents;
+        }
         if from != to {
             self.whiskers[index].fault = to;
             effects.push(Effect::Fault { whisker: index, from, to });
         }
     }
 
-    /// Whether the present evidence would change neither a whisker's fault nor the record of its changes.
+    /// Whether the present evidence would change neither a whisker's fault nor the record of its changes and vents.
     pub(in crate::robot) fn is_fault_up_to_date(&self, params: &Params, now: Micros, index: WhiskerIndex) -> bool {
         let whisker = &self.whiskers[index];
         let present = self.present_fault(params, now, index);
         whisker.with_evidence(&params.health.flapping, now, present) == (whisker.fault, whisker.rare.flapping)
+            && whisker.vents_with_evidence(&params.health.flapping, now) == whisker.rare.vents
     }
 
     fn present_fault(&self, params: &Params, now: Micros, index: WhiskerIndex) -> Option<Fault> {

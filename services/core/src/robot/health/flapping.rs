@@ -1,4 +1,5 @@
 //! A fault that comes and goes: its changes are folded, and its alarm has an on-delay and an off-delay, as in ISA-18.2.
+//! The alarm VENTED has the same delays and latch, because a status can raise and clear it, too.
 //!
 //! A fault counts for the policy as soon as it comes. Changes that follow each other quickly are counted: from
 //! [`FlappingParams::latch_changes`] on the fault is latched, and the whisker has the worst that was seen, until nothing has
@@ -11,7 +12,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::robot::effect::Fault;
 use crate::robot::params::FlappingParams;
-use crate::robot::state::whisker::Whisker;
+use crate::robot::state::whisker::{Holds, Whisker};
 use crate::units::Micros;
 
 /// Numbers of a fault's changes. A stored byte has both, in four bits each. In a byte of a version that counted only quick
@@ -49,28 +50,56 @@ impl BorshDeserialize for Changes {
     }
 }
 
-/// The newest changes of a whisker's fault, until they are forgotten.
+/// A state that a status can raise and clear.
+pub(in crate::robot) trait Flips: Copy + PartialEq {
+    /// The cause comes before the symptom, as in the order in which faults are found; more than 0.
+    fn rank(self) -> u8;
+}
+
+impl Flips for Fault {
+    fn rank(self) -> u8 {
+        match self {
+            Self::SupplyLow => 1,
+            Self::Regulator => 2,
+            Self::Leak => 3,
+            Self::Gauge(_) => 4,
+            Self::Stale => 5,
+        }
+    }
+}
+
+/// The robot has vented the whisker by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
-pub(in crate::robot) struct Flapping {
+pub(in crate::robot) struct Vent;
+
+impl Flips for Vent {
+    fn rank(self) -> u8 {
+        1
+    }
+}
+
+/// The newest changes of a whisker's fault, or of its vents, until they are forgotten.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
+pub(in crate::robot) struct Flapping<T> {
     /// By the newest evidence.
-    present: Option<Fault>,
+    present: Option<T>,
     /// Time of its last change by the supervisor's clock; 0 if it has not changed since it was steady.
     changed: Micros,
     changes: Changes,
     /// The whisker's fault: the present one, or the worst one while it is latched.
-    told: Option<Fault>,
+    told: Option<T>,
     /// The fault whose alarm stands.
-    alarm: Option<Fault>,
+    alarm: Option<T>,
 }
 
-impl Flapping {
+impl<T: Flips> Flapping<T> {
     /// A fault, or none, that has not changed for long.
-    fn steady(fault: Option<Fault>) -> Self {
+    pub(in crate::robot) fn steady(fault: Option<T>) -> Self {
         Self { present: fault, changed: Micros(0), changes: Changes::default(), told: fault, alarm: fault }
     }
 
     /// Takes the newest evidence in.
-    fn observe(&mut self, params: &FlappingParams, now: Micros, present: Option<Fault>) {
+    fn observe(&mut self, params: &FlappingParams, now: Micros, present: Option<T>) {
         let unchanged_for = now.since(self.changed);
         if unchanged_for >= params.steady_after {
             self.changes.quick = 0;
@@ -108,21 +137,13 @@ impl Flapping {
     }
 }
 
-/// The cause comes before the symptom, as in the order in which faults are found.
-fn worst(one: Option<Fault>, other: Option<Fault>) -> Option<Fault> {
-    let rank = |fault: Option<Fault>| match fault {
-        None => 0,
-        Some(Fault::SupplyLow) => 1,
-        Some(Fault::Regulator) => 2,
-        Some(Fault::Leak) => 3,
-        Some(Fault::Gauge(_)) => 4,
-        Some(Fault::Stale) => 5,
-    };
+fn worst<T: Flips>(one: Option<T>, other: Option<T>) -> Option<T> {
+    let rank = |fault: Option<T>| fault.map_or(0, T::rank);
     if rank(other) > rank(one) { other } else { one }
 }
 
 /// A whisker's fault, and the changes behind it.
-pub(in crate::robot) type FaultState = (Option<Fault>, Option<Flapping>);
+pub(in crate::robot) type FaultState = (Option<Fault>, Option<Flapping<Fault>>);
 
 impl Whisker {
     /// Its fault and the changes behind it once the newest evidence is taken in.
@@ -152,9 +173,27 @@ impl Whisker {
         self.rare.flapping.map_or(steady, |flapping| flapping.alarm)
     }
 
-    /// When time alone changes its fault or the alarm of it.
+    /// The changes behind its alarm VENTED once the newest evidence is taken in; none if it has long not been vented.
+    pub(in crate::robot) fn vents_with_evidence(&self, params: &FlappingParams, now: Micros) -> Option<Flapping<Vent>> {
+        let present = Some(Vent).filter(|_| self.holds == Holds::Vented && self.desired.is_none());
+        if present.is_none() && self.rare.vents.is_none() {
+            return None;
+        }
+        let mut vents = self.rare.vents.unwrap_or_else(|| Flapping::steady(None));
+        vents.observe(params, now, present);
+        Some(vents).filter(|vents| present.is_some() || !vents.is_over(params, now))
+    }
+
+    /// Whether the alarm VENTED is due. A pressure that is on its way ends it.
+    pub(in crate::robot) fn has_vented_alarm(&self) -> bool {
+        self.desired.is_none() && self.rare.vents.is_some_and(|vents| vents.alarm.is_some())
+    }
+
+    /// When time alone changes its fault, its vents, or an alarm of them.
     pub(in crate::robot) fn flapping_times(&self, params: &FlappingParams) -> impl Iterator<Item = Micros> {
-        self.rare.flapping.map(|flapping| flapping.times(params)).into_iter().flatten()
+        let of_fault = self.rare.flapping.map(|flapping| flapping.times(params));
+        let of_vents = self.rare.vents.map(|vents| vents.times(params));
+        of_fault.into_iter().chain(of_vents).flatten()
     }
 }
 

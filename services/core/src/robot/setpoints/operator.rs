@@ -95,6 +95,7 @@ impl Robot {
         whisker.held = true;
         whisker.given_up = false;
         whisker.rare.forget_tries();
+        whisker.rare.forget_vents();
         self.desire(index, Desired { pressure, reason: Reason::Operator, compensation: None, gain: None });
         Ok(())
     }
@@ -125,7 +126,9 @@ impl Robot {
         };
         for index in released {
             if !self.whiskers[index].held {
-                self.whiskers[index].rare.forget_tries();
+                let rare = &mut self.whiskers[index].rare;
+                rare.forget_tries();
+                rare.forget_vents();
                 self.back_to_automatic(index);
             }
         }

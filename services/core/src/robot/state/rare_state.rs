@@ -4,7 +4,8 @@ use std::ops::Deref;
 
 use crate::estimation::{ErosionWatch, OwnCalibration, Reach};
 use crate::mechanics::Offset;
-use crate::robot::health::flapping::Flapping;
+use crate::robot::effect::Fault;
+use crate::robot::health::flapping::{Flapping, Vent};
 use crate::robot::setpoints::tries::Tries;
 use crate::robot::state::whisker::{PendingTrim, Unsteady};
 use crate::robot::touch_tests::LengthTest;
@@ -38,7 +39,9 @@ pub(in crate::robot) struct RareState {
     /// When that report was received, by the supervisor's clock.
     pub set_heard: Micros,
     /// Changes of its fault, until it is steady again.
-    pub flapping: Option<Flapping>,
+    pub flapping: Option<Flapping<Fault>>,
+    /// Times at which the robot has vented it by itself, until that is long ago.
+    pub vents: Option<Flapping<Vent>>,
 }
 
 static NONE: RareState = RareState {
@@ -54,6 +57,7 @@ static NONE: RareState = RareState {
     set_at: Micros(0),
     set_heard: Micros(0),
     flapping: None,
+    vents: None,
 };
 
 /// The rare state of a whisker. It reads as [`NONE`] until something is put into it.
@@ -69,6 +73,13 @@ impl Rare {
     /// The state; the first call allocates it.
     pub(in crate::robot) fn get_or_insert(&mut self) -> &mut RareState {
         self.0.get_or_insert_with(|| Box::new(NONE.clone()))
+    }
+
+    /// A person acts on its vents: the next one is the first one.
+    pub(in crate::robot) fn forget_vents(&mut self) {
+        if let Some(rare) = self.get_mut() {
+            rare.vents = None;
+        }
     }
 
     /// The next setpoint is the first one.

@@ -8,7 +8,7 @@ const GAUGE: Option<Fault> = Some(Fault::Gauge(GaugeState::Open));
 const START: Micros = Micros(1_795_260_000_000_000);
 
 /// The fault and the alarm after each step of `step_s`, from a steady start without a fault.
-fn history(present: impl Iterator<Item = Option<Fault>>, step_s: f64) -> Vec<Flapping> {
+fn history(present: impl Iterator<Item = Option<Fault>>, step_s: f64) -> Vec<Flapping<Fault>> {
     let (params, mut flapping, mut now) = (FlappingParams::default(), Flapping::steady(None), START);
     let each = present.map(|present| {
         flapping.observe(&params, now, present);
@@ -48,7 +48,8 @@ fn regress_a_fault_that_flaps_for_ten_minutes_is_one_alarm_and_a_few_changes() {
 /// A day of a fault that comes and goes, with a status every 10 s. Returns how often the fault and the alarm change.
 fn day(is_leaking: impl FnMut(u64) -> bool) -> (usize, usize) {
     let all = history((0..86_400).step_by(10).map(is_leaking).map(|is| LEAK.filter(|_| is)), 10.0);
-    let changes = |of: fn(&Flapping) -> Option<Fault>| all.windows(2).filter(|two| of(&two[0]) != of(&two[1])).count();
+    let changes =
+        |of: fn(&Flapping<Fault>) -> Option<Fault>| all.windows(2).filter(|two| of(&two[0]) != of(&two[1])).count();
     (changes(|one| one.told), changes(|one| one.alarm))
 }
 
