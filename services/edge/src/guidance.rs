@@ -103,8 +103,8 @@ pub fn of(kind: AlarmKind) -> Guidance {
         },
         AlarmKind::Vented => Guidance {
             level: Level::Critical,
-            hint: "Look at the robot. If its chambers may be filled again, release the whisker, or many at once on the page of \
-                   whiskers; or set its pressure by hand.",
+            hint: "Look at the robot. If its chambers may be filled again, release the whisker, or all that the filters show if \
+                   they name this kind; or set its pressure by hand.",
             causes: &[
                 "the robot has missed the supervisor for too long, and an operator holds the whisker",
                 "the regulator was faulty when the supervisor came back",

@@ -4,6 +4,7 @@ import { ask, has } from "./api.js";
 import { actionButton } from "./dialog.js";
 import { h } from "./dom.js";
 import { count, mpa } from "./format.js";
+import { ventedAction } from "./parts/bulk.js";
 import { api, ROUTES, whiskerName } from "./places.js";
 import { ALARM_KINDS, say } from "./words.js";
 import { fromField, toField, zone } from "./zone.js";
@@ -62,10 +63,10 @@ export function whiskerActions(whisker, done) {
       grave: true,
     }),
   };
-  const shown =
-    whisker.held === undefined
-      ? Object.keys(all)
-      : Object.keys(all).filter((one) => one !== (whisker.held ? "hold" : "release"));
+  // A release also fills a whisker again that its robot has vented.
+  const isEmpty = whisker.setpoint_mpa === 0 && whisker.nominal_pressure_mpa > 0;
+  const isShown = { hold: !whisker.held, release: whisker.held !== false || isEmpty };
+  const shown = Object.keys(all).filter((one) => isShown[one] ?? true);
   return shown
     .filter((one) => offered(ROUTES.whisker, one))
     .map((one) => actionButton({ reason: "optional", path: `${at}/${one}`, body: withReason, ...all[one]() }, done));
@@ -200,6 +201,7 @@ export function alarmActions(alarm, done) {
       actionButton({ path: `${at}/${one}`, body: withReason, reason: "optional", ...action }, done, action.short),
     );
   if (alarm.kind === "SETPOINT_FAILED" && alarm.cleared_at === null) actions.push(...retryActions(alarm, done));
+  if (alarm.kind === "VENTED" && alarm.cleared_at === null) actions.push(...releaseActions(alarm, done));
   if (alarm.state === "UNACKNOWLEDGED") add("acknowledge", { title: `Acknowledge ${name}`, ...ACKNOWLEDGE });
   if (alarm.state === "UNACKNOWLEDGED" || alarm.state === "ACKNOWLEDGED") add("shelve", shelve(name));
   if (alarm.state === "SHELVED") add("unshelve", { title: `Unshelve ${name}`, ...UNSHELVE });
@@ -216,6 +218,23 @@ function retryActions(whisker, done) {
     button: "Try again",
     reason: "optional",
     path: `${api.whisker(whisker)}/retry`,
+    body: withReason,
+  };
+  return [actionButton(action, done)];
+}
+
+/** A button to fill a vented whisker again. */
+function releaseActions(whisker, done) {
+  if (!offered(ROUTES.whisker, "release")) return [];
+  const action = {
+    title: `Release whisker ${whiskerName(whisker)} of ${whisker.robot}`,
+    moves: whisker,
+    what: [
+      "Use this once the robot may fill the chamber again. The supervisor takes over again: the chamber returns to the pressure of its compensation, or to its nominal pressure.",
+    ],
+    button: "Release",
+    reason: "optional",
+    path: `${api.whisker(whisker)}/release`,
     body: withReason,
   };
   return [actionButton(action, done)];
@@ -241,6 +260,7 @@ export function alarmsActions(filter, { alarms, open }, done) {
   const isShelved = filter.state === "SHELVED";
   if (!isShelved) add("acknowledge", open, { ...ACKNOWLEDGE, verb: "Acknowledge", many: open });
   if (!isShelved) add("shelve", alarms, { ...shelve(""), verb: "Shelve", many: alarms });
+  if (filter.kind === "VENTED" && has("POST", "/v1/whiskers/release")) actions.push(ventedAction(filter, done));
   if (isShelved) add("unshelve", alarms, { ...UNSHELVE, verb: "Unshelve", many: alarms });
   return actions;
 }

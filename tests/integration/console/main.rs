@@ -16,6 +16,7 @@ mod provider;
 mod stage;
 mod story;
 mod touch_tests;
+mod vented;
 mod webhooks;
 mod widths;
 mod zones;

@@ -4,7 +4,10 @@
 use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
+use sqlx::sqlite::SqliteConnectOptions;
+use sqlx::{ConnectOptions as _, Connection as _, PgConnection};
 use vibrissa_protocol::Name;
+use vibrissa_store::DatabaseAddress;
 use vibrissa_supervisor::http::access::token::{NewToken, create};
 use vibrissa_supervisor::http::access::{AccessOptions, Role, Scope};
 use vibrissa_tests::actions::policy_body;
@@ -69,6 +72,39 @@ async fn whiskers_are_listed_and_then_held_once_on_sqlite() {
 #[tokio::test]
 async fn whiskers_are_listed_and_then_held_once_on_postgres() {
     whiskers_are_listed_and_then_held_once(&Served::postgres().await).await;
+}
+
+/// A release of whiskers fills those again that their robots have vented, whether an operator holds them or not.
+#[tokio::test]
+async fn regress_whiskers_that_are_vented_and_not_held_are_released_on_both_databases() {
+    let vent = "UPDATE alarms SET kind = 'VENTED' WHERE alarm_id IN (SELECT max(alarm_id) FROM alarms WHERE kind = 'LEAK' \
+                AND cleared_us IS NULL AND whisker_id IN (SELECT whisker_id FROM whiskers w JOIN robots USING (robot_id) \
+                WHERE fleet = 'f' AND NOT w.held))";
+    for served in [Served::sqlite().await, Served::postgres().await] {
+        match (&served.url, &served.database) {
+            (Some(url), _) => {
+                let mut link = PgConnection::connect(url).await.unwrap();
+                sqlx::query(vent).execute(&mut link).await.unwrap();
+            }
+            (None, DatabaseAddress::Sqlite(file)) => {
+                let mut link = SqliteConnectOptions::new().filename(file).connect().await.unwrap();
+                sqlx::query(vent).execute(&mut link).await.unwrap();
+            }
+            (None, other) => panic!("{other:?}"),
+        }
+        let alarms = served.items("/v1/alarms?kind=VENTED&standing=true").await;
+        let vented = json!({ "fleet": "f", "vented": true });
+        let (status, dry) =
+            post(&served, "/v1/whiskers/release", &[], json!({ "filter": vented, "dry_run": true })).await;
+        assert_eq!((status, &dry["subjects"], alarms.len()), (200, &json!(1), 1), "{dry}");
+        for field in ["robot", "array", "whisker"] {
+            assert_eq!(dry["items"][0][field], alarms[0][field]);
+        }
+        // Without the condition the held ones are released, too.
+        let held = served.items("/v1/whiskers?held=true&vented=false").await.len();
+        let (_, all) = post(&served, "/v1/whiskers/release", &[], json!({ "dry_run": true })).await;
+        assert_eq!(all["subjects"], json!(held + 1), "{all}");
+    }
 }
 
 #[tokio::test]

@@ -55,6 +55,8 @@ pub enum Filter {
     IsNull(&'static str, bool),
     /// The robot whose number is in the column has a label that meets the condition.
     HasLabel(&'static str, LabelCondition),
+    /// An alarm of this kind stands for the whisker whose number is in the column (true), or does not (false).
+    HasAlarm(&'static str, &'static str, bool),
     /// At least one of the columns contains the text, in upper or lower case.
     Contains(&'static [&'static str], String),
     /// One of the conditions holds; none holds of an empty list.
@@ -84,6 +86,7 @@ impl Filter {
             | Self::Below(column, _)
             | Self::IsNull(column, _)
             | Self::HasLabel(column, _)
+            | Self::HasAlarm(column, ..)
             | Self::IsNamed { column, .. } => columns.contains(column),
             Self::Contains(read, _) => read.iter().all(|column| columns.contains(column)),
             Self::AnyOf(filters) => filters.iter().all(|filter| filter.reads_only(columns)),
@@ -167,6 +170,11 @@ where
         Filter::HasLabel(column, condition) => {
             sql.push(*column).push(" IN (SELECT robot_id FROM robots WHERE replace(").push(LABEL_LINES).push(", ");
             sql.push_bind(condition.needle()).push(", '') <> ").push(LABEL_LINES).push(")");
+        }
+        Filter::HasAlarm(column, kind, stands) => {
+            sql.push(*column).push(if *stands { " IN (" } else { " NOT IN (" });
+            sql.push("SELECT whisker_id FROM alarms WHERE whisker_id IS NOT NULL AND cleared_us IS NULL AND kind = ");
+            sql.push_bind((*kind).to_owned()).push(")");
         }
         Filter::Contains(columns, text) => push_contains(sql, columns, text),
         Filter::IsNamed { column, select, names, text } => {

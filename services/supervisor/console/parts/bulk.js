@@ -29,7 +29,7 @@ const WHISKERS = {
   },
   release: {
     verb: "Release",
-    what: "The supervisor takes over again: chambers return to the pressure of their compensation, or to their nominal pressure.",
+    what: "The supervisor takes over again, also of whiskers that their robot has vented: chambers return to the pressure of their compensation, or to their nominal pressure.",
   },
   rebaseline: {
     verb: "Relearn",
@@ -43,6 +43,15 @@ export const robotsActions = (filter, done) => buttons("/v1/robots", "robot", RO
 
 /** Buttons for all whiskers that the filter shows, on all pages. */
 export const whiskersActions = (filter, done) => buttons("/v1/whiskers", "whisker", WHISKERS, filter, done);
+
+/** A button to release the whiskers of the alarms VENTED that the filter of alarms shows. */
+export function ventedAction({ fleet, robot, array, label, q }, done) {
+  const path = "/v1/whiskers/release";
+  const filter = { fleet, robot, array, label, q, vented: true };
+  const { verb, what } = WHISKERS.release;
+  const prepare = () => prepared({ path, noun: "whisker", verb, what: [what], body: { filter } });
+  return actionButton({ path, prepare }, done, "Release all vented");
+}
 
 function buttons(route, noun, actions, filter, done) {
   const offered = Object.entries(actions).filter(([one]) => has("POST", `${route}/${one}`));

@@ -21,7 +21,7 @@ use vibrissa_store::list::{Filter, Selection, Value as Sql};
 use vibrissa_store::lists::robots::{ROBOTS, RobotSort, RobotSummary};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
 
-use super::filters::{RobotFilter, WhiskerFilter};
+use super::filters::{RobotFilter, WhiskerFilter, has_vented_alarm};
 use crate::http::App;
 use crate::http::asking::{Asker, number_of, reason};
 use crate::http::extract::Body;
@@ -266,7 +266,12 @@ async fn whiskers(
     held: Option<bool>,
 ) -> Result<(Vec<Subject>, bool), Problem> {
     let mut filters = filter.conditions(&asker.caller.scope)?;
-    filters.extend(held.map(|held| Filter::Is("held", Sql::Flag(held))));
+    let is_held = |held| Filter::Is("held", Sql::Flag(held));
+    filters.extend(held.map(|held| match held {
+        // A release fills a vented whisker again.
+        true => Filter::AnyOf(vec![is_held(true), has_vented_alarm(true)]),
+        false => is_held(false),
+    }));
     let selection = Selection { filters, ..Selection::all(&WHISKERS, SUBJECTS_MAX) };
     let page = app.store.list::<Whisker>(&WHISKERS, &selection).await?;
     let subject = |row: Whisker| Subject {
@@ -326,7 +331,7 @@ at_once! {
     release_robots = "/v1/robots/release", "robots", RobotsAtOnce, robots(Some(true)), RobotsRelease, Release;
     /// Hold all whiskers that meet the conditions and are not held, at most 1000.
     hold_whiskers = "/v1/whiskers/hold", "whiskers", WhiskersAtOnce, whiskers(Some(false)), WhiskersHold, Hold;
-    /// Release all whiskers that meet the conditions and are held, at most 1000.
+    /// Release all whiskers that meet the conditions and are held or vented (alarm VENTED), at most 1000.
     release_whiskers = "/v1/whiskers/release", "whiskers", WhiskersAtOnce, whiskers(Some(true)), WhiskersRelease, Release;
     /// Relearn the baselines of all whiskers that meet the conditions, at most 1000.
     rebaseline_whiskers = "/v1/whiskers/rebaseline", "whiskers", WhiskersAtOnce, whiskers(None), WhiskersRebaseline, Rebaseline;

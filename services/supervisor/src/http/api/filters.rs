@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
+use vibrissa_core::robot::effect::AlarmKind;
+use vibrissa_edge::words::Word as _;
 use vibrissa_protocol::Name;
 use vibrissa_store::list::{Filter, Value};
 use vibrissa_store::lists::whiskers::named;
@@ -67,6 +69,9 @@ pub struct WhiskerFilter {
     /// True: only whiskers that an operator holds; false: only the others.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub held: Option<bool>,
+    /// True: only whiskers for which the alarm VENTED stands; false: only the others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vented: Option<bool>,
     /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub label: Option<LabelFilter>,
@@ -126,8 +131,14 @@ impl WhiskerFilter {
         all.extend(text("condition", self.condition));
         all.extend(self.faulty.map(|faulty| Filter::IsNull("fault", !faulty)));
         all.extend(self.held.map(|held| Filter::Is("held", Value::Flag(held))));
+        all.extend(self.vented.map(has_vented_alarm));
         all.extend(labels(self.label.as_ref()));
         all.extend(checked(self.q)?.map(named));
         Ok(all)
     }
+}
+
+/// The condition that the alarm VENTED stands for a whisker, or does not.
+pub(super) fn has_vented_alarm(stands: bool) -> Filter {
+    Filter::HasAlarm("whisker_id", AlarmKind::Vented.word(), stands)
 }

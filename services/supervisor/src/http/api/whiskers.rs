@@ -42,6 +42,8 @@ list_query! {
         pub faulty: Option<bool>,
         /// True: only whiskers that an operator holds; false: only the others.
         pub held: Option<bool>,
+        /// True: only whiskers for which the alarm VENTED stands; false: only the others.
+        pub vented: Option<bool>,
         /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
         #[param(inline)]
         pub label: Option<LabelFilter>,
@@ -61,6 +63,7 @@ impl WhiskersQuery {
             condition: self.condition,
             faulty: self.faulty,
             held: self.held,
+            vented: self.vented,
             label: self.label.clone(),
             q: self.q.clone(),
         }
