@@ -4,6 +4,7 @@ use vibrissa_protocol::{Gauge, Name, PlaceKind, Regulator, Setpoint, SetpointErr
 
 use vibrissa_regulator::{Command, Condition, Params};
 
+use super::ABSENT_AFTER_US;
 use super::strain::Stream;
 use crate::config::Limits;
 use crate::contract::{Moment, Now, ReadingGain};
@@ -51,7 +52,9 @@ pub(super) struct Chamber {
     pub(super) slew_mpa_per_s: f64,
     /// Moment at which the driver was last told the pressure.
     pub(super) told: Moment,
-    pub(super) reading: Option<Reading>,
+    reading: Option<Reading>,
+    /// The driver has gone since the newest reading, and may come back soon.
+    is_waiting: bool,
     /// Condition of the regulator as the driver states it.
     regulator: Option<Regulator>,
     pub(super) gauge: Gauge,
@@ -83,6 +86,7 @@ impl Chamber {
             slew_mpa_per_s: limits.own_slew_mpa_per_s,
             told: Moment::BEFORE_ALL,
             reading: None,
+            is_waiting: false,
             regulator: None,
             gauge: Gauge::Ok,
             temperature_c: None,
@@ -154,7 +158,7 @@ impl Chamber {
     /// Takes a reading.
     pub(super) fn read(&mut self, reading: Reading, limits: &Limits) {
         // A line that was on its way before the setpoint says nothing of it, nor does an older one than the newest.
-        self.reading = Some(reading);
+        (self.reading, self.is_waiting) = (Some(reading), false);
         let is_near = (reading.pressure_mpa - self.target_mpa).abs() <= limits.tolerance_mpa;
         if let Some(applying) = &mut self.applying {
             let since = applying.near_since.filter(|_| is_near).or(is_near.then_some(reading.at));
@@ -200,11 +204,34 @@ impl Chamber {
         self.gauge = gauge.unwrap_or(self.gauge);
     }
 
-    /// The driver has gone: nothing is known of the chamber.
+    /// The driver is absent: nothing is known of the chamber.
     pub(super) fn forget(&mut self) {
-        self.reading = None;
+        (self.reading, self.is_waiting) = (None, false);
         self.regulator = None;
         self.stream = None;
+    }
+
+    /// The driver has gone, as for a restart: the last reading is reported until it is known to be absent.
+    pub(super) fn wait(&mut self, now: Now, limits: &Limits) {
+        self.is_waiting |= self.present_reading().is_some_and(|reading| now.at < reading.at + limits.driver_silent_us);
+        if !self.is_waiting {
+            return self.forget();
+        }
+        self.stream = None;
+        if let Some(applying) = &mut self.applying {
+            (applying.near_since, applying.is_settled) = (None, false);
+        }
+    }
+
+    /// The newest reading of the present driver.
+    pub(super) fn present_reading(&self) -> Option<Reading> {
+        self.reading.filter(|_| !self.is_waiting)
+    }
+
+    /// Moment at which the newest reading becomes too old.
+    fn reading_ends_at(&self, limits: &Limits) -> Option<Moment> {
+        let silent_us = limits.driver_silent_us;
+        Some(self.reading?.at + if self.is_waiting { silent_us.max(ABSENT_AFTER_US) } else { silent_us })
     }
 
     pub(super) fn is_settled(&self) -> bool {
@@ -217,13 +244,14 @@ impl Chamber {
 
     /// Moment at which the newest reading becomes too old, if the condition in the last status does not say so yet.
     pub(super) fn silent_at(&self, limits: &Limits) -> Option<Moment> {
-        let at = self.reading?.at + limits.driver_silent_us;
+        let at = self.reading_ends_at(limits)?;
         (self.reported.0 != Regulator::Fault).then_some(at)
     }
 
     /// Condition of regulator and gauge.
     pub(super) fn condition(&self, now: Now, limits: &Limits) -> (Regulator, Gauge) {
-        let Some(reading) = self.reading.filter(|reading| now.at < reading.at + limits.driver_silent_us) else {
+        let is_known = self.reading_ends_at(limits).is_some_and(|end| now.at < end);
+        let Some(reading) = self.reading.filter(|_| is_known) else {
             return (Regulator::Fault, self.gauge);
         };
         let regulator = self.regulator.unwrap_or_else(|| {

@@ -34,10 +34,10 @@ impl Agent {
         }
     }
 
-    /// The driver has gone: nothing is known of the chambers until it comes back.
+    /// The driver has gone. Its chambers are reported as before until it is known to be absent.
     pub(super) fn driver_ended(&mut self, now: Now, out: &mut Vec<Output>) {
         self.driver.is_there = false;
-        self.chambers.iter_mut().for_each(super::Chamber::forget);
+        self.chambers.iter_mut().for_each(|chamber| chamber.wait(now, &self.limits));
         while !self.under_way.is_empty() {
             self.end_test(0, TouchTestOutcome::Failed, now, out);
         }
@@ -223,7 +223,7 @@ impl Agent {
             let problem = format!("the place is {place}, but agent.toml states {} for the whisker", chamber.place);
             return Err(BadLine::new(problem, PLACES));
         }
-        let pressure_mpa = line.pressure_mpa.or(chamber.reading.map(|reading| reading.pressure_mpa));
+        let pressure_mpa = line.pressure_mpa.or(chamber.present_reading().map(|reading| reading.pressure_mpa));
         let contact = Contact {
             array: chamber.array.clone(),
             whisker: chamber.number,

@@ -52,7 +52,7 @@ impl Agent {
     /// Ends the time in which nothing is known of the chambers: a status that comes before would report a fault of each.
     pub(super) fn know_chambers(&mut self, now: Now) {
         let Some(until) = self.unknown_until else { return };
-        if now.at >= until || self.chambers.iter().all(|chamber| chamber.reading.is_some()) {
+        if now.at >= until || self.chambers.iter().all(|chamber| chamber.present_reading().is_some()) {
             self.unknown_until = None;
             self.status_at = now.at;
         }

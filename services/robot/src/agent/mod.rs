@@ -63,8 +63,10 @@ pub enum Output {
     Reconnect,
 }
 
-/// Longest time for which the state of the chambers may be unknown after the start. Beyond that the contract asks for a status.
-const UNKNOWN_MAX_US: u64 = 8_000_000;
+/// Time without a reading, since the start or the last reading of a driver that has gone, after which the driver counts as
+/// absent. Until then nothing is known of the chambers, which is no fault. A driver that is there and silent is one earlier. The
+/// contract asks for a status at least every 10 s.
+const ABSENT_AFTER_US: u64 = 9_000_000;
 
 /// Counts since the start.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
@@ -178,7 +180,7 @@ impl Agent {
             batch_until: None,
             status_at: now.at,
             status_sent: now.at,
-            unknown_until: Some(now.at + limits.driver_silent_us.min(UNKNOWN_MAX_US)),
+            unknown_until: Some(now.at + ABSENT_AFTER_US),
             driver: DriverState { heard: now.at, ..DriverState::default() },
             contact_rate: Rate::new(limits.contacts_per_s, now.at),
             error_rate: Rate::new(lines::ERRORS_PER_S, now.at),
@@ -229,6 +231,7 @@ impl Agent {
         if self.driver.is_there && now.at >= self.driver.heard + self.limits.driver_silent_us {
             self.counts.driver_silences += 1;
             self.driver_ended(now, out);
+            self.chambers.iter_mut().for_each(Chamber::forget);
             out.push(Output::RestartDriver);
         }
         self.follow_setpoints(now, out);

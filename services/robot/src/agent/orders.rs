@@ -80,7 +80,7 @@ impl Agent {
         if !self.connected {
             return;
         }
-        let pressure_mpa = at.and_then(|at| self.chambers[at].reading).map(|reading| reading.pressure_mpa);
+        let pressure_mpa = at.and_then(|at| self.chambers[at].present_reading()).map(|reading| reading.pressure_mpa);
         let state = self.voice.setpoint_state(id, answer, now.stamp_us, pressure_mpa);
         self.publish(RobotTopic::SetpointState, encode(&state), out);
     }

@@ -233,13 +233,15 @@ fn a_driver_that_says_hello_all_the_time_is_greeted_five_times_a_second() {
 
 #[test]
 fn regress_an_ordinary_start_reports_no_fault() {
-    for (reads_after_s, regulators) in [(0.5, [Regulator::Ok; 2]), (20.0, [Regulator::Fault; 2])] {
+    for (reads_after_s, regulators) in
+        [(0.5, [Regulator::Ok; 2]), (8.0, [Regulator::Ok; 2]), (9.0, [Regulator::Fault; 2])]
+    {
         let mut bench = Bench::new(|_| {});
         bench.step(Input::Connected);
         bench.step(Input::DriverStarted);
         bench.step(Input::Message(RobotTopic::Request, br#"{"boot_id":"s3","seq":0,"request":"STATUS"}"#));
         bench.run(reads_after_s);
-        if reads_after_s < 1.0 {
+        if reads_after_s < 9.0 {
             assert_eq!(bench.statuses().len(), 0, "nothing is known yet");
             bench.read(0, 0.1);
             assert_eq!(bench.statuses().len(), 0, "not of the other one");
@@ -249,6 +251,44 @@ fn regress_an_ordinary_start_reports_no_fault() {
         assert_eq!(first.seq, 0);
         assert_eq!(first.whiskers.iter().map(|one| one.regulator).collect::<Vec<_>>(), regulators);
     }
+}
+
+#[test]
+fn regress_a_driver_that_restarts_within_seconds_is_no_fault() {
+    let mut bench = Bench::running();
+    let mut statuses = Vec::new();
+    bench.hold([0.1, 0.1], 3.0);
+    for _ in 0..3 {
+        bench.step(Input::DriverEnded);
+        bench.run(5.0);
+        statuses.extend(bench.statuses());
+        // A contact without a pressure is refused until the pressure is read.
+        bench.step(Input::DriverStarted);
+        bench.touch(0);
+        assert_eq!(bench.problems().len(), 1);
+        bench.run(1.0);
+        bench.hold([0.1, 0.1], 2.0);
+    }
+    statuses.extend(bench.statuses());
+    assert!(
+        statuses.len() >= 6 && statuses.iter().all(|one| one.whiskers[0].regulator == Regulator::Ok),
+        "{statuses:?}"
+    );
+    // Nor does a driver hide its absence by restarts without end.
+    for _ in 0..7 {
+        bench.step(Input::DriverEnded);
+        bench.run(1.5);
+        bench.step(Input::DriverStarted);
+        bench.run(1.5);
+    }
+    let last = bench.statuses().pop().unwrap();
+    assert!(last.whiskers.iter().all(|whisker| whisker.regulator == Regulator::Fault), "{last:?}");
+    bench.order(1, 0.12);
+    bench.step(Input::DriverEnded);
+    bench.read(0, 0.1);
+    bench.read(1, 0.1);
+    bench.run(0.2);
+    assert_eq!(bench.statuses().pop().unwrap().whiskers[0].regulator, Regulator::Filling);
 }
 
 #[test]
