@@ -41,13 +41,6 @@ pub fn exposures(path: &Path, config: &Config) -> Vec<String> {
             far.join(", ")
         ));
     }
-    if let Way::Tcp(to) = &driver.way
-        && driver.token.is_none()
-    {
-        found.push(format!(
-            "driver.tcp: whoever answers at {to} is the driver: set driver.token_file to require a token"
-        ));
-    }
     found
 }
 
@@ -60,7 +53,9 @@ fn text((host, port): (String, u16)) -> String {
     address(&host, port)
 }
 
-fn is_loopback(host: &str) -> bool {
+/// Whether a host is this machine; an IPv6 address may be in brackets.
+pub(crate) fn is_loopback(host: &str) -> bool {
+    let host = host.trim_start_matches('[').trim_end_matches(']');
     host == "localhost" || host.parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
 }
 
@@ -138,7 +133,6 @@ mod tests {
         for (from, to, expected) in [
             ("mqtt://127.0.0.1", "mqtt://broker", "broker.url: contacts and setpoints go to broker:1883 in plain text"),
             ("mqtt://127.0.0.1", "mqtts://broker", ""),
-            ("command = [\"python3\", \"driver.py\"]", "tcp = \"127.0.0.1:5\"", "driver.tcp: whoever answers at"),
             ("command = [\"python3\", \"driver.py\"]", "tcp = \"127.0.0.1:5\"\ntoken_file = \"password\"", ""),
         ] {
             let told = told(from, to);

@@ -23,6 +23,8 @@ pub const EVERY: Duration = Duration::from_secs(5);
 
 /// Version of the file's format.
 const VERSION: u64 = 1;
+/// Every state file begins so.
+const HEAD: &[u8] = b"{\n  \"version\": ";
 
 /// Why a state file cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -181,10 +183,44 @@ fn replace(path: &Path, text: &str) -> std::io::Result<()> {
     let mut name = path.as_os_str().to_owned();
     name.push(".new");
     let new = PathBuf::from(name);
-    let mut file = File::create(&new)?;
+    // A file that an earlier process has left. A link or the file of somebody else stays, and the write fails.
+    let is_left = std::fs::symlink_metadata(&new).is_ok_and(|found| found.is_file())
+        && std::fs::read(&new).is_ok_and(|bytes| bytes.is_empty() || bytes.starts_with(HEAD));
+    if is_left {
+        std::fs::remove_file(&new)?;
+    }
+    let mut file = File::create_new(&new)?;
     file.write_all(text.as_bytes())?;
     file.sync_all()?;
     std::fs::rename(&new, path)?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     File::open(folder)?.sync_all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regress_a_new_file_replaces_no_file_of_somebody_else() {
+        let folder = std::env::temp_dir().join(format!("vibrissa-state-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (path, new, victim) = (folder.join("state"), folder.join("state.new"), folder.join("victim"));
+        std::fs::write(&victim, "keep me").unwrap();
+        std::os::unix::fs::symlink(&victim, &new).unwrap();
+        assert!(replace(&path, "x").is_err());
+        std::fs::remove_file(&new).unwrap();
+        std::fs::write(&new, "keep me").unwrap();
+        assert!(replace(&path, "x").is_err());
+        assert_eq!(
+            (std::fs::read(&victim).unwrap(), std::fs::read(&new).unwrap()),
+            (b"keep me".into(), b"keep me".into())
+        );
+        for left in [&b""[..], HEAD] {
+            std::fs::write(&new, left).unwrap();
+            replace(&path, "x").unwrap();
+        }
+        assert_eq!((std::fs::read(&path).unwrap(), new.exists()), (b"x".into(), false));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -10,6 +10,7 @@ use vibrissa_segmenter::Params;
 
 use super::file::{File, FileArray, FileBroker, FileDriver, FileWhisker};
 use super::{BadConfig, DriverConfig, Limits, Way};
+use crate::exposure::is_loopback;
 use crate::mqtt::{Authorities, Broker, ClientCertificate, password_in};
 
 /// Size limit of the file with a driver's token, bytes.
@@ -143,6 +144,13 @@ impl FileDriver {
         let token = token_file.as_deref().map(token_in).transpose()?;
         if token.is_some() && !matches!(way, Way::Tcp(_) | Way::Listen(_)) {
             return Err(unfitting("driver.token_file", "needs driver.tcp or driver.listen"));
+        }
+        if let Way::Tcp(address) = &way
+            && token.is_none()
+            && !is_loopback(address.rsplit_once(':').map_or(address.as_str(), |(host, _)| host))
+        {
+            let problem = "needs driver.token_file: beyond this machine nobody knows who answers";
+            return Err(unfitting("driver.tcp", problem));
         }
         Ok(DriverConfig { way, restart: self.restart, token, token_file })
     }

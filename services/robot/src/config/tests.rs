@@ -47,6 +47,8 @@ fn a_wrong_key_is_named() {
         ("mqtt://127", "ftp://127", "broker: invalid broker URL"),
         ("command = [\"python3\", \"driver.py\"]", "", "exactly one of command"),
         ("command = [\"python3\", \"driver.py\"]", "listen = \"0.0.0.0:1\"", "driver.listen: must be a loopback"),
+        ("command = [\"python3\", \"driver.py\"]", "tcp = \"board.lan:5\"", "driver.tcp: needs driver.token_file"),
+        ("command = [\"python3\", \"driver.py\"]", "tcp = \"[::2]:5\"", "driver.tcp: needs driver.token_file"),
         ("[driver]", "[driver]\nsilent_s = 0.1", "driver.silent_s is 0.1, but must be between 0.5 and 600"),
         ("[driver]", "[driver]\nbaud = 9600", "driver.baud: needs driver.serial"),
         ("[driver]", "[outbox]\nbytes = 5\n[driver]", "outbox.bytes is 5"),

@@ -1,7 +1,7 @@
 //! Admission of drivers.
 //!
 //! A child process and a serial device are known. A Unix socket is the agent's own, with mode 0600. At a TCP port anybody can
-//! arrive: the first line must be the token, or the peer's socket must belong to the agent's user on this machine.
+//! arrive or answer: the first line must be the token, or the peer's socket must belong to the agent's user on this machine.
 
 use std::io;
 use std::net::SocketAddr;
@@ -16,6 +16,10 @@ use crate::exposure::own_uid;
 const TOKEN_TIMEOUT: Duration = Duration::from_secs(5);
 /// Longest such line.
 const TOKEN_LINE_MAX_BYTES: usize = 1024;
+/// State of a connected socket in the kernel's table.
+const ESTABLISHED: &str = "01";
+/// State of a listening socket in the kernel's table.
+const LISTENS: &str = "0A";
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -64,7 +68,23 @@ pub(super) fn is_trusted(uid: u32) -> bool {
 /// Refuses the peer of a loopback connection unless its socket belongs to a trusted user.
 pub(super) fn expect_own_peer(peer: SocketAddr, local: SocketAddr) -> io::Result<()> {
     let table = if peer.is_ipv4() { "/proc/net/tcp" } else { "/proc/net/tcp6" };
-    let owner = std::fs::read_to_string(table).ok().and_then(|table| owner_in(&table, peer, local));
+    told(std::fs::read_to_string(table).ok().and_then(|table| owner_in(&table, peer, local)), peer)
+}
+
+/// Refuses the server of a loopback connection unless its socket belongs to a trusted user.
+///
+/// The kernel's table states user 0 for a connection until the server accepts it. So the listening socket counts; the
+/// connection counts only if nobody listens there any more.
+pub(super) fn expect_own_server(server: SocketAddr, local: SocketAddr) -> io::Result<()> {
+    let tables = ["/proc/net/tcp", "/proc/net/tcp6"].map(|table| std::fs::read_to_string(table).unwrap_or_default());
+    let mut listening = tables.iter().flat_map(|table| listeners_in(table, server)).peekable();
+    if listening.peek().is_none() {
+        return expect_own_peer(server, local);
+    }
+    listening.try_for_each(|uid| told(Some(uid), server))
+}
+
+fn told(owner: Option<u32>, peer: SocketAddr) -> io::Result<()> {
     match owner {
         Some(uid) if is_trusted(uid) => Ok(()),
         Some(uid) => Err(refused(&format!(
@@ -74,15 +94,31 @@ pub(super) fn expect_own_peer(peer: SocketAddr, local: SocketAddr) -> io::Result
     }
 }
 
-/// The user of the connected socket with these addresses, in the kernel's table.
+/// Local address, remote address, state and user of a line of the kernel's table.
+fn fields_of(line: &str) -> Option<(&str, &str, &str, u32)> {
+    let mut fields = line.split_ascii_whitespace().skip(1);
+    let (local, remote, state) = (fields.next()?, fields.next()?, fields.next()?);
+    // Queues, timer and retransmissions come before the user.
+    Some((local, remote, state, fields.nth(3)?.parse().ok()?))
+}
+
+/// The user of the connected socket with these addresses, in the kernel's table. A socket that its program has closed has
+/// user 0 there, so only an open one counts.
 fn owner_in(table: &str, from: SocketAddr, to: SocketAddr) -> Option<u32> {
     let (from, to) = (in_table(from), in_table(to));
-    table.lines().skip(1).find_map(|line| {
-        let mut fields = line.split_ascii_whitespace().skip(1);
-        let is_it = fields.next()? == from && fields.next()? == to;
-        // State, queues, timer and retransmissions come before the user.
-        is_it.then(|| fields.nth(4)?.parse().ok())?
-    })
+    let rows = table.lines().skip(1).filter_map(fields_of);
+    let mut owners = rows.filter(|row| row.0 == from && row.1 == to && row.2 == ESTABLISHED).map(|row| row.3);
+    owners.next()
+}
+
+/// The users of the sockets that listen at an address, or at all addresses with its port.
+fn listeners_in(table: &str, at: SocketAddr) -> impl Iterator<Item = u32> {
+    let exact = in_table(at);
+    let port = format!(":{:04X}", at.port());
+    let is_at = move |local: &str| {
+        local == exact || local.strip_suffix(&port).is_some_and(|ip| ip.bytes().all(|digit| digit == b'0'))
+    };
+    table.lines().skip(1).filter_map(fields_of).filter(move |row| row.2 == LISTENS && is_at(row.0)).map(|row| row.3)
 }
 
 /// An address as in the table: words of four bytes in the machine's order, in hexadecimal.
@@ -125,12 +161,19 @@ mod tests {
     fn the_user_of_a_socket_is_found_in_the_kernels_table() {
         let table = "  sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid  timeout inode\n   \
                      1: 0100007F:A125 00000000:0000 0A 00000000:00000000 00:00000000 00000000     7        0 66006 1\n   \
-                     2: 0100007F:DAE4 0100007F:A125 01 00000000:00000000 00:00000000 00000000  1001        0 66007 2\n";
+                     2: 0100007F:DAE4 0100007F:A125 01 00000000:00000000 00:00000000 00000000  1001        0 66007 2\n   \
+                     3: 0100007F:DAE5 0100007F:A125 05 00000000:00000000 00:00000000 00000000     0        0 0 2\n   \
+                     4: 00000000:A125 00000000:0000 0A 00000000:00000000 00:00000000 00000000     8        0 66008 1\n";
         let address = |text: &str| text.parse::<SocketAddr>().unwrap();
         if cfg!(target_endian = "little") {
             let owner = |from, to| owner_in(table, address(from), address(to));
             assert_eq!(owner("127.0.0.1:56036", "127.0.0.1:41253"), Some(1001));
             assert_eq!(owner("127.0.0.1:41253", "127.0.0.1:56036"), None);
+            assert_eq!(owner("127.0.0.1:56037", "127.0.0.1:41253"), None, "its program has closed it");
+            let listeners = |at| listeners_in(table, address(at)).collect::<Vec<_>>();
+            assert_eq!(listeners("127.0.0.1:41253"), [7, 8]);
+            assert_eq!(listeners("127.0.0.2:41253"), [8]);
+            assert!(listeners("127.0.0.1:41254").is_empty());
             assert_eq!(in_table(address("[::1]:80")), "00000000000000000000000001000000:0050");
         }
     }

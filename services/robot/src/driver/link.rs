@@ -3,7 +3,7 @@
 use std::fs::OpenOptions;
 use std::io;
 use std::net::SocketAddr;
-use std::os::unix::fs::{FileTypeExt, OpenOptionsExt, PermissionsExt};
+use std::os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -17,8 +17,9 @@ use tokio::process::{Child, Command};
 use tokio::task::JoinSet;
 use tokio::time::timeout;
 
-use super::admission::{expect_own_peer, expect_token, is_trusted};
+use super::admission::{expect_own_peer, expect_own_server, expect_token, is_trusted};
 use crate::config::{DriverConfig, Way};
+use crate::exposure::own_uid;
 
 /// Time limit of a TCP connection.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
@@ -106,8 +107,10 @@ impl Door {
             Place::Tcp(address) => {
                 let connected = timeout(CONNECT_TIMEOUT, TcpStream::connect(address)).await;
                 let mut stream = connected.map_err(|_| io::Error::from(io::ErrorKind::TimedOut))??;
-                if let Some(token) = &self.token {
-                    expect_token(&mut stream, token).await?;
+                match &self.token {
+                    Some(token) => expect_token(&mut stream, token).await?,
+                    // The configuration allows this for loopback addresses only.
+                    None => expect_own_server(stream.peer_addr()?, stream.local_addr()?)?,
                 }
                 of_stream(stream)
             }
@@ -179,6 +182,10 @@ fn listen_at(path: &Path) -> io::Result<UnixListener> {
         Ok(found) if !found.file_type().is_socket() => {
             return Err(io::Error::other(format!("{shown} exists and is no socket: name another path in driver.unix")));
         }
+        Ok(found) if found.uid() != own_uid() => {
+            let uid = found.uid();
+            return Err(io::Error::other(format!("{shown} belongs to user {uid}: name another path in driver.unix")));
+        }
         Ok(_) => match std::os::unix::net::UnixStream::connect(path) {
             Ok(_) => return Err(io::Error::other(format!("{shown} is in use"))),
             Err(problem) if problem.kind() == io::ErrorKind::ConnectionRefused => std::fs::remove_file(path)?,
@@ -231,6 +238,12 @@ mod tests {
         drop(first);
         // As after a kill.
         drop(listen_at(&socket).unwrap());
+        if own_uid() == 0 {
+            std::os::unix::fs::chown(&socket, Some(1000), None).unwrap();
+            let refused = listen_at(&socket).unwrap_err().to_string();
+            assert!(refused.contains("belongs to user 1000"), "{refused}");
+            std::os::unix::fs::chown(&socket, Some(0), None).unwrap();
+        }
         assert_eq!(std::fs::metadata(&socket).unwrap().permissions().mode() & 0o777, 0o600);
         std::fs::remove_dir_all(&folder).unwrap();
     }
@@ -260,6 +273,19 @@ mod tests {
         assert_eq!(&line, b"first line", "the token is no line");
         let mut told = Vec::new();
         assert_eq!(wrong.read_to_end(&mut told).await.unwrap_or(0), 0, "it hears nothing");
+    }
+
+    #[tokio::test]
+    async fn regress_a_driver_that_the_agent_connects_to_must_belong_to_its_user() {
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let address = listener.local_addr().unwrap();
+        let way = Way::Tcp(address.to_string());
+        let driver = DriverConfig { way, restart: true, token: None, token_file: None };
+        Door::open(&driver).await.unwrap().link().await.unwrap();
+        let (stream, peer) = listener.accept().await.unwrap();
+        // Nothing tells the user of a socket that is no longer there.
+        drop((stream, listener));
+        assert!(expect_own_server(address, peer).is_err());
     }
 
     #[tokio::test]

@@ -19,6 +19,8 @@ const HEAD: &str = "vibrissa-robot outbox 1";
 const VERSION: u64 = 1;
 /// Longest line that is read: a message of the contract is shorter.
 const LINE_MAX_BYTES: u64 = 512 * 1024;
+/// Most copies of damaged files that are kept: later ones are not copied.
+const COPIES_MAX: u32 = 10;
 
 /// Why a file cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -79,7 +81,8 @@ fn record_of(line: &[u8]) -> Option<Record> {
 
 impl StoreFile {
     /// Opens a file, which is created if it is missing, and reads its state. `bytes_max` is the size beyond which
-    /// [`StoreFile::is_full`] asks for a replacement. A file with damaged lines is copied to `PATH.damaged`.
+    /// [`StoreFile::is_full`] asks for a replacement. A file with damaged lines is copied to `PATH.damaged`, or to
+    /// `PATH.damaged-2` and so on beside earlier copies.
     ///
     /// # Errors
     /// The file cannot be read or written, has another format, or is in use.
@@ -91,15 +94,22 @@ impl StoreFile {
             Err(std::fs::TryLockError::WouldBlock) => return Err(StoreError::InUse(path.to_owned())),
             Err(std::fs::TryLockError::Error(problem)) => return Err(refused("lock")(problem)),
         }
+        // A lock file is empty. Nothing is written to another one, and its mode stays.
+        if lock.metadata().map_err(refused("lock"))?.len() == 0 {
+            private::close_to_others(&lock).map_err(refused("lock"))?;
+        }
         let (stored, mut damage) = match private::read(path) {
-            Ok(file) => read(path, file)?,
+            Ok(file) => {
+                let found = read(path, &file)?;
+                private::close_to_others(&file).map_err(refused("close"))?;
+                found
+            }
             Err(problem) if problem.kind() == std::io::ErrorKind::NotFound => Default::default(),
             Err(problem) => return Err(refused("read")(problem)),
         };
         if damage.lines > 0 {
-            let aside = beside(path, "damaged");
             // The agent starts with the other lines, even if the disk is full.
-            damage.aside = copied(path, &aside).is_ok().then_some(aside);
+            damage.aside = set_aside(path).ok();
         }
         let file = private::append(path).map_err(refused("open"))?;
         let bytes = file.metadata().map_err(refused("open"))?.len();
@@ -136,7 +146,7 @@ impl StoreFile {
         let path = self.path.clone();
         let refused = |problem| StoreError::Refused { what: "replace", path: path.clone(), problem };
         let new = beside(&self.path, "new");
-        let mut file = private::anew(&new).map_err(refused)?;
+        let mut file = private::anew(&new, is_head_of_ours).map_err(refused)?;
         let mut bytes = format!("{HEAD}\n").into_bytes();
         let mut written = 0;
         for record in records {
@@ -169,9 +179,27 @@ impl StoreFile {
     }
 }
 
-/// Copies a file of ours.
-fn copied(from: &Path, to: &Path) -> std::io::Result<u64> {
-    std::io::copy(&mut private::read(from)?, &mut private::anew(to)?)
+/// Copies a damaged file of ours to a name that is free. No earlier copy is replaced.
+fn set_aside(path: &Path) -> std::io::Result<PathBuf> {
+    let name = |number| if number == 1 { "damaged".to_owned() } else { format!("damaged-{number}") };
+    for number in 1..=COPIES_MAX {
+        let aside = beside(path, &name(number));
+        match private::create(&aside) {
+            Ok(mut to) => {
+                std::io::copy(&mut private::read(path)?, &mut to)?;
+                return Ok(aside);
+            }
+            Err(problem) if problem.kind() == std::io::ErrorKind::AlreadyExists => {}
+            Err(problem) => return Err(problem),
+        }
+    }
+    Err(std::io::Error::from(std::io::ErrorKind::AlreadyExists))
+}
+
+/// Whether a file begins as ours, whole or torn.
+fn is_head_of_ours(bytes: &[u8]) -> bool {
+    let head = bytes.split(|&byte| byte == b'\n').next().unwrap_or_default();
+    version_of(head).is_some() || (bytes.len() == head.len() && HEAD.as_bytes().starts_with(head))
 }
 
 fn beside(path: &Path, ending: &str) -> PathBuf {
@@ -193,7 +221,7 @@ fn was_ours(head: &[u8]) -> bool {
     head.contains(&0) || 2 * same >= HEAD.len() || (!head.is_empty() && HEAD.as_bytes().starts_with(head))
 }
 
-fn read(path: &Path, file: File) -> Result<(Stored, Damage), StoreError> {
+fn read(path: &Path, file: &File) -> Result<(Stored, Damage), StoreError> {
     let other_version = || StoreError::OtherVersion(path.to_owned());
     let (mut stored, mut damage) = (Stored::default(), Damage::default());
     let mut reader = BufReader::new(file);

@@ -1,7 +1,7 @@
 //! Files of the agent alone: with mode 0600, reached by no link, and owned by the agent's user.
 
-use std::fs::{File, OpenOptions};
-use std::io::{Error, Result};
+use std::fs::{File, OpenOptions, Permissions};
+use std::io::{Error, Read as _, Result};
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::Path;
 
@@ -10,6 +10,8 @@ use rustix::fs::OFlags;
 use crate::exposure::own_uid;
 
 const MODE: u32 = 0o600;
+/// Bytes by which a file is recognised.
+const HEAD_BYTES: u64 = 64;
 
 fn options() -> OpenOptions {
     // O_NONBLOCK keeps `open` from waiting for the other end of a named pipe.
@@ -31,10 +33,12 @@ fn checked(file: File) -> Result<File> {
     if found.uid() != own_uid() && own_uid() != 0 {
         return Err(Error::other(format!("it belongs to user {}", found.uid())));
     }
-    if found.mode() & 0o077 != 0 {
-        file.set_permissions(std::fs::Permissions::from_mode(MODE))?;
-    }
     Ok(file)
+}
+
+/// Closes a file to others. Call it only once the content shows that the agent has written the file.
+pub(super) fn close_to_others(file: &File) -> Result<()> {
+    if file.metadata()?.mode() & 0o077 == 0 { Ok(()) } else { file.set_permissions(Permissions::from_mode(MODE)) }
 }
 
 fn explained(opened: Result<File>) -> Result<File> {
@@ -52,12 +56,24 @@ pub(super) fn append(path: &Path) -> Result<File> {
     checked(explained(options().append(true).create(true).open(path))?)
 }
 
-/// Creates a file anew, in place of one that the agent has left.
-pub(super) fn anew(path: &Path) -> Result<File> {
+/// Creates a file that does not exist yet.
+pub(super) fn create(path: &Path) -> Result<File> {
+    options().write(true).create_new(true).open(path)
+}
+
+/// Creates a file anew, in place of one that the agent has left: `is_ours` recognises its first bytes.
+pub(super) fn anew(path: &Path, is_ours: impl Fn(&[u8]) -> bool) -> Result<File> {
     match read(path) {
-        Ok(_) => std::fs::remove_file(path)?,
+        Ok(file) => {
+            let mut head = Vec::new();
+            file.take(HEAD_BYTES).read_to_end(&mut head)?;
+            if !is_ours(&head) {
+                return Err(Error::other("the agent has not written it: move it away"));
+            }
+            std::fs::remove_file(path)?;
+        }
         Err(problem) if problem.kind() == std::io::ErrorKind::NotFound => {}
         Err(problem) => return Err(problem),
     }
-    options().write(true).create_new(true).open(path)
+    create(path)
 }

@@ -187,7 +187,8 @@ impl Door {
                 rustix::termios::tcsetattr(&held, rustix::termios::OptionalActions::Now, &settings)?;
                 let flags = rustix::fs::fcntl_getfl(&master)?;
                 rustix::fs::fcntl_setfl(&master, flags | rustix::fs::OFlags::NONBLOCK)?;
-                if link.is_symlink() {
+                // A link to a terminal is that of an earlier board; any other one stays.
+                if std::fs::read_link(link).is_ok_and(|to| to.starts_with("/dev/pts")) {
                     std::fs::remove_file(link)?;
                 }
                 std::os::unix::fs::symlink(&device, link).with_context(|| format!("--pty {}", link.display()))?;

@@ -172,5 +172,8 @@ fn write_toml(path: &Path, from: &Path, file: &CalibrationFile) -> Result<()> {
     let body = toml::to_string(file).context("writing the calibration as TOML")?;
     let from = from.file_name().unwrap_or_default().to_string_lossy();
     let text = format!("# Whisker calibration, fitted to {from}: k2 = c + a exp(-b Q).\n{body}");
+    if path.is_symlink() {
+        anyhow::bail!("{} is a symbolic link: name the file itself", path.display());
+    }
     std::fs::write(path, text).with_context(|| format!("writing {}", path.display()))
 }

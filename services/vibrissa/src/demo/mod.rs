@@ -1,12 +1,13 @@
 //! The demonstration: broker, supervisor, database and a simulated fleet in one process, over real MQTT.
 
+mod folder;
 mod live;
 mod picture;
 mod report;
 pub mod scenario;
 
 use std::net::SocketAddr;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
@@ -63,7 +64,7 @@ pub enum Serving {
 /// # Errors
 /// A part cannot be started, or a file cannot be written.
 pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
-    let database = fresh_database(&options.folder)?;
+    let (database, picture_file) = folder::fresh(&options.folder)?;
     let incidents = Incidents::default();
     let routes = match options.serving {
         Serving::Never => FurtherRoutes::default(),
@@ -115,28 +116,15 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     let outcome = report::report(&service.store, &fleet, settled).await?;
     print!("{}", outcome.text);
 
-    let picture = options.folder.join("demo.svg");
-    picture::draw(&service.store, &picture).await.with_context(|| format!("drawing {}", picture.display()))?;
-    println!("\nDatabase: {}\nChart:    {}", database.display(), picture.display());
+    let drawn = picture::draw(&service.store, &picture_file).await;
+    drawn.with_context(|| format!("drawing {}", picture_file.display()))?;
+    println!("\nDatabase: {}\nChart:    {}", database.display(), picture_file.display());
     if options.serving == Serving::AfterReport {
         live::run(&service, &fleet, &incidents).await?;
     }
     fleet.stop().await;
     service.stop().await;
     Ok(outcome.passed)
-}
-
-/// Creates the folder for this run's files, and removes the database of an earlier run.
-fn fresh_database(folder: &Path) -> anyhow::Result<PathBuf> {
-    std::fs::create_dir_all(folder).with_context(|| format!("creating the folder {}", folder.display()))?;
-    let database = folder.join("demo.sqlite3");
-    for ending in ["", "-wal", "-shm"] {
-        let file = folder.join(format!("demo.sqlite3{ending}"));
-        if file.exists() {
-            std::fs::remove_file(&file).with_context(|| format!("removing the old {}", file.display()))?;
-        }
-    }
-    Ok(database)
 }
 
 /// Prints what the supervisor does until it has done everything, or [`PATIENCE`] is over.

@@ -242,7 +242,9 @@ fn regress_no_link_is_followed_and_nobody_else_can_read_the_files() {
                     let whole = fs::read_to_string(folder.file()).unwrap();
                     fs::write(folder.file(), whole.replacen("\"seq\":3", "\"seq\":4", 1)).unwrap();
                     let (_file, _, damage) = StoreFile::open(&folder.file(), 1 << 20).unwrap();
-                    assert_eq!((damage.lines, damage.aside), (1, None));
+                    let aside = damage.aside.unwrap();
+                    assert_eq!((damage.lines, &aside), (1, &folder.0.join("outbox.damaged-2")));
+                    fs::remove_file(aside).unwrap();
                 }
             }
             assert_eq!(fs::read(&victim).unwrap(), b"keep me", "{kind} {name}");
@@ -260,4 +262,50 @@ fn regress_no_link_is_followed_and_nobody_else_can_read_the_files() {
     }
     file.replace(some_records()).unwrap();
     assert_eq!(fs::metadata(folder.file()).unwrap().permissions().mode() & 0o777, 0o600);
+}
+
+#[test]
+fn regress_files_of_somebody_else_keep_content_and_mode() {
+    let folder = Folder::new("foreign");
+    let mode = |path: &std::path::Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    for name in ["outbox", "outbox.lock", "outbox.new", "outbox.damaged"] {
+        let path = folder.0.join(name);
+        fs::write(&path, "root:x:0:0\n").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o644)).unwrap();
+        let opened = StoreFile::open(&folder.file(), 1 << 20);
+        match name {
+            "outbox" => assert!(opened.unwrap_err().to_string().contains("no outbox of this version")),
+            "outbox.new" => {
+                let refused = opened.unwrap().0.replace(some_records()).unwrap_err().to_string();
+                assert!(refused.contains("move it away"), "{refused}");
+            }
+            _ => opened.unwrap().0.replace(some_records()).unwrap(),
+        }
+        assert_eq!((fs::read(&path).unwrap(), mode(&path)), (b"root:x:0:0\n".to_vec(), 0o644), "{name}");
+        for name in ["outbox", "outbox.lock", "outbox.new", "outbox.damaged"] {
+            let _ = fs::remove_file(folder.0.join(name));
+        }
+    }
+    // A torn file of an earlier agent is replaced.
+    for torn in ["", "vibrissa-rob", "vibrissa-robot outbox 1\nx"] {
+        fs::write(folder.0.join("outbox.new"), torn).unwrap();
+        StoreFile::open(&folder.file(), 1 << 20).unwrap().0.replace(some_records()).unwrap();
+    }
+}
+
+#[test]
+fn regress_no_earlier_copy_of_a_damaged_file_is_replaced() {
+    let folder = Folder::new("copies");
+    let mut copies = Vec::new();
+    for at in 0..12 {
+        let _ = fs::remove_file(folder.file());
+        written(&folder, &some_records());
+        let whole = fs::read_to_string(folder.file()).unwrap();
+        let broken = whole.replacen("\"seq\":3", &format!("\"seq\":{}", 30 + at), 1);
+        fs::write(folder.file(), &broken).unwrap();
+        let (_file, _, damage) = StoreFile::open(&folder.file(), 1 << 20).unwrap();
+        copies.extend(damage.aside.map(|aside| (aside, broken)));
+        assert_eq!(copies.len(), usize::min(at + 1, 10));
+        assert!(copies.iter().all(|(aside, broken)| fs::read_to_string(aside).unwrap() == *broken));
+    }
 }
