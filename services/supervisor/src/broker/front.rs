@@ -2,7 +2,7 @@
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use bytes::{Bytes, BytesMut};
@@ -22,6 +22,7 @@ use tracing::{debug, warn};
 
 use super::framing::Framing;
 use super::gate::Gate;
+use super::in_flight::{Change, InFlight};
 use super::ledger::Ledger;
 use crate::http::server::descriptors;
 
@@ -129,7 +130,7 @@ impl Front {
         tokio::select! {
             () = served => {}
             _ = closed => {
-                warn!(%peer, "embedded MQTT broker: a client that does not read was disconnected, too much waited for it");
+                warn!(%peer, "embedded MQTT broker: a client that does not read or acknowledge was disconnected, too much waited for it");
             }
         }
         self.ledger.close(number);
@@ -140,20 +141,28 @@ impl Front {
         let (from_client, to_client) = client.into_split();
         let (from_library, to_library) = library.into_split();
         let (pieces, waiting) = mpsc::unbounded_channel();
+        let flight = Mutex::default();
         tokio::select! {
-            () = self.up(number, from_client, to_library) => {}
+            () = self.up(number, &flight, from_client, to_library) => {}
             () = async {
-                tokio::join!(self.take(number, from_library, pieces), self.give(number, waiting, to_client));
+                let take = self.take(number, &flight, from_library, pieces);
+                tokio::join!(take, self.give(number, waiting, to_client));
             } => {}
         }
     }
 
+    /// The bytes that the library keeps have changed.
+    fn keep(&self, number: u64, change: Change) {
+        self.ledger.remove(number, change.fewer);
+        self.ledger.add(number, change.more);
+    }
+
     /// From the client to the library, which keeps a packet until it is complete.
-    async fn up(&self, number: u64, mut from: OwnedReadHalf, mut to: OwnedWriteHalf) {
+    async fn up(&self, number: u64, flight: &Mutex<InFlight>, mut from: OwnedReadHalf, mut to: OwnedWriteHalf) {
         let (mut framing, mut counted) = (Framing::default(), 0);
         let mut buffer = vec![0; CHUNK_BYTES];
         while let Ok(length @ 1..) = from.read(&mut buffer).await {
-            let incomplete = framing.push(&buffer[..length]);
+            let incomplete = framing.push(&buffer[..length], |packet| self.keep(number, lock(flight).sent(packet)));
             self.ledger.remove(number, counted);
             self.ledger.add(number, incomplete);
             counted = incomplete;
@@ -164,12 +173,19 @@ impl Front {
     }
 
     /// Takes what the library sends.
-    async fn take(&self, number: u64, mut from: OwnedReadHalf, pieces: mpsc::UnboundedSender<Bytes>) {
-        let mut buffer = BytesMut::new();
+    async fn take(
+        &self,
+        number: u64,
+        flight: &Mutex<InFlight>,
+        mut from: OwnedReadHalf,
+        pieces: mpsc::UnboundedSender<Bytes>,
+    ) {
+        let (mut framing, mut buffer) = (Framing::default(), BytesMut::new());
         loop {
             buffer.reserve(CHUNK_BYTES);
             let Ok(1..) = from.read_buf(&mut buffer).await else { return };
             let piece = buffer.split().freeze();
+            framing.push(&piece, |packet| self.keep(number, lock(flight).received(packet)));
             self.ledger.add(number, piece.len() + PIECE_OVERHEAD_BYTES);
             if pieces.send(piece).is_err() {
                 return;
@@ -187,6 +203,10 @@ impl Front {
         }
         let _ = to.shutdown().await;
     }
+}
+
+fn lock(flight: &Mutex<InFlight>) -> MutexGuard<'_, InFlight> {
+    flight.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Number of connections for which the process has file descriptors.

@@ -1,4 +1,4 @@
-//! Bytes that the broker keeps: what waits for each connection, and retained messages. A connection for which too much waits
+//! Bytes that the broker keeps: what waits for each connection and its subscriptions, and retained messages. A connection for which too much waits
 //! is closed; a retained message beyond the limit is not kept.
 
 use std::collections::HashMap;

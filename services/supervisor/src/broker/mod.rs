@@ -2,12 +2,14 @@
 //! tests of robots uses the library behind it, to decode packets.
 //!
 //! The library limits numbers of messages, and not their bytes. So [`front`] accepts the connections itself and stands
-//! between each client and the library: what waits there is on [`ledger`], which closes a connection with too much of it.
+//! between each client and the library: what waits there, and what the library keeps for the client ([`in_flight`]), is on
+//! [`ledger`], which closes a connection with too much of it.
 //! [`gate`] checks passwords, and limits retained messages and the rate of publications.
 
 mod framing;
 mod front;
 mod gate;
+mod in_flight;
 mod ledger;
 
 use std::net::{Ipv4Addr, SocketAddr};
@@ -33,6 +35,12 @@ use ledger::Ledger;
 const PACKET_MAX: usize = 2 * 1024 * 1024;
 /// Messages that wait within the library for one client. They wait there for moments: the front takes them at once.
 const WAITING_MAX: usize = 2_000;
+/// Messages of a client with quality of service 2 that wait for its release.
+const UNRELEASED_MAX: u16 = 32;
+/// Messages to a client that wait for its acknowledgement; the next ones wait in the library's queue.
+const UNACKNOWLEDGED_MAX: u16 = 32;
+/// Subscriptions of a client: a shard of a divided fleet has six for each of up to 20,000 robots.
+const SUBSCRIPTIONS_MAX: usize = 150_000;
 /// Bytes that wait within the library for one client while it takes no more.
 const WAITING_BYTES_MAX: usize = 1024 * 1024;
 
@@ -142,6 +150,9 @@ fn front(credentials: Option<&Credentials>) -> Front {
     let mut config = BrokerConfig::default()
         .with_max_packet_size(PACKET_MAX)
         .with_client_channel_capacity(WAITING_MAX)
+        .with_server_receive_maximum(UNRELEASED_MAX)
+        .with_max_outbound_inflight(UNACKNOWLEDGED_MAX)
+        .with_max_subscriptions_per_client(SUBSCRIPTIONS_MAX)
         .with_sys_topics_enabled(false);
     // An alias keeps a topic of up to 64 KiB for each of 65,535 numbers.
     config.topic_alias_maximum = 0;

@@ -111,6 +111,71 @@ async fn regress_retained_messages_beyond_the_limit_are_not_kept() {
     broker.stop().await;
 }
 
+/// A message of 1 MiB with an identifier.
+fn large(first: u8, id: u16) -> Vec<u8> {
+    packet(first, &[&text(b"t/1")[..], &id.to_be_bytes(), &[0], &vec![b'x'; 1 << 20]].concat())
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn regress_messages_that_are_never_released_are_bounded() {
+    let broker = Broker::start(0).await.unwrap();
+    let (mut client, _) = connected(&broker, "unreleased", None).await;
+    let mut sent = 0;
+    for id in 1..=200 {
+        if client.write_all(&large(0x34, id)).await.is_err() {
+            break;
+        }
+        sent += 1;
+    }
+    assert!(sent < 60, "{sent} MiB");
+    read_to_end(&mut client).await;
+    // Each of those that are released makes room.
+    let (mut client, _) = connected(&broker, "released", None).await;
+    for id in 1..=40 {
+        client.write_all(&large(0x34, id)).await.unwrap();
+        client.write_all(&packet(0x62, &id.to_be_bytes())).await.unwrap();
+        let mut answers = [0; 8];
+        timeout(PATIENCE, client.read_exact(&mut answers)).await.unwrap().unwrap();
+        assert_eq!((answers[0], answers[4]), (0x50, 0x70), "PUBREC and PUBCOMP");
+    }
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn regress_a_subscriber_that_reads_and_never_acknowledges_is_disconnected() {
+    let broker = Broker::start(0).await.unwrap();
+    let (mut silent, _) = connected(&broker, "silent", None).await;
+    silent.write_all(&packet(0x82, &[&[0, 1, 0][..], &text(b"t/#"), &[1]].concat())).await.unwrap();
+    let reading = tokio::spawn(async move { read_to_end(&mut silent).await });
+    let (mut sender, _) = connected(&broker, "sender", None).await;
+    for id in 1..=40 {
+        sender.write_all(&large(0x32, id)).await.unwrap();
+        let mut answer = [0; 4];
+        timeout(PATIENCE, sender.read_exact(&mut answer)).await.unwrap().unwrap();
+        assert_eq!(answer[0], 0x40, "PUBACK");
+    }
+    let bytes = timeout(PATIENCE, reading).await.unwrap().unwrap();
+    assert!(bytes < 20 << 20, "{bytes} bytes are kept for it");
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn regress_subscriptions_are_bounded_in_bytes() {
+    let broker = Broker::start(0).await.unwrap();
+    let (mut client, _) = connected(&broker, "filters", None).await;
+    let mut sent = 0;
+    for number in 0..2000 {
+        let filter = format!("{number}/{}", "x".repeat(60_000));
+        let body = [&[0, 1, 0][..], &text(filter.as_bytes()), &[0]].concat();
+        if client.write_all(&packet(0x82, &body)).await.is_err() {
+            break;
+        }
+        sent += 1;
+    }
+    assert!(sent < 500, "{sent} subscriptions");
+    broker.stop().await;
+}
+
 #[tokio::test]
 async fn regress_topic_aliases_are_refused() {
     let broker = Broker::start(0).await.unwrap();

@@ -7,6 +7,7 @@ mod tap;
 use std::collections::BTreeSet;
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
@@ -22,6 +23,8 @@ const CONNECTIONS_MAX: usize = 64;
 const RECORDS_MAX: usize = 1024;
 /// Most topics and filters that are recorded of a connection.
 const TOPICS_MAX: usize = 1000;
+/// Pause after the system failed to accept a connection.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 /// Bytes that are read at once.
 const CHUNK_BYTES: usize = 16 << 10;
 
@@ -128,8 +131,11 @@ async fn serve(listener: TcpListener, server: (String, u16), record: RelayRecord
     loop {
         tokio::select! {
             accepted = listener.accept() => {
-                // Perhaps there are too many open files; the refused client tries again.
-                let Ok((client, _)) = accepted else { continue };
+                let Ok((client, _)) = accepted else {
+                    // Perhaps there are too many open files; the client waits or tries again.
+                    tokio::time::sleep(ACCEPT_PAUSE).await;
+                    continue;
+                };
                 if connections.len() < CONNECTIONS_MAX {
                     connections.spawn(join(client, server.clone(), record.clone()));
                 }
