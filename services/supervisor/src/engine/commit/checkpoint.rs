@@ -4,6 +4,7 @@
 use std::collections::VecDeque;
 
 use tracing::error;
+use vibrissa_core::robot::event::Link;
 use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
@@ -172,7 +173,8 @@ fn write(known: &mut KnownRobot, number: i64, batch: &mut Batch) -> usize {
     let mut changed = Vec::new();
     known.robot.take_changed_whiskers(|index| changed.push(index));
     known.history.take_changed(&mut changed);
-    if !known.robot.take_changed() && changed.is_empty() {
+    let is_presence_due = std::mem::take(&mut known.is_presence_due);
+    if !known.robot.take_changed() && changed.is_empty() && !is_presence_due {
         return 0;
     }
     let Some(state) = known.robot.to_bytes() else {
@@ -183,7 +185,8 @@ fn write(known: &mut KnownRobot, number: i64, batch: &mut Batch) -> usize {
     batch.robots.push(RobotRow {
         robot_id: known.robot_id,
         boot_id: boot_id.map(str::to_owned),
-        connection: link.word(),
+        // Nothing is taken of an excluded robot: for people it is not there.
+        connection: if known.is_excluded { Link::Offline } else { link }.word(),
         held: known.robot.is_held(),
         updated_us: wall_clock().0 as i64,
         journal_number: number,

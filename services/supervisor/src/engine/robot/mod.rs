@@ -92,6 +92,8 @@ pub(crate) struct KnownRobot {
     pub(crate) factsheet_missing: Option<Instant>,
     /// The allow list excludes it: none of its messages is taken, and it raises no alarms.
     pub(crate) is_excluded: bool,
+    /// The list has begun or ended to exclude it, and its row does not say so yet.
+    pub(crate) is_presence_due: bool,
     /// The database has repeatedly rejected its rows: it gets no events for a while.
     pub(crate) rests: bool,
     /// Its messages for black boxes; `None` before the first message.
@@ -140,6 +142,7 @@ impl KnownRobot {
             repeats: Repeats::default(),
             factsheet_missing: None,
             is_excluded: false,
+            is_presence_due: false,
             rests: false,
             recorder: None,
         }

@@ -90,20 +90,23 @@ impl Stepper {
         Ok(())
     }
 
-    /// Charges a new layout to the robot's account. Returns false, and counts, if it is refused.
-    fn admits_layout(&mut self, known: &mut KnownRobot, factsheet: &Factsheet, now: Micros) -> bool {
+    /// Charges a new layout to the accounts of the robot and its fleet. Returns false, and counts, if it is refused.
+    pub(crate) fn admits_layout(&mut self, known: &mut KnownRobot, factsheet: &Factsheet, now: Micros) -> bool {
         let bytes = ledger::layout_cost(new_whiskers(known, factsheet));
         if !known.new_layouts.take(Instant::now()) {
             let problem = "too many new layouts: the last one stays in force until the limit allows another";
             self.refuse(known, (RobotTopic::Factsheet, "too_many_layouts"), &problem, now);
             return false;
         }
-        if !known.account.affords(ledger::ROBOT, now, bytes) {
+        let is_within =
+            known.account.affords(ledger::ROBOT, now, bytes) && self.account.affords(ledger::FLEET, now, bytes);
+        if !is_within {
             let problem = "too many new whiskers: the last layout stays in force until the budget allows another";
             self.refuse(known, (RobotTopic::Factsheet, "over_budget"), &problem, now);
             return false;
         }
         known.account.charge(ledger::ROBOT, now, bytes);
+        self.account.charge(ledger::FLEET, now, bytes);
         true
     }
 

@@ -74,7 +74,7 @@ pub(crate) struct Stepper {
     /// Black boxes, if they are wanted.
     boxes: Option<FleetBoxes>,
     /// Bytes that the effects of all robots may add to the database.
-    account: Account,
+    pub(super) account: Account,
     /// Until when nothing could be received, by the last outage.
     deaf_until: Micros,
     /// Effects of the current step; the allocation is reused.
@@ -274,7 +274,8 @@ impl Stepper {
     /// Begins or ends the time in which the allow list excludes a robot. Nobody is responsible for it meanwhile, so its alarms
     /// are over; those that are still due are raised again at the end.
     pub(super) fn exclude(&mut self, known: &mut KnownRobot, is_excluded: bool) {
-        known.is_excluded = is_excluded;
+        (known.is_excluded, known.is_presence_due) = (is_excluded, true);
+        self.batch.checkpoint(known);
         if !is_excluded {
             return known.robot.review_alarms(wall_clock());
         }
@@ -282,7 +283,6 @@ impl Stepper {
         if known.robot.withdraw_alarms() || has_unheard {
             let cleared_us = wall_clock().0 as i64;
             self.batch.rows_mut().records.push(Record::AlarmsForgotten { robot_id: known.robot_id, cleared_us });
-            self.batch.checkpoint(known);
         }
     }
 

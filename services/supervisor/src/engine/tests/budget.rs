@@ -1,6 +1,7 @@
 //! Bounds of the rows that a robot adds to the database.
 
 use vibrissa_core::robot::effect::{Effect, Fault};
+use vibrissa_core::robot::{ActionProblem, OperatorAction, Outcome, Place};
 use vibrissa_store::batch::Record;
 
 use super::*;
@@ -11,11 +12,19 @@ fn told(shard: &mut Shard, counted: impl Fn(&Record) -> bool) -> usize {
 
 #[test]
 fn regress_a_status_that_flaps_for_ten_minutes_adds_few_rows() {
+    let ok = (RegulatorState::Ok, PRESSURE_MPA);
+    // The second robot vents its whiskers and fills them again.
+    for other in [(RegulatorState::Leak, PRESSURE_MPA), (RegulatorState::Ok, 0.0)] {
+        flap_for_ten_minutes(ok, other);
+    }
+}
+
+fn flap_for_ten_minutes(one: (RegulatorState, f64), other: (RegulatorState, f64)) {
     let (mut shard, name) = (shard(1), Name::robot("r1").unwrap());
     let mut now = Micros(1_795_260_000_000_000);
     for at in 0..2400 {
-        let (pressure, gauge) = (Megapascal::known(PRESSURE_MPA), GaugeState::Ok);
-        let regulator = if at % 2 == 0 { RegulatorState::Leak } else { RegulatorState::Ok };
+        let ((regulator, pressure_mpa), gauge) = (if at % 2 == 0 { other } else { one }, GaugeState::Ok);
+        let pressure = Megapascal::known(pressure_mpa);
         let status = |whisker| WhiskerStatus { array: "a", whisker, pressure, setpoint: pressure, regulator, gauge };
         let whiskers: Vec<_> = (0..WHISKERS).map(status).collect();
         shard.step_robot(&name, now, &Event::Status { boot_id: "b", robot_time: now, whiskers: &whiskers });
@@ -24,8 +33,8 @@ fn regress_a_status_that_flaps_for_ten_minutes_adds_few_rows() {
     }
     let alarms = told(&mut shard, |record| matches!(record, Record::Alarm(_)));
     let changes = told(&mut shard, |record| matches!(record, Record::Health(_)));
-    assert_eq!(alarms, usize::from(WHISKERS));
-    assert!(changes <= 6 * usize::from(WHISKERS), "{changes} changes of health");
+    assert_eq!(alarms, usize::from(WHISKERS), "{other:?}");
+    assert!(changes <= 6 * usize::from(WHISKERS), "{other:?}: {changes} changes of health");
 }
 
 /// Number of refusals on the page of robot `r1`.
@@ -42,6 +51,22 @@ fn regress_a_change_that_is_not_recorded_is_told_on_the_robots_page() {
     let change = Effect::Fault { whisker: 0, from: None, to: Some(Fault::Leak) };
     while stepper.admit(known, now, &change) {}
     assert_eq!(refused(&shard, "status", "over_budget"), 1);
+}
+
+#[test]
+fn regress_new_layouts_are_charged_to_the_fleet_too() {
+    let (mut shard, now) = (shard(300), Micros(1_795_260_000_000_000));
+    let mut layout = factsheet();
+    let sheet = layout.arrays[0].whiskers[0].clone();
+    layout.arrays[0].whiskers = (0..1900).map(|number| WhiskerSheet { number, ..sheet.clone() }).collect();
+    let (robots, stepper) = shard.parts();
+    let admitted =
+        robots.values_mut().filter_map(|known| stepper.admits_layout(known, &layout, now).then_some(())).count();
+    // Each is within its robot's budget.
+    assert!((100..200).contains(&admitted), "{admitted} layouts");
+    let is_refused = |total: (&str, &str, u64)| (total.0, total.1) == ("factsheet", "over_budget");
+    let pages = shard.robots().values().filter(|known| known.refusals.totals().any(is_refused)).count();
+    assert_eq!(pages, 300 - admitted);
 }
 
 #[test]
@@ -62,6 +87,10 @@ fn regress_a_robot_whose_times_are_in_milliseconds_is_told_on_its_page() {
         shard.handle(&raw_message(RobotTopic::Status, protocol::encode(&status), now));
     }
     assert!(refused(&shard, "status", "time_unit") > 0);
+    // By its clock a setpoint would be valid for hours.
+    let action = OperatorAction::Setpoint { whisker: Place { array: "a", whisker: 0 }, pressure_mpa: 0.05 };
+    let outcome = shard.step_robot(&Name::robot("r1").unwrap(), start, &Event::Operator(&action));
+    assert_eq!(outcome, Some(Outcome::Refused(ActionProblem::WrongTimeUnit)));
 }
 
 fn raw_message(kind: RobotTopic, payload: Vec<u8>, received: Micros) -> RawMessage {
