@@ -18,7 +18,11 @@ pub(crate) async fn protect(pool: &PgPool) -> sqlx::Result<()> {
             "the supervisors' database role can delete the audit log: run deploy/postgres/supervisor.sql, which makes \
              another role its owner"
         ),
-        // A superuser can do everything, and a role without rights on the owner is the one that is wanted.
+        Some((_, _, true)) => warn!(
+            "the supervisors' database role is a superuser and can delete the audit log: connect as a role of its own, see \
+             deploy/postgres/supervisor.sql"
+        ),
+        // A role without rights on the owner is the one that is wanted.
         Some(_) | None => {}
     }
     Ok(())

@@ -1,6 +1,7 @@
 //! Limits of requests by people and programs that are not identified: by the address of the client.
 //!
-//! A flood from one address leaves the others alone. The limits never concern a request with a right credential.
+//! A flood from one address leaves the others alone. The limits never concern a request with a right credential, except one
+//! that this supervisor has not read yet.
 
 use std::hash::{BuildHasher as _, RandomState};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -31,14 +32,16 @@ const SIGN_INS_BURST: NonZeroU32 = NonZeroU32::new(200).unwrap();
 pub(super) struct Guests {
     slots: RandomState,
     wrong: DefaultKeyedRateLimiter<u16>,
+    /// Credentials for which the database is to be read.
+    unknown: DefaultKeyedRateLimiter<u16>,
     sign_ins: DefaultKeyedRateLimiter<u16>,
 }
 
 impl Default for Guests {
     fn default() -> Self {
         let keyed = |rate, burst| RateLimiter::keyed(Quota::per_second(rate).allow_burst(burst));
-        let (wrong, sign_ins) = (keyed(WRONG_PER_S, WRONG_BURST), keyed(SIGN_INS_PER_S, SIGN_INS_BURST));
-        Self { slots: RandomState::new(), wrong, sign_ins }
+        let [wrong, unknown] = std::array::from_fn(|_| keyed(WRONG_PER_S, WRONG_BURST));
+        Self { slots: RandomState::new(), wrong, unknown, sign_ins: keyed(SIGN_INS_PER_S, SIGN_INS_BURST) }
     }
 }
 
@@ -46,6 +49,11 @@ impl Guests {
     /// Counts a request with a wrong credential.
     pub(super) fn wrong(&self, client: IpAddr) -> Result<(), Problem> {
         self.count(&self.wrong, client, "requests with a wrong credential")
+    }
+
+    /// Counts a request with a credential for which the database is to be read. Beyond the limit it is not read.
+    pub(super) fn unknown(&self, client: IpAddr) -> Result<(), Problem> {
+        self.count(&self.unknown, client, "requests with an unknown credential")
     }
 
     /// Counts a request below `/auth`.

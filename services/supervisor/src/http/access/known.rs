@@ -69,7 +69,8 @@ impl Known {
         result.map(|()| self.contains(hash))
     }
 
-    fn contains(&self, hash: &Hash) -> bool {
+    /// Whether the hash is known without a read.
+    pub(super) fn contains(&self, hash: &Hash) -> bool {
         let hashes = self.0.hashes.read().unwrap_or_else(PoisonError::into_inner);
         hashes.len() >= HASHES_MAX as usize || hashes.contains(hash)
     }

@@ -281,6 +281,35 @@ impl Access {
         Ok(Credential::Bearer(Secret::new(bearer)))
     }
 
+    /// The caller of a request with this credential. Unknown credentials of one address have a limit.
+    ///
+    /// # Errors
+    /// As [`Self::identify`], or there are too many.
+    async fn identify_request(
+        &self,
+        store: &Store,
+        request: &Parts,
+        credential: &Credential,
+    ) -> Result<Caller, Problem> {
+        if self.hash_to_find(credential).is_some_and(|hash| !self.known.contains(&hash)) {
+            self.guests.unknown(client(&self.proxies, request))?;
+        }
+        self.identify(store, credential).await
+    }
+
+    /// The hash of a credential that the database must have.
+    fn hash_to_find(&self, credential: &Credential) -> Option<Hash> {
+        match credential {
+            Credential::Nothing => None,
+            Credential::Session(cookie) => session::hash(cookie),
+            Credential::Bearer(bearer) => {
+                // Hashes are compared in constant time.
+                let is_static = self.token.is_some_and(|known| known == blake3::hash(bearer.reveal().as_bytes()));
+                token::parse(bearer.reveal()).filter(|_| !is_static).map(|(_, hash)| hash)
+            }
+        }
+    }
+
     /// The caller that this credential identifies now.
     ///
     /// # Errors
@@ -381,7 +410,7 @@ async fn admit(
 ) -> Result<(Caller, Credential), Problem> {
     let identified = async {
         let credential = gate.access.credential(request)?;
-        Ok((gate.access.identify(&gate.store, &credential).await?, credential))
+        Ok((gate.access.identify_request(&gate.store, request, &credential).await?, credential))
     };
     let (caller, credential) = match identified.await {
         Ok(identified) => identified,
@@ -457,6 +486,24 @@ mod tests {
         serving.abort();
         std::fs::remove_dir_all(&folder).unwrap();
         statuses
+    }
+
+    #[tokio::test]
+    async fn regress_beyond_the_limit_no_unknown_token_reaches_the_database() {
+        let folder = std::env::temp_dir().join(format!("vibrissa-unknown-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let store = Store::open(&DatabaseAddress::Sqlite(folder.join("v.sqlite3")), "test").await.unwrap();
+        store.prepare().await.unwrap();
+        let access = Access::new(&AccessOptions::default(), std::net::Ipv4Addr::LOCALHOST.into());
+        let request = Request::new(axum::body::Body::empty()).into_parts().0;
+        let wrong: Vec<Credential> =
+            (1000..4000).map(|number| Credential::Bearer(Secret::new(format!("vbr_1_{number}")))).collect();
+        let asked = wrong.iter().map(|credential| access.identify_request(&store, &request, credential));
+        let answers = futures_util::future::join_all(asked).await;
+        let count = |kind| answers.iter().filter(|one| one.as_ref().is_err_and(|one| one.kind == kind)).count();
+        let (refused, limited) = (count(Kind::Unauthenticated), count(Kind::TooManyRequests));
+        assert!(refused + limited == 3000 && (1000..2000).contains(&refused), "{refused} and {limited}");
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[tokio::test]

@@ -42,7 +42,7 @@ async fn admit(access: &Access, store: &Store, request: &Parts) -> Result<(), Pr
     }
     let identified = async {
         let credential = access.credential(request)?;
-        access.monitors.identified(&credential, access.identify(store, &credential)).await
+        access.monitors.identified(&credential, access.identify_request(store, request, &credential)).await
     };
     let caller = match identified.await {
         Ok(caller) => caller,

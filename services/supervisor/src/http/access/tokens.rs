@@ -24,17 +24,33 @@ pub(super) struct Tokens {
     pub(super) refresh_token: Option<String>,
     /// The newest ID token. It was verified before it was sealed.
     pub(super) id_token: Option<String>,
+    /// The nonce of the first ID token. ID tokens of renewals may leave it out.
+    #[serde(default)]
+    first_nonce: Option<String>,
 }
 
 impl Tokens {
     /// The provider's tokens. It may keep the refresh token, and need not repeat the ID token.
     pub(super) fn of(told: &TokenResponse, before: Option<Self>) -> Self {
-        let (refresh_token, id_token) =
+        let access_token = told.access_token().secret().clone();
+        let refresh_token = told.refresh_token().map(|token| token.secret().clone());
+        Self::renewed(access_token, refresh_token, told.id_token().map(ToString::to_string), before)
+    }
+
+    fn renewed(
+        access_token: String,
+        refresh_token: Option<String>,
+        id_token: Option<String>,
+        before: Option<Self>,
+    ) -> Self {
+        let first_nonce = before.as_ref().and_then(Self::nonce).or_else(|| nonce_of(id_token.as_ref()?));
+        let (old_refresh_token, old_id_token) =
             before.map(|before| (before.refresh_token, before.id_token)).unwrap_or_default();
         Self {
-            access_token: told.access_token().secret().clone(),
-            refresh_token: told.refresh_token().map(|token| token.secret().clone()).or(refresh_token),
-            id_token: told.id_token().map(ToString::to_string).or(id_token),
+            access_token,
+            refresh_token: refresh_token.or(old_refresh_token),
+            id_token: id_token.or(old_id_token),
+            first_nonce,
         }
     }
 
@@ -43,10 +59,14 @@ impl Tokens {
         oidc::subject(&claims(self.id_token.as_ref()?)?).map(ToOwned::to_owned)
     }
 
-    /// The nonce of the person's ID token.
+    /// The nonce of the person's first ID token. An earlier version has stored it within that token only.
     pub(super) fn nonce(&self) -> Option<String> {
-        claims(self.id_token.as_ref()?)?.get("nonce").and_then(Value::as_str).map(ToOwned::to_owned)
+        self.first_nonce.clone().or_else(|| nonce_of(self.id_token.as_ref()?))
     }
+}
+
+fn nonce_of(id_token: &str) -> Option<String> {
+    claims(id_token)?.get("nonce").and_then(Value::as_str).map(ToOwned::to_owned)
 }
 
 /// The claims of a token whose signature is verified elsewhere.
@@ -99,12 +119,28 @@ mod tests {
 
     #[test]
     fn only_the_cookies_key_opens_a_session() {
-        let tokens = Tokens { access_token: "a".to_owned(), refresh_token: Some("r".to_owned()), id_token: None };
+        let tokens = Tokens::renewed("a".to_owned(), Some("r".to_owned()), None, None);
         let sealed = seal(&tokens, &[1; KEY_BYTES]).unwrap();
         assert_eq!(open(&sealed, &[1; KEY_BYTES]).unwrap().access_token, "a");
         assert!(open(&sealed, &[2; KEY_BYTES]).is_none() && open(&sealed[1..], &[1; KEY_BYTES]).is_none());
         assert!(open(&[], &[1; KEY_BYTES]).is_none());
         assert_ne!(sealed, seal(&tokens, &[1; KEY_BYTES]).unwrap(), "each nonce is used once");
+    }
+
+    #[test]
+    fn regress_the_first_nonce_stays_over_renewals_that_leave_it_out() {
+        let id_token = |claims: Value| format!("e30.{}.x", URL_SAFE_NO_PAD.encode(claims.to_string()));
+        let first = id_token(serde_json::json!({ "sub": "p", "nonce": "n" }));
+        let second = id_token(serde_json::json!({ "sub": "p" }));
+        let mut tokens = Tokens::renewed("a".to_owned(), None, Some(first.clone()), None);
+        for id_token in [Some(second), None, Some(first)] {
+            tokens = Tokens::renewed("b".to_owned(), None, id_token, Some(tokens));
+            tokens = open(&seal(&tokens, &[1; KEY_BYTES]).unwrap(), &[1; KEY_BYTES]).unwrap();
+            assert_eq!(tokens.nonce().as_deref(), Some("n"));
+        }
+        // As an earlier version has stored it.
+        let old = r#"{"access_token":"a","refresh_token":null,"id_token":"e30.eyJub25jZSI6Im0ifQ.x"}"#;
+        assert_eq!(serde_json::from_str::<Tokens>(old).unwrap().nonce().as_deref(), Some("m"));
     }
 
     #[test]
