@@ -77,7 +77,7 @@ from_row! {
         pub supervised: bool,
         /// Time at which this epoch began, by the database's clock; null before the first.
         pub began_at: Option<Time>,
-        /// Number of robots that the shard has ever had.
+        /// Number of robots of the shard, without decommissioned ones.
         #[schema(minimum = 0)]
         pub robots: i64,
         /// Number of shards that the fleet shall have; it differs from the present number during a change.

@@ -100,6 +100,13 @@ async fn a_list_is_set_over_http(kind: Kind) {
     honest.touch(0, 20).await;
     honest.receipted().await;
     assert_eq!(supervised.robots().await, ["honest", "known"]);
+    let presence = async |robot: &str| {
+        let path = format!("/v1/fleets/f/robots/{robot}");
+        supervised.ask("GET", &path, &[], None).await.json()["connection"].as_str().unwrap().to_owned()
+    };
+    // It is connected still, but nothing of it is heard.
+    until_true("an excluded robot is not there", async || presence("known").await == "OFFLINE").await;
+    assert_eq!(presence("honest").await, "ONLINE");
     until_true("who was turned away is shown", async || {
         let told = supervised.ask("GET", PATH, &[], None).await.json();
         let names: Vec<&str> =
@@ -114,6 +121,7 @@ async fn a_list_is_set_over_http(kind: Kind) {
     is_refused(&supervised, &mut known).await;
     set(&supervised, "DELETE", &json!({ "reason": "all are friends" })).await;
     is_taken(&mut known).await;
+    until_true("it is there again", async || presence("known").await == "ONLINE").await;
     until_true("the list of refused robots is empty", async || {
         let told = supervised.ask("GET", PATH, &[], None).await.json();
         told["turned_away"] == json!([]) && told["robots"].is_null() && told["version"] == 3

@@ -123,3 +123,23 @@ async fn regress_a_robot_that_leaves_the_allow_list_has_no_alarms_until_it_is_al
     until_true("the alarm again", async || alarms(&running).await == 1).await;
     running.service.stop().await;
 }
+
+/// A whisker that a factsheet names no more stood in lists and alarms for ever.
+#[tokio::test]
+async fn regress_a_whisker_that_vanishes_from_a_factsheet_is_in_no_list() {
+    let running = Running::start().await;
+    let lengths_mm = [70.0, 68.0, 66.0, 65.0, 64.0];
+    let mut robot = HandRobot::born(running.port(), "old", array(ArrayType::Type1, &lengths_mm)).await;
+    robot.touch(4, 30).await;
+    robot.receipted().await;
+    assert_eq!(running.list("whiskers?robot=old").await.len(), 5);
+    robot.restart();
+    robot.array = array(ArrayType::Type1, &lengths_mm[..4]);
+    robot.birth().await;
+    until_true("four are left", async || running.list("whiskers?robot=old").await.len() == 4).await;
+    let fleet = &running.list("fleets").await[0];
+    assert_eq!((&fleet["whiskers"], &fleet["alarms"]), (&json!(4), &json!(0)), "{fleet}");
+    let contacts = "SELECT count(*) FROM contacts JOIN whiskers USING (whisker_id) WHERE whisker = 4";
+    assert!(running.database.number(contacts).await >= 5, "its history stays");
+    running.service.stop().await;
+}

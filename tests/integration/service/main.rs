@@ -18,6 +18,7 @@ mod bad_input;
 mod bulk;
 mod config;
 mod decommission;
+mod duplicates;
 mod estimates;
 mod forgetful;
 mod http;

@@ -26,7 +26,7 @@ from_row! {
         /// Number of shards of the fleet.
         #[schema(minimum = 1)]
         pub shards: i64,
-        /// Number of robots that the fleet has ever had.
+        /// Number of robots of the fleet, without decommissioned ones.
         #[schema(minimum = 0)]
         pub robots: i64,
         /// Number of robots that are connected and heard (`ONLINE`).

@@ -41,10 +41,13 @@ export default {
 function summary(fleets) {
   const troubled = fleets.filter((fleet) => fleet.attention > 0).length;
   if (!fleets.length) return "";
-  return troubled
-    ? `${count(troubled, "fleet")} of ${fleets.length} ${troubled === 1 ? "needs" : "need"} attention.`
-    : `Nothing needs attention.${shelved(fleets.reduce((sum, fleet) => sum + fleet.alarms_shelved, 0), " ", ".")}`;
+  const alarms = shelved(fleets.reduce((sum, fleet) => sum + fleet.alarms_shelved, 0), " ", ".");
+  if (troubled) return `${count(troubled, "fleet")} of ${fleets.length} ${troubled === 1 ? "needs" : "need"} attention.`;
+  return fleets.some(isTroubled) ? `No alarm waits, but not all whiskers are well.${alarms}` : `Nothing needs attention.${alarms}`;
 }
+
+/** Whether whiskers are out of order, although perhaps no alarm says so any more. */
+const isTroubled = (row) => row.whiskers_uncompensated > 0 || row.whiskers_faulty > 0;
 
 /** Words for alarms that people have shelved: what they concern is still there. */
 const shelved = (alarms, before, after) => (alarms ? `${before}${count(alarms, "alarm")} ${alarms === 1 ? "is" : "are"} shelved${after}` : "");
@@ -86,8 +89,7 @@ export function health(row) {
     row.alarms && mark(count(row.alarms, "alarm"), "bad", "bell"),
     row.alarms_shelved && mark(`${count(row.alarms_shelved, "alarm")} shelved`, "off", "clock"),
   ].filter(Boolean);
-  const isTroubled = row.whiskers_uncompensated || row.whiskers_faulty || row.alarms_shelved;
-  if (row.attention > 0 || isTroubled) return marks;
+  if (row.attention > 0 || isTroubled(row) || row.alarms_shelved) return marks;
   if (isAway(row)) return marks.length ? marks : [mark("nothing is known while it is not connected", "off", "gap")];
   return [...marks, mark("nothing needs attention", "good", "circle")];
 }
