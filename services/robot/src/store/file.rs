@@ -19,7 +19,7 @@ const HEAD: &str = "vibrissa-robot outbox 1";
 const VERSION: u64 = 1;
 /// Longest line that is read: a message of the contract is shorter.
 const LINE_MAX_BYTES: u64 = 512 * 1024;
-/// Most copies of damaged files that are kept: later ones are not copied.
+/// Most copies of damaged files. The agent makes no further ones.
 const COPIES_MAX: u32 = 10;
 
 /// Why a file cannot be used.

@@ -103,7 +103,7 @@ impl Framing {
     fn note(&mut self, piece: &[u8]) {
         let mut id_at = 0;
         if self.first >> 4 == PUBLISH {
-            // Until the length is whole, the identifier is read from a wrong place. What is read last stays.
+            // Until the length is whole, the identifier comes from a wrong place. The last reading counts.
             copy(piece, self.rest, 0, &mut self.topic);
             id_at = 2 + usize::from(u16::from_be_bytes(self.topic));
         }

@@ -68,7 +68,7 @@ impl Flips for Fault {
     }
 }
 
-/// The robot has vented the whisker by itself.
+/// The robot has vented the whisker without a setpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub(in crate::robot) struct Vent;
 

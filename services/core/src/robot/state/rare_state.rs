@@ -40,7 +40,7 @@ pub(in crate::robot) struct RareState {
     pub set_heard: Micros,
     /// Changes of its fault, until it is steady again.
     pub flapping: Option<Flapping<Fault>>,
-    /// Times at which the robot has vented it by itself, until that is long ago.
+    /// Vents by the robot without a setpoint, until they are long ago.
     pub vents: Option<Flapping<Vent>>,
 }
 

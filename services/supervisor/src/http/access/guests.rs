@@ -1,7 +1,7 @@
 //! Limits of requests by people and programs that are not identified: by the address of the client.
 //!
-//! A flood from one address leaves the others alone. The limits never concern a request with a right credential, except one
-//! that this supervisor has not read yet.
+//! A flood from one address leaves the others alone. The limits never concern a request with a right credential, once
+//! this supervisor has read its hash.
 
 use std::hash::{BuildHasher as _, RandomState};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
