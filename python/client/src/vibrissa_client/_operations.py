@@ -27,6 +27,7 @@ class Operations:
         ] = None,
         faulty: Optional[bool] = None,
         held: Optional[bool] = None,
+        vented: Optional[bool] = None,
         label: Optional[str] = None,
         q: Optional[str] = None,
         limit: Optional[int] = None,
@@ -43,6 +44,7 @@ class Operations:
             condition: Mechanical condition of the whisker.
             faulty: True: only whiskers with a fault; false: only those without.
             held: True: only whiskers that an operator holds; false: only the others.
+            vented: True: only whiskers for which the alarm VENTED stands; false: only the others.
             label: Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
             q: Text to look for in the names of fleet, robot and array, in upper or lower case.
             limit: Maximum number of rows per page. CSV without a limit has all rows from the cursor on.
@@ -65,6 +67,7 @@ class Operations:
                         "condition": condition,
                         "faulty": faulty,
                         "held": held,
+                        "vented": vented,
                         "label": label,
                         "q": q,
                         "limit": limit,
@@ -87,6 +90,7 @@ class Operations:
         ] = None,
         faulty: Optional[bool] = None,
         held: Optional[bool] = None,
+        vented: Optional[bool] = None,
         label: Optional[str] = None,
         q: Optional[str] = None,
         limit: Optional[int] = None,
@@ -103,6 +107,7 @@ class Operations:
                 condition=condition,
                 faulty=faulty,
                 held=held,
+                vented=vented,
                 label=label,
                 q=q,
                 limit=limit,
@@ -1631,7 +1636,7 @@ class Operations:
     def release_whiskers(
         self, body: models.WhiskersAtOnce, *, idempotency_key: Optional[str] = None
     ) -> models.BulkStarted:
-        """Release all whiskers that meet the conditions and are held, at most 1000.
+        """Release all whiskers that meet the conditions and are held or vented (alarm VENTED), at most 1000.
 
         With `dry_run` it lists them and changes nothing. Each subject gets its own entry in the audit log, which the owner of its
         fleet executes. `/v1/bulk-actions/{action_id}` has the progress.
@@ -4129,6 +4134,7 @@ class AsyncOperations:
         ] = None,
         faulty: Optional[bool] = None,
         held: Optional[bool] = None,
+        vented: Optional[bool] = None,
         label: Optional[str] = None,
         q: Optional[str] = None,
         limit: Optional[int] = None,
@@ -4145,6 +4151,7 @@ class AsyncOperations:
             condition: Mechanical condition of the whisker.
             faulty: True: only whiskers with a fault; false: only those without.
             held: True: only whiskers that an operator holds; false: only the others.
+            vented: True: only whiskers for which the alarm VENTED stands; false: only the others.
             label: Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
             q: Text to look for in the names of fleet, robot and array, in upper or lower case.
             limit: Maximum number of rows per page. CSV without a limit has all rows from the cursor on.
@@ -4167,6 +4174,7 @@ class AsyncOperations:
                         "condition": condition,
                         "faulty": faulty,
                         "held": held,
+                        "vented": vented,
                         "label": label,
                         "q": q,
                         "limit": limit,
@@ -4189,6 +4197,7 @@ class AsyncOperations:
         ] = None,
         faulty: Optional[bool] = None,
         held: Optional[bool] = None,
+        vented: Optional[bool] = None,
         label: Optional[str] = None,
         q: Optional[str] = None,
         limit: Optional[int] = None,
@@ -4205,6 +4214,7 @@ class AsyncOperations:
                 condition=condition,
                 faulty=faulty,
                 held=held,
+                vented=vented,
                 label=label,
                 q=q,
                 limit=limit,
@@ -5755,7 +5765,7 @@ class AsyncOperations:
     async def release_whiskers(
         self, body: models.WhiskersAtOnce, *, idempotency_key: Optional[str] = None
     ) -> models.BulkStarted:
-        """Release all whiskers that meet the conditions and are held, at most 1000.
+        """Release all whiskers that meet the conditions and are held or vented (alarm VENTED), at most 1000.
 
         With `dry_run` it lists them and changes nothing. Each subject gets its own entry in the audit log, which the owner of its
         fleet executes. `/v1/bulk-actions/{action_id}` has the progress.

@@ -501,7 +501,7 @@ class FleetSummary(TypedDict):
     """
     robots: int
     """
-    Number of robots that the fleet has ever had.
+    Number of robots of the fleet, without decommissioned ones.
     """
     robots_online: int
     """
@@ -1712,6 +1712,10 @@ class WhiskerFilter(TypedDict):
     held: NotRequired[Optional[bool]]
     """
     True: only whiskers that an operator holds; false: only the others.
+    """
+    vented: NotRequired[Optional[bool]]
+    """
+    True: only whiskers for which the alarm VENTED stands; false: only the others.
     """
     label: NotRequired[Optional[LabelFilter]]
     q: NotRequired[Optional[str]]
@@ -4055,7 +4059,7 @@ class ShardSummary(TypedDict):
     began_at: NotRequired[Optional[Time]]
     robots: int
     """
-    Number of robots that the shard has ever had.
+    Number of robots of the shard, without decommissioned ones.
     """
     shards_wanted: int
     """
