@@ -1,7 +1,6 @@
-//! Measures the cost of a contact that comes through Kafka, and that of its archive.
+//! Measures the cost of a contact that comes through Kafka.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, bail, ensure};
@@ -38,40 +37,34 @@ struct Case {
     /// Number of brokers of Kafka; 0 for contacts over MQTT.
     brokers: usize,
     keep: &'static str,
-    is_archived: bool,
     costs: Vec<Costs>,
 }
 
-fn cases() -> [Case; 5] {
-    let case = |name, brokers, keep, is_archived| Case { name, brokers, keep, is_archived, costs: Vec::new() };
+fn cases() -> [Case; 4] {
+    let case = |name, brokers, keep| Case { name, brokers, keep, costs: Vec::new() };
     [
-        case("MQTT", 0, "all", false),
-        case("Kafka", 1, "all", false),
-        case("Kafka, no contact kept", 1, "none", false),
-        case("Kafka, no contact kept, archive", 1, "none", true),
-        case("three brokers of Kafka, no contact kept", 3, "none", false),
+        case("MQTT", 0, "all"),
+        case("Kafka", 1, "all"),
+        case("Kafka, no contact kept", 1, "none"),
+        case("three brokers of Kafka, no contact kept", 3, "none"),
     ]
 }
 
 impl Case {
     /// Runs the load once, with new servers.
     async fn round(&mut self, bench: &mut Bench, broker: &Mosquitto, round: usize) -> anyhow::Result<()> {
-        let (store, folder) = (Store::postgres().await, tempfile::tempdir()?);
-        let archived = if self.is_archived { "archived" } else { "only" };
-        let fleet = format!("{PART}-{}-{}-{archived}-{round}", self.brokers, self.keep);
+        let store = Store::postgres().await;
+        let fleet = format!("{PART}-{}-{}-{round}", self.brokers, self.keep);
         let kafka = match self.brokers {
             0 => None,
             count => Some(Kafka::start(count).await.context("Kafka is not installed: run tests/kafka")?),
         };
         let (mut further, mut bridge) = (vec!["--contacts-keep", self.keep], None);
-        let (kafka_url, archive) = (kafka.as_ref().map(Kafka::url), format!("file://{}", folder.path().display()));
+        let kafka_url = kafka.as_ref().map(Kafka::url);
         if let (Some(kafka), Some(url)) = (&kafka, &kafka_url) {
             kafka.create_topic(TOPIC, SHARDS).await;
             further.extend(["--ingest", "kafka", "--kafka-url", url]);
             bridge = Some(tokio::spawn(carry(broker.port(), fleet.clone(), kafka.addresses())));
-        }
-        if self.is_archived {
-            further.extend(["--archive-url", &archive, "--archive-source", "kafka", "--archive-every-s", "2"]);
         }
         let supervisors = start(&bench.stage, broker, &store, &fleet, (SHARDS, 1), &further).await?;
         let mut watched: Vec<_> = supervisors.iter().map(|one| ("supervisor", one.pid())).collect();
@@ -84,7 +77,6 @@ impl Case {
         let loading = Loading { broker, store: &store, fleet: &fleet, rate, warm_up_s, measured_s, watched };
         let costs = loading.costs().await?;
         ensure!(costs.report.receipted == costs.report.sent, "messages without a receipt");
-        ensure!(!self.is_archived || archived_bytes(folder.path())? > 0, "nothing was archived");
         if let Some(bridge) = bridge {
             // A bridge that has ended has failed.
             ensure!(!bridge.is_finished(), "the bridge has failed: {:?}", bridge.await);
@@ -106,15 +98,6 @@ impl Case {
     fn median(&self, of: impl Fn(&Costs) -> f64) -> f64 {
         median(self.costs.iter().map(of))
     }
-}
-
-fn archived_bytes(folder: &Path) -> anyhow::Result<u64> {
-    let mut bytes = 0;
-    for entry in std::fs::read_dir(folder)? {
-        let entry = entry?;
-        bytes += if entry.file_type()?.is_dir() { archived_bytes(&entry.path())? } else { entry.metadata()?.len() };
-    }
-    Ok(bytes)
 }
 
 /// Carries contacts and statuses of a fleet from the MQTT broker to Kafka until it fails or is dropped.

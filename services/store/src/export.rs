@@ -114,13 +114,6 @@ pub static CONTACTS: ExportTable = ExportTable {
     ],
 };
 
-/// Columns of contacts that come from a log: those of [`CONTACTS`]. What the supervisor adds is missing.
-pub static RAW_CONTACTS: &[ExportColumn] = columns![
-    fleet Text, robot Text, array Text, whisker Whole, at Time, received_at Time, boot_id Text or null, seq Whole,
-    position Whole, place Text, ratio Real or null, distance_mm Real or null, deflection_mm Real, strain Real, pressure_mpa Real,
-    temperature_c Real or null, used Text or null, residual Real or null, length_mm Real or null, length_sd_mm Real or null,
-];
-
 /// Columns of minutes and hours, whose meaning is that of the REST API.
 const ROLLUP: &[ExportColumn] = columns![
     fleet Text, robot Text, array Text, whisker Whole, start_at Time, contacts_used Whole, contacts_learning Whole,

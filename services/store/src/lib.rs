@@ -35,7 +35,6 @@ pub mod list;
 pub mod lists;
 mod load;
 mod lock;
-pub mod log_archive;
 mod log_position;
 mod membership;
 pub mod notes;

@@ -3,22 +3,11 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Where the archive gets the contacts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ArchiveSource {
-    /// The table of contacts.
-    Database,
-    /// The partitioned log that contacts come from.
-    Log,
-}
-
 /// Where the contacts are archived.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArchiveOptions {
     /// `file:///folder`, or `s3://bucket/prefix`.
     pub url: String,
-    /// Where the contacts come from.
-    pub source: ArchiveSource,
     /// Time of receipt that a file covers.
     pub every: Duration,
     /// Access to S3.

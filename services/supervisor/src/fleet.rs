@@ -11,7 +11,6 @@ use vibrissa_protocol::BootId;
 
 use crate::action_notifier::ActionNotifier;
 use crate::archive::Archive;
-use crate::archive_options::ArchiveSource;
 use crate::black_box::BlackBoxes;
 use crate::clocks::{HoldBack, RobotClocks};
 use crate::ending::{Ending, stopped};
@@ -153,12 +152,10 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         shared.readiness.listens(&shard, connection.link.clone(), metrics.promises.clone());
         shared.readiness.set_of(&shard, TAKING_UP, None);
         let log = shared.kafka.as_ref().and_then(|kafka| kafka.reader(&shard, &metrics, &shared.readiness));
-        // From the database, the owner of the first shard archives the whole fleet.
-        let archive =
-            shared.archive.as_ref().filter(|archive| archive.source() == ArchiveSource::Log || shard.is_first());
-        let archiving = archive.map(|archive| {
-            tokio::spawn(archive.clone().run(lease.clone(), shared.store.clone(), metrics.clone(), log.clone()))
-        });
+        // The owner of the first shard archives the whole fleet.
+        let archive = shared.archive.as_ref().filter(|_| shard.is_first());
+        let archiving = archive
+            .map(|archive| tokio::spawn(archive.clone().run(lease.clone(), shared.store.clone(), metrics.clone())));
         // Dropped at the end of supervision: what is not published yet waits in the outbox.
         let _publishing = match (&shared.kafka, events) {
             (Some(kafka), Some(sink)) => kafka.publish(&shared.store, &shard, &metrics, sink),
@@ -204,7 +201,7 @@ pub(crate) fn engine_options(
             .and_then(|kafka| kafka.reader(lease.shard(), &shared.metrics.of_shard(lease.shard()), &shared.readiness)),
         boxes: shared.boxes.clone(),
         robot_clocks: shared.robot_clocks.clone(),
-        is_archived: shared.archive.as_ref().is_some_and(|archive| archive.source() == ArchiveSource::Database),
+        is_archived: shared.archive.is_some(),
         joint: shared.joint.clone(),
         traces: shared.traces.clone(),
     }

@@ -54,45 +54,8 @@ pub(crate) struct Task(Never);
 #[derive(Debug, Clone)]
 pub(crate) struct LogReader(Never);
 
-/// A message of the log, which does not exist.
-#[cfg(feature = "archive")]
-#[derive(Debug)]
-pub(crate) struct StampedRecord {
-    pub(crate) received_us: i64,
-    pub(crate) record: LogRecord,
-}
-
-/// A partition, which does not exist.
-#[cfg(feature = "archive")]
-pub(crate) struct OpenLog {
-    never: Never,
-    pub(crate) earliest: i64,
-    pub(crate) latest: i64,
-}
-
-#[cfg(feature = "archive")]
-#[expect(clippy::unused_async, reason = "as in the module that this one stands in for")]
-impl OpenLog {
-    pub(crate) async fn refresh(&mut self) -> Result<(), KafkaError> {
-        match self.never {}
-    }
-
-    pub(crate) async fn read(&self, _: i64, _: i64) -> Result<(Vec<StampedRecord>, i64), KafkaError> {
-        match self.never {}
-    }
-
-    pub(crate) fn tell_deleted(&self, _: i64) {
-        match self.never {}
-    }
-}
-
 #[expect(clippy::unused_async, reason = "as in the module that this one stands in for")]
 impl LogReader {
-    #[cfg(feature = "archive")]
-    pub(crate) async fn open_log(&self) -> Result<OpenLog, KafkaError> {
-        match self.0 {}
-    }
-
     pub(crate) fn topic(&self) -> &str {
         match self.0 {}
     }

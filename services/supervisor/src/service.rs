@@ -15,7 +15,7 @@ use vibrissa_protocol::Name;
 
 use crate::action_notifier::ActionNotifier;
 use crate::archive::Archive;
-pub use crate::archive_options::{ArchiveOptions, ArchiveSource};
+pub use crate::archive_options::ArchiveOptions;
 pub use crate::black_box::BlackBoxOptions;
 use crate::black_box::BlackBoxes;
 use crate::broker::{Broker, MqttAccess};
@@ -184,8 +184,7 @@ impl Service {
         };
         let prepared = mqtt::prepare(&broker)?;
         let archive = options.history.archive.as_ref().map(Archive::open).transpose().context("archive.url")?;
-        let from_database = archive.as_ref().is_some_and(|archive| archive.source() == ArchiveSource::Database);
-        let archived = if from_database { options.fleets.clone() } else { Vec::new() };
+        let archived = if archive.is_some() { options.fleets.clone() } else { Vec::new() };
         let database = if store.is_shared() { "postgresql" } else { "sqlite" };
         let dropped = metrics.trace_spans_dropped.clone();
         let start = |to: &TraceOptions| Traces::start(to, &options.name, database, dropped);

@@ -2,8 +2,7 @@
 
 use vibrissa_store::{Lease, Store};
 
-use crate::archive_options::{ArchiveOptions, ArchiveSource};
-use crate::kafka::LogReader;
+use crate::archive_options::ArchiveOptions;
 use crate::metrics::FleetMetrics;
 
 /// The archive, which does not exist.
@@ -21,11 +20,7 @@ impl Archive {
         )
     }
 
-    pub(crate) fn source(&self) -> ArchiveSource {
-        match *self {}
-    }
-
-    pub(crate) async fn run(self, _: Lease, _: Store, _: FleetMetrics, _: Option<LogReader>) {
+    pub(crate) async fn run(self, _: Lease, _: Store, _: FleetMetrics) {
         match self {}
     }
 }

@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod folder;
-mod log;
 mod reading;
 mod retention;
 mod s3;

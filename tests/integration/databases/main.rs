@@ -12,7 +12,6 @@ mod history;
 mod intent_log;
 mod joint;
 mod leases;
-mod log_archives;
 mod opened;
 mod plans;
 mod refused;

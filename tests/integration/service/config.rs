@@ -83,7 +83,6 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::LeaseTimeToLiveS => ["3.5", "4.5", "5.5"],
         Key::ContactsKeep => ["decisions", "none", "all"],
         Key::ContactsDays | Key::RollupsMinutesDays => ["0", "7", "90"],
-        Key::ArchiveSource => ["kafka", "kafka", "kafka"],
         Key::ArchiveUrl => ["file:///a0", "s3://b1", "s3://b2/prefix"],
         Key::ArchiveS3Endpoint => ["https://s0.example", "http://127.0.0.1:9000", "https://s2.example"],
         Key::ArchiveS3Region | Key::ArchiveS3AccessKey => ["a-0", "a-1", "a-2"],

@@ -46,7 +46,6 @@ pub const TABLES: &[(&str, Kept)] = &[
     ("health_changes", Days("records.days")),
     ("journal", Until("after the next checkpoint")),
     ("leases", For("one for each fleet and shard")),
-    ("log_archives", For("one for each fleet and shard")),
     ("notes", BY_PEOPLE),
     ("policies", BY_PEOPLE),
     ("quarantine", Until("beyond the newest 1,000 of each fleet")),

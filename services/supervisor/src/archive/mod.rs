@@ -1,15 +1,12 @@
 //! The archive of contacts: Parquet files on an object store, by fleet and day.
 //!
-//! From the database, the owner of a fleet's first shard writes one file after the other; [`from_log`] tells of the log. The
-//! database has the position, and the span of the file that is being written (`vibrissa_store::archive`). The name of a file
-//! follows from its span, so an attempt that was interrupted at any moment is repeated under the same name with the same
+//! The owner of a fleet's first shard writes one file after the other from the database, which has the position, and the span of
+//! the file that is being written (`vibrissa_store::archive`). The name of a file follows from its span, so an attempt that was interrupted at any moment is repeated under the same name with the same
 //! contacts. Failures delay the archive, and nothing else.
 
 mod cause;
 mod file;
-mod from_log;
 mod object;
-mod seen;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -25,12 +22,10 @@ use vibrissa_store::fault::{self, Fault};
 use vibrissa_store::{Lease, Store, StoreError, Writer};
 
 use self::cause::cause;
-use crate::archive_options::{ArchiveOptions, ArchiveSource};
+use crate::archive_options::ArchiveOptions;
 use crate::backoff::Backoff;
-use crate::kafka::LogReader;
 use crate::metrics::FleetMetrics;
 use file::File;
-use from_log::FromLog;
 use object::Objects;
 
 /// Longest pause between two looks for a span that is complete.
@@ -44,7 +39,6 @@ const GROUPS: usize = 4;
 pub(crate) struct Archive {
     objects: Arc<Objects>,
     every: Duration,
-    source: ArchiveSource,
 }
 
 impl Archive {
@@ -53,26 +47,16 @@ impl Archive {
     /// # Errors
     /// The URL is not one of a folder or bucket, or the folder or the file of the secret cannot be read.
     pub(crate) fn open(options: &ArchiveOptions) -> anyhow::Result<Self> {
-        Ok(Self { objects: Arc::new(Objects::open(options)?), every: options.every, source: options.source })
+        Ok(Self { objects: Arc::new(Objects::open(options)?), every: options.every })
     }
 
-    /// Where the contacts come from.
-    pub(crate) fn source(&self) -> ArchiveSource {
-        self.source
-    }
-
-    /// Archives until the lease is lost: from the log the contacts of the lease's shard, otherwise those of its fleet.
-    pub(crate) async fn run(self, lease: Lease, store: Store, metrics: FleetMetrics, log: Option<LogReader>) {
+    /// Archives the contacts of the lease's fleet until the lease is lost.
+    pub(crate) async fn run(self, lease: Lease, store: Store, metrics: FleetMetrics) {
         let mut writer = store.writer();
         let mut backoff = Backoff::default();
         let fleet = lease.shard().clone();
-        let mut from_log = log.filter(|_| self.source == ArchiveSource::Log).map(FromLog::new);
         loop {
-            let done = match &mut from_log {
-                Some(from_log) => from_log.next(&self, &lease, &mut writer, &metrics).await,
-                None => self.next(&lease, &store, &mut writer, &metrics).await,
-            };
-            match done {
+            match self.next(&lease, &store, &mut writer, &metrics).await {
                 Ok(is_more) => {
                     backoff = Backoff::default();
                     if !is_more {

@@ -1,15 +1,13 @@
 //! A partitioned log, Apache Kafka: events go out to it, and contacts may come from it.
 //!
 //! Nothing here decides about a robot. [`publisher`] carries the outbox of a shard to the log, [`reader`] reads a partition,
-//! [`stamped`] reads it for the archive, [`client`] has the connections.
+//! [`client`] has the connections.
 
 mod cause;
 mod client;
 mod fetch;
 mod publisher;
 mod reader;
-#[cfg(feature = "archive")]
-mod stamped;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64};
@@ -27,8 +25,6 @@ use client::Connector;
 pub use client::KafkaError;
 use publisher::Publisher;
 pub(crate) use reader::LogReader;
-#[cfg(feature = "archive")]
-pub(crate) use stamped::{OpenLog, StampedRecord};
 
 /// The log, as far as the configuration uses it.
 #[derive(Debug, Clone)]

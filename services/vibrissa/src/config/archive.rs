@@ -2,26 +2,16 @@
 
 use std::time::Duration;
 
-use super::choices::ArchiveSourceArg;
 use super::keys::Key;
 use super::reader::Reader;
-use vibrissa_supervisor::archive_options::{ArchiveOptions, ArchiveSource, S3Options};
+use vibrissa_supervisor::archive_options::{ArchiveOptions, S3Options};
 use vibrissa_supervisor::engine::ContactRetention;
 
-/// The archive, if configured; outer `None` after a refusal. `keep` is what the database stores, `ingests` whether the contacts
-/// come from the log.
+/// The archive, if configured; outer `None` after a refusal. `keep` is what the database stores.
 #[expect(clippy::option_option, reason = "outer: None after a refusal; inner: None if not configured")]
-pub(super) fn archive(
-    reader: &mut Reader,
-    keep: Option<ContactRetention>,
-    ingests: bool,
-) -> Option<Option<ArchiveOptions>> {
+pub(super) fn archive(reader: &mut Reader, keep: Option<ContactRetention>) -> Option<Option<ArchiveOptions>> {
     let is_set = reader.is_explicit(Key::ArchiveUrl);
     let url = reader.parsed(Key::ArchiveUrl, location);
-    let source = match reader.word(Key::ArchiveSource)? {
-        ArchiveSourceArg::Database => ArchiveSource::Database,
-        ArchiveSourceArg::Kafka => ArchiveSource::Log,
-    };
     let every_s = reader.whole(Key::ArchiveEveryS)?;
     let endpoint = reader.parsed(Key::ArchiveS3Endpoint, server);
     let (region, access_key) = (reader.text(Key::ArchiveS3Region), reader.text(Key::ArchiveS3AccessKey));
@@ -34,13 +24,8 @@ pub(super) fn archive(
         reader.refuse(Key::ArchiveUrl, what);
         return None;
     }
-    if source == ArchiveSource::Log && !ingests {
-        reader.refuse(Key::ArchiveSource, "kafka needs ingest = \"kafka\": contacts are archived from its topic");
-        return None;
-    }
-    if source == ArchiveSource::Database && keep.is_some_and(|keep| keep != ContactRetention::All) {
-        let what =
-            "needs contacts.keep = \"all\": contacts are archived from the database, unless archive.source = \"kafka\"";
+    if keep.is_some_and(|keep| keep != ContactRetention::All) {
+        let what = "needs contacts.keep = \"all\": contacts are archived from the database. A connector archives Kafka's topic";
         reader.refuse(Key::ArchiveUrl, what);
         return None;
     }
@@ -49,7 +34,7 @@ pub(super) fn archive(
         return None;
     }
     let s3 = S3Options { endpoint, region, access_key, secret_key_file };
-    Some(Some(ArchiveOptions { url: url?, source, every: Duration::from_secs(every_s.into()), s3 }))
+    Some(Some(ArchiveOptions { url: url?, every: Duration::from_secs(every_s.into()), s3 }))
 }
 
 fn location(text: &str) -> Result<String, String> {

@@ -91,15 +91,6 @@ pub enum IngestArg {
     Kafka,
 }
 
-/// Where the archive gets the contacts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ArchiveSourceArg {
-    /// The table of contacts.
-    Database,
-    /// Apache Kafka, where the contacts come from.
-    Kafka,
-}
-
 /// Contacts that are published.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PublishContactsArg {

@@ -131,8 +131,6 @@ policy_numbers! { keys {
     ArchiveUrl: "archive.url", Kind::Text, None,
         "Archive of all contacts as Parquet files: file:///FOLDER or s3://BUCKET/PREFIX; contacts are deleted from the \
          database only when they are archived; default: no archive";
-    ArchiveSource: "archive.source", Kind::Text, Some(r#""database""#),
-        "Where the archive gets the contacts: database, or the topic in kafka (if ingest is kafka, whatever contacts.keep says)";
     ArchiveEveryS: "archive.every_s", Kind::Whole { min: 1, max: 86_400 }, Some("600"),
         "Seconds of contacts in a file of the archive; no file has contacts of two days";
     ArchiveS3Endpoint: "archive.s3_endpoint", Kind::Text, None,

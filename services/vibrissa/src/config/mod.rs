@@ -151,7 +151,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let http = http::listeners(reader);
     let access = http::access(reader);
     let kafka = kafka::kafka(reader);
-    let archive = archive::archive(reader, keep, kafka.as_ref().is_none_or(|kafka| kafka.ingest.is_some()));
+    let archive = archive::archive(reader, keep);
     let allowed_hosts = reader.texts(Key::WebhooksAllowedHosts);
     let series = reader.word::<SeriesArg>(Key::MetricsSeries);
     let traces = traces::traces(reader);

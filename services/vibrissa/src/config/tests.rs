@@ -1,8 +1,6 @@
 use super::layers::FILE_MAX_BYTES;
 use super::*;
 use vibrissa_core::units::Micros;
-#[cfg(all(feature = "archive", feature = "kafka"))]
-use vibrissa_supervisor::archive_options::ArchiveSource;
 
 fn from_file(text: &str) -> Sources {
     Sources { file: Some(("v.toml".into(), text.to_owned())), ..Sources::default() }
@@ -58,19 +56,11 @@ fn limits_of_touch_tests_reach_the_core() {
     assert!(line.contains("must be a whole number from 1 to 20, not 0"), "{line}");
 }
 
-#[cfg(all(feature = "archive", feature = "kafka"))]
+#[cfg(feature = "archive")]
 #[test]
-fn an_archive_comes_from_the_database_with_all_contacts_or_from_kafka() {
-    let archive = "[archive]\nurl = \"file:///srv/a\"\n";
-    let line = one_wrong(&from_file(&format!("contacts.keep = \"none\"\n{archive}")));
-    assert!(line.contains("archive.url") && line.contains("archive.source = \"kafka\""), "{line}");
-    let line = one_wrong(&from_file(&format!("{archive}source = \"kafka\"\n")));
-    assert!(line.contains("archive.source") && line.contains("needs ingest = \"kafka\""), "{line}");
-    let text = format!(
-        "ingest = \"kafka\"\nkafka.url = \"kafka://k:9092\"\ncontacts.keep = \"none\"\n{archive}source = \"kafka\"\n"
-    );
-    let told = read(&from_file(&text)).config.unwrap().history.archive.unwrap();
-    assert_eq!((told.source, told.url.as_str()), (ArchiveSource::Log, "file:///srv/a"));
+fn an_archive_needs_all_contacts_in_the_database() {
+    let line = one_wrong(&from_file("contacts.keep = \"none\"\n[archive]\nurl = \"file:///srv/a\"\n"));
+    assert!(line.contains("archive.url") && line.contains("contacts.keep = \"all\""), "{line}");
 }
 
 #[test]
