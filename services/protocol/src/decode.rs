@@ -173,10 +173,11 @@ fn explain<T: DeserializeOwned>(payload: &[u8]) -> Refusal {
             return Refusal::NotJson { problem: "unexpected text after the message".to_owned() };
         }
     };
-    let problem = shortened(&error.to_string());
     match error.classify() {
-        Category::Data => Refusal::Malformed { path: shortened(&path), problem },
-        Category::Syntax | Category::Eof | Category::Io => Refusal::NotJson { problem },
+        Category::Data => Refusal::Malformed { path: shortened(&path), problem: shortened(&error.to_string()) },
+        Category::Syntax | Category::Eof | Category::Io => {
+            Refusal::NotJson { problem: shortened(&crate::plain::not_json(&error.to_string())) }
+        }
     }
 }
 

@@ -35,7 +35,7 @@ pub enum Refusal {
     /// The payload is not JSON in UTF-8.
     #[error("the payload is not JSON: {problem}")]
     NotJson {
-        /// Error of the JSON reader, with line and column.
+        /// Defect of the JSON, with line and column.
         problem: String,
     },
     /// The payload begins as a map in CBOR, but is not well-formed or has values that JSON has not.

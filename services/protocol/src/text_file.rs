@@ -10,11 +10,15 @@ const UTF_16_BIG: [u8; 2] = [0xfe, 0xff];
 
 /// Bytes that are not text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("line {line} is not text in UTF-8: save the file as UTF-8")]
+#[error("line {line} is not text in UTF-8{}: save the file as UTF-8", if *has_nul { UTF_16_HINT } else { "" })]
 pub struct NotText {
     /// Line of the first wrong byte, from 1.
     pub line: usize,
+    /// Whether there are bytes of 0, as in UTF-16 without a byte order mark.
+    pub has_nul: bool,
 }
+
+const UTF_16_HINT: &str = ", it seems to be in UTF-16 without a byte order mark";
 
 /// The text of a file in UTF-8, or in UTF-16 with a byte order mark, without that mark.
 ///
@@ -25,7 +29,7 @@ pub fn text_of(bytes: &[u8]) -> std::result::Result<String, NotText> {
         let (units, odd) = rest.as_chunks::<2>();
         let units: Vec<u16> = units.iter().map(|&bytes| unit(bytes)).collect();
         let read = String::from_utf16(&units).ok().filter(|_| odd.is_empty());
-        read.ok_or(NotText { line: 1 })
+        read.ok_or(NotText { line: 1, has_nul: false })
     };
     if let Some(rest) = bytes.strip_prefix(&UTF_16_LITTLE) {
         return utf_16(rest, u16::from_le_bytes);
@@ -34,13 +38,21 @@ pub fn text_of(bytes: &[u8]) -> std::result::Result<String, NotText> {
         return utf_16(rest, u16::from_be_bytes);
     }
     let bytes = bytes.strip_prefix(UTF_8).unwrap_or(bytes);
-    match std::str::from_utf8(bytes) {
-        Ok(text) => Ok(text.to_owned()),
-        Err(problem) => {
-            let before = bytes.get(..problem.valid_up_to()).unwrap_or_default();
-            Err(NotText { line: 1 + before.iter().filter(|byte| **byte == b'\n').count() })
+    let nul = bytes.iter().position(|byte| *byte == 0);
+    let wrong = std::str::from_utf8(bytes).err().map(|problem| problem.valid_up_to());
+    match (std::str::from_utf8(bytes), nul.into_iter().chain(wrong).min()) {
+        (Ok(text), None) => Ok(text.to_owned()),
+        (_, wrong) => {
+            let before = bytes.get(..wrong.unwrap_or_default()).unwrap_or_default();
+            Err(NotText { line: 1 + line_ends(before), has_nul: nul.is_some() })
         }
     }
+}
+
+/// Number of line ends, of which CR and LF together are one.
+fn line_ends(bytes: &[u8]) -> usize {
+    let both = bytes.windows(2).filter(|pair| pair == b"\r\n").count();
+    bytes.iter().filter(|byte| matches!(byte, b'\r' | b'\n')).count() - both
 }
 
 /// The content of a PEM file without a byte order mark, in UTF-8 if it was UTF-16; other bytes are as they were.
@@ -81,7 +93,30 @@ mod tests {
         assert_eq!(pem_of([UTF_8, &pem].concat()), pem);
         assert_eq!(pem_of(pem.clone()), pem);
         assert_eq!(text_of(b""), Ok(String::new()));
-        assert_eq!(text_of(b"a\r\nb\xe9\r\n"), Err(NotText { line: 2 }));
-        assert_eq!(text_of(b"\xff\xfea"), Err(NotText { line: 1 }));
+        assert_eq!(text_of(b"\xff\xfea"), Err(NotText { line: 1, has_nul: false }));
+    }
+
+    #[test]
+    fn regress_a_wrong_byte_is_told_with_its_line_whatever_ends_the_lines() {
+        for (bytes, line) in [
+            (b"a\nb\xe9\n".as_slice(), 2),
+            (b"a\r\nb\xe9\r\n", 2),
+            (b"a\rb\r\rc\xe9\r", 4),
+            (b"a\r\n\xe9", 2),
+            (b"a\n\r\xe9", 3),
+        ] {
+            assert_eq!(text_of(bytes), Err(NotText { line, has_nul: false }), "{bytes:x?}");
+        }
+    }
+
+    #[test]
+    fn regress_utf_16_without_a_mark_is_named() {
+        for text in ["pressure_mpa,strain\r\n", "é,b\r\n"] {
+            for unit in [u16::to_le_bytes, u16::to_be_bytes] {
+                let told = text_of(&text.encode_utf16().flat_map(unit).collect::<Vec<u8>>()).unwrap_err();
+                assert!(told.to_string().contains("line 1") && told.to_string().contains("UTF-16"), "{text}: {told}");
+            }
+        }
+        assert!(!text_of(b"\xe9").unwrap_err().to_string().contains("UTF-16"));
     }
 }

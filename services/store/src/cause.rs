@@ -47,8 +47,11 @@ pub(crate) fn for_log(problem: &sqlx::Error) -> String {
     let said = match problem {
         sqlx::Error::Database(told) => told.message().to_owned(),
         sqlx::Error::Io(problem) => plain::io(problem),
-        sqlx::Error::Configuration(told) | sqlx::Error::Decode(told) => told.to_string(),
-        sqlx::Error::ColumnDecode { index, source } => format!("column {index}: {source}"),
+        sqlx::Error::Configuration(told) => plain::text(&told.to_string()),
+        sqlx::Error::Decode(told) => of_value(&told.to_string()),
+        sqlx::Error::ColumnDecode { index, source } => {
+            format!("column {}: {}", index.trim_matches('"'), of_value(&source.to_string()))
+        }
         sqlx::Error::ColumnNotFound(told) | sqlx::Error::Protocol(told) | sqlx::Error::InvalidArgument(told) => {
             told.clone()
         }
@@ -71,8 +74,17 @@ pub(crate) fn of_migration(problem: &sqlx::migrate::MigrateError) -> String {
         MigrateError::Dirty(version) => format!(
             "migration {version} was interrupted: restore the back-up from before the upgrade, or ask for help with it"
         ),
-        other => other.to_string(),
+        _ => "the program's own migrations cannot be used: use a release".to_owned(),
     }
+}
+
+/// Why a stored value cannot be read, without the types of Rust.
+fn of_value(told: &str) -> String {
+    if told.starts_with("mismatched types") {
+        let stored = told.rsplit('`').nth(1).unwrap_or_default();
+        return format!("it is of the type {stored}");
+    }
+    if told.starts_with("unexpected null") { "it is empty".to_owned() } else { plain::data(told) }
 }
 
 /// Why there is no encrypted connection.
@@ -175,6 +187,20 @@ mod tests {
             }
             assert!(!outline(&problem).contains("ParseComplete"));
         }
+    }
+
+    #[tokio::test]
+    async fn regress_a_value_of_another_type_is_told_without_types_of_rust() {
+        use sqlx::Connection as _;
+        let mut database = sqlx::SqliteConnection::connect("sqlite::memory:").await.unwrap();
+        for (value, part) in [("'x'", "column of_it: it is of the type TEXT"), ("NULL", "column of_it: it is empty")] {
+            let sql = format!("SELECT {value} AS of_it");
+            let row = sqlx::query(sqlx::AssertSqlSafe(sql)).fetch_one(&mut database).await.unwrap();
+            let told = for_log(&sqlx::Row::try_get::<i64, _>(&row, "of_it").unwrap_err());
+            assert!(told.contains(part) && !told.contains("Rust") && !told.contains("i64"), "{told}");
+        }
+        let told = for_log(&sqlx::Error::Decode(serde_json::from_str::<i64>("x").unwrap_err().into()));
+        assert!(!told.contains("expected value"), "{told}");
     }
 
     #[tokio::test]

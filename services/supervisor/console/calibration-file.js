@@ -18,6 +18,8 @@ export async function textOf(file) {
   const bytes = new Uint8Array(await file.arrayBuffer());
   const mark = `${bytes[0]},${bytes[1]}`;
   const encoding = { "255,254": "utf-16le", "254,255": "utf-16be" }[mark] ?? "utf-8";
+  if (encoding === "utf-8" && bytes.includes(0))
+    throw new Unreadable("The file seems to be in UTF-16 without a byte order mark: save it as CSV in UTF-8.");
   try {
     return new TextDecoder(encoding, { fatal: true }).decode(bytes);
   } catch {

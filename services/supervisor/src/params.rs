@@ -6,6 +6,7 @@ use std::sync::Arc;
 use tracing::error;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::robot::Params;
+use vibrissa_protocol::plain;
 
 use crate::calibration_file::CalibrationFile;
 use vibrissa_store::calibrations::ActiveCalibration;
@@ -27,7 +28,7 @@ pub(crate) fn with_model(params: &Params, file: &CalibrationFile) -> Result<Arc<
 pub(crate) fn with_calibrations(params: Arc<Params>, active: &[ActiveCalibration]) -> (Arc<Params>, u64) {
     let mut unusable = 0;
     let params = active.iter().fold(params, |params, one| {
-        let read = serde_json::from_str(&one.calibration).map_err(|problem| problem.to_string());
+        let read = serde_json::from_str(&one.calibration).map_err(|problem| plain::data(&problem.to_string()));
         read.and_then(|file| with_model(&params, &file)).unwrap_or_else(|problem| {
             error!(
                 calibration = one.calibration_id,

@@ -119,7 +119,8 @@ async fn tell_time(robot: &mut HandRobot) {
 async fn regress_a_list_that_refuses_receipts_is_named_until_it_allows_them() {
     let mut stage = Stage::without("topic write whisker/v1/+/+/receipt");
     let mut robot = stage.robot().await;
-    let told = words(["rejects publications", "whisker/v1/f/r/receipt", "NotAuthorized", "broker's access list"]);
+    let told =
+        words(["rejects publications", "whisker/v1/f/r/receipt", "this user may not do it", "broker's access list"]);
     until_true("a refused receipt", async || {
         robot.touch(0, 5).await;
         stage.refused(RobotTopic::Receipt) > 0
@@ -132,7 +133,7 @@ async fn regress_a_list_that_refuses_receipts_is_named_until_it_allows_them() {
             stage.refused(RobotTopic::Receipt) >= 6
         })
         .await;
-    assert_eq!(stage.supervisor.logged("whisker/v1/f/r/receipt (NotAuthorized)"), 1);
+    assert_eq!(stage.supervisor.logged("whisker/v1/f/r/receipt, because this user may not do it"), 1);
     stage.allow().await;
     robot.touch(0, 5).await;
     robot.receipted().await;
@@ -187,7 +188,8 @@ async fn regress_a_list_that_refuses_setpoints_is_named_steadily_and_an_alarm() 
     robot.receipted().await;
     let pressure = json!({ "pressure_mpa": 0.15, "reason": "a test" });
     stage.act("setpoint", &pressure).await;
-    let told = words(["rejects publications", "whisker/v1/f/r/setpoint", "NotAuthorized", "broker's access list"]);
+    let told =
+        words(["rejects publications", "whisker/v1/f/r/setpoint", "this user may not do it", "broker's access list"]);
     stage.supervisor.says(false, &told).await;
     stage
         .steadily(false, &told, "an alarm", async || {
@@ -197,7 +199,7 @@ async fn regress_a_list_that_refuses_setpoints_is_named_steadily_and_an_alarm() 
         })
         .await;
     assert!(stage.refused(RobotTopic::Setpoint) > 1, "it is tried again");
-    assert_eq!(stage.supervisor.logged("whisker/v1/f/r/setpoint (NotAuthorized)"), 1);
+    assert_eq!(stage.supervisor.logged("whisker/v1/f/r/setpoint, because this user may not do it"), 1);
     stage.allow().await;
     // A pressure that is set by hand is sent at once or not at all.
     stage.act("setpoint", &pressure).await;

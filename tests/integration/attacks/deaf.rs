@@ -119,7 +119,7 @@ async fn a_broker_that_does_not_take_probes_is_named_and_robots_are_heard_all_th
     let (broker, folder) = (Mosquitto::builder().acl(ACL).start(), tempfile::tempdir().unwrap());
     let url = format!("mqtt://127.0.0.1:{}", broker.port());
     let mut supervisor = Supervised::start(folder.path(), "s", &["--fleet", "f", "--mqtt-url", &url]);
-    let words = ["whisker/v1/f/supervisor/+", "access list", "NotAuthorized"].map(str::to_owned);
+    let words = ["whisker/v1/f/supervisor/+", "access list", "this user may not do it"].map(str::to_owned);
     supervisor.says(false, &words).await;
     let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
     robot.touch(0, 5).await;

@@ -191,7 +191,10 @@ async fn a_refused_subscription_does_not_count_as_connected() {
         }
     });
     let link = Link::start(with_password(plain(port), "somebody"));
-    let words = ["does not let user \"somebody\" subscribe to whisker/v1/f/+/contacts (NotAuthorized)", "access list"];
+    let words = [
+        "does not let user \"somebody\" subscribe to whisker/v1/f/+/contacts, because this user may not do it",
+        "access list",
+    ];
     link.problem_with(&words).await;
     link.stop().await;
     server.abort();

@@ -5,6 +5,9 @@
 #[must_use]
 pub fn json(message: &str) -> String {
     let message = without_position(message);
+    if let Some(told) = syntax(message).or_else(|| number(message)) {
+        return told.to_owned();
+    }
     let (problem, expected) = message.split_once(", expected ").unwrap_or((message, ""));
     let quoted = problem.split('`').nth(1).unwrap_or_default();
     if problem.starts_with("unknown field") {
@@ -45,6 +48,67 @@ pub fn data(message: &str) -> String {
         return format!("{}{}", json(text), &message[text.len()..]);
     }
     json(message)
+}
+
+/// A message about a whole text that is not JSON, with its line and column.
+#[must_use]
+pub fn not_json(message: &str) -> String {
+    let text = without_position(message);
+    format!("{}{}", data(text), &message[text.len()..])
+}
+
+/// The values of a type of Rust in plain English, such as `a whole number` for `i64`.
+#[must_use]
+pub fn required(type_name: &str) -> String {
+    plain(type_name)
+}
+
+/// The words of `serde_json` about a text that is not JSON.
+fn syntax(message: &str) -> Option<&'static str> {
+    Some(match message {
+        "EOF while parsing a list" => "the JSON ends within a list: send all of it, up to the ]",
+        "EOF while parsing an object" => "the JSON ends within an object: send all of it, up to the }",
+        "EOF while parsing a string" => "the JSON ends within a text: send all of it, up to the closing quote",
+        "EOF while parsing a value" => "the JSON ends where a value is required: send all of it",
+        "expected `:`" => "a colon is missing after the name of a field",
+        "expected `,` or `]`" => "a comma or a ] is missing in a list",
+        "expected `,` or `}`" => "a comma or a } is missing in an object",
+        "expected ident" => "only the words true, false and null need no quotes",
+        "expected value" => {
+            "a value is required: a number, a text in double quotes, true, false, null, a list or an object"
+        }
+        "expected `\"`" => "a double quote is missing",
+        "invalid escape" => "a text has an unknown escape after a backslash: write \\\\ for a backslash",
+        "invalid number" => "a number is not written as in JSON, such as 0.5 or -1e3",
+        "number out of range" => "a number is too large",
+        "invalid unicode code point" => "a text is not in UTF-8",
+        "control character (\\u0000-\\u001F) found while parsing a string" => {
+            "a text has a line end, a tab or another control character: write it as an escape, such as \\n"
+        }
+        "key must be a string" => "the name of a field must be in double quotes",
+        "invalid value: expected key to be a number in quotes" => {
+            "the name of a field must be a number in double quotes"
+        }
+        "float key must be finite" => "the name of a field must be a finite number",
+        "lone leading surrogate in hex escape" => "a text has one half of a character after \\u: write both halves",
+        "trailing comma" => "a comma stands before a closing bracket: remove it",
+        "trailing characters" => "other text follows the JSON: send one value only",
+        "unexpected end of hex escape" => "an escape \\u in a text needs four digits",
+        "recursion limit exceeded" => "too many lists and objects are within one another",
+        _ => return None,
+    })
+}
+
+/// The words of Rust's standard library about a text that is no number.
+fn number(message: &str) -> Option<&'static str> {
+    Some(match message {
+        "invalid digit found in string" | "cannot parse integer from empty string" => "a whole number is required",
+        "number too large to fit in target type" => "the number is too large",
+        "number too small to fit in target type" => "the number is too small",
+        "invalid float literal" | "cannot parse float from empty string" => "a number is required",
+        "provided string was not `true` or `false`" => "true or false is required",
+        _ => return None,
+    })
 }
 
 /// A message about a place in a file, such as one in TOML: the line, and the message, but not the line's content, which may
@@ -151,5 +215,55 @@ mod tests {
             "1 was given, a text is required"
         );
         let _ = (Mode::Advise, Mode::Automatic);
+    }
+
+    #[test]
+    fn regress_texts_that_are_not_json_lose_the_words_of_the_library() {
+        let deep = "[".repeat(200);
+        for text in [
+            "",
+            "[",
+            "[1",
+            "{",
+            "{\"a\"",
+            "{\"a\":",
+            "{\"a\" 1}",
+            "{\"a\":1 \"b\"}",
+            "[1 2]",
+            "[1,]",
+            "{\"a\":1,}",
+            "{a:1}",
+            "tru",
+            "NaN",
+            "\"a",
+            "\"\\q\"",
+            "\"\\u12\"",
+            "\"\\ud800\"",
+            "\"a\nb\"",
+            "1e999",
+            "01",
+            "-",
+            "{} x",
+            deep.as_str(),
+        ] {
+            let raw = serde_json::from_str::<serde_json::Value>(text).unwrap_err().to_string();
+            let (told, position) = (not_json(&raw), raw.find(" at line ").map_or("", |at| &raw[at..]));
+            let word = raw.strip_suffix(position).unwrap();
+            assert!(!told.contains(word) && !position.is_empty() && told.ends_with(position), "{text}: {told}");
+            assert!(!json(&raw).contains(" at line "), "{text}");
+        }
+    }
+
+    #[test]
+    fn regress_texts_that_are_no_numbers_lose_the_words_of_the_library() {
+        let whole = |text: &str| text.parse::<u8>().unwrap_err().to_string();
+        let signed = "-200".parse::<i8>().unwrap_err().to_string();
+        let float = |text: &str| text.parse::<f64>().unwrap_err().to_string();
+        let truth = "x".parse::<bool>().unwrap_err().to_string();
+        for raw in [whole("x"), whole(""), whole("300"), signed, float("x"), float(""), truth] {
+            let told = json(&raw);
+            assert!(told != raw && !told.contains("string") && !told.contains("type"), "{raw}: {told}");
+        }
+        assert_eq!(required("i64"), "a whole number");
     }
 }

@@ -9,7 +9,7 @@ mod mqtt;
 mod tls;
 
 pub use certificate::{certificate, host_names};
-pub use json::{data, in_file, json};
+pub use json::{data, in_file, json, not_json, required};
 pub use mqtt::reason_code;
 pub use tls::{alert, tls};
 
@@ -36,6 +36,8 @@ pub fn url(told: &str) -> String {
         "relative URL without a base" => "it has no scheme, such as https://".to_owned(),
         "empty host" => "it has no host".to_owned(),
         "invalid port number" => "its port is no number from 0 to 65535".to_owned(),
+        "invalid international domain name" | "invalid domain character" => "its host is no host name".to_owned(),
+        "invalid IPv4 address" | "invalid IPv6 address" => "its host is no IP address".to_owned(),
         other => other.to_owned(),
     }
 }
@@ -92,6 +94,15 @@ mod tests {
             told.starts_with("connection failed: its certificate cannot be used: it is of X.509 version 1"),
             "{told}"
         );
+    }
+
+    #[test]
+    fn addresses_lose_the_words_of_the_library() {
+        for (told, part) in
+            [("relative URL without a base", "scheme"), ("invalid IPv6 address", "IP"), ("empty host", "no host")]
+        {
+            assert!(url(told).contains(part), "{told}");
+        }
     }
 
     #[test]

@@ -12,7 +12,7 @@ use vibrissa_edge::full_name::FullName;
 use vibrissa_edge::ids::command_id;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_edge::words::{Word, named};
-use vibrissa_protocol::Name;
+use vibrissa_protocol::{Name, plain};
 
 use super::commit::pipeline::Pipeline;
 use super::fleet_metrics;
@@ -199,7 +199,7 @@ impl Execution<'_> {
     fn change_calibration(&mut self, action: &Action) -> Result<(), Problem> {
         let malformed = |problem: String| format!("MALFORMED: {problem}");
         let activation: Activation =
-            serde_json::from_str(&action.parameters).map_err(|problem| malformed(problem.to_string()))?;
+            serde_json::from_str(&action.parameters).map_err(|problem| malformed(plain::data(&problem.to_string())))?;
         self.without_rollout()?;
         match self.place.is_first() {
             true => self.activate(&activation, &action.actor).map_err(malformed)?,

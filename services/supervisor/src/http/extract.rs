@@ -1,6 +1,7 @@
 //! Extractors for requests. Each value is checked once; an error names its field.
 
 use axum::body::Bytes;
+use axum::extract::path::ErrorKind;
 use axum::extract::rejection::PathRejection;
 use axum::extract::{FromRequest, FromRequestParts, Request};
 use axum::http::header;
@@ -36,10 +37,28 @@ impl<T: DeserializeOwned + Send, S: Send + Sync> FromRequestParts<S> for Path<T>
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
         match axum::extract::Path::<T>::from_request_parts(parts, state).await {
             Ok(axum::extract::Path(value)) => Ok(Self(value)),
-            Err(PathRejection::FailedToDeserializePathParams(problem)) => {
-                Err(Problem::invalid("path", problem.body_text()))
-            }
-            Err(problem) => Err(Problem::new(Kind::Internal, problem.body_text())),
+            Err(PathRejection::FailedToDeserializePathParams(problem)) => Err(of_path(problem.into_kind())),
+            Err(_) => Err(Problem::new(Kind::Internal, "the route has no parameters")),
+        }
+    }
+}
+
+/// Names the parameter of a path that cannot be used.
+fn of_path(problem: ErrorKind) -> Problem {
+    let wrong = |field: String, value: &str, type_name| {
+        Problem::invalid(field, format!("{value:?} was given, {} is required", plain::required(type_name)))
+    };
+    match problem {
+        ErrorKind::ParseErrorAtKey { key, value, expected_type } => wrong(key, &value, expected_type),
+        ErrorKind::ParseErrorAtIndex { value, expected_type, .. } | ErrorKind::ParseError { value, expected_type } => {
+            wrong("path".to_owned(), &value, expected_type)
+        }
+        ErrorKind::InvalidUtf8InPathParam { key } => Problem::invalid(key, "it is not text in UTF-8"),
+        ErrorKind::DeserializeError { key, message, .. } => Problem::invalid(key, plain::json(&message)),
+        ErrorKind::Message(message) => Problem::invalid("path", plain::json(&message)),
+        // The library may add variants.
+        ErrorKind::WrongNumberOfParameters { .. } | ErrorKind::UnsupportedType { .. } | _ => {
+            Problem::new(Kind::Internal, "the parameters of the route cannot be read")
         }
     }
 }
@@ -65,7 +84,7 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
         })?;
         let bytes = read.map_err(|problem| match problem.status().as_u16() {
             413 => Problem::new(Kind::TooLarge, "the body exceeds the size limit"),
-            _ => Problem::new(Kind::Malformed, problem.body_text()),
+            _ => Problem::new(Kind::Malformed, "the body did not arrive whole: send it again"),
         })?;
         if let Some(field) = field_with_nul(&bytes) {
             return Err(Problem::nul(field));
@@ -76,9 +95,11 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Body<T> {
                 serde_json::error::Category::Data => field(problem),
                 serde_json::error::Category::Syntax
                 | serde_json::error::Category::Eof
-                | serde_json::error::Category::Io => Problem::new(Kind::Malformed, problem.inner().to_string()),
+                | serde_json::error::Category::Io => {
+                    Problem::new(Kind::Malformed, plain::not_json(&problem.inner().to_string()))
+                }
             })?;
-        json.end().map_err(|problem| Problem::new(Kind::Malformed, problem.to_string()))?;
+        json.end().map_err(|problem| Problem::new(Kind::Malformed, plain::not_json(&problem.to_string())))?;
         Ok(Self(value))
     }
 }

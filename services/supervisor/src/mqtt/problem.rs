@@ -3,13 +3,16 @@
 use std::fmt;
 use std::io;
 
-use rumqttc::{ConnectReturnCode, ConnectionError, DisconnectReasonCode, StateError, TlsError};
+use rumqttc::{ClientError, ConnectReturnCode, ConnectionError, DisconnectReasonCode, StateError, TlsError};
 use rustls::{AlertDescription, CertificateError};
 use vibrissa_protocol::{Name, RobotTopic, plain};
 
 use super::address::{BrokerAddress, Node};
 use super::connector::{Limits, LookupError};
 use super::hearing::PATIENCE;
+
+/// Why a connection ends of which the client has stopped.
+pub(super) const STOPPED: &str = "the client has stopped";
 
 /// A cause of failure, with the broker concerned.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -112,6 +115,17 @@ impl Problem {
             },
         };
         Self::new(broker, cause)
+    }
+
+    /// The client has not taken a request.
+    pub(super) fn of_client(broker: &BrokerAddress, error: &ClientError) -> Self {
+        let why = match error {
+            ClientError::RequestChannelFull(_) => "more messages wait than the client holds",
+            ClientError::RequestChannelDisconnected(_) | ClientError::TrackingUnavailable => STOPPED,
+            // The library may add variants.
+            ClientError::InvalidRequest(_) | _ => "MQTT forbids a message of this form",
+        };
+        Self::new(broker, Cause::Lost(why.to_owned()))
     }
 
     /// The node concerned.
@@ -281,13 +295,12 @@ impl fmt::Display for Problem {
             Cause::Lacks(what) => f.write_str(what),
             Cause::Subscription(what) => write!(
                 f,
-                "it does not let {} subscribe to {what}: allow it in the broker's access list. Until then robots are \
-                 not heard",
+                "it does not let {} subscribe to {what}. Until then robots are not heard",
                 self.user()
             ),
             Cause::Publication { topic, why } => write!(
                 f,
-                "it rejects publications of {} on {topic} ({why}): allow setpoint, receipt, request, estimate and \
+                "it rejects publications of {} on {topic}, {why}. Allow setpoint, receipt, request, estimate and \
                  supervisor/state in the broker's access list, and packets that are large enough",
                 self.user()
             ),
@@ -304,7 +317,7 @@ impl fmt::Display for Problem {
             Cause::Unheard { .. } => self.unheard(f),
             Cause::ProbeRefused { fleet, why } => write!(
                 f,
-                "it does not let {} publish probes and requests to its robots ({why}): allow \
+                "it does not let {} publish probes and requests to its robots, {why}. Allow \
                  whisker/v1/{fleet}/supervisor/+ in the broker's access list",
                 self.user()
             ),

@@ -6,7 +6,7 @@
 use std::time::{Duration, Instant};
 
 use rumqttc::{PubAck, PubAckReason, PublishNotice, PublishResult};
-use vibrissa_protocol::QualityOfService;
+use vibrissa_protocol::{QualityOfService, plain};
 
 use super::Connection;
 use super::address::BrokerAddress;
@@ -53,7 +53,7 @@ impl Proofs {
         if !fits {
             self.refused(
                 topic,
-                format!("{bytes} bytes, and it accepts packets of at most {bytes_max}: max_packet_size"),
+                format!("because it has {bytes} bytes: raise the broker's limit of packets, max_packet_size, above {bytes_max}"),
             );
         }
         fits
@@ -66,7 +66,7 @@ impl Proofs {
             // Without an answer the connection has broken.
             let Ok(PublishResult::Qos1(ack)) = notice.wait_async().await else { return };
             if is_failure(&ack) {
-                proofs.refused(&topic, format!("{:?}", ack.reason));
+                proofs.refused(&topic, plain::reason_code(&format!("{:?}", ack.reason)));
             } else {
                 proofs.link.accepted(&topic);
             }

@@ -7,7 +7,7 @@ use std::time::Instant;
 use rumqttc::{AsyncClient, ClientError, Event, Packet, PublishOptions, PublishProperties};
 use tokio::sync::watch;
 use tokio::task::yield_now;
-use vibrissa_protocol::RobotTopic;
+use vibrissa_protocol::{RobotTopic, plain};
 
 use super::births::{BirthRequests, Pace};
 use super::coalescing::{PAUSE, PollCoalescing};
@@ -15,7 +15,7 @@ use super::hearing::{Hearing, Tick};
 use super::link::Side;
 use super::nodes::Attempts;
 use super::poll::{Failure, Poller};
-use super::problem::{Cause, Problem};
+use super::problem::{Cause, Problem, STOPPED};
 use super::proofs::is_failure;
 use super::subscriptions::{self, Receipt, Subscriptions, inputs};
 use super::{Connection, limits};
@@ -138,7 +138,7 @@ impl Receiver {
                     match poller.next_while(&mut hearing, judge).await? {
                         Ok(event) => event,
                         Err(Failure::Broken(problem)) => return Err(problem),
-                        Err(Failure::Finished) => return Err(self.problem(Cause::Lost("client stopped".to_owned()))),
+                        Err(Failure::Finished) => return Err(self.problem(Cause::Lost(STOPPED.to_owned()))),
                     }
                 }
             };
@@ -166,7 +166,8 @@ impl Receiver {
                     hearing.refused();
                     self.metrics.broker_connected.set(0);
                     self.metrics.promises.heard(false);
-                    let (fleet, why) = (self.connection.fleet().clone(), format!("{:?}", ack.reason));
+                    let (fleet, why) =
+                        (self.connection.fleet().clone(), plain::reason_code(&format!("{:?}", ack.reason)));
                     let problem = self.problem(Cause::ProbeRefused { fleet, why });
                     self.connection.link.broken(Side::Receiving, &problem);
                 }
@@ -229,7 +230,7 @@ impl Receiver {
     }
 
     fn lost(&self, error: &ClientError) -> Problem {
-        self.problem(Cause::Lost(error.to_string()))
+        Problem::of_client(&self.connection.broker, error)
     }
 
     fn problem(&self, cause: Cause) -> Problem {
@@ -252,7 +253,7 @@ pub(super) fn judge(
         Tick::Wait => Ok(()),
         Tick::Probe => hearing.probes().try_for_each(|(topic, payload)| {
             let sent = client.try_publish(topic, payload.to_vec(), expiring());
-            sent.map_err(|error| problem(Cause::Lost(error.to_string())))
+            sent.map_err(|error| Problem::of_client(&connection.broker, &error))
         }),
         Tick::Deaf { topics, is_silent } => {
             deaf(&topics);

@@ -12,7 +12,8 @@ use super::hearing::is_probe_on;
 use super::link::Side;
 use super::nodes::Attempts;
 use super::poll::{Failure, Poller};
-use super::problem::{Cause, Problem};
+use super::problem::{Cause, Problem, STOPPED};
+use super::subscriptions::refused_filter;
 use crate::inbox::Incoming;
 use vibrissa_edge::clock::wall_clock;
 
@@ -78,13 +79,13 @@ async fn listen(connection: &Connection, sender: &mpsc::Sender<Incoming>, state:
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
                 let filter_input = SubscribeFilterInput::new(filter.clone(), QoS::AtLeastOnce);
                 if let Err(error) = client.try_subscribe_many([filter_input]) {
-                    return (problem(Cause::Lost(error.to_string())), was_subscribed);
+                    return (Problem::of_client(&connection.broker, &error), was_subscribed);
                 }
             }
             Ok(Event::Incoming(Packet::SubAck(ack))) => {
                 let refused = ack.return_codes.iter().find(|code| !matches!(code, SubscribeReasonCode::Success(_)));
                 if let Some(code) = refused {
-                    return (problem(Cause::Subscription(format!("{filter} ({code:?})"))), was_subscribed);
+                    return (problem(Cause::Subscription(refused_filter(&filter, *code))), was_subscribed);
                 }
                 was_subscribed = true;
                 state.subscriptions.fetch_add(1, Ordering::Relaxed);
@@ -100,7 +101,7 @@ async fn listen(connection: &Connection, sender: &mpsc::Sender<Incoming>, state:
             }
             Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
             Err(Failure::Broken(broken)) => return (broken, was_subscribed),
-            Err(Failure::Finished) => return (problem(Cause::Lost("client stopped".to_owned())), was_subscribed),
+            Err(Failure::Finished) => return (problem(Cause::Lost(STOPPED.to_owned())), was_subscribed),
         }
     }
 }

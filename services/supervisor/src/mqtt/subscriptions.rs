@@ -10,7 +10,7 @@ use rumqttc::{QoS, SubscribeFilterInput, SubscribeReasonCode};
 use tracing::warn;
 use vibrissa_edge::full_name::FullName;
 use vibrissa_edge::shard::FleetShard;
-use vibrissa_protocol::{Name, RobotTopic};
+use vibrissa_protocol::{Name, RobotTopic, plain};
 
 /// Filters of one packet; brokers limit the size of packets.
 const FILTERS_PER_PACKET: usize = 500;
@@ -109,7 +109,7 @@ impl Subscriptions {
             None => Ok(()),
             Some((at, code)) => {
                 let filter = packet.get(at).map_or("the robots' topics", String::as_str);
-                Err(format!("{filter} ({code:?})"))
+                Err(refused_filter(filter, *code))
             }
         }
     }
@@ -153,6 +153,11 @@ impl Subscriptions {
 /// Whether messages of this topic come from a partitioned log, if there is one.
 fn is_in_log(kind: RobotTopic) -> bool {
     matches!(kind, RobotTopic::Contacts | RobotTopic::Status)
+}
+
+/// A filter that the broker refuses, and why.
+pub(super) fn refused_filter(filter: &str, code: SubscribeReasonCode) -> String {
+    format!("{filter}, {}", plain::reason_code(&format!("{code:?}")))
 }
 
 /// The filters of a packet, for the client.

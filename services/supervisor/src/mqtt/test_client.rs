@@ -10,12 +10,13 @@ use rumqttc::{
 };
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
-use vibrissa_protocol::QualityOfService;
+use vibrissa_protocol::{QualityOfService, plain};
 
 use super::address::BrokerAddress;
 use super::poll::{Failure, Poller};
-use super::problem::{Cause, Problem};
+use super::problem::{Cause, Problem, STOPPED};
 use super::proofs::is_failure;
+use super::subscriptions::refused_filter;
 use super::{Connection, limits};
 
 /// Time limit for the disconnect.
@@ -84,12 +85,13 @@ impl TestClient {
                     }
                     retains = ack.properties.and_then(|properties| properties.retain_available) != Some(0);
                     let subscribed = client.try_subscribe_many(filters.take().unwrap_or_default());
-                    subscribed.map_err(|error| problem(Cause::Lost(error.to_string())))?;
+                    subscribed
+                        .map_err(|error| ConnectionEnded(Problem::of_client(&connection.broker, &error).to_string()))?;
                 }
                 Event::Incoming(Packet::SubAck(ack)) => {
                     let is_refused = |code: &&SubscribeReasonCode| !matches!(code, SubscribeReasonCode::Success(_));
                     if let Some(code) = ack.return_codes.iter().find(is_refused) {
-                        return Err(problem(Cause::Subscription(format!("{} ({code:?})", topics.join(", ")))));
+                        return Err(problem(Cause::Subscription(refused_filter(&topics.join(", "), *code))));
                     }
                     break;
                 }
@@ -154,7 +156,7 @@ impl Drop for TestClient {
 fn ended(failure: Failure) -> ConnectionEnded {
     match failure {
         Failure::Broken(problem) => ConnectionEnded(problem.to_string()),
-        Failure::Finished => ConnectionEnded("client stopped".to_owned()),
+        Failure::Finished => ConnectionEnded(STOPPED.to_owned()),
     }
 }
 
@@ -166,7 +168,8 @@ async fn poll(
     loop {
         let received = match poller.next().await {
             Ok(Event::Incoming(Packet::PubAck(ack))) if is_failure(&ack) => {
-                let (topic, why) = ("a topic of the robot".to_owned(), format!("{:?}", ack.reason));
+                let (topic, why) =
+                    ("a topic of the robot".to_owned(), plain::reason_code(&format!("{:?}", ack.reason)));
                 let cause = Cause::Publication { topic, why };
                 Err(ConnectionEnded(Problem::new(&broker, cause).to_string()))
             }

@@ -4,11 +4,12 @@ use std::time::{Duration, Instant};
 
 use rumqttc::{AsyncClient, Event, Packet, RetainForwardRule};
 use tokio::time::timeout;
+use vibrissa_protocol::plain;
 
 use super::Connection;
 use super::hearing::Hearing;
 use super::poll::{Failure, Poller};
-use super::problem::{Cause, Problem};
+use super::problem::{Cause, Problem, STOPPED};
 use super::proofs::is_failure;
 use super::receive::judge;
 use super::subscriptions::{Subscriptions, inputs};
@@ -56,7 +57,8 @@ async fn prove_at(connection: &Connection) -> Result<(), Problem> {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
                 let subscribed = subscriptions.begin().into_iter().flat_map(inputs);
                 let subscribed = subscribed.map(|filter| filter.retain_forward_rule(RetainForwardRule::Never));
-                client.try_subscribe_many(subscribed).map_err(|error| problem(Cause::Lost(error.to_string())))?;
+                let sent = client.try_subscribe_many(subscribed);
+                sent.map_err(|error| Problem::of_client(&connection.broker, &error))?;
             }
             Ok(Event::Incoming(Packet::SubAck(ack))) => {
                 if let Err(refused) = subscriptions.acknowledged(&ack.return_codes) {
@@ -65,7 +67,10 @@ async fn prove_at(connection: &Connection) -> Result<(), Problem> {
                 hearing.subscribed(Instant::now());
             }
             Ok(Event::Incoming(Packet::PubAck(ack))) if is_failure(&ack) => {
-                return Err(problem(Cause::ProbeRefused { fleet: fleet.clone(), why: format!("{:?}", ack.reason) }));
+                return Err(problem(Cause::ProbeRefused {
+                    fleet: fleet.clone(),
+                    why: plain::reason_code(&format!("{:?}", ack.reason)),
+                }));
             }
             Ok(Event::Incoming(Packet::PubAck(_))) => hearing.acknowledged(),
             Ok(Event::Incoming(Packet::Publish(publish))) => {
@@ -73,7 +78,7 @@ async fn prove_at(connection: &Connection) -> Result<(), Problem> {
             }
             Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
             Err(Failure::Broken(problem)) => return Err(problem),
-            Err(Failure::Finished) => return Err(problem(Cause::Lost("client stopped".to_owned()))),
+            Err(Failure::Finished) => return Err(problem(Cause::Lost(STOPPED.to_owned()))),
         }
     }
     // Disconnects, so that the broker does not log a lost connection each time.

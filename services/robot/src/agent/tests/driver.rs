@@ -110,8 +110,8 @@ fn bad_lines_are_answered_with_their_number_and_a_remedy() {
         ("{\"type\":\"hello\",\"version\":2}", "version 2 of the interface is not known"),
         ("{\"type\":\"strain\",\"whisker\":0,\"strain\":[0.1]}", "agent.toml states place RATIO"),
         ("{\"type\":\"pressure\",\"whisker\":7,\"pressure_mpa\":0.1}", "the robot has no whisker left/7"),
-        ("{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":NaN}", "expected value"),
-        ("{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":1e999}", "number out of range"),
+        ("{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":NaN}", "a value is required"),
+        ("{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":1e999}", "a number is too large"),
         (
             "{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":-0.1}",
             "pressure_mpa is -0.1, but must be between 0 and 1",

@@ -6,6 +6,7 @@ use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::Params;
 use vibrissa_edge::actions::{self, Request, Subject};
 
+use super::malformed;
 use crate::engine::actions::{Activation, Problem};
 use crate::params::with_model;
 
@@ -20,12 +21,11 @@ pub(super) enum Change {
 impl Change {
     /// Reads a change. The base is the policy in force, whose values stay where the change has none.
     pub(super) fn read(kind: &str, json: &str, base: &Params) -> Result<Self, Problem> {
-        let malformed = |problem: &dyn std::fmt::Display| format!("MALFORMED: {problem}");
         match kind {
             "POLICY" => match actions::request("POLICY", json, Subject::default()) {
                 Ok(Request::Policy(change)) => Ok(Self::Policy(change.over(base.policy), change.expected_version + 1)),
-                Ok(Request::Operator(_)) => Err(malformed(&"no policy")),
-                Err(problem) => Err(malformed(&problem)),
+                Ok(Request::Operator(_)) => Err("MALFORMED: no policy".to_owned()),
+                Err(problem) => Err(format!("MALFORMED: {problem}")),
             },
             _ => serde_json::from_str(json).map(|one| Self::Calibration(Box::new(one))).map_err(|one| malformed(&one)),
         }

@@ -8,14 +8,13 @@ use vibrissa_protocol::Name;
 use vibrissa_store::actions::Action;
 use vibrissa_store::rollouts::StageOfShard;
 
-use super::{Change, TrialParams};
+use super::{Change, TrialParams, malformed};
 use crate::engine::actions::{Execution, Problem};
 
 impl Execution<'_> {
     /// Changes the robots of this shard as a stage of the fleet's roll-out says.
     pub(in crate::engine) fn follow_rollout(&mut self, action: &Action) -> Result<(), Problem> {
-        let malformed = |problem: serde_json::Error| format!("MALFORMED: {problem}");
-        let stage: StageOfShard = serde_json::from_str(&action.parameters).map_err(malformed)?;
+        let stage: StageOfShard = serde_json::from_str(&action.parameters).map_err(|problem| malformed(&problem))?;
         let change = Change::read(&stage.kind, &stage.change, &self.in_force.params)?;
         let (seed, place_max) = (stage.rollout_id as u64, stage.place_max as u32);
         // An owner that has just started has the newest stage already, and executes those that wait in their order.

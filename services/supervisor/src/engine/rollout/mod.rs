@@ -15,7 +15,7 @@ use vibrissa_core::robot::{Event, OperatorAction, Params, Place};
 use vibrissa_core::rollout::{Look, Stage, Verdict, limit, place};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::words::{Word as _, named};
-use vibrissa_protocol::Name;
+use vibrissa_protocol::{Name, plain};
 use vibrissa_store::actions::Action;
 use vibrissa_store::batch::Record;
 use vibrissa_store::rollouts::{Compared, RolloutChange, RolloutEvent, RolloutRow};
@@ -94,6 +94,11 @@ struct Which {
     rollout_id: i64,
 }
 
+/// A change or an order that is not in its stored form.
+fn malformed(problem: &serde_json::Error) -> Problem {
+    format!("MALFORMED: {}", plain::data(&problem.to_string()))
+}
+
 /// A person's order to a roll-out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
@@ -109,8 +114,7 @@ impl Execution<'_> {
         if let Some(open) = self.rollout {
             return Err(format!("ROLLOUT_OPEN: roll-out {} has not ended yet", open.row.rollout_id));
         }
-        let start: Start =
-            serde_json::from_str(&action.parameters).map_err(|problem| format!("MALFORMED: {problem}"))?;
+        let start: Start = serde_json::from_str(&action.parameters).map_err(|problem| malformed(&problem))?;
         let expected = start.change.get("expected_version").and_then(serde_json::Value::as_i64);
         if expected.is_some_and(|expected| expected != self.in_force.policy_version) {
             let in_force = self.in_force.policy_version;
@@ -146,8 +150,7 @@ impl Execution<'_> {
 
     /// Carries out an order of a person.
     pub(super) fn order_rollout(&mut self, action: &Action, order: Order) -> Result<(), Problem> {
-        let Which { rollout_id } =
-            serde_json::from_str(&action.parameters).map_err(|problem| format!("MALFORMED: {problem}"))?;
+        let Which { rollout_id } = serde_json::from_str(&action.parameters).map_err(|problem| malformed(&problem))?;
         let Some(open) = self.rollout.as_mut().filter(|open| open.row.rollout_id == rollout_id) else {
             return Err(format!("ROLLOUT_ENDED: roll-out {rollout_id} has ended, or never began"));
         };

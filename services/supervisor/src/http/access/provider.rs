@@ -128,7 +128,8 @@ impl Provider {
 
     async fn client(&self) -> Result<Client, Away> {
         let endpoints = self.endpoints().await?;
-        let invalid = |problem: url::ParseError| Away(format!("an address is not a URL: {problem}"));
+        let invalid =
+            |problem: url::ParseError| Away(format!("an address is not a URL: {}", plain::url(&problem.to_string())));
         let options = &self.options;
         let client_id = ClientId::new(options.client_id.clone());
         let issuer = IssuerUrl::new(self.issuer.to_string()).map_err(invalid)?;
