@@ -23,6 +23,7 @@ pub mod changes;
 mod commit;
 mod database;
 pub mod decommission;
+mod epochs;
 mod error;
 pub mod export;
 pub mod fault;

@@ -7,6 +7,7 @@ use tokio::task::{JoinHandle, JoinSet};
 use tokio::time::{Duration, Instant, timeout_at};
 use tracing::{error, info, warn};
 use vibrissa_core::robot::Params;
+use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::BootId;
 
 use crate::action_notifier::ActionNotifier;
@@ -16,6 +17,7 @@ use crate::clocks::{HoldBack, RobotClocks};
 use crate::ending::{Ending, stopped};
 use crate::engine::{ContactRetention, Engine, EngineOptions, JointCommits, Limits};
 use crate::events::EventSink;
+use crate::former_owner::FormerOwners;
 use crate::kafka::{Kafka, LogReader};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, FleetBirths, LinkState, Prepared};
@@ -45,6 +47,8 @@ pub(crate) struct Shared {
     pub(crate) store: Store,
     pub(crate) broker: BrokerAddress,
     pub(crate) prepared: Prepared,
+    /// Fleets are supervised although the broker retains owners whom the database does not know.
+    pub(crate) is_new_installation: bool,
     /// Requests for births, by fleet.
     pub(crate) births: FleetBirths,
     pub(crate) metrics: Metrics,
@@ -130,8 +134,12 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
     let shard = lease.shard().clone();
     let metrics = shared.metrics.of_shard(&shard);
     let events = shared.kafka.as_ref().and_then(|kafka| kafka.sink(&shard, &metrics));
+    let taking_up = async {
+        former_owners(&shard, &shared, &heard).await;
+        take_up(&lease, &shared, events.as_ref()).await
+    };
     let engine = tokio::select! {
-        engine = take_up(&lease, &shared, events.as_ref()) => engine,
+        engine = taking_up => engine,
         () = stopped(&mut stop) => None,
     };
     let place = shared.threads.place();
@@ -174,6 +182,17 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         whiskers.show(&shard, Vec::new());
     }
     info!(fleet = %shard, epoch = lease.epoch(), "fleet supervision ended");
+}
+
+/// Waits while the database does not know the fleet's former owner.
+async fn former_owners(shard: &FleetShard, shared: &Shared, heard: &OnceLock<LinkState>) {
+    let Ok(boot_id) = BootId::new(&shared.supervisor) else { return };
+    if shared.is_new_installation {
+        return;
+    }
+    let Shared { store, metrics, readiness, .. } = shared;
+    let connection = Connection::new(shared.broker.clone(), shared.prepared.clone(), shard.clone(), boot_id);
+    FormerOwners { store, metrics, readiness, part: TAKING_UP, connection, heard }.await_known().await;
 }
 
 /// Settings of the engine of a shard.

@@ -13,6 +13,7 @@ mod division;
 mod ending;
 pub mod events;
 mod fleet;
+mod former_owner;
 mod hearing_trials;
 mod ownership;
 pub mod promises;

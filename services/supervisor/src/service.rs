@@ -78,6 +78,9 @@ pub struct ServiceOptions {
     pub shards: u32,
     /// SQLite file or PostgreSQL server.
     pub database: DatabaseAddress,
+    /// Whether the database is known to be a new one: fleets are supervised although the broker retains owners whom it does
+    /// not know.
+    pub is_new_installation: bool,
     /// Time to live of a lease: an owner that is silent for longer loses the fleet.
     pub lease_time_to_live: Duration,
     /// Which contacts the database keeps, and for how long.
@@ -202,6 +205,8 @@ impl Service {
             store: store.clone(),
             broker: broker.clone(),
             prepared,
+            // The embedded broker retains only what this process has said.
+            is_new_installation: options.is_new_installation || embedded.is_some(),
             births: FleetBirths::default(),
             metrics: metrics.clone(),
             readiness: readiness.clone(),

@@ -46,6 +46,7 @@ impl Running {
             name: "s".to_owned(),
             fleets: vec![Name::new("lab").unwrap()],
             database: DatabaseAddress::Sqlite(database(&folder)),
+            is_new_installation: true,
             lease_time_to_live: LEASE_TIME_TO_LIVE,
             limits: vibrissa_supervisor::service::LimitOptions::default(),
             history: vibrissa_supervisor::service::HistoryOptions::default(),

@@ -104,6 +104,7 @@ impl Stage {
             name: "s".to_owned(),
             fleets: fleets.clone(),
             database: DatabaseAddress::Sqlite(folder.path().join("vibrissa.sqlite3")),
+            is_new_installation: true,
             lease_time_to_live: LEASE_TIME_TO_LIVE,
             limits: vibrissa_supervisor::service::LimitOptions::default(),
             history: vibrissa_supervisor::service::HistoryOptions::default(),

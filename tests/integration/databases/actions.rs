@@ -28,6 +28,7 @@ pub(crate) async fn supervisor(name: &str, database_port: u16, broker: &Mosquitt
         name: name.to_owned(),
         fleets: vec![fleet()],
         database: Postgres::url(database_port).parse().unwrap(),
+        is_new_installation: true,
         lease_time_to_live: std::time::Duration::from_secs(2),
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: vibrissa_supervisor::service::HistoryOptions::default(),

@@ -248,6 +248,7 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto, keep: Contact
         name: "s".to_owned(),
         fleets: vec![fleet()],
         database: database.clone(),
+        is_new_installation: true,
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
         limits: vibrissa_supervisor::service::LimitOptions::default(),

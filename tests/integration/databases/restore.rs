@@ -27,16 +27,22 @@ const LEARNED: usize = 60;
 
 /// Starts a supervisor of fleet `f` in this process.
 async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
+    Service::start(options(database, broker)).await.unwrap()
+}
+
+/// Options of a supervisor of fleet `f`.
+pub(crate) fn options(database: &DatabaseAddress, broker: &Mosquitto) -> ServiceOptions {
     let mut params = Params::nguyen_2021(Formulation::Published);
     params.detection.cold_start_contacts = LEARNED as u32;
     params.command.resend_after = Micros::from_s(0.3);
-    Service::start(ServiceOptions {
+    ServiceOptions {
         kafka: vibrissa_supervisor::service::KafkaOptions::default(),
         shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),
         fleets: vec![fleet()],
         database: database.clone(),
+        is_new_installation: true,
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: vibrissa_supervisor::service::HistoryOptions::default(),
@@ -49,9 +55,7 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
         mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
         http: ([127, 0, 0, 1], 0).into(),
         params,
-    })
-    .await
-    .unwrap()
+    }
 }
 
 /// A robot that obeys setpoints according to the contract and remembers them.

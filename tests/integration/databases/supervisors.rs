@@ -458,6 +458,7 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
         name: "s".to_owned(),
         fleets: fleets.to_vec(),
         database: address,
+        is_new_installation: true,
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: vibrissa_supervisor::service::HistoryOptions::default(),

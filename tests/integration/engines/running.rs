@@ -72,6 +72,7 @@ impl Running {
             name: "s".to_owned(),
             fleets: vec![fleet],
             database: DatabaseAddress::Sqlite(database(&folder)),
+            is_new_installation: true,
             lease_time_to_live: LEASE_TIME_TO_LIVE,
             limits: vibrissa_supervisor::service::LimitOptions::default(),
             history: vibrissa_supervisor::service::HistoryOptions::default(),

@@ -137,6 +137,7 @@ async fn service(folder: &TempDir, port: u16) -> Service {
         name: "s".to_owned(),
         fleets: vec![fleet.clone()],
         database: DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")),
+        is_new_installation: true,
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: vibrissa_supervisor::service::HistoryOptions::default(),

@@ -80,6 +80,7 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::Calibrations => ["calibration0.toml", "calibration1.toml", "calibration2.toml"],
         Key::Log => ["error", "warn", "debug"],
         Key::DatabaseUrl => ["postgres://u@h0/d", "postgres://u@h1/d", "postgres://u@h2/d"],
+        Key::DatabaseInstallation => ["new", "known", "new"],
         Key::LeaseTimeToLiveS => ["3.5", "4.5", "5.5"],
         Key::ContactsKeep => ["decisions", "none", "all"],
         Key::ContactsDays | Key::RollupsMinutesDays => ["0", "7", "90"],

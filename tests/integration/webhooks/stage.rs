@@ -122,6 +122,7 @@ impl Stage {
             name: name.to_owned(),
             fleets: vec![fleet.clone()],
             database: self.address.clone(),
+            is_new_installation: true,
             lease_time_to_live: LEASE_TIME_TO_LIVE,
             limits: vibrissa_supervisor::service::LimitOptions::default(),
             history: vibrissa_supervisor::service::HistoryOptions::default(),

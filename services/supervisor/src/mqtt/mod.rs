@@ -5,7 +5,7 @@
 //! forgotten the retained ones. The receiving connection proves that it hears robots (`hearing`).
 //!
 //! Further connections: [`record`] records, [`TestClient`] tests a robot, whose topics a [`Relay`] records, and
-//! [`try_hearing`] tests for a short time whether a fleet can be heard. [`prepare`] reads certificates before the first
+//! [`try_hearing`] tests for a short time whether a fleet can be heard; `former_owner` asks for the fleet's last owner. [`prepare`] reads certificates before the first
 //! attempt; [`LinkState`] gives the reason of an outage. A broker may have several nodes; [`nodes`] has their order.
 
 mod address;
@@ -26,6 +26,7 @@ mod recorder;
 mod relay;
 mod test_client;
 
+mod former_owner;
 mod trial;
 
 mod coalescing;
@@ -47,6 +48,7 @@ use vibrissa_protocol::{BootId, Name};
 use crate::thread::Occupancy;
 
 pub(crate) use births::{FleetBirths, SharedBirths};
+pub(crate) use former_owner::retained_epoch;
 
 pub use address::{BadBrokerUrl, BrokerAddress, ClientCertificate, Credentials, Node, TlsOptions};
 pub use link::{LinkState, NodesInUse};

@@ -91,6 +91,15 @@ pub enum IngestArg {
     Kafka,
 }
 
+/// Whether the database is that of an installation that exists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum InstallationArg {
+    /// It knows every owner that the broker retains.
+    Known,
+    /// It was begun after owners that the broker retains.
+    New,
+}
+
 /// Contacts that are published.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PublishContactsArg {

@@ -121,6 +121,8 @@ policy_numbers! { keys {
         postgres://USER@HOST1:5432,HOST2:5432/DATABASE for servers that fail over";
     DatabasePasswordFile: "database.password_file", Kind::File, None,
         "File with the password for PostgreSQL";
+    DatabaseInstallation: "database.installation", Kind::Text, Some(r#""known""#),
+        "known, or new: supervise fleets although the MQTT broker retains owners of them that the database does not know";
     LeaseTimeToLiveS: "lease.time_to_live_s", Kind::Number { min: 0.5, max: 60.0 }, Some("2.0"),
         "Seconds without renewal after which another supervisor may take over a fleet";
     ContactsKeep: "contacts.keep", Kind::Text, Some(r#""all""#),

@@ -40,7 +40,7 @@ pub use problem::{Origin, Problem, Problems};
 
 use self::layers::Layers;
 use self::reader::Reader;
-use choices::{FormulationArg, KeepArg, SeriesArg};
+use choices::{FormulationArg, InstallationArg, KeepArg, SeriesArg};
 use vibrissa_store::DatabaseAddress;
 use vibrissa_store::retention::Retention;
 use vibrissa_supervisor::broker::MqttAccess;
@@ -69,6 +69,8 @@ pub struct Config {
     pub log: String,
     /// Address of the database.
     pub database: DatabaseAddress,
+    /// Whether the database may lack owners of fleets that the broker retains.
+    pub is_new_installation: bool,
     /// Time without renewal after which another supervisor may take over a fleet.
     pub lease_time_to_live: Duration,
     /// Retention of contacts: the stored ones, and their lifetime.
@@ -139,6 +141,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let models = models(reader, formulation.unwrap_or_default());
     let log = reader.parsed(Key::Log, log_filter::log_filter);
     let database = database::database(reader);
+    let installation = reader.word::<InstallationArg>(Key::DatabaseInstallation);
     let lease = reader.number(Key::LeaseTimeToLiveS);
     let keep = reader.word::<KeepArg>(Key::ContactsKeep);
     let keep = keep.map(ContactRetention::from);
@@ -166,6 +169,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         models: models?,
         log: log?,
         database: database?,
+        is_new_installation: installation? == InstallationArg::New,
         lease_time_to_live: Duration::from_secs_f64(lease?),
         history: HistoryOptions {
             keep: keep?,
@@ -287,6 +291,7 @@ impl From<Config> for ServiceOptions {
             fleets: config.fleets,
             shards: config.shards,
             database: config.database,
+            is_new_installation: config.is_new_installation,
             lease_time_to_live: config.lease_time_to_live,
             history: config.history,
             black_boxes: config.black_boxes,

@@ -77,6 +77,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
         name: "demo".to_owned(),
         fleets: vec![Name::new(scenario::FLEET)?],
         database: DatabaseAddress::Sqlite(database.clone()),
+        is_new_installation: true,
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         metrics_per_whisker: false,
         limits: vibrissa_supervisor::service::LimitOptions::default(),

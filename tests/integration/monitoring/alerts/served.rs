@@ -74,6 +74,7 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
         name: "s".to_owned(),
         fleets: vec![Name::new("f").unwrap()],
         database: DatabaseAddress::Sqlite(folder.path().join("v.sqlite3")),
+        is_new_installation: true,
         lease_time_to_live: LEASE_TIME_TO_LIVE,
         limits: vibrissa_supervisor::service::LimitOptions::default(),
         history: vibrissa_supervisor::service::HistoryOptions::default(),
