@@ -9,6 +9,7 @@ use serde_json::json;
 use tempfile::TempDir;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
+use url::Url;
 use vibrissa_store::secret::Secret;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_tests::mosquitto::free_port;
@@ -16,6 +17,7 @@ use vibrissa_tests::wait::until;
 use vibrissa_tests::web::{Answer, ask, open, send};
 
 use crate::served::Served;
+use crate::sign_in::{Attempt, Provider, cookie};
 
 const EXAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../deploy/proxies");
 const TOKEN: &str = "a-token-of-more-than-32-characters-for-the-test";
@@ -78,7 +80,11 @@ fn whole(name: &str, example: &str, folder: &str, port: u16) -> String {
 }
 
 async fn start(name: &str, supervisor: SocketAddr) -> Proxy {
-    let (folder, port) = (tempfile::tempdir().unwrap(), free_port());
+    start_at(name, free_port(), supervisor).await
+}
+
+async fn start_at(name: &str, port: u16, supervisor: SocketAddr) -> Proxy {
+    let folder = tempfile::tempdir().unwrap();
     let place = folder.path().to_str().unwrap();
     let file = folder.path().join(name);
     std::fs::write(&file, whole(name, &example(name, port, supervisor), place, port)).unwrap();
@@ -155,17 +161,53 @@ async fn regress_works_behind(name: &str) {
     assert_eq!(sent(&proxy, "PUT", path, &tag, Some(&body)).await.status, 412, "{tag} is of an older version");
 }
 
+async fn regress_people_sign_in_behind(name: &str) {
+    let (provider, port) = (Provider::start().await, free_port());
+    let public = format!("http://127.0.0.1:{port}/vibrissa");
+    let served = provider.served_at(&public).await;
+    let proxy = start_at(name, port, served.http).await;
+    let attempt = Attempt::begin_at(proxy.address, "/vibrissa", "%23/robots").await;
+    assert_eq!(attempt.redirect_uri, format!("{public}/auth/callback"));
+    provider.gives_operator(&attempt.nonce);
+    let path = format!("/vibrissa/auth/callback?code=c&state={}", attempt.state);
+    let back = ask(proxy.address, "GET", &path, &[("Cookie", attempt.cookie.as_str())]).await.unwrap();
+    assert!(back.status == 303 && back.headers["location"].ends_with("/vibrissa/#/robots"), "{back:?}");
+    let session = cookie(&back);
+    let headers = [("Cookie", session.as_str())];
+    assert_eq!(ask(proxy.address, "GET", "/vibrissa/v1/me", &headers).await.unwrap().status, 200);
+    // What a problem refers to is found below the path.
+    let problem = ask(proxy.address, "GET", "/vibrissa/v1/fleets/f/robots/none", &headers).await.unwrap().json();
+    assert_eq!(problem["instance"], "/vibrissa/v1/fleets/f/robots/none", "{problem}");
+    let of_type = problem["type"].as_str().unwrap();
+    let explained = ask(proxy.address, "GET", of_type, &headers).await.unwrap();
+    assert!(explained.status == 200 && explained.json()["type"] == *of_type, "{problem}: {explained:?}");
+    let alarms = ask(proxy.address, "GET", "/vibrissa/v1/alarms?fleet=f&limit=1", &headers).await.unwrap().json();
+    let runbook = alarms["items"][0]["runbook_url"].as_str().unwrap();
+    assert_eq!(ask(proxy.address, "GET", runbook, &headers).await.unwrap().status, 200, "{runbook}");
+
+    let origin = format!("http://{}", proxy.address);
+    let headers = [("Cookie", session.as_str()), ("Origin", origin.as_str())];
+    let out = ask(proxy.address, "POST", "/vibrissa/auth/sign-out", &headers).await.unwrap();
+    let end: Url = out.json()["end_session_url"].as_str().unwrap().parse().unwrap();
+    let led = end.query_pairs().find(|(name, _)| name == "post_logout_redirect_uri").unwrap().1.into_owned();
+    assert_eq!(led, format!("{public}/"));
+    assert_eq!(ask(proxy.address, "GET", "/vibrissa/v1/me", &headers).await.unwrap().status, 401, "signed out");
+}
+
 #[tokio::test]
 async fn regress_everything_works_behind_nginx() {
     regress_works_behind("nginx.conf").await;
+    regress_people_sign_in_behind("nginx.conf").await;
 }
 
 #[tokio::test]
 async fn regress_everything_works_behind_apache() {
     regress_works_behind("apache.conf").await;
+    regress_people_sign_in_behind("apache.conf").await;
 }
 
 #[tokio::test]
 async fn regress_everything_works_behind_caddy() {
     regress_works_behind("Caddyfile").await;
+    regress_people_sign_in_behind("Caddyfile").await;
 }

@@ -11,7 +11,7 @@ use vibrissa_core::robot::Params;
 use vibrissa_store::{DatabaseAddress, Store};
 use vibrissa_supervisor::action_notifier::ActionNotifier;
 use vibrissa_supervisor::http::{
-    App,
+    App, HttpOptions,
     access::{Access, AccessOptions},
     serve,
     streams::StreamOptions,
@@ -90,11 +90,15 @@ impl Served {
         let written = rows::write(&store).await;
         let (stop, stopped) = watch::channel(false);
         let (metrics, params) = (Metrics::new(false).unwrap(), Arc::new(Params::nguyen_2021(Formulation::Published)));
+        let public_url = access.oidc.as_ref().and_then(|oidc| oidc.sign_in.as_ref()).map(|sign_in| &sign_in.public_url);
+        let base_path = public_url
+            .map_or_else(String::new, |url| url.parse::<url::Url>().unwrap().path().trim_end_matches('/').to_owned());
         let access = Access::new(access, IpAddr::V4(Ipv4Addr::LOCALHOST));
         let (readiness, action_notifier) = (Readiness::default(), ActionNotifier::default());
         let app = App::new(store.clone(), metrics, readiness, access, action_notifier, params, stopped.clone());
         let app = app.with_streams(streams);
-        let http = serve(&([127, 0, 0, 1], 0).into(), app, stopped).await.unwrap().address;
+        let options = HttpOptions { base_path, ..([127, 0, 0, 1], 0).into() };
+        let http = serve(&options, app, stopped).await.unwrap().address;
         Self { store, http, url, database: address, written, _stop: stop, _server: server, _folder: folder }
     }
 

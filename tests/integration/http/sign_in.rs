@@ -1,5 +1,6 @@
 //! Signing in at the console with a provider that answers as each test wants.
 
+use std::net::SocketAddr;
 use std::sync::{Arc, Mutex};
 
 use base64::Engine as _;
@@ -19,7 +20,7 @@ use vibrissa_tests::web::{Answer, ask};
 use crate::served::Served;
 
 /// A provider with one key. Its token endpoint gives the tokens that were put there last.
-struct Provider {
+pub(crate) struct Provider {
     issuer: String,
     key: KeyPair,
     /// Status and body of the token endpoint's next answers.
@@ -27,7 +28,7 @@ struct Provider {
 }
 
 impl Provider {
-    async fn start() -> Self {
+    pub(crate) async fn start() -> Self {
         let key = KeyPair::generate().unwrap();
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let issuer = format!("http://{}", listener.local_addr().unwrap());
@@ -36,7 +37,7 @@ impl Provider {
         let keys = json!({ "keys": [{ "kty": "EC", "crv": "P-256", "kid": "k1", "x": x, "y": y }] });
         let found = json!({ "issuer": issuer, "jwks_uri": format!("{issuer}/keys"),
                             "authorization_endpoint": format!("{issuer}/authorize"),
-                            "token_endpoint": format!("{issuer}/token") });
+                            "token_endpoint": format!("{issuer}/token"), "end_session_endpoint": format!("{issuer}/end") });
         let next = Arc::new(Mutex::new((500, Value::Null)));
         let tokens = next.clone();
         tokio::spawn(async move {
@@ -58,11 +59,13 @@ impl Provider {
     }
 
     async fn served(&self) -> Served {
-        let sign_in = SignInOptions {
-            client_id: "console".to_owned(),
-            client_secret: None,
-            public_url: "http://127.0.0.1:1".to_owned(),
-        };
+        self.served_at("http://127.0.0.1:1").await
+    }
+
+    /// A service that browsers reach at this address.
+    pub(crate) async fn served_at(&self, public_url: &str) -> Served {
+        let sign_in =
+            SignInOptions { client_id: "console".to_owned(), client_secret: None, public_url: public_url.to_owned() };
         let oidc = OidcOptions {
             issuer: self.issuer.clone(),
             audience: "vibrissa".to_owned(),
@@ -93,6 +96,11 @@ impl Provider {
         self.token(&[&json!({ "aud": "console", "nonce": nonce }), changed])
     }
 
+    /// The next tokens are those of an operator.
+    pub(crate) fn gives_operator(&self, nonce: &str) {
+        self.gives(tokens(&self.access_token(&json!({})), Some(&self.id_token(nonce, &json!({})))));
+    }
+
     fn gives(&self, tokens: Value) {
         *self.next.lock().unwrap() = (200, tokens);
     }
@@ -103,20 +111,28 @@ fn tokens(access_token: &str, id_token: Option<&str>) -> Value {
 }
 
 /// A browser that has gone to the provider.
-struct Attempt {
-    state: String,
-    nonce: String,
-    cookie: String,
+pub(crate) struct Attempt {
+    pub(crate) state: String,
+    pub(crate) nonce: String,
+    pub(crate) cookie: String,
+    /// Address to which the provider leads the browser back.
+    pub(crate) redirect_uri: String,
 }
 
 impl Attempt {
     async fn begin(served: &Served, to: &str) -> Self {
-        let answer = ask(served.http, "GET", &format!("/auth/sign-in?to={to}"), &[]).await.unwrap();
+        Self::begin_at(served.http, "", to).await
+    }
+
+    /// Begins at a service, or at a proxy with a path.
+    pub(crate) async fn begin_at(http: SocketAddr, path: &str, to: &str) -> Self {
+        let answer = ask(http, "GET", &format!("{path}/auth/sign-in?to={to}"), &[]).await.unwrap();
         assert_eq!(answer.status, 303, "{}", answer.body);
         let url = Url::parse(&answer.headers["location"]).unwrap();
         let asked = |name: &str| url.query_pairs().find(|(one, _)| one == name).unwrap().1.into_owned();
         assert_eq!((asked("code_challenge_method").as_str(), asked("scope").as_str()), ("S256", "openid profile"));
-        Self { state: asked("state"), nonce: asked("nonce"), cookie: cookie(&answer) }
+        let redirect_uri = asked("redirect_uri");
+        Self { state: asked("state"), nonce: asked("nonce"), cookie: cookie(&answer), redirect_uri }
     }
 
     async fn end(&self, served: &Served, more: &str) -> Answer {
@@ -126,7 +142,7 @@ impl Attempt {
 }
 
 /// The last cookie that an answer sets.
-fn cookie(answer: &Answer) -> String {
+pub(crate) fn cookie(answer: &Answer) -> String {
     answer.headers["set-cookie"].split(';').next().unwrap().to_owned()
 }
 
@@ -214,7 +230,8 @@ async fn regress_an_answer_leads_to_the_consoles_own_pages_only() {
     for to in ["/evil.example", "\\evil.example", "//evil.example", ".evil.example"] {
         let planted = json!({ "state": "s", "nonce": "n", "verifier": "v".repeat(43), "to": to }).to_string();
         let cookie = format!("vibrissa-sign-in={}", URL_SAFE_NO_PAD.encode(planted));
-        let attempt = Attempt { state: "s".to_owned(), nonce: "n".to_owned(), cookie };
+        let redirect_uri = String::new();
+        let attempt = Attempt { state: "s".to_owned(), nonce: "n".to_owned(), cookie, redirect_uri };
         assert_eq!(signed_in(&attempt, "").await.headers["location"], "/#/fleets?sign_in=EXPIRED", "{to}");
     }
     let attempt = Attempt::begin(&served, "").await;

@@ -104,7 +104,7 @@ function guidance(row) {
     {},
     h("summary", {}, "Likely causes and runbook"),
     row.causes.length ? h("ol", {}, row.causes.map((cause) => h("li", {}, cause))) : null,
-    h("p", {}, h("a", { href: row.runbook_url.replace(/^\//, ""), target: "_blank", rel: "noreferrer" }, "Runbook")),
+    h("p", {}, h("a", { href: row.runbook_url.replace(/^\/(.*\/)?(?=runbooks\/)/, ""), target: "_blank", rel: "noreferrer" }, "Runbook")),
   );
 }
 

@@ -103,6 +103,8 @@ pub struct App {
     pub webhook_tests: Places,
     /// Where the runbooks are, without a slash at the end.
     pub runbooks_url: Arc<str>,
+    /// Path below which browsers reach this service, without a slash at the end; mostly empty.
+    pub base_path: Arc<str>,
     /// Routes beside those of the API.
     pub further_routes: FurtherRoutes,
 }
@@ -145,6 +147,7 @@ impl App {
             webhooks,
             webhook_tests,
             runbooks_url: runbooks::PATH.into(),
+            base_path: "".into(),
             further_routes: FurtherRoutes::default(),
         }
     }
@@ -155,13 +158,14 @@ impl App {
         Self { traces, ..self }
     }
 
-    /// Replaces the place of the runbooks, if another is configured.
+    /// Replaces the path below which browsers reach this service, and the place of the runbooks, if another is configured.
     #[must_use]
-    pub fn with_runbooks(self, url: Option<&str>) -> Self {
-        match url {
-            Some(url) => Self { runbooks_url: url.trim_end_matches('/').into(), ..self },
-            None => self,
-        }
+    pub fn reached_at(self, base_path: &str, runbooks_url: Option<&str>) -> Self {
+        let runbooks_url = match runbooks_url {
+            Some(url) => url.trim_end_matches('/').into(),
+            None => format!("{base_path}{}", runbooks::PATH).into(),
+        };
+        Self { runbooks_url, base_path: base_path.into(), ..self }
     }
 
     /// Adds routes beside those of the API.
@@ -224,6 +228,8 @@ pub struct HttpOptions {
     pub limits: Limits,
     /// Address of the runbooks; `None` for those of this service.
     pub runbooks_url: Option<String>,
+    /// Path below which browsers reach this service through a proxy, without a slash at the end; empty without one.
+    pub base_path: String,
     /// Proxies whose `X-Forwarded-For` names the client.
     pub trusted_proxies: Vec<Network>,
 }
@@ -231,7 +237,8 @@ pub struct HttpOptions {
 impl From<SocketAddr> for HttpOptions {
     fn from(listen: SocketAddr) -> Self {
         let (limits, trusted_proxies) = (Limits::default(), Vec::new());
-        Self { listen, monitoring_listen: None, limits, runbooks_url: None, trusted_proxies }
+        let base_path = String::new();
+        Self { listen, monitoring_listen: None, limits, runbooks_url: None, base_path, trusted_proxies }
     }
 }
 
@@ -268,7 +275,7 @@ const MONITORING_LIMITS: Limits = Limits { connections_max: 64, connections_per_
 /// # Errors
 /// An address is in use or cannot be bound.
 pub async fn serve(options: &HttpOptions, app: App, stop: watch::Receiver<bool>) -> Result<Serving, ListenError> {
-    let mut app = app.with_runbooks(options.runbooks_url.as_deref());
+    let mut app = app.reached_at(&options.base_path, options.runbooks_url.as_deref());
     app.access = app.access.behind(TrustedProxies::new(&options.trusted_proxies));
     let limits = server::possible(options.limits, server::descriptors::raise_limit());
     let monitored = match options.monitoring_listen {
@@ -348,7 +355,10 @@ fn around(router: Router, app: &App) -> Router {
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
         .layer(from_fn(origin::refuse_other_sites))
         .layer(from_fn(ambiguity::refuse))
-        .layer(from_fn_with_state((app.metrics.http.clone(), app.traces.clone()), passage::passage))
+        .layer(from_fn_with_state(
+            (app.metrics.http.clone(), app.traces.clone(), app.base_path.clone()),
+            passage::passage,
+        ))
         .layer(map_response(headers::of_all))
         // Without it each connection would rebuild the routes.
         .with_state(())

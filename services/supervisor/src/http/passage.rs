@@ -1,5 +1,6 @@
 //! Middleware for every request: request ID, log span and time limit. It also writes the body of every problem.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::extract::{MatchedPath, Request, State};
@@ -26,7 +27,7 @@ pub struct RequestId(pub String);
 
 /// Passes a request on and completes its answer.
 pub async fn passage(
-    State((metrics, traces)): State<(HttpMetrics, Option<Traces>)>,
+    State((metrics, traces, base)): State<(HttpMetrics, Option<Traces>, Arc<str>)>,
     mut request: Request,
     next: Next,
 ) -> Response {
@@ -57,7 +58,7 @@ pub async fn passage(
     .instrument(span)
     .await;
     metrics.answered(&method, route.as_ref().map(MatchedPath::as_str), response.status(), begun.elapsed());
-    let response = finish(response, id, path);
+    let response = finish(response, id, &base, &path);
     if let Some(span) = traced {
         span.answered(response.status());
     }
@@ -74,11 +75,11 @@ fn part_with_nul(uri: &Uri) -> Option<&'static str> {
 }
 
 /// Adds the request ID to the answer, and writes the body of a problem or of an empty refusal.
-fn finish(mut response: Response, id: String, path: String) -> Response {
+fn finish(mut response: Response, id: String, base: &str, path: &str) -> Response {
     let told = response.extensions_mut().remove::<Problem>().or_else(|| bare(response.status()));
     if let Some(problem) = told {
         let headers = std::mem::take(response.headers_mut());
-        response = problem.told(path, id.clone());
+        response = problem.told(base, path, id.clone());
         for (name, value) in &headers {
             if *name != header::CONTENT_LENGTH && *name != header::CONTENT_TYPE {
                 response.headers_mut().insert(name, value.clone());

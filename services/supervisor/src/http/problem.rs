@@ -1,12 +1,13 @@
 //! Errors of the API: RFC 9457 problem documents with stable types.
 
-use axum::extract::Path;
+use axum::extract::{Path, State};
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Json, Response};
 use serde::Serialize;
 use serde_json::json;
 use utoipa::ToSchema;
 
+use super::App;
 use vibrissa_store::StoreError;
 
 /// Media type of problem documents.
@@ -147,19 +148,19 @@ impl Problem {
         Self { kind, detail: detail.into(), errors: Vec::new() }
     }
 
-    /// The response, once the request ID is known.
+    /// The response, once the request ID is known. `base` is the path below which browsers reach this service, or empty.
     #[must_use]
-    pub fn told(self, instance: String, request_id: String) -> Response {
+    pub fn told(self, base: &str, path: &str, request_id: String) -> Response {
         let kind = self.kind;
         let body = ProblemBody {
-            type_uri: format!("/problems/{}", kind.name()),
+            type_uri: format!("{base}/problems/{}", kind.name()),
             title: kind.title().to_owned(),
             status: kind.status().as_u16(),
             detail: self.detail,
-            instance,
+            instance: format!("{base}{path}"),
             request_id,
             hint: kind.guidance().map(|(hint, _)| hint.to_owned()),
-            runbook_url: kind.guidance().map(|(_, runbook)| format!("{}/{runbook}", super::runbooks::PATH)),
+            runbook_url: kind.guidance().map(|(_, runbook)| format!("{base}{}/{runbook}", super::runbooks::PATH)),
             errors: self.errors,
         };
         let json = serde_json::to_vec(&body).unwrap_or_default();
@@ -204,12 +205,11 @@ impl Problem {
 }
 
 /// Explains a kind of problem at the path of its type.
-pub async fn explain(Path(name): Path<String>) -> Response {
+pub async fn explain(State(app): State<App>, Path(name): Path<String>) -> Response {
     match Kind::ALL.iter().find(|kind| kind.name() == name) {
         Some(kind) => {
-            let told =
-                json!({ "type": format!("/problems/{name}"), "title": kind.title(), "status": kind.status().as_u16() });
-            Json(told).into_response()
+            let type_uri = format!("{}/problems/{name}", app.base_path);
+            Json(json!({ "type": type_uri, "title": kind.title(), "status": kind.status().as_u16() })).into_response()
         }
         None => Problem::not_found(format_args!("kind of problem called {name}")).into_response(),
     }

@@ -29,12 +29,14 @@ pub(super) fn listeners(reader: &mut Reader) -> Option<HttpOptions> {
     let limits =
         Limits { connections_max: connections_max?, connections_per_address_max: connections_per_address_max? };
     let runbooks_url = runbooks_url(reader)?;
+    let base_path = base_path(reader);
     let trusted_proxies = trusted_proxies(reader)?;
     (monitoring_listen.is_some() == is_monitored).then_some(HttpOptions {
         listen: listen?,
         monitoring_listen,
         limits,
         runbooks_url,
+        base_path,
         trusted_proxies,
     })
 }
@@ -52,6 +54,13 @@ fn runbooks_url(reader: &mut Reader) -> Option<Option<String>> {
         return Some(None);
     }
     reader.parsed(Key::HttpRunbooksUrl, |text| web_url(text).map(|_| text.to_owned())).map(Some)
+}
+
+/// Path of the public address; `sign_in` refuses a wrong address.
+fn base_path(reader: &mut Reader) -> String {
+    let is_set = reader.is_explicit(Key::HttpPublicUrl);
+    let url = if is_set { reader.text(Key::HttpPublicUrl) } else { None };
+    url.and_then(|text| web_url(&text).ok()).map_or_else(String::new, |url| url.path().trim_end_matches('/').to_owned())
 }
 
 fn address(text: &str, example: &str) -> Result<SocketAddr, String> {
@@ -123,12 +132,13 @@ fn sign_in(reader: &mut Reader) -> Option<Option<SignInOptions>> {
     Some(Some(SignInOptions { client_id, client_secret, public_url: public_url? }))
 }
 
-/// An address of the console: HTTPS or this machine, without a path.
+/// An address of the console: HTTPS or this machine, with the path that a proxy gives it.
 fn public_url(text: &str) -> Result<String, String> {
     secure_url(text).map_err(|problem| problem.replace("keys sent", "cookies sent").replace("forged", "read"))?;
     let url = web_url(text)?;
-    if url.path() != "/" || url.query().is_some() || url.fragment().is_some() || !url.username().is_empty() {
-        return Err("must be scheme, host and port only, such as https://vibrissa.example".to_owned());
+    if url.query().is_some() || url.fragment().is_some() || !url.username().is_empty() {
+        let what = "must be scheme, host, port and path only, such as https://vibrissa.example or https://hall.example/vibrissa";
+        return Err(what.to_owned());
     }
     Ok(text.trim_end_matches('/').to_owned())
 }

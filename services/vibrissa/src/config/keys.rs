@@ -211,7 +211,8 @@ policy_numbers! { keys {
     HttpOidcClientSecretFile: "http.oidc_client_secret_file", Kind::File, None,
         "File with the secret of that client; leave it out for a public client";
     HttpPublicUrl: "http.public_url", Kind::Text, None,
-        "Address at which browsers reach the console, such as https://vibrissa.example; needed for the sign-in";
+        "Address at which browsers reach the console, such as https://vibrissa.example, or https://hall.example/vibrissa \
+         behind a proxy with a path; needed for the sign-in";
     HttpRunbooksUrl: "http.runbooks_url", Kind::Text, None,
         "Address of the runbooks that alarms link to, such as https://wiki.example/runbooks; default: /runbooks of this \
          service";
