@@ -274,11 +274,15 @@ fn address(key: Option<&[u8]>, headers: &BTreeMap<String, Vec<u8>>) -> Result<To
         return if header.is_none_or(|header| header == of_key) { Ok(of_key) } else { Err(Skipped::Contradiction) };
     }
     let header = header.ok_or(Skipped::NoTopic)?;
-    let (Topic::Robot { fleet, robot, .. }, Some((of_fleet, of_robot))) = (&header, key.split_once('/')) else {
-        return Ok(header);
+    let Topic::Robot { fleet, robot, .. } = &header else { return Ok(header) };
+    let is_same = match key.split_once('/') {
+        Some((of_fleet, of_robot)) => match (Name::new(of_fleet), Name::robot(of_robot)) {
+            (Ok(of_fleet), Ok(of_robot)) => (fleet, robot) == (&of_fleet, &of_robot),
+            (Err(_), _) | (_, Err(_)) => true,
+        },
+        None => Name::robot(&key).map_or(true, |of_key| of_key == *robot),
     };
-    let (Ok(of_fleet), Ok(of_robot)) = (Name::new(of_fleet), Name::robot(of_robot)) else { return Ok(header) };
-    if (fleet, robot) == (&of_fleet, &of_robot) { Ok(header) } else { Err(Skipped::Contradiction) }
+    if is_same { Ok(header) } else { Err(Skipped::Contradiction) }
 }
 
 #[cfg(test)]
@@ -294,12 +298,13 @@ mod tests {
         };
         let found = Ok(TOPIC.to_owned());
         assert_eq!(addressed(Some("f/r"), &[("topic", TOPIC)]), found);
+        assert_eq!(addressed(Some("r"), &[("topic", TOPIC)]), found, "a key with the robot alone");
         assert_eq!(addressed(Some(TOPIC), &[]), found);
         assert_eq!(addressed(None, &[("mqtt.topic", TOPIC)]), found);
-        assert_eq!(addressed(Some("some-key"), &[("mqtt_topic", TOPIC)]), found, "a key of another form");
+        assert_eq!(addressed(Some("some key"), &[("mqtt_topic", TOPIC)]), found, "a key of another form");
         assert_eq!(addressed(Some(TOPIC), &[("topic", "vibrissa.messages")]), found, "a header of another meaning");
         assert_eq!(addressed(None, &[("topic", "vibrissa.messages"), ("mqtt_topic", TOPIC)]), found);
-        for key in ["f/other", "g/r", "whisker/v1/f/other/contacts", "whisker/v1/f/r/status"] {
+        for key in ["f/other", "g/r", "other", "r2", "whisker/v1/f/other/contacts", "whisker/v1/f/r/status"] {
             assert_eq!(addressed(Some(key), &[("topic", TOPIC)]), Err(Skipped::Contradiction), "{key}");
         }
         assert_eq!(addressed(Some("f/r"), &[]), Err(Skipped::NoTopic));
