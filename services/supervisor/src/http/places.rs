@@ -38,7 +38,7 @@ pub struct Places {
 /// A taken place; dropping it frees the place.
 #[derive(Debug)]
 pub struct Place {
-    sharers: [Sharer; 2],
+    sharers: Vec<Sharer>,
     taken: Taken,
 }
 
@@ -64,22 +64,28 @@ impl Places {
         total(&lock(&self.taken))
     }
 
-    /// Takes a place for a caller, about a fleet.
+    /// Takes a place for a caller, about each of these fleets. An empty list stands for several fleets.
     ///
     /// # Errors
-    /// The caller, the fleet, or all together have reached the limit.
-    pub fn take(&self, caller: &str, fleet: Option<&str>) -> Result<Place, Problem> {
+    /// The caller, a fleet, or all together have reached the limit.
+    pub fn take<'a>(&self, caller: &str, fleets: impl IntoIterator<Item = &'a str>) -> Result<Place, Problem> {
         let Self { what, limits: PlaceLimits { total_max, per_fleet_max, per_caller_max }, .. } = *self;
-        let sharers = [Sharer::Caller(caller.to_owned()), Sharer::Fleet(fleet.map(ToOwned::to_owned))];
+        let mut fleets: Vec<Option<&str>> = fleets.into_iter().map(Some).collect();
+        if fleets.is_empty() {
+            fleets.push(None);
+        }
+        let of_fleets = fleets.iter().map(|fleet| Sharer::Fleet(fleet.map(ToOwned::to_owned)));
+        let sharers: Vec<Sharer> = std::iter::once(Sharer::Caller(caller.to_owned())).chain(of_fleets).collect();
         let mut taken = lock(&self.taken);
-        let [of_caller, of_fleet] = sharers.each_ref().map(|sharer| taken.get(sharer).copied().unwrap_or_default());
+        let count = |sharer: &Sharer| taken.get(sharer).copied().unwrap_or_default();
         let refused = |told: String| Err(Problem::new(Kind::TooManyRequests, told));
-        if of_caller >= per_caller_max {
+        if sharers.first().is_some_and(|caller| count(caller) >= per_caller_max) {
             return refused(format!(
                 "{caller} has {per_caller_max} {what}, the limit per caller: end one, or try again later"
             ));
         }
-        if of_fleet >= per_fleet_max {
+        let full = sharers.iter().skip(1).zip(fleets).find(|(sharer, _)| count(sharer) >= per_fleet_max);
+        if let Some((_, fleet)) = full {
             let about = fleet.map_or_else(|| "about several fleets".to_owned(), |fleet| format!("about fleet {fleet}"));
             return refused(format!("there are {per_fleet_max} {what} {about}, the limit: try again later"));
         }
@@ -150,6 +156,20 @@ mod tests {
         assert_eq!((of_b.len(), of_several.len()), (4, 2));
         drop((of_a, of_b, of_several));
         assert_eq!(places.count(), 0);
+    }
+
+    #[test]
+    fn regress_a_request_about_two_fleets_takes_a_place_of_each() {
+        let places = Places::new("tests", PlaceLimits { total_max: 10, per_fleet_max: 2, per_caller_max: 10 });
+        let of_both = places.take("x", ["a", "b"]).unwrap();
+        let _of_a = places.take("y", ["a"]).unwrap();
+        let told = places.take("z", ["b", "a"]).unwrap_err().detail;
+        assert!(told.contains("2 tests about fleet a"), "{told}");
+        let of_b = places.take("z", ["b"]).unwrap();
+        assert!(places.take("z", ["b"]).is_err());
+        assert_eq!(places.count(), 3);
+        drop((of_both, of_b));
+        assert!(places.take("z", ["b", "a"]).is_ok(), "a refusal takes no place");
     }
 
     #[test]

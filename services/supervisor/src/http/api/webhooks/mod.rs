@@ -310,7 +310,8 @@ async fn test_webhook(
     OptionalBody(why): OptionalBody<Why>,
 ) -> Result<Json<WebhookTest>, Problem> {
     let row = found(&app, &asker.caller, &at).await?;
-    let _place = app.webhook_tests.take(&asker.caller.actor, row.fleets.as_deref())?;
+    let fleets = row.fleets.iter().flat_map(|fleets| fleets.split(','));
+    let _place = app.webhook_tests.take(&asker.caller.actor, fleets)?;
     let of = (Some(at.webhook_id), &settings_of(&row));
     let action = audited(asker, RecordedKind::WebhookTest, of, reason(why.reason)?);
     let action_id = number_of(app.store.record_webhook_action(&action).await?)?;
