@@ -26,7 +26,8 @@ use super::robot::limits::{BOOTS_AT_ONCE, Bucket};
 use super::robot::retention::ContactRetention;
 use super::shard::shards::Shards;
 use super::shard::stepper::Stepper;
-use super::shard::{Receipts, Shard};
+
+use super::shard::{Found, Receipts, Shard};
 use crate::inbox::Delayed;
 use crate::metrics::Metrics;
 use vibrissa_store::batch::Batch;

@@ -57,7 +57,9 @@ impl Shard {
         for known in self.robots.values_mut() {
             let (boot_id, link) = known.robot.connection_state();
             let is_numbered = boot_id.is_none_or(|boot_id| known.boots.get(boot_id).is_some());
-            let is_missing = !is_numbered && link == Link::Online && known.refused_boot.is_none();
+            // A broker may break the connection because of the factsheet, again and again.
+            let is_expected = link == Link::Online || (link == Link::Broken && known.factsheet_missing.is_some());
+            let is_missing = !is_numbered && is_expected && known.refused_boot.is_none();
             known.factsheet_missing = is_missing.then(|| known.factsheet_missing.unwrap_or(now));
             if known.factsheet_missing.is_some_and(|since| now.saturating_duration_since(since) >= FACTSHEET_PATIENCE) {
                 without.add(&known.name);

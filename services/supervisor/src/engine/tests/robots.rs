@@ -120,3 +120,31 @@ fn regress_a_full_name_counts_within_the_array() {
     let names = [0, 5, 6, 7, 12].map(|index| known.full_name_of(index).to_string());
     assert_eq!(names, ["f/r1/a/0", "f/r1/a/5", "f/r1/right/0", "f/r1/right/1", "f/r1"]);
 }
+
+/// A broker ended the connection of a robot for its large factsheet, again and again. Each end began the time anew.
+#[test]
+fn regress_a_missing_factsheet_is_told_although_the_connection_breaks_again_and_again() {
+    use std::time::{Duration, Instant};
+    let (mut shard, begin) = (shard(2), Instant::now());
+    let mut missing = |shard: &mut Shard, seconds: u64| {
+        let mut without = Found::default();
+        shard.find_without_factsheet(begin + Duration::from_secs(seconds), &mut without);
+        without.one.map(|name| name.to_string())
+    };
+    let link = |shard: &mut Shard, boot_id: &str, link| {
+        let (robots, stepper) = shard.parts();
+        stepper.step(&mut robots["r1"], Micros(1), &Event::Connection { boot_id, link }, None);
+    };
+    assert_eq!(missing(&mut shard, 0), None, "both have factsheets");
+    for second in 0..30 {
+        link(&mut shard, "new", [Link::Online, Link::Broken][second as usize % 2]);
+        assert_eq!(missing(&mut shard, second), None, "{second} s");
+    }
+    assert_eq!(missing(&mut shard, 31).as_deref(), Some("r1"));
+    link(&mut shard, "new", Link::Offline);
+    assert_eq!(missing(&mut shard, 32), None, "it has left in order");
+    link(&mut shard, "new", Link::Broken);
+    assert_eq!(missing(&mut shard, 90), None);
+    link(&mut shard, "b", Link::Online);
+    assert_eq!(missing(&mut shard, 91), None, "its factsheet is known");
+}
