@@ -161,6 +161,11 @@ impl<E: Endpoint> Session<E> {
         kind.of(&self.fleet, &self.name).to_string()
     }
 
+    /// Name of the robot in the whole installation, such as `hall/crawler-83`.
+    fn full_name(&self) -> String {
+        format!("{}/{}", self.fleet, self.name)
+    }
+
     /// Polls the robot and plans the next time.
     async fn work(&mut self) {
         self.woken_at = Instant::now();
@@ -257,7 +262,7 @@ impl<E: Endpoint> Session<E> {
                 self.tell_refused(&refused);
                 let outgoing = self.robot.connected(now());
                 self.send(outgoing).await;
-                tracing::debug!(robot = %self.name, "connected");
+                tracing::debug!(robot = self.full_name(), "connected");
             }
             Report::Received(topic, payload) => {
                 let outgoing = self.robot.receive(topic, &payload, now());
@@ -305,7 +310,7 @@ impl<E: Endpoint> Session<E> {
         let topics = self.subscriptions();
         for (topic, _) in refused.iter().filter_map(|&position| topics.get(position)) {
             tracing::warn!(
-                robot = %self.name,
+                robot = self.full_name(),
                 topic,
                 "the broker refuses this subscription, and the robot does not get its messages: let the robot read the topic \
                  in the broker's access list, and start the agent again"
@@ -359,9 +364,9 @@ impl<E: Endpoint> Session<E> {
     /// Logs a problem, unless it was logged since the last connection: attempts go on for as long as it lasts.
     fn tell(&mut self, problem: String) {
         if self.told.contains(&problem) {
-            return tracing::debug!(robot = %self.name, "{problem}");
+            return tracing::debug!(robot = self.full_name(), "{problem}");
         }
-        tracing::warn!(robot = %self.name, "{problem}; trying again until it succeeds");
+        tracing::warn!(robot = self.full_name(), "{problem}; trying again until it succeeds");
         if self.told.len() < TOLD_MAX {
             self.told.insert(problem);
         }
@@ -387,7 +392,7 @@ impl<E: Endpoint> Session<E> {
                 if let Ok(notice) = publish.await
                     && let Err(error) = notice.wait_async().await
                 {
-                    tracing::warn!(robot = %self.name, %error, "farewell not acknowledged");
+                    tracing::warn!(robot = self.full_name(), %error, "farewell not acknowledged");
                 }
             }
             if connection.client.disconnect().await.is_ok() {
@@ -396,7 +401,7 @@ impl<E: Endpoint> Session<E> {
             }
         };
         if timeout(FAREWELL_TIMEOUT, end).await.is_err() {
-            tracing::warn!(robot = %self.name, "farewell timed out");
+            tracing::warn!(robot = self.full_name(), "farewell timed out");
         }
     }
 }

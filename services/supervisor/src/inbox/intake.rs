@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use bytes::Bytes;
 use tracing::warn;
 use vibrissa_core::units::Micros;
+use vibrissa_edge::full_name::FullName;
 use vibrissa_protocol::RobotTopic;
 
 use super::fair::{Bounds, ShedReason};
@@ -151,12 +152,14 @@ impl Intake {
         if self.warned.is_none_or(|warned| warned.elapsed() >= WARNING_INTERVAL) {
             self.warned = Some(Instant::now());
             let topic = String::from_utf8_lossy(topic);
+            let mut levels = topic.split('/').skip(2);
+            let robot = FullName::robot(levels.next().unwrap_or_default(), levels.next().unwrap_or_default());
             match why {
                 ShedReason::Full => {
-                    warn!(%topic, "inbox full, shedding messages (counted)")
+                    warn!(%robot, %topic, "inbox full, shedding messages (counted)")
                 }
                 ShedReason::OverShare => {
-                    warn!(%topic, "robot sends more than its share, shedding its messages (counted)");
+                    warn!(%robot, %topic, "robot sends more than its share, shedding its messages (counted)");
                 }
             }
         }

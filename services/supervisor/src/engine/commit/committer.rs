@@ -3,6 +3,7 @@
 
 use tokio::time::{Duration, Instant};
 use tracing::{error, info, warn};
+use vibrissa_edge::full_name::FullName;
 use vibrissa_protocol::Name;
 
 use crate::backoff::Backoff;
@@ -205,14 +206,19 @@ impl Committer {
         let mut offenders = Vec::new();
         for Refused { owner, rejection } in refused {
             let (code, text) = (&rejection.code, &rejection.text);
-            error!(fleet = %self.fleet, ?owner, code, text, "database rejects these rows for good, leaving them out");
-            let Owner::Robot(robot_id) = owner else { continue };
+            let Owner::Robot(robot_id) = owner else {
+                error!(fleet = %self.fleet, code, text, "database rejects these rows for good, leaving them out");
+                continue;
+            };
             let (stored, journal, records) = loop {
                 match self.load(robot_id).await {
                     Ok(loaded) => break loaded,
                     Err(problem) => self.wait_out(outage, problem, "cannot load a robot").await?,
                 }
             };
+            let name =
+                stored.as_ref().map(|stored| FullName::robot(self.lease.fleet().as_str(), &stored.robot).to_string());
+            error!(robot = name, code, text, "database rejects these rows of the robot for good, leaving them out");
             offenders.push(Offender { robot_id, rejection, stored, journal, records });
         }
         Ok(offenders)

@@ -20,7 +20,7 @@ use crate::metrics::FleetMetrics;
 use crate::set_aside::Reader;
 use vibrissa_edge::full_name::FullName;
 use vibrissa_store::StoredRobot;
-use vibrissa_store::batch::Batch;
+use vibrissa_store::batch::{Batch, Owner};
 use vibrissa_store::{Lease, Refused, StoreError, Writer};
 
 /// Robots that are loaded by one query: the memory for their stored states, at most some 60 KB each, serves the next ones.
@@ -65,7 +65,12 @@ async fn write_rows(writer: &mut Writer, lease: &Lease, mut batch: Batch) -> Res
     writer.commit_apart(lease, &mut batch, by_robot, &mut refused).await?;
     for Refused { owner, rejection } in refused {
         let (code, text) = (rejection.code, rejection.text);
-        error!(fleet = %lease.fleet(), ?owner, code, text, "database rejects rows of the intent log, they are lost");
+        let stored = match owner {
+            Owner::Robot(robot_id) => writer.robot(lease, robot_id).await?,
+            Owner::Fleet | Owner::Quarantine => None,
+        };
+        let robot = stored.map(|stored| FullName::robot(lease.fleet().as_str(), &stored.robot).to_string());
+        error!(fleet = %lease.fleet(), robot, code, text, "database rejects rows of the intent log, they are lost");
     }
     Ok(())
 }
@@ -92,7 +97,8 @@ pub(crate) async fn recover(
             match Name::robot(&stored.robot) {
                 Ok(name) => replay.load(stored, name, lease.epoch(), shards),
                 Err(_) => {
-                    error!(fleet = %lease.fleet(), robot = stored.robot, "a stored robot has no valid name and is left out");
+                    let robot = FullName::robot(lease.fleet().as_str(), &stored.robot);
+                    error!(%robot, "a stored robot has no valid name and is left out");
                     metrics.set_aside(Reader::Checkpoint, 1);
                 }
             }
