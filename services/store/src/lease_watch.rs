@@ -67,6 +67,8 @@ impl<T: PartialEq + Copy> Watched<T> {
 pub(super) struct LeaseWatch {
     leases: BTreeMap<FleetShard, Watched<Renewal>>,
     members: BTreeMap<String, Watched<i64>>,
+    /// Holds of webhooks.
+    holds: BTreeMap<i64, Watched<i64>>,
 }
 
 impl LeaseWatch {
@@ -86,6 +88,24 @@ impl LeaseWatch {
         let watched = self.members.entry(supervisor.to_owned()).or_insert_with(|| Watched::first(row, now));
         watched.again(row, now);
         now < watched.until
+    }
+
+    /// Takes the hold of a webhook in that was read by `now`: until when it is held. Returns whether it has lapsed.
+    pub(super) fn has_lapsed(&mut self, webhook_id: i64, row: &Reading<i64>, now: Instant) -> bool {
+        let watched = self.holds.entry(webhook_id).or_insert_with(|| Watched::first(row, now));
+        watched.again(row, now);
+        now >= watched.until
+    }
+
+    /// The hold of a webhook that has lapsed by `now`, as it was last read; -1, which no row has, if it has not; `None` if
+    /// none was read.
+    pub(super) fn lapsed_hold(&self, webhook_id: i64, now: Instant) -> Option<i64> {
+        self.holds.get(&webhook_id).map(|watched| if now >= watched.until { watched.renewal } else { -1 })
+    }
+
+    /// Forgets holds of webhooks that wait for nobody.
+    pub(super) fn retain_holds(&mut self, exists: impl Fn(i64) -> bool) {
+        self.holds.retain(|webhook_id, _| exists(*webhook_id));
     }
 
     /// Forgets members whose rows are gone.
@@ -225,6 +245,29 @@ mod tests {
         assert!(!cluster.turn());
         cluster.row.expires_us = 0;
         assert!(cluster.turn());
+    }
+
+    #[test]
+    fn regress_a_hold_lapses_when_it_stands_still_and_not_when_the_databases_clock_says_so() {
+        let (mut watch, mut now, time_to_live) = (LeaseWatch::default(), Instant::now(), TIME_TO_LIVE);
+        let reading = |until_us, left_us| Reading { renewal: until_us, left_us, time_to_live };
+        for until_us in 0..20 {
+            now += TURN;
+            let left_us = if until_us == 0 { 1_000_000 } else { -1 };
+            assert!(
+                !watch.has_lapsed(7, &reading(until_us, left_us), now),
+                "it is renewed, the clock was stepped ahead"
+            );
+        }
+        for turn in 1..=20 {
+            now += TURN;
+            let has_lapsed = watch.has_lapsed(7, &reading(19, 3_600_000_000), now);
+            assert_eq!(has_lapsed, TURN * turn >= TIME_TO_LIVE, "turn {turn}");
+        }
+        assert_eq!(watch.lapsed_hold(7, now), Some(19));
+        assert_eq!(watch.lapsed_hold(7, now.checked_sub(TURN * 19).unwrap()), Some(-1), "it was held");
+        watch.retain_holds(|_| false);
+        assert_eq!(watch.lapsed_hold(7, now), None);
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub mod tokens;
 pub mod webhooks;
 mod writer;
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use tracing::warn;
 
@@ -83,6 +83,7 @@ pub use writer::Writer;
 
 use database::{ACQUIRE_PATIENCE, Either, Options, Pool, on};
 use error::failed;
+use lease_watch::LeaseWatch;
 
 /// An open database, for queries. Clones share its connections.
 #[derive(Debug, Clone)]
@@ -91,6 +92,8 @@ pub struct Store {
     options: Arc<Options>,
     name: Arc<str>,
     set_aside: SetAside,
+    /// Holds of webhooks by other supervisors.
+    holds: Arc<Mutex<LeaseWatch>>,
 }
 
 impl Store {
@@ -105,7 +108,7 @@ impl Store {
             DatabaseAddress::Sqlite(path) => sqlite::open(path, &name, supervisor).await?,
             DatabaseAddress::Postgres(address) => postgres::open(address, supervisor),
         };
-        Ok(Self { pool, options: Arc::new(options), name, set_aside: SetAside::default() })
+        Ok(Self { pool, options: Arc::new(options), name, set_aside: SetAside::default(), holds: Arc::default() })
     }
 
     /// Opens the database for a command beside the service, and migrates its tables. An SQLite file that a supervisor
@@ -122,7 +125,13 @@ impl Store {
             (Err(StoreError::InUse { .. }), DatabaseAddress::Sqlite(path)) => {
                 let name: Arc<str> = address.to_string().into();
                 let (pool, options) = sqlite::open_beside(path, &name).await?;
-                Ok(Self { pool, options: Arc::new(options), name, set_aside: SetAside::default() })
+                Ok(Self {
+                    pool,
+                    options: Arc::new(options),
+                    name,
+                    set_aside: SetAside::default(),
+                    holds: Arc::default(),
+                })
             }
             (Err(problem), _) => Err(problem),
         }

@@ -156,13 +156,13 @@ async fn the_database_goes_on(address: &DatabaseAddress) {
     assert_eq!(webhooks.iter().map(|row| row.name.as_str()).collect::<Vec<_>>(), ["w"]);
     let id = webhooks[0].webhook_id;
     assert_eq!(store.webhook_queues(&webhooks).await.unwrap()[0].waiting, 2);
-    let (letters, holder, hold_us) = (store.dead_letters(id).await.unwrap(), "test", 1_000_000);
+    let (letters, holder, hold) = (store.dead_letters(id).await.unwrap(), "test", std::time::Duration::from_secs(1));
     assert_eq!(letters.iter().map(|(letter, _)| letter.event_id).collect::<Vec<_>>(), [9_000_002]);
-    let job = store.take_webhook_job(id, holder, hold_us).await.unwrap().unwrap();
+    let job = store.take_webhook_job(id, holder, hold).await.unwrap().unwrap();
     assert_eq!((job.event.event_id, job.is_again), (9_000_002, true), "the dead letter after the damaged one");
     let outcome = vibrissa_store::webhooks::queue::Outcome::Delivered { status: 200 };
     assert!(store.finish_webhook_job(&job, holder, &outcome).await.unwrap());
-    let job = store.take_webhook_job(id, holder, hold_us).await.unwrap().unwrap();
+    let job = store.take_webhook_job(id, holder, hold).await.unwrap().unwrap();
     assert_eq!((job.event.event_id, job.is_again), (9_000_002, false), "the event after the damaged one");
     assert_eq!(store.webhook(id).await.unwrap().unwrap().lost, 1);
     let changes = store.changes_after(Mark { tx: 0, change_id: 0 }).await.unwrap();

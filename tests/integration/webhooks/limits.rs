@@ -1,11 +1,14 @@
 //! The bounds of the outbox, and its order after a restored backup.
 
-use serde_json::json;
+use std::time::Duration;
+
+use serde_json::{Value, json};
 use vibrissa_store::Store;
 use vibrissa_store::webhooks::EVENTS_MAX;
+use vibrissa_tests::wait::until_true;
 
 use crate::receiver::{Manner, Receiver};
-use crate::stage::{FAST, Raw, Stage, hook, shown, taken};
+use crate::stage::{FAST, Raw, Stage, call, hook, shown, taken};
 
 /// Writes many events of two kinds at once.
 async fn many(raw: &mut Raw, events: i64) {
@@ -71,6 +74,42 @@ async fn the_outbox_is_bounded_and_what_is_removed_is_counted_with_postgresql() 
     what_is_removed_is_counted(Stage::postgres().await).await;
 }
 
+/// A supervisor died while it held a webhook, and the database's clock was set back by an hour.
+async fn regress_a_hold_ends(stage: Stage) {
+    let receiver = Receiver::start(Manner::Status(200)).await;
+    let service = stage.supervisor("a", FAST).await;
+    stage.robot().await;
+    let (webhook_id, _) = hook(&service, &receiver, json!({ "enabled": false })).await;
+    let mut raw = stage.raw().await;
+    raw.trim(1).await;
+    service.stop().await;
+    let until_us = vibrissa_edge::clock::wall_clock().0 + 3_600_000_000;
+    let sql = format!("UPDATE webhooks SET enabled = TRUE, next_us = 0, holder = 'dead', held_until_us = {until_us}");
+    raw.run(&sql).await;
+    let store = Store::open(&stage.address, "test").await.unwrap();
+    let hold = Duration::from_millis(300);
+    assert!(store.due_webhooks("living", hold).await.unwrap().is_empty(), "its owner may be alive");
+    let is_due = async || store.due_webhooks("living", hold).await.unwrap() == [webhook_id];
+    until_true("the end of the hold", is_due).await;
+    assert!(store.take_webhook_job(webhook_id, "living", hold).await.unwrap().is_some());
+    // Meanwhile nobody else takes it, also without having watched it.
+    let other = Store::open_for_command(&stage.address).await.unwrap();
+    assert!(other.due_webhooks("other", hold).await.unwrap().is_empty());
+    assert!(other.take_webhook_job(webhook_id, "other", Duration::from_secs(1)).await.unwrap().is_none());
+    other.close().await;
+    store.close().await;
+}
+
+#[tokio::test]
+async fn regress_a_hold_ends_although_the_clock_went_back_with_sqlite() {
+    regress_a_hold_ends(Stage::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn regress_a_hold_ends_although_the_clock_went_back_with_postgresql() {
+    regress_a_hold_ends(Stage::postgres().await).await;
+}
+
 #[tokio::test]
 async fn without_webhooks_no_event_is_written() {
     let stage = Stage::sqlite().await;
@@ -102,5 +141,25 @@ async fn regress_events_of_a_restored_server_come_before_new_ones() {
     raw.trim(2).await;
     let service = stage.supervisor("b", FAST).await;
     assert_eq!(taken(&receiver, 2).await, [1, 2]);
+    service.stop().await;
+}
+
+#[tokio::test]
+async fn the_fifty_first_webhook_of_a_fleet_is_refused_and_another_fleet_has_its_own() {
+    let stage = Stage::sqlite().await;
+    let service = stage.supervisor("a", FAST).await;
+    let asked = async |name: String, fleets: Value| {
+        let body = json!({ "name": name, "url": "http://127.0.0.1:1/", "enabled": false, "fleets": fleets });
+        call(&service, "POST", "/v1/webhooks", Some(body)).await
+    };
+    for number in 0..50 {
+        let answer = asked(format!("n{number}"), json!(["f"])).await;
+        assert_eq!(answer.status, 201, "{number}: {}", answer.body);
+    }
+    for fleets in [json!(["f"]), json!(["g", "f"])] {
+        let answer = asked("more".to_owned(), fleets).await;
+        assert!((400..500).contains(&answer.status) && answer.body.contains("50"), "{answer:?}");
+    }
+    assert_eq!(asked("other".to_owned(), json!(["g"])).await.status, 201, "another fleet");
     service.stop().await;
 }

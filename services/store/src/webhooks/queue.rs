@@ -1,14 +1,20 @@
 //! The queues of the targets: the next event, the result of an attempt, and the number of waiting events.
 //!
-//! A supervisor that delivers to a target holds it: no other one does until it lets go, or until its time is up. The
-//! result of an attempt counts only if the supervisor still holds the target.
+//! A supervisor that delivers to a target holds it: no other one does until it lets go, or until its time is up. That time
+//! is measured by the monotonic clock of the other one, see `lease_watch`: the database's clock may be stepped. The result
+//! of an attempt counts only if the supervisor still holds the target.
+
+use std::sync::PoisonError;
+use std::time::Duration;
 
 use sqlx::AssertSqlSafe;
+use tokio::time::Instant;
 
 use super::event::{EventRow, select};
 use super::{COLUMNS, EVENTS, Place, Placed, WebhookRow, now_us, now_us_of, settled};
 use crate::database::{Tx, on};
 use crate::from_row::from_row;
+use crate::lease_watch::Reading;
 use crate::set_aside::{SetAside, Tried};
 use crate::{Store, StoreError, failed};
 
@@ -29,6 +35,8 @@ from_row! {
     #[derive(Debug, Clone, PartialEq, Eq)]
     struct Due {
         webhook_id: i64,
+        holder: Option<String>,
+        held_until_us: i64,
     }
 }
 
@@ -95,26 +103,32 @@ pub struct Queue {
 const WHAT: &str = "deliver to a webhook";
 
 impl Store {
-    /// Numbers of the targets with something to do now that no other supervisor holds.
+    /// Numbers of the targets with something to do now that no other supervisor holds. A hold lasts for `hold`.
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn due_webhooks(&self, holder: &str) -> Result<Vec<i64>, StoreError> {
+    pub async fn due_webhooks(&self, holder: &str, hold: Duration) -> Result<Vec<i64>, StoreError> {
         const WHAT: &str = "read the queues of the webhooks";
         let now_us = now_us_of(&self.pool).await.map_err(failed(WHAT))?;
         let sql = format!(
-            "SELECT webhook_id FROM webhooks h WHERE enabled AND next_us <= $1 AND (held_until_us <= $1 OR holder = $2) \
-             AND (EXISTS (SELECT 1 FROM webhook_events e WHERE (e.tx, e.place, e.event_id) > (h.done_tx, h.done_place, \
+            "SELECT webhook_id, holder, held_until_us FROM webhooks h WHERE enabled AND next_us <= $1 AND (EXISTS (SELECT 1 FROM webhook_events e WHERE (e.tx, e.place, e.event_id) > (h.done_tx, h.done_place, \
              h.done_event) {}) OR EXISTS (SELECT 1 FROM webhook_dead_letters d WHERE d.webhook_id = h.webhook_id AND d.again))",
             settled(&self.pool)
         );
         let due: Vec<Due> =
-            on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql)).bind(now_us).bind(holder).fetch_all(pool).await)
+            on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql)).bind(now_us).fetch_all(pool).await)
                 .map_err(failed(WHAT))?;
-        Ok(due.into_iter().map(|due| due.webhook_id).collect())
+        let (mut holds, now) = (self.holds.lock().unwrap_or_else(PoisonError::into_inner), Instant::now());
+        holds.retain_holds(|webhook_id| due.iter().any(|due| due.webhook_id == webhook_id));
+        let mut is_free = |due: &Due| {
+            let (renewal, left_us) = (due.held_until_us, due.held_until_us.saturating_sub(now_us));
+            let has_lapsed = holds.has_lapsed(due.webhook_id, &Reading { renewal, left_us, time_to_live: hold }, now);
+            renewal == 0 || due.holder.as_deref() == Some(holder) || has_lapsed
+        };
+        Ok(due.iter().filter(|due| is_free(due)).map(|due| due.webhook_id).collect())
     }
 
-    /// Takes hold of a target for `hold_us`, and returns its next event; `None`, and no hold, if there is nothing to do or
+    /// Takes hold of a target, and returns its next event; `None`, and no hold, if there is nothing to do or
     /// another supervisor holds it.
     ///
     /// # Errors
@@ -123,10 +137,12 @@ impl Store {
         &self,
         webhook_id: i64,
         holder: &str,
-        hold_us: i64,
+        hold: Duration,
     ) -> Result<Option<Job>, StoreError> {
+        let seen = self.holds.lock().unwrap_or_else(PoisonError::into_inner).lapsed_hold(webhook_id, Instant::now());
+        let holding = Holding { holder, hold_us: i64::try_from(hold.as_micros()).unwrap_or(i64::MAX), seen };
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
-        let job = take(&mut tx, webhook_id, (holder, hold_us), &self.set_aside).await.map_err(failed(WHAT))?;
+        let job = take(&mut tx, webhook_id, &holding, &self.set_aside).await.map_err(failed(WHAT))?;
         tx.commit().await.map_err(failed(WHAT))?;
         Ok(job)
     }
@@ -244,20 +260,30 @@ impl Brief {
     }
 }
 
+/// A supervisor that takes hold of a target.
+struct Holding<'a> {
+    holder: &'a str,
+    hold_us: i64,
+    /// The hold of another supervisor that has lapsed, or -1; `None` if none was read: then the database's clock decides.
+    seen: Option<i64>,
+}
+
 async fn take(
     tx: &mut Tx<'_>,
     webhook_id: i64,
-    (holder, hold_us): (&str, i64),
+    holding: &Holding<'_>,
     set_aside: &SetAside,
 ) -> sqlx::Result<Option<Job>> {
     const HOLD: &str = "UPDATE webhooks SET holder = $2, held_until_us = $3 + $4 \
-         WHERE webhook_id = $1 AND enabled AND next_us <= $3 AND (held_until_us <= $3 OR holder = $2)";
+         WHERE webhook_id = $1 AND enabled AND next_us <= $3 AND (holder = $2 OR held_until_us = 0 \
+         OR CASE WHEN CAST($5 AS BIGINT) IS NULL THEN held_until_us <= $3 ELSE held_until_us = CAST($5 AS BIGINT) END)";
     let now_us = now_us(tx).await?;
     let held = on!(&mut *tx, |tx| sqlx::query(HOLD)
         .bind(webhook_id)
-        .bind(holder)
+        .bind(holding.holder)
         .bind(now_us)
-        .bind(hold_us)
+        .bind(holding.hold_us)
+        .bind(holding.seen)
         .execute(&mut **tx)
         .await
         .map(|done| done.rows_affected()))?;

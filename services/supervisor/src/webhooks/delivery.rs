@@ -14,7 +14,7 @@ use vibrissa_store::webhooks::queue::{Job, Outcome};
 
 /// Time for which a target is held. It is longer than an attempt and the storage of its result may take, so that no other
 /// supervisor begins meanwhile.
-const HOLD: Duration = Duration::from_secs(15);
+pub(super) const HOLD: Duration = Duration::from_secs(15);
 
 /// Delivers to a target.
 pub(super) struct Delivery {
@@ -44,9 +44,8 @@ impl Delivery {
     /// Delivers the next event; false if there is none, or it failed.
     async fn next(&self) -> Result<bool, StoreError> {
         let Webhooks { store, sender, pace, metrics, holder } = &self.webhooks;
-        let hold_us = HOLD.as_micros() as i64;
         let asked = Instant::now();
-        let Some(job) = store.with_leader(store.take_webhook_job(self.webhook_id, holder, hold_us)).await? else {
+        let Some(job) = store.with_leader(store.take_webhook_job(self.webhook_id, holder, HOLD)).await? else {
             return Ok(false);
         };
         let body = serde_json::to_vec(&WebhookEvent::of(&job.event)).unwrap_or_default();

@@ -21,7 +21,7 @@ use tokio::time::{Instant, timeout};
 use tracing::warn;
 
 use crate::metrics::Metrics;
-use delivery::Delivery;
+use delivery::{Delivery, HOLD};
 pub use sending::{Answer, Message, Sender};
 use target::Hosts;
 use vibrissa_edge::clock::wall_clock;
@@ -113,7 +113,7 @@ impl Webhooks {
                     is_prepared = true;
                 }
                 tasks.retain(|_, task| !task.is_finished());
-                for webhook_id in self.store.due_webhooks(&self.holder).await? {
+                for webhook_id in self.store.due_webhooks(&self.holder, HOLD).await? {
                     tasks.entry(webhook_id).or_insert_with(|| {
                         let delivery = Delivery::new(&self, webhook_id);
                         tokio::spawn(delivery.run(stop.clone()))
