@@ -1,7 +1,7 @@
 //! The alarms page during a storm: one alarm for each silent robot, one row for all of them, and one request about them.
 
 use serde_json::{Value, json};
-use vibrissa_protocol::{ArrayType, ConnectionState};
+use vibrissa_protocol::{ArrayType, ConnectionState, RobotTopic, SetpointError, SetpointOutcome};
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::try_get;
@@ -161,6 +161,51 @@ async fn filters_of_alarms_are_in_the_address_and_buttons_are_visible_on_a_phone
     stage.open("#/fleets/f").await;
     stage.browser.until("it is offline", "document.querySelector('main tbody').innerText.includes('offline')").await;
     assert!(!text(&mut stage, "main tbody").await.contains("nothing needs attention"));
+    stage.is_clean();
+    stage.stop().await;
+}
+
+#[tokio::test]
+async fn a_failed_setpoint_is_tried_again_with_the_button_of_its_alarm() {
+    let mut stage = Stage::start().await;
+    stage.cut().await;
+    let (setpoint, _) = stage.robot.setpoint().await;
+    stage.robot.answer(&setpoint, SetpointOutcome::Rejected, Some(SetpointError::Stale)).await;
+    let is_failed = |alarm: &Value| alarm["kind"] == "SETPOINT_FAILED";
+    let standing = "/v1/alarms?standing=true";
+    until_true("the alarm", async || items(&stage, standing).await.iter().any(is_failed)).await;
+    stage.open("#/alarms").await;
+    let button = "[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('Try again'))";
+    stage.browser.until("the button", &format!("!!{button}")).await;
+    stage.browser.js(&format!("{button}.click()")).await;
+    stage.browser.until("a dialog", "document.querySelector('dialog[open]')").await;
+    assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
+    stage.browser.js("document.querySelector('dialog form').requestSubmit()").await;
+    let is_done = |action: &Value| {
+        action["kind"] == "RETRY" && action["state"] == "DONE" && action["whisker"] == setpoint.whisker
+    };
+    until_true("the action", async || items(&stage, "/v1/audit").await.iter().any(is_done)).await;
+    stage.browser.until("the dialog is closed", "!document.querySelector('dialog[open]')").await;
+    stage.is_clean();
+    stage.stop().await;
+}
+
+#[tokio::test]
+async fn what_was_refused_of_a_robot_is_on_its_page_with_its_reason_in_words() {
+    let mut stage = Stage::start().await;
+    stage.open("#/fleets/f/robots/r").await;
+    let row = "document.querySelector(\"tr[data-key='refusal-status-not_json']\")";
+    assert_eq!(stage.browser.js(&format!("!!{row}")).await, json!(false), "nothing was refused yet");
+    stage.robot.say(RobotTopic::Status, "{").await;
+    let refusals = "/v1/fleets/f/robots/r/refusals";
+    until_true("the refusal", async || !items(&stage, refusals).await.is_empty()).await;
+    stage.open("#/fleets/f/robots/r").await;
+    stage.browser.until("the refusal", &format!("!!{row}")).await;
+    let told = text(&mut stage, "tr[data-key='refusal-status-not_json']").await;
+    for part in ["status", "not_json", "1", "the payload is not JSON", "send all of it"] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
     stage.is_clean();
     stage.stop().await;
 }

@@ -9,6 +9,7 @@ use vibrissa_protocol::{ArrayFacts, ArrayType, RobotTopic, Setpoint, SetpointErr
 use vibrissa_tests::observer::Observer;
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::{until, until_true};
+use vibrissa_tests::web::send;
 
 use crate::running::{LEARNED, Running, quick};
 
@@ -259,5 +260,27 @@ async fn junk_about_a_setpoint_leaves_it_under_way() {
     assert_eq!(states(&running).await, ["PENDING"]);
     robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
     until_states(&running, &["APPLIED"]).await;
+    running.service.stop().await;
+}
+
+#[tokio::test]
+async fn a_failed_setpoint_is_tried_again_on_request() {
+    let (running, mut robot, setpoint) = cut().await;
+    let path = "/v1/fleets/f/robots/r/arrays/left/whiskers/0/retry";
+    let retried = async || send(running.service.http, "POST", path, &[], None).await.unwrap();
+    let early = retried().await;
+    assert!(early.status == 409 && early.body.contains("failed"), "{early:?}");
+    robot.answer(&setpoint, SetpointOutcome::Rejected, Some(SetpointError::Stale)).await;
+    let standing = "SELECT kind FROM alarms WHERE kind = 'SETPOINT_FAILED' AND cleared_us IS NULL";
+    until_true("the alarm", async || running.database.texts(standing).await.len() == 1).await;
+    let done = retried().await;
+    assert!(done.status == 200 && done.json()["state"] == "DONE", "{done:?}");
+    // It decides anew with the next contacts.
+    robot.touch(0, 20).await;
+    let (again, _) = robot.setpoint().await;
+    assert!((again.epoch, again.version) > (setpoint.epoch, setpoint.version), "{again:?}");
+    robot.answer(&again, SetpointOutcome::Applied, None).await;
+    until_true("no alarm", async || running.database.texts(standing).await.is_empty()).await;
+    assert_eq!(retried().await.status, 409, "it has not failed any more");
     running.service.stop().await;
 }

@@ -7,7 +7,7 @@ use crate::mechanics::{EVEN_WEIGHTS, Formulation, Objective};
 use crate::policy::LongerForShorter;
 use crate::robot::Numbers;
 use crate::robot::event::{ArraySheet, Factsheet, TouchTests, WhiskerSheet};
-use crate::units::{ContactRatio, Micros};
+use crate::units::Micros;
 
 /// Numbers without a pattern, the same each time.
 struct Random(u64);
@@ -377,29 +377,4 @@ fn every_change_of_condition_is_decided_on_at_once() {
         effects.iter().any(|effect| matches!(effect, Effect::Ended { reason: EndReason::CompensatorBroken, .. })),
         "{effects:?}"
     );
-}
-
-/// The gain of a whisker of a robot that touches it near the tip is the best one there, not the best one everywhere.
-#[test]
-fn a_whisker_is_served_best_where_its_robot_touches() {
-    let mut params = Params::nguyen_2021(Formulation::Published);
-    params.policy.objective = Objective::Shape;
-    let served = |touched: &[f64]| {
-        let mut robot = robot(&params, ArrayKind::Type2, &[70.0], in_a_row(1));
-        robot.head.applies_gain = true;
-        for &ratio in touched.iter().cycle().take(1200) {
-            robot.whiskers[0].whole.add(ContactRatio::known(ratio), 0.0, 1e-3, 0.0);
-        }
-        // Even an empty chamber leaves an error of the shape.
-        cut(&params, &mut robot, 0, 40.0);
-        let effects = decide(&params, &mut robot);
-        let decided = effects.iter().find_map(|effect| {
-            let Effect::Decided(decision) = effect else { return None };
-            decision.candidates[0].predicted_error_by_ratio
-        });
-        decided.unwrap()[9]
-    };
-    let (near_the_tip, everywhere, unknown) = (served(&[0.9]), served(&CONTACT_RATIOS), served(&[]));
-    assert!(near_the_tip < 0.5 * everywhere, "{near_the_tip} {everywhere}");
-    assert!((everywhere - unknown).abs() < 1e-6, "{everywhere} {unknown}");
 }
