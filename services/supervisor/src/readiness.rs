@@ -13,7 +13,7 @@ use crate::promises::{Ages, PATIENCE, Promises};
 use vibrissa_store::SetAside;
 
 /// Time for which `/readyz` names items that were set aside.
-const SET_ASIDE_TOLD: Duration = Duration::from_secs(600);
+pub(crate) const SET_ASIDE_TOLD: Duration = Duration::from_secs(600);
 
 /// Shared by all parts that can have a problem.
 #[derive(Debug, Clone, Default)]

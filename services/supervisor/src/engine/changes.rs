@@ -1,20 +1,27 @@
 //! Reads what operators change between two batches: actions, allow lists, and the errors that decide about a roll-out.
 
+use tokio::time::Instant;
 use tracing::warn;
 use vibrissa_core::rollout::Verdict;
 use vibrissa_core::units::Micros;
 use vibrissa_edge::actions::RecordedKind;
 use vibrissa_edge::words::Word as _;
+use vibrissa_protocol::Refusal;
 use vibrissa_store::actions::{Action, Pending};
+use vibrissa_store::refusals::RefusalRow;
 
 use super::Engine;
 use super::actions::{ACTIONS_MAX, Execution};
 use super::commit::committer::LeaseLost;
 use super::decommission::leaves;
 use super::rollout::Rollout;
+use crate::readiness::SET_ASIDE_TOLD;
 
 /// Most robots whose refusals are written at a time.
 const REFUSING_ROBOTS_AT_A_TIME: usize = 100;
+
+/// Name of refused messages in the service's readiness.
+const REFUSED: &str = "refused";
 
 /// Actions by which a roll-out enters a stage.
 const ENTERING: [RecordedKind; 2] = [RecordedKind::RolloutStart, RecordedKind::RolloutAdvance];
@@ -127,10 +134,28 @@ impl Engine {
         if let Some(committer) = self.pipeline.idle_committer() {
             let (writer, lease) = committer.database();
             match writer.add_refusals(lease, &rows).await {
-                Ok(()) => self.shards.refusals_written(&rows),
+                Ok(()) => {
+                    self.shards.refusals_written(&rows);
+                    self.tell_refusals(&rows);
+                }
                 Err(problem) => warn!(%problem, fleet = %self.fleet, "cannot count refused messages"),
             }
         }
         Ok(())
+    }
+
+    /// Names for a while a robot whose messages are not those of the contract, as for items that are set aside.
+    fn tell_refusals(&mut self, rows: &[RefusalRow]) {
+        let now = Instant::now();
+        if self.refusals_told_from > now {
+            return;
+        }
+        let Some(row) = rows.iter().find(|row| Refusal::LABELS.contains(&row.reason)) else { return };
+        let Some(known) = self.shards.robots().find(|known| known.robot_id == row.robot_id) else { return };
+        let (robot, RefusalRow { topic, reason, problem, .. }) = (known.full_name(), row);
+        let what =
+            format!("messages of robot {robot} are refused ({topic}, {reason}): {problem}. Its page counts them");
+        self.refusals_told_from = now + SET_ASIDE_TOLD;
+        self.readiness.tell_set_aside(&self.place, REFUSED, what);
     }
 }

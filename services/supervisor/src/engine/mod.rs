@@ -121,6 +121,8 @@ pub(crate) struct Engine {
     robot_clocks: RobotClocks,
     /// Time of the next survey of the robots, at the earliest.
     survey_from: Instant,
+    /// Time of the next notice about refused messages, at the earliest.
+    refusals_told_from: Instant,
     /// Whether the contacts are archived.
     is_archived: bool,
     /// Ticks and commits together with the other shards of this supervisor.

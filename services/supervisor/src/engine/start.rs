@@ -195,6 +195,7 @@ impl EngineOptions {
             new_robots: Bucket::new(new_robots_per_minute, new_robots_per_minute),
             robot_clocks: self.robot_clocks,
             survey_from: Instant::now(),
+            refusals_told_from: Instant::now(),
             is_archived: self.is_archived,
             fleet,
             shards,

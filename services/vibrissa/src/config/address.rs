@@ -29,7 +29,7 @@ mod tests {
         assert_eq!(url.host_str(), Some("xn--bcher-kva.example"));
         assert_eq!(
             web_url("https://B%C3%BCcher.example").unwrap_err(),
-            "is not a URL (invalid international domain name)"
+            "is not a URL (its host is no host name)"
         );
         for host in ["b\u{fc}cher.example", "\u{4f8b}\u{3048}.jp:8443", "user@\u{e9}.fr"] {
             let problem = web_url(&format!("https://{host}/")).unwrap_err();

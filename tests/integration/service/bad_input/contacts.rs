@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 use vibrissa_protocol::{ArrayType, Contact, Message, RobotTopic, encode, encode_cbor};
 use vibrissa_tests::robot::{HandRobot, array};
-use vibrissa_tests::wait::until;
+use vibrissa_tests::wait::{until, until_true};
+use vibrissa_tests::web::try_get;
 
 use super::{Names, assert_recorded, counts, good, names, start, template};
 
@@ -150,6 +151,12 @@ async fn regress_refused_contacts_are_counted_by_robot_and_reason() {
     assert_eq!(counts, [("\"malformed\"".to_owned(), 3), ("\"out_of_range\"".to_owned(), 1)]);
     assert!(refusals.iter().all(|one| one["problem"].as_str().unwrap().starts_with("contacts[0].strain")));
     assert_eq!(running.metric("vibrissa_contacts_refused_total{fleet=\"f\"}").await, 4.0);
+    until_true("the notice", async || {
+        let (status, told) = try_get(running.service.http, "/readyz").await.unwrap();
+        let part = "messages of robot f/r are refused (contacts, ";
+        status == 200 && told.contains(part) && told.contains("contacts[0].strain")
+    })
+    .await;
     running.service.stop().await;
 }
 

@@ -126,7 +126,7 @@ fn regress_a_full_name_counts_within_the_array() {
 fn regress_a_missing_factsheet_is_told_although_the_connection_breaks_again_and_again() {
     use std::time::{Duration, Instant};
     let (mut shard, begin) = (shard(2), Instant::now());
-    let mut missing = |shard: &mut Shard, seconds: u64| {
+    let missing = |shard: &mut Shard, seconds: u64| {
         let mut without = Found::default();
         shard.find_without_factsheet(begin + Duration::from_secs(seconds), &mut without);
         without.one.map(|name| name.to_string())
