@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Connection, Executor, Row};
-use vibrissa_store::batch::{AlarmClearedRow, AlarmRow, HealthRow, Record};
+use vibrissa_store::batch::{AlarmClearedRow, AlarmRow, HealthRow, Record, SetpointRow};
 use vibrissa_store::retention::{Done, Retention};
 use vibrissa_store::series::Span;
 use vibrissa_store::time::Time;
@@ -249,15 +249,34 @@ async fn old_records_go(database: Fresh) {
     };
     let alarm = |raised_us| Record::Alarm(AlarmRow { whisker_id, raised_us, kind });
     let cleared = |cleared_us| Record::AlarmCleared(AlarmClearedRow { whisker_id, cleared_us, kind });
-    let records =
+    let setpoint = |version, issued_us| {
+        Record::Setpoint(Box::new(SetpointRow {
+            command_id: format!("c{version}"),
+            robot_id: numbered.robot_id,
+            whisker_id,
+            compensation_id: None,
+            epoch: 1,
+            version,
+            robot_boot_id: "b".to_owned(),
+            pressure_mpa: 0.1,
+            slew_mpa_per_s: 0.02,
+            issued_us,
+            expires_us: issued_us + 1,
+            reason: "RELEASE",
+            gain: None,
+        }))
+    };
+    let mut records =
         vec![change(NOON_US), alarm(NOON_US), cleared(NOON_US + 1), change(NOON_US + 9 * DAY_US), alarm(NOON_US + 2)];
+    records.extend([setpoint(1, NOON_US), setpoint(2, NOON_US + 9 * DAY_US)]);
     writer.commit(&lease, &Batch { records, ..Batch::default() }).await.unwrap();
     let retention = Retention { contacts_days: 0, minutes_days: 0, black_boxes_days: 0, records_days: 5 };
     let mut told = Vec::new();
     database.store.look_after(retention, NOON_US + 10 * DAY_US, &mut |done| told.push(done)).await.unwrap();
     told.retain(|done| matches!(done, Done::Removed { .. }));
     let removed = |table| Done::Removed { table, rows: 1 };
-    assert_eq!(told, [removed("alarms"), removed("health_changes")], "the alarm that stands is kept");
+    let expected = ["alarms", "health_changes", "setpoint_states", "setpoints"].map(removed);
+    assert_eq!(told, expected, "the alarm that stands is kept");
 }
 
 #[tokio::test]

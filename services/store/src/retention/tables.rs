@@ -13,7 +13,7 @@ pub enum Kept {
 
 use Kept::{Days, For, Until};
 
-const DECISIONS: Kept = For("decisions: trims, and the rate of the policy's setpoints");
+const DECISIONS: Kept = For("decisions: trims, and the rate of the policy");
 const BY_PEOPLE: Kept = For("people's requests");
 
 /// All tables, by name, each with its retention.
@@ -38,7 +38,7 @@ pub const TABLES: &[(&str, Kept)] = &[
     ("compensation_responses", Days("records.days")),
     ("compensations", DECISIONS),
     ("console_sessions", Until("at the end of the session")),
-    ("contact_hours", For("one for each whisker and hour")),
+    ("contact_hours", For("one for each whisker and hour, and removed with it")),
     ("contact_minutes", Days("rollups.minutes_days")),
     ("contacts", Days("contacts.days")),
     ("epochs", For("one for each fleet and shard")),
@@ -54,8 +54,8 @@ pub const TABLES: &[(&str, Kept)] = &[
     ("robots", For("limits.robots_per_fleet")),
     ("rollout_events", BY_PEOPLE),
     ("rollouts", BY_PEOPLE),
-    ("setpoint_states", DECISIONS),
-    ("setpoints", DECISIONS),
+    ("setpoint_states", Days("records.days")),
+    ("setpoints", Days("records.days")),
     ("supervisors", Until("after a day without a sign of life")),
     ("touch_tests", Days("records.days")),
     ("trims", DECISIONS),
@@ -63,5 +63,5 @@ pub const TABLES: &[(&str, Kept)] = &[
     ("webhook_dead_letters", Until("beyond the newest 1,000 of each webhook")),
     ("webhook_events", Until("after a week, and beyond 20,000 in fair shares")),
     ("webhooks", For("50 of a fleet, 200 of all")),
-    ("whiskers", Until("a day after the last layout with them, if they were never touched")),
+    ("whiskers", Until("a day after the last layout with them, once no contact, minute or decision names them")),
 ];
