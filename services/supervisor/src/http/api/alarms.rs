@@ -183,7 +183,7 @@ pub struct AlarmFilter {
     pub open: Option<bool>,
     /// Words that the alarm must contain, in its names, kind or comments; capital and small letters count alike.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>, min_length = 1, max_length = 100)]
+    #[schema(value_type = Option<String>, min_length = 1, max_length = 100, pattern = "^[^\\x00]+$")]
     pub q: Option<Search>,
     /// Earliest time of raising, inclusive.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -276,7 +276,7 @@ macro_rules! alarms_query {
                 /// True: only alarms that are not shelved; false: only shelved ones.
                 pub open: Option<bool>,
                 /// Words that the alarm must contain, in its names, kind or comments; capital and small letters count alike.
-                #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
+                #[param(value_type = Option<String>, min_length = 1, max_length = 100, pattern = "^[^\\x00]+$")]
                 pub q: Option<Search>,
                 /// Earliest time of raising, inclusive.
                 #[param(value_type = Option<String>, format = DateTime)]

@@ -66,7 +66,7 @@ list_query! {
         #[param(minimum = 0)]
         pub parent_id: Option<i64>,
         /// Text to look for in the names of fleet, robot and array, in actor, reason and parameters, in upper or lower case.
-        #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
+        #[param(value_type = Option<String>, min_length = 1, max_length = 100, pattern = "^[^\\x00]+$")]
         pub q: Option<Search>,
     }
 }

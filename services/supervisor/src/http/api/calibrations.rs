@@ -297,7 +297,7 @@ list_query! {
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub model: Option<Name>,
         /// Text to look for in the names of models and of those who uploaded, in upper or lower case.
-        #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
+        #[param(value_type = Option<String>, min_length = 1, max_length = 100, pattern = "^[^\\x00]+$")]
         pub q: Option<Search>,
     }
 }

@@ -54,7 +54,7 @@ list_query! {
         /// True: only active compensations; false: only ended ones.
         pub active: Option<bool>,
         /// Text to look for in the names of fleet, robot and array, in upper or lower case.
-        #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
+        #[param(value_type = Option<String>, min_length = 1, max_length = 100, pattern = "^[^\\x00]+$")]
         pub q: Option<Search>,
         /// Earliest time of the decision, inclusive.
         #[param(value_type = Option<String>, format = DateTime)]

@@ -40,7 +40,7 @@ pub struct RobotFilter {
     pub label: Option<LabelFilter>,
     /// Text to look for in the names of fleet and robot and in the model, in upper or lower case.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>, min_length = 1, max_length = 100)]
+    #[schema(value_type = Option<String>, min_length = 1, max_length = 100, pattern = "^[^\\x00]+$")]
     pub q: Option<Search>,
 }
 
@@ -77,7 +77,7 @@ pub struct WhiskerFilter {
     pub label: Option<LabelFilter>,
     /// Text to look for in the names of fleet, robot and array, in upper or lower case.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>, min_length = 1, max_length = 100)]
+    #[schema(value_type = Option<String>, min_length = 1, max_length = 100, pattern = "^[^\\x00]+$")]
     pub q: Option<Search>,
 }
 

@@ -55,7 +55,7 @@ list_query! {
         #[param(inline)]
         pub label: Option<LabelFilter>,
         /// Text to look for in the names of fleet and robot and in the model, in upper or lower case.
-        #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
+        #[param(value_type = Option<String>, min_length = 1, max_length = 100, pattern = "^[^\\x00]+$")]
         pub q: Option<Search>,
     }
 }

@@ -48,7 +48,7 @@ list_query! {
         #[param(inline)]
         pub label: Option<LabelFilter>,
         /// Text to look for in the names of fleet, robot and array, in upper or lower case.
-        #[param(value_type = Option<String>, min_length = 1, max_length = 100)]
+        #[param(value_type = Option<String>, min_length = 1, max_length = 100, pattern = "^[^\\x00]+$")]
         pub q: Option<Search>,
     }
 }

@@ -164,7 +164,7 @@ pub struct WebhookWithSecret {
 #[schema(as = NewWebhook)]
 pub struct WebhookBody {
     /// Its name, unique.
-    #[schema(min_length = 1, max_length = 100)]
+    #[schema(min_length = 1, max_length = 100, pattern = "^[^\\x00]+$")]
     pub name: String,
     /// URL that receives the events, `https://...` or `http://...`. Private addresses need the setting
     /// `webhooks.allowed_hosts`.
