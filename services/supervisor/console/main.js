@@ -55,7 +55,7 @@ async function show(isNavigation) {
     live.told(!problem.isSilence);
     content = await failed(problem, isNavigation);
   }
-  if (number === shown.number && content) put(content, address, isNavigation);
+  if (number === shown.number && content) put(content, address);
 }
 
 async function failed(problem, isNavigation) {
@@ -71,7 +71,7 @@ async function failed(problem, isNavigation) {
   return [h("h1", { tabindex: "-1" }, "Cannot show this page"), problemPanel(problem, () => show(true))];
 }
 
-function put(content, address, isNavigation) {
+function put(content, address) {
   const next = h("main", {}, content);
   const isSameAddress = isShown(address);
   const hadFocus = main.contains(document.activeElement);
@@ -82,8 +82,9 @@ function put(content, address, isNavigation) {
   document.title = `${heading?.textContent ?? ""} \u2013 vibrissa`;
   document.getElementById("user").replaceChildren(...badge());
   document.getElementById("sign-out").hidden = token() === null && !isSession();
-  // After a link, focus the heading, so that screen readers announce the new page. The first page has no predecessor.
-  if (isNavigation && !isSameAddress && main.dataset.address !== undefined) {
+  // After a link, focus the heading, so that screen readers announce the new page. The first page has no predecessor. A refresh
+  // may show the new page first.
+  if (!isSameAddress && main.dataset.address !== undefined) {
     heading?.focus({ preventScroll: true });
     scrollTo(0, 0);
   } else if (hadFocus && !main.contains(document.activeElement)) {

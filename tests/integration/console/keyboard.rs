@@ -104,6 +104,30 @@ async fn regress_a_late_answer_of_the_last_page_does_not_take_the_focus_from_the
     stage.stop().await;
 }
 
+/// A refresh may show the next page before the answer to the link comes. The heading then did not get the focus.
+#[tokio::test]
+async fn regress_a_refresh_that_shows_the_next_page_first_gives_it_the_focus() {
+    let mut stage = Stage::start().await;
+    stage.open("#/fleets").await;
+    // The answer to the link waits, and those to the refresh do not.
+    let follow = "(() => { \
+        const [real, gate] = [window.fetch, Promise.withResolvers()]; \
+        window.release = gate.resolve; \
+        window.fetch = async (...asked) => { \
+            window.fetch = real; \
+            document.getElementById('zone').dispatchEvent(new Event('change')); \
+            await gate.promise; \
+            return real(...asked); }; \
+        location.hash = '#/whiskers'; })()";
+    stage.browser.js(follow).await;
+    stage.browser.until("the refresh", "document.querySelector('h1')?.textContent === 'Whiskers'").await;
+    stage.browser.js("window.release()").await;
+    let led = "document.activeElement.localName === 'h1' && document.activeElement.textContent === 'Whiskers'";
+    stage.browser.until("the focus on the heading", led).await;
+    stage.is_clean();
+    stage.stop().await;
+}
+
 #[tokio::test]
 async fn the_skip_link_leads_past_the_navigation() {
     let mut stage = Stage::start().await;
