@@ -1,4 +1,4 @@
-//! A whisker that its robot has vented by itself: Release beside its alarm, on its page, and for all at once.
+//! A whisker vented by its own robot: Release beside its alarm, on its page, and for all at once.
 
 use serde_json::{Value, json};
 use vibrissa_protocol::{Gauge, Regulator, RobotTopic, SetpointOutcome, Status, WhiskerStatus, encode};

@@ -124,7 +124,7 @@ async fn regress_a_robot_that_leaves_the_allow_list_has_no_alarms_until_it_is_al
     running.service.stop().await;
 }
 
-/// A whisker that a factsheet names no more stood in lists and alarms for ever.
+/// Lists and alarms kept a whisker for ever after its factsheet had dropped it.
 #[tokio::test]
 async fn regress_a_whisker_that_vanishes_from_a_factsheet_is_in_no_list() {
     let running = Running::start().await;

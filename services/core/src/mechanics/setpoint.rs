@@ -107,10 +107,10 @@ impl Solution {
 /// are excluded. A minimum at an end of the range counts as out of range. If there is nothing to compensate at any
 /// contact ratio, the tip decides.
 ///
-/// [`Objective::Shape`] minimises the variance of ln(s_target / s_compensator) over the contact ratios, all with one weight,
-/// on the same grid, then by golden section to 1e-9 MPa. The gain is e to the mean of that logarithm. The variance is the square of a
-/// difference in shape that changes steadily with the pressure, so it has one valley. Without a choice of pressure
-/// (`pressure_max` is at most `pressure_min`) the gain alone remains.
+/// [`Objective::Shape`] minimises the variance of ln(s_target / s_compensator) over the contact ratios, all with one
+/// weight, on the same grid, then by golden section to 1e-9 MPa. The gain is e to the mean of that logarithm. The
+/// variance is the square of a difference in shape that changes steadily with the pressure, so it has one valley.
+/// Without a choice of pressure (`pressure_max` is at most `pressure_min`) the gain alone remains.
 ///
 /// # Errors
 /// One of the two whiskers is cut into its chamber.
