@@ -166,6 +166,10 @@ impl Engine {
                         break;
                     }
                     self.take_in(&mut messages).await?;
+                    if fault::is(Fault::ReceiptBeforeCommit) {
+                        // A fault planted by a test: receipts are published before the commit.
+                        self.pipeline.publish(self.shards.take_publications(), |_| {});
+                    }
                     self.pipeline.took(count as u64, &self.shards);
                     if inbox.is_throttling() {
                         self.pipeline.schedule().hurry();
@@ -380,12 +384,7 @@ impl Engine {
 
     /// Schedules a commit if receipts are due, or if checkpoints have waited long enough.
     fn check_receipts(&mut self) {
-        let is_due = self.shards.is_round_due(wall_clock());
-        if fault::is(Fault::ReceiptBeforeCommit) {
-            // A fault planted by a test: receipts are published before the commit.
-            self.pipeline.publish(self.shards.take_publications(), |_| {});
-        }
-        if is_due {
+        if self.shards.is_round_due(wall_clock()) {
             self.pipeline.schedule().receipts_are_due(Instant::now());
         }
     }
