@@ -5,7 +5,6 @@ use super::database::{Tx, on};
 use super::from_row::from_row;
 use super::set_aside::Tried;
 use super::{Lease, Store, StoreError, Writer, failed};
-use borsh::{BorshDeserialize, BorshSerialize};
 use tokio::time::Duration;
 
 /// Time limit for reading the active calibrations.
@@ -36,7 +35,7 @@ from_row! {
 }
 
 /// The activation of a calibration in a fleet.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone)]
 pub struct ActivationRow {
     /// Name of the fleet.
     pub fleet: String,

@@ -6,7 +6,7 @@ use super::batch::{ContactRow, JournalRow};
 use super::database::{Either, Link, Tx, on};
 use super::postgres::whole::Whole;
 use super::tables::{CONTACTS, InShard, JOURNAL, JOURNAL_UNFENCED};
-use super::{Batch, Lease, StoreError, changes, failed, intent_log, log_position, outbox, postgres, records};
+use super::{Batch, Lease, StoreError, changes, failed, log_position, outbox, postgres, records};
 use crate::fault::{self, Fault};
 
 /// Writes a batch in one transaction. If an earlier attempt was committed and only its answer was lost, nothing is
@@ -85,9 +85,6 @@ pub(super) async fn write_done(
 ) -> Result<(), StoreError> {
     if let Some(number) = batch.journal_done.filter(|_| is_complete) {
         forget_journal(tx, lease, number).await.map_err(failed("delete the journal's old rows"))?;
-    }
-    if let Some(number) = batch.redo_done {
-        intent_log::forget(tx, lease, number).await.map_err(failed("delete an intent"))?;
     }
     Ok(())
 }

@@ -53,6 +53,16 @@ pub enum StoreError {
         /// Error of the migration.
         source: sqlx::migrate::MigrateError,
     },
+    /// An earlier version of the program was killed before it had written the rows of its transactions.
+    #[error(
+        "the database {database} has transactions in its table redo whose rows are not written, and only the earlier vibrissa \
+         that began them can write these: stop all supervisors, start the earlier version until /readyz answers 200, stop it with \
+         SIGTERM, and start this version again"
+    )]
+    Unfinished {
+        /// Address of the database, without its password.
+        database: String,
+    },
     /// The SQLite file is damaged.
     #[error(
         "the database {database} is damaged: {findings}. Stop here, keep the file, and restore the newest back-up: \
@@ -211,6 +221,7 @@ impl StoreError {
             Self::NoFolder { .. }
             | Self::InUse { .. }
             | Self::Lock { .. }
+            | Self::Unfinished { .. }
             | Self::Damaged { .. }
             | Self::Vanished { .. } => "cannot use the database's file; see the log".to_owned(),
             Self::Migrate { .. } => "cannot migrate the database's tables; see the log".to_owned(),
@@ -234,6 +245,7 @@ impl StoreError {
             Self::NoFolder { .. }
             | Self::InUse { .. }
             | Self::Lock { .. }
+            | Self::Unfinished { .. }
             | Self::Damaged { .. }
             | Self::Vanished { .. }
             | Self::TooNew { .. }

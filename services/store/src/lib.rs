@@ -28,7 +28,6 @@ mod error;
 pub mod export;
 pub mod fault;
 pub mod from_row;
-mod intent_log;
 pub mod labels;
 mod lease;
 mod lease_watch;

@@ -1,10 +1,9 @@
 //! Spans of time over which contacts are aggregated.
 
-use borsh::{BorshDeserialize, BorshSerialize};
 use vibrissa_core::units::Micros;
 
 /// Length of the spans of time over which contacts are aggregated, by the supervisor's clock.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Resolution {
     /// Spans of one minute.
     Minute,

@@ -252,15 +252,11 @@ pub(super) async fn ask_shards(tx: &mut Tx<'_>, action_id: i64, action: &NewActi
 }
 
 async fn undividable(tx: &mut Tx<'_>, fleet: &str) -> sqlx::Result<Option<NotDivided>> {
-    const ROWS: &str = "SELECT count(*) FROM redo WHERE fleet = $1";
     const ACTIONS: &str = "SELECT count(*) FROM actions WHERE fleet = $1 AND state = 'PENDING' AND shard IS NOT NULL";
     const ROLLOUTS: &str = "SELECT count(*) FROM rollouts WHERE fleet = $1 AND state IN ('RUNNING', 'PAUSED')";
     let count = async |tx: &mut Tx<'_>, sql: &'static str| -> sqlx::Result<i64> {
         on!(tx, |tx| sqlx::query_scalar(sql).bind(fleet).fetch_one(&mut **tx).await)
     };
-    if count(tx, ROWS).await? > 0 {
-        return Ok(Some(NotDivided::NotDrained));
-    }
     if count(tx, ACTIONS).await? > 0 {
         return Ok(Some(NotDivided::ActionPending));
     }

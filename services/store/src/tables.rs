@@ -36,7 +36,7 @@ columns! {
     InShard<'b> { fleet: &'b str, shard: i64, }
 }
 
-/// The number of a shard's row in the journal or in the intent log.
+/// The number of a shard's row in the journal.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ShardNumber<'b> {
     pub(crate) fleet: &'b str,
@@ -127,11 +127,6 @@ pub(crate) static JOURNAL: Statement<(InShard<'static>, &JournalRow)> = Statemen
 pub(crate) static JOURNAL_DONE: Statement<ShardNumber<'static>> = Statement::custom(
     "journal",
     "DELETE FROM journal AS t USING ROWS WHERE t.fleet = n.fleet AND t.shard = n.shard AND t.number <= n.number AND OWNED",
-);
-/// Deletes rows of the intent log by their number.
-pub(crate) static REDO_DONE: Statement<ShardNumber<'static>> = Statement::custom(
-    "redo",
-    "DELETE FROM redo AS t USING ROWS WHERE t.fleet = n.fleet AND t.shard = n.shard AND t.number = n.number AND OWNED",
 );
 pub(crate) static CHANGES: Statement<(InFleet<'static>, NewChange<'static>)> = Statement::insert("changes");
 pub(crate) static OUTBOX: Statement<OutboxRow<'static>> = Statement::insert("event_outbox");

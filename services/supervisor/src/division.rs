@@ -43,16 +43,13 @@ pub(crate) async fn divide(held: Vec<Lease>, count: u32, shared: Shared) {
 /// Writes checkpoints of all robots. Returns false if the database rejects some.
 async fn drained(held: &[Lease], shared: &Shared) -> Result<bool, StoreError> {
     for lease in held {
-        // The rows of intents may have events.
-        let metrics = shared.metrics.of_shard(lease.shard());
-        let sink = shared.kafka.as_ref().and_then(|kafka| kafka.sink(lease.shard(), &metrics));
         let lost = || StoreError::LeaseLost {
             fleet: lease.shard().to_string(),
             epoch: lease.epoch(),
             cause: LossCause::TakenOver,
         };
         let boot_id = BootId::new(&format!("{}-division", shared.supervisor)).map_err(|_| lost())?;
-        let engine = engine_options(lease, &boot_id, shared, sink.as_ref()).start().await?;
+        let engine = engine_options(lease, &boot_id, shared, None).start().await?;
         if !engine.drain().await.map_err(|_| lost())? {
             return Ok(false);
         }

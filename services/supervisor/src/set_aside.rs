@@ -8,8 +8,6 @@ pub(crate) enum Reader {
     Log,
     /// Rows of the journal.
     Journal,
-    /// Transactions of the intent log.
-    IntentLog,
     /// Checkpoints of robots.
     Checkpoint,
     /// The policy in force.
@@ -24,23 +22,14 @@ pub(crate) enum Reader {
 
 impl Reader {
     /// All readers.
-    pub(crate) const ALL: [Self; 8] = [
-        Self::Log,
-        Self::Journal,
-        Self::IntentLog,
-        Self::Checkpoint,
-        Self::Policy,
-        Self::Calibration,
-        Self::Rollout,
-        Self::EventOutbox,
-    ];
+    pub(crate) const ALL: [Self; 7] =
+        [Self::Log, Self::Journal, Self::Checkpoint, Self::Policy, Self::Calibration, Self::Rollout, Self::EventOutbox];
 
     /// The reader as a label of metrics.
     pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Log => "LOG",
             Self::Journal => "JOURNAL",
-            Self::IntentLog => "INTENT_LOG",
             Self::Checkpoint => "CHECKPOINT",
             Self::Policy => "POLICY",
             Self::Calibration => "CALIBRATION",

@@ -10,7 +10,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use serde_json::{Map, Value};
+use sqlx::postgres::PgConnection;
+use sqlx::sqlite::SqliteConnectOptions;
+use sqlx::{ConnectOptions as _, Connection as _};
 use tempfile::TempDir;
+use vibrissa_store::{DatabaseAddress, Store, StoreError};
 use vibrissa_tests::mosquitto::free_port;
 use vibrissa_tests::postgres::{DATABASE, Postgres};
 use vibrissa_tests::process::{Launch, Process};
@@ -108,11 +112,31 @@ async fn nothing_is_lost(opened: Opened, expected: &str) {
     assert!(opened.process.is_running());
 }
 
+/// Removes the transaction that waits in `redo`, as if its version had written its rows.
+const FINISH: &str = "DELETE FROM redo";
+
+/// Opens a database in which a transaction waits for its version: nothing may be changed.
+async fn is_refused(address: &DatabaseAddress) {
+    let store = Store::open(address, "test").await.unwrap();
+    for _ in 0..2 {
+        let problem = store.prepare().await.unwrap_err();
+        assert!(matches!(problem, StoreError::Unfinished { .. }) && !problem.is_passing(), "{problem}");
+    }
+    store.close().await;
+}
+
 #[tokio::test]
 async fn golden_a_sqlite_database_of_migration_16_goes_on_with_nothing_lost() {
     let folder = tempfile::tempdir().unwrap();
     let copy = folder.path().join("fleet.sqlite3");
     std::fs::copy(fixture("fleet.sqlite3"), &copy).unwrap();
+    is_refused(&DatabaseAddress::Sqlite(copy.clone())).await;
+    let mut link = SqliteConnectOptions::new().filename(&copy).connect().await.unwrap();
+    let newest: i64 =
+        sqlx::query_scalar("SELECT max(version) FROM _sqlx_migrations").fetch_one(&mut link).await.unwrap();
+    assert_eq!(newest, 16);
+    sqlx::raw_sql(FINISH).execute(&mut link).await.unwrap();
+    link.close().await.unwrap();
     let url = format!("sqlite:{}", copy.display());
     nothing_is_lost(Opened::start(folder, &url).await, "views-sqlite.json").await;
 }
@@ -127,6 +151,31 @@ async fn golden_a_postgresql_database_of_migration_16_goes_on_with_nothing_lost(
         .output();
     let restored = restored.unwrap();
     assert!(restored.status.success(), "psql: {}", String::from_utf8_lossy(&restored.stderr));
-    let opened = Opened::start(tempfile::tempdir().unwrap(), &Postgres::url(server.port())).await;
+    let url = Postgres::url(server.port());
+    is_refused(&url.parse().unwrap()).await;
+    let mut link = PgConnection::connect(&url).await.unwrap();
+    let newest: i64 =
+        sqlx::query_scalar("SELECT max(version) FROM _sqlx_migrations").fetch_one(&mut link).await.unwrap();
+    assert_eq!(newest, 16);
+    sqlx::raw_sql(FINISH).execute(&mut link).await.unwrap();
+    let opened = Opened::start(tempfile::tempdir().unwrap(), &url).await;
     nothing_is_lost(opened, "views-postgres.json").await;
+}
+
+/// An earlier version that is still running may begin a transaction after the look at `redo`.
+#[tokio::test]
+async fn the_migration_itself_refuses_unfinished_transactions() {
+    const BEFORE: &str = "CREATE TABLE redo (number BIGINT); INSERT INTO redo VALUES (7)";
+    let mut link = SqliteConnectOptions::new().in_memory(true).connect().await.unwrap();
+    sqlx::raw_sql(BEFORE).execute(&mut link).await.unwrap();
+    let migration = include_str!("../../../migrations/sqlite/0060_no_intent_log.sql");
+    let refused = sqlx::raw_sql(migration).execute(&mut link).await.unwrap_err();
+    assert!(refused.to_string().contains("redo_is_empty"), "{refused}");
+
+    let server = Postgres::start().await;
+    let mut link = PgConnection::connect(&Postgres::url(server.port())).await.unwrap();
+    sqlx::raw_sql(BEFORE).execute(&mut link).await.unwrap();
+    let migration = include_str!("../../../migrations/postgres/0060_no_intent_log.sql");
+    let refused = sqlx::raw_sql(migration).execute(&mut link).await.unwrap_err();
+    assert!(refused.to_string().contains("redo_is_empty"), "{refused}");
 }

@@ -9,11 +9,8 @@ use vibrissa_store::Resolution;
 use vibrissa_store::batch::{Batch, JournalRow, Owner, QuarantineRow, Record, RollupRow};
 use vibrissa_store::{DatabaseAddress, Lease, Refused, RejectionCause, StoreError, Writer};
 use vibrissa_tests::actions::asks_of;
-use vibrissa_tests::mosquitto::Mosquitto;
-use vibrissa_tests::postgres::Postgres;
 
 use crate::rows::{self, Numbered, contacts};
-use crate::supervisors::Replica;
 use crate::{Fresh, contract, fleet, supervisor};
 
 /// Tables with rows of a single robot, and the condition that a new row `n` belongs to robot `{r}`, which has the
@@ -44,10 +41,9 @@ const OF_ROBOTS: [(&str, &str); 19] = [
 ];
 
 /// All other tables, and the reason why this test does not cover them.
-const OTHERS: [(&str, &str); 29] = [
+const OTHERS: [(&str, &str); 28] = [
     ("journal", "has a separate test"),
     ("quarantine", "has a separate test"),
-    ("redo", "belongs to a whole transaction, and has a separate test"),
     ("boots", "is written with a birth, before its effects"),
     ("arrays", "is written with a factsheet, before its effects"),
     ("leases", "belongs to supervisors"),
@@ -407,27 +403,4 @@ async fn the_quarantine_is_bounded_on_sqlite() {
 #[tokio::test]
 async fn the_quarantine_is_bounded_on_postgres() {
     in_quarantine(Fresh::postgres().await).await;
-}
-
-/// A transaction committed as bytes has a row that the database refuses; the next owner of the fleet writes its other
-/// rows.
-#[tokio::test]
-async fn regress_a_refused_row_does_not_keep_a_fleet_from_being_taken_up() {
-    let (database, broker) = (Fresh::postgres().await, Mosquitto::start());
-    let mut admin = Admin::of(&database).await;
-    let (a, mut writer) = (supervisor("a"), database.store.writer());
-    writer.sign_in(&a, &[]).await.unwrap();
-    let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
-    let good = rows::robot(&mut writer, &lease).await;
-    let bad = rows::numbered(&mut writer, &lease, "bad").await;
-    let mut batch = contacts(&good, 0..5);
-    batch.append_all(contacts(&bad, 0..5));
-    writer.write_intent(&lease, 7, &batch.to_bytes().unwrap()).await.unwrap();
-    admin.refuse("contacts", &format!("n.whisker_id = {}", bad.whisker_ids[0])).await;
-    let (folder, url) = (tempfile::tempdir().unwrap(), Postgres::url(database.server.as_ref().unwrap().port()));
-    let mut next = Replica::start(folder.path(), "s", "f", &url, broker.port(), 0.8);
-    next.says(200, "OWNED").await;
-    assert_eq!(database.store.contact_count().await.unwrap(), 5);
-    assert_eq!(writer.pending_intent(&lease).await.unwrap(), None);
-    next.terminate().await;
 }

@@ -135,7 +135,7 @@ impl Stage {
     pub(crate) async fn end(mut self, database: &PgConnectOptions) -> Verdict {
         self.robots.rest();
         until_within(LONG, "receipts of all messages", async || (self.robots.undelivered() == 0).then_some(())).await;
-        // Setpoints may still be on their way, and rows follow their intents.
+        // Setpoints may still be on their way.
         let mut before = None;
         until_within(LONG, "the last row", async || {
             let now = contacts(database).await;

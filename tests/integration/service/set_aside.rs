@@ -23,7 +23,7 @@ async fn run(link: &mut SqliteConnection, sql: &str) {
 }
 
 /// Damages rows of each reader; the statement after each damage is the next item, which must be read.
-const PLANTED: [&str; 26] = [
+const PLANTED: [&str; 25] = [
     // Robots, whiskers, boots.
     "UPDATE robots SET robot = BAD WHERE robot = 'name'",
     "UPDATE robots SET journal_number = 'x' WHERE robot = 'number'",
@@ -31,9 +31,8 @@ const PLANTED: [&str; 26] = [
     "UPDATE whiskers SET state = x'ff' WHERE robot_id = (SELECT robot_id FROM robots WHERE robot = 'whisker')",
     "UPDATE boots SET boot_id = BAD WHERE robot_id = (SELECT robot_id FROM robots WHERE robot = 'boot')",
     "UPDATE robots SET state = CAST(x'0b00' || substr(state, 3) AS BLOB) WHERE robot = 'newer'",
-    // Journal, intent log.
+    // Journal.
     "INSERT INTO journal (fleet, shard, number, entries) VALUES ('f', 0, 1000001, x'ff')",
-    "INSERT INTO redo (fleet, shard, number, rows) VALUES ('f', 0, 1000002, x'ff')",
     // Actions: one without text, one of whose parameters are no JSON, and one to execute.
     "INSERT INTO actions (fleet, robot, kind, parameters, reason, actor, role, request_id, asked_us, expires_us, state) \
      VALUES ('f', 'whole', 'NOTHING', '{}', BAD, 'a', 'ADMIN', 'q', 1, 9000000000000000, 'PENDING')",
@@ -128,7 +127,7 @@ async fn regress_an_unreadable_item_stops_no_reader() {
         assert!(notices.contains(named) || notices.contains("further rows"), "{named} in {notices}");
     }
     assert!(running.metric("vibrissa_rows_set_aside_total").await >= 8.0);
-    for reader in ["CALIBRATION", "CHECKPOINT", "INTENT_LOG", "JOURNAL"] {
+    for reader in ["CALIBRATION", "CHECKPOINT", "JOURNAL"] {
         let name = format!("vibrissa_items_set_aside_total{{fleet=\"f\",reader=\"{reader}\"}}");
         assert!(running.metric(&name).await >= 1.0, "{reader}");
     }

@@ -1,6 +1,6 @@
 //! Rows of compensations: decisions with their candidates, measured errors with their bins, and refinements.
 
-use super::{Interval, words};
+use super::Interval;
 use crate::row::row;
 
 row! {
@@ -19,7 +19,6 @@ row! {
         /// Time of the decision, µs since 1970 UTC by the supervisor's clock.
         pub decided_us: i64,
         /// `PROPOSED` if it waits for approval, else `AUTOMATIC`.
-        #[borsh(deserialize_with = "words::word")]
         pub approval: &'static str,
         /// All whiskers that were evaluated as compensators, in that order.
         pub candidates: Vec<CandidateRow> = [],
@@ -41,7 +40,6 @@ row! {
         /// Number of the whisker in the database.
         pub whisker_id: i64,
         /// Case of the paper, such as `SELF_COMPENSATION`.
-        #[borsh(deserialize_with = "words::word")]
         pub case: &'static str = ["compensation_case"],
         /// Estimated length, mm.
         pub length_mm: f64,
@@ -63,7 +61,6 @@ row! {
         /// Whether the whisker was chosen.
         pub chosen: bool,
         /// Reason why it was not chosen, such as `COSTS_MORE`.
-        #[borsh(deserialize_with = "words::word_if_any")]
         pub refused: Option<&'static str>,
     }
 
@@ -83,7 +80,6 @@ row! {
         pub with_gain: Option<Interval> = ["error_with_gain", "error_with_gain_low", "error_with_gain_high"],
         /// Mean error of the air alone, without the reading gain, as a ratio; `None` where the robot applies no gain. Not
         /// among the bytes of the row, but behind those of its batch.
-        #[borsh(skip)]
         pub air_error: Option<Interval> = ["air_error", "air_error_low", "air_error_high"],
         /// The error in each contact-ratio bin.
         pub bins: Vec<ErrorBinRow> = [],
@@ -103,12 +99,10 @@ row! {
         /// Sensitivity of the compensator at its nominal pressure, strain per mm of deflection.
         pub before_per_mm: f64,
         /// Origin of `before_per_mm`: `MEASURED` or `MODEL`.
-        #[borsh(deserialize_with = "words::word")]
         pub before_origin: &'static str,
         /// Sensitivity of the target before the trim, strain per mm of deflection.
         pub target_per_mm: f64,
         /// Origin of `target_per_mm`: `MEASURED` or `MODEL`.
-        #[borsh(deserialize_with = "words::word")]
         pub target_origin: &'static str,
         /// Error by Eq. 35 in this bin, as a ratio.
         pub error: Interval = ["error", "error_low", "error_high"],
@@ -123,7 +117,6 @@ row! {
         /// Number of contacts of the compensator at the evaluated pressure.
         pub contacts: i64,
         /// Outcome: `REFINED`, or why the pressure stays, such as `HELD_MARGIN`.
-        #[borsh(deserialize_with = "words::word")]
         pub outcome: &'static str,
         /// Pressure that was evaluated, MPa.
         pub pressure_from_mpa: f64,

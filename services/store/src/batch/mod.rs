@@ -1,14 +1,11 @@
 //! The rows of one transaction, in the order in which they must be written.
 
-mod bytes;
 mod compensation;
 mod parts;
 mod policy;
 mod record;
 mod rows;
 mod touch_test;
-mod version_1;
-mod words;
 
 pub use compensation::*;
 pub use parts::{Owner, Owners};
@@ -18,10 +15,8 @@ pub use record::*;
 pub use rows::*;
 pub use touch_test::*;
 
-use borsh::{BorshDeserialize, BorshSerialize};
-
 /// All rows that follow from a batch of messages, and the journal.
-#[derive(Debug, Default, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Default)]
 pub struct Batch {
     /// New layouts. Their whiskers that are on the robot now are among `whiskers`.
     pub layouts: Vec<LayoutRow>,
@@ -38,18 +33,13 @@ pub struct Batch {
     /// All other rows, in their order.
     pub records: Vec<Record>,
     /// Events for the outbox, in their order.
-    #[borsh(skip)]
     pub events: Vec<EventRow>,
     /// Journal entries of robots whose checkpoints are not among `robots`.
     pub journal: Option<JournalRow>,
     /// Journal rows up to this number are contained in the checkpoints and can be deleted.
     pub journal_done: Option<i64>,
     /// The first record of the partitioned log whose effects are not in this batch or before it; `None` without a log.
-    #[borsh(skip)]
     pub log_next: Option<i64>,
-    /// Number of this batch in the intent log (table `redo`); its row there is deleted in the same transaction.
-    #[borsh(skip)]
-    pub redo_done: Option<i64>,
 }
 
 impl Batch {
@@ -66,7 +56,6 @@ impl Batch {
             && self.events.is_empty()
             && self.journal.is_none()
             && self.journal_done.is_none()
-            && self.redo_done.is_none()
     }
 
     /// Whether one statement can write it: there are no layouts and no rare records.

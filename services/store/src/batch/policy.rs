@@ -4,7 +4,6 @@ use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::policy_numbers;
 use vibrissa_edge::words::Word as _;
 
-use super::words;
 use crate::row::row;
 
 /// Who set a policy, when and why.
@@ -36,13 +35,10 @@ macro_rules! policy {
                 /// Version of the fleet's policy, from 1.
                 pub version: i64,
                 /// `AUTOMATIC`: compensations start without approval; `ADVISE`: each waits for approval.
-                #[borsh(deserialize_with = "words::word")]
                 pub mode: &'static str,
                 /// Quantity that a setpoint is solved for: `TIP` or `MEAN`.
-                #[borsh(deserialize_with = "words::word")]
                 pub objective: &'static str,
                 /// Whether a longer whisker may compensate for a shorter one: `NEVER`, `LAST_RESORT` or `ALLOWED`.
-                #[borsh(deserialize_with = "words::word")]
                 pub longer_for_shorter: &'static str,
                 $(#[doc = $doc] pub $name: f64,)+
                 /// Time at which it was set, µs since 1970 UTC by the supervisor's clock.

@@ -1,14 +1,12 @@
 //! The rarer rows of a batch, in their order: health changes, trims, decisions, setpoints, errors, alarms and answers.
 
-use borsh::{BorshDeserialize, BorshSerialize};
-
-use super::{DecisionRow, ErrorRow, PolicyRow, RefinementRow, TouchTestProgressRow, TouchTestRow, words};
+use super::{DecisionRow, ErrorRow, PolicyRow, RefinementRow, TouchTestProgressRow, TouchTestRow};
 use crate::calibrations::ActivationRow;
 use crate::rollouts::RolloutChange;
 use crate::row::row;
 
 /// One of the rarer rows of a batch.
-#[derive(Debug, Clone, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone)]
 pub enum Record {
     /// A change of a whisker's condition or fault.
     Health(HealthRow),
@@ -52,12 +50,9 @@ pub enum Record {
     Answer {
         /// Number of the action.
         action_id: i64,
-        /// Number of the robot that the action concerns; 0 if it concerns the fleet or is unknown. Not stored in the
-        /// intent log.
-        #[borsh(skip)]
+        /// Number of the robot that the action concerns; 0 if it concerns the fleet or is unknown.
         robot_id: i64,
         /// State of the action: `DONE`, `REFUSED` or `EXPIRED`.
-        #[borsh(deserialize_with = "words::word")]
         state: &'static str,
         /// Why the action was refused: a code, a colon, and an explanation.
         problem: Option<String>,
@@ -105,7 +100,6 @@ row! {
         /// Name of the robot that sent the message.
         pub robot: String,
         /// Topic below the robot's level, such as `contacts`.
-        #[borsh(deserialize_with = "words::word")]
         pub topic: &'static str,
         /// Boot of the robot that sent the message; `None` if the message does not name it.
         pub boot_id: Option<String>,
@@ -116,7 +110,6 @@ row! {
         /// Time at which it was put into quarantine, µs since 1970 UTC by the supervisor's clock.
         pub quarantined_us: i64,
         /// Class of the error: a word of [`RejectionCause`](crate::RejectionCause).
-        #[borsh(deserialize_with = "words::word")]
         pub cause: &'static str,
         /// Error code of the database.
         pub code: String,
@@ -131,13 +124,10 @@ row! {
         /// Time of the change, µs since 1970 UTC by the supervisor's clock.
         pub recorded_us: i64,
         /// Changed property: `CONDITION` or `FAULT`.
-        #[borsh(deserialize_with = "words::word")]
         pub kind: &'static str,
         /// Condition or fault before the change; `None` for no fault.
-        #[borsh(deserialize_with = "words::word_if_any")]
         pub was: Option<&'static str>,
         /// Condition or fault after the change; `None` for no fault.
-        #[borsh(deserialize_with = "words::word_if_any")]
         pub becomes: Option<&'static str>,
     }
 
@@ -168,7 +158,6 @@ row! {
         /// Time of the end, µs since 1970 UTC by the supervisor's clock.
         pub ended_us: i64,
         /// Reason for the end, such as `REPLACED`.
-        #[borsh(deserialize_with = "words::word")]
         pub end_reason: &'static str,
     }
 
@@ -176,16 +165,13 @@ row! {
     pub struct SetpointStateRow {
         /// Identifier of the setpoint, a UUID.
         pub command_id: String,
-        /// Number of the robot; 0 if it is unknown because the batch was read from the intent log.
-        #[borsh(skip)]
+        /// Number of the robot in the database.
         pub robot_id: i64 = [],
         /// Time of the change, µs since 1970 UTC by the supervisor's clock.
         pub recorded_us: i64,
         /// The new state, such as `APPLIED`.
-        #[borsh(deserialize_with = "words::word")]
         pub state: &'static str,
         /// Reason that the robot gave for rejecting the setpoint.
-        #[borsh(deserialize_with = "words::word_if_any")]
         pub error: Option<&'static str>,
         /// Pressure that the robot reported as reached, MPa.
         pub pressure_mpa: Option<f64>,
@@ -198,7 +184,6 @@ row! {
         /// Time at which it was raised, µs since 1970 UTC by the supervisor's clock.
         pub raised_us: i64,
         /// Kind of alarm, such as `UNCOMPENSATED`.
-        #[borsh(deserialize_with = "words::word")]
         pub kind: &'static str,
     }
 
@@ -209,7 +194,6 @@ row! {
         /// Time of the end, µs since 1970 UTC by the supervisor's clock.
         pub cleared_us: i64,
         /// Kind of alarm, such as `UNCOMPENSATED`.
-        #[borsh(deserialize_with = "words::word")]
         pub kind: &'static str,
     }
 
@@ -220,7 +204,6 @@ row! {
         /// Time at which it was raised, µs since 1970 UTC by the supervisor's clock.
         pub raised_us: i64,
         /// Kind of alarm, such as `ROBOT_SILENT`.
-        #[borsh(deserialize_with = "words::word")]
         pub kind: &'static str,
     }
 
@@ -231,7 +214,6 @@ row! {
         /// Time of the end, µs since 1970 UTC by the supervisor's clock.
         pub cleared_us: i64,
         /// Kind of alarm, such as `ROBOT_SILENT`.
-        #[borsh(deserialize_with = "words::word")]
         pub kind: &'static str,
     }
 
@@ -260,7 +242,6 @@ row! {
         /// Time from which on the robot must not apply it, µs since 1970 UTC by the robot's clock.
         pub expires_us: i64,
         /// Reason, such as `SELF_COMPENSATION` or `RELEASE`.
-        #[borsh(deserialize_with = "words::word")]
         pub reason: &'static str,
         /// Residual gain, as a JSON array of contact ratios and gains.
         pub gain: Option<String>,

@@ -1,13 +1,10 @@
 //! The frequent rows of a batch: checkpoints, contacts, aggregates, responses and the journal.
 
-use borsh::{BorshDeserialize, BorshSerialize};
-
-use super::words;
 use crate::Resolution;
 use crate::row::row;
 
 /// A factsheet with a new layout.
-#[derive(Debug, BorshSerialize, BorshDeserialize)]
+#[derive(Debug)]
 pub struct LayoutRow {
     /// Number of the robot in the database.
     pub robot_id: i64,
@@ -19,7 +16,7 @@ pub struct LayoutRow {
 }
 
 /// An event for the outbox.
-#[derive(Debug, Clone, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct EventRow {
     /// Number of the robot in the database.
     pub robot_id: i64,
@@ -32,7 +29,7 @@ pub struct EventRow {
 }
 
 /// An estimate with its 95 % interval.
-#[derive(Debug, Clone, Copy, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, Copy)]
 pub struct Interval {
     /// The estimated value.
     pub mean: f64,
@@ -58,7 +55,6 @@ row! {
         /// Newest boot; `None` before the first.
         pub boot_id: Option<String>,
         /// Connection state: `ONLINE`, `OFFLINE` or `CONNECTION_BROKEN`.
-        #[borsh(deserialize_with = "words::word")]
         pub connection: &'static str,
         /// Whether an operator holds the whole robot.
         pub held: bool,
@@ -81,10 +77,8 @@ row! {
         /// Standard deviation of the estimated length, mm.
         pub length_sd_mm: f64,
         /// Condition, such as `HEALTHY`.
-        #[borsh(deserialize_with = "words::word")]
         pub condition: &'static str,
         /// Fault, such as `LEAK`; `None` without a fault.
-        #[borsh(deserialize_with = "words::word_if_any")]
         pub fault: Option<&'static str>,
         /// Pressure as last measured, MPa.
         pub pressure_mpa: Option<f64>,
@@ -155,7 +149,6 @@ row! {
         /// Time of receipt, µs since 1970 UTC by the supervisor's clock.
         pub received_us: i64,
         /// Kind of place that the robot stated: `RATIO`, `DISTANCE`, `TIP` or `UNKNOWN`.
-        #[borsh(deserialize_with = "words::word")]
         pub place: &'static str,
         /// Contact ratio, 0 at the base, 1 at the tip: the robot's, or its distance / the estimated length. `None` if the
         /// place is not known.
@@ -171,7 +164,6 @@ row! {
         /// Temperature of the whisker, °C.
         pub temperature_c: f64,
         /// Use of the contact: `USED`, `LEARNING`, or why it was not used.
-        #[borsh(deserialize_with = "words::word")]
         pub used: &'static str,
         /// ln(measured / predicted sensitivity); `None` if the contact was not used.
         pub residual: Option<f64>,
@@ -196,12 +188,10 @@ row! {
         /// Strain of the compensator before its pressure changed, m/m.
         pub before_strain: f64,
         /// Origin of `before_strain`: `MEASURED` or `MODEL`.
-        #[borsh(deserialize_with = "words::word")]
         pub before_origin: &'static str,
         /// Strain of the target before the trim, m/m.
         pub target_strain: f64,
         /// Origin of `target_strain`: `MEASURED` or `MODEL`.
-        #[borsh(deserialize_with = "words::word")]
         pub target_origin: &'static str,
     }
 }

@@ -1,6 +1,5 @@
 //! Rows of touch tests, and their progress.
 
-use super::words;
 use crate::row::row;
 
 row! {
@@ -13,15 +12,12 @@ row! {
         /// Number of the whisker in the database.
         pub whisker_id: i64,
         /// Kind of test: `TIP` or `WALL`.
-        #[borsh(deserialize_with = "words::word")]
         pub kind: &'static str,
         /// Reason, such as `SUSPICION`.
-        #[borsh(deserialize_with = "words::word")]
         pub reason: &'static str,
         /// Number of requested touches.
         pub contacts: i64,
         /// First state: `PENDING` or `PROPOSED`.
-        #[borsh(deserialize_with = "words::word")]
         pub state: &'static str,
         /// Time of the request or proposal, µs since 1970 UTC by the supervisor's clock.
         pub requested_us: i64,
@@ -41,10 +37,8 @@ row! {
         /// Time of the progress, µs since 1970 UTC by the supervisor's clock.
         pub updated_us: i64,
         /// The new state, such as `RUNNING`; `None` if it is as before.
-        #[borsh(deserialize_with = "words::word_if_any")]
         pub state: Option<&'static str>,
         /// Reason that the robot gave for rejecting the test.
-        #[borsh(deserialize_with = "words::word_if_any")]
         pub error: Option<&'static str>,
         /// Time of the end, µs since 1970 UTC by the supervisor's clock; `None` while the test goes on.
         pub ended_us: Option<i64>,

@@ -23,7 +23,6 @@ pub(super) use parts::COUNTED;
 pub use replication::Replication;
 pub use role::{NoServer, Refusal};
 pub(super) use route::Route;
-pub(super) use whole::intent;
 
 /// A statement whose parameters are being bound.
 pub(super) type Query = sqlx::query::Query<'static, Postgres, PgArguments>;

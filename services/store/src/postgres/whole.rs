@@ -17,22 +17,10 @@ use crate::changes::NewChange;
 use crate::records::tell_of_rollups;
 use crate::tables::{
     ALARMS, ANSWERED, BINS, CANDIDATES, CHANGES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, HEALTH, InFleet, InShard,
-    JOURNAL, JOURNAL_DONE, OUTBOX, OutboxRow, REDO_DONE, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS,
-    SETPOINTS, STATES, ShardNumber, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
+    JOURNAL, JOURNAL_DONE, OUTBOX, OutboxRow, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS,
+    STATES, ShardNumber, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
 };
 use crate::{Batch, Lease, Resolution, StoreError, changes, failed, outbox, tables};
-
-const REDO: &str = "INSERT INTO redo (fleet, shard, number, rows) SELECT $1::text, $2::bigint, $3::bigint, $4::bytea \
-    WHERE OWNED";
-
-/// Statement of a transaction that writes only an intent.
-static INTENT: LazyLock<String> =
-    LazyLock::new(|| Text::of_one().sql("intent", REDO, |statement| statement).counting(&["counted"]));
-
-/// The statement that writes an intent; its parameters are those of the lease, then fleet, shard, number and bytes.
-pub(in super::super) fn intent() -> &'static str {
-    &INTENT
-}
 
 /// Statements of the transactions of one shard, and of several shards together.
 static OF_ONE: LazyLock<Statements> = LazyLock::new(|| Statements::beginning_with(Text::of_one));
@@ -79,7 +67,6 @@ pub(in super::super) struct Whole<'b> {
     robots: Vec<&'b RobotRow>,
     whiskers: Vec<&'b WhiskerRow>,
     sorted: Sorted<'b>,
-    redo_done: Vec<ShardNumber<'b>>,
     responses: Vec<&'b ResponseRow>,
     outbox: Vec<OutboxRow<'b>>,
     changes: Vec<(InFleet<'b>, NewChange<'b>)>,
@@ -110,7 +97,6 @@ impl<'b> Whole<'b> {
         self.journal_done.extend(batch.journal_done.map(|number| ShardNumber::new(at, number)));
         self.robots.extend(&batch.robots);
         self.whiskers.extend(&batch.whiskers);
-        self.redo_done.extend(batch.redo_done.map(|number| ShardNumber::new(at, number)));
         self.responses.extend(&batch.responses);
         self.outbox.extend(outbox::row(lease, &batch.events));
         self.changes.extend(changes::of(at.fleet, &batch.records, now_us));
@@ -147,7 +133,6 @@ impl<'b> Whole<'b> {
         let has_rest = !(self.changes.is_empty()
             && self.outbox.is_empty()
             && self.responses.is_empty()
-            && self.redo_done.is_empty()
             && self.minutes.is_empty()
             && self.hours.is_empty());
         let statements = if self.leases.len() == 1 { &*OF_ONE } else { &*OF_SEVERAL };
@@ -197,7 +182,6 @@ impl<'b> Whole<'b> {
     fn rest<P: Parts>(&self, parts: P) -> P {
         let sorted = &self.sorted;
         parts
-            .rows("redo_done", &REDO_DONE, &self.redo_done)
             .rows("health_new", &HEALTH, &sorted.health)
             .rows("trims_new", &TRIMS, &sorted.trims)
             .rows("compensations_new", &DECISIONS, &sorted.decisions)
@@ -231,7 +215,7 @@ mod tests {
     fn no_part_is_written_without_the_lease() {
         let statements = [&*OF_ONE, &*OF_SEVERAL];
         let texts = statements.into_iter().flat_map(|of| [&of.ordinary, &of.checkpoints, &of.whole]);
-        for sql in texts.chain([&*INTENT]) {
+        for sql in texts {
             let parts: usize =
                 [" AS (INSERT", " AS (UPDATE", " AS (DELETE"].map(|begin| sql.matches(begin).count()).iter().sum();
             let counted = usize::from(!sql.contains("counted AS (UPDATE"));

@@ -49,7 +49,6 @@ pub const TABLES: &[(&str, Kept)] = &[
     ("notes", BY_PEOPLE),
     ("policies", BY_PEOPLE),
     ("quarantine", Until("beyond the newest 1,000 of each fleet")),
-    ("redo", Until("when their rows are written")),
     ("refusals", For("one for each robot, topic and reason")),
     ("robots", For("limits.robots_per_fleet")),
     ("rollout_events", BY_PEOPLE),

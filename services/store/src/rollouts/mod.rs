@@ -4,7 +4,6 @@ mod write;
 
 pub(super) use write::write;
 
-use borsh::{BorshDeserialize, BorshSerialize};
 use serde::{Deserialize, Serialize};
 use tokio::time::Duration;
 use utoipa::ToSchema;
@@ -23,7 +22,7 @@ pub const EVENTS_MAX: i64 = 200;
 const UNSERVED: &str = "1.0";
 
 /// The state of a roll-out; the migration documents the columns.
-#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RolloutRow {
     /// Number of the action that began it.
     pub rollout_id: i64,
@@ -60,7 +59,7 @@ pub struct RolloutRow {
 }
 
 /// Result of a comparison of changed and unchanged robots.
-#[derive(Debug, Clone, Copy, Default, PartialEq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Compared {
     /// Probability that chance alone makes the changed robots look so much worse; `None` before the first comparison.
     pub probability: Option<f64>,
@@ -75,7 +74,7 @@ pub struct Compared {
 }
 
 /// An event of a roll-out.
-#[derive(Debug, Clone, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RolloutEvent {
     /// Kind of event, such as `ADVANCED`.
     pub event: String,
@@ -86,7 +85,7 @@ pub struct RolloutEvent {
 }
 
 /// A new state of a roll-out, with its event.
-#[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RolloutChange {
     /// State of the roll-out.
     pub row: RolloutRow,

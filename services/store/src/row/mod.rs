@@ -1,4 +1,4 @@
-//! Rows of tables, each declared once: a declaration gives the struct, its bytes, and its columns in both databases.
+//! Rows of tables, each declared once: a declaration gives the struct and its columns in both databases.
 //!
 //! [`row!`] declares the struct, [`Statement`] writes it into a table. A new column is a new field of the struct
 //! and a column in the two migrations.
@@ -55,7 +55,7 @@ pub(crate) fn columns_of<F: Field>(names: &'static [&'static str]) -> impl Itera
     names.iter().zip(F::TYPES).map(|(&name, &kind)| Column { name, kind })
 }
 
-/// Declares rows that the intent log stores: structs with the columns of their fields.
+/// Declares rows: structs with the columns of their fields.
 ///
 /// A field is the column of the same name, or the columns in the list behind its type; a field with an empty list is
 /// no column. `also` declares columns whose values are computed from the row.
@@ -68,7 +68,7 @@ macro_rules! row {
         $(also { $($computed:ident: $computed_type:ty = |$row:ident| $value:expr,)+ })?
     )+) => {$(
         $(#[$meta])*
-        #[derive(Debug, Clone, borsh::BorshSerialize, borsh::BorshDeserialize)]
+        #[derive(Debug, Clone)]
         pub struct $name {
             $($(#[$field_meta])* pub $field: $type,)+
         }

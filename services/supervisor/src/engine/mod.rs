@@ -305,24 +305,19 @@ impl Engine {
         }
     }
 
-    /// Seals the open batches, or takes the oldest transaction without rows, and starts to write it.
+    /// Seals the open batches and starts to write them.
     fn begin_commit(&mut self) {
         // A suspect's checkpoint may be rejected, so its journal entries are needed for longer.
         self.pipeline.begin(&mut self.shards, !self.suspects.is_empty());
     }
 
-    /// Waits until no transaction is being written, and the rows of all are written.
+    /// Waits until no transaction is being written.
     async fn settle(&mut self) -> Result<(), LeaseLost> {
-        loop {
-            if self.pipeline.is_writing() {
-                let written = self.pipeline.written().await;
-                self.committed(written)?;
-            }
-            if !self.pipeline.has_pending() {
-                return Ok(());
-            }
-            self.begin_commit();
+        if self.pipeline.is_writing() {
+            let written = self.pipeline.written().await;
+            self.committed(written)?;
         }
+        Ok(())
     }
 
     /// Handles the end of a write: the publications go out.
@@ -335,15 +330,13 @@ impl Engine {
             let offenders = std::mem::take(&mut done.committed.offenders);
             self.suspects.reject(offenders, &mut done.transaction, &mut self.shards, &mut self.pipeline);
         }
-        if done.has_rows() {
-            self.suspects.committed(done.transaction.number());
-            if let Some(events) = self.events.as_ref().filter(|_| done.transaction.has_events()) {
-                events.notify_one();
-            }
-            self.action_notifier.answered(done.transaction.take_answered());
-            if done.transaction.has_records() {
-                self.action_notifier.changed();
-            }
+        self.suspects.committed(done.transaction.number());
+        if let Some(events) = self.events.as_ref().filter(|_| done.transaction.has_events()) {
+            events.notify_one();
+        }
+        self.action_notifier.answered(done.transaction.take_answered());
+        if done.transaction.has_records() {
+            self.action_notifier.changed();
         }
         self.pipeline.publish_committed(done, &mut self.shards);
         Ok(())

@@ -16,7 +16,7 @@ use super::birth_watch::BirthWatch;
 use super::commit::committer::Committer;
 use super::commit::joint::JointCommits;
 use super::commit::pipeline::Pipeline;
-use super::commit::recovery::{recover, write_intents};
+use super::commit::recovery::recover;
 use super::quarantine::suspects::Suspects;
 use super::robot::limits::Bucket;
 use super::rollout::Rollout;
@@ -103,10 +103,8 @@ impl EngineOptions {
         let (fleet, epoch) = (lease.fleet().clone(), lease.epoch());
         // Before anything is read, so that no change is missed.
         let action_sent = action_notifier.subscribe(lease.shard());
-        // A policy, calibration or roll-out may be among them.
         let metrics = program.of_shard(lease.shard());
         let set_aside_before = metrics.all_set_aside();
-        write_intents(&mut writer, &lease, &metrics).await?;
         let policy = writer.policy(&lease).await?;
         metrics.set_aside(Reader::Policy, policy.iter().filter(|policy| policy.params().is_none()).count() as u64);
         let params = params::with_policy(self.params, policy.as_ref());

@@ -14,7 +14,7 @@ use vibrissa_store::{Batch, Lease, LossCause, Refused, Rejection, StoreError, St
 use crate::engine::commit::joint::Member;
 use crate::engine::commit::journal;
 use crate::engine::commit::recovery::{LogRecords, records_of};
-use crate::engine::commit::transaction::{SealedTransaction, Stage};
+use crate::engine::commit::transaction::SealedTransaction;
 use crate::kafka::LogReader;
 
 /// Writes the transactions of a fleet.
@@ -30,20 +30,10 @@ pub(crate) struct Committer {
     joint: Member,
 }
 
-/// The part of a transaction that was written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
-    /// The intent: the publications go out, and the rows follow.
-    Intent,
-    /// The rows: the publications go out, if they have not yet.
-    Rows,
-}
-
 /// Result of one write.
 pub(crate) struct Written {
     pub(super) committer: Committer,
     pub(super) transaction: SealedTransaction,
-    pub(super) part: Part,
     pub(super) result: Result<Committed, LeaseLost>,
 }
 
@@ -67,10 +57,6 @@ pub(crate) struct Offender {
     /// The records of the log to which these refer, by row.
     pub(crate) records: Vec<LogRecords>,
 }
-
-/// The database rejects an intent permanently.
-#[derive(Debug)]
-struct IntentRejected;
 
 /// State of an outage of the database, if there is one.
 #[derive(Debug, Default)]
@@ -119,25 +105,10 @@ impl Committer {
         warn!(%problem, fleet = %self.fleet, "{what}, retrying");
     }
 
-    /// Writes a transaction's intent, or its rows. If the database rejects the intent, the rows are written first, as
-    /// those of an ordinary transaction.
+    /// Writes the rows of a transaction.
     pub(super) async fn write(mut self, mut transaction: SealedTransaction) -> Written {
-        let mut part = Part::Rows;
-        let result = match &transaction.stage {
-            Stage::Intent(bytes) => match self.write_intent(transaction.number, bytes).await {
-                Ok(Ok(committed)) => {
-                    part = Part::Intent;
-                    Ok(committed)
-                }
-                Ok(Err(IntentRejected)) => {
-                    transaction.stage = Stage::Sealed;
-                    self.commit(&mut transaction.rows).await
-                }
-                Err(LeaseLost) => Err(LeaseLost),
-            },
-            Stage::Sealed | Stage::IntentCommitted => self.commit(&mut transaction.rows).await,
-        };
-        Written { committer: self, transaction, part, result }
+        let result = self.commit(&mut transaction.rows).await;
+        Written { committer: self, transaction, result }
     }
 
     /// Writes the rows of a batch. Retries while the database is unreachable; meanwhile the inbox fills and then sheds.
@@ -172,33 +143,6 @@ impl Committer {
         let offenders = self.offenders(&mut outage, refused).await?;
         let was_away = self.end_of(&outage);
         Ok(Committed { took: first.elapsed(), was_away, offenders })
-    }
-
-    /// Writes a batch's bytes to the intent log, which commits the transaction; its rows are written later. Retries
-    /// while the database is unreachable.
-    async fn write_intent(
-        &mut self,
-        number: i64,
-        bytes: &[u8],
-    ) -> Result<Result<Committed, IntentRejected>, LeaseLost> {
-        let mut outage = Outage::default();
-        let first = Instant::now();
-        loop {
-            let begun = Instant::now();
-            match self.writer.write_intent(&self.lease, number, bytes).await {
-                Ok(()) => {
-                    self.metrics.database_commit_seconds.observe(begun.elapsed().as_secs_f64());
-                    break;
-                }
-                Err(problem) if problem.rejection().is_some() => {
-                    error!(%problem, fleet = %self.fleet, "database rejects an intent, writing the rows first");
-                    return Ok(Err(IntentRejected));
-                }
-                Err(problem) => self.wait_out(&mut outage, problem, "nothing is recorded").await?,
-            }
-        }
-        let was_away = self.end_of(&outage);
-        Ok(Ok(Committed { took: first.elapsed(), was_away, offenders: Vec::new() }))
     }
 
     /// Loads the robots whose rows were rejected, as of their last commit.

@@ -5,19 +5,15 @@
 //! - [`checkpoint`]: robots' states as rows, written at once after a decision, otherwise about two seconds later.
 //! - [`schedule`]: group commit, the time at which the open batches become a transaction.
 //! - [`transaction`]: a sealed transaction on its way to the database.
-//! - [`pipeline`]: sealed transactions, one after the other, and the publications that wait for them.
+//! - [`pipeline`]: transactions one after the other, and the publications that wait for them.
 //! - [`committer`]: one transaction in the database, with retries while the database is unreachable.
 //! - [`joint`]: small transactions of several shards of a supervisor become one.
-//! - [`recovery`]: intents become rows, checkpoints are loaded, and the journal is replayed through the core.
+//! - [`recovery`]: checkpoints are loaded, and the journal is replayed through the core.
 //!
-//! A transaction, with the states of [`transaction::Stage`]:
+//! A transaction:
 //!
 //! ```text
-//! open ──schedule──▶ Sealed ───────────────────────────────────────────▶ rows committed ──▶ all publications go out
-//!   │                                                                         ▲
-//!   └─a setpoint in it──▶ Intent ──intent committed (`redo`)──▶ IntentCommitted ┘ in the order of sealing
-//!                           │                                   └──▶ its publications go out now
-//!                           └─the database rejects the intent──▶ Sealed
+//! open ──the schedule, or at once for a setpoint──▶ sealed ──▶ rows committed ──▶ its publications go out
 //! ```
 //!
 //! The durable state of a robot is its checkpoint, and the journal's entries after it. In the open batch it is one of

@@ -1,10 +1,8 @@
 //! The commit pipeline: open batches become transactions, one after the other, and their publications go out.
 //!
-//! An ordinary transaction is written as rows at once. One with a setpoint is first committed as one row of the intent
-//! log, and its publications go out; its rows follow as soon as no other intent must be written. The rows of all
-//! transactions are written in the order of sealing.
+//! A transaction with a setpoint is sealed at once and kept short: it leaves receipts, and checkpoints that may wait, to the next
+//! one.
 
-use std::collections::VecDeque;
 use std::future::pending;
 use std::time::SystemTime;
 
@@ -14,12 +12,11 @@ use tokio::task::JoinHandle;
 use tokio::time::Instant;
 
 use crate::engine::commit::checkpoint::{CheckpointRate, due_after};
-use crate::engine::commit::committer::{Committed, Committer, LeaseLost, Part, Written};
+use crate::engine::commit::committer::{Committed, Committer, LeaseLost, Written};
 use crate::engine::commit::journal::index::JournalIndex;
 use crate::engine::commit::schedule::Schedule;
-use crate::engine::commit::transaction::{RobotShare, SealedTransaction, Stage, answers};
+use crate::engine::commit::transaction::{SealedTransaction, answers};
 use crate::engine::fleet_metrics;
-use crate::engine::message::RawMessage;
 use crate::engine::shard::Receipts;
 use crate::engine::shard::shards::Shards;
 use crate::metrics::FleetMetrics;
@@ -27,30 +24,18 @@ use crate::outbox::{Losses, Publication};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::Lease;
 
-/// Largest number of transactions whose intents are committed, and whose rows are not written yet.
-const PENDING_MAX: usize = 16;
 /// Number of contacts and whiskers' checkpoints up to which a transaction is written in the engine's own thread.
 const SMALL: usize = 200;
-/// With more contacts, a transaction is not written twice, as an intent and as rows.
-const INTENT_CONTACTS_MAX: usize = 2000;
 /// Number of robots that get receipts at a time, ten times a second. If more are due, each robot's receipts are less
 /// frequent.
 const RECEIPTS_AT_ONCE: usize = 500;
 /// Number of consecutive transactions that may leave due receipts to the next one.
 const PASSED_OVER_MAX: u32 = 8;
 
-/// A transaction of which one part is committed, and that is not published yet.
+/// A committed transaction that is not published yet.
 pub(crate) struct CommittedTransaction {
     pub(crate) transaction: SealedTransaction,
     pub(crate) committed: Committed,
-    part: Part,
-}
-
-impl CommittedTransaction {
-    /// Whether the rows are written, rather than only the intent.
-    pub(crate) fn has_rows(&self) -> bool {
-        self.part == Part::Rows
-    }
 }
 
 /// The transactions of one fleet.
@@ -61,8 +46,6 @@ pub(crate) struct Pipeline {
     committer: Option<Committer>,
     /// The running write, if there is one.
     writing: Option<JoinHandle<Written>>,
-    /// Sealed transactions whose rows must be written, in order. Their intents are committed.
-    pending: VecDeque<SealedTransaction>,
     schedule: Schedule,
     journal: JournalIndex,
     rate: CheckpointRate,
@@ -91,7 +74,6 @@ impl Pipeline {
             metrics,
             committer: Some(committer),
             writing: None,
-            pending: VecDeque::new(),
             schedule: Schedule::new(Instant::now()),
             journal: JournalIndex::recovered(last),
             rate: CheckpointRate::new(wall_clock()),
@@ -170,17 +152,12 @@ impl Pipeline {
     /// Whether a commit must begin now.
     pub(crate) fn is_due(&self, shards: &Shards) -> bool {
         let is_now = |due: Instant| due <= Instant::now();
-        self.writing.is_none() && (self.schedule.due().is_some_and(is_now) || !shards.has_room() || self.has_pending())
+        self.writing.is_none() && (self.schedule.due().is_some_and(is_now) || !shards.has_room())
     }
 
     /// Whether a transaction is being written.
     pub(crate) fn is_writing(&self) -> bool {
         self.writing.is_some()
-    }
-
-    /// Whether there are transactions whose rows must be written.
-    pub(crate) fn has_pending(&self) -> bool {
-        !self.pending.is_empty()
     }
 
     /// Access to the database while no transaction is being written.
@@ -211,56 +188,27 @@ impl Pipeline {
         self.rate = CheckpointRate::at_the_end(wall_clock());
     }
 
-    /// Seals the open batches, or takes the oldest transaction without rows, and starts to write it. `holds_journal` if
-    /// checkpoints may be rejected, so that journal entries are needed for longer.
+    /// Seals the open batches and starts to write them. `holds_journal` if checkpoints may be rejected, so that journal entries
+    /// are needed for longer.
     pub(crate) fn begin(&mut self, shards: &mut Shards, holds_journal: bool) {
         let Some(committer) = self.committer.take() else { return };
-        let Some(transaction) = self.next_transaction(shards, holds_journal) else {
-            self.committer = Some(committer);
-            return;
-        };
-        let rows = transaction.rows.contacts.len() + transaction.rows.whiskers.len();
-        // A small transaction is written in this thread, which avoids waking another.
-        let is_small = matches!(transaction.stage, Stage::Intent(_)) || rows <= SMALL;
-        let write = committer.write(transaction);
-        self.writing = Some(if is_small { tokio::spawn(write) } else { self.workers.spawn(write) });
-    }
-
-    /// The next transaction to write: an intent of the open batches before the rows of earlier ones, and these before
-    /// all else.
-    fn next_transaction(&mut self, shards: &mut Shards, holds_journal: bool) -> Option<SealedTransaction> {
-        let is_intent = self.is_intent_due(shards);
-        if !is_intent && let Some(transaction) = self.pending.pop_front() {
-            return Some(transaction);
-        }
-        let mut transaction = self.seal(shards, is_intent, holds_journal);
+        let transaction = self.seal(shards, holds_journal);
         if transaction.is_empty() {
             self.metrics.promises.committed(transaction.received);
-            return None;
+            self.committer = Some(committer);
+            return;
         }
-        if is_intent && let Some(bytes) = transaction.rows.to_bytes() {
-            transaction.stage = Stage::Intent(bytes);
-            return Some(transaction);
-        }
-        // After the rows of earlier intents, if there are any.
-        self.pending.push_back(transaction);
-        self.pending.pop_front()
-    }
-
-    /// Whether the open batches are to be committed as an intent first, because a setpoint waits for them.
-    fn is_intent_due(&self, shards: &Shards) -> bool {
-        shards.is_urgent()
-            && self.pending.len() < PENDING_MAX
-            && self.schedule.passed_over() < PASSED_OVER_MAX
-            && shards.contacts() < INTENT_CONTACTS_MAX
+        let rows = transaction.rows.contacts.len() + transaction.rows.whiskers.len();
+        let write = committer.write(transaction);
+        // A small transaction is written in this thread, which avoids waking another.
+        self.writing = Some(if rows <= SMALL { tokio::spawn(write) } else { self.workers.spawn(write) });
     }
 
     /// Seals the open batches of all shards, with the checkpoints that are due.
-    ///
-    /// An intent is short: it leaves receipts, and checkpoints that may wait, to the next transaction.
-    fn seal(&mut self, shards: &mut Shards, is_intent: bool, holds_journal: bool) -> SealedTransaction {
+    fn seal(&mut self, shards: &mut Shards, holds_journal: bool) -> SealedTransaction {
         let now = wall_clock();
-        let has_receipts = self.schedule.begin(is_intent, Instant::now());
+        let is_short = shards.is_urgent() && self.schedule.passed_over() < PASSED_OVER_MAX;
+        let has_receipts = self.schedule.begin(is_short, Instant::now());
         self.rate.refill(now, self.journal.contacts());
         let mut transaction = SealedTransaction::new(self.journal.next(), std::mem::take(&mut self.answered));
         transaction.received = std::mem::take(&mut self.received);
@@ -290,35 +238,22 @@ impl Pipeline {
 
     /// Takes the result of a write. The transaction must be given to [`Self::publish_committed`].
     pub(crate) fn committed(&mut self, written: Written) -> Result<CommittedTransaction, LeaseLost> {
-        let Written { committer, mut transaction, part, result } = written;
+        let Written { committer, mut transaction, result } = written;
         let committed = result?;
         self.metrics.promises.committed(std::mem::take(&mut transaction.received));
         self.metrics.promises.recorded();
         self.committer = Some(committer);
-        Ok(CommittedTransaction { transaction, committed, part })
+        Ok(CommittedTransaction { transaction, committed })
     }
 
-    /// Publishes after a commit, unless the publications have gone out with the intent. The rows of an intent follow
-    /// later.
-    pub(crate) fn publish_committed(&mut self, committed: CommittedTransaction, shards: &mut Shards) {
-        let CommittedTransaction { mut transaction, committed, part } = committed;
-        if !matches!(transaction.stage, Stage::IntentCommitted) {
-            self.publish_transaction(&mut transaction, &committed, shards);
-        }
-        if part == Part::Intent {
-            transaction.stage = Stage::IntentCommitted;
-            transaction.rows.redo_done = Some(transaction.number);
-            self.pending.push_back(transaction);
-        }
-    }
-
-    fn publish_transaction(&self, transaction: &mut SealedTransaction, committed: &Committed, shards: &mut Shards) {
+    /// Publishes after a commit.
+    pub(crate) fn publish_committed(&self, committed: CommittedTransaction, shards: &mut Shards) {
+        let CommittedTransaction { transaction, committed } = committed;
         fleet_metrics::observe_commit(&self.metrics, &transaction.times);
-        let mut spans = std::mem::take(&mut transaction.spans);
+        let SealedTransaction { mut spans, publications, .. } = transaction;
         shards.spans_committed(&mut spans, committed.took);
         // Taken before publishing, because a robot may answer before `publish` returns.
         let now = SystemTime::now();
-        let publications = std::mem::take(&mut transaction.publications);
         let at = wall_clock();
         let all = self.publish(publications, |publication| shards.published(publication, at));
         shards.spans_published(spans, now, all);
@@ -351,11 +286,6 @@ impl Pipeline {
         }
         self.metrics.publications_dropped.inc_by(dropped as u64);
         dropped == 0
-    }
-
-    /// Removes a robot from the transactions whose rows are not written yet, and returns its messages.
-    pub(crate) fn remove(&mut self, share: &RobotShare) -> Vec<RawMessage> {
-        self.pending.iter_mut().flat_map(|transaction| transaction.remove(share)).collect()
     }
 
     /// Forgets answers that are no longer in the open batches: their actions are pending again.

@@ -1,4 +1,4 @@
-//! Recovery of a fleet: intents become rows, checkpoints are loaded, and the journal is replayed.
+//! Recovery of a fleet: checkpoints are loaded, and the journal is replayed.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -9,7 +9,7 @@ use vibrissa_core::robot::event::{Contact, WhiskerStatus};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Message, Name, Received, RobotTopic};
 
-use crate::engine::commit::journal::{Entry, JournalEvent, Part, ROWS_AT_A_TIME, by_robot, read};
+use crate::engine::commit::journal::{Entry, JournalEvent, Part, ROWS_AT_A_TIME, read};
 use crate::engine::robot::KnownRobot;
 use crate::engine::shard::Shard;
 use crate::engine::shard::shards::Shards;
@@ -20,8 +20,7 @@ use crate::metrics::FleetMetrics;
 use crate::set_aside::Reader;
 use vibrissa_edge::full_name::FullName;
 use vibrissa_store::StoredRobot;
-use vibrissa_store::batch::{Batch, Owner};
-use vibrissa_store::{Lease, Refused, StoreError, Writer};
+use vibrissa_store::{Lease, StoreError, Writer};
 
 /// Robots that are loaded by one query: the memory for their stored states, at most some 60 KB each, serves the next ones.
 const ROBOTS_AT_A_TIME: i64 = 100;
@@ -36,45 +35,6 @@ struct ReplayedRobot {
     is_replayed: bool,
 }
 
-/// Writes the rows of the transactions in the intent log. An unreadable one is logged, counted and dropped.
-pub(crate) async fn write_intents(
-    writer: &mut Writer,
-    lease: &Lease,
-    metrics: &FleetMetrics,
-) -> Result<(), StoreError> {
-    while let Some((number, bytes)) = writer.pending_intent(lease).await? {
-        let batch = Batch::from_bytes(&bytes).unwrap_or_else(|problem| {
-            let (fleet, bytes) = (lease.fleet(), bytes.len());
-            error!(%fleet, number, bytes, %problem, "cannot read a transaction of the intent log, its rows are lost");
-            metrics.set_aside(Reader::IntentLog, 1);
-            Batch::default()
-        });
-        write_rows(writer, lease, Batch { redo_done: Some(number), ..batch }).await?;
-        info!(fleet = %lease.fleet(), number, "wrote the rows of a transaction of the intent log");
-    }
-    Ok(())
-}
-
-/// Writes a batch. Rows that the database rejects permanently are logged and dropped, so that the recovery continues.
-async fn write_rows(writer: &mut Writer, lease: &Lease, mut batch: Batch) -> Result<(), StoreError> {
-    match writer.commit(lease, &batch).await {
-        Err(problem) if problem.rejection().is_some() => {}
-        written => return written,
-    }
-    let mut refused = Vec::new();
-    writer.commit_apart(lease, &mut batch, by_robot, &mut refused).await?;
-    for Refused { owner, rejection } in refused {
-        let (code, text) = (rejection.code, rejection.text);
-        let stored = match owner {
-            Owner::Robot(robot_id) => writer.robot(lease, robot_id).await?,
-            Owner::Fleet | Owner::Quarantine => None,
-        };
-        let robot = stored.map(|stored| FullName::robot(lease.fleet().as_str(), &stored.robot).to_string());
-        error!(fleet = %lease.fleet(), robot, code, text, "database rejects rows of the intent log, they are lost");
-    }
-    Ok(())
-}
-
 /// Loads the robots of a fleet into their shards. Returns the number of the last journal entry.
 ///
 /// The journal may refer to the log. The recovery waits for the log then: what it has must not be left out.
@@ -85,7 +45,6 @@ pub(crate) async fn recover(
     log: Option<&LogReader>,
     metrics: &FleetMetrics,
 ) -> Result<i64, StoreError> {
-    write_intents(writer, lease, metrics).await?;
     let (mut replay, mut last) = (Replay::default(), 0);
     let mut after = -1;
     loop {

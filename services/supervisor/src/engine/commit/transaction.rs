@@ -4,31 +4,17 @@ use std::collections::{BTreeSet, HashMap};
 
 use vibrissa_protocol::{Name, RobotTopic};
 
-use crate::engine::commit::journal;
 use crate::engine::message::{MessageTimes, RawMessage};
 use crate::outbox::Publication;
 use crate::trace::PendingSpans;
 use vibrissa_store::Batch;
 use vibrissa_store::batch::{JournalRow, Owner, Owners, Record};
 
-/// State of a sealed transaction before its next write: see the diagram in [`super`].
-#[derive(Debug, Default)]
-pub(super) enum Stage {
-    /// Its rows are to be written; its publications follow.
-    #[default]
-    Sealed,
-    /// These bytes are to be written to the intent log first; its publications follow.
-    Intent(Vec<u8>),
-    /// Its intent is committed, and its publications are out; its rows are to be written.
-    IntentCommitted,
-}
-
 /// A sealed transaction.
 #[derive(Default)]
 pub(crate) struct SealedTransaction {
     /// Number of the transaction in the fleet's journal.
     pub(super) number: i64,
-    pub(super) stage: Stage,
     pub(super) rows: Batch,
     pub(super) publications: Vec<Publication>,
     /// The messages behind the rows.
@@ -98,19 +84,6 @@ impl SealedTransaction {
         share.remove_publications(&mut self.publications);
         let committed = answers(&self.rows.records);
         self.answered.retain(|action_id| committed.contains(action_id));
-        share.take_messages(&mut self.messages)
-    }
-
-    /// Removes a robot from a transaction whose rows are not written yet, and returns its messages.
-    pub(super) fn remove(&mut self, share: &RobotShare) -> Vec<RawMessage> {
-        share.remove_rows(&mut self.rows);
-        if let Some(journal) = &mut self.rows.journal {
-            let others = journal::by_robot(&journal.entries).into_iter().filter(|(other, _)| *other != share.robot_id);
-            journal.entries = others.flat_map(|(_, entries)| entries).collect();
-        }
-        // The robot's earlier entries may be needed again.
-        self.rows.journal_done = None;
-        share.remove_publications(&mut self.publications);
         share.take_messages(&mut self.messages)
     }
 

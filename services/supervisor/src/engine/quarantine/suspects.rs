@@ -105,7 +105,6 @@ impl Suspects {
         let whisker_ids = shards.robot(name).map_or(&[][..], |known| &known.whisker_ids);
         let share = RobotShare::of(self.lease.fleet(), name, robot_id, whisker_ids);
         let mut messages = transaction.remove_rejected(&share);
-        messages.extend(pipeline.remove(&share));
         for shard in shards.iter_mut() {
             shard.batch_mut().remove_rows(&share);
         }
