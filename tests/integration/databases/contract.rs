@@ -181,6 +181,7 @@ pub(crate) fn records(numbered: &Numbered) -> Vec<Record> {
             length_after_mm: 65.1,
             length_after_sd_mm: 0.2,
             contacts_to_detect: 12,
+            pressure_mpa: Some(0.05),
         }),
         Record::Decision(Box::new(decision)),
         Record::Setpoint(Box::new(setpoint)),

@@ -242,6 +242,7 @@ fn happenings(robot_id: i64, ids: &[i64]) -> Vec<Record> {
             length_after_mm: 65.0 - f64::from(number % 4),
             length_after_sd_mm: 0.2,
             contacts_to_detect: 12 + i64::from(number % 3),
+            pressure_mpa: (number % 2 == 0).then_some(0.05),
         }));
         let (kind, was, becomes) = if number % 2 == 0 {
             ("CONDITION", Some("HEALTHY"), Some("SUSPECTED"))

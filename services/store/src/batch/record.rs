@@ -149,6 +149,8 @@ row! {
         pub length_after_sd_mm: f64,
         /// Number of contacts from the most likely moment of the cut to its detection.
         pub contacts_to_detect: i64,
+        /// Pressure of the whisker at the detection, MPa; `None` if it is unknown.
+        pub pressure_mpa: Option<f64>,
     }
 
     /// The end of a compensation.

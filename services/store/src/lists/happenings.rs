@@ -38,6 +38,8 @@ from_row! {
         /// Number of contacts from the most likely moment of the cut to its detection.
         #[schema(minimum = 0)]
         pub contacts_to_detect: i64,
+        /// Pressure of the whisker at the detection, MPa; null if it is unknown, as for trims detected by an earlier version.
+        pub pressure_mpa: Option<f64>,
         /// Number of the black box with the robot's messages around it; null without a box.
         #[schema(minimum = 0)]
         pub black_box_id: Option<i64>,
@@ -95,7 +97,8 @@ pub static TRIMS: List = List {
     select: concat!(
         "SELECT trim_id, fleet, robot, \"array\", w.whisker, detected_us AS detected_at, length_before_mm, \
          length_after_mm, length_after_mm - 1.959963984540054 * length_after_sd_mm AS length_after_low_mm, \
-         length_after_mm + 1.959963984540054 * length_after_sd_mm AS length_after_high_mm, contacts_to_detect, ",
+         length_after_mm + 1.959963984540054 * length_after_sd_mm AS length_after_high_mm, contacts_to_detect, \
+         t.pressure_mpa, ",
         box_of!("r.robot_id", "t.detected_us"),
         " AS black_box_id FROM trims t JOIN whiskers w USING (whisker_id) JOIN arrays USING (array_id) \
          JOIN robots r ON r.robot_id = w.robot_id"

@@ -109,6 +109,11 @@ impl Stepper {
                     length_after_mm: trim.length_after.length.mm(),
                     length_after_sd_mm: trim.length_after.sd_mm,
                     contacts_to_detect: i64::from(trim.contacts_to_detect),
+                    pressure_mpa: known
+                        .robot
+                        .whisker(trim.whisker)
+                        .and_then(|whisker| whisker.pressure)
+                        .map(Megapascal::mpa),
                 }));
                 known.history.keep_recent(trim.whisker, self.batch.rows_mut());
                 Self::keep_event(known, "TRIM", trim.whisker, now);
