@@ -124,7 +124,7 @@ async fn conditions(database: &Database) -> Vec<String> {
 async fn assert_went_on(database: &Database) {
     let learned = database.number("SELECT count(*) FROM contacts WHERE used = 'LEARNING'").await;
     assert_eq!(learned, 4 * LEARNED as i64, "each of the four whiskers must learn once");
-    assert_eq!(database.number("SELECT count(*) FROM trims").await, 2);
+    assert_eq!(database.number("SELECT count(pressure_mpa) FROM trims").await, 2);
     assert_eq!(database.number("SELECT count(*) FROM compensations").await, 2, "each trim must be decided once");
     assert_eq!(database.number("SELECT count(*) FROM compensations WHERE ended_us IS NOT NULL").await, 0);
     // A refinement may be pending at any moment; setpoints of decisions are sent once.
