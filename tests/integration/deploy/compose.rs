@@ -109,7 +109,7 @@ fn regress_each_image_is_built_once_and_nothing_built_is_fetched() {
             assert!(service["depends_on"].get(built[image]).is_some(), "{name} may start before {image} is built");
         }
     }
-    assert_eq!(built.keys().copied().collect::<Vec<_>>(), ["vibrissa-simulator:0.1.0", "vibrissa:0.1.0"]);
+    assert_eq!(built.keys().copied().collect::<Vec<_>>(), ["vibrissa-simulator:0.2.0", "vibrissa:0.2.0"]);
 }
 
 #[test]

@@ -146,7 +146,7 @@ fn assert_tells_what_happened(trace: &[Span], setpoint: &Setpoint) {
         assert_eq!(root.attributes[key], value, "{key}");
     }
     assert!(!root.is_error);
-    for (key, value) in [("service.name", "vibrissa"), ("service.instance.id", "s"), ("service.version", "0.1.0")] {
+    for (key, value) in [("service.name", "vibrissa"), ("service.instance.id", "s"), ("service.version", "0.2.0")] {
         assert_eq!(root.resource[key], value);
     }
     let of = |span: &Span, name: &str| span.events.iter().find(|event| event.0 == name).unwrap().1.clone();
