@@ -25,19 +25,12 @@ const COUNTED_SEVERAL: &str = "WITH given AS (SELECT * FROM unnest($1::text[], $
 pub(super) trait Parts: Sized {
     /// A part that writes rows.
     fn rows<R: Row, B: Borrow<R>>(self, name: &str, statement: &Statement<R>, rows: &[B]) -> Self;
-
-    /// A part of its own, with the word `OWNED` in the place of a condition.
-    fn sql(self, name: &str, sql: &str, bind: impl FnOnce(Query) -> Query) -> Self;
 }
 
 /// Binds the values of the parts, in their order.
 impl Parts for Query {
     fn rows<R: Row, B: Borrow<R>>(self, _name: &str, statement: &Statement<R>, rows: &[B]) -> Self {
         statement.bind(self, rows)
-    }
-
-    fn sql(self, _name: &str, _sql: &str, bind: impl FnOnce(Query) -> Query) -> Self {
-        bind(self)
     }
 }
 
@@ -84,10 +77,6 @@ impl Text {
 impl Parts for Text {
     fn rows<R: Row, B: Borrow<R>>(self, name: &str, statement: &Statement<R>, _rows: &[B]) -> Self {
         self.with(name, &statement.part())
-    }
-
-    fn sql(self, name: &str, sql: &str, _bind: impl FnOnce(Query) -> Query) -> Self {
-        self.with(name, sql)
     }
 }
 
