@@ -1,14 +1,18 @@
 //! Fits the curve k2(Q) to measured points, by least squares of the logarithms.
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::storage::Owned;
-use nalgebra::{Dyn, Matrix2, Matrix3, OMatrix, OVector, U3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use super::FitError;
 use super::readings::Point;
 
 /// Least fall of k2, as a share of its limit.
 const LEAST_FALL: f64 = 1e-3;
+/// Most steps of the fit.
+const STEPS_MAX: usize = 1000;
+/// The fit ends with a step that changes no parameter by this share.
+const STEP_MIN: f64 = 1e-10;
+/// With more damping no step can reduce the sum of squares any more, except by rounding.
+const DAMPING_MAX: f64 = 1e12;
 
 /// k2(Q) = c + a exp(-b Q).
 #[derive(Debug, Clone, Copy)]
@@ -46,24 +50,51 @@ impl Curve {
 /// Fits the curve; the covariance is for a residual standard deviation of 1.
 pub(super) fn fit_curve(points: &[Point]) -> Result<(Curve, Matrix3<f64>), FitError> {
     let start = first_guess(points).ok_or(FitError::NotDetermined { parameter: "a" })?;
-    let (problem, report) =
-        LevenbergMarquardt::new().with_patience(200).minimize(Problem { points, logs: start.logs() });
-    let curve = Curve::from_logs(&problem.logs);
     let undetermined = FitError::NotDetermined { parameter: "b" };
-    if !report.termination.was_successful() {
-        return Err(undetermined);
-    }
+    let logs = minimise(points, start.logs()).ok_or(undetermined)?;
+    let curve = Curve::from_logs(&logs);
     let lowest_mpa = points.iter().map(|point| point.pressure_mpa).fold(f64::INFINITY, f64::min);
     if curve.k2(lowest_mpa) < (1.0 + LEAST_FALL) * curve.c {
         return Err(FitError::NotDetermined { parameter: "a" });
     }
-    let jacobian = problem.jacobian_matrix();
-    let covariance = (jacobian.transpose() * jacobian).try_inverse().ok_or(undetermined)?;
-    if problem.logs.iter().chain(covariance.iter()).all(|value| value.is_finite()) {
+    let covariance = normal_equations(points, &curve).0.try_inverse().ok_or(undetermined)?;
+    if logs.iter().chain(covariance.iter()).all(|value| value.is_finite()) {
         Ok((curve, covariance))
     } else {
         Err(undetermined)
     }
+}
+
+/// Least squares by Levenberg and Marquardt, from a starting point. `None` without convergence.
+fn minimise(points: &[Point], start: Vector3<f64>) -> Option<Vector3<f64>> {
+    let sum_of = |curve: &Curve| points.iter().map(|point| curve.residual(point).powi(2)).sum::<f64>();
+    let (mut logs, mut damping) = (start, 1e-3);
+    for _ in 0..STEPS_MAX {
+        let curve = Curve::from_logs(&logs);
+        let (normal, slope) = normal_equations(points, &curve);
+        let damped = normal + damping * Matrix3::from_diagonal(&normal.diagonal());
+        let step = damped.cholesky()?.solve(&slope);
+        let next = logs + step;
+        if sum_of(&Curve::from_logs(&next)) <= sum_of(&curve) {
+            (logs, damping) = (next, damping / 10.0);
+            if step.amax() < STEP_MIN {
+                return Some(logs);
+            }
+        } else if damping < DAMPING_MAX {
+            damping *= 10.0;
+        } else {
+            return Some(logs);
+        }
+    }
+    None
+}
+
+/// J' J and J' r, with the Jacobian J and the residuals r of the logarithms.
+fn normal_equations(points: &[Point], curve: &Curve) -> (Matrix3<f64>, Vector3<f64>) {
+    points.iter().fold((Matrix3::zeros(), Vector3::zeros()), |(normal, slope), point| {
+        let gradient = curve.log_gradient(point.pressure_mpa);
+        (normal + gradient * gradient.transpose(), slope + gradient * curve.residual(point))
+    })
 }
 
 /// Starting point: for a fixed b the curve is linear in c and a, so the best b of a wide grid is taken, with
@@ -86,40 +117,4 @@ fn first_guess(points: &[Point]) -> Option<Curve> {
         })
         .min_by(|(_, a), (_, b)| a.total_cmp(b))
         .map(|(curve, _)| curve)
-}
-
-struct Problem<'a> {
-    points: &'a [Point],
-    logs: Vector3<f64>,
-}
-
-impl Problem<'_> {
-    fn jacobian_matrix(&self) -> OMatrix<f64, Dyn, U3> {
-        let curve = Curve::from_logs(&self.logs);
-        OMatrix::<f64, Dyn, U3>::from_fn(self.points.len(), |i, j| curve.log_gradient(self.points[i].pressure_mpa)[j])
-    }
-}
-
-impl LeastSquaresProblem<f64, Dyn, U3> for Problem<'_> {
-    type ParameterStorage = Owned<f64, U3>;
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, U3>;
-
-    fn set_params(&mut self, logs: &Vector3<f64>) {
-        self.logs = *logs;
-    }
-
-    fn params(&self) -> Vector3<f64> {
-        self.logs
-    }
-
-    fn residuals(&self) -> Option<OVector<f64, Dyn>> {
-        let curve = Curve::from_logs(&self.logs);
-        let residuals = self.points.iter().map(|point| curve.k2(point.pressure_mpa).ln() - point.log_k2);
-        Some(OVector::<f64, Dyn>::from_iterator(self.points.len(), residuals))
-    }
-
-    fn jacobian(&self) -> Option<OMatrix<f64, Dyn, U3>> {
-        Some(self.jacobian_matrix())
-    }
 }
