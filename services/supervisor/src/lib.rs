@@ -59,7 +59,6 @@ mod backoff;
 mod black_box;
 pub mod calibration_file;
 mod params;
-pub mod plot;
 mod replication;
 pub mod robots_file;
 mod set_aside;

@@ -17,7 +17,6 @@ const PATHS: [(&str, u16); 14] = [
     ("/livez", 200),
     ("/metrics", 200),
     ("/v1/whiskers", 200),
-    ("/v1/fleets/f/robots/r/arrays/a/plot.svg", 404),
     ("/v1/nothing", 404),
 ];
 

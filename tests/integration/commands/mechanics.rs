@@ -76,6 +76,8 @@ fn property_calibrate_finds_the_parameters_and_its_file_can_be_used() {
         )
         .unwrap();
         assert_eq!(name, "front");
+        let svg = std::fs::read_to_string(folder.path().join("front.svg")).unwrap();
+        assert!(svg.starts_with("<svg") && svg.contains("elongation of the chamber"), "{svg}");
         let found = model.calibration();
         for (what, found, expected) in [
             ("c", found.c, 0.5),

@@ -16,18 +16,8 @@ pub(crate) fn get_operations(document: &Value) -> impl Iterator<Item = (&str, &V
 
 /// Whether the operation returns data about robots.
 fn is_read(operation: &Value) -> bool {
-    let tags = [
-        "fleets",
-        "robots",
-        "whiskers",
-        "happenings",
-        "compensations",
-        "setpoints",
-        "touch tests",
-        "errors",
-        "plots",
-        "access",
-    ];
+    let tags =
+        ["fleets", "robots", "whiskers", "happenings", "compensations", "setpoints", "touch tests", "errors", "access"];
     tags.iter().any(|tag| operation["tags"][0] == *tag)
 }
 

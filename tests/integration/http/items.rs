@@ -3,7 +3,6 @@
 use serde_json::json;
 use vibrissa_store::secret::Secret;
 use vibrissa_supervisor::http::access::AccessOptions;
-use vibrissa_tests::web::ask;
 
 use crate::served::Served;
 
@@ -86,20 +85,4 @@ async fn a_page_refers_to_the_schema_of_its_rows() {
         assert!(document["components"]["schemas"][item]["properties"].is_object(), "{item}");
     }
     assert!(pages >= 15, "{pages}");
-}
-
-#[tokio::test]
-async fn a_picture_is_a_text_for_clients_that_prefer_it() {
-    let served = Served::sqlite().await;
-    let path = "/v1/fleets/f/robots/r1/arrays/left/plot.svg";
-    for (accept, media_type) in [
-        ("*/*", "image/svg+xml"),
-        ("text/xml", "text/xml"),
-        ("image/*", "image/svg+xml"),
-        ("application/problem+json", "text/xml"),
-    ] {
-        let answer = ask(served.http, "GET", path, &[("Accept", accept)]).await.unwrap();
-        assert_eq!((answer.status, answer.headers["content-type"].as_str()), (200, media_type), "{accept}");
-        assert!(answer.body.starts_with("<svg"), "{}", &answer.body[..40]);
-    }
 }

@@ -18,7 +18,6 @@ mod notes;
 mod oidc;
 mod overview;
 mod pages;
-mod pictures;
 mod proxies;
 mod rollouts;
 mod rows;

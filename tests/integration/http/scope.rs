@@ -47,18 +47,17 @@ async fn a_caller_with_one_fleet_sees_nothing_of_another() {
         let item = served.items(&format!("/v1/{list}?fleet={fleet}")).await[0][field].clone();
         item.as_str().map_or_else(|| item.to_string(), ToOwned::to_owned)
     };
-    for (list, field, rest) in [
-        ("compensations", "compensation_id", ""),
-        ("compensations", "compensation_id", "/plot.svg"),
-        ("setpoints", "command_id", ""),
-        ("trims", "trim_id", ""),
-        ("health-changes", "health_change_id", ""),
-        ("alarms", "alarm_id", ""),
-        ("touch-tests", "test_id", ""),
+    for (list, field) in [
+        ("compensations", "compensation_id"),
+        ("setpoints", "command_id"),
+        ("trims", "trim_id"),
+        ("health-changes", "health_change_id"),
+        ("alarms", "alarm_id"),
+        ("touch-tests", "test_id"),
     ] {
-        let path = |id: String| format!("/v1/{list}/{id}{rest}");
-        assert_eq!(get(&path(id_of(list, field, "g").await)).await.status, 200, "{list}{rest}");
-        assert_eq!(get(&path(id_of(list, field, "f").await)).await.status, 404, "{list}{rest}");
+        let path = |id: String| format!("/v1/{list}/{id}");
+        assert_eq!(get(&path(id_of(list, field, "g").await)).await.status, 200, "{list}");
+        assert_eq!(get(&path(id_of(list, field, "f").await)).await.status, 404, "{list}");
     }
     for (path, _) in get_operations(&document.0).filter(|(path, _)| path.contains("{fleet}")) {
         let path =

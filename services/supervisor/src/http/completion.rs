@@ -77,21 +77,17 @@ fn name_items(components: &mut Components) {
     }
 }
 
-/// Adds the formats in which clients may ask for an answer: lists as CSV, pictures as XML.
+/// Adds the format CSV, in which clients may ask for a list.
 fn add_formats(operation: &mut Operation) {
     let Some(RefOr::T(answer)) = operation.responses.responses.get_mut("200") else { return };
-    let is_list = answer.content.get("application/json").is_some_and(|content| refers_to(content, "Page_"));
-    let is_picture = answer.content.contains_key("image/svg+xml");
-    let text: Content = part(json!({ "schema": { "type": "string" } }));
-    if is_list {
+    if answer.content.get("application/json").is_some_and(|content| refers_to(content, "Page_")) {
+        let text: Content = part(json!({ "schema": { "type": "string" } }));
         answer.content.insert("text/csv".to_owned(), RefOr::T(text));
         let link: Header = part(json!({
             "description": "Address of the next page, `<...>; rel=\"next\"`; missing after the last page",
             "schema": { "type": "string" },
         }));
         answer.headers.insert("Link".to_owned(), RefOr::T(link));
-    } else if is_picture {
-        answer.content.insert("text/xml".to_owned(), RefOr::T(text));
     }
 }
 

@@ -4,11 +4,7 @@ use axum::http::{HeaderName, HeaderValue, header};
 use axum::response::Response;
 
 /// Policy for JSON, texts and problems: the browser may load and run nothing.
-const DATA_POLICY: &str = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-
-/// Policy for SVG pictures, which contain their own styles.
-const PICTURE_POLICY: &str =
-    "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+const POLICY: &str = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// Headers of every answer.
 const FOR_ALL: [(HeaderName, &str); 5] = [
@@ -25,9 +21,7 @@ pub(super) async fn of_all(mut response: Response) -> Response {
     for (name, value) in FOR_ALL {
         headers.insert(name, HeaderValue::from_static(value));
     }
-    let kind = headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
-    let policy = if kind.starts_with("image/svg+xml") { PICTURE_POLICY } else { DATA_POLICY };
-    headers.entry(header::CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(policy));
+    headers.entry(header::CONTENT_SECURITY_POLICY).or_insert(HeaderValue::from_static(POLICY));
     // The next user of the browser must not find data that a token has shown.
     headers.entry(header::CACHE_CONTROL).or_insert(HeaderValue::from_static("no-store"));
     response

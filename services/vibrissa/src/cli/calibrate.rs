@@ -11,8 +11,8 @@ use vibrissa_core::mechanics::{Calibration, Fit, FitError, Formulation, Geometry
 use vibrissa_protocol::Name;
 
 use self::readings::{Reading, read};
+use crate::figures::calibration;
 use vibrissa_supervisor::calibration_file::{self, CalibrationFile};
-use vibrissa_supervisor::plot::calibration;
 
 /// Arguments of `vibrissa calibrate`.
 #[derive(Debug, Args)]
@@ -77,7 +77,7 @@ pub fn run(args: &CalibrateArgs, out: &mut dyn Write) -> Result<()> {
         write_toml(path, &args.file, &CalibrationFile::new(&name, &geometry, &fit.calibration))?;
     }
     if let Some(path) = &args.svg {
-        std::fs::write(path, calibration::svg(name.as_str(), &rows, &fit)?)?;
+        calibration::draw(path, name.as_str(), &rows, &fit)?;
     }
     print_fit(&name, &geometry, &fit, out)?;
     print_readings(&readings, &fit, out)?;

@@ -12,7 +12,6 @@ use vibrissa_core::mechanics::{CalibrationRow as Measured, Fit, FitError, Geomet
 use vibrissa_core::units::{Megapascal, Millimetre, Strain};
 use vibrissa_protocol::Name;
 
-use super::plots::Picture;
 use crate::calibration_file::{CalibrationFile, GeometrySection};
 use crate::http::App;
 use crate::http::access::{Caller, Scope};
@@ -22,7 +21,6 @@ use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::{Kind, Problem};
 use crate::http::search::Search;
-use crate::plot;
 use vibrissa_edge::actions::RecordedKind;
 use vibrissa_edge::words::Word as _;
 use vibrissa_store::actions::Asked;
@@ -38,7 +36,6 @@ pub(super) fn routes() -> OpenApiRouter<App> {
         .routes(routes!(list_calibrations, upload))
         .routes(routes!(get_calibration))
         .routes(routes!(get_use))
-        .routes(routes!(draw_calibration))
         .routes(routes!(activate))
 }
 
@@ -383,26 +380,6 @@ async fn get_use(
     }));
     items.sort_by(|one, other| one.fleet.cmp(&other.fleet));
     Ok(Json(CalibrationUses { items }))
-}
-
-/// Plot of the measurements and the fit.
-#[utoipa::path(
-    get, path = "/v1/calibrations/{calibration_id}/plot.svg", tag = "calibrations", params(CalibrationPath),
-    responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml"))
-)]
-async fn draw_calibration(
-    State(app): State<App>,
-    Path(at): Path<CalibrationPath>,
-    picture: Picture,
-) -> Result<Response, Problem> {
-    let told: Measurements = read(&texts(&app, at.calibration_id).await?.measurements)?;
-    let drawn = tokio::task::spawn_blocking(move || {
-        let (_, rows, fit) = fitted(&told)?;
-        plot::calibration::svg(told.model.as_str(), &rows, &fit)
-            .map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))
-    });
-    let svg = drawn.await.map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))??;
-    Ok(picture.of(svg))
 }
 
 /// The numbers of a calibration.

@@ -26,7 +26,6 @@ pub mod model;
 pub mod notes;
 pub mod overview;
 pub mod paths;
-pub mod plots;
 pub mod policy;
 pub mod quarantine;
 pub mod refusals;
@@ -79,7 +78,6 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(shards::routes())
         .merge(touch_tests::routes())
         .merge(errors::routes())
-        .merge(plots::routes())
         .merge(webhooks::routes())
         .merge(dead_letters::routes())
 }
