@@ -60,6 +60,10 @@ impl LogReader {
         match self.0 {}
     }
 
+    pub(crate) fn is_connected(&self) -> bool {
+        match self.0 {}
+    }
+
     pub(crate) async fn records(&self, _: i64, _: i64) -> Vec<LogRecord> {
         match self.0 {}
     }

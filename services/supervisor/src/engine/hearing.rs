@@ -25,8 +25,8 @@ impl Engine {
             shard.judge_receipts(now, is_late, &mut deaf);
             shard.find_without_factsheet(Instant::now(), &mut without);
         }
-        let had_none = self.metrics.robots_without_factsheet.get() == 0;
         self.metrics.robots_without_factsheet.set(without.count);
+        let lacked = std::mem::replace(&mut self.lacked_factsheets, without.one.is_some());
         let notice = without.one.map(|robot| {
             let topic = RobotTopic::Factsheet.of(&self.fleet, &robot);
             let notice = format!(
@@ -34,7 +34,7 @@ impl Engine {
                  the broker's access list, and check its limit of the size of packets",
                 without.count
             );
-            if had_none {
+            if !lacked {
                 warn!(fleet = %self.fleet, "{notice}");
             }
             notice

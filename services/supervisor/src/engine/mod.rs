@@ -111,6 +111,10 @@ pub(crate) struct Engine {
     boxes: FleetBoxes,
     /// Where the partitioned log is to be read from, if contacts come from one.
     log_from: Option<LogStart>,
+    /// The partitioned log that contacts come from, if there is one.
+    log: Option<LogReader>,
+    /// Whether factsheets were missing at the last look.
+    lacked_factsheets: bool,
     /// Notified when a transaction with events is committed.
     events: Option<Arc<Notify>>,
     /// Metrics shared by all fleets.
@@ -258,7 +262,7 @@ impl Engine {
 
     /// Requests births that were not received.
     fn watch_births(&mut self, inbox: &Inbox) {
-        if self.metrics.broker_connected.get() == 0 {
+        if !inbox.hears() {
             return;
         }
         let has_unannounced = self.shards.take_unannounced();
@@ -386,8 +390,8 @@ impl Engine {
     /// sent.
     fn restart_silence_timers_if_deaf(&mut self, inbox: &Inbox) {
         let (robots, others) = inbox.take_shed();
-        let is_log_away = self.log_from.is_some() && self.metrics.log_connected.get() == 0;
-        if self.metrics.broker_connected.get() == 0 || others > 0 || is_log_away {
+        let is_log_away = self.log.as_ref().is_some_and(|log| !log.is_connected());
+        if !inbox.hears() || others > 0 || is_log_away {
             return self.restart_silence_timers();
         }
         let now = wall_clock();

@@ -201,6 +201,8 @@ impl EngineOptions {
             workers,
             boxes,
             log_from,
+            log: self.log,
+            lacked_factsheets: false,
             events: self.events.map(|sink| sink.committed),
             program,
             metrics,

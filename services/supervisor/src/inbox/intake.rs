@@ -1,6 +1,7 @@
 //! The receiving end of the inbox, and shedding of messages.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use bytes::Bytes;
@@ -65,6 +66,11 @@ fn bounded(bounds: Bounds, metrics: FleetMetrics) -> (Intake, Inbox) {
 }
 
 impl Intake {
+    /// Sets whether the receiver hears the robots. Returns whether it did before.
+    pub(crate) fn set_hears(&self, hears: bool) -> bool {
+        self.shared.hears.swap(hears, Ordering::Relaxed)
+    }
+
     /// Receives a message, or sheds and counts it. Shed messages come again: robots send contacts again, setpoints are
     /// sent again until they are answered, and births and factsheets are requested again, see [`Self::take_wanted`]. The
     /// message is in the inbox after the next [`Self::hand_over`], which must follow before the task waits.

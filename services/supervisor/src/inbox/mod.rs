@@ -7,6 +7,7 @@ mod fair;
 mod intake;
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bytes::Bytes;
@@ -44,6 +45,8 @@ struct Shared {
     waiting: Mutex<Waiting>,
     /// Notified when messages arrive, or when no more can.
     arrived: Notify,
+    /// Whether the receiver hears the robots.
+    hears: AtomicBool,
 }
 
 #[derive(Debug, Default)]
@@ -107,6 +110,12 @@ impl Inbox {
             }
             arrived.await;
         }
+    }
+
+    /// Whether the receiver hears the robots: it is connected, and all its subscriptions are proven.
+    #[must_use]
+    pub fn hears(&self) -> bool {
+        self.shared.hears.load(Ordering::Relaxed)
     }
 
     /// Whether no messages wait.

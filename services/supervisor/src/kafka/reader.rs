@@ -5,6 +5,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use rskafka::client::partition::{OffsetAt, PartitionClient};
@@ -39,6 +40,7 @@ pub(crate) struct LogReader {
     metrics: FleetMetrics,
     readiness: Readiness,
     again: Arc<Mutex<Option<Again>>>,
+    is_connected: Arc<AtomicBool>,
 }
 
 /// Records that a recovery reads again.
@@ -68,12 +70,30 @@ impl LogReader {
         metrics: FleetMetrics,
         readiness: Readiness,
     ) -> Self {
-        Self { connector, topic: topic.into(), shard, metrics, readiness, again: Arc::default() }
+        Self {
+            connector,
+            topic: topic.into(),
+            shard,
+            metrics,
+            readiness,
+            again: Arc::default(),
+            is_connected: Arc::default(),
+        }
     }
 
     /// Name of the topic.
     pub(crate) fn topic(&self) -> &str {
         &self.topic
+    }
+
+    /// Whether the log answers.
+    pub(crate) fn is_connected(&self) -> bool {
+        self.is_connected.load(Ordering::Relaxed)
+    }
+
+    fn set_connected(&self, is_connected: bool) {
+        self.is_connected.store(is_connected, Ordering::Relaxed);
+        self.metrics.log_connected.set(is_connected.into());
     }
 
     /// Connects to the partition.
@@ -162,7 +182,7 @@ impl LogReader {
         while !batches.is_closed() {
             let before = next;
             let Err(problem) = self.read(&mut next, &batches).await else { return };
-            self.metrics.log_connected.set(0);
+            self.set_connected(false);
             let text = problem.to_string();
             if told.as_ref() != Some(&text) {
                 warn!(problem = text, fleet = %self.shard, topic = %self.topic, "cannot read the log, retrying");
@@ -204,7 +224,7 @@ impl LogReader {
         loop {
             *next = Some(at);
             let read = self.fetch(&partition, at).await?;
-            self.metrics.log_connected.set(1);
+            self.set_connected(true);
             let (after, end) = (read.next, read.end);
             let mut read = read.records.into_iter().peekable();
             while read.peek().is_some() {

@@ -67,8 +67,7 @@ impl Receiver {
     async fn run(&mut self) {
         loop {
             let problem = self.listen().await;
-            self.metrics.broker_connected.set(0);
-            self.metrics.promises.heard(false);
+            self.set_hears(false);
             self.metrics.mqtt_node.forget(RECEIVING);
             self.metrics.mqtt_node_failures.count(&problem.node().to_string());
             if problem.is_takeover() {
@@ -164,8 +163,7 @@ impl Receiver {
                 }
                 Event::Incoming(Packet::PubAck(ack)) if is_failure(&ack) => {
                     hearing.refused();
-                    self.metrics.broker_connected.set(0);
-                    self.metrics.promises.heard(false);
+                    self.set_hears(false);
                     let (fleet, why) =
                         (self.connection.fleet().clone(), plain::reason_code(&format!("{:?}", ack.reason)));
                     let problem = self.problem(Cause::ProbeRefused { fleet, why });
@@ -211,17 +209,22 @@ impl Receiver {
         Ok(())
     }
 
+    /// Sets whether robots are heard. Returns whether they were before.
+    fn set_hears(&self, hears: bool) -> bool {
+        self.metrics.broker_connected.set(hears.into());
+        self.metrics.promises.heard(hears);
+        self.intake.set_hears(hears)
+    }
+
     /// Records that every subscription is proven: robots are heard.
     fn proven(&mut self, hearing: &Hearing) {
         if let Some(round_trip) = hearing.round_trip() {
             self.metrics.mqtt_probe_round_trip_seconds.set(round_trip.as_secs_f64());
         }
         self.attempts.reset();
-        if self.metrics.broker_connected.get() == 0 {
+        if !self.set_hears(true) {
             self.metrics.broker_connections.inc();
         }
-        self.metrics.broker_connected.set(1);
-        self.metrics.promises.heard(true);
         let node = self.connection.broker.node();
         self.metrics.mqtt_node.set(RECEIVING, &node.to_string());
         if self.connection.link.connected(Side::Receiving, &node) {
