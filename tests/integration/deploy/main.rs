@@ -4,6 +4,7 @@
 
 mod advisories;
 mod compose;
+mod documents;
 mod guidance;
 mod packages;
 mod profiles;
