@@ -54,4 +54,4 @@ book:
 
 # Build the documentation of core and contract from their comments
 rustdoc:
-    cargo doc --locked --no-deps -p vibrissa-core -p vibrissa-protocol
+    RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps -p vibrissa-core -p vibrissa-protocol

@@ -133,7 +133,7 @@ impl NoiseScale {
         f64::from(self.variance)
     }
 
-    /// Variance of the noise of one contact in log sensitivity, and the share of it by [`Self::play_mm`]. `configured` is the
+    /// Variance of the noise of one contact in log sensitivity, and the share of it by `play_mm`. `configured` is the
     /// configured variance.
     #[must_use]
     pub fn of_contact(&self, configured: f64, deflection_mm: f64) -> (f64, f64) {
