@@ -14,7 +14,7 @@ pub const BOXES_PER_ROBOT: i64 = 20;
 const PATIENCE: Duration = Duration::from_secs(10);
 const WHAT: &str = "write a black box";
 
-/// A black box; the migration documents the columns.
+/// A black box; docs/schema.md documents the columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewBlackBox {
     /// Number of the robot in the database.

@@ -226,3 +226,6 @@ impl Store {
         }
     }
 }
+
+#[cfg(test)]
+mod schema;

@@ -108,7 +108,7 @@ row! {
         pub error: Interval = ["error", "error_low", "error_high"],
     }
 
-    /// An evaluation of a setpoint; the migration documents the columns.
+    /// An evaluation of a setpoint; docs/schema.md documents the columns.
     pub struct RefinementRow {
         /// Number of the compensation.
         pub compensation_id: i64,

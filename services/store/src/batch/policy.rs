@@ -28,7 +28,7 @@ macro_rules! policy {
         key: $key:tt, default: $default:tt, min: $min:tt, max: $max:tt, unit: $unit:tt, title: $title:tt, doc: $doc:tt,
     })+]) => {
         row! {
-            /// A policy that an operator has set; the migration documents the columns.
+            /// A policy that an operator has set; docs/schema.md documents the columns.
             pub struct PolicyRow {
                 /// Name of the fleet.
                 pub fleet: String,

@@ -95,7 +95,7 @@ pub enum Record {
 const PENDING: &str = "PENDING";
 
 row! {
-    /// A message whose rows the database refused; the migration documents the columns.
+    /// A message whose rows the database refused; docs/schema.md documents the columns.
     pub struct QuarantineRow {
         /// Name of the robot that sent the message.
         pub robot: String,
@@ -219,7 +219,7 @@ row! {
         pub kind: &'static str,
     }
 
-    /// A setpoint; the migration documents the columns.
+    /// A setpoint; docs/schema.md documents the columns.
     pub struct SetpointRow {
         /// Identifier of the setpoint, a UUID.
         pub command_id: String,

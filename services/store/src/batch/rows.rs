@@ -103,7 +103,7 @@ row! {
         pub rollup: Vec<u8>,
     }
 
-    /// Aggregates of a whisker's minute or hour that has ended; the migration documents the columns.
+    /// Aggregates of a whisker's minute or hour that has ended; docs/schema.md documents the columns.
     #[derive(PartialEq)]
     pub struct RollupRow {
         /// Number of the whisker in the database.
@@ -134,7 +134,7 @@ row! {
         pub compensation_error: Option<f32>,
     }
 
-    /// A contact; the migration documents the columns.
+    /// A contact; docs/schema.md documents the columns.
     pub struct ContactRow {
         /// Number of the whisker in the database.
         pub whisker_id: i64,

@@ -3,7 +3,7 @@
 use crate::row::row;
 
 row! {
-    /// A touch test that was requested or proposed; the migration documents the columns.
+    /// A touch test that was requested or proposed; docs/schema.md documents the columns.
     pub struct TouchTestRow {
         /// Identifier of the test, a UUID.
         pub test_id: String,

@@ -21,7 +21,7 @@ pub const EVENTS_MAX: i64 = 200;
 /// The error of a decision without a compensator, as a ratio: no better than doing nothing.
 const UNSERVED: &str = "1.0";
 
-/// The state of a roll-out; the migration documents the columns.
+/// The state of a roll-out; docs/schema.md documents the columns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RolloutRow {
     /// Number of the action that began it.
