@@ -42,7 +42,7 @@ pub(crate) fn read_time<R: Read>(from: Micros, reader: &mut R) -> Result<Micros>
     Ok(Micros(from.0.wrapping_add(apart as u64)))
 }
 
-/// A number as its millionths where that is exactly what it is, as of all that people write down; else as it is.
+/// An f64 as a varint of its millionths if that is exact, as for numbers that people write; otherwise as 8 bytes.
 pub(crate) fn write_number<W: Write>(number: f64, writer: &mut W) -> Result<()> {
     let millionths = (number * MILLION).round();
     let is_near = millionths.abs() <= MILLIONTHS_MAX;
@@ -69,10 +69,13 @@ pub(crate) fn pack_flags<const N: usize>(are: [bool; N]) -> u16 {
     are.into_iter().rev().fold(0, |bits, is| bits << 1 | u16::from(is))
 }
 
-/// Whether each of them is so; none if more are so than there are.
+/// The flags of these bits.
+///
+/// # Errors
+/// Bits beyond the last flag are set.
 pub(crate) fn unpack_flags<const N: usize>(bits: u16) -> Result<[bool; N]> {
     if u32::from(bits) >> N != 0 {
-        return Err(invalid("there are not so many things that could be so"));
+        return Err(invalid("unknown flag bits are set"));
     }
     Ok(std::array::from_fn(|at| bits & 1 << at != 0))
 }

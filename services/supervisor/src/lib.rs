@@ -36,7 +36,7 @@ pub mod http;
 #[cfg(feature = "kafka")]
 pub mod kafka;
 #[cfg(not(feature = "kafka"))]
-#[path = "no_kafka.rs"]
+#[path = "kafka/disabled.rs"]
 pub mod kafka;
 pub mod kafka_options;
 mod log_inbox;
@@ -47,13 +47,13 @@ pub mod parquet_rows;
 #[cfg(feature = "traces")]
 pub mod trace;
 #[cfg(not(feature = "traces"))]
-#[path = "untraced.rs"]
+#[path = "trace/disabled.rs"]
 pub mod trace;
 
 #[cfg(feature = "archive")]
 mod archive;
 #[cfg(not(feature = "archive"))]
-#[path = "unarchived.rs"]
+#[path = "archive/disabled.rs"]
 mod archive;
 mod backoff;
 mod black_box;

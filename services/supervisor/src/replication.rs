@@ -7,9 +7,9 @@ use vibrissa_store::{Replication, Store, StoreError};
 
 use crate::metrics::Metrics;
 
-/// Interval between two looks.
+/// Polling interval.
 const EVERY: Duration = Duration::from_secs(5);
-/// Time limit of a look: the server may be frozen or cut off.
+/// Time limit of a poll: the server may be frozen or cut off.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Looks at the replication until the service stops. Returns at once if the database has a single server.

@@ -18,10 +18,10 @@ const STEPS_A_SECOND: f64 = 64.0;
 /// Resolution of ln(pressure / first pressure), in steps per unit; its range is -4 to 4.
 const LOG_STEPS: f64 = 8192.0;
 const TWO: NonZeroU16 = NonZeroU16::MIN.saturating_add(1);
-/// Averages in a block at which the stretch is full; that many do not occur within its longest permitted time.
+/// Averages in a block at which the interval is full; that many do not occur within its longest permitted time.
 const AVERAGES_MAX: u16 = 1 << 14;
 
-/// The stretch; each average covers a few readings.
+/// The interval; each average covers a few readings.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct SealedInterval {
     /// Time of the first reading, by the robot's clock.
@@ -117,12 +117,12 @@ impl SealedInterval {
         self.in_each.get() >= AVERAGES_MAX
     }
 
-    /// Length of the stretch, in seconds.
+    /// Length of the interval, in seconds.
     pub(super) fn span_s(&self) -> f64 {
         f64::from(self.waiting.0)
     }
 
-    /// Writes the stretch with its used blocks; the time is written relative to `from`.
+    /// Writes the interval with its used blocks; the time is written relative to `from`.
     pub(super) fn write<W: Write>(&self, from: Micros, writer: &mut W) -> Result<()> {
         encoding::write_time(self.since, from, writer)?;
         (self.mpa, self.waiting, self.blocks).serialize(writer)?;
@@ -139,14 +139,14 @@ impl SealedInterval {
         let mut read = Self::new(encoding::read_time(from, reader)?, 0.0, 0.0);
         (read.mpa, read.waiting, read.blocks) = BorshDeserialize::deserialize_reader(reader)?;
         if usize::from(read.blocks) > BLOCKS {
-            return Err(encoding::invalid("a stretch has too many blocks"));
+            return Err(encoding::invalid("an interval has too many blocks"));
         }
         if read.blocks > 0 {
             let [in_last, in_each] = [encoding::read_u32(reader)?, encoding::read_u32(reader)?];
             let is_possible = in_each <= AVERAGES_MAX.into() && (1..=in_each).contains(&in_last);
             let in_each = NonZeroU16::new(in_each as u16).filter(|_| is_possible);
             read.in_each =
-                in_each.ok_or_else(|| encoding::invalid("a stretch has an impossible number of readings"))?;
+                in_each.ok_or_else(|| encoding::invalid("an interval has an impossible number of readings"))?;
             read.in_last = in_last as u16;
             (read.before_mpa, read.last) = BorshDeserialize::deserialize_reader(reader)?;
         }
@@ -169,14 +169,14 @@ mod tests {
 
     #[test]
     fn property_its_line_is_that_of_blocks_in_full() {
-        let mut stretch = SealedInterval::new(Micros(7), 0.0, 0.1);
+        let mut sealed = SealedInterval::new(Micros(7), 0.0, 0.1);
         let mut trend = Trend::new(u32::MAX / 2);
         let mpa = |k: u32| 0.1 * (-3e-4 * f64::from(k)).exp() + 4e-4 * (f64::from(k * 37 % 23) / 11.0 - 1.0);
         for k in 1..400 {
-            stretch.follow(0.5 * f64::from(k), mpa(k));
+            sealed.follow(0.5 * f64::from(k), mpa(k));
             let before = if k == 1 { 0.1 } else { mpa(k - 1) };
             trend.add(0.5 * f64::from(k - 1), before.ln());
-            let (Some(one), Some(other)) = (stretch.slope(), trend.slope()) else { continue };
+            let (Some(one), Some(other)) = (sealed.slope(), trend.slope()) else { continue };
             let sd = (other.squares / other.freedom.max(1.0) / other.weight).sqrt();
             // A hundredth of the leak threshold.
             assert!((one.per_x - other.per_x).abs() <= 0.2 * sd + 5e-6, "{k}: {one:?} {other:?}");
@@ -184,8 +184,8 @@ mod tests {
             assert_eq!(one.freedom, other.freedom);
         }
         let mut bytes = Vec::new();
-        stretch.write(Micros(3), &mut bytes).unwrap();
+        sealed.write(Micros(3), &mut bytes).unwrap();
         assert!(bytes.len() <= 90, "{}", bytes.len());
-        assert_eq!(SealedInterval::read(Micros(3), &mut bytes.as_slice()).unwrap(), stretch);
+        assert_eq!(SealedInterval::read(Micros(3), &mut bytes.as_slice()).unwrap(), sealed);
     }
 }

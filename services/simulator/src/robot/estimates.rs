@@ -7,7 +7,7 @@ use super::Robot;
 impl Robot {
     /// Takes an estimate, unless the robot has taken a newer one in this boot. A whisker that is not listed has none.
     pub(super) fn estimate(&mut self, estimate: &Estimate) {
-        if !self.takes(estimate) {
+        if !self.accepts_estimate(estimate) {
             return;
         }
         self.whiskers.iter_mut().for_each(|whisker| whisker.estimated_mm = None);

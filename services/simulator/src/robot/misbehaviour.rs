@@ -142,7 +142,7 @@ impl Robot {
     }
 
     /// Decides about a setpoint by the contract's rules, which the fault evades.
-    pub(super) fn judged(&mut self, setpoint: &Setpoint, at: Option<usize>, now_us: u64) -> Verdict {
+    pub(super) fn decide_setpoint(&mut self, setpoint: &Setpoint, at: Option<usize>, now_us: u64) -> Verdict {
         let fault = self.misbehaviour();
         let mut read = setpoint.clone();
         match fault {
@@ -174,7 +174,7 @@ impl Robot {
     }
 
     /// Decides about a touch test by the contract's rules, which the fault evades.
-    pub(super) fn judged_test(&mut self, test: &TouchTest, at: Option<usize>, now_us: u64) -> TestVerdict {
+    pub(super) fn decide_test(&mut self, test: &TouchTest, at: Option<usize>, now_us: u64) -> TestVerdict {
         let mut read = test.clone();
         if self.breaks(Misbehaviour::TestsForOtherBoots) {
             read.robot_boot_id = self.boot_id().clone();
@@ -225,7 +225,7 @@ impl Robot {
     }
 
     /// Whether to use an estimate.
-    pub(super) fn takes(&mut self, estimate: &Estimate) -> bool {
+    pub(super) fn accepts_estimate(&mut self, estimate: &Estimate) -> bool {
         match self.misbehaviour() {
             Some(Misbehaviour::TakesOldEstimates) => true,
             Some(Misbehaviour::KeepsFirstEstimate) => {
@@ -237,13 +237,13 @@ impl Robot {
     }
 
     /// Whether the fault ignores a valid message.
-    pub(super) fn overlooks(&self, message: &Message, payload: &[u8]) -> bool {
+    pub(super) fn ignores(&self, message: &Message, payload: &[u8]) -> bool {
         // The re-encoded message has only the known fields.
         self.breaks(Misbehaviour::RefusesUnknownFields) && encode(message).len() < payload.len()
     }
 
     /// Handles an invalid message.
-    pub(super) fn stumble(&mut self, out: &mut Vec<Outgoing>) {
+    pub(super) fn on_invalid(&mut self, out: &mut Vec<Outgoing>) {
         self.refused += 1;
         if self.breaks(Misbehaviour::RestartsOnMalformed) {
             self.restart(out);

@@ -219,10 +219,10 @@ impl Robot {
         self.received_us = now_us;
         let mut out = Vec::new();
         let Ok(message) = decode(&topic.of(&self.config.fleet, &self.config.robot.robot), payload) else {
-            self.stumble(&mut out);
+            self.on_invalid(&mut out);
             return out;
         };
-        if self.overlooks(&message, payload) {
+        if self.ignores(&message, payload) {
             return out;
         }
         self.supervision.heard(Moment::of_us(now_us));

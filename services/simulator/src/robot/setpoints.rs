@@ -16,7 +16,7 @@ pub(super) const OWN_SLEW_MPA_PER_S: f64 = 0.02;
 impl Robot {
     pub(super) fn setpoint(&mut self, setpoint: &Setpoint, now_us: u64, out: &mut Vec<Outgoing>) {
         let at = self.places.get(&(setpoint.array.clone(), setpoint.whisker)).copied();
-        let verdict = self.judged(setpoint, at, now_us);
+        let verdict = self.decide_setpoint(setpoint, at, now_us);
         self.journal.write(|| JournalEntry::Heard(heard(setpoint, self.voice.boot_id(), now_us)));
         let id = setpoint.command_id.as_str();
         match (verdict, at) {

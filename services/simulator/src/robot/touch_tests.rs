@@ -21,7 +21,7 @@ impl Robot {
     /// Accepts or rejects a touch test. A repeated one is answered again and not done again.
     pub(super) fn touch_test(&mut self, test: TouchTest, now_us: u64, out: &mut Vec<Outgoing>) {
         let at = self.places.get(&(test.array.clone(), test.whisker)).copied();
-        match (self.judged_test(&test, at, now_us), at) {
+        match (self.decide_test(&test, at, now_us), at) {
             (TestVerdict::Take, Some(whisker)) => {
                 let accepted = TestAnswer::plain(TouchTestOutcome::Accepted);
                 self.answer_test(&test.test_id, accepted, now_us, out);

@@ -36,7 +36,7 @@ impl Limits {
     }
 }
 
-/// A tape, and what has been removed from it.
+/// Ring buffer of a robot's messages; a replay needs its base and begins at a state.
 #[derive(Debug)]
 pub(super) struct Reel {
     tape: Tape,

@@ -28,7 +28,7 @@ use crate::kafka_options::EventTopics;
 use crate::metrics::FleetMetrics;
 use crate::set_aside::Reader;
 
-/// Interval between two looks into the outbox without a notice.
+/// Polling interval of the outbox without a notice.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// Interval between two measurements of the outbox while the log takes events.
 const MEASURE_EVERY: Duration = Duration::from_secs(60);

@@ -27,7 +27,7 @@ use target::Hosts;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::{Store, StoreError};
 
-/// Interval between two looks for waiting events.
+/// Polling interval for waiting events.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// Interval between two measurements of the queues for the metrics.
 const MEASURE_EVERY: Duration = Duration::from_secs(10);

@@ -15,7 +15,7 @@ use vibrissa_protocol::Name;
 use super::config::CoreArgs;
 use super::stop::{self, Stopped};
 use crate::config::{Key, policy_over};
-use crate::replay::{Comparison, Lines, Recorded, Refusals, Replayer, told};
+use crate::replay::{Comparison, Lines, Recorded, Refusals, Replayer, effect_json};
 
 /// Arguments of `vibrissa replay`.
 #[derive(Debug, Args)]
@@ -61,7 +61,7 @@ pub fn run(args: &ReplayArgs, out: &mut dyn Write) -> anyhow::Result<()> {
         None => {
             let mut replayer = Replayer::new(params, fleets);
             let replayed =
-                input.each(|recorded| replayer.take(recorded, &mut |happened| told::write(happened, &mut out)));
+                input.each(|recorded| replayer.take(recorded, &mut |happened| effect_json::write(happened, &mut out)));
             tell(replayer.refusals());
             replayed
         }

@@ -13,7 +13,7 @@ mod refusals;
 pub mod replayer;
 mod status;
 
-pub mod told;
+pub mod effect_json;
 
 pub mod comparison;
 

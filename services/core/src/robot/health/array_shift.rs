@@ -228,7 +228,7 @@ impl Whisker {
             (felt.size - own.size).abs() > 3.0 * sd + ANOTHER * own.size.abs()
         };
         let promised = self.promised(own);
-        // Half of the change, or less, gains a quarter of what it would.
+        // At half the size of the change, the log likelihood gain is a quarter.
         let is_weak = |felt: &Fit| felt.gain < FEELS.min(0.25 * promised);
         let is_another = felt.is_none_or(|felt| is_weak(&felt) || shows_another(&felt));
         if !is_another || !self.can_deny() || promised < DOUBTS {

@@ -107,7 +107,7 @@ impl Robot {
                 self.rescale(params, index, change);
                 self.set_condition(index, Condition::SensitivityLoss, effects);
             }
-            // It may regain what it has lost, which is no cut, and its alarm stands already.
+            // Recovery after SENSITIVITY_LOSS looks like a cut.
             Kind::Shorter if whisker.regains(params, change) => self.rescale(params, index, change),
             Kind::Shorter => {
                 whisker.jump(change);

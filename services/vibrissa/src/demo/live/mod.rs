@@ -29,7 +29,7 @@ use super::report;
 
 /// Contacts of each robot per second.
 const CONTACTS_PER_SECOND: f64 = 20.0;
-/// Interval between two looks for new events.
+/// Polling interval for new events.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
 /// Longest time in which all whiskers are learned in time-lapse.
 const LEARNING_PATIENCE: Duration = Duration::from_secs(30);
