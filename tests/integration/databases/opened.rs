@@ -2,7 +2,7 @@
 //! losing anything that was learned.
 //!
 //! Each folder `tests/data/database-N` contains a database whose last migration is N, and the lists that its own
-//! version has served from it.
+//! version has served from it. Those of `database-16` are as of the transaction before the one in `redo`.
 //! `VIEWS=write` replaces these lists; use it for a new folder only.
 
 use std::net::SocketAddr;
@@ -112,7 +112,7 @@ async fn nothing_is_lost(opened: Opened, expected: &str) {
     assert!(opened.process.is_running());
 }
 
-/// Removes the transaction that waits in `redo`, as if its version had written its rows.
+/// Removes the transaction that waits in `redo`: the database is then as of the transaction before it.
 const FINISH: &str = "DELETE FROM redo";
 
 /// Opens a database in which a transaction waits for its version: nothing may be changed.
