@@ -183,6 +183,34 @@ async fn new_robots_wait_for_room_and_no_more_are_taken_than_there_is_room_for()
     }
 }
 
+#[tokio::test]
+async fn a_decommissioned_robot_leaves_its_place_to_a_new_one() {
+    let supervised = Supervised::start(Kind::Sqlite, &["--limits-robots-per-fleet=1"]).await;
+    let whiskers = || array(ArrayType::Type2, &[70.0]);
+    let mut old = HandRobot::born(supervised.port(), "old", whiskers()).await;
+    old.touch(0, 1).await;
+    old.receipted().await;
+    let mut new = HandRobot::connect(supervised.port(), "new", whiskers()).await;
+    until_true("the new one is refused", async || {
+        new.birth().await;
+        supervised.refused("too_many_robots").await >= 1.0
+    })
+    .await;
+    let decommission = async || supervised.command(&["decommission", "f/old", "--reason", "scrapped"]).await;
+    let (is_done, said) = decommission().await;
+    assert!(!is_done && said.contains("switch it off first"), "{said}");
+    old.connection(ConnectionState::Offline).await;
+    until_true("decommissioned", async || decommission().await.0).await;
+    until_true("the new one is taken", async || {
+        new.birth().await;
+        let robots = supervised.ask("GET", "/v1/robots", &[], None).await.json()["items"].clone();
+        robots.as_array().unwrap().iter().map(|row| row["robot"].as_str().unwrap()).eq(["new"])
+    })
+    .await;
+    let (is_done, said) = decommission().await;
+    assert!(!is_done && said.contains("old"), "{said}");
+}
+
 async fn robots_that_were_only_announced_are_forgotten(address: &DatabaseAddress, server: Option<&Postgres>) {
     let store = Store::open(address, "test").await.unwrap();
     store.prepare().await.unwrap();

@@ -116,6 +116,15 @@ impl Supervised {
     pub(crate) async fn ask(&self, method: &str, path: &str, headers: &[(&str, &str)], body: Option<&Value>) -> Answer {
         send(self.http, method, path, headers, body).await.unwrap()
     }
+
+    /// Runs a command of the program that asks this supervisor. Returns whether it succeeded, and its output.
+    pub(crate) async fn command(&self, arguments: &[&str]) -> (bool, String) {
+        let url = format!("http://{}", self.http);
+        let mut command = tokio::process::Command::new(program());
+        let output = command.args(arguments).env("VIBRISSA_URL", url).kill_on_drop(true).output().await.unwrap();
+        let said = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap()).concat();
+        (output.status.success(), said)
+    }
 }
 
 /// Path of the program. `ATTACKED_PROGRAM` replaces it, for example by an older build on which an attack succeeds.
