@@ -239,6 +239,32 @@ async fn bodies_are_of_the_right_kind_and_size_and_name_what_is_wrong() {
     assert_eq!(key.json()["errors"][0]["field"], "Idempotency-Key");
 }
 
+/// Words of the program's libraries, which only their authors understand.
+const JARGON: [&str; 10] =
+    ["u16", "u32", "i64", "f64", "serde", "invalid type", "invalid digit", "unknown variant", "struct ", "EOF"];
+
+#[tokio::test]
+async fn wrong_values_of_paths_queries_and_bodies_are_explained_in_plain_words() {
+    let served = Served::sqlite().await;
+    let whisker = "/v1/fleets/f/robots/r1/arrays/left/whiskers";
+    let (bad_number, setpoint) = (format!("{whisker}/abc"), format!("{whisker}/0/setpoint"));
+    for (method, path, body, field, said) in [
+        ("GET", bad_number.as_str(), None, "whisker", "\"abc\" was given"),
+        ("GET", "/v1/whiskers?limit=many", None, "limit", "number"),
+        ("GET", "/v1/whiskers?condition=TRIM", None, "condition", "allowed are"),
+        ("GET", "/v1/whiskers?colour=red", None, "colour", "the fields are"),
+        ("POST", &setpoint, Some(json!({})), "pressure_mpa", "required"),
+        ("POST", &setpoint, Some(json!({ "pressure_mpa": "0.1" })), "pressure_mpa", "was given"),
+        ("POST", &setpoint, Some(json!("0.1")), "", "was given"),
+    ] {
+        let answer = send(served.http, method, path, &[], body.as_ref()).await.unwrap();
+        let error = answer.json()["errors"][0].clone();
+        assert_eq!((answer.status, &error["field"]), (422, &json!(field)), "{path}: {}", answer.body);
+        assert!(answer.body.contains(&said.replace('"', "\\\"")), "{path}: {}", answer.body);
+        assert!(!JARGON.iter().any(|word| answer.body.contains(word)), "{path}: {}", answer.body);
+    }
+}
+
 #[tokio::test]
 async fn regress_a_flood_of_wrong_tokens_keeps_no_right_one_out() {
     let served = closed().await;
