@@ -161,7 +161,8 @@ async fn regress_the_supervisors_role_cannot_delete_or_change_the_audit_log() {
 async fn a_database_of_the_superuser_becomes_the_roles_and_goes_on() {
     let (broker, server) = (Mosquitto::start(), Postgres::start().await);
     let folder = tempfile::tempdir().unwrap();
-    works(&Postgres::url(server.port()), &server, &broker, folder.path(), "before").await;
+    let log = works(&Postgres::url(server.port()), &server, &broker, folder.path(), "before").await;
+    assert!(log.contains("is a superuser and can delete the audit log"), "{log}");
     assert_ne!(of_superuser(&server, "SELECT count(*) FROM pg_class WHERE relname = 'leases'").await, 0);
     // Running the script twice must not hurt.
     server.make_supervisor();
