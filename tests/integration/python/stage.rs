@@ -72,19 +72,25 @@ impl Stage {
     }
 }
 
-/// A virtual environment with `vibrissa-client`, installed from the checkout once per run; `None` without a network.
+/// An environment with the wheel of `vibrissa-client`, generated and built once per run; `None` without a network.
 pub(crate) fn client_environment() -> Option<PathBuf> {
     static MADE: OnceLock<Option<PathBuf>> = OnceLock::new();
-    let made = MADE.get_or_init(|| {
-        let programs = environment_if_reachable("requirements-python-client.txt", env!("CARGO_TARGET_TMPDIR"))?;
+    let make = || {
+        let target = env!("CARGO_TARGET_TMPDIR");
+        let generator = environment_if_reachable("../python/client/requirements-generate.txt", target)?;
+        let programs = environment_if_reachable("requirements-python-client.txt", target)?;
+        let wheels = tempfile::tempdir().unwrap();
+        let mut generate = Command::new(generator.join("python"));
+        generate.arg(project().join("python/client/generate")).arg("--wheel").arg(wheels.path());
+        succeed(generate.args(["--program", env!("CARGO_BIN_EXE_vibrissa-under-test")]));
+        let wheel = std::fs::read_dir(wheels.path()).unwrap().next().unwrap().unwrap().path();
         let mut pip = Command::new(programs.join("python"));
-        pip.args(["-m", "pip", "install", "--quiet", "--no-input", "--no-deps", "--no-build-isolation"]);
+        pip.args(["-m", "pip", "install", "--quiet", "--no-input", "--no-deps"]);
         // Without the network: everything that it needs is in the environment.
-        pip.args(["--no-index", "--force-reinstall"]).arg(project().join("python/client"));
-        succeed(&mut pip);
+        succeed(pip.args(["--no-index", "--force-reinstall"]).arg(&wheel));
         Some(programs)
-    });
-    made.clone()
+    };
+    MADE.get_or_init(make).clone()
 }
 
 /// Runs a command that must succeed; returns its standard output.

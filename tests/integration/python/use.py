@@ -1,9 +1,25 @@
 """What a user does with vibrissa-client. The test checks the types of this program, and runs it."""
 
 import asyncio
+import json
 import os
+from inspect import iscoroutinefunction, isfunction
+from urllib.request import urlopen
 
 from vibrissa_client import ApiError, AsyncClient, Client, models
+
+
+def every_operation_has_a_method() -> None:
+    with urlopen(f"{os.environ['VIBRISSA_URL']}/openapi.json", timeout=30) as answer:
+        paths = json.load(answer)["paths"].values()
+    names = {one["operationId"] for path in paths for one in path.values() if "operationId" in one}
+    assert len(names) > 100, names
+    # A stream, which `events` reads.
+    names.remove("follow")
+    missing = {name for name in names if not isfunction(getattr(Client, name, None))}
+    assert not missing, missing
+    missing = {name for name in names if not iscoroutinefunction(getattr(AsyncClient, name, None))}
+    assert not missing, missing
 
 
 def lists(client: Client) -> models.Whisker:
@@ -69,6 +85,7 @@ async def the_same_with_asyncio() -> None:
 
 def main() -> None:
     assert os.environ["VIBRISSA_URL"] and os.environ["VIBRISSA_TOKEN"]
+    every_operation_has_a_method()
     with Client() as client:
         curves(client, lists(client))
         actions(client)
