@@ -53,6 +53,7 @@ use crate::black_box::FleetBoxes;
 use crate::clocks::RobotClocks;
 use crate::ending::Ending;
 use crate::inbox::Inbox;
+use crate::kafka::LogReader;
 use crate::log_inbox::{LogBatch, LogStart};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::outbox::{Losses, Publication};
