@@ -4,7 +4,7 @@ use vibrissa_tests::web::ask;
 
 use crate::http_program::HttpProgram;
 
-const PATHS: [(&str, u16); 14] = [
+const PATHS: [(&str, u16); 13] = [
     ("/", 200),
     ("/console/main.js", 200),
     ("/console/nothing.js", 404),
