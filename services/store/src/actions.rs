@@ -8,7 +8,6 @@ use serde::Serialize;
 use tokio::time::Duration;
 use vibrissa_edge::clock::wall_clock;
 
-use super::bulk::ChildAction;
 use super::database::{Tx, on};
 use super::from_row::from_row;
 use super::set_aside::Tried;
@@ -270,6 +269,15 @@ impl Writer {
 /// [`Asked::New`], the action was done before, and the caller must not repeat its effects.
 pub(super) async fn record_done(tx: &mut Tx<'_>, action: &NewAction, done_us: i64) -> Result<Asked, StoreError> {
     insert(tx, action, "DONE", Some(done_us), None).await.map_err(failed("record an action"))
+}
+
+/// An action of a request for many.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChildAction {
+    /// Action of the subject.
+    pub action: NewAction,
+    /// Time before which it must not be executed, µs since 1970 UTC by the owner's clock.
+    pub not_before_us: i64,
 }
 
 /// Inserts an action of a request for many.

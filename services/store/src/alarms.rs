@@ -1,10 +1,11 @@
 //! Acknowledging and shelving of alarms, each with its entry in the audit log in one transaction.
 
 use super::actions::{Asked, NewAction, record_done};
-use super::changes::{self, NewChange};
+use super::changes;
 use super::database::{Tx, on};
 use super::from_row::from_row;
 use super::shards::of_shard;
+use super::tables::NewChange;
 use super::{Lease, Store, StoreError, Writer, failed};
 
 const WHAT: &str = "update an alarm";

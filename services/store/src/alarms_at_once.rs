@@ -4,10 +4,11 @@ use std::collections::BTreeSet;
 
 use super::actions::{Asked, NewAction, mark_many, record_done};
 use super::alarms::Said;
-use super::changes::{self, NewChange};
+use super::changes;
 use super::database::{Tx, on};
 use super::list::{Filter, Selection};
 use super::lists::alarms::{AlarmRow, AlarmSort, STANDING};
+use super::tables::NewChange;
 use super::{Store, StoreError, failed};
 
 const WHAT: &str = "update alarms";

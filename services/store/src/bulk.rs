@@ -4,25 +4,18 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
+pub use super::actions::ChildAction;
 use super::actions::{Asked, NewAction, insert_child, mark_many, record_done};
-use super::changes::{self, NewChange};
+use super::changes;
 use super::database::on;
 use super::from_row::from_row;
+use super::tables::NewChange;
 use super::{Store, StoreError, failed};
 
 /// Most actions of requests for many that may wait at a time.
 pub const WAITING_MAX: i64 = 2000;
 /// Most different reasons that [`Store::bulk_refusals`] returns.
 pub const REFUSALS_MAX: i64 = 20;
-
-/// An action of a request for many.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ChildAction {
-    /// Action of the subject.
-    pub action: NewAction,
-    /// Time before which it must not be executed, µs since 1970 UTC by the owner's clock.
-    pub not_before_us: i64,
-}
 
 /// Result of a request for many.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -10,9 +10,8 @@ use utoipa::ToSchema;
 use super::batch::Record;
 use super::database::{Either, Tx, on};
 use super::from_row::from_row;
-use super::row::columns;
 use super::set_aside::Tried;
-use super::tables::{CHANGES, InFleet};
+use super::tables::{CHANGES, InFleet, NewChange};
 use super::time::Time;
 use super::{Store, StoreError, failed};
 
@@ -102,28 +101,6 @@ where
 
 /// Kind of a change of a touch test.
 const TOUCH_TEST: &str = "TOUCH_TEST";
-
-/// A change to write; a time of 0 stands for now.
-#[derive(Debug, Default, Clone, Copy)]
-pub(crate) struct NewChange<'a> {
-    pub(super) recorded_us: i64,
-    pub(super) kind: &'static str,
-    pub(super) robot_id: Option<i64>,
-    pub(super) whisker_id: Option<i64>,
-    pub(super) number: Option<i64>,
-    pub(super) command_id: Option<&'a str>,
-}
-
-columns! {
-    NewChange<'a> {
-        recorded_us: i64,
-        kind: &'static str,
-        robot_id: Option<i64>,
-        whisker_id: Option<i64>,
-        number: Option<i64>,
-        command_id: Option<&'a str>,
-    }
-}
 
 impl<'a> NewChange<'a> {
     /// The change that a record causes.

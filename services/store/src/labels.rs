@@ -4,9 +4,10 @@ use serde::Serialize;
 use vibrissa_edge::labels::{LabelKey, LabelValue, Labels};
 
 use super::actions::{Asked, NewAction, record_done};
-use super::changes::{self, NewChange};
+use super::changes;
 use super::database::on;
 use super::from_row::text_columns;
+use super::tables::NewChange;
 use super::{Store, StoreError, failed};
 
 const WHAT: &str = "change the labels of a robot";

@@ -56,7 +56,6 @@ pub mod series;
 pub mod sessions;
 mod set_aside;
 pub mod shards;
-mod sign_in;
 mod sqlite;
 pub mod tables;
 pub mod time;

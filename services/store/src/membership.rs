@@ -10,10 +10,13 @@ use tracing::warn;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
+mod sign_in;
+
+use sign_in::{forget_the_gone, sign_in};
+
 use super::database::{Either, Tx, on};
 use super::lease::micros;
 use super::lease_watch::Claim;
-use super::sign_in::{forget_the_gone, sign_in};
 use super::{Lease, StoreError, Writer, failed};
 
 /// A supervisor as a member of the cluster.

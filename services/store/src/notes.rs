@@ -1,8 +1,9 @@
 //! Notes on robots: added and removed with an entry in the audit log in the same transaction.
 
 use super::actions::{Asked, NewAction, record_done};
-use super::changes::{self, NewChange};
+use super::changes;
 use super::database::{Tx, on};
+use super::tables::NewChange;
 use super::{Store, StoreError, failed};
 
 /// Most notes of a robot.

@@ -8,7 +8,7 @@
 use sqlx::{AssertSqlSafe, Connection, PgConnection, Row};
 use vibrissa_protocol::Timestamp;
 
-use super::retention::Done;
+use super::retention::done::Done;
 
 pub(super) const DAY_US: i64 = 86_400_000_000;
 

@@ -2,8 +2,11 @@
 
 use sqlx::PgConnection;
 
+pub(super) mod done;
 mod records;
 pub mod tables;
+
+pub use done::Done;
 
 use super::database::Either;
 use super::partitions::{self, CONTACTS, DAY_US, MINUTES};
@@ -26,35 +29,6 @@ impl Default for Retention {
     fn default() -> Self {
         Self { contacts_days: 30, minutes_days: 400, black_boxes_days: 90, records_days: 400 }
     }
-}
-
-/// A piece of work that upkeep has done.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Done {
-    /// A partition was created.
-    Made {
-        /// Name of the partition.
-        partition: String,
-    },
-    /// A partition that has ended was indexed.
-    Indexed {
-        /// Name of the partition.
-        partition: String,
-    },
-    /// A partition was dropped, because all its rows were too old.
-    Dropped {
-        /// Name of the partition.
-        partition: String,
-        /// Size of the partition with its indices, bytes.
-        bytes: i64,
-    },
-    /// Rows were deleted, because they were too old.
-    Removed {
-        /// Name of the table.
-        table: &'static str,
-        /// Number of rows.
-        rows: u64,
-    },
 }
 
 /// Most rows that SQLite deletes at once.

@@ -5,7 +5,6 @@ use super::batch::{
     JournalRow, PolicyRow, QuarantineRow, RefinementRow, ResponseRow, RobotAlarmClearedRow, RobotAlarmRow, RobotRow,
     RollupRow, SetpointRow, SetpointStateRow, TouchTestProgressRow, TouchTestRow, TrimRow, WhiskerRow,
 };
-use super::changes::NewChange;
 use super::row::{Declared, Parent, Statement, columns};
 use crate::{Lease, Resolution};
 
@@ -66,6 +65,28 @@ pub(crate) struct OutboxRow<'b> {
 
 columns! {
     OutboxRow<'b> { fleet: &'b str, shard: i64, epoch: i64, number: i64, events: Vec<u8>, }
+}
+
+/// A change to write; a time of 0 stands for now.
+#[derive(Debug, Default, Clone, Copy)]
+pub(crate) struct NewChange<'a> {
+    pub(super) recorded_us: i64,
+    pub(super) kind: &'static str,
+    pub(super) robot_id: Option<i64>,
+    pub(super) whisker_id: Option<i64>,
+    pub(super) number: Option<i64>,
+    pub(super) command_id: Option<&'a str>,
+}
+
+columns! {
+    NewChange<'a> {
+        recorded_us: i64,
+        kind: &'static str,
+        robot_id: Option<i64>,
+        whisker_id: Option<i64>,
+        number: Option<i64>,
+        command_id: Option<&'a str>,
+    }
 }
 
 /// The hash that decides about a robot's shard.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod advisories;
+mod circles;
 mod compose;
 mod documents;
 mod guidance;

@@ -29,7 +29,7 @@ const KEPT_OUT: [(&str, &[&str]); 5] = [
     ("vibrissa-supervisor", &["vibrissa-simulator", "vibrissa-evaluation", "plotters", "clap", "indicatif"]),
 ];
 
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for entry in read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -43,7 +43,7 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// The code without comments and without unit tests, which may import anything.
-fn code(path: &Path) -> String {
+pub(crate) fn code(path: &Path) -> String {
     let is_test = path.file_stem().is_some_and(|stem| stem == "tests");
     let text = if is_test { String::new() } else { read_to_string(path).unwrap() };
     let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();

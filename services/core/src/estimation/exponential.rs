@@ -4,8 +4,6 @@
 //! longer than everything else in it. This function has no branches, so that compilers vectorise it. It agrees with
 //! [`f64::exp`] to a few units in the last place.
 
-use super::uncertainty::Curve;
-
 /// Limit of the exponent: values beyond e^±700 cannot be sensitivities.
 const LARGEST: f64 = 700.0;
 /// 1.5 * 2^52: added to a small number, it leaves the number, rounded to an integer, in the lowest bits.
@@ -27,7 +25,7 @@ const SERIES: [f64; 13] = {
 };
 
 /// e raised to each value.
-pub(super) fn exp(logs: &Curve) -> Curve {
+pub(super) fn exp<const N: usize>(logs: &[f64; N]) -> [f64; N] {
     let mut powers = *logs;
     // Compilers vectorise this loop in place, but not `map`.
     for value in &mut powers {

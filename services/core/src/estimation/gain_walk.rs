@@ -13,7 +13,7 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::filter::Innovation;
+use super::innovation::Innovation;
 
 /// Random walks, log sensitivity per square root of a contact: none, and 1.4, 3.5 and 8.5 % in 5,000 contacts.
 const RATES: [f64; COUNT] = [0.0, 2e-4, 5e-4, 1.2e-3];

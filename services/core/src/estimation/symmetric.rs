@@ -4,7 +4,7 @@
 use borsh::io::{Read, Result};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::filter::STATES;
+use super::innovation::STATES;
 
 /// Entries on the diagonal and above it.
 const ENTRIES: usize = STATES * (STATES + 1) / 2;

@@ -1,7 +1,7 @@
 //! Effect of pressure on the chamber's rubber: the fits of Fig. 6C and 6D.
 
 use super::geometry::Geometry;
-use super::model::ModelError;
+use super::model_error::ModelError;
 
 /// Stiffness and elongation of the chamber's wall as functions of the pressure.
 ///

@@ -17,11 +17,12 @@ mod readings;
 use nalgebra::Matrix3;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use self::curve::{Curve, fit_curve};
-use self::readings::{MeanLog, Point, log_elongation_gains, mean_log, measured_k2};
+use self::curve::{Curve, Point, fit_curve};
+use self::readings::{MeanLog, log_elongation_gains, mean_log, measured_k2};
 use super::calibration::Calibration;
 use super::geometry::Geometry;
-use super::model::{Formulation, Model, ModelError};
+use super::model::{Formulation, Model};
+use super::model_error::ModelError;
 use crate::units::{Megapascal, Millimetre, Strain};
 
 /// Least number of strains above zero pressure: one more than parameters.

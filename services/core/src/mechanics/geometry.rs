@@ -1,6 +1,6 @@
 //! Table 1: the shape of a whisker at zero pressure.
 
-use super::model::ModelError;
+use super::model_error::ModelError;
 use super::taper;
 
 /// Dimensions of a whisker before pressurization (Table 1, Fig. 3A), in mm.

@@ -24,6 +24,7 @@ mod fit;
 mod geometry;
 mod length;
 mod model;
+mod model_error;
 mod modulus;
 mod morphology;
 mod profile;
@@ -38,7 +39,8 @@ pub use family::{FAMILY, FAMILY_STEP, Family, LogChanges, OTHER_FORMULATION};
 pub use fit::{CalibrationRow, Fit, FitError, Parameter, RowResidual, fit_calibration};
 pub use geometry::Geometry;
 pub use length::{CutIntoChamber, LengthError};
-pub use model::{Formulation, Model, ModelError};
+pub use model::{Formulation, Model};
+pub use model_error::ModelError;
 pub use morphology::Morphology;
 pub use profile::{
     ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, ErrorProfile, GainProfile, Offset, RatioWeights, compensation_error,

@@ -2,6 +2,7 @@
 
 use super::calibration::Calibration;
 use super::geometry::Geometry;
+use super::model_error::ModelError;
 use super::taper::{self, Quadratic};
 use crate::units::{Megapascal, Millimetre};
 
@@ -32,38 +33,6 @@ pub struct Model {
     pub(super) axial_gain: f64,
     /// Eq. 10 and 26: pressure leaves the cap as it is.
     pub(super) cap: Quadratic,
-}
-
-/// Why a shape and a calibration are invalid; the message names the failed condition.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum ModelError {
-    /// A size or parameter is not finite or not above zero.
-    #[error("{name} must be a number above 0, not {value}")]
-    NotPositive {
-        /// Name of the size or parameter in the paper.
-        name: &'static str,
-        /// The given value.
-        value: f64,
-    },
-    /// A parameter is not finite or below zero.
-    #[error("{name} must be a number not below 0, not {value}")]
-    Negative {
-        /// Name of the parameter in the paper.
-        name: &'static str,
-        /// The given value.
-        value: f64,
-    },
-    /// Two sizes contradict each other.
-    #[error("{0}")]
-    Geometry(&'static str),
-    /// At 0.2 MPa, the highest examined pressure, almost nothing of the wall would remain (Table 2's `t^q`).
-    #[error(
-        "at 0.2 MPa the chamber would stretch by {elongation_mm} mm and lose its wall: the elongation gain G is too large"
-    )]
-    WallVanishes {
-        /// The elongation at 0.2 MPa, in mm.
-        elongation_mm: f64,
-    },
 }
 
 /// Eq. 20 takes the wall's thickness as the mean of those at x = 2.5 mm and at x = l. For whiskers of other

@@ -3,7 +3,7 @@
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::action::OperatorAction;
-use super::effect::CommandKey;
+use super::command_key::CommandKey;
 use crate::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 
 /// One input of [`super::Robot::step`].

@@ -15,6 +15,7 @@
 
 pub mod action;
 mod codec;
+mod command_key;
 pub mod compensation;
 pub mod effect;
 pub mod event;

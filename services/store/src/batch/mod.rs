@@ -58,12 +58,6 @@ impl Batch {
             && self.journal_done.is_none()
     }
 
-    /// Whether one statement can write it: there are no layouts and no rare records.
-    #[must_use]
-    pub fn fits_one_statement(&self) -> bool {
-        crate::postgres::whole::fits(self)
-    }
-
     /// All rows except the journal.
     pub(crate) fn rows(&self) -> Rows<'_> {
         Rows {

@@ -13,12 +13,11 @@ use super::copy::{are_copied, copy_contacts};
 use super::parts::{Parts, Text};
 use super::sorted::Sorted;
 use crate::batch::{ContactRow, JournalRow, ResponseRow, RobotRow, RollupRow, WhiskerRow};
-use crate::changes::NewChange;
 use crate::records::tell_of_rollups;
 use crate::tables::{
     ALARMS, ANSWERED, BINS, CANDIDATES, CHANGES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, HEALTH, InFleet, InShard,
-    JOURNAL, JOURNAL_DONE, OUTBOX, OutboxRow, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS,
-    STATES, ShardNumber, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
+    JOURNAL, JOURNAL_DONE, NewChange, OUTBOX, OutboxRow, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS,
+    SETPOINTS, STATES, ShardNumber, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
 };
 use crate::{Batch, Lease, Resolution, StoreError, changes, failed, outbox, tables};
 
@@ -52,9 +51,12 @@ impl Statements {
     }
 }
 
-/// Whether one statement can write a batch.
-pub(in super::super) fn fits(batch: &Batch) -> bool {
-    batch.layouts.is_empty() && Sorted::of(&batch.records).is_some()
+impl Batch {
+    /// Whether one statement can write it: there are no layouts and no rare records.
+    #[must_use]
+    pub fn fits_one_statement(&self) -> bool {
+        self.layouts.is_empty() && Sorted::of(&self.records).is_some()
+    }
 }
 
 /// The rows of one statement: those of a batch, or of the batches of several shards.

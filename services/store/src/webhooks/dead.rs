@@ -4,7 +4,7 @@ use sqlx::{AssertSqlSafe, SqlSafeStr as _};
 
 use super::DEAD_LETTERS_MAX;
 use super::event::{EventRow, select};
-use super::queue::Job;
+use super::job::Job;
 use super::{EVENTS, Placed};
 use crate::actions::{Asked, NewAction, record_done};
 use crate::database::{Tx, on};

@@ -6,6 +6,7 @@
 
 pub mod dead;
 pub mod event;
+mod job;
 pub mod manage;
 pub mod queue;
 pub mod upkeep;

@@ -11,6 +11,7 @@ use sqlx::AssertSqlSafe;
 use tokio::time::Instant;
 
 use super::event::{EventRow, select};
+pub use super::job::Job;
 use super::{COLUMNS, EVENTS, Place, Placed, WebhookRow, now_us, now_us_of, settled};
 use crate::database::{Tx, on};
 use crate::from_row::from_row;
@@ -49,23 +50,6 @@ impl Keys {
             self.previous_secret.filter(|_| self.previous_until_us.is_some_and(|until_us| until_us > now_us));
         [self.secret].into_iter().chain(previous).collect()
     }
-}
-
-/// An event to deliver now.
-#[derive(Clone)]
-pub struct Job {
-    /// The target.
-    pub webhook: WebhookRow,
-    /// The event.
-    pub event: EventRow,
-    /// Keys that sign the request, the newest first. Neither logged nor shown.
-    pub secrets: Vec<Vec<u8>>,
-    /// Failed attempts of this event.
-    pub attempts: i64,
-    /// Whether it is a dead letter that is delivered again.
-    pub is_again: bool,
-    /// Time since the event, µs.
-    pub age_us: i64,
 }
 
 /// Result of an attempt.

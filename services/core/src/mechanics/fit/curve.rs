@@ -3,7 +3,6 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use super::FitError;
-use super::readings::Point;
 
 /// Least fall of k2, as a share of its limit.
 const LEAST_FALL: f64 = 1e-3;
@@ -13,6 +12,13 @@ const STEPS_MAX: usize = 1000;
 const STEP_MIN: f64 = 1e-10;
 /// With more damping no step can reduce the sum of squares any more, except by rounding.
 const DAMPING_MAX: f64 = 1e12;
+
+/// A measured k2.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Point {
+    pub(super) pressure_mpa: f64,
+    pub(super) log_k2: f64,
+}
 
 /// k2(Q) = c + a exp(-b Q).
 #[derive(Debug, Clone, Copy)]

@@ -1,16 +1,9 @@
 //! Converts the rows of a calibration: one k2 for each strain (eq. 33), one gain for each elongation (eq. 24).
 
-use super::curve::Curve;
+use super::curve::{Curve, Point};
 use super::{CalibrationRow, FitError, PRESSURES_MIN, STRAINS_MIN};
 use crate::mechanics::geometry::Geometry;
 use crate::units::Megapascal;
-
-/// A measured k2.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Point {
-    pub(super) pressure_mpa: f64,
-    pub(super) log_k2: f64,
-}
 
 /// ln k2 by eq. 33 for each row that has a strain above zero pressure.
 pub(super) fn measured_k2(

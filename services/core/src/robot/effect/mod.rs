@@ -9,9 +9,10 @@ pub use compensation::{
     CandidateRecord, CompensationError, Decision, EndReason, ErrorBin, Origin, Refinement, RefinementOutcome, Response,
 };
 pub use health::{AlarmKind, Condition, Fault, Trim};
-pub use setpoint::{Command, CommandKey, CommandState, Reason};
+pub use setpoint::{Command, CommandState, Reason};
 pub use touch_test::{ProposedTest, TestKind, TestReason, TestState, TouchTest};
 
+pub use super::command_key::CommandKey;
 use super::event::Rejection;
 use crate::estimation::LengthEstimate;
 use crate::policy::Case;

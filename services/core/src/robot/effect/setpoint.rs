@@ -2,19 +2,10 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::WhiskerIndex;
+use super::{CommandKey, WhiskerIndex};
 use crate::mechanics::CONTACT_RATIOS;
 use crate::policy::Case;
 use crate::units::{Megapascal, Micros};
-
-/// Names a setpoint on its robot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, BorshSerialize, BorshDeserialize)]
-pub struct CommandKey {
-    /// Epoch of the supervisor that decided it.
-    pub epoch: u64,
-    /// Number on this robot.
-    pub version: u64,
-}
 
 /// A setpoint to publish.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]

@@ -9,10 +9,10 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
-use super::Lease;
-use super::lease::micros;
-use super::lease_watch::{LeaseWatch, Reading, Renewal};
-use super::membership::{ClockReport, FleetLease, FleetsHeard, Membership, Present, Supervisor};
+use super::{ClockReport, FleetLease, FleetsHeard, Membership, Present, Supervisor};
+use crate::Lease;
+use crate::lease::micros;
+use crate::lease_watch::{LeaseWatch, Reading, Renewal};
 
 /// An answer of the database that took longer says too little about its clock.
 const ANSWER_MAX: Duration = Duration::from_millis(500);

@@ -1,0 +1,21 @@
+//! An event on its way to a target.
+
+use super::WebhookRow;
+use super::event::EventRow;
+
+/// An event to deliver now.
+#[derive(Clone)]
+pub struct Job {
+    /// The target.
+    pub webhook: WebhookRow,
+    /// The event.
+    pub event: EventRow,
+    /// Keys that sign the request, the newest first. Neither logged nor shown.
+    pub secrets: Vec<Vec<u8>>,
+    /// Failed attempts of this event.
+    pub attempts: i64,
+    /// Whether it is a dead letter that is delivered again.
+    pub is_again: bool,
+    /// Time since the event, µs.
+    pub age_us: i64,
+}
