@@ -37,8 +37,9 @@ macro_rules! rows {
         }
     };
 }
+pub(crate) use rows;
 
-async fn count(address: &DatabaseAddress, sql: &'static str) -> i64 {
+pub(crate) async fn count(address: &DatabaseAddress, sql: &'static str) -> i64 {
     rows!(address, (i64,), sql)[0].0
 }
 
