@@ -6,6 +6,7 @@
 //! [`rollout`] compares robots with and without a change.
 
 mod encoding;
+mod optional_parts;
 pub mod text;
 pub mod units;
 

@@ -387,6 +387,8 @@ impl BorshSerialize for Detector {
     }
 }
 
+crate::optional_parts::optional_fields!(Detector: candidates, continuations; suspicion: suspicion.is_some());
+
 impl Detector {
     /// Reads stored bytes.
     ///

@@ -89,6 +89,10 @@ const VENT_REFILLS: f64 = 1.2;
 const LEAST_MPA: f64 = 0.005;
 /// A status older than the previous readings by more than this means that the robot's clock was set back.
 const CLOCK_SET_BACK: Micros = Micros(10_000_000);
+/// Names of the flags of a stored [`LeakWatch`], in stored order.
+pub(crate) const FLAGS: [&str; 8] =
+    ["quiet_from", "refills by status", "refills by contacts", "closed", "open", "rate", "is_leaking", "test"];
+
 /// The estimator's state for one chamber.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeakWatch {
@@ -302,16 +306,29 @@ impl LeakWatch {
     }
 }
 
+impl LeakWatch {
+    /// Its flags, in stored order.
+    pub(crate) fn is(&self) -> [bool; FLAGS.len()] {
+        let [status, contact] = &self.refills;
+        [
+            self.quiet_from != Micros::default(),
+            *status != Refills::default(),
+            *contact != Refills::default(),
+            self.closed != Pool::default(),
+            self.open.is_some(),
+            self.rate != Rate::NONE,
+            self.is_leaking,
+            self.test != LeakTest::default(),
+        ]
+    }
+}
+
 /// Compact encoding: absent parts take no space, and times are written relative to the start of the present
 /// average.
 impl BorshSerialize for LeakWatch {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
-        let [status, contact] = &self.refills;
-        let has = [self.quiet_from != Micros::default(), *status != Refills::default(), *contact != Refills::default()];
-        let [is_quiet, by_status, by_contact] = has;
-        let closed = self.closed != Pool::default();
-        let (rate, test) = (self.rate != Rate::NONE, self.test != LeakTest::default());
-        let is = [is_quiet, by_status, by_contact, closed, self.open.is_some(), rate, self.is_leaking, test];
+        let is = self.is();
+        let [is_quiet, _, _, closed, _, rate, _, test] = is;
         (encoding::pack_flags(is) as u8).serialize(writer)?;
         let Bin { since: from, readings, seconds, mpa } = self.bin;
         from.serialize(writer)?;

@@ -52,6 +52,11 @@ pub struct Reach {
     is_lost: bool,
 }
 
+crate::optional_parts::optional_fields!(Reach: length_mm, contacts, within, shiryaev;
+    is_silent: *is_silent,
+    is_lost: *is_lost,
+);
+
 impl Reach {
     /// Nothing is known of the contacts of a whisker of this length, mm.
     #[must_use]

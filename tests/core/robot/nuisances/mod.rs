@@ -6,7 +6,7 @@ mod leaks;
 mod learning;
 mod losses;
 mod noise;
-mod rig;
+pub(crate) mod rig;
 mod scrapes;
 mod second_cuts;
 mod temperature;

@@ -68,6 +68,8 @@ pub(crate) struct Rubber {
     pub length_mm: f64,
     /// Factor on its strain: gauge, rubber.
     pub gain: f64,
+    /// Strain that its gauge reads without a contact.
+    pub baseline_strain: f64,
     /// Change of its log sensitivity per K, from [`COOL_C`] on.
     pub per_k: f64,
     /// Present pressure of its chamber.
@@ -266,7 +268,7 @@ impl Rig {
                 sd: None,
             },
             deflection: Millimetre::known(deflection_mm * (1.0 + noise.deflection * deflection_noise)),
-            strain: Strain::known(per_mm * deflection_mm * one.gain * (log_noise + warm).exp()),
+            strain: Strain::known(per_mm * deflection_mm * one.gain * (log_noise + warm).exp() + one.baseline_strain),
             pressure: one.pressure,
             is_test: false,
             temperature_c: Some(*temperature_c),
@@ -352,6 +354,7 @@ impl Rubber {
             model,
             length_mm: WHOLE_MM,
             gain: 1.0,
+            baseline_strain: 0.0,
             per_k: 0.0,
             pressure: Megapascal::known(0.1),
             published: None,

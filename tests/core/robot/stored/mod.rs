@@ -3,9 +3,11 @@
 //! The robots of these tests live through every kind of event that [`kinds`] lists. The list is closed: a new variant
 //! of an event, an action or a report does not compile before it is listed, and a listed one must be played.
 
+mod fixtures;
 mod kinds;
 mod life;
 mod plant;
+mod rare;
 mod version_4;
 
 use std::collections::BTreeMap;
@@ -23,6 +25,17 @@ const WHISKERS: u16 = 4;
 const BOOTS: [&str; 16] =
     ["b0", "b1", "b2", "b3", "b4", "b5", "b6", "b7", "b8", "b9", "b10", "b11", "b12", "b13", "b14", "b15"];
 const YEAR_US: u64 = 365 * 86_400 * 1_000_000;
+
+/// Splits the file into parts, each after its length in four bytes.
+fn parts_of(mut bytes: &[u8]) -> Vec<Vec<u8>> {
+    let mut parts = Vec::new();
+    while let Some((length, rest)) = bytes.split_first_chunk() {
+        let (part, rest) = rest.split_at(u32::from_le_bytes(*length) as usize);
+        parts.push(part.to_vec());
+        bytes = rest;
+    }
+    parts
+}
 
 /// Lives in which whiskers are cut and served, gauges fail, messages are missed and come again, robots start anew,
 /// operators act and policies change.

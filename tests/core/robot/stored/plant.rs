@@ -291,6 +291,8 @@ pub(super) fn params(mode: Mode) -> Params {
 }
 
 pub(super) const LAYOUTS: usize = 4;
+/// A layout with whiskers for themselves, distances, tests over the tip, and no air.
+pub(super) const OF_OTHER_KINDS: usize = LAYOUTS;
 
 /// Layout 0; with other neighbours; with another whisker in the place of one; and without the last whisker.
 pub(super) fn factsheet(layout: usize) -> Factsheet {
@@ -308,10 +310,16 @@ pub(super) fn factsheet(layout: usize) -> Factsheet {
             .collect(),
     };
     let whiskers = (0..whiskers).map(whisker).collect();
+    let is_other = layout == OF_OTHER_KINDS;
+    let (kind, task) = if is_other { (ArrayKind::Type2, Task::Distance) } else { (ArrayKind::Type1, Task::Ratio) };
     Factsheet {
-        arrays: vec![ArraySheet { name: ARRAY.to_owned(), kind: ArrayKind::Type1, task: Task::Ratio, whiskers }],
-        touch_tests: TouchTests { tip: false, wall: layout != 1 },
+        arrays: vec![ArraySheet { name: ARRAY.to_owned(), kind, task, whiskers }],
+        touch_tests: TouchTests { tip: is_other, wall: !is_other && layout != 1 },
         applies_gain: layout == 2,
-        air_control: if layout == 2 { AirControl::VentOnly } else { AirControl::FillAndVent },
+        air_control: match layout {
+            2 => AirControl::VentOnly,
+            OF_OTHER_KINDS => AirControl::None,
+            _ => AirControl::FillAndVent,
+        },
     }
 }

@@ -8,18 +8,7 @@ use vibrissa_core::units::Micros;
 
 use super::life::Store;
 use super::plant::params;
-use super::{ARRAY, BOOTS, WHISKERS};
-
-/// Splits the file into parts, each after its length in four bytes.
-fn parts_of(mut bytes: &[u8]) -> Vec<Vec<u8>> {
-    let mut parts = Vec::new();
-    while let Some((length, rest)) = bytes.split_first_chunk() {
-        let (part, rest) = rest.split_at(u32::from_le_bytes(*length) as usize);
-        parts.push(part.to_vec());
-        bytes = rest;
-    }
-    parts
-}
+use super::{ARRAY, BOOTS, WHISKERS, parts_of};
 
 /// Two robots of then, each with its parts.
 fn of_version_4() -> Vec<Vec<Vec<u8>>> {

@@ -21,6 +21,28 @@ const VERSION: u32 = 13;
 const NEWEST_VERSION: u32 = VERSION + 100;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
 const FIRST_MARKED: u32 = 6;
+/// Names of the flags, in stored order.
+pub(super) const FLAGS: [&str; 9] =
+    ["given_up", "drifting", "drift_told", "undecided", "unserved", "shift_told", "held", "fault", "whole is unknown"];
+/// Names of the parts that few whiskers have, in stored order.
+pub(super) const PARTS: [&str; 14] = [
+    "pending_trim",
+    "whole_offset",
+    "own",
+    "erosion",
+    "desired",
+    "command",
+    "unsteady",
+    "refused_servers",
+    "tries",
+    "reach",
+    "length_test",
+    "set_at",
+    "flapping",
+    "vents",
+];
+/// Names of the flags of [`Air`], in stored order.
+pub(super) const AIR_FLAGS: [&str; 4] = ["measured", "moved", "learned_at", "unheld_since"];
 /// Added to the version; the flags of an older whisker are less than this.
 const VERSION_MARK: u32 = 1 << 9;
 /// Places for the starts of steps in the detector before version 8.
@@ -36,7 +58,7 @@ impl Whisker {
     }
 
     /// Flags of the whisker, in stored order.
-    fn is(&self) -> [bool; 9] {
+    pub(super) fn is(&self) -> [bool; FLAGS.len()] {
         [
             self.given_up,
             self.drifting,
@@ -51,7 +73,7 @@ impl Whisker {
     }
 
     /// Presence of the parts that few whiskers have, in stored order.
-    fn has(&self) -> [bool; 14] {
+    pub(super) fn has_parts(&self) -> [bool; PARTS.len()] {
         [
             self.rare.pending_trim.is_some(),
             self.rare.whole_offset.is_some(),
@@ -75,7 +97,7 @@ impl BorshSerialize for Whisker {
     fn serialize<W: Write>(&self, writer: &mut W) -> Result<()> {
         encoding::write_u32(VERSION_MARK + VERSION, writer)?;
         encoding::write_u32(encoding::pack_flags(self.is()).into(), writer)?;
-        encoding::write_u32(encoding::pack_flags(self.has()).into(), writer)?;
+        encoding::write_u32(encoding::pack_flags(self.has_parts()).into(), writer)?;
         encoding::write_u32(self.array.into(), writer)?;
         self.sheet.serialize(writer)?;
         self.air.write(&self.sheet, writer)?;
@@ -95,7 +117,7 @@ impl BorshSerialize for Whisker {
         self.rare.unsteady.iter().try_for_each(|one| one.serialize(writer))?;
         self.desired.iter().try_for_each(|one| one.serialize(writer))?;
         self.command.iter().try_for_each(|one| one.serialize(writer))?;
-        let [.., refused, waits, _, _, set, _, _] = self.has();
+        let [.., refused, waits, _, _, set, _, _] = self.has_parts();
         if refused {
             write_numbers(&self.refused_servers, writer)?;
         }
@@ -276,10 +298,16 @@ fn of<T: BorshDeserialize, R: Read>(is_there: bool, reader: &mut R) -> Result<Op
 }
 
 impl Air {
+    /// Its flags, in stored order.
+    pub(super) fn is(&self, sheet: &Sheet) -> [bool; AIR_FLAGS.len()] {
+        let [moved, learned] = [self.setpoint != sheet.pressure, self.learned_at != self.setpoint];
+        [self.measured().is_some(), moved, learned, self.unheld_since.is_some()]
+    }
+
     /// Writes the pressures; those equal to the factsheet's `sheet` take one bit.
     fn write<W: Write>(&self, sheet: &Sheet, writer: &mut W) -> Result<()> {
-        let [moved, learned] = [self.setpoint != sheet.pressure, self.learned_at != self.setpoint];
-        let is = [self.measured().is_some(), moved, learned, self.unheld_since.is_some()];
+        let is = self.is(sheet);
+        let [_, moved, learned, _] = is;
         (encoding::pack_flags(is) as u8).serialize(writer)?;
         self.measured().iter().try_for_each(|one| encoding::write_number(one.mpa(), writer))?;
         for (pressure, _) in [(self.setpoint, moved), (self.learned_at, learned)].iter().filter(|(_, is)| *is) {

@@ -86,6 +86,12 @@ pub(in crate::robot) struct Refining {
     pub since_gain: ResponseBins,
 }
 
+crate::optional_parts::optional_fields!(Refining: carried, gain;
+    steps: *steps > 0,
+    due: *due > 0,
+    since_gain: *since_gain != ResponseBins::default(),
+);
+
 impl Refining {
     pub(in crate::robot) fn new(gain: Curve, carried: Carried) -> Self {
         Self { steps: 0, due: 0, carried, gain, since_gain: ResponseBins::default() }

@@ -25,6 +25,20 @@ const KINDS: [AlarmKind; 9] = [
     AlarmKind::Vented,
 ];
 
+/// Names of the stored parts of [`Standing`].
+pub(in crate::robot) const PARTS: [&str; 1 + KINDS.len()] = [
+    "Fault",
+    "SensitivityLoss",
+    "Eroding",
+    "ArrayShift",
+    "BaselineDrift",
+    "SetpointFailed",
+    "Uncompensated",
+    "Proposed",
+    "ReachLost",
+    "Vented",
+];
+
 const STALE: Option<Fault> = Some(Fault::Stale);
 
 /// The first kinds, which fill a stored byte together with the bit for a fault.
@@ -50,6 +64,11 @@ impl Standing {
         let stands = |(at, _): &(usize, AlarmKind)| self.kinds & 1 << at != 0;
         let others = KINDS.into_iter().enumerate().filter(stands).map(|(_, kind)| kind);
         self.fault.map(AlarmKind::Fault).into_iter().chain(others)
+    }
+
+    /// Whether it has a fault, and each of [`KINDS`].
+    pub(in crate::robot) fn has(&self) -> [bool; 1 + KINDS.len()] {
+        std::array::from_fn(|at| at.checked_sub(1).map_or(self.fault.is_some(), |kind| self.kinds & 1 << kind != 0))
     }
 
     /// The alarms that do not stand in the other.

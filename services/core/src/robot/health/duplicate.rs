@@ -28,6 +28,8 @@ pub(in crate::robot) struct DuplicateWatch {
     pub stands: bool,
 }
 
+crate::optional_parts::optional_fields!(DuplicateWatch: last; returns: *returns > 0, stands: *stands);
+
 impl Robot {
     /// Whether a newer boot has replaced this one. Only the newest replaced boots are known.
     #[must_use]

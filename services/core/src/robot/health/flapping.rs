@@ -10,6 +10,7 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use crate::optional_parts::OptionalParts;
 use crate::robot::effect::Fault;
 use crate::robot::params::FlappingParams;
 use crate::robot::state::whisker::{Holds, Whisker};
@@ -90,6 +91,15 @@ pub(in crate::robot) struct Flapping<T> {
     told: Option<T>,
     /// The fault whose alarm stands.
     alarm: Option<T>,
+}
+
+impl<T> OptionalParts<5> for Flapping<T> {
+    const NAMES: [&'static str; 5] = ["present", "quick changes", "slow changes", "told", "alarm"];
+
+    fn has(&self) -> [bool; 5] {
+        let Self { present, changed: _, changes: Changes { quick, slow }, told, alarm } = self;
+        [present.is_some(), *quick > 0, *slow > 0, told.is_some(), alarm.is_some()]
+    }
 }
 
 impl<T: Flips> Flapping<T> {

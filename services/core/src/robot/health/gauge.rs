@@ -61,6 +61,12 @@ struct Level {
     above: u8,
 }
 
+crate::optional_parts::optional_fields!(GaugeWatch: reported, observed;
+    dead: *dead > 0,
+    plausible: *plausible > 0,
+    level: level.is_some(),
+);
+
 /// Class of one contact's strain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum StrainClass {

@@ -5,6 +5,7 @@
 //! after many of them. At the limit the whisker is failing: the alarm stands, and others may serve in its place. Single tries
 //! follow after pauses from half a minute to an hour, until the robot takes one.
 
+use crate::optional_parts::OptionalParts;
 use crate::robot::params::CommandParams;
 use crate::units::Micros;
 
@@ -32,6 +33,17 @@ pub(in crate::robot) enum Tries {
         /// Failed rounds, at least one: the limit, and each single try after it.
         rounds: u8,
     },
+}
+
+impl OptionalParts<3> for Tries {
+    const NAMES: [&'static str; 3] = ["counted", "unheard", "failing"];
+
+    fn has(&self) -> [bool; 3] {
+        match *self {
+            Self::Few { counted, unheard } => [counted > 0, unheard > 0, false],
+            Self::Failing { rounds: _ } => [false, false, true],
+        }
+    }
 }
 
 impl Tries {

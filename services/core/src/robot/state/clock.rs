@@ -112,6 +112,11 @@ struct Sample {
     is_live: bool,
 }
 
+crate::optional_parts::optional_fields!(Clock: ;
+    samples: !samples.is_empty(),
+    heard: heard.is_some(),
+);
+
 impl Clock {
     /// A message was received at `now`, and says that it was `robot_time`; 0 stands for a message without a time.
     pub(in crate::robot) fn hear(&mut self, now: Micros, robot_time: Micros, told: TimeKind) {

@@ -170,6 +170,13 @@ impl Sequence {
     }
 }
 
+crate::optional_parts::optional_fields!(Sequence: boot_id, next;
+    held: !held.is_empty(),
+    blocked_since: blocked_since.is_some(),
+    given_up: *given_up > 0,
+    standing_since: standing_since.is_some(),
+);
+
 /// The numbers of a robot's newest boots, the newest last, and marks of those before them.
 #[derive(Debug, Clone, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
 pub struct Sequences {
@@ -177,6 +184,8 @@ pub struct Sequences {
     /// The newest last.
     older: Vec<u64>,
 }
+
+crate::optional_parts::optional_fields!(Sequences: ; boots: !boots.is_empty(), older: !older.is_empty());
 
 /// The sequences as version 4 of the state had them.
 #[derive(BorshDeserialize)]
@@ -234,6 +243,11 @@ impl Sequences {
         for sequence in &mut self.boots {
             sequence.standing_since = None;
         }
+    }
+
+    /// All whose numbers are remembered.
+    pub(in crate::robot) fn boots(&self) -> &[Sequence] {
+        &self.boots
     }
 
     /// The numbers of that boot.

@@ -52,20 +52,20 @@ pub(in crate::robot) struct LengthTest {
     /// Tests that were done for this measurement.
     done: u8,
     /// Reason for the next test; `None` if none is wanted.
-    wanted: Option<TestReason>,
+    pub(in crate::robot) wanted: Option<TestReason>,
     /// The requested or proposed test; one that an operator refused stays until there is new evidence.
-    in_flight: Option<TestInFlight>,
+    pub(in crate::robot) in_flight: Option<TestInFlight>,
     /// No request before this, by the supervisor's clock.
     not_before: Micros,
 }
 
 /// A requested test.
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
-struct TestInFlight {
+pub(in crate::robot) struct TestInFlight {
     key: CommandKey,
-    kind: TestKind,
-    reason: TestReason,
-    state: TestState,
+    pub kind: TestKind,
+    pub reason: TestReason,
+    pub state: TestState,
     /// Given up at this time, by the supervisor's clock.
     until: Micros,
 }
@@ -77,6 +77,16 @@ pub(in crate::robot) struct TestBudget {
     since: Micros,
     requested: u16,
 }
+
+crate::optional_parts::optional_fields!(LengthTest: evidence, sd_mm;
+    touches: *touches > 0,
+    contacts: *contacts > *touches,
+    done: *done > 0,
+    wanted: wanted.is_some(),
+    in_flight: in_flight.is_some(),
+    not_before: *not_before > Micros::default(),
+);
+crate::optional_parts::optional_fields!(TestBudget: since; requested: *requested > 0);
 
 impl LengthTest {
     /// A measurement of a whisker that had this length, mm.

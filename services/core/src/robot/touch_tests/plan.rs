@@ -27,6 +27,13 @@ pub(in crate::robot) struct TestTimes {
     is_due: bool,
 }
 
+crate::optional_parts::optional_fields!(TestTimes: ;
+    touched: *touched > Micros::default(),
+    tested: *tested > Micros::default(),
+    needs_tests: *needs_tests,
+    is_due: *is_due,
+);
+
 impl TouchTestParams {
     fn plans_any(&self) -> bool {
         self.after_pause > Micros(0) || self.every > Micros(0)

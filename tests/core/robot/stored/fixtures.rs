@@ -1,0 +1,178 @@
+//! Stored robots of each version, as the program of that version wrote and described them. Files of the newest version
+//! hold robots with every optional part of the format.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use vibrissa_core::robot::Robot;
+
+use super::life::{Life, Store};
+use super::{BOOTS, parts_of, rare};
+
+/// A file of stored robots, `tests/data/formats/robots-HEAD-WHISKERS.bin`: for each robot the number of its whiskers,
+/// its head, and its whiskers, each part after its length. A `.txt` has the description by the program that wrote them.
+struct Fixture {
+    /// Version of the heads.
+    head: u8,
+    /// Version of the whiskers.
+    whiskers: u8,
+    /// FNV-1a hash of the robots as the newest version stores them.
+    becomes: u64,
+}
+
+/// The newest first.
+const FIXTURES: &[Fixture] = &[Fixture { head: 10, whiskers: 13, becomes: 0x076b_ff5a_3bc6_a9cc }];
+
+impl Fixture {
+    fn path(&self, extension: &str) -> PathBuf {
+        let Self { head, whiskers, .. } = self;
+        let formats = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/formats");
+        formats.join(format!("robots-{head}-{whiskers}.{extension}"))
+    }
+
+    fn stores(&self) -> Vec<Store> {
+        let mut parts = parts_of(&std::fs::read(self.path("bin")).unwrap()).into_iter();
+        let mut stores = Vec::new();
+        while let Some(count) = parts.next() {
+            let head = parts.next().unwrap();
+            stores.push(Store { head, whiskers: parts.by_ref().take(usize::from(count[0])).collect() });
+        }
+        stores
+    }
+
+    /// Writes robots, and their description.
+    fn write(&self, stores: &[Store]) {
+        let mut bytes = Vec::new();
+        for Store { head, whiskers } in stores {
+            for part in [&[whiskers.len() as u8][..], head].into_iter().chain(whiskers.iter().map(Vec::as_slice)) {
+                bytes.extend((part.len() as u32).to_le_bytes());
+                bytes.extend(part);
+            }
+        }
+        std::fs::write(self.path("bin"), bytes).unwrap();
+        let told: String = stores.iter().map(|store| described(&restored(store))).collect();
+        std::fs::write(self.path("txt"), told).unwrap();
+    }
+}
+
+/// Describes a robot by parts of its state that all versions have.
+fn described(robot: &Robot) -> String {
+    let mut told = format!(
+        "{:?}, held: {}, {:?}\n",
+        robot.connection_state(),
+        robot.is_held(),
+        robot.arrays().collect::<Vec<_>>()
+    );
+    for sequence in BOOTS.iter().filter_map(|boot| robot.sequence(boot)) {
+        let (boot, next, held, given_up) = (sequence.boot_id(), sequence.next(), sequence.held(), sequence.given_up());
+        told += &format!("sequence {boot}: next {next}, held {held:?}, given up {given_up}\n");
+    }
+    for one in robot.compensations() {
+        let (case, error, gain) = (one.case(), one.predicted_error(), one.gain());
+        told +=
+            &format!("compensation {}: {} by {}, {case:?}, error {error}, ", one.id(), one.target(), one.compensator());
+        told += &format!("gain {gain:?}, settled: {}, proposed: {}\n", one.is_settled(), one.is_proposed());
+    }
+    for one in robot.commands_under_way() {
+        let (key, boot, whisker, pressure) = (one.key, &one.robot_boot_id, one.whisker, one.pressure);
+        told += &format!("setpoint {key:?} of {boot}: whisker {whisker}, {pressure:?}, ");
+        told += &format!("issued {:?}, expires {:?}, {:?}, ", one.issued, one.expires, one.reason);
+        told += &format!("compensation {:?}, gain {:?}\n", one.compensation, one.gain);
+    }
+    for one in (0..robot.whisker_count()).filter_map(|index| robot.whisker(index)) {
+        let (number, whole, length) = (one.sheet.number, one.sheet.length, one.length);
+        told += &format!("whisker {}/{number} of {whole:?}, {} contacts, ", one.array, one.contacts);
+        told += &format!("{:?}, sd {} mm, {:?}, noise {}, ", length.length, length.sd_mm, one.offset, one.noise_scale);
+        told += &format!("{:?}, fault {:?}, leak {:?}, ", one.condition, one.fault, one.leak_per_s);
+        told += &format!("pressure {:?}, setpoint {:?}, heard {:?}, ", one.pressure, one.setpoint, one.heard);
+        told += &format!("held: {}, alarms {:?}, ", one.held, one.standing.kinds().collect::<Vec<_>>());
+        told += &format!("touch test {:?}\n", one.touch_test);
+    }
+    told
+}
+
+fn restored(store: &Store) -> Robot {
+    Robot::restore(&store.head, &store.whiskers).unwrap()
+}
+
+fn parts_in<'a>(stores: impl IntoIterator<Item = &'a Store>) -> BTreeMap<String, bool> {
+    let mut parts = BTreeMap::new();
+    for store in stores {
+        for (name, has) in restored(store).stored_parts() {
+            *parts.entry(name).or_default() |= has;
+        }
+    }
+    parts
+}
+
+/// The fewest of these robots that together have as many parts as all of them, about.
+fn chosen(stores: impl Iterator<Item = Store>) -> Vec<Store> {
+    let mut stores: Vec<(Store, Vec<String>)> = stores
+        .map(|store| {
+            let parts = restored(&store).stored_parts();
+            let has = parts.into_iter().filter(|(_, has)| *has).map(|(name, _)| name).collect();
+            (store, has)
+        })
+        .collect();
+    let mut chosen = Vec::new();
+    loop {
+        let most = stores.iter().enumerate().max_by_key(|(_, (_, has))| has.len());
+        let Some((at, (_, has))) = most.filter(|(_, (_, has))| !has.is_empty()) else { return chosen };
+        let has = has.clone();
+        stores.iter_mut().for_each(|(_, others)| others.retain(|name| !has.contains(name)));
+        chosen.push(stores.swap_remove(at).0);
+    }
+}
+
+/// FNV-1a hash of robots as the newest version stores them.
+fn hash(stores: &[Store]) -> u64 {
+    let mark = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+    stores.iter().fold(0xcbf2_9ce4_8422_2325, |hash, store| {
+        let robot = restored(store);
+        let newest = Store::all_of(&robot);
+        assert_eq!(restored(&newest), robot);
+        newest.head.iter().chain(newest.whiskers.iter().flatten()).fold(hash, mark)
+    })
+}
+
+/// A part that is new needs a fixture: `VIBRISSA_WRITE_DOCS` writes the file of the newest version, unless there is one.
+#[test]
+fn every_optional_part_of_the_format_is_in_a_fixture_of_the_newest_version() {
+    let newest = &FIXTURES[0];
+    if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() && !newest.path("bin").exists() {
+        let lives = (0..16).flat_map(|seed| Life::new(seed, 2500).stored.into_iter().skip(3).step_by(5));
+        newest.write(&chosen(rare::stores().into_iter().chain(lives)));
+    }
+    let stores = newest.stores();
+    for store in &stores {
+        assert_eq!(Store::all_of(&restored(store)).first_difference(store), None, "the bytes are of this version");
+    }
+    let missing: Vec<_> = parts_in(&stores).into_iter().filter(|(_, has)| !has).map(|(name, _)| name).collect();
+    assert!(missing.is_empty(), "no stored robot has these parts: {missing:#?}");
+}
+
+#[test]
+fn golden_robots_are_read_as_the_program_of_their_version_described_them() {
+    for fixture in FIXTURES {
+        let (mut told, versions) = (String::new(), (fixture.head, fixture.whiskers));
+        for store in fixture.stores() {
+            assert_eq!(store.head[..2], [fixture.head, 0], "{versions:?}");
+            // From version 6 on: 512 more than the version, as a varint. Before, nine flags.
+            let marked = [fixture.whiskers | 0x80, 4];
+            let is_marked = |bytes: &Vec<u8>| bytes[..2] == marked;
+            assert!(store.whiskers.iter().all(|one| is_marked(one) == (fixture.whiskers > 5)), "{versions:?}");
+            told += &described(&restored(&store));
+        }
+        let described = std::fs::read_to_string(fixture.path("txt")).unwrap();
+        let differs = told.lines().zip(described.lines()).find(|(told, described)| told != described);
+        assert_eq!((differs, told.len()), (None, described.len()), "{versions:?}");
+    }
+}
+
+/// Parts of the state that [`described`] leaves out.
+#[test]
+fn regress_robots_of_older_versions_become_the_same_robots_of_the_newest_version() {
+    let became: Vec<u64> = FIXTURES.iter().map(|fixture| hash(&fixture.stores())).collect();
+    let is_as_before = became.iter().zip(FIXTURES).all(|(became, fixture)| *became == fixture.becomes);
+    assert!(is_as_before, "only a new version changes these numbers, all of them: {became:#x?}");
+}
