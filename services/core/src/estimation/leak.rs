@@ -351,8 +351,12 @@ impl BorshSerialize for LeakWatch {
     }
 }
 
-impl BorshDeserialize for LeakWatch {
-    fn deserialize_reader<R: Read>(reader: &mut R) -> Result<Self> {
+impl LeakWatch {
+    /// Reads stored bytes of this version of the whisker, or of one before version 8.
+    ///
+    /// # Errors
+    /// The bytes end, or cannot have been written.
+    pub fn read_stored<R: Read>(is_before_8: bool, reader: &mut R) -> Result<Self> {
         let [is_quiet, by_status, by_contact, closed, open, rate, is_leaking, test] =
             encoding::unpack_flags(u8::deserialize_reader(reader)?.into())?;
         let from = Micros::deserialize_reader(reader)?;
@@ -375,7 +379,8 @@ impl BorshDeserialize for LeakWatch {
             read.rate = Rate::deserialize_reader(reader)?;
         }
         if test {
-            read.test = LeakTest::read_again(from, reader)?;
+            let read_test = if is_before_8 { LeakTest::read_before_8 } else { LeakTest::read_again };
+            read.test = read_test(from, reader)?;
         }
         Ok(read)
     }

@@ -193,10 +193,45 @@ impl LeakTest {
         (self.sound, self.rates, self.widths, self.log_ratios, self.noise).serialize(writer)
     }
 
+    /// Reads a test as it was stored before version 8 of the whisker. It had a sixth rate, which counts for the fifth
+    /// now, and neither widths nor a learned noise. Predictions begin anew.
+    pub(super) fn read_before_8<R: Read>(from: Micros, reader: &mut R) -> Result<Self> {
+        let _at = encoding::read_time(from, reader)?;
+        let _tracks: [Track; 1 + RATES + 1] = BorshDeserialize::deserialize_reader(reader)?;
+        let [rates @ .., sixth]: [f32; RATES + 1] = BorshDeserialize::deserialize_reader(reader)?;
+        // A width must not be likelier than the rates of a leak that was called.
+        let least = rates.into_iter().fold(0.0, f32::min);
+        let mut read = Self { log_ratios: [least; LEAKS], ..Self::default() };
+        read.log_ratios[..RATES].copy_from_slice(&rates);
+        read.log_ratios[RATES - 1] = rates[RATES - 1].max(sixth);
+        Ok(read)
+    }
+
     /// Reads the output of [`Self::write`].
     pub(super) fn read_again<R: Read>(from: Micros, reader: &mut R) -> Result<Self> {
         let at = encoding::read_time(from, reader)?;
         let (sound, rates, widths, log_ratios, noise) = BorshDeserialize::deserialize_reader(reader)?;
         Ok(Self { at, sound, rates, widths, log_ratios, noise })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regress_a_test_before_version_8_is_read_with_its_likeliest_rate() {
+        let from = Micros(1_000_000);
+        for (log_ratios, per_s) in
+            [([-9.0, -3.0, 0.0, -2.0, -5.0, -7.0_f32], 4e-3), ([-9.0, -9.0, -9.0, -9.0, -5.0, 0.0], 1.6e-2)]
+        {
+            let mut bytes = Vec::new();
+            encoding::write_time(Micros(3_000_000), from, &mut bytes).unwrap();
+            ([Track::default(); 7], log_ratios).serialize(&mut bytes).unwrap();
+            let mut rest = bytes.as_slice();
+            let test = LeakTest::read_before_8(from, &mut rest).unwrap();
+            assert!(rest.is_empty());
+            assert_eq!(test.likeliest().rate.map(|rate| rate.mean), Some(per_s));
+        }
     }
 }

@@ -21,7 +21,17 @@ struct Fixture {
 }
 
 /// The newest first.
-const FIXTURES: &[Fixture] = &[Fixture { head: 10, whiskers: 13, becomes: 0x076b_ff5a_3bc6_a9cc }];
+const FIXTURES: &[Fixture] = &[
+    Fixture { head: 10, whiskers: 13, becomes: 0x076b_ff5a_3bc6_a9cc },
+    Fixture { head: 10, whiskers: 12, becomes: 0x95fe_b952_7453_07cd },
+    Fixture { head: 9, whiskers: 11, becomes: 0x2145_c66a_58ec_3e64 },
+    Fixture { head: 8, whiskers: 10, becomes: 0x9888_8ac3_c138_0290 },
+    Fixture { head: 8, whiskers: 9, becomes: 0x87a6_bfac_d6ad_d0c2 },
+    Fixture { head: 7, whiskers: 8, becomes: 0xce27_4a31_1323_db74 },
+    Fixture { head: 6, whiskers: 7, becomes: 0x680a_bd32_212c_6ab7 },
+    Fixture { head: 5, whiskers: 6, becomes: 0xdf8a_749b_2905_b470 },
+    Fixture { head: 5, whiskers: 5, becomes: 0x546a_2084_6758_8696 },
+];
 
 impl Fixture {
     fn path(&self, extension: &str) -> PathBuf {
@@ -175,4 +185,12 @@ fn regress_robots_of_older_versions_become_the_same_robots_of_the_newest_version
     let became: Vec<u64> = FIXTURES.iter().map(|fixture| hash(&fixture.stores())).collect();
     let is_as_before = became.iter().zip(FIXTURES).all(|(became, fixture)| *became == fixture.becomes);
     assert!(is_as_before, "only a new version changes these numbers, all of them: {became:#x?}");
+}
+
+/// Version 8 changed the test for leaks. Whiskers of version 7 with the former one were taken for damaged ones.
+#[test]
+fn regress_whiskers_of_version_7_are_read_with_their_test_for_leaks() {
+    let of_version_7 = FIXTURES.iter().find(|fixture| fixture.whiskers == 7).unwrap();
+    let parts = parts_in(&of_version_7.stores());
+    assert!(parts["leak: test"] && parts["leak: is_leaking"], "{parts:?}");
 }

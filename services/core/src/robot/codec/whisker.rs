@@ -6,7 +6,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use crate::detection::{Detector, Stored};
 use crate::encoding;
 use crate::estimation::filter::{STATES, STATES_BEFORE_7};
-use crate::estimation::{GainWalks, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Temperatures};
+use crate::estimation::{GainWalks, LeakWatch, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Temperatures};
 use crate::robot::health::flapping::{Flapping, Vent};
 use crate::robot::setpoints::tries::Tries;
 use crate::robot::state::factsheet::{Sheet, read_numbers, write_numbers};
@@ -171,7 +171,8 @@ impl BorshDeserialize for Whisker {
         let sheet = Sheet::deserialize_reader(reader)?;
         let air = Air::read(&sheet, reader)?;
         let Learned { filter, noise, temperatures, spread, walks, detector } = Learned::read(version, reader)?;
-        let (leak, gauge) = BorshDeserialize::deserialize_reader(reader)?;
+        let leak = LeakWatch::read_stored(version < 8, reader)?;
+        let gauge = BorshDeserialize::deserialize_reader(reader)?;
         let (whole_waiting, condition, holds, standing) = BorshDeserialize::deserialize_reader(reader)?;
         let whole = if untold { ResponseBins::default() } else { ResponseBins::deserialize_reader(reader)? };
         let contacts = encoding::read_u64(reader)?;
