@@ -109,17 +109,18 @@ impl Pool {
     /// Migrates the tables to the newest version, one transaction for each migration: an interruption undoes only the
     /// current one.
     pub(super) async fn migrate(&self, database: &str) -> Result<(), StoreError> {
-        if self.has_unfinished().await {
+        let applied = self.applied().await;
+        if applied.is_some_and(|applied| WITH_REDO.contains(&applied)) && self.has_unfinished().await {
             return Err(StoreError::Unfinished { database: database.to_owned() });
         }
         match self {
             Either::Sqlite(pool) => {
                 let migrator = migrator(migrations::SQLITE);
-                self.change(&migrator, |version| migrator.run_to(version, pool)).await
+                self.change(&migrator, applied, |version| migrator.run_to(version, pool)).await
             }
             Either::Postgres(pool) => {
                 let migrator = migrator(migrations::POSTGRES);
-                self.change(&migrator, |version| migrator.run_to(version, pool)).await
+                self.change(&migrator, applied, |version| migrator.run_to(version, pool)).await
             }
         }
         .map_err(|source| {
@@ -139,20 +140,27 @@ impl Pool {
     /// first migration, because the earlier version does not start after one.
     async fn has_unfinished(&self) -> bool {
         const SQL: &str = "SELECT count(*) FROM redo";
-        // There is no such table in a new database, and none since migration 60.
         on!(self, |pool| sqlx::query_scalar::<_, i64>(SQL).fetch_one(pool).await).is_ok_and(|count| count > 0)
+    }
+
+    /// Number of the newest migration that was applied; `None` for a new database, which has no such table. If the database is
+    /// unreachable, the next statement fails, too.
+    async fn applied(&self) -> Option<i64> {
+        const SQL: &str = "SELECT max(version) FROM _sqlx_migrations";
+        on!(self, |pool| sqlx::query_scalar(SQL).fetch_one(pool).await).unwrap_or_default()
     }
 
     /// Runs the missing migrations one after the other. Migrations of a database with data may take long, so their
     /// progress is logged.
-    async fn change<W>(&self, migrator: &Migrator, run_to: impl Fn(i64) -> W) -> Result<(), MigrateError>
+    async fn change<W>(
+        &self,
+        migrator: &Migrator,
+        applied: Option<i64>,
+        run_to: impl Fn(i64) -> W,
+    ) -> Result<(), MigrateError>
     where
         W: Future<Output = Result<(), MigrateError>>,
     {
-        const APPLIED: &str = "SELECT max(version) FROM _sqlx_migrations";
-        // A new database has no such table. If the database is unreachable, the next statement fails, too.
-        let applied: Option<i64> =
-            on!(self, |pool| sqlx::query_scalar(APPLIED).fetch_one(pool).await).unwrap_or_default();
         let newest = migrator.iter().map(|migration| migration.version).max().unwrap_or_default();
         if let Some(applied) = applied.filter(|&applied| applied < newest) {
             let rows = self.contacts_about().await.unwrap_or_default();
@@ -181,6 +189,8 @@ impl Pool {
     }
 }
 
+/// Newest migrations of databases with the table `redo`.
+const WITH_REDO: std::ops::Range<i64> = 13..60;
 /// Interval between log messages about a running migration.
 const PROGRESS: Duration = Duration::from_secs(5);
 

@@ -7,7 +7,7 @@ use vibrissa_store::{Replication, Store, StoreError};
 
 use crate::metrics::Metrics;
 
-/// Polling interval.
+/// Polling interval of the database's server.
 const EVERY: Duration = Duration::from_secs(5);
 /// Time limit of a poll: the server may be frozen or cut off.
 const PATIENCE: Duration = Duration::from_secs(5);

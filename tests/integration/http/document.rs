@@ -62,7 +62,7 @@ impl Document {
 }
 
 /// Lists whose rows have a path of their own, and the column that names a row.
-const NAMED_ROWS: [(&str, &str); 7] = [
+pub(crate) const NAMED_ROWS: [(&str, &str); 7] = [
     ("compensations", "compensation_id"),
     ("setpoints", "command_id"),
     ("trims", "trim_id"),

@@ -6,9 +6,9 @@ use super::event::EventRow;
 /// An event to deliver now.
 #[derive(Clone)]
 pub struct Job {
-    /// The target.
+    /// Target that gets the event.
     pub webhook: WebhookRow,
-    /// The event.
+    /// Event as the outbox has it.
     pub event: EventRow,
     /// Keys that sign the request, the newest first. Neither logged nor shown.
     pub secrets: Vec<Vec<u8>>,

@@ -10,7 +10,7 @@
 //! - [`joint`]: small transactions of several shards of a supervisor become one.
 //! - [`recovery`]: checkpoints are loaded, and the journal is replayed through the core.
 //!
-//! A transaction:
+//! The states of a transaction:
 //!
 //! ```text
 //! open ──the schedule, or at once for a setpoint──▶ sealed ──▶ rows committed ──▶ its publications go out
