@@ -62,10 +62,10 @@ def engines():
             [promql(total(of_fleet("vibrissa_kafka_lag_records"), "fleet"), "{{fleet}}")],
         ),
         timeseries(
-            "Transactions whose events wait",
+            "Events that wait",
             "Transactions whose events Kafka has not taken yet (publication by Kafka). They wait in the database.",
             "none",
-            [promql(total(of_fleet("vibrissa_kafka_outbox_transactions"), "fleet"), "{{fleet}}")],
+            [promql(total(of_fleet("vibrissa_kafka_outbox_events"), "fleet"), "{{fleet}}")],
         ),
         timeseries(
             "Events published", "Events that Kafka has acknowledged, per second.", "cps", [promql(published, "{{fleet}}")]

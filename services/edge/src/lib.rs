@@ -5,6 +5,7 @@
 pub mod actions;
 pub mod black_box;
 pub mod clock;
+pub mod events;
 pub mod full_name;
 pub mod guidance;
 pub mod ids;
@@ -13,7 +14,6 @@ pub mod presence;
 pub mod recording;
 pub mod shard;
 pub mod touch_tests;
-pub mod webhooks;
 pub mod words;
 
 use vibrissa_core::mechanics::CONTACT_RATIOS;

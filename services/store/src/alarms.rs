@@ -1,12 +1,12 @@
 //! Acknowledging and shelving of alarms, each with its entry in the audit log in one transaction.
 
 use super::actions::{Asked, NewAction, record_done};
-use super::changes;
 use super::database::{Tx, on};
+use super::events::write::EventRow;
 use super::from_row::from_row;
 use super::shards::of_shard;
-use super::tables::NewChange;
-use super::{Lease, Store, StoreError, Writer, failed};
+use super::{Lease, Store, StoreError, Writer, events, failed};
+use vibrissa_edge::events::EventKind;
 
 const WHAT: &str = "update an alarm";
 /// Time limit for one attempt to read alarms.
@@ -113,14 +113,12 @@ impl Store {
         let asked = record_done(&mut tx, action, now_us).await?;
         if let Asked::New(_) = asked {
             write(&mut tx, subject, said, action).await.map_err(failed(WHAT))?;
-            let change = NewChange {
-                kind: "ALARM",
-                recorded_us: now_us,
+            let event = EventRow {
                 whisker_id: subject.whisker_id,
                 robot_id: subject.robot_id,
-                ..NewChange::default()
+                ..EventRow::new(EventKind::AlarmHandled, now_us)
             };
-            changes::write(&mut tx, &subject.fleet, change, now_us).await.map_err(failed(WHAT))?;
+            events::write::write(&mut tx, &subject.fleet, &[event]).await.map_err(failed(WHAT))?;
         }
         tx.commit().await.map_err(failed(WHAT))?;
         Ok(asked)

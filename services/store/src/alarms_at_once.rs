@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 
 use super::actions::{Asked, NewAction, mark_many, record_done};
 use super::alarms::Said;
-use super::changes;
 use super::database::{Tx, on};
+use super::events::write::EventRow;
 use super::list::{Filter, Selection};
 use super::lists::alarms::{AlarmRow, AlarmSort, STANDING};
-use super::tables::NewChange;
-use super::{Store, StoreError, failed};
+use super::{Store, StoreError, events, failed};
+use vibrissa_edge::events::EventKind;
 
 const WHAT: &str = "update alarms";
 
@@ -82,8 +82,8 @@ impl Store {
                 let is_changed = |one: &&AlarmRow| ids.contains(&one.alarm_id);
                 let fleets: BTreeSet<&str> = alarms.iter().filter(is_changed).map(|one| one.fleet.as_str()).collect();
                 for fleet in fleets {
-                    let change = NewChange { kind: "ALARM", recorded_us: now_us, ..NewChange::default() };
-                    changes::write(&mut tx, fleet, change, now_us).await.map_err(failed(WHAT))?;
+                    let event = EventRow::new(EventKind::AlarmHandled, now_us);
+                    events::write::write(&mut tx, fleet, &[event]).await.map_err(failed(WHAT))?;
                 }
                 &of_all.request_id
             }

@@ -15,7 +15,7 @@ use tokio::time::Instant;
 
 use super::batch::{Batch, JournalRow, Owner, Owners, Parts, Record, Rows};
 use super::database::{Either, Link, Tx, on};
-use super::{Lease, Rejection, StoreError, Writer, changes, commit, failed, log_position, outbox, records};
+use super::{Lease, Rejection, StoreError, Writer, commit, events, failed, log_position, records};
 
 /// Time limit for one attempt.
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(30);
@@ -121,9 +121,7 @@ async fn write_range(
             append_journal(tx, lease, &JournalRow { number, entries }).await?;
         }
     }
-    outbox::write(tx, lease, rows.events).await?;
-    let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
-    changes::write_of(tx, lease.fleet().as_str(), rows.records, now_us).await.map_err(failed("write the changes"))
+    events::write::write(tx, lease.fleet().as_str(), rows.events).await.map_err(failed("write events"))
 }
 
 /// Appends entries to a row of the journal; other robots' entries may have created that row before.

@@ -6,11 +6,11 @@ use utoipa::ToSchema;
 
 pub use super::actions::ChildAction;
 use super::actions::{Asked, NewAction, insert_child, mark_many, record_done};
-use super::changes;
 use super::database::on;
+use super::events::write::EventRow;
 use super::from_row::from_row;
-use super::tables::NewChange;
-use super::{Store, StoreError, failed};
+use super::{Store, StoreError, events, failed};
+use vibrissa_edge::events::EventKind;
 
 /// Most actions of requests for many that may wait at a time.
 pub const WAITING_MAX: i64 = 2000;
@@ -94,9 +94,8 @@ impl Store {
                 .map(|done| done.rows_affected() as i64))
             .map_err(failed(WHAT))?;
             for fleet in fleets {
-                let change =
-                    NewChange { kind: "ACTION", recorded_us: now_us, number: Some(parent_id), ..NewChange::default() };
-                changes::write(&mut tx, fleet, change, now_us).await.map_err(failed(WHAT))?;
+                let event = EventRow::new(EventKind::Action, now_us);
+                events::write::write(&mut tx, fleet, &[event]).await.map_err(failed(WHAT))?;
             }
         }
         tx.commit().await.map_err(failed(WHAT))?;

@@ -6,7 +6,7 @@ use super::batch::{ContactRow, JournalRow};
 use super::database::{Either, Link, Tx, on};
 use super::postgres::whole::Whole;
 use super::tables::{CONTACTS, InShard, JOURNAL, JOURNAL_UNFENCED};
-use super::{Batch, Lease, StoreError, changes, failed, log_position, outbox, postgres, records};
+use super::{Batch, Lease, StoreError, events, failed, log_position, postgres, records};
 use crate::fault::{self, Fault};
 
 /// Writes a batch in one transaction. If an earlier attempt was committed and only its answer was lost, nothing is
@@ -16,8 +16,7 @@ pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Resu
         return Ok(());
     }
     let asked = Instant::now();
-    let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
-    let is_new = write_in_steps(link, lease, batch, now_us).await?;
+    let is_new = write_in_steps(link, lease, batch).await?;
     lease.committed(is_new.then_some(asked));
     Ok(())
 }
@@ -27,12 +26,11 @@ pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Resu
 /// not shared.
 pub(super) async fn write_together(link: &mut Link, batches: &[(&Lease, &Batch)]) -> Result<bool, StoreError> {
     let asked = Instant::now();
-    let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
     let Either::Postgres(link) = link else { return Ok(false) };
     if fault::is(Fault::NoFence) {
         return Ok(false);
     }
-    let Some(whole) = Whole::of(batches, now_us) else { return Ok(false) };
+    let Some(whole) = Whole::of(batches) else { return Ok(false) };
     if !whole.write(link).await? {
         return Ok(false);
     }
@@ -46,7 +44,7 @@ pub(super) async fn write_together(link: &mut Link, batches: &[(&Lease, &Batch)]
 ///
 /// Contacts are written before the lease's row is locked: a `COPY` lasts as long as its bytes take to arrive, and a
 /// supervisor that freezes in it must not block others from acquiring the fleet.
-async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i64) -> Result<bool, StoreError> {
+async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<bool, StoreError> {
     let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
     write_contacts(&mut tx, &batch.contacts).await?;
     if !lease.begin(&mut tx).await? {
@@ -61,8 +59,7 @@ async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i
     }
     log_position::write(&mut tx, lease, batch.log_next).await?;
     write_done(&mut tx, lease, batch, true).await?;
-    outbox::write(&mut tx, lease, &batch.events).await?;
-    changes::write_of(&mut tx, fleet, &batch.records, now_us).await.map_err(failed("write the changes"))?;
+    events::write::write(&mut tx, fleet, &batch.events).await.map_err(failed("write events"))?;
     tx.commit().await.map_err(failed("commit"))?;
     Ok(true)
 }

@@ -6,6 +6,7 @@ use vibrissa_core::robot::Numbers;
 use vibrissa_edge::shard::robot_hash;
 
 use super::database::on;
+use super::events::write::{Whose, clear_alarms};
 use super::load::{held, next_number};
 use super::{Lease, StoreError, Writer, failed};
 
@@ -22,13 +23,11 @@ pub struct Registered {
 }
 
 /// Statements that end all work for a decommissioned robot. `$1` is the robot's number, `$2` the time.
-const LEAVE: [&str; 7] = [
+const LEAVE: [&str; 6] = [
     "UPDATE robots SET decommissioned_us = $2, state = NULL, held = FALSE, labels = '', connection = 'OFFLINE', updated_us = $2 \
      WHERE robot_id = $1",
     "UPDATE whiskers SET position = NULL, state = NULL, held = FALSE, rollup = NULL WHERE robot_id = $1 AND CAST($2 AS BIGINT) > 0",
     "UPDATE arrays SET whiskers = 0 WHERE robot_id = $1 AND CAST($2 AS BIGINT) > 0",
-    "UPDATE alarms SET cleared_us = $2 WHERE cleared_us IS NULL \
-     AND (robot_id = $1 OR whisker_id IN (SELECT whisker_id FROM whiskers WHERE robot_id = $1))",
     "UPDATE touch_tests SET state = 'ABANDONED', updated_us = $2, ended_us = $2 WHERE ended_us IS NULL AND robot_id = $1",
     "UPDATE compensations SET ended_us = $2, end_reason = 'LAYOUT_CHANGED' WHERE ended_us IS NULL AND robot_id = $1",
     "UPDATE setpoints SET state = 'ABANDONED' WHERE state IN ('PENDING', 'RECEIVED', 'APPLYING') AND robot_id = $1 AND CAST($2 AS BIGINT) > 0",
@@ -43,6 +42,7 @@ impl Writer {
         const WHAT: &str = "decommission a robot";
         self.attempt(WHAT, PATIENCE, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
+            clear_alarms(&mut tx, Whose::Robot(robot_id), now_us).await.map_err(failed(WHAT))?;
             for sql in LEAVE {
                 on!(&mut tx, |tx| sqlx::query(sql).bind(robot_id).bind(now_us).execute(&mut **tx).await.map(drop))
                     .map_err(failed(WHAT))?;

@@ -4,11 +4,11 @@ use serde::Serialize;
 use vibrissa_edge::labels::{LabelKey, LabelValue, Labels};
 
 use super::actions::{Asked, NewAction, record_done};
-use super::changes;
 use super::database::on;
+use super::events::write::EventRow;
 use super::from_row::text_columns;
-use super::tables::NewChange;
-use super::{Store, StoreError, failed};
+use super::{Store, StoreError, events, failed};
+use vibrissa_edge::events::EventKind;
 
 const WHAT: &str = "change the labels of a robot";
 
@@ -83,8 +83,8 @@ impl Store {
         on!(&mut tx, |tx| sqlx::query(WRITE).bind(labels.lines()).bind(robot_id).execute(&mut **tx).await.map(drop))
             .map_err(failed(WHAT))?;
         let now_us = action.asked_us;
-        let told = NewChange { kind: "ACTION", recorded_us: now_us, robot_id: Some(robot_id), ..NewChange::default() };
-        changes::write(&mut tx, fleet, told, now_us).await.map_err(failed(WHAT))?;
+        let event = EventRow::new(EventKind::Action, now_us).of_robot(robot_id);
+        events::write::write(&mut tx, fleet, &[event]).await.map_err(failed(WHAT))?;
         tx.commit().await.map_err(failed(WHAT))?;
         Ok(Labelled::Done(Box::new(asked)))
     }

@@ -81,11 +81,6 @@ impl Lease {
         self.fresh_until.as_ref().map(|until| *until.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Number of the next transaction under this lease.
-    pub(super) fn next_commit(&self) -> i64 {
-        self.commits.load(Ordering::Relaxed) + 1
-    }
-
     /// Identifier of the owner's process.
     pub(super) fn owner(&self) -> &str {
         &self.owner

@@ -1,10 +1,10 @@
 //! Notes on robots: added and removed with an entry in the audit log in the same transaction.
 
 use super::actions::{Asked, NewAction, record_done};
-use super::changes;
 use super::database::{Tx, on};
-use super::tables::NewChange;
-use super::{Store, StoreError, failed};
+use super::events::write::EventRow;
+use super::{Store, StoreError, events, failed};
+use vibrissa_edge::events::EventKind;
 
 /// Most notes of a robot.
 pub const NOTES_MAX: i64 = 100;
@@ -70,8 +70,8 @@ impl Store {
             });
         }
         let now_us = action.asked_us;
-        let told = NewChange { kind: "ACTION", recorded_us: now_us, robot_id: Some(robot_id), ..NewChange::default() };
-        changes::write(&mut tx, fleet, told, now_us).await.map_err(failed(WHAT))?;
+        let event = EventRow::new(EventKind::Action, now_us).of_robot(robot_id);
+        events::write::write(&mut tx, fleet, &[event]).await.map_err(failed(WHAT))?;
         tx.commit().await.map_err(failed(WHAT))?;
         Ok(Noted::Done(Box::new(asked)))
     }

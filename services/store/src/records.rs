@@ -6,6 +6,7 @@ use vibrissa_edge::clock::wall_clock;
 
 use super::batch::{DecisionRow, ErrorRow, LayoutRow, Record, RollupRow, Rows, SetpointRow, SetpointStateRow};
 use super::database::{Tx, on};
+use super::events::write::{Whose, clear_alarms};
 use super::tables::{
     ALARMS, ANSWERED, BINS, CANDIDATES, CLEARED, DECISIONS, ENDED, ERRORS, HEALTH, POLICIES, REFINEMENTS, RESPONSES,
     ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS, STATES, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
@@ -117,7 +118,8 @@ async fn write_record(tx: &mut Tx<'_>, fleet: &str, record: &Record) -> Result<(
             (ROBOT_CLEARED.write(tx, &[row]).await.map(drop), "clear an alarm about a robot")
         }
         Record::Gone { robot_id, array, whisker, cleared_us } => {
-            (write_gone(tx, *robot_id, array, *whisker, *cleared_us).await, "clear the alarms of a whisker")
+            let whose = Whose::Whisker { robot_id: *robot_id, array, whisker: *whisker };
+            (clear_alarms(tx, whose, *cleared_us).await, "clear the alarms of a whisker")
         }
         Record::AlarmsForgotten { robot_id, cleared_us } => {
             (write_forgotten(tx, *robot_id, *cleared_us).await, "clear the alarms of a robot")
@@ -168,28 +170,8 @@ async fn write_approved(tx: &mut Tx<'_>, compensation_id: i64) -> sqlx::Result<(
 
 /// Clears all alarms of a robot and its whiskers, and ends its touch tests: nobody follows them any more.
 async fn write_forgotten(tx: &mut Tx<'_>, robot_id: i64, cleared_us: i64) -> sqlx::Result<()> {
-    const ALARMS: &str = "UPDATE alarms SET cleared_us = $1 WHERE cleared_us IS NULL \
-         AND (robot_id = $2 OR whisker_id IN (SELECT whisker_id FROM whiskers WHERE robot_id = $2))";
     const TESTS: &str = "UPDATE touch_tests SET state = 'ABANDONED', updated_us = $1, ended_us = $1 \
          WHERE ended_us IS NULL AND robot_id = $2";
-    for sql in [ALARMS, TESTS] {
-        on!(&mut *tx, |tx| sqlx::query(sql).bind(cleared_us).bind(robot_id).execute(&mut **tx).await.map(drop))?;
-    }
-    Ok(())
-}
-
-/// Clears the alarms of a whisker that has left its robot. It is found by its name, because it has no index any more.
-async fn write_gone(tx: &mut Tx<'_>, robot_id: i64, array: &str, whisker: i64, cleared_us: i64) -> sqlx::Result<()> {
-    on!(&mut *tx, |tx| sqlx::query(
-        "UPDATE alarms SET cleared_us = $1 WHERE cleared_us IS NULL AND whisker_id IN (SELECT whisker_id \
-         FROM whiskers w JOIN arrays a ON a.array_id = w.array_id \
-         WHERE w.robot_id = $2 AND a.\"array\" = $3 AND w.whisker = $4)",
-    )
-    .bind(cleared_us)
-    .bind(robot_id)
-    .bind(array)
-    .bind(whisker)
-    .execute(&mut **tx)
-    .await
-    .map(drop))
+    clear_alarms(tx, Whose::Robot(robot_id), cleared_us).await?;
+    on!(tx, |tx| sqlx::query(TESTS).bind(cleared_us).bind(robot_id).execute(&mut **tx).await.map(drop))
 }

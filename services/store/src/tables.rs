@@ -5,6 +5,7 @@ use super::batch::{
     JournalRow, PolicyRow, QuarantineRow, RefinementRow, ResponseRow, RobotAlarmClearedRow, RobotAlarmRow, RobotRow,
     RollupRow, SetpointRow, SetpointStateRow, TouchTestProgressRow, TouchTestRow, TrimRow, WhiskerRow,
 };
+use super::events::write::EventRow;
 use super::row::{Declared, Parent, Statement, columns};
 use crate::{Lease, Resolution};
 
@@ -51,42 +52,6 @@ impl<'b> ShardNumber<'b> {
 
 columns! {
     ShardNumber<'b> { fleet: &'b str, shard: i64, number: i64, }
-}
-
-/// The events of a transaction.
-#[derive(Debug, Clone)]
-pub(crate) struct OutboxRow<'b> {
-    pub(crate) fleet: &'b str,
-    pub(crate) shard: i64,
-    pub(crate) epoch: i64,
-    pub(crate) number: i64,
-    pub(crate) events: Vec<u8>,
-}
-
-columns! {
-    OutboxRow<'b> { fleet: &'b str, shard: i64, epoch: i64, number: i64, events: Vec<u8>, }
-}
-
-/// A change to write; a time of 0 stands for now.
-#[derive(Debug, Default, Clone, Copy)]
-pub(crate) struct NewChange<'a> {
-    pub(super) recorded_us: i64,
-    pub(super) kind: &'static str,
-    pub(super) robot_id: Option<i64>,
-    pub(super) whisker_id: Option<i64>,
-    pub(super) number: Option<i64>,
-    pub(super) command_id: Option<&'a str>,
-}
-
-columns! {
-    NewChange<'a> {
-        recorded_us: i64,
-        kind: &'static str,
-        robot_id: Option<i64>,
-        whisker_id: Option<i64>,
-        number: Option<i64>,
-        command_id: Option<&'a str>,
-    }
 }
 
 /// The hash that decides about a robot's shard.
@@ -149,8 +114,7 @@ pub(crate) static JOURNAL_DONE: Statement<ShardNumber<'static>> = Statement::cus
     "journal",
     "DELETE FROM journal AS t USING ROWS WHERE t.fleet = n.fleet AND t.shard = n.shard AND t.number <= n.number AND OWNED",
 );
-pub(crate) static CHANGES: Statement<(InFleet<'static>, NewChange<'static>)> = Statement::insert("changes");
-pub(crate) static OUTBOX: Statement<OutboxRow<'static>> = Statement::insert("event_outbox");
+pub(crate) static EVENTS: Statement<(InFleet<'static>, &EventRow)> = Statement::insert("events");
 pub(crate) static HEALTH: Statement<HealthRow> = Statement::insert("health_changes");
 pub(crate) static TRIMS: Statement<TrimRow> = Statement::insert("trims");
 pub(crate) static DECISIONS: Statement<DecisionRow> = Statement::insert("compensations");
@@ -248,15 +212,14 @@ pub struct Written {
 /// The columns of all statements, as the rows are declared.
 #[must_use]
 pub fn written() -> Vec<Written> {
-    let all: [&dyn Declared; 30] = [
+    let all: [&dyn Declared; 29] = [
         &ROBOTS,
         &WHISKERS,
         &ROBOT_HASHES,
         &CONTACTS,
         &RESPONSES,
         &JOURNAL,
-        &CHANGES,
-        &OUTBOX,
+        &EVENTS,
         &HEALTH,
         &TRIMS,
         &DECISIONS,

@@ -7,6 +7,7 @@ use tokio::task::{JoinHandle, JoinSet};
 use tokio::time::{Duration, Instant, timeout_at};
 use tracing::{error, info, warn};
 use vibrissa_core::robot::Params;
+use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::BootId;
 
@@ -166,7 +167,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
             .map(|archive| tokio::spawn(archive.clone().run(lease.clone(), shared.store.clone(), metrics.clone())));
         // Dropped at the end of supervision: what is not published yet waits in the outbox.
         let _publishing = match (&shared.kafka, events) {
-            (Some(kafka), Some(sink)) => kafka.publish(&shared.store, &shard, &metrics, sink),
+            (Some(kafka), Some(sink)) if shard.is_first() => kafka.publish(&shared.store, &shard, &metrics, sink),
             _ => None,
         };
         run((engine, place), &connection, &metrics, log, stop).await;
@@ -242,7 +243,13 @@ async fn take_up(lease: &Lease, shared: &Shared, events: Option<&EventSink>) -> 
     };
     let mut backoff = crate::backoff::Backoff::default();
     loop {
-        match engine_options(lease, &boot_id, shared, events).start().await {
+        let loading = async {
+            if events.is_some() {
+                shared.store.follow_events(lease.fleet().as_str(), wall_clock().0 as i64).await?;
+            }
+            engine_options(lease, &boot_id, shared, events).start().await
+        };
+        match loading.await {
             Ok(engine) => return Some((engine, boot_id)),
             Err(problem @ StoreError::LeaseLost { .. }) => {
                 warn!(%problem, "fleet not loaded, lease lost");

@@ -10,9 +10,9 @@ use vibrissa_core::mechanics::Objective;
 use vibrissa_core::policy::{Case, LongerForShorter, Mode};
 use vibrissa_core::robot::effect::{AlarmKind, CommandState, Condition, EndReason, Reason, TestState};
 use vibrissa_edge::actions::AuditKind;
+use vibrissa_edge::events::EventKind;
 use vibrissa_edge::guidance::Level;
 use vibrissa_edge::presence::Presence;
-use vibrissa_edge::webhooks::EventKind;
 use vibrissa_edge::words::{Word, Words, named};
 
 /// A value of one of the core's closed enums, in JSON and in queries as its word.

@@ -249,7 +249,7 @@ impl Service {
         let Serving { address: http, monitoring, task: http_task } =
             crate::http::serve(&options.http, app, stopped.clone()).await?;
         database_tasks.spawn(action_notifier.clone().watch(store.clone(), stopped.clone()));
-        database_tasks.spawn(forget_changes(store.clone(), stopped.clone()));
+        database_tasks.spawn(forget_events(store.clone(), stopped.clone()));
         let retention = options.history.retention;
         database_tasks.spawn(upkeep::run(
             store.clone(),
@@ -325,17 +325,14 @@ fn declare_metrics(options: &ServiceOptions) -> anyhow::Result<Metrics> {
     Ok(metrics)
 }
 
-/// Retention period of the change log that live pages follow.
-const CHANGES_KEPT: Duration = Duration::from_secs(86_400);
-/// Interval between two removals of older changes.
-const CHANGES_FORGOTTEN_EVERY: Duration = Duration::from_secs(600);
+/// Interval between two removals of old events.
+const EVENTS_FORGOTTEN_EVERY: Duration = Duration::from_secs(600);
 
-/// Removes changes older than [`CHANGES_KEPT`], until the service stops.
-async fn forget_changes(store: Store, mut stop: watch::Receiver<bool>) {
-    while timeout(CHANGES_FORGOTTEN_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
-        let before_us = wall_clock().0 as i64 - CHANGES_KEPT.as_micros() as i64;
-        if let Err(problem) = store.with_leader(store.forget_changes(before_us)).await {
-            warn!(%problem, "cannot remove old changes, retrying later");
+/// Removes old events, until the service stops.
+async fn forget_events(store: Store, mut stop: watch::Receiver<bool>) {
+    while timeout(EVENTS_FORGOTTEN_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
+        if let Err(problem) = store.with_leader(store.forget_events(wall_clock().0 as i64)).await {
+            warn!(%problem, "cannot remove old events, retrying later");
         }
     }
 }

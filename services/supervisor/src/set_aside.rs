@@ -16,14 +16,12 @@ pub(crate) enum Reader {
     Calibration,
     /// The open roll-out.
     Rollout,
-    /// Events for Kafka that wait in the outbox.
-    EventOutbox,
 }
 
 impl Reader {
     /// All readers.
-    pub(crate) const ALL: [Self; 7] =
-        [Self::Log, Self::Journal, Self::Checkpoint, Self::Policy, Self::Calibration, Self::Rollout, Self::EventOutbox];
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Log, Self::Journal, Self::Checkpoint, Self::Policy, Self::Calibration, Self::Rollout];
 
     /// The reader as a label of metrics.
     pub(crate) const fn word(self) -> &'static str {
@@ -34,7 +32,6 @@ impl Reader {
             Self::Policy => "POLICY",
             Self::Calibration => "CALIBRATION",
             Self::Rollout => "ROLLOUT",
-            Self::EventOutbox => "EVENT_OUTBOX",
         }
     }
 }

@@ -41,7 +41,7 @@ async fn regress_a_status_that_flaps_is_one_alarm_for_each_whisker_and_fills_no_
     const BYTES: &str = "SELECT CAST(page_count * page_size AS TEXT) FROM pragma_page_count(), pragma_page_size()";
     const ALARMS: &str = "SELECT CAST(count(*) AS TEXT) FROM alarms WHERE kind = 'LEAK'";
     const CHANGES: &str = "SELECT CAST(count(*) AS TEXT) FROM health_changes";
-    const FED: &str = "SELECT CAST(count(*) AS TEXT) FROM changes";
+    const FED: &str = "SELECT CAST(count(*) AS TEXT) FROM events";
     let supervised = Supervised::start(Kind::Sqlite, &[]).await;
     let lasts_s = std::env::var("FLAPPING_S").map_or(LASTS_S, |text| text.parse().unwrap());
     let mut other = HandRobot::born(supervised.port(), "other", array(ArrayType::Type2, &[70.0])).await;

@@ -3,13 +3,15 @@
 use serde_json::{Value, json};
 use vibrissa_core::mechanics::Objective;
 use vibrissa_core::policy::{Mode, PolicyParams};
+use vibrissa_edge::events::EventKind;
 use vibrissa_store::actions::{Asked, NewAction};
 use vibrissa_store::batch::{
     AlarmClearedRow, AlarmRow, CandidateRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow, Interval,
     PolicyChanged, PolicyRow, Record, RefinementRow, ResponseRow, SetpointRow, SetpointStateRow, TouchTestProgressRow,
     TouchTestRow, TrimRow,
 };
-use vibrissa_store::changes::Mark;
+use vibrissa_store::events::Position;
+use vibrissa_store::events::write::EventRow;
 use vibrissa_store::list::{Filter, Value as FilterValue};
 use vibrissa_store::lists::actions::{ACTIONS, ActionRow};
 use vibrissa_store::lists::alarms::{ALARMS, AlarmRow as Alarm};
@@ -42,7 +44,6 @@ fn touch_tests(robot_id: i64, whisker_id: i64) -> Vec<Record> {
     let progress = |number: usize, state: Option<&'static str>, at_us: i64| TouchTestProgressRow {
         test_id: format!("t{robot_id}-{number}"),
         robot_id,
-        whisker_id: Some(whisker_id),
         updated_us: at_us,
         state,
         error: None,
@@ -61,8 +62,7 @@ fn touch_tests(robot_id: i64, whisker_id: i64) -> Vec<Record> {
     };
     let error = Some("NOT_READY");
     let rejected = TouchTestProgressRow { error, ended_us: Some(22), ..progress(1, Some("REJECTED"), 22) };
-    let of_another_robot =
-        TouchTestProgressRow { robot_id: robot_id + 1000, whisker_id: None, ..touched(100, 100, 99) };
+    let of_another_robot = TouchTestProgressRow { robot_id: robot_id + 1000, ..touched(100, 100, 99) };
     let rows = [
         progress(0, Some("ACCEPTED"), 21),
         progress(0, Some("RUNNING"), 22),
@@ -74,6 +74,18 @@ fn touch_tests(robot_id: i64, whisker_id: i64) -> Vec<Record> {
     ];
     let rows = rows.into_iter().map(|row| Record::TouchTestProgress(Box::new(row)));
     [test(0, "PENDING"), test(1, "PENDING"), test(2, "PROPOSED")].into_iter().chain(rows).collect()
+}
+
+/// Events of a robot, of a whisker, and of the fleet.
+pub(crate) fn events(numbered: &Numbered) -> Vec<EventRow> {
+    let whisker_id = Some(numbered.whisker_ids[0]);
+    let trim = EventRow { data: r#"{"trim":{"trim_id":7}}"#.to_owned(), ..EventRow::new(EventKind::Trim, 11) };
+    let alarm = EventRow { word: Some("LEAK"), ..EventRow::new(EventKind::AlarmRaised, 12) };
+    vec![
+        EventRow { whisker_id, ..trim.of_robot(numbered.robot_id) },
+        EventRow { whisker_id, ..alarm.of_robot(numbered.robot_id) },
+        EventRow::new(EventKind::Policy, 13),
+    ]
 }
 
 /// A record of every kind.
@@ -274,6 +286,7 @@ pub(crate) async fn written_and_read(database: &Fresh, together: usize) -> Value
     let numbered = rows::robot(&mut writer, &lease).await;
     let mut records = records(&numbered).into_iter();
     let mut batch = contacts(&numbered, 0..2500);
+    batch.events = events(&numbered);
     loop {
         batch.records = records.by_ref().take(together).collect();
         if records.len() == 0 {
@@ -297,8 +310,8 @@ pub(crate) async fn written_and_read(database: &Fresh, together: usize) -> Value
     let tests_of_actions: Vec<Option<String>> =
         store.all::<ActionRow>(&ACTIONS, Vec::new()).await.unwrap().into_iter().map(|row| row.test_id).collect();
     let lengths = store.lengths("r", "left", 0, 500).await.unwrap();
-    let changes = store.changes_after(Mark { tx: 0, change_id: 0 }).await.unwrap();
-    let changes: Vec<_> = changes.into_iter().filter_map(|(_, change)| change).collect();
+    let told = store.events_after(Position::default()).await.unwrap();
+    let told: Vec<_> = told.into_iter().filter_map(|(_, event)| event).collect();
     let stored = writer.robots(&lease, 0, i64::MAX).await.unwrap().robots;
     let stored = stored.iter().map(|robot| {
         json!([
@@ -327,7 +340,7 @@ pub(crate) async fn written_and_read(database: &Fresh, together: usize) -> Value
         "between": store.contacts_between(("r", "left", 0), 1_795_248_000_000_010, 1_795_248_000_500_019).await.unwrap(),
         "setpoint_states": store.setpoint_states().await.unwrap(),
         "measured": store.measured_contacts().await.unwrap(),
-        "changes": changes.iter().map(|one| json!([one.kind, one.number, one.command_id])).collect::<Vec<_>>(),
+        "events": told.iter().map(|one| json!([one.kind, one.word, one.robot, one.whisker, one.data])).collect::<Vec<_>>(),
         "health": store.health_changes().await.unwrap(),
         "setpoints": store.setpoint_history().await.unwrap(),
         "robots": stored.collect::<Vec<_>>(),
@@ -384,7 +397,7 @@ async fn both_databases_give_back_the_same() {
     assert!((half - 1.96 * 0.25).abs() < 1e-4, "{half}");
     assert_eq!(test("REJECTED")["error"], "NOT_READY");
     assert_eq!((&test("PROPOSED")["ended_at"], &test("PROPOSED")["length_mm"]), (&Value::Null, &Value::Null));
-    for list in ["trims", "lengths", "health", "changes"] {
+    for list in ["trims", "lengths", "health", "events"] {
         assert!(!lite[list].as_array().unwrap().is_empty(), "{list}");
     }
     // One record at a time is written by PostgreSQL's single statement for all kinds. All records together refer to

@@ -88,7 +88,7 @@ async fn property_batches_written_together_leave_the_rows_of_batches_written_one
             }
         }
     }
-    let tables: [(&str, &[&str]); 16] = [
+    let tables: [(&str, &[&str]); 15] = [
         ("contacts", &[]),
         ("journal", &[]),
         ("robots", &[]),
@@ -103,7 +103,6 @@ async fn property_batches_written_together_leave_the_rows_of_batches_written_one
         ("setpoints", &[]),
         ("setpoint_states", &["setpoint_state_id"]),
         ("alarms", &["alarm_id"]),
-        ("changes", &["change_id", "tx", "recorded_us"]),
         ("leases", &["epoch", "expires_us"]),
     ];
     for (table, numbers) in tables {

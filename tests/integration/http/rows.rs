@@ -287,7 +287,6 @@ fn touch_tests(robot_id: i64, ids: &[i64]) -> Vec<Record> {
         records.push(Record::TouchTestProgress(Box::new(TouchTestProgressRow {
             test_id,
             robot_id,
-            whisker_id: Some(whisker_id),
             updated_us: requested_us + 500_000,
             state: Some(state),
             error: (state == "REJECTED").then_some("NOT_READY"),

@@ -18,7 +18,8 @@ const WAITING: &str = "vibrissa_kafka_outbox_bytes{";
 
 /// Bytes of all waiting events in the database.
 async fn waiting_bytes(program: &Program) -> f64 {
-    let sql = "SELECT COALESCE(sum(length(events)), 0) FROM event_outbox";
+    let sql = "SELECT coalesce(sum(length(e.data)), 0) FROM events e JOIN event_positions p ON p.fleet = e.fleet \
+         WHERE e.event_id > p.event_id";
     let bytes: i64 = sqlx::query_scalar(sql).fetch_one(&mut program.database().await).await.unwrap();
     bytes as f64
 }
@@ -26,7 +27,7 @@ async fn waiting_bytes(program: &Program) -> f64 {
 /// The events of the topic of contacts: sequence number of the message, `None` where contacts are missing.
 fn messages(events: &Events) -> Vec<Option<i64>> {
     let of_contacts = events.all.iter().filter(|event| event["type"].as_str().unwrap().starts_with("CONTACTS"));
-    of_contacts.map(|event| event["contacts"]["seq"].as_i64()).collect()
+    of_contacts.map(|event| event["data"]["contacts"]["seq"].as_i64()).collect()
 }
 
 async fn published(events: &mut Events, what: &str, is_there: impl Fn(&Events) -> bool) {
@@ -99,7 +100,7 @@ async fn contacts_beyond_the_limit_are_left_out_and_told_and_all_else_is_kept() 
     let left_out = (before_kill + after_kill) as usize;
     published(&mut events, "all kept contacts", |events| events.contacts().len() == stored.len() - left_out).await;
     published(&mut events, "the applied setpoint", |events| {
-        events.of_type("SETPOINT_STATE").any(|event| event["setpoint"]["state"] == "APPLIED")
+        events.of_type("SETPOINT_STATE").any(|event| event["data"]["setpoint"]["state"] == "APPLIED")
     })
     .await;
     let setpoints = program.list("setpoints").await.len();
@@ -112,7 +113,8 @@ async fn contacts_beyond_the_limit_are_left_out_and_told_and_all_else_is_kept() 
     }
     let trims: BTreeSet<i64> =
         program.list("trims").await.iter().map(|trim| trim["trim_id"].as_i64().unwrap()).collect();
-    let told: BTreeSet<i64> = events.of_type("TRIM").map(|event| event["trim"]["trim_id"].as_i64().unwrap()).collect();
+    let told: BTreeSet<i64> =
+        events.of_type("TRIM").map(|event| event["data"]["trim"]["trim_id"].as_i64().unwrap()).collect();
     assert!(!trims.is_empty() && told == trims, "{told:?} of {trims:?}");
     assert_eq!(events.of_type("SETPOINT").count(), setpoints);
     assert!(events.of_type("DECISION").count() > 0);
@@ -123,10 +125,10 @@ async fn contacts_beyond_the_limit_are_left_out_and_told_and_all_else_is_kept() 
     let gap: Vec<usize> = (0..order.len()).filter(|&at| order[at].is_none()).collect();
     assert!(matches!(gap[..], [one, other] if other == one + 1), "{gap:?} of {order:?}");
     let told: Vec<&Value> =
-        events.of_type("CONTACTS").filter(|event| !event["contacts"]["left_out"].is_null()).collect();
+        events.of_type("CONTACTS").filter(|event| !event["data"]["contacts"]["left_out"].is_null()).collect();
     assert_eq!(told.len(), 1, "{told:?}");
-    assert_eq!(told[0]["contacts"]["left_out"].as_f64(), Some(after_kill));
-    assert_eq!(told[0]["contacts"]["seq"].as_i64(), order[gap[1] + 1]);
+    assert_eq!(told[0]["data"]["contacts"]["left_out"].as_f64(), Some(after_kill));
+    assert_eq!(told[0]["data"]["contacts"]["seq"].as_i64(), order[gap[1] + 1]);
     let log = program.log();
     let lines = |text: &str| log.lines().filter(|line| line.contains(text)).count();
     assert_eq!((lines("contacts are left out"), lines("contacts are published again")), (2, 1), "{log}");

@@ -84,7 +84,7 @@ async fn a_cut_is_told_from_its_contacts_to_its_setpoint_once_and_as_the_schema_
     complete(&program, &mut events).await;
     until_true("the applied setpoint", async || {
         events.read().await;
-        events.of_type("SETPOINT_STATE").any(|event| event["setpoint"]["state"] == "APPLIED")
+        events.of_type("SETPOINT_STATE").any(|event| event["data"]["setpoint"]["state"] == "APPLIED")
     })
     .await;
     let validator = jsonschema::validator_for(&vibrissa_supervisor::events::schema()).unwrap();
@@ -94,12 +94,15 @@ async fn a_cut_is_told_from_its_contacts_to_its_setpoint_once_and_as_the_schema_
     let trims = program.list("trims").await;
     let told: Vec<&Value> = events.of_type("TRIM").collect();
     assert_eq!((told.len(), trims.len()), (1, 1), "{told:?}");
-    assert_eq!((&told[0]["array"], &told[0]["whisker"]), (&"left".into(), &1.into()));
+    assert_eq!((&told[0]["data"]["array"], &told[0]["data"]["whisker"]), (&"left".into(), &1.into()));
     let setpoints = program.list("setpoints").await;
     assert_eq!(events.of_type("SETPOINT").count(), setpoints.len());
     let decided: Vec<&Value> = events.of_type("DECISION").collect();
-    let of_setpoint = events.of_type("SETPOINT").next().unwrap()["setpoint"]["compensation_id"].as_i64();
-    assert!(decided.iter().any(|event| event["decision"]["compensation_id"].as_i64() == of_setpoint), "{decided:?}");
+    let of_setpoint = events.of_type("SETPOINT").next().unwrap()["data"]["setpoint"]["compensation_id"].as_i64();
+    assert!(
+        decided.iter().any(|event| event["data"]["decision"]["compensation_id"].as_i64() == of_setpoint),
+        "{decided:?}"
+    );
     assert_eq!(events.repeated(), 0, "nothing failed");
 }
 
@@ -146,15 +149,10 @@ async fn a_reader_recognises_events_whose_acknowledgement_was_lost() {
     topics(&kafka).await;
     let broker = Mosquitto::start();
     let mut program = Program::start(broker.port(), &["--publish", "kafka", "--kafka-url", &kafka.url()]).await;
-    // Keeps each row of the outbox, as if its deletion had failed.
+    // Keeps the events of contacts, as if their removal had failed.
     let mut database = program.database().await;
-    for sql in [
-        "CREATE TABLE kept AS SELECT * FROM event_outbox WHERE 0",
-        "CREATE TRIGGER keep AFTER INSERT ON event_outbox BEGIN INSERT INTO kept SELECT NEW.fleet, NEW.shard, NEW.epoch, \
-         NEW.number, NEW.events; END",
-    ] {
-        sqlx::query(sql).execute(&mut database).await.unwrap();
-    }
+    let keep = "CREATE TRIGGER keep BEFORE DELETE ON events BEGIN SELECT RAISE(IGNORE); END";
+    sqlx::query(keep).execute(&mut database).await.unwrap();
     let mut robot = robot(&broker).await;
     robot.touch(0, 60).await;
     robot.receipted().await;
@@ -162,7 +160,7 @@ async fn a_reader_recognises_events_whose_acknowledgement_was_lost() {
     complete(&program, &mut events).await;
     program.process.kill();
     sqlx::query("DROP TRIGGER keep").execute(&mut database).await.unwrap();
-    sqlx::query("INSERT INTO event_outbox SELECT * FROM kept").execute(&mut database).await.unwrap();
+    sqlx::query("UPDATE event_positions SET event_id = 0").execute(&mut database).await.unwrap();
     drop(database);
     program.process.restart();
     program.answers().await;
@@ -185,8 +183,8 @@ async fn events_wait_for_a_log_without_their_topic() {
     let mut robot = robot(&broker).await;
     robot.touch(0, 60).await;
     robot.receipted().await;
-    until_true("waiting transactions", async || {
-        program.metric("vibrissa_kafka_outbox_transactions{").await > 0.0
+    until_true("waiting events", async || {
+        program.metric("vibrissa_kafka_outbox_events{").await > 0.0
             && program.metric("vibrissa_kafka_writes_failed_total{").await > 0.0
     })
     .await;
@@ -194,5 +192,5 @@ async fn events_wait_for_a_log_without_their_topic() {
     kafka.create_topic(CONTACTS, PARTITIONS).await;
     let mut events = Events::of(&kafka).await;
     complete(&program, &mut events).await;
-    until_true("an empty outbox", async || program.metric("vibrissa_kafka_outbox_transactions{").await == 0.0).await;
+    until_true("an empty outbox", async || program.metric("vibrissa_kafka_outbox_events{").await == 0.0).await;
 }

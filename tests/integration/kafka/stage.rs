@@ -7,7 +7,7 @@ use serde_json::Value;
 use sqlx::ConnectOptions;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use tempfile::TempDir;
-use vibrissa_tests::kafka::{Kafka, Names, Reader};
+use vibrissa_tests::kafka::{Kafka, Numbers, Reader};
 use vibrissa_tests::mosquitto::free_port;
 use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::wait::until_true;
@@ -152,24 +152,24 @@ impl Program {
 
 /// All events of both topics, each once.
 pub(crate) struct Events {
-    readers: [(Reader, Names); 2],
+    readers: [(Reader, Numbers); 2],
     pub(crate) all: Vec<Value>,
 }
 
 impl Events {
     pub(crate) async fn of(kafka: &Kafka) -> Self {
-        let reader = async |topic| (kafka.reader(topic, PARTITIONS).await, Names::default());
+        let reader = async |topic| (kafka.reader(topic, PARTITIONS).await, Numbers::default());
         Self { readers: [reader(EVENTS).await, reader(CONTACTS).await], all: Vec::new() }
     }
 
     /// Reads on; events that were read before are left out.
     pub(crate) async fn read(&mut self) {
-        for (reader, names) in &mut self.readers {
-            for (partition, record) in reader.read().await {
+        for (reader, numbers) in &mut self.readers {
+            for (_, record) in reader.read().await {
                 let event: Value = serde_json::from_slice(&record.record.value.unwrap()).unwrap();
                 let key = String::from_utf8(record.record.key.unwrap()).unwrap();
-                assert_eq!(key, format!("f/{}", event["robot"].as_str().unwrap()));
-                if names.is_new(partition, &event) {
+                assert_eq!(key, format!("f/{}", event["data"]["robot"].as_str().unwrap()));
+                if numbers.is_new(&event) {
                     self.all.push(event);
                 }
             }
@@ -178,7 +178,7 @@ impl Events {
 
     /// Number of events that were written again.
     pub(crate) fn repeated(&self) -> usize {
-        self.readers.iter().map(|(_, names)| names.repeated).sum()
+        self.readers.iter().map(|(_, numbers)| numbers.repeated).sum()
     }
 
     /// The events of a type.
@@ -189,7 +189,7 @@ impl Events {
     /// The contacts: boot, sequence number and position. Panics if one came twice.
     pub(crate) fn contacts(&self) -> BTreeSet<(String, i64, i64)> {
         let mut contacts = BTreeSet::new();
-        for part in self.of_type("CONTACTS").map(|event| &event["contacts"]) {
+        for part in self.of_type("CONTACTS").map(|event| &event["data"]["contacts"]) {
             for contact in part["contacts"].as_array().unwrap() {
                 let boot_id = part["boot_id"].as_str().unwrap().to_owned();
                 let name = (boot_id, part["seq"].as_i64().unwrap(), contact["position"].as_i64().unwrap());

@@ -80,7 +80,8 @@ async fn events_survive_a_cut(kind: &str) {
     });
     let actions = |line: &Value| {
         assert_eq!(line["kind"], "change", "{line}");
-        (line["change"]["kind"] == "ACTION").then(|| line["change"]["number"].as_u64().unwrap())
+        let action = &line["change"]["data"]["action"]["action_id"];
+        (line["change"]["type"] == "ACTION").then(|| action.as_u64().unwrap())
     };
     // Actions before the stream is open are not heard: act until one is.
     let mut numbers: Vec<u64> = Vec::new();

@@ -128,7 +128,7 @@ async fn event(events: &mut Events, kind: &str) -> (ServerEvent, Value) {
     loop {
         let event = events.next().await.unwrap().expect("the stream must continue");
         let data: Value = serde_json::from_str(&event.data).unwrap();
-        if data["kind"] == kind {
+        if data["type"] == kind {
             return (event, data);
         }
     }
@@ -145,11 +145,13 @@ async fn what_happens_is_followed_and_taken_up_again_where_it_was_left() {
     robot.touch(0, 80).await;
     robot.receipted().await;
     let (trimmed, told) = event(&mut live, "TRIM").await;
+    let told = &told["data"];
     assert_eq!([&told["fleet"], &told["robot"], &told["array"]], [&json!("f"), &json!("r"), &json!("left")]);
     assert_eq!((&told["whisker"], trimmed.event.as_str()), (&json!(0), "change"));
-    let (_, decided) = event(&mut live, "COMPENSATION").await;
+    let (_, decided) = event(&mut live, "DECISION").await;
     let (setpoint, sent) = event(&mut live, "SETPOINT").await;
-    assert!(sent["command_id"].is_string() && decided["number"].is_i64(), "{sent} {decided}");
+    let of_decision = &decided["data"]["decision"]["compensation_id"];
+    assert!(sent["data"]["setpoint"]["command_id"].is_string() && of_decision.is_i64(), "{sent} {decided}");
     // A stream that resumes after the trim repeats exactly the later events.
     let (_, mut again) = open(running.service.http, "/v1/events", &[("Last-Event-ID", &trimmed.id)]).await.unwrap();
     let mut seen = Vec::new();

@@ -4,7 +4,7 @@ use serde_json::Value;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{AssertSqlSafe, ConnectOptions as _};
 use vibrissa_protocol::ArrayType;
-use vibrissa_store::changes::Mark;
+use vibrissa_store::events::Position;
 use vibrissa_store::{DatabaseAddress, Store};
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
@@ -59,19 +59,19 @@ const PLANTED: [&str; 25] = [
     "INSERT INTO webhooks (name, url, level, enabled, secret, created_us, changed_us, changed_by, done_tx, done_event) \
      VALUES ('w', 'http://192.0.2.1/', 'INFO', 1, x'00', 1, 1, 'a', 0, 0)",
     "UPDATE webhooks SET done_event = 9000000",
-    "INSERT INTO webhook_events (event_id, occurred_us, kind, fleet, robot_id) SELECT 9000001, 1, 'TRIM', BAD, max(robot_id) \
-     FROM robots",
-    "INSERT INTO webhook_events (event_id, occurred_us, kind, fleet, robot_id) SELECT 9000002, 1, 'TRIM', 'f', max(robot_id) \
-     FROM robots",
-    "INSERT INTO webhook_events (event_id, occurred_us, kind, fleet, robot_id) SELECT 9000003, 1, 'TRIM', 'f', max(robot_id) \
-     FROM robots",
+    "INSERT INTO events (event_id, recorded_us, version, kind, audience, fleet, robot_id, data) \
+     SELECT 9000001, 1, 2, 'TRIM', 'PEOPLE', BAD, max(robot_id), '{}' FROM robots",
+    "INSERT INTO events (event_id, recorded_us, version, kind, audience, fleet, robot_id, data) \
+     SELECT 9000002, 1, 2, 'TRIM', 'PEOPLE', 'f', max(robot_id), '{}' FROM robots",
+    "INSERT INTO events (event_id, recorded_us, version, kind, audience, fleet, robot_id, data) \
+     SELECT 9000003, 1, 2, 'TRIM', 'PEOPLE', 'f', max(robot_id), '{}' FROM robots",
     "INSERT INTO webhook_dead_letters (webhook_id, event_id, attempts, dead_us, problem, again) \
      SELECT webhook_id, 9000001, 1, 1, 'p', 1 FROM webhooks WHERE name = 'w'",
     "INSERT INTO webhook_dead_letters (webhook_id, event_id, attempts, dead_us, problem, again) \
      SELECT webhook_id, 9000002, 1, 1, 'p', 1 FROM webhooks WHERE name = 'w'",
-    // The feed of changes.
-    "INSERT INTO changes (recorded_us, kind, fleet) VALUES (1, 'HEALTH', BAD)",
-    "INSERT INTO changes (recorded_us, kind, fleet) VALUES (1, 'POLICY', 'f')",
+    // Events for live pages alone.
+    "INSERT INTO events (recorded_us, version, kind, audience, fleet, data) VALUES (1, 2, 'ACTION', 'PROGRAMS', BAD, '{}')",
+    "INSERT INTO events (recorded_us, version, kind, audience, fleet, data) VALUES (1, 2, 'POLICY', 'PROGRAMS', 'f', '{}')",
 ];
 
 async fn born(port: u16, name: &str) -> HandRobot {
@@ -148,7 +148,7 @@ async fn regress_an_unreadable_item_stops_no_reader() {
     assert_eq!(kept, newer);
 }
 
-/// Webhooks and the feed, without a supervisor that would deliver.
+/// Webhooks and the log of events, without a supervisor that would deliver.
 async fn the_database_goes_on(address: &DatabaseAddress) {
     let store = Store::open(address, "test").await.unwrap();
     let webhooks = store.webhooks().await.unwrap();
@@ -164,9 +164,9 @@ async fn the_database_goes_on(address: &DatabaseAddress) {
     let job = store.take_webhook_job(id, holder, hold).await.unwrap().unwrap();
     assert_eq!((job.event.event_id, job.is_again), (9_000_002, false), "the event after the damaged one");
     assert_eq!(store.webhook(id).await.unwrap().unwrap().lost, 1);
-    let changes = store.changes_after(Mark { tx: 0, change_id: 0 }).await.unwrap();
+    let events = store.events_after(Position::default()).await.unwrap();
     let newest: Vec<Option<&str>> =
-        changes.iter().rev().take(2).map(|(_, change)| change.as_ref().map(|one| one.kind.as_str())).collect();
+        events.iter().rev().take(2).map(|(_, event)| event.as_ref().map(|one| one.kind.as_str())).collect();
     assert_eq!(newest, [Some("POLICY"), None]);
     store.release_webhooks(holder).await.unwrap();
     assert!(store.set_aside().count() >= 3);

@@ -12,7 +12,7 @@ use crate::running::{Running, quick};
 
 const ROWS: &str = "SELECT state || ' ' || touches || ' ' || missed || ' ' || (ended_us IS NOT NULL) || ' ' || \
      (length_mm IS NOT NULL) FROM touch_tests ORDER BY touch_test_id";
-const CHANGES: &str = "SELECT count(*) FROM changes WHERE kind = 'TOUCH_TEST'";
+const EVENTS: &str = "SELECT count(*) FROM events WHERE kind = 'TOUCH_TEST'";
 
 /// A robot whose factsheet names a touch test.
 async fn tester(port: u16) -> HandRobot {
@@ -92,7 +92,7 @@ async fn touches_of_tests_that_nobody_requested_leave_no_row() {
     }
     robot.send(contacts).await;
     robot.receipted().await;
-    assert_eq!(running.database.number(CHANGES).await, 0);
+    assert_eq!(running.database.number(EVENTS).await, 0);
     assert_eq!(running.database.texts(ROWS).await, [""; 0]);
     running.service.stop().await;
 }

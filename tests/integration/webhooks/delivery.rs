@@ -32,7 +32,7 @@ pub(crate) fn is_genuine(secret: &str, request: &Request) -> bool {
 
 /// The JSON Schema of the document.
 fn schema() -> jsonschema::Validator {
-    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/webhook.schema.json")).unwrap();
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/event.schema.json")).unwrap();
     jsonschema::validator_for(&serde_json::from_str(&text).unwrap()).unwrap()
 }
 
@@ -85,10 +85,12 @@ async fn a_robots_story(stage: Stage) {
     assert_eq!((&trim["data"]["array"], &trim["data"]["whisker"]), (&json!("left"), &json!(0)));
     let after_mm = trim["data"]["trim"]["length_after_mm"].as_f64().unwrap();
     assert!((after_mm - 65.0).abs() < 1.0, "{trim}");
-    assert_eq!(of("SETPOINT_FAILED")["data"]["setpoint"]["error"], "OUT_OF_RANGE");
+    assert_eq!(of("SETPOINT_FAILED")["data"]["setpoint"]["rejection"], "OUT_OF_RANGE");
     assert_eq!(of("COMPENSATION_ENDED")["data"]["compensation"]["end_reason"], "SETPOINT_FAILED");
     let (raised, cleared) = (of("ALARM_RAISED"), of("ALARM_CLEARED"));
-    assert_eq!(raised["data"]["alarm"]["alarm_id"], cleared["data"]["alarm"]["alarm_id"]);
+    for name in ["fleet", "robot", "array", "whisker", "alarm"] {
+        assert_eq!(raised["data"][name], cleared["data"][name], "{name}");
+    }
     // The answer to the last event is noted after it.
     until_true("all events are noted as delivered", async || {
         let state = shown(&service, webhook_id).await;

@@ -1,10 +1,10 @@
-//! The bounds of the outbox, and its order after a restored backup.
+//! The bounds of the log of events, and its order after a restored backup.
 
 use std::time::Duration;
 
 use serde_json::{Value, json};
 use vibrissa_store::Store;
-use vibrissa_store::webhooks::EVENTS_MAX;
+use vibrissa_store::events::upkeep::EVENTS_MAX;
 use vibrissa_tests::wait::until_true;
 
 use crate::receiver::{Manner, Receiver};
@@ -14,8 +14,8 @@ use crate::stage::{FAST, Raw, Stage, call, hook, shown, taken};
 async fn many(raw: &mut Raw, events: i64) {
     let sql = format!(
         "WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < {events}) \
-         INSERT INTO webhook_events (occurred_us, kind, word, fleet, robot_id) \
-         SELECT {}, CASE WHEN i % 2 = 0 THEN 'TRIM' ELSE 'ALARM_RAISED' END, \
+         INSERT INTO events (recorded_us, version, audience, data, kind, word, fleet, robot_id) \
+         SELECT {}, 2, 'PEOPLE', '{{}}', CASE WHEN i % 2 = 0 THEN 'TRIM' ELSE 'ALARM_RAISED' END, \
          CASE WHEN i % 2 = 0 THEN NULL ELSE 'ERODING' END, 'f', (SELECT min(robot_id) FROM robots) FROM n",
         vibrissa_edge::clock::wall_clock().0
     );
@@ -27,8 +27,8 @@ async fn of_another_fleet(raw: &mut Raw) {
     let now_us = vibrissa_edge::clock::wall_clock().0;
     for _ in 0..3 {
         let sql = format!(
-            "INSERT INTO webhook_events (occurred_us, kind, word, fleet, robot_id) \
-             VALUES ({now_us}, 'ALARM_CLEARED', 'ERODING', 'another', 4000000)"
+            "INSERT INTO events (recorded_us, version, audience, data, kind, word, fleet, robot_id) \
+             VALUES ({now_us}, 2, 'PEOPLE', '{{}}', 'ALARM_CLEARED', 'ERODING', 'another', 4000000)"
         );
         raw.run(&sql).await;
     }
@@ -45,32 +45,32 @@ async fn what_is_removed_is_counted(stage: Stage) {
     many(&mut raw, EVENTS_MAX + 1000).await;
     let trims = (EVENTS_MAX + 1000) / 2;
     assert_eq!(shown(&service, webhook_id).await["waiting"], json!(trims));
-    service.store.trim_webhook_events(vibrissa_edge::clock::wall_clock().0 as i64).await.unwrap();
+    service.store.trim_events_for_webhooks(vibrissa_edge::clock::wall_clock().0 as i64).await.unwrap();
     let state = shown(&service, webhook_id).await;
     assert_eq!((&state["waiting"], &state["lost"]), (&json!(trims), &json!(0)), "the urgent ones stay");
-    let others = raw.number("SELECT count(*) FROM webhook_events WHERE fleet = 'another'").await;
+    let others = raw.number("SELECT count(*) FROM events WHERE fleet = 'another'").await;
     assert_eq!(others, 3, "a storm takes nothing from another fleet");
     // The urgent ones alone are too many.
     many(&mut raw, EVENTS_MAX + 1000).await;
-    service.store.trim_webhook_events(vibrissa_edge::clock::wall_clock().0 as i64).await.unwrap();
+    service.store.trim_events_for_webhooks(vibrissa_edge::clock::wall_clock().0 as i64).await.unwrap();
     let (state, lost) = (shown(&service, webhook_id).await, 2 * trims - (EVENTS_MAX - 3));
     assert_eq!((&state["waiting"], &state["lost"]), (&json!(EVENTS_MAX - 3), &json!(lost)));
-    assert_eq!(raw.number("SELECT count(*) FROM webhook_events").await, EVENTS_MAX);
+    assert_eq!(raw.number("SELECT count(*) FROM events WHERE audience = 'PEOPLE'").await, EVENTS_MAX);
     // A week later the rest is gone, too.
     let later_us = vibrissa_edge::clock::wall_clock().0 as i64 + 8 * 86_400_000_000;
-    service.store.trim_webhook_events(later_us).await.unwrap();
+    service.store.trim_events_for_webhooks(later_us).await.unwrap();
     let state = shown(&service, webhook_id).await;
     assert_eq!((&state["waiting"], &state["lost"]), (&json!(0), &json!(2 * trims)));
     service.stop().await;
 }
 
 #[tokio::test]
-async fn the_outbox_is_bounded_and_what_is_removed_is_counted_with_sqlite() {
+async fn the_log_is_bounded_and_what_is_removed_is_counted_with_sqlite() {
     what_is_removed_is_counted(Stage::sqlite().await).await;
 }
 
 #[tokio::test]
-async fn the_outbox_is_bounded_and_what_is_removed_is_counted_with_postgresql() {
+async fn the_log_is_bounded_and_what_is_removed_is_counted_with_postgresql() {
     what_is_removed_is_counted(Stage::postgres().await).await;
 }
 
@@ -111,17 +111,6 @@ async fn regress_a_hold_ends_although_the_clock_went_back_with_postgresql() {
 }
 
 #[tokio::test]
-async fn without_webhooks_no_event_is_written() {
-    let stage = Stage::sqlite().await;
-    let service = stage.supervisor("a", FAST).await;
-    stage.robot().await;
-    let mut raw = stage.raw().await;
-    raw.trim(1).await;
-    assert_eq!(raw.number("SELECT count(*) FROM webhook_events").await, 0);
-    service.stop().await;
-}
-
-#[tokio::test]
 async fn regress_events_of_a_restored_server_come_before_new_ones() {
     let stage = Stage::postgres().await;
     let receiver = Receiver::start(Manner::Status(503)).await;
@@ -132,11 +121,11 @@ async fn regress_events_of_a_restored_server_come_before_new_ones() {
     raw.trim(1).await;
     service.stop().await;
     // The server of the dump had counted far more transactions.
-    raw.run("UPDATE webhook_events SET tx = tx + 1000000000").await;
+    raw.run("UPDATE events SET tx = tx + 1000000000").await;
     raw.run("UPDATE webhooks SET done_tx = done_tx + 1000000000 - 1, enabled = TRUE").await;
     receiver.is(Manner::Status(200));
     let store = Store::open(&stage.address, "test").await.unwrap();
-    store.prepare_webhook_queues().await.unwrap();
+    store.prepare_events().await.unwrap();
     store.close().await;
     raw.trim(2).await;
     let service = stage.supervisor("b", FAST).await;

@@ -31,7 +31,7 @@ impl Request {
     }
 
     pub(crate) fn event_id(&self) -> i64 {
-        self.json()["data"]["event_id"].as_i64().unwrap()
+        self.json()["event_id"].as_i64().unwrap()
     }
 }
 

@@ -68,12 +68,14 @@ impl Raw {
         }
     }
 
-    /// Writes a trim of the robot's first whisker, as a supervisor would.
+    /// Writes the event of a trim of the robot's first whisker, as a supervisor would.
     pub(crate) async fn trim(&mut self, trim_id: i64) {
-        let detected_us = vibrissa_edge::clock::wall_clock().0;
+        let recorded_us = vibrissa_edge::clock::wall_clock().0;
+        let data = json!({ "trim": { "trim_id": trim_id, "length_before_mm": 70, "length_after_mm": 65,
+            "length_after_sd_mm": 0.25, "contacts_to_detect": 5 } });
         let sql = format!(
-            "INSERT INTO trims (trim_id, robot_id, whisker_id, detected_us, length_before_mm, length_after_mm, \
-             length_after_sd_mm, contacts_to_detect) SELECT {trim_id}, robot_id, whisker_id, {detected_us}, 70, 65, 0.25, 5 \
+            "INSERT INTO events (recorded_us, version, kind, audience, fleet, robot_id, whisker_id, data) \
+             SELECT {recorded_us}, 2, 'TRIM', 'PEOPLE', 'f', robot_id, whisker_id, '{data}' \
              FROM whiskers ORDER BY whisker_id LIMIT 1"
         );
         assert_eq!(self.run(&sql).await, 1);

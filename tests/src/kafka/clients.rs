@@ -1,6 +1,6 @@
 //! Clients of Kafka: a writer, a reader, and their records.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rskafka::BackoffConfig;
 use rskafka::chrono::Utc;
@@ -109,29 +109,23 @@ impl Reader {
     }
 }
 
-/// Recognises events that were written twice: the names of a shard's events rise within a partition.
+/// Recognises events that were written twice, by their numbers.
 #[derive(Debug, Default)]
-pub struct Names {
-    last: BTreeMap<(u32, i64), (i64, i64, i64)>,
+pub struct Numbers {
+    read: BTreeSet<i64>,
     /// Number of events that were read before.
     pub repeated: usize,
 }
 
-impl Names {
-    /// Whether an event of a partition is new.
+impl Numbers {
+    /// Whether an event is new.
     ///
     /// # Panics
-    /// It has no name.
-    pub fn is_new(&mut self, partition: u32, event: &serde_json::Value) -> bool {
-        let part = |name: &str| event["id"][name].as_i64().unwrap_or_else(|| panic!("no {name}: {event}"));
-        let name = (part("epoch"), part("number"), part("index"));
-        let last = self.last.entry((partition, part("shard"))).or_insert((-1, -1, -1));
-        let is_new = name > *last;
-        if is_new {
-            *last = name;
-        } else {
-            self.repeated += 1;
-        }
+    /// It has no number.
+    pub fn is_new(&mut self, event: &serde_json::Value) -> bool {
+        let event_id = event["event_id"].as_i64().unwrap_or_else(|| panic!("no number: {event}"));
+        let is_new = self.read.insert(event_id);
+        self.repeated += usize::from(!is_new);
         is_new
     }
 }

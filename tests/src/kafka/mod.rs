@@ -23,7 +23,7 @@ use crate::wait::until_within;
 pub use bridge::{Bridge, BridgeOptions};
 pub use rskafka::client::partition::Compression;
 
-pub use clients::{Names, Reader, Writer, record, record_of};
+pub use clients::{Numbers, Reader, Writer, record, record_of};
 use clients::{connect, partition_client};
 
 /// Time limit of a start, and of an election. Java takes some seconds on a busy machine.

@@ -29,7 +29,7 @@ class Event:
     #: ID for `last_event_id`, with which a later program continues; empty in a `reset` before the first change.
     id: str
     #: What changed; None in a `reset`.
-    change: Optional[models.Change]
+    change: Optional[models.Event]
 
 
 class _Position:
@@ -54,7 +54,7 @@ class _Position:
             return Event("reset", received.id, None)
         if received.event != "change":
             return None
-        return Event("change", received.id, cast(models.Change, json.loads(received.data)))
+        return Event("change", received.id, cast(models.Event, json.loads(received.data)))
 
     def opened(self) -> Optional[Event]:
         """A `reset` if the stream is open again, and no ID tells where the lost one had ended."""

@@ -15,6 +15,8 @@ pub use record::*;
 pub use rows::*;
 pub use touch_test::*;
 
+use crate::events::write::EventRow;
+
 /// All rows that follow from a batch of messages, and the journal.
 #[derive(Debug, Default)]
 pub struct Batch {
@@ -32,7 +34,7 @@ pub struct Batch {
     pub responses: Vec<ResponseRow>,
     /// All other rows, in their order.
     pub records: Vec<Record>,
-    /// Events for the outbox, in their order.
+    /// Events for the log, in their order.
     pub events: Vec<EventRow>,
     /// Journal entries of robots whose checkpoints are not among `robots`.
     pub journal: Option<JournalRow>,

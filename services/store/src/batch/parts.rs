@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
-use super::{Batch, ContactRow, EventRow, JournalRow, LayoutRow, Record, ResponseRow, RobotRow, RollupRow, WhiskerRow};
+use super::{Batch, ContactRow, JournalRow, LayoutRow, Record, ResponseRow, RobotRow, RollupRow, WhiskerRow};
+use crate::events::write::EventRow;
 
 /// The owner of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -30,6 +31,10 @@ pub struct Owners {
 impl Owners {
     fn robot(robot_id: i64) -> Owner {
         if robot_id == 0 { Owner::Fleet } else { Owner::Robot(robot_id) }
+    }
+
+    fn event(event: &EventRow) -> Owner {
+        Self::robot(event.robot_id.unwrap_or_default())
     }
 
     /// The upper 32 bits of the number of a trim or compensation are its robot's number.
@@ -95,7 +100,7 @@ impl Batch {
         self.rollups.retain(|row| stays(owners.whisker(row.whisker_id)));
         self.responses.retain(|row| stays(Owners::compensation(row.compensation_id)));
         self.records.retain(|row| stays(owners.record(row)));
-        self.events.retain(|row| stays(Owners::robot(row.robot_id)));
+        self.events.retain(|row| stays(Owners::event(row)));
     }
 }
 
@@ -144,7 +149,7 @@ impl<'o> Parts<'o> {
             sort.by(&mut batch.rollups, |row| of.whisker(row.whisker_id)),
             sort.by(&mut batch.responses, |row| Owners::compensation(row.compensation_id)),
             sort.by(&mut batch.records, |row| of.record(row)),
-            sort.by(&mut batch.events, |row| Owners::robot(row.robot_id)),
+            sort.by(&mut batch.events, Owners::event),
         ];
         let owners: Vec<Owner> = all.into_iter().collect();
         let end_of = |owner: Owner| std::array::from_fn(|kind| kinds[kind].partition_point(|other| *other <= owner));

@@ -15,19 +15,6 @@ pub struct LayoutRow {
     pub gone: Vec<(i64, Vec<u8>)>,
 }
 
-/// An event for the outbox.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct EventRow {
-    /// Number of the robot in the database.
-    pub robot_id: i64,
-    /// Name of the robot.
-    pub robot: String,
-    /// Whether it is about contacts, which have a topic of their own.
-    pub is_contacts: bool,
-    /// A JSON object.
-    pub body: String,
-}
-
 /// An estimate with its 95 % interval.
 #[derive(Debug, Clone, Copy)]
 pub struct Interval {

@@ -32,8 +32,6 @@ row! {
         pub test_id: String,
         /// Number of the robot in the database; a test of another robot is not changed.
         pub robot_id: i64,
-        /// Number of the whisker in the database, for the feed of changes; `None` if it is not on the robot any more.
-        pub whisker_id: Option<i64> = [],
         /// Time of the progress, µs since 1970 UTC by the supervisor's clock.
         pub updated_us: i64,
         /// The new state, such as `RUNNING`; `None` if it is as before.

@@ -13,13 +13,14 @@ use super::copy::{are_copied, copy_contacts};
 use super::parts::{Parts, Text};
 use super::sorted::Sorted;
 use crate::batch::{ContactRow, JournalRow, ResponseRow, RobotRow, RollupRow, WhiskerRow};
+use crate::events::write::EventRow;
 use crate::records::tell_of_rollups;
 use crate::tables::{
-    ALARMS, ANSWERED, BINS, CANDIDATES, CHANGES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, HEALTH, InFleet, InShard,
-    JOURNAL, JOURNAL_DONE, NewChange, OUTBOX, OutboxRow, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS,
-    SETPOINTS, STATES, ShardNumber, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
+    ALARMS, ANSWERED, BINS, CANDIDATES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, EVENTS, HEALTH, InFleet, InShard,
+    JOURNAL, JOURNAL_DONE, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS, STATES, ShardNumber,
+    TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
 };
-use crate::{Batch, Lease, Resolution, StoreError, changes, failed, outbox, tables};
+use crate::{Batch, Lease, Resolution, StoreError, failed, tables};
 
 /// Statements of the transactions of one shard, and of several shards together.
 static OF_ONE: LazyLock<Statements> = LazyLock::new(|| Statements::beginning_with(Text::of_one));
@@ -69,9 +70,9 @@ pub(in super::super) struct Whole<'b> {
     robots: Vec<&'b RobotRow>,
     whiskers: Vec<&'b WhiskerRow>,
     sorted: Sorted<'b>,
+    has_records: bool,
     responses: Vec<&'b ResponseRow>,
-    outbox: Vec<OutboxRow<'b>>,
-    changes: Vec<(InFleet<'b>, NewChange<'b>)>,
+    events: Vec<(InFleet<'b>, &'b EventRow)>,
     minutes: Vec<&'b RollupRow>,
     hours: Vec<&'b RollupRow>,
 }
@@ -79,29 +80,29 @@ pub(in super::super) struct Whole<'b> {
 impl<'b> Whole<'b> {
     /// The rows of batches, each of another shard. `None` if a batch has layouts or rare records, which need statements
     /// of their own.
-    pub(in super::super) fn of(batches: &[(&'b Lease, &'b Batch)], now_us: i64) -> Option<Self> {
+    pub(in super::super) fn of(batches: &[(&'b Lease, &'b Batch)]) -> Option<Self> {
         let mut rows =
             Self { sorted: Sorted::of(batches.iter().flat_map(|(_, batch)| &batch.records))?, ..Self::default() };
         for (lease, batch) in batches {
             if !batch.layouts.is_empty() {
                 return None;
             }
-            rows.add(lease, batch, now_us);
+            rows.add(lease, batch);
         }
         Some(rows)
     }
 
-    fn add(&mut self, lease: &'b Lease, batch: &'b Batch, now_us: i64) {
+    fn add(&mut self, lease: &'b Lease, batch: &'b Batch) {
         let at = InShard::of(lease);
         self.leases.push((lease, batch.log_next));
         self.contacts.extend(&batch.contacts);
         self.journal.extend(batch.journal.iter().map(|row| (at, row)));
         self.journal_done.extend(batch.journal_done.map(|number| ShardNumber::new(at, number)));
+        self.has_records |= !batch.records.is_empty();
         self.robots.extend(&batch.robots);
         self.whiskers.extend(&batch.whiskers);
         self.responses.extend(&batch.responses);
-        self.outbox.extend(outbox::row(lease, &batch.events));
-        self.changes.extend(changes::of(at.fleet, &batch.records, now_us));
+        self.events.extend(batch.events.iter().map(|event| (InFleet { fleet: at.fleet }, event)));
         for row in &batch.rollups {
             match row.resolution {
                 Resolution::Minute => self.minutes.push(row),
@@ -132,11 +133,11 @@ impl<'b> Whole<'b> {
     }
 
     async fn write_rows(&self, link: &mut PgConnection) -> sqlx::Result<bool> {
-        let has_rest = !(self.changes.is_empty()
-            && self.outbox.is_empty()
-            && self.responses.is_empty()
-            && self.minutes.is_empty()
-            && self.hours.is_empty());
+        let has_rest = self.has_records
+            || !(self.events.is_empty()
+                && self.responses.is_empty()
+                && self.minutes.is_empty()
+                && self.hours.is_empty());
         let statements = if self.leases.len() == 1 { &*OF_ONE } else { &*OF_SEVERAL };
         let sql: &'static str = match (has_rest, self.robots.is_empty() && self.whiskers.is_empty()) {
             (true, _) => &statements.whole,
@@ -202,8 +203,7 @@ impl<'b> Whole<'b> {
             .rows("touch_tests_new", &TOUCH_TESTS, &sorted.tests)
             .rows("touch_tests_now", &TOUCH_TEST_PROGRESS, &sorted.test_progress)
             .rows("responses_new", &RESPONSES, &self.responses)
-            .rows("outbox_new", &OUTBOX, &self.outbox)
-            .rows("changes_new", &CHANGES, &self.changes)
+            .rows("events_new", &EVENTS, &self.events)
             .rows("minutes_new", tables::rollups(Resolution::Minute), &self.minutes)
             .rows("hours_new", tables::rollups(Resolution::Hour), &self.hours)
     }

@@ -30,7 +30,6 @@ pub const TABLES: &[(&str, Kept)] = &[
     ("black_boxes", Days("black_box.days")),
     ("boots", For("the limit of new boots: 1 for each robot and minute")),
     ("calibrations", BY_PEOPLE),
-    ("changes", Until("after a day")),
     ("compensation_candidates", DECISIONS),
     ("compensation_error_bins", DECISIONS),
     ("compensation_errors", DECISIONS),
@@ -42,7 +41,11 @@ pub const TABLES: &[(&str, Kept)] = &[
     ("contact_minutes", Days("rollups.minutes_days")),
     ("contacts", Days("contacts.days")),
     ("epochs", For("changes of a fleet's owner")),
-    ("event_outbox", Until("after their publication")),
+    ("event_positions", For("one for each fleet")),
+    (
+        "events",
+        Until("after a day, those for webhooks after a week and beyond 20,000 in fair shares, if Kafka has them"),
+    ),
     ("health_changes", Days("records.days")),
     ("journal", Until("after the next checkpoint")),
     ("leases", For("one for each fleet and shard")),
@@ -60,7 +63,6 @@ pub const TABLES: &[(&str, Kept)] = &[
     ("trims", DECISIONS),
     ("turned_away", Until("beyond the newest 64 of each fleet")),
     ("webhook_dead_letters", Until("beyond the newest 1,000 of each webhook")),
-    ("webhook_events", Until("after a week, and beyond 20,000 in fair shares")),
     ("webhooks", For("50 of a fleet, 200 of all")),
     ("whiskers", Until("a day after the last layout with them, once no contact, minute or decision names them")),
 ];

@@ -17,8 +17,8 @@ use vibrissa_core::robot::effect::{
 use vibrissa_core::robot::event::{ArrayKind, Link, Rejection};
 use vibrissa_core::rollout::Stage;
 use vibrissa_edge::actions::{ActionKind, RecordedKind};
+use vibrissa_edge::events::{Audience, EventKind};
 use vibrissa_edge::guidance::Level;
-use vibrissa_edge::webhooks::{EventKind, kinds};
 use vibrissa_edge::words::{Word, Words};
 
 use crate::database::Pool;
@@ -82,12 +82,13 @@ fn with_words(meaning: &str) -> String {
         words_of::<ActionKind>(),
         words_of::<AlarmKind>(),
         words_of::<ArrayKind>(),
+        words_of::<Audience>(),
         words_of::<Case>(),
         words_of::<CommandState>(),
         words_of::<Condition>(),
         words_of::<ContactUse>(),
         words_of::<EndReason>(),
-        (EventKind::NAME, kinds().into_iter().map(Word::word).collect()),
+        words_of::<EventKind>(),
         words_of::<Fault>(),
         words_of::<Level>(),
         words_of::<Link>(),

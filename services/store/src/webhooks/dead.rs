@@ -3,11 +3,10 @@
 use sqlx::{AssertSqlSafe, SqlSafeStr as _};
 
 use super::DEAD_LETTERS_MAX;
-use super::event::{EventRow, select};
 use super::job::Job;
-use super::{EVENTS, Placed};
 use crate::actions::{Asked, NewAction, record_done};
 use crate::database::{Tx, on};
+use crate::events::{EVENTS, Positioned, StoredEvent, select};
 use crate::from_row::from_row;
 use crate::set_aside::Tried;
 use crate::{Store, StoreError, failed};
@@ -47,16 +46,16 @@ impl Store {
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn dead_letters(&self, webhook_id: i64) -> Result<Vec<(DeadLetterRow, EventRow)>, StoreError> {
+    pub async fn dead_letters(&self, webhook_id: i64) -> Result<Vec<(DeadLetterRow, StoredEvent)>, StoreError> {
         const WHAT: &str = "list the dead letters";
         const LETTERS: &str = "SELECT event_id, attempts, dead_us, status, problem, again FROM webhook_dead_letters \
              WHERE webhook_id = $1";
         let end = "JOIN webhook_dead_letters d ON d.event_id = e.event_id WHERE d.webhook_id = $1 \
-             ORDER BY e.tx, e.place, e.event_id";
+             ORDER BY e.tx, e.event_id";
         let letters: Vec<Tried<DeadLetterRow>> =
             on!(&self.pool, |pool| sqlx::query_as(LETTERS).bind(webhook_id).fetch_all(pool).await)
                 .map_err(failed(WHAT))?;
-        let events: Vec<Placed<EventRow>> =
+        let events: Vec<Positioned<StoredEvent>> =
             on!(&self.pool, |pool| sqlx::query_as(select(end)).bind(webhook_id).fetch_all(pool).await)
                 .map_err(failed(WHAT))?;
         let letters = self.set_aside.readable("webhook_dead_letters", letters);
@@ -157,7 +156,7 @@ pub(super) async fn bury(
 }
 
 /// Counts events that were removed undelivered.
-pub(super) async fn lose(tx: &mut Tx<'_>, webhook_id: i64, events: i64) -> sqlx::Result<()> {
+pub(crate) async fn lose(tx: &mut Tx<'_>, webhook_id: i64, events: i64) -> sqlx::Result<()> {
     const SQL: &str = "UPDATE webhooks SET lost = lost + $2 WHERE webhook_id = $1";
     on!(tx, |tx| sqlx::query(SQL).bind(webhook_id).bind(events).execute(&mut **tx).await.map(drop))
 }

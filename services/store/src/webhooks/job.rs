@@ -1,15 +1,15 @@
 //! An event on its way to a target.
 
 use super::WebhookRow;
-use super::event::EventRow;
+use crate::events::StoredEvent;
 
 /// An event to deliver now.
 #[derive(Clone)]
 pub struct Job {
     /// Target that gets the event.
     pub webhook: WebhookRow,
-    /// Event as the outbox has it.
-    pub event: EventRow,
+    /// Event as the log has it.
+    pub event: StoredEvent,
     /// Keys that sign the request, the newest first. Neither logged nor shown.
     pub secrets: Vec<Vec<u8>>,
     /// Failed attempts of this event.

@@ -223,7 +223,7 @@ async fn insert(tx: &mut Tx<'_>, new: &WebhookSettings, secret: &[u8], action: &
     const COLUMNS: &str = "INSERT INTO webhooks (name, url, fleets, kinds, level, enabled, secret, created_us, changed_us, \
          changed_by, done_tx, done_event) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $8, $9,";
     let done = match tx {
-        Either::Sqlite(_) => "0, coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'webhook_events'), 0))",
+        Either::Sqlite(_) => "0, coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'events'), 0))",
         Either::Postgres(_) => "pg_current_xact_id()::text::bigint, 0)",
     };
     let sql = format!("{COLUMNS} {done} RETURNING webhook_id");

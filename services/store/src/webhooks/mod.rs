@@ -1,24 +1,19 @@
-//! Webhooks: targets, the outbox of events (table `webhook_events`, which triggers of the database fill), and dead
-//! letters.
+//! Webhooks: targets, each with its position in the log of events, and dead letters.
 //!
-//! [`manage`] creates and changes targets, [`queue`] hands the next event to the supervisor that delivers, [`dead`] has the
-//! events that were given up, and [`upkeep`] keeps the outbox small.
+//! [`manage`] creates and changes targets, [`queue`] hands the next event to the supervisor that delivers, and [`dead`] has the
+//! events that were given up.
 
 pub mod dead;
-pub mod event;
 mod job;
 pub mod manage;
 pub mod queue;
-pub mod upkeep;
 
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_edge::webhooks::Interest;
-
-use sqlx::{Decode, FromRow, Row, Type};
+use vibrissa_edge::events::Interest;
 
 use super::database::{Either, Pool, Tx};
+use super::events::Position;
 use super::from_row::from_row;
-use super::set_aside::Tried;
 
 /// Largest number of webhooks. Each may hold a thread, of which there are 512.
 pub const WEBHOOKS_MAX: i64 = 200;
@@ -26,8 +21,6 @@ pub const WEBHOOKS_MAX: i64 = 200;
 pub const WEBHOOKS_PER_FLEET_MAX: usize = 50;
 /// Number of dead letters that each target keeps.
 pub const DEAD_LETTERS_MAX: i64 = 1000;
-/// Number of events that the outbox keeps, in fair shares of fleets and robots.
-pub const EVENTS_MAX: i64 = 20_000;
 
 from_row! {
     /// A target, without its secrets.
@@ -57,8 +50,6 @@ from_row! {
         pub changed_by: String,
         /// Transaction of the last event that is done.
         pub done_tx: i64,
-        /// Place of that event in the transaction.
-        pub done_place: i64,
         /// Number of that event.
         pub done_event: i64,
         /// Failed attempts since the last success.
@@ -82,11 +73,9 @@ from_row! {
     }
 }
 
-/// Table of the events, for names of unreadable ones.
-const EVENTS: &str = "webhook_events";
 /// Columns of [`WebhookRow`].
 const COLUMNS: &str = "webhook_id, name, url, fleets, kinds, level, enabled, previous_until_us, created_us, changed_us, \
-     changed_by, done_tx, done_place, done_event, streak, next_us, last_us, last_status, last_problem, last_success_us, \
+     changed_by, done_tx, done_event, streak, next_us, last_us, last_status, last_problem, last_success_us, \
      delivered, failed, lost";
 
 impl WebhookRow {
@@ -96,45 +85,9 @@ impl WebhookRow {
         Interest::stored(self.fleets.as_deref(), self.kinds.as_deref(), &self.level)
     }
 
-    fn done(&self) -> Place {
-        Place { tx: self.done_tx, place: self.done_place, event_id: self.done_event }
-    }
-}
-
-/// Place of an event in the order of the outbox.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Place {
-    /// Number of the transaction; 0 in SQLite.
-    pub tx: i64,
-    /// Place in the transaction; 0 in SQLite.
-    pub place: i64,
-    /// Number of the event.
-    pub event_id: i64,
-}
-
-/// An event with its place, which is known also if the event cannot be read.
-struct Placed<T> {
-    at: Place,
-    event: Tried<T>,
-}
-
-impl<'r, R: Row, T: FromRow<'r, R>> FromRow<'r, R> for Placed<T>
-where
-    usize: sqlx::ColumnIndex<R>,
-    &'static str: sqlx::ColumnIndex<R>,
-    i64: for<'v> Decode<'v, R::Database> + Type<R::Database>,
-{
-    fn from_row(row: &'r R) -> sqlx::Result<Self> {
-        let at = Place { tx: row.try_get("tx")?, place: row.try_get("place")?, event_id: row.try_get("event_id")? };
-        Ok(Self { at, event: Tried::from_row(row)? })
-    }
-}
-
-/// Condition for events whose order is settled: in PostgreSQL an older transaction may still commit earlier events.
-fn settled<S, P>(database: &Either<S, P>) -> &'static str {
-    match database {
-        Either::Sqlite(_) => "",
-        Either::Postgres(_) => "AND e.tx < pg_snapshot_xmin(pg_current_snapshot())::text::bigint",
+    /// Position of the last event that is done: delivered, given up, or not wanted.
+    pub(crate) fn done(&self) -> Position {
+        Position { tx: self.done_tx, event_id: self.done_event }
     }
 }
 

@@ -10,17 +10,15 @@ use std::time::Duration;
 use sqlx::AssertSqlSafe;
 use tokio::time::Instant;
 
-use super::event::{EventRow, select};
 pub use super::job::Job;
-use super::{COLUMNS, EVENTS, Place, Placed, WebhookRow, now_us, now_us_of, settled};
+use super::{COLUMNS, WebhookRow, now_us, now_us_of};
 use crate::database::{Tx, on};
+use crate::events::upkeep::Brief;
+use crate::events::{EVENTS, EVENTS_A_QUERY, Position, Positioned, StoredEvent, select, settled};
 use crate::from_row::from_row;
 use crate::lease_watch::Reading;
 use crate::set_aside::{SetAside, Tried};
 use crate::{Store, StoreError, failed};
-
-/// Number of events that one query reads.
-const EVENTS_A_QUERY: i64 = 500;
 
 from_row! {
     /// The keys that sign requests to a target.
@@ -95,8 +93,7 @@ impl Store {
         const WHAT: &str = "read the queues of the webhooks";
         let now_us = now_us_of(&self.pool).await.map_err(failed(WHAT))?;
         let sql = format!(
-            "SELECT webhook_id, holder, held_until_us FROM webhooks h WHERE enabled AND next_us <= $1 AND (EXISTS (SELECT 1 FROM webhook_events e WHERE (e.tx, e.place, e.event_id) > (h.done_tx, h.done_place, \
-             h.done_event) {}) OR EXISTS (SELECT 1 FROM webhook_dead_letters d WHERE d.webhook_id = h.webhook_id AND d.again))",
+            "SELECT webhook_id, holder, held_until_us FROM webhooks h WHERE enabled AND next_us <= $1 AND (EXISTS (SELECT 1 FROM events e WHERE e.audience = 'PEOPLE' AND (e.tx, e.event_id) > (h.done_tx, h.done_event) {}) OR EXISTS (SELECT 1 FROM webhook_dead_letters d WHERE d.webhook_id = h.webhook_id AND d.again))",
             settled(&self.pool)
         );
         let due: Vec<Due> =
@@ -164,7 +161,7 @@ impl Store {
         on!(&self.pool, |pool| sqlx::query(SQL).bind(holder).execute(pool).await.map(drop)).map_err(failed(WHAT))
     }
 
-    /// The queues of targets, in their order. The outbox is read once for all.
+    /// The queues of targets, in their order. The log is read once for all.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -188,10 +185,10 @@ impl Store {
             for event in events {
                 let Some(event) = self.set_aside.read(EVENTS, event.event) else { continue };
                 for (queue, (done, interest)) in queues.iter_mut().zip(&interests) {
-                    if event.at() > *done && event.is_in(interest) {
+                    if event.position() > *done && event.is_in(interest) {
                         queue.waiting += 1;
                         queue.oldest_us =
-                            Some(queue.oldest_us.map_or(event.occurred_us, |old| old.min(event.occurred_us)));
+                            Some(queue.oldest_us.map_or(event.recorded_us, |old| old.min(event.recorded_us)));
                     }
                 }
             }
@@ -202,45 +199,19 @@ impl Store {
         }
     }
 
-    /// The oldest events after a place, without their details.
-    async fn brief_events(&self, after: Place) -> Result<Vec<Placed<Brief>>, StoreError> {
+    /// The oldest events after a position, without their details.
+    async fn brief_events(&self, after: Position) -> Result<Vec<Positioned<Brief>>, StoreError> {
         let sql = format!(
-            "SELECT event_id, tx, place, occurred_us, kind, word, fleet FROM webhook_events e \
-             WHERE (e.tx, e.place, e.event_id) > ($1, $2, $3) ORDER BY e.tx, e.place, e.event_id \
+            "SELECT event_id, tx, recorded_us, kind, word, fleet FROM events e \
+             WHERE (e.tx, e.event_id) > ($1, $2) AND e.audience = 'PEOPLE' ORDER BY e.tx, e.event_id \
              LIMIT {EVENTS_A_QUERY}"
         );
         on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql))
             .bind(after.tx)
-            .bind(after.place)
             .bind(after.event_id)
             .fetch_all(pool)
             .await)
         .map_err(failed("read the events for webhooks"))
-    }
-}
-
-from_row! {
-    /// What decides whether a target wants an event.
-    #[derive(Debug, Clone)]
-    pub(super) struct Brief {
-        pub(super) event_id: i64,
-        tx: i64,
-        place: i64,
-        pub(super) occurred_us: i64,
-        kind: String,
-        word: Option<String>,
-        fleet: String,
-    }
-}
-
-impl Brief {
-    pub(super) fn at(&self) -> Place {
-        Place { tx: self.tx, place: self.place, event_id: self.event_id }
-    }
-
-    pub(super) fn is_in(&self, interest: &vibrissa_edge::webhooks::Interest) -> bool {
-        vibrissa_edge::words::named(&self.kind)
-            .is_some_and(|kind| interest.includes(&self.fleet, kind, self.word.as_deref()))
     }
 }
 
@@ -290,17 +261,17 @@ async fn take(
         on!(&mut *tx, |tx| sqlx::query(RELEASE).bind(webhook_id).execute(&mut **tx).await.map(drop))?;
         return Ok(None);
     };
-    let (age_us, attempts) = (now_us - event.occurred_us, keys.attempts);
+    let (age_us, attempts) = (now_us - event.recorded_us, keys.attempts);
     Ok(Some(Job { webhook, event, secrets: keys.valid(now_us), attempts, is_again, age_us }))
 }
 
 /// The oldest dead letter that shall be delivered again. One that cannot be read stays a dead letter.
-async fn next_dead(tx: &mut Tx<'_>, webhook_id: i64, set_aside: &SetAside) -> sqlx::Result<Option<EventRow>> {
+async fn next_dead(tx: &mut Tx<'_>, webhook_id: i64, set_aside: &SetAside) -> sqlx::Result<Option<StoredEvent>> {
     const GIVEN_UP: &str = "UPDATE webhook_dead_letters SET again = FALSE WHERE webhook_id = $1 AND event_id = $2";
     let end = "JOIN webhook_dead_letters d ON d.event_id = e.event_id WHERE d.webhook_id = $1 AND d.again \
-         ORDER BY e.tx, e.place, e.event_id LIMIT 1";
+         ORDER BY e.tx, e.event_id LIMIT 1";
     loop {
-        let next: Option<Placed<EventRow>> =
+        let next: Option<Positioned<StoredEvent>> =
             on!(&mut *tx, |tx| sqlx::query_as(select(end)).bind(webhook_id).fetch_optional(&mut **tx).await)?;
         let Some(next) = next else { return Ok(None) };
         if let Some(event) = set_aside.read(EVENTS, next.event) {
@@ -312,22 +283,21 @@ async fn next_dead(tx: &mut Tx<'_>, webhook_id: i64, set_aside: &SetAside) -> sq
 }
 
 /// The next event that the target wants. Those before it are done: it does not want them, or they cannot be read and are lost.
-async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow, set_aside: &SetAside) -> sqlx::Result<Option<EventRow>> {
+async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow, set_aside: &SetAside) -> sqlx::Result<Option<StoredEvent>> {
     let interest = webhook.interest();
     let end = format!(
-        "WHERE (e.tx, e.place, e.event_id) > ($1, $2, $3) {} ORDER BY e.tx, e.place, e.event_id LIMIT {EVENTS_A_QUERY}",
+        "WHERE (e.tx, e.event_id) > ($1, $2) AND e.audience = 'PEOPLE' {} ORDER BY e.tx, e.event_id LIMIT {EVENTS_A_QUERY}",
         settled(tx)
     );
     let mut done = webhook.done();
     loop {
-        let events: Vec<Placed<EventRow>> = on!(&mut *tx, |tx| sqlx::query_as(select(&end))
+        let events: Vec<Positioned<StoredEvent>> = on!(&mut *tx, |tx| sqlx::query_as(select(&end))
             .bind(done.tx)
-            .bind(done.place)
             .bind(done.event_id)
             .fetch_all(&mut **tx)
             .await)?;
         let is_last = (events.len() as i64) < EVENTS_A_QUERY;
-        for Placed { at, event } in events {
+        for Positioned { at, event } in events {
             match set_aside.read(EVENTS, event) {
                 Some(event) if event.event_kind().is_none() => {
                     let (event_id, kind) = (event.event_id, &event.kind);
@@ -350,16 +320,9 @@ async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow, set_aside: &SetAside) -
     }
 }
 
-async fn advance(tx: &mut Tx<'_>, webhook_id: i64, done: Place) -> sqlx::Result<()> {
-    const SQL: &str = "UPDATE webhooks SET done_tx = $2, done_place = $3, done_event = $4 WHERE webhook_id = $1";
-    on!(tx, |tx| sqlx::query(SQL)
-        .bind(webhook_id)
-        .bind(done.tx)
-        .bind(done.place)
-        .bind(done.event_id)
-        .execute(&mut **tx)
-        .await
-        .map(drop))
+async fn advance(tx: &mut Tx<'_>, webhook_id: i64, done: Position) -> sqlx::Result<()> {
+    const SQL: &str = "UPDATE webhooks SET done_tx = $2, done_event = $3 WHERE webhook_id = $1";
+    on!(tx, |tx| sqlx::query(SQL).bind(webhook_id).bind(done.tx).bind(done.event_id).execute(&mut **tx).await.map(drop))
 }
 
 async fn finish(tx: &mut Tx<'_>, job: &Job, holder: &str, outcome: &Outcome) -> sqlx::Result<bool> {
@@ -398,7 +361,7 @@ async fn finish(tx: &mut Tx<'_>, job: &Job, holder: &str, outcome: &Outcome) -> 
         (true, _, false) | (false, false, _) => {}
     }
     if is_over && !job.is_again {
-        advance(tx, job.webhook.webhook_id, job.event.at()).await?;
+        advance(tx, job.webhook.webhook_id, job.event.position()).await?;
     }
     Ok(true)
 }

@@ -8,6 +8,7 @@ use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::{ActionProblem, Event, OperatorAction, Outcome, Params, Place};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::actions::{self, ActionKind, PolicyChange, RecordedKind, Request, Subject};
+use vibrissa_edge::events::EventKind;
 use vibrissa_edge::full_name::FullName;
 use vibrissa_edge::ids::command_id;
 use vibrissa_edge::shard::FleetShard;
@@ -20,6 +21,7 @@ use super::quarantine::suspects::Suspects;
 use super::rollout::{Order, Rollout};
 use super::shard::shards::Shards;
 use crate::calibration_file::CalibrationFile;
+use crate::events::{ActionPart, CalibrationPart, Parts, PolicyPart, event};
 use crate::metrics::FleetMetrics;
 use crate::params::with_model;
 use crate::trace::TracedAction;
@@ -27,6 +29,7 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::actions::Action;
 use vibrissa_store::batch::{PolicyChanged, PolicyRow, Record};
 use vibrissa_store::calibrations::ActivationRow;
+use vibrissa_store::events::write::EventRow;
 
 /// Limit of the actions read at a time.
 pub(super) const ACTIONS_MAX: i64 = 100;
@@ -96,7 +99,9 @@ impl Execution<'_> {
             state, problem, actor = action.actor, "operator action handled"
         );
         let (action_id, done_us) = (action.action_id, wall_clock().0 as i64);
-        self.shards.record(Record::Answer { action_id, robot_id, state, problem, done_us });
+        let told = answered(action_id, state, done_us);
+        let told = if robot_id == 0 { told } else { told.of_robot(robot_id) };
+        self.shards.record(Record::Answer { action_id, robot_id, state, problem, done_us }, Some(told));
         pipeline.answer(action_id);
     }
 
@@ -105,7 +110,8 @@ impl Execution<'_> {
         let problem = "UNREADABLE: the stored request is damaged; request the action again".to_owned();
         self.metrics.actions.count(["UNKNOWN", "REFUSED"]);
         let (state, problem, done_us) = ("REFUSED", Some(problem), wall_clock().0 as i64);
-        self.shards.record(Record::Answer { action_id, robot_id: 0, state, problem, done_us });
+        let told = answered(action_id, state, done_us);
+        self.shards.record(Record::Answer { action_id, robot_id: 0, state, problem, done_us }, Some(told));
         pipeline.answer(action_id);
     }
 
@@ -191,7 +197,8 @@ impl Execution<'_> {
         let Some(whisker) = known.robot.find(place.array, place.whisker) else { return };
         let Some((test, _)) = known.robot.tests_under_way().find(|(_, of)| *of == whisker) else { return };
         let (robot_id, test_id) = (known.robot_id, command_id(self.place.fleet(), name, test));
-        self.shards.record(Record::TestOfAction { action_id, robot_id, test_id });
+        // The event of the answer tells of it.
+        self.shards.record(Record::TestOfAction { action_id, robot_id, test_id }, None);
     }
 
     /// Puts another calibration of a model in force from this transaction on. The baselines of its whiskers are learned
@@ -220,7 +227,10 @@ impl Execution<'_> {
             activated_us: wall_clock().0 as i64,
             activated_by: actor.to_owned(),
         };
-        self.shards.record(Record::Activation(Box::new(row)));
+        let part = CalibrationPart { calibration_id: row.calibration_id, model: row.model.clone() };
+        let parts = Parts { calibration: Some(part), ..Parts::default() };
+        let told = event(EventKind::Calibration, row.activated_us, &parts);
+        self.shards.record(Record::Activation(Box::new(row)), Some(told));
         Ok(())
     }
 
@@ -260,7 +270,9 @@ impl Execution<'_> {
             reason,
             action_id,
         };
-        self.shards.record(Record::Policy(Box::new(PolicyRow::new(policy, changed))));
+        let parts = Parts { policy: Some(PolicyPart { version: changed.version }), ..Parts::default() };
+        let told = event(EventKind::Policy, changed.changed_us, &parts);
+        self.shards.record(Record::Policy(Box::new(PolicyRow::new(policy, changed))), Some(told));
     }
 
     pub(super) fn put_in_force(&mut self, policy: &PolicyParams, version: i64) {
@@ -276,6 +288,12 @@ impl Execution<'_> {
 pub(super) struct Activation {
     pub(super) calibration_id: i64,
     pub(super) calibration: CalibrationFile,
+}
+
+/// The event of an action's answer.
+fn answered(action_id: i64, state: &'static str, done_us: i64) -> EventRow {
+    let parts = Parts { action: Some(ActionPart { action_id, state }), ..Parts::default() };
+    event(EventKind::Action, done_us, &parts)
 }
 
 /// Full name of the robot or whisker that an action is about.

@@ -21,7 +21,7 @@ use super::quarantine::suspects::Suspects;
 use super::robot::limits::Bucket;
 use super::rollout::Rollout;
 use super::shard::Shard;
-use super::shard::events::EventMaker;
+use super::shard::events::ContactEvents;
 use super::shard::shards::Shards;
 use super::shard::stepper::Stepper;
 use super::{ContactRetention, Engine, Limits, fleet_metrics};
@@ -122,7 +122,7 @@ impl EngineOptions {
         let mut shards = Shards::new((0..count).map(|_| Shard::new(stepper(), epoch, count)).collect());
         for shard in shards.iter_mut() {
             if let Some(sink) = &self.events {
-                shard.stepper_mut().set_events(EventMaker::new(sink.clone()));
+                shard.stepper_mut().set_contact_events(ContactEvents::new(sink.clone()));
             }
         }
         let rollout = open_rollout(&mut writer, &lease, &params, &metrics).await?;

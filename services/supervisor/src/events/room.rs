@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 
 use tracing::{info, warn};
 use vibrissa_edge::shard::FleetShard;
-use vibrissa_store::batch::EventRow;
+use vibrissa_store::events::write::EventRow;
 
 use crate::metrics::FleetMetrics;
 
@@ -27,7 +27,7 @@ pub(crate) struct OutboxRoom {
 impl OutboxRoom {
     /// Counts an event that the engine adds.
     pub(crate) fn add(&self, event: &EventRow) {
-        self.bytes.fetch_add(event.serialized_bytes() as i64, Ordering::Relaxed);
+        self.bytes.fetch_add(event.data.len() as i64, Ordering::Relaxed);
     }
 
     /// Whether contacts must be left out. Says so when that changes.

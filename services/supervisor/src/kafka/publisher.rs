@@ -1,8 +1,8 @@
-//! Carries the outbox of a shard to the log: in order, and a row is deleted only after all replicas in sync have its events.
+//! Carries the events of a fleet from the log of the database to Kafka: in order, and the position advances only after all
+//! replicas in sync have them.
 //!
-//! After a failure, or at the next owner, the same rows are written again. Their events keep their names, which rise within a
-//! shard, so readers recognise those that they have read. A write of this process that arrives after one of the next owner only
-//! repeats events: a partition never gets an event before all earlier ones of its shard.
+//! After a failure, or at the next owner, the events since the position are written again. They keep their numbers, so readers
+//! recognise those that they have read.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -17,16 +17,16 @@ use tokio::sync::Notify;
 use tokio::time::{Instant, timeout};
 use tracing::{error, info, warn};
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::events::EventKind;
 use vibrissa_edge::shard::{FleetShard, robot_hash};
 use vibrissa_store::Store;
-use vibrissa_store::outbox::{WaitingEvent, WaitingEvents};
+use vibrissa_store::events::StoredEvent;
 
 use super::client::{Connector, KafkaError, Log, within};
 use crate::backoff::Backoff;
-use crate::events::{EventId, OutboxRoom, published};
+use crate::events::{OutboxRoom, published};
 use crate::kafka_options::EventTopics;
 use crate::metrics::FleetMetrics;
-use crate::set_aside::Reader;
 
 /// Polling interval of the outbox without a notice.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
@@ -35,7 +35,7 @@ const MEASURE_EVERY: Duration = Duration::from_secs(60);
 /// Bytes of the records of one write, less than the brokers' usual limit of 1 MiB.
 const WRITE_BYTES: usize = 512 * 1024;
 
-/// Publishes the events of one shard.
+/// Publishes the events of one fleet.
 pub(super) struct Publisher {
     pub(super) connector: Connector,
     pub(super) topics: EventTopics,
@@ -72,7 +72,7 @@ impl Publisher {
                     }
                     (backoff, is_failing) = (Backoff::default(), false);
                     if rows == 0 {
-                        self.metrics.outbox_transactions.set(0);
+                        self.metrics.outbox_events.set(0);
                         self.show_bytes(0);
                         // Without a notice, for instance of events that the last owner has left.
                         let _ = timeout(LOOK_EVERY, committed.notified()).await;
@@ -92,11 +92,17 @@ impl Publisher {
         }
     }
 
-    /// Measures the outbox. Without an answer of the database the last size, and what was added to it, go on to count.
+    /// Measures the waiting events, and states that they are awaited. Without an answer of the database the last size, and what
+    /// was added to it, go on to count.
     async fn measure(&self) {
-        if let Ok(size) = self.store.outbox_size(&self.shard).await {
-            self.metrics.outbox_transactions.set(size.transactions);
-            self.show_bytes(size.bytes);
+        let fleet = self.shard.fleet().as_str();
+        let measured = async {
+            self.store.follow_events(fleet, wall_clock().0 as i64).await?;
+            self.store.waiting_size(fleet).await
+        };
+        if let Ok(waiting) = measured.await {
+            self.metrics.outbox_events.set(waiting.events);
+            self.show_bytes(waiting.bytes);
         }
     }
 
@@ -105,64 +111,50 @@ impl Publisher {
         self.metrics.outbox_bytes.set(bytes);
     }
 
-    /// Publishes the oldest rows; returns their number.
+    /// Publishes the oldest events; returns the number of rows.
     async fn round(&self, log: &mut Option<Log>) -> Result<usize, RoundError> {
-        let rows = self.store.waiting_events(&self.shard).await?;
-        if rows.is_empty() {
-            return Ok(0);
-        }
+        let fleet = self.shard.fleet().as_str();
+        let waiting = self.store.waiting_events(fleet).await?;
+        let Some(last) = waiting.last else { return Ok(0) };
         let log = match log {
             Some(log) => log,
             none => none.insert(self.connector.connect().await?),
         };
+        if waiting.unreadable > 0 {
+            self.metrics.events_lost.inc_by(waiting.unreadable);
+            error!(%fleet, events = waiting.unreadable, "cannot read some events of the log, they are lost for Kafka");
+        }
         let mut writes = Vec::new();
-        for ((topic, partition), records) in self.records(log, &rows)? {
+        for ((topic, partition), records) in self.records(log, &waiting.events)? {
             writes.push(self.write(log.partition(topic, partition).await?, records));
         }
         try_join_all(writes).await?;
-        self.store.events_are_published(&self.shard, &rows).await?;
-        let bytes: i64 = rows.iter().map(|row| row.bytes).sum();
-        self.room.bytes.fetch_sub(bytes, Ordering::Relaxed);
-        Ok(rows.len())
+        self.store.events_are_published(fleet, last).await?;
+        let bytes: usize = waiting.events.iter().map(|event| event.data.len()).sum();
+        self.room.bytes.fetch_sub(bytes as i64, Ordering::Relaxed);
+        Ok(waiting.events.len() + waiting.unreadable as usize)
     }
 
-    /// The records of rows by topic and partition, in order.
+    /// The records of events by topic and partition, in order.
     fn records(
         &self,
         log: &Log,
-        rows: &[WaitingEvents],
+        events: &[StoredEvent],
     ) -> Result<BTreeMap<(&str, u32), VecDeque<Record>>, KafkaError> {
         let mut all: BTreeMap<(&str, u32), VecDeque<Record>> = BTreeMap::new();
-        for row in rows {
-            let WaitingEvents { shard, epoch, number, events, is_damaged, bytes: _ } = row;
-            if *is_damaged {
-                self.metrics.events_lost.inc();
-                self.metrics.set_aside(Reader::EventOutbox, 1);
-                error!(fleet = %self.shard, shard, epoch, number, "cannot read the rest of these events, it is lost");
-            }
-            for (event, index) in events.iter().zip(0..) {
-                let topic = match (&self.topics.contacts, event.is_contacts) {
-                    (_, false) => self.topics.events.as_str(),
-                    (Some(topic), true) => topic.as_str(),
-                    // Contacts were published until the last restart.
-                    (None, true) => continue,
-                };
-                let id = EventId { shard: *shard, epoch: *epoch, number: *number, index };
-                let hash = robot_hash(self.shard.fleet().as_str(), &event.robot);
-                let partition = hash % log.partitions(topic)?;
-                all.entry((topic, partition)).or_default().push_back(self.record(id, event));
-            }
+        for event in events {
+            let is_contacts = event.event_kind().is_some_and(EventKind::is_of_contacts);
+            let topic = match (&self.topics.contacts, is_contacts) {
+                (_, false) => self.topics.events.as_str(),
+                (Some(topic), true) => topic.as_str(),
+                // Contacts were published until the last restart.
+                (None, true) => continue,
+            };
+            let robot = event.robot.as_deref().unwrap_or_default();
+            let partition = robot_hash(&event.fleet, robot) % log.partitions(topic)?;
+            all.entry((topic, partition)).or_default().push_back(record(event));
         }
         Ok(all)
-    }
-
-    fn record(&self, id: EventId, event: &WaitingEvent) -> Record {
-        Record {
-            key: Some(format!("{}/{}", self.shard.fleet(), event.robot).into_bytes()),
-            value: Some(published(id, &event.body).into_bytes()),
-            headers: BTreeMap::new(),
-            timestamp: DateTime::<Utc>::from_timestamp_micros(wall_clock().0 as i64).unwrap_or_default(),
-        }
     }
 
     /// Writes records to a partition, one write after the other. A record that the log refuses for good is lost, and
@@ -195,5 +187,16 @@ impl Publisher {
             most = usize::MAX;
         }
         Ok(())
+    }
+}
+
+/// The record of an event. Its key is the fleet and the robot, or the fleet alone.
+fn record(event: &StoredEvent) -> Record {
+    let key = event.robot.as_ref().map_or_else(|| event.fleet.clone(), |robot| format!("{}/{robot}", event.fleet));
+    Record {
+        key: Some(key.into_bytes()),
+        value: Some(published(event).into_bytes()),
+        headers: BTreeMap::new(),
+        timestamp: DateTime::<Utc>::from_timestamp_micros(wall_clock().0 as i64).unwrap_or_default(),
     }
 }

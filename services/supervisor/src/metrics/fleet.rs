@@ -215,10 +215,10 @@ of_fleet! {
         "Failed attempts to publish the waiting events; they are repeated.";
     /// Events that cannot be published.
     events_lost: IntCounter = "vibrissa_kafka_events_lost_total",
-        "Events that the log refuses for good, or that cannot be read from the outbox.";
-    /// Transactions whose events wait for the log.
-    outbox_transactions: IntGauge = "vibrissa_kafka_outbox_transactions",
-        "Transactions whose events wait in the database because the log does not take them.";
+        "Events that the log refuses for good, or that cannot be read from the database.";
+    /// Events that wait for the log.
+    outbox_events: IntGauge = "vibrissa_kafka_outbox_events",
+        "Events that wait in the database because the log does not take them.";
     /// Bytes of events that wait for the log.
     outbox_bytes: IntGauge = "vibrissa_kafka_outbox_bytes",
         "Bytes of the events that wait in the database because the log does not take them.";
@@ -336,7 +336,7 @@ impl FleetMetrics {
             &self.broker_connected,
             &self.robots_suspect,
             &self.robots_without_factsheet,
-            &self.outbox_transactions,
+            &self.outbox_events,
             &self.outbox_bytes,
             &self.log_connected,
             &self.log_lag,

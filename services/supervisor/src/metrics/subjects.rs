@@ -189,7 +189,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
                 "max by (fleet, shard) (vibrissa_kafka_lag_records) and on (fleet, shard) vibrissa_kafka_ingest == 1",
             ),
             ("Events published per second", "sum by (fleet) (rate(vibrissa_kafka_events_published_total[5m]))"),
-            ("Transactions whose events wait", "sum by (fleet) (vibrissa_kafka_outbox_transactions) > 0"),
+            ("Events that wait", "sum by (fleet) (vibrissa_kafka_outbox_events) > 0"),
         ],
     },
     Subject {

@@ -2,7 +2,7 @@ use std::sync::Mutex;
 
 use opentelemetry::trace::Status;
 use opentelemetry_sdk::error::OTelSdkResult;
-use vibrissa_core::robot::effect::{Command, CommandKey, CommandState, Effect, Reason};
+use vibrissa_core::robot::effect::{Asked, Command, CommandKey, CommandState, Effect, Reason};
 use vibrissa_core::robot::{Event, Numbers, Robot};
 use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_protocol::Name;
@@ -99,7 +99,14 @@ fn a_setpoint_that_expires_is_an_error_and_its_trace_is_over() {
     let state = CommandState::Expired;
     step(
         &mut open_traces,
-        Effect::CommandState { command: KEY, whisker: None, state, rejection: None, pressure: None },
+        Effect::CommandState {
+            command: KEY,
+            whisker: None,
+            asked: Asked { pressure: Megapascal::new(0.1).unwrap(), reason: Reason::Refinement },
+            state,
+            rejection: None,
+            pressure: None,
+        },
     );
     commit(&mut open_traces);
     open_traces.end(Ending::Stopped);

@@ -6,9 +6,9 @@ use tokio::sync::watch;
 use tokio::time::Instant;
 use tracing::{info, warn};
 
-use super::payload::WebhookEvent;
 use super::sending::{Answer, Message, PATIENCE};
 use super::{Pace, Webhooks};
+use crate::events::published;
 use vibrissa_store::StoreError;
 use vibrissa_store::webhooks::queue::{Job, Outcome};
 
@@ -48,7 +48,7 @@ impl Delivery {
         let Some(job) = store.with_leader(store.take_webhook_job(self.webhook_id, holder, HOLD)).await? else {
             return Ok(false);
         };
-        let body = serde_json::to_vec(&WebhookEvent::of(&job.event)).unwrap_or_default();
+        let body = published(&job.event).into_bytes();
         let message = Message {
             url: job.webhook.url.clone(),
             id: format!("vibrissa-{}-{}", job.webhook.webhook_id, job.event.event_id),

@@ -1,12 +1,10 @@
 //! Delivery of events to programs elsewhere.
 //!
-//! Triggers of the database write each event to the outbox in the transaction of its cause (`vibrissa_store::webhooks`).
-//! Every supervisor looks for targets with waiting events each second. It takes hold of a target in the database, so that
+//! Events come from the log (`vibrissa_store::events`), each webhook with its own position. Every supervisor looks for targets with waiting events each second. It takes hold of a target in the database, so that
 //! one supervisor at a time delivers to it, and sends its events one after the other. Each target has its own task: a dead
 //! one delays no other, and the engines never wait.
 
 mod delivery;
-pub mod payload;
 mod sending;
 pub mod signature;
 pub mod target;
@@ -109,7 +107,7 @@ impl Webhooks {
         while timeout(LOOK_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
             let looked = async {
                 if !is_prepared {
-                    self.store.prepare_webhook_queues().await?;
+                    self.store.prepare_events().await?;
                     is_prepared = true;
                 }
                 tasks.retain(|_, task| !task.is_finished());
@@ -123,7 +121,7 @@ impl Webhooks {
                     self.measure().await?;
                 }
                 if is_due(&mut trimmed, TRIM_EVERY) {
-                    self.store.trim_webhook_events(wall_clock().0 as i64).await?;
+                    self.store.trim_events_for_webhooks(wall_clock().0 as i64).await?;
                 }
                 Ok::<(), StoreError>(())
             };

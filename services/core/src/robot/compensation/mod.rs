@@ -76,6 +76,12 @@ impl Compensation {
         self.case
     }
 
+    /// Pressure that the compensator shall hold.
+    #[must_use]
+    pub fn pressure(&self) -> Megapascal {
+        self.pressure
+    }
+
     /// Mean error (Eq. 35) that was predicted when it was decided, as a ratio.
     #[must_use]
     pub fn predicted_error(&self) -> f64 {
@@ -183,7 +189,13 @@ impl Robot {
         let Some(at) = self.head.compensations.iter().position(|one| one.id == id) else { return };
         let ended = self.head.compensations.remove(at);
         self.whiskers[ended.target()].undecided = true;
-        effects.push(Effect::Ended { compensation: id, case: ended.case, reason });
+        effects.push(Effect::Ended {
+            compensation: id,
+            target: ended.target(),
+            case: ended.case,
+            reason,
+            was_proposed: ended.proposed,
+        });
         // Nothing was sent for a proposed one.
         if reason != EndReason::SetpointFailed && !ended.proposed {
             self.release(ended.compensator());

@@ -9,7 +9,7 @@ pub use compensation::{
     CandidateRecord, CompensationError, Decision, EndReason, ErrorBin, Origin, Refinement, RefinementOutcome, Response,
 };
 pub use health::{AlarmKind, Condition, Fault, Trim};
-pub use setpoint::{Command, CommandState, Reason};
+pub use setpoint::{Asked, Command, CommandState, Reason};
 pub use touch_test::{ProposedTest, TestKind, TestReason, TestState, TouchTest};
 
 pub use super::command_key::CommandKey;
@@ -67,10 +67,14 @@ pub enum Effect {
     Ended {
         /// Number of the compensation on this robot.
         compensation: u32,
+        /// The broken whisker that it served.
+        target: WhiskerIndex,
         /// Case of the paper.
         case: Case,
         /// Reason for the end.
         reason: EndReason,
+        /// It never began: no operator had approved it.
+        was_proposed: bool,
     },
     /// Record this setpoint, then publish it.
     Command(Box<Command>),
@@ -82,6 +86,8 @@ pub enum Effect {
         command: CommandKey,
         /// The whisker concerned; `None` if it is not on the robot any more.
         whisker: Option<WhiskerIndex>,
+        /// Pressure and reason of the setpoint.
+        asked: Asked,
         /// New state of the setpoint.
         state: CommandState,
         /// Reason of the robot, if it rejected the setpoint.

@@ -32,6 +32,23 @@ pub struct Command {
     pub gain: Option<[f64; CONTACT_RATIOS.len()]>,
 }
 
+/// What a setpoint asks of a robot, and why.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Asked {
+    /// Pressure to hold.
+    pub pressure: Megapascal,
+    /// Reason for the setpoint.
+    pub reason: Reason,
+}
+
+impl Command {
+    /// Pressure and reason.
+    #[must_use]
+    pub fn asked(&self) -> Asked {
+        Asked { pressure: self.pressure, reason: self.reason }
+    }
+}
+
 /// Reason for a setpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub enum Reason {

@@ -146,7 +146,7 @@ impl Robot {
             resend_at: now.after(params.command.resend_after),
         };
         if let Some(replaced) = whisker.command.replace(Box::new(flight)) {
-            effects.push(state_of(replaced.command.key, Some(index), CommandState::Superseded));
+            effects.push(state_of(&replaced.command, Some(index), CommandState::Superseded));
         }
         effects.push(Effect::Command(Box::new(command)));
     }
@@ -171,8 +171,9 @@ impl Robot {
         }
         let epoch = self.head.epoch;
         let whisker = &mut self.whiskers[index];
-        whisker.command = None;
-        effects.push(state_of(key, Some(index), CommandState::Expired));
+        if let Some(flight) = whisker.command.take() {
+            effects.push(state_of(&flight.command, Some(index), CommandState::Expired));
+        }
         // The robot could hear it and answer, if it is heard so long after the setpoint and we have listened all the time.
         let answers_from = issued.after(params.command.resend_after);
         let could_answer = listening_since <= issued && heard.is_some_and(|heard| heard >= answers_from);
@@ -267,21 +268,21 @@ impl Robot {
             SetpointReport::Received => {
                 if flight.state == CommandState::Pending {
                     flight.state = CommandState::Received;
-                    effects.push(state_of(key, Some(index), CommandState::Received));
+                    effects.push(state_of(&flight.command, Some(index), CommandState::Received));
                 }
             }
             SetpointReport::Applying => {
                 if matches!(flight.state, CommandState::Pending | CommandState::Received) {
                     flight.state = CommandState::Applying;
-                    effects.push(state_of(key, Some(index), CommandState::Applying));
+                    effects.push(state_of(&flight.command, Some(index), CommandState::Applying));
                     whisker.pressure_set(pressure, params);
                 }
             }
-            SetpointReport::Applied(reached) => self.applied(params, index, key, reached, effects),
+            SetpointReport::Applied(reached) => self.applied(params, index, reached, effects),
             SetpointReport::Rejected(rejection) => self.rejected(params, now, index, key, rejection, effects),
             SetpointReport::Failed => {
+                effects.push(state_of(&flight.command, Some(index), CommandState::Failed));
                 whisker.command = None;
-                effects.push(state_of(key, Some(index), CommandState::Failed));
                 self.try_failed(params, now, index, true, effects);
                 if self.whiskers[index].rare.tries.is_failing() {
                     // It was taken, and the pressure was not reached again and again.
@@ -289,22 +290,15 @@ impl Robot {
                 }
             }
             SetpointReport::Superseded => {
+                effects.push(state_of(&flight.command, Some(index), CommandState::Superseded));
                 whisker.command = None;
-                effects.push(state_of(key, Some(index), CommandState::Superseded));
                 self.try_failed(params, now, index, true, effects);
             }
         }
         self.reconcile(params, now, index, effects);
     }
 
-    fn applied(
-        &mut self,
-        params: &Params,
-        index: WhiskerIndex,
-        key: CommandKey,
-        reached: Megapascal,
-        effects: &mut Vec<Effect>,
-    ) {
+    fn applied(&mut self, params: &Params, index: WhiskerIndex, reached: Megapascal, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
         let Some(flight) = whisker.command.take() else { return };
         whisker.pressure_set(flight.command.pressure, params);
@@ -322,8 +316,9 @@ impl Robot {
             self.test_after_setpoint(index);
         }
         effects.push(Effect::CommandState {
-            command: key,
+            command: flight.command.key,
             whisker: Some(index),
+            asked: flight.command.asked(),
             state: CommandState::Applied,
             rejection: None,
             pressure: Some(reached),
@@ -339,10 +334,11 @@ impl Robot {
         rejection: Rejection,
         effects: &mut Vec<Effect>,
     ) {
-        self.whiskers[index].command = None;
+        let Some(flight) = self.whiskers[index].command.take() else { return };
         effects.push(Effect::CommandState {
             command: key,
             whisker: Some(index),
+            asked: flight.command.asked(),
             state: CommandState::Rejected,
             rejection: Some(rejection),
             pressure: None,
@@ -373,7 +369,7 @@ impl Robot {
             whisker.given_up = false;
             whisker.rare.forget_tries();
             if let Some(flight) = whisker.command.take() {
-                effects.push(state_of(flight.command.key, Some(index), CommandState::Abandoned));
+                effects.push(state_of(&flight.command, Some(index), CommandState::Abandoned));
             }
         }
     }
@@ -416,6 +412,7 @@ fn is_ahead(now: Micros, time: Micros, by_at_most: Micros) -> bool {
     now < time && time.since(now) <= by_at_most
 }
 
-pub(in crate::robot) fn state_of(command: CommandKey, whisker: Option<WhiskerIndex>, state: CommandState) -> Effect {
-    Effect::CommandState { command, whisker, state, rejection: None, pressure: None }
+pub(in crate::robot) fn state_of(command: &Command, whisker: Option<WhiskerIndex>, state: CommandState) -> Effect {
+    let asked = command.asked();
+    Effect::CommandState { command: command.key, whisker, asked, state, rejection: None, pressure: None }
 }

@@ -61,7 +61,7 @@ impl Robot {
         for gone in old.into_iter().flatten() {
             effects.extend(gone.gone(&names));
             effects.extend(gone.abandoned_test(None));
-            effects.extend(gone.command.map(|flight| state_of(flight.command.key, None, CommandState::Abandoned)));
+            effects.extend(gone.command.map(|flight| state_of(&flight.command, None, CommandState::Abandoned)));
         }
         share_models(&mut new, params.model_names());
         self.whiskers = Whiskers::changed(new);

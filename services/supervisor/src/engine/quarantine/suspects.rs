@@ -15,9 +15,11 @@ use crate::engine::commit::transaction::{RobotShare, SealedTransaction};
 use crate::engine::message::RawMessage;
 use crate::engine::quarantine::suspect::{Suspect, Turn, Verdict};
 use crate::engine::shard::shards::Shards;
+use crate::events::{Parts, QuarantinePart, event};
 use crate::metrics::FleetMetrics;
 use crate::readiness::Readiness;
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::events::EventKind;
 use vibrissa_edge::full_name::FullName;
 use vibrissa_store::Lease;
 use vibrissa_store::batch::{QuarantineRow, Record};
@@ -147,7 +149,10 @@ impl Suspects {
         let robot = FullName::robot(self.lease.fleet().as_str(), &row.robot);
         let (topic, seq, cause, code) = (row.topic, row.seq, row.cause, &row.code);
         error!(%robot, topic, seq, cause, code, "message put into quarantine");
-        shards.record(Record::Quarantined(Box::new(row)));
+        let part = QuarantinePart { robot: row.robot.clone(), topic, cause };
+        let parts = Parts { quarantine: Some(part), ..Parts::default() };
+        let told = event(EventKind::Quarantined, row.quarantined_us, &parts);
+        shards.record(Record::Quarantined(Box::new(row)), Some(told));
         pipeline.commit_now();
     }
 

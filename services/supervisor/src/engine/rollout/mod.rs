@@ -14,13 +14,16 @@ use tracing::{error, info};
 use vibrissa_core::robot::{Event, OperatorAction, Params, Place};
 use vibrissa_core::rollout::{Look, Stage, Verdict, limit, place};
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::events::EventKind;
 use vibrissa_edge::words::{Word as _, named};
 use vibrissa_protocol::{Name, plain};
 use vibrissa_store::actions::Action;
 use vibrissa_store::batch::Record;
+use vibrissa_store::events::write::EventRow;
 use vibrissa_store::rollouts::{Compared, RolloutChange, RolloutEvent, RolloutRow};
 
 use super::actions::{Execution, Problem};
+use crate::events::{Parts, RolloutPart, event};
 use change::Change;
 use compare::{Comparison, told};
 
@@ -176,7 +179,8 @@ impl Execution<'_> {
                 if is_new {
                     open.row.updated_us = wall_clock().0 as i64;
                     let row = open.row.clone();
-                    self.shards.record(Record::Rollout(Box::new(RolloutChange { row, event: None })));
+                    let told = event_of(&row);
+                    self.shards.record(Record::Rollout(Box::new(RolloutChange { row, event: None })), Some(told));
                 }
                 return;
             }
@@ -202,7 +206,8 @@ impl Execution<'_> {
         info!(fleet = %self.place, rollout = open.row.rollout_id, event, actor, detail, "roll-out");
         let event = RolloutEvent { event: event.to_owned(), actor: actor.to_owned(), detail };
         let change = RolloutChange { row: open.row.clone(), event: Some(event) };
-        self.shards.record(Record::Rollout(Box::new(change)));
+        let told = event_of(&change.row);
+        self.shards.record(Record::Rollout(Box::new(change)), Some(told));
     }
 
     /// Enters a stage: more robots change. In the last one the change comes into force, and the roll-out ends.
@@ -284,4 +289,10 @@ impl Execution<'_> {
             }
         }
     }
+}
+
+/// The event of a roll-out's new state.
+fn event_of(row: &RolloutRow) -> EventRow {
+    let part = RolloutPart { rollout_id: row.rollout_id, state: row.state.clone(), stage: row.stage.clone() };
+    event(EventKind::Rollout, row.updated_us, &Parts { rollout: Some(part), ..Parts::default() })
 }

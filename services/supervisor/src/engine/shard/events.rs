@@ -1,28 +1,30 @@
-//! Events for other programs, made from the core's effects beside the rows.
+//! Events for the log, made from the core's effects beside the rows.
 
 use std::collections::BTreeMap;
 
+use vibrissa_core::robot::Compensation;
 use vibrissa_core::robot::effect::{
-    Command, CommandKey, CommandState, CompensationError, ContactRecord, Decision, Effect, Trim, WhiskerIndex,
+    Asked, Command, CommandKey, CommandState, CompensationError, ContactRecord, Decision, Effect, Refinement,
+    TestState, Trim, WhiskerIndex,
 };
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros};
+use vibrissa_edge::events::EventKind;
 use vibrissa_edge::ids::{command_id, wide_id};
 use vibrissa_edge::words::Word;
-use vibrissa_store::batch::EventRow;
-use vibrissa_store::time::Time;
+use vibrissa_store::events::write::EventRow;
 
 use super::stepper::Stepper;
 use crate::engine::commit::batch::Source;
 use crate::engine::robot::KnownRobot;
 use crate::events::{
-    AlarmPart, CandidatePart, CompensationPart, ContactPart, ContactsPart, DecisionPart, ErrorPart, Event, EventSink,
-    EventType, SetpointPart, TrimPart, VERSION,
+    CandidatePart, CompensationPart, ConditionPart, ContactPart, ContactsPart, DecisionPart, ErrorPart, EventSink,
+    FaultPart, GonePart, Parts, RefinementPart, SetpointPart, TouchTestPart, TrimPart, event,
 };
 use crate::one_of::OneOf;
 
-/// Makes the events of a shard's steps.
+/// Makes the events of contacts, which only Kafka gets.
 #[derive(Debug)]
-pub(crate) struct EventMaker {
+pub(crate) struct ContactEvents {
     sink: EventSink,
     /// Contacts of the current message.
     contacts: Vec<ContactPart>,
@@ -30,108 +32,214 @@ pub(crate) struct EventMaker {
     left_out: BTreeMap<i64, u64>,
 }
 
-impl EventMaker {
+impl ContactEvents {
     pub(crate) fn new(sink: EventSink) -> Self {
         Self { sink, contacts: Vec::new(), left_out: BTreeMap::new() }
     }
 }
 
 impl Stepper {
-    /// Adds the event of an effect to the batch, if events are published.
+    /// Adds the events of an effect to the batch.
     pub(super) fn tell(&mut self, known: &KnownRobot, now: Micros, effect: &Effect, source: Option<Source<'_>>) {
-        let Some(maker) = &mut self.events else { return };
         if let Effect::Contact(contact) = effect {
-            if maker.sink.has_contacts
+            if let Some(maker) = self.contact_events.as_mut().filter(|maker| maker.sink.has_contacts)
                 && let Some(source) = source
             {
                 maker.contacts.extend(contact_part(known, contact, source));
             }
             return;
         }
-        let event = Event {
-            timestamp: Time(now.0 as i64),
-            fleet: self.fleet.as_str().to_owned(),
-            ..Event::none(known.name.as_str())
-        };
-        let Some(event) = told(event, known, effect, |key| command_id(&self.fleet, &known.name, key)) else { return };
-        self.add_event(known, &event);
+        let id = |key| command_id(&self.fleet, &known.name, key);
+        let Some(told) = told(known, effect, id) else { return };
+        self.add_event(known, now, told);
+        if let Effect::Decided(decision) = effect
+            && let Some(begun) = begun(known, decision)
+        {
+            self.add_event(known, now, begun);
+        }
     }
 
     /// Adds the event of a message's contacts, if there are any.
     pub(super) fn tell_contacts(&mut self, known: &KnownRobot, now: Micros, source: Option<Source<'_>>) {
-        let Some(maker) = &mut self.events else { return };
+        let Some(maker) = &mut self.contact_events else { return };
         let contacts = std::mem::take(&mut maker.contacts);
         let Some(source) = source.filter(|_| !contacts.is_empty()) else { return };
-        let event = Event {
-            timestamp: Time(now.0 as i64),
-            fleet: self.fleet.as_str().to_owned(),
-            ..Event::none(known.name.as_str())
-        };
-        let event = if maker.sink.room.is_full() {
+        if maker.sink.room.is_full() {
             let more = contacts.len() as u64;
             maker.sink.room.leave_out(more);
             let left_out = maker.left_out.entry(known.robot_id).or_default();
             *left_out += more;
-            if *left_out > more {
-                return;
+            if *left_out == more {
+                // Written now, because a restart forgets the number.
+                self.add_event(known, now, Told::new(EventKind::ContactsLeftOut, None, Parts::default()));
             }
-            // Written now, because a restart forgets the number.
-            Event { kind: EventType::ContactsLeftOut, ..event }
-        } else {
-            let left_out = maker.left_out.remove(&known.robot_id);
-            let (boot_id, seq) = (source.message.boot_id.as_str().to_owned(), source.message.seq);
-            Event { contacts: Some(ContactsPart { boot_id, seq, left_out, contacts }), ..event }
-        };
-        self.add_event(known, &event);
+            return;
+        }
+        let left_out = maker.left_out.remove(&known.robot_id);
+        let (boot_id, seq) = (source.message.boot_id.as_str().to_owned(), source.message.seq);
+        let contacts = Some(ContactsPart { boot_id, seq, left_out, contacts });
+        self.add_event(known, now, Told::new(EventKind::Contacts, None, Parts { contacts, ..Parts::default() }));
     }
 
-    fn add_event(&mut self, known: &KnownRobot, event: &Event) {
-        // An event has texts and numbers only, and infinite numbers become null.
-        let Ok(body) = serde_json::to_string(event) else { return };
+    fn add_event(&mut self, known: &KnownRobot, now: Micros, told: Told) {
+        let Told { kind, word, whisker, parts } = told;
         let row = EventRow {
-            robot_id: known.robot_id,
-            robot: event.robot.clone(),
-            is_contacts: matches!(event.kind, EventType::Contacts | EventType::ContactsLeftOut),
-            body,
+            word,
+            whisker_id: whisker.map(|whisker| known.whisker_id(whisker)),
+            ..event(kind, now.0 as i64, &parts).of_robot(known.robot_id)
         };
-        if let Some(maker) = &self.events {
+        if let Some(maker) = &self.contact_events {
             maker.sink.room.add(&row);
         }
         self.batch.rows_mut().events.push(row);
     }
 }
 
-impl Event {
-    fn none(robot: &str) -> Self {
-        Self {
-            kind: EventType::Contacts,
-            version: VERSION,
-            timestamp: Time(0),
-            fleet: String::new(),
-            robot: robot.to_owned(),
-            array: None,
-            whisker: None,
-            contacts: None,
-            trim: None,
-            decision: None,
-            compensation: None,
-            setpoint: None,
-            error: None,
-            alarm: None,
-        }
+/// An event of a robot.
+struct Told {
+    kind: EventKind,
+    word: Option<&'static str>,
+    whisker: Option<WhiskerIndex>,
+    parts: Parts,
+}
+
+impl Told {
+    fn new(kind: EventKind, whisker: Option<WhiskerIndex>, parts: Parts) -> Self {
+        Self { kind, word: None, whisker, parts }
     }
 
-    fn about(self, known: &KnownRobot, whisker: WhiskerIndex) -> Self {
-        match named(known, whisker) {
-            Some((array, whisker)) => Self { array: Some(array), whisker: Some(whisker), ..self },
-            None => self,
-        }
+    /// An alarm, or a state of a setpoint.
+    fn with_word(self, word: &'static str) -> Self {
+        Self { word: Some(word), ..self }
     }
 }
 
-/// Array and number of a whisker.
-fn named(known: &KnownRobot, whisker: WhiskerIndex) -> Option<(String, u16)> {
-    known.robot.whisker(whisker).map(|view| (view.array.to_owned(), view.sheet.number))
+/// The event of an effect; `None` for one that is no event.
+fn told(known: &KnownRobot, effect: &Effect, id: impl Fn(CommandKey) -> String) -> Option<Told> {
+    let (robot_id, none) = (known.robot_id, Parts::default);
+    Some(match effect {
+        Effect::Trim(trim) => {
+            let part = Some(trim_part(robot_id, trim));
+            Told::new(EventKind::Trim, Some(trim.whisker), Parts { trim: part, ..none() })
+        }
+        Effect::Condition { whisker, from, to } => {
+            let part = Some(ConditionPart { was: OneOf(*from), becomes: OneOf(*to) });
+            Told::new(EventKind::ConditionChanged, Some(*whisker), Parts { condition: part, ..none() })
+        }
+        Effect::Fault { whisker, from, to } => {
+            let part = Some(FaultPart { was: from.map(Word::word), becomes: to.map(Word::word) });
+            Told::new(EventKind::FaultChanged, Some(*whisker), Parts { fault: part, ..none() })
+        }
+        Effect::Decided(decision) => {
+            let part = Some(decision_part(known, decision));
+            Told::new(EventKind::Decision, Some(decision.target), Parts { decision: part, ..none() })
+        }
+        Effect::Approved { compensation } => begun_part(known, compensation_of(known, *compensation)?),
+        Effect::Ended { compensation, target, case, reason, was_proposed } => {
+            let kind = if *was_proposed { EventKind::ProposalEnded } else { EventKind::CompensationEnded };
+            let part = Some(CompensationPart {
+                compensation_id: wide_id(robot_id, *compensation),
+                case: Some(OneOf(*case)),
+                compensator_whisker: None,
+                pressure_mpa: None,
+                predicted_error: None,
+                end_reason: Some(OneOf(*reason)),
+            });
+            Told::new(kind, Some(*target), Parts { compensation: part, ..none() })
+        }
+        Effect::Command(command) => {
+            let part = Some(setpoint_part(robot_id, command, id(command.key)));
+            Told::new(EventKind::Setpoint, Some(command.whisker), Parts { setpoint: part, ..none() })
+        }
+        Effect::CommandState { command, whisker, asked, state, rejection, pressure } => {
+            let kind = match state {
+                CommandState::Rejected | CommandState::Failed | CommandState::Expired => EventKind::SetpointFailed,
+                CommandState::Pending
+                | CommandState::Received
+                | CommandState::Applying
+                | CommandState::Applied
+                | CommandState::Superseded
+                | CommandState::Abandoned => EventKind::SetpointState,
+            };
+            let Asked { pressure: wanted, reason } = asked;
+            let part = Some(SetpointPart {
+                command_id: id(*command),
+                state: OneOf(*state),
+                pressure_mpa: Some(wanted.mpa()),
+                reached_mpa: pressure.map(Megapascal::mpa),
+                rejection: rejection.map(Word::word),
+                compensation_id: None,
+                reason: Some(OneOf(*reason)),
+            });
+            Told::new(kind, *whisker, Parts { setpoint: part, ..none() }).with_word(state.word())
+        }
+        Effect::Error(error) => {
+            let part = Some(error_part(robot_id, error));
+            Told::new(EventKind::Error, known.target_of(error.compensation), Parts { error: part, ..none() })
+        }
+        Effect::Refined(refinement) => {
+            let part = Some(refinement_part(robot_id, refinement));
+            let target = known.target_of(refinement.compensation);
+            Told::new(EventKind::Refinement, target, Parts { refinement: part, ..none() })
+        }
+        Effect::Alarm { whisker, kind } => {
+            Told::new(EventKind::AlarmRaised, Some(*whisker), none()).with_word(kind.word())
+        }
+        Effect::AlarmCleared { whisker, kind } => {
+            Told::new(EventKind::AlarmCleared, Some(*whisker), none()).with_word(kind.word())
+        }
+        Effect::RobotAlarm { kind } => Told::new(EventKind::AlarmRaised, None, none()).with_word(kind.word()),
+        Effect::RobotAlarmCleared { kind } => Told::new(EventKind::AlarmCleared, None, none()).with_word(kind.word()),
+        Effect::Test(test) => test_event(Some(test.whisker), id(test.key), TestState::Pending),
+        Effect::TestProposed(test) => test_event(Some(test.whisker), id(test.key), TestState::Proposed),
+        Effect::TestState { test, whisker, state, .. } => test_event(*whisker, id(*test), *state),
+        Effect::Gone { array, number, .. } => {
+            let part = Some(GonePart { array: array.clone(), whisker: *number });
+            Told::new(EventKind::WhiskerGone, None, Parts { gone: part, ..none() })
+        }
+        Effect::Contact(_)
+        | Effect::UnknownWhisker { .. }
+        | Effect::BadTime { .. }
+        | Effect::Resend(_)
+        | Effect::Response(_)
+        | Effect::MissedTouch { .. }
+        | Effect::AskForFactsheet => return None,
+    })
+}
+
+/// The beginning of a compensation that needs no approval; `None` without a compensator, and for a proposal.
+fn begun(known: &KnownRobot, decision: &Decision) -> Option<Told> {
+    compensation_of(known, decision.compensation)
+        .filter(|compensation| decision.chosen.is_some() && !compensation.is_proposed())
+        .map(|compensation| begun_part(known, compensation))
+}
+
+fn begun_part(known: &KnownRobot, compensation: &Compensation) -> Told {
+    let part = CompensationPart {
+        compensation_id: wide_id(known.robot_id, compensation.id()),
+        case: Some(OneOf(compensation.case())),
+        compensator_whisker: number_of(known, compensation.compensator()).map(i64::from),
+        pressure_mpa: Some(compensation.pressure().mpa()),
+        predicted_error: Some(compensation.predicted_error()),
+        end_reason: None,
+    };
+    let parts = Parts { compensation: Some(part), ..Parts::default() };
+    Told::new(EventKind::CompensationBegun, Some(compensation.target()), parts)
+}
+
+/// A compensation that is in force or proposed.
+fn compensation_of(known: &KnownRobot, number: u32) -> Option<&Compensation> {
+    known.robot.compensations().iter().find(|one| one.id() == number)
+}
+
+/// Number of a whisker in its array.
+fn number_of(known: &KnownRobot, whisker: WhiskerIndex) -> Option<u16> {
+    known.robot.whisker(whisker).map(|view| view.sheet.number)
+}
+
+fn test_event(whisker: Option<WhiskerIndex>, test_id: String, state: TestState) -> Told {
+    let part = TouchTestPart { test_id, state: Some(OneOf(state)), touches: 0, missed: 0 };
+    Told::new(EventKind::TouchTest, whisker, Parts { touch_test: Some(part), ..Parts::default() })
 }
 
 fn contact_part(known: &KnownRobot, contact: &ContactRecord, source: Source<'_>) -> Option<ContactPart> {
@@ -156,94 +264,6 @@ fn contact_part(known: &KnownRobot, contact: &ContactRecord, source: Source<'_>)
     .filter(|_| known.robot.whisker(contact.whisker).is_some())
 }
 
-/// The event of an effect; `None` for one that is no event.
-fn told(event: Event, known: &KnownRobot, effect: &Effect, id: impl Fn(CommandKey) -> String) -> Option<Event> {
-    let robot_id = known.robot_id;
-    let compensation = |number: u32| CompensationPart {
-        compensation_id: wide_id(robot_id, number),
-        case: known.case_of(number).map(OneOf),
-        end_reason: None,
-    };
-    Some(match effect {
-        Effect::Trim(trim) => {
-            Event { kind: EventType::Trim, trim: Some(trim_part(robot_id, trim)), ..event.about(known, trim.whisker) }
-        }
-        Effect::Decided(decision) => Event {
-            kind: EventType::Decision,
-            decision: Some(decision_part(known, decision)),
-            ..event.about(known, decision.target)
-        },
-        Effect::Approved { compensation: number } => {
-            Event { kind: EventType::CompensationApproved, compensation: Some(compensation(*number)), ..event }
-        }
-        Effect::Ended { compensation: number, case, reason } => Event {
-            kind: EventType::CompensationEnded,
-            compensation: Some(CompensationPart {
-                case: Some(OneOf(*case)),
-                end_reason: Some(OneOf(*reason)),
-                ..compensation(*number)
-            }),
-            ..event
-        },
-        Effect::Command(command) => Event {
-            kind: EventType::Setpoint,
-            setpoint: Some(setpoint_part(robot_id, command, id(command.key))),
-            ..event.about(known, command.whisker)
-        },
-        Effect::CommandState { command, state, rejection, pressure, .. } => Event {
-            kind: EventType::SetpointState,
-            setpoint: Some(SetpointPart {
-                command_id: id(*command),
-                state: OneOf(*state),
-                pressure_mpa: pressure.map(Megapascal::mpa),
-                rejection: rejection.map(Word::word),
-                compensation_id: None,
-                reason: None,
-            }),
-            ..event
-        },
-        Effect::Error(error) => {
-            let event = match known.target_of(error.compensation) {
-                Some(target) => event.about(known, target),
-                None => event,
-            };
-            Event { kind: EventType::Error, error: Some(error_part(robot_id, error)), ..event }
-        }
-        Effect::Alarm { whisker, kind } => Event {
-            kind: EventType::AlarmRaised,
-            alarm: Some(AlarmPart { kind: OneOf(*kind) }),
-            ..event.about(known, *whisker)
-        },
-        Effect::AlarmCleared { whisker, kind } => Event {
-            kind: EventType::AlarmCleared,
-            alarm: Some(AlarmPart { kind: OneOf(*kind) }),
-            ..event.about(known, *whisker)
-        },
-        Effect::RobotAlarm { kind } => {
-            Event { kind: EventType::AlarmRaised, alarm: Some(AlarmPart { kind: OneOf(*kind) }), ..event }
-        }
-        Effect::RobotAlarmCleared { kind } => {
-            Event { kind: EventType::AlarmCleared, alarm: Some(AlarmPart { kind: OneOf(*kind) }), ..event }
-        }
-        Effect::Gone { array, number, .. } => {
-            Event { kind: EventType::WhiskerGone, array: Some(array.clone()), whisker: Some(*number), ..event }
-        }
-        Effect::Contact(_)
-        | Effect::UnknownWhisker { .. }
-        | Effect::BadTime { .. }
-        | Effect::Condition { .. }
-        | Effect::Fault { .. }
-        | Effect::Resend(_)
-        | Effect::Response(_)
-        | Effect::Refined(_)
-        | Effect::MissedTouch { .. }
-        | Effect::Test(_)
-        | Effect::TestProposed(_)
-        | Effect::TestState { .. }
-        | Effect::AskForFactsheet => return None,
-    })
-}
-
 fn trim_part(robot_id: i64, trim: &Trim) -> TrimPart {
     TrimPart {
         trim_id: wide_id(robot_id, trim.id),
@@ -256,7 +276,7 @@ fn trim_part(robot_id: i64, trim: &Trim) -> TrimPart {
 
 fn decision_part(known: &KnownRobot, decision: &Decision) -> DecisionPart {
     let candidates = decision.candidates.iter().enumerate().map(|(at, one)| CandidatePart {
-        whisker: named(known, one.whisker).map(|(_, whisker)| whisker),
+        whisker: number_of(known, one.whisker),
         case: OneOf(one.case),
         pressure_mpa: one.pressure.map(Megapascal::mpa),
         predicted_error: one.predicted_error,
@@ -275,6 +295,7 @@ fn setpoint_part(robot_id: i64, command: &Command, command_id: String) -> Setpoi
         command_id,
         state: OneOf(CommandState::Pending),
         pressure_mpa: Some(command.pressure.mpa()),
+        reached_mpa: None,
         rejection: None,
         compensation_id: command.compensation.map(|number| wide_id(robot_id, number)),
         reason: Some(OneOf(command.reason)),
@@ -288,5 +309,14 @@ fn error_part(robot_id: i64, error: &CompensationError) -> ErrorPart {
         pressure_mpa: error.pressure.mpa(),
         error: error.mean,
         error_sd: error.sd,
+    }
+}
+
+fn refinement_part(robot_id: i64, refinement: &Refinement) -> RefinementPart {
+    RefinementPart {
+        compensation_id: wide_id(robot_id, refinement.compensation),
+        outcome: refinement.outcome.word(),
+        pressure_from_mpa: refinement.pressure_from.mpa(),
+        pressure_best_mpa: refinement.pressure_best.map(Megapascal::mpa),
     }
 }

@@ -59,7 +59,7 @@ pub(super) fn effect(known: &KnownRobot, effect: &Effect) {
             whisker = %name_of(command.whisker), version = command.key.version, "setpoint sent: {:.4} MPa, {}",
             command.pressure.mpa(), told(command.reason)
         ),
-        Effect::CommandState { command, whisker, state, rejection, pressure } => {
+        Effect::CommandState { command, whisker, state, rejection, pressure, .. } => {
             let subject = whisker.map_or(known.full_name(), name_of);
             let (version, error) = (command.version, rejection.map(Word::word));
             match state {

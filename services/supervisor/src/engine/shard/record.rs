@@ -130,7 +130,7 @@ impl Stepper {
                     known.history.keep_recent(whisker, self.batch.rows_mut());
                 }
             }
-            Effect::Ended { compensation, case, reason } => {
+            Effect::Ended { compensation, case, reason, .. } => {
                 self.metrics.compensations.count([case.word(), reason.word()]);
                 self.batch.rows_mut().records.push(Record::Ended(EndedRow {
                     compensation_id: wide_id(robot_id, compensation),
@@ -259,7 +259,7 @@ impl Stepper {
                     ended_us: is_over(state).then_some(recorded_us),
                     length_mm: length.map(|length| length.length.mm()),
                     length_sd_mm: length.map(|length| length.sd_mm),
-                    ..progress_row(robot_id, whisker.map(whisker_id), command_id(&self.fleet, &name, test), recorded_us)
+                    ..progress_row(robot_id, command_id(&self.fleet, &name, test), recorded_us)
                 })));
             }
             Effect::AskForFactsheet => {

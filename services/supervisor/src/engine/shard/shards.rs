@@ -23,6 +23,7 @@ use crate::outbox::Publication;
 use crate::trace::{PendingSpans, TracedAction};
 use vibrissa_store::allowed::TurnedAwayReading;
 use vibrissa_store::batch::Record;
+use vibrissa_store::events::write::EventRow;
 
 /// Limit of contacts per transaction: at the limit, no more messages are taken in until it is committed.
 const CONTACTS_MAX: usize = 32_768;
@@ -243,10 +244,12 @@ impl Shards {
         }
     }
 
-    /// Adds a row that belongs to no robot, after the rows of all shards so far.
-    pub(crate) fn record(&mut self, record: Record) {
+    /// Adds a row that no effect of a robot has caused, and its event, after the rows of all shards so far.
+    pub(crate) fn record(&mut self, record: Record, event: Option<EventRow>) {
         if let Some(last) = self.shards.last_mut() {
-            last.batch_mut().rows_mut().records.push(record);
+            let rows = last.batch_mut().rows_mut();
+            rows.records.push(record);
+            rows.events.extend(event);
         }
     }
 

@@ -12,7 +12,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::{BootId, Name, RobotTopic};
 
-use super::events::EventMaker;
+use super::events::ContactEvents;
 use super::log;
 use crate::black_box::FleetBoxes;
 use crate::black_box::recorder::Whose;
@@ -69,8 +69,8 @@ pub(crate) struct Stepper {
     pub(super) answered: Option<AnsweredSetpoint>,
     /// Traces of setpoints under way, if there is a collector.
     pub(super) traces: Option<OpenTraces>,
-    /// Events for other programs, if they are published.
-    pub(super) events: Option<EventMaker>,
+    /// Events of contacts, if Kafka gets them.
+    pub(super) contact_events: Option<ContactEvents>,
     /// Black boxes, if they are wanted.
     boxes: Option<FleetBoxes>,
     /// Bytes that the effects of all robots may add to the database.
@@ -98,7 +98,7 @@ impl Stepper {
             receipts_due: Vec::new(),
             answered: None,
             traces: None,
-            events: None,
+            contact_events: None,
             boxes: None,
             account: Account::default(),
             deaf_until: Micros::default(),
@@ -143,9 +143,9 @@ impl Stepper {
         self.traces = Some(traces);
     }
 
-    /// Adds events for other programs.
-    pub(crate) fn set_events(&mut self, events: EventMaker) {
-        self.events = Some(events);
+    /// Adds events of contacts.
+    pub(crate) fn set_contact_events(&mut self, events: ContactEvents) {
+        self.contact_events = Some(events);
     }
 
     /// Adds black boxes.

@@ -4,13 +4,16 @@ use std::collections::BTreeMap;
 
 use vibrissa_core::robot::effect::{ProposedTest, TestState, TouchTest};
 use vibrissa_core::units::Micros;
+use vibrissa_edge::events::EventKind;
 use vibrissa_edge::ids::command_id;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::{self as protocol, Name};
 use vibrissa_store::batch::{Record, TouchTestProgressRow, TouchTestRow};
+use vibrissa_store::events::write::EventRow;
 
 use super::stepper::Stepper;
 use crate::engine::robot::KnownRobot;
+use crate::events::{Parts, TouchTestPart, event};
 
 pub(super) fn test_row(robot_id: i64, fleet: &Name, robot: &Name, test: &TouchTest, whisker_id: i64) -> TouchTestRow {
     TouchTestRow {
@@ -45,16 +48,10 @@ pub(super) fn proposed_test_row(
 }
 
 /// Progress without a new state or touches.
-pub(super) fn progress_row(
-    robot_id: i64,
-    whisker_id: Option<i64>,
-    test_id: String,
-    updated_us: i64,
-) -> TouchTestProgressRow {
+pub(super) fn progress_row(robot_id: i64, test_id: String, updated_us: i64) -> TouchTestProgressRow {
     TouchTestProgressRow {
         test_id,
         robot_id,
-        whisker_id,
         updated_us,
         state: None,
         error: None,
@@ -88,7 +85,7 @@ impl Stepper {
         known: &KnownRobot,
         message: &protocol::Contacts,
         now: Micros,
-    ) -> Vec<TouchTestProgressRow> {
+    ) -> Vec<(Option<i64>, TouchTestProgressRow)> {
         let touches = message.contacts.iter().filter_map(|one| Some((one.test_id.as_deref()?, 1, 0)));
         let missed = message.missed.iter().filter_map(|one| Some((one.test_id.as_deref()?, 0, 1)));
         let mut counts: BTreeMap<&str, (i64, i64)> = BTreeMap::new();
@@ -103,14 +100,20 @@ impl Stepper {
             let test_id = command_id(&self.fleet, &known.name, test);
             let (touches, missed) = counts.get(test_id.as_str()).copied()?;
             let whisker_id = Some(known.whisker_id(whisker));
-            let row = progress_row(known.robot_id, whisker_id, test_id, now.0 as i64);
-            Some(TouchTestProgressRow { touches, missed, ..row })
+            let row = progress_row(known.robot_id, test_id, now.0 as i64);
+            Some((whisker_id, TouchTestProgressRow { touches, missed, ..row }))
         });
         progress.collect()
     }
 
-    pub(super) fn record_progress(&mut self, progress: Vec<TouchTestProgressRow>) {
-        let records = progress.into_iter().map(|row| Record::TouchTestProgress(Box::new(row)));
-        self.batch.rows_mut().records.extend(records);
+    pub(super) fn record_progress(&mut self, progress: Vec<(Option<i64>, TouchTestProgressRow)>) {
+        for (whisker_id, row) in progress {
+            let part =
+                TouchTestPart { test_id: row.test_id.clone(), state: None, touches: row.touches, missed: row.missed };
+            let parts = Parts { touch_test: Some(part), ..Parts::default() };
+            let told = event(EventKind::TouchTest, row.updated_us, &parts).of_robot(row.robot_id);
+            self.batch.rows_mut().events.push(EventRow { whisker_id, ..told });
+            self.batch.rows_mut().records.push(Record::TouchTestProgress(Box::new(row)));
+        }
     }
 }

@@ -9,12 +9,12 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::webhooks::{WebhookPath, audited, found, settings_of};
+use crate::events::{Event, published};
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::asking::{Asker, number_of, reason};
 use crate::http::extract::{OptionalBody, Path};
 use crate::http::problem::Problem;
-use crate::webhooks::payload::WebhookEvent;
 use vibrissa_edge::actions::RecordedKind;
 use vibrissa_store::time::Time;
 use vibrissa_store::webhooks::DEAD_LETTERS_MAX;
@@ -43,7 +43,8 @@ pub struct DeadLetter {
     /// Whether it is about to be delivered again.
     pub again: bool,
     /// The event.
-    pub event: WebhookEvent,
+    #[schema(value_type = Event)]
+    pub event: serde_json::Value,
 }
 
 /// Dead letters of a webhook.
@@ -93,7 +94,7 @@ async fn list_dead_letters(
         status: row.status,
         problem: row.problem,
         again: row.again,
-        event: WebhookEvent::of(&event),
+        event: serde_json::from_str(&published(&event)).unwrap_or_default(),
     };
     let items = app.store.dead_letters(at.webhook_id).await?.into_iter().map(told).collect();
     Ok(Json(DeadLetterList { items }))

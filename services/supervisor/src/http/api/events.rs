@@ -14,12 +14,13 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_protocol::Name;
 
+use crate::events::{Event as LogEvent, published};
 use crate::http::App;
 use crate::http::access::{Caller, Credential};
 use crate::http::extract::Query;
 use crate::http::places::{Place, fleet_of};
 use crate::http::problem::{Kind, Problem};
-use vibrissa_store::changes::{Change, Mark};
+use vibrissa_store::events::{Position, StoredEvent};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(follow))
@@ -62,11 +63,11 @@ struct Follower {
     /// Time of the next identification.
     check_at: Instant,
     fleet: Option<Name>,
-    mark: Mark,
+    position: Position,
     /// Whether the client's last event is no longer stored, so that it may have missed others.
     is_reset_due: bool,
-    /// Changes with their marks; `None` for one that cannot be read.
-    waiting: std::collections::VecDeque<(Mark, Option<Change>)>,
+    /// Events with their positions; `None` for one that cannot be read.
+    waiting: std::collections::VecDeque<(Position, Option<StoredEvent>)>,
     changed: watch::Receiver<u64>,
     stop: watch::Receiver<bool>,
     /// Time at which the stream ends and the client must reconnect.
@@ -93,7 +94,7 @@ enum Standing {
 #[utoipa::path(
     get, path = "/v1/events", tag = "events",
     params(EventsQuery, ("Last-Event-ID" = Option<String>, Header, description = "ID of the last event received", pattern = "^[0-9]{1,18}\\.[0-9]{1,18}$")),
-    responses((status = 200, description = "A stream of events; the data of each is a Change", body = Change, content_type = "text/event-stream"))
+    responses((status = 200, description = "A stream of events; the data of each is an Event", body = LogEvent, content_type = "text/event-stream"))
 )]
 async fn follow(
     State(app): State<App>,
@@ -105,15 +106,15 @@ async fn follow(
     let fleet = fleet_of(&caller.scope, query.fleet.as_ref().map(Name::as_str));
     let place = app.streams.open(&caller.actor, fleet)?;
     let (changed, stop) = (app.action_notifier.changes(), app.stop.clone());
-    let marks = app.store.marks().await?;
-    let end = marks.map_or(Mark { tx: 0, change_id: 0 }, |(_, end)| end);
-    let told = headers.get("last-event-id").map(|told| told.to_str().unwrap_or_default().parse::<Mark>());
-    let (mark, is_reset_due) = match told {
+    let ends = app.store.log_ends().await?;
+    let end = ends.map_or(Position::default(), |(_, end)| end);
+    let told = headers.get("last-event-id").map(|told| told.to_str().unwrap_or_default().parse::<Position>());
+    let (position, is_reset_due) = match told {
         None => (end, false),
         Some(Err(_)) => return Err(Problem::invalid("Last-Event-ID", "is not an event ID: two numbers with a dot")),
-        // The marked change must still be stored, or others may be missing too. A mark of another database may lie
+        // The last event must still be stored, or others may be missing too. A position of another database may lie
         // ahead.
-        Some(Ok(mark)) if marks.is_some_and(|(begin, end)| (begin..=end).contains(&mark)) => (mark, false),
+        Some(Ok(position)) if ends.is_some_and(|(first, last)| (first..=last).contains(&position)) => (position, false),
         Some(Ok(_)) => (end, true),
     };
     let now = Instant::now();
@@ -124,7 +125,7 @@ async fn follow(
         credential,
         check_at,
         fleet: query.fleet,
-        mark,
+        position,
         is_reset_due,
         waiting: std::collections::VecDeque::new(),
         changed,
@@ -145,7 +146,7 @@ impl Follower {
     /// The next event; `None` once the service stops, or the caller may no longer see events.
     async fn next(&mut self) -> Option<Event> {
         if std::mem::take(&mut self.is_reset_due) {
-            return Some(Event::default().event("reset").id(self.mark.to_string()).data("{}"));
+            return Some(Event::default().event("reset").id(self.position.to_string()).data("{}"));
         }
         loop {
             if *self.stop.borrow() || Instant::now() >= self.ends {
@@ -160,11 +161,10 @@ impl Follower {
                     continue;
                 }
             }
-            while let Some((mark, change)) = self.waiting.pop_front() {
-                self.mark = mark;
-                if let Some(change) = change.filter(|change| self.concerns(change)) {
-                    let event = Event::default().event("change").id(self.mark.to_string());
-                    return Some(event.json_data(&change).unwrap_or_else(|_| Event::default().comment("unreadable")));
+            while let Some((position, stored)) = self.waiting.pop_front() {
+                self.position = position;
+                if let Some(stored) = stored.filter(|stored| self.concerns(stored)) {
+                    return Some(Event::default().event("change").id(position.to_string()).data(published(&stored)));
                 }
             }
             self.look().await;
@@ -188,15 +188,15 @@ impl Follower {
         }
     }
 
-    fn concerns(&self, change: &Change) -> bool {
-        let is_asked_for = self.fleet.as_ref().is_none_or(|fleet| fleet.as_str() == change.fleet);
-        is_asked_for && self.caller.scope.covers(&change.fleet)
+    fn concerns(&self, event: &StoredEvent) -> bool {
+        let is_asked_for = self.fleet.as_ref().is_none_or(|fleet| fleet.as_str() == event.fleet);
+        is_asked_for && self.caller.scope.covers(&event.fleet)
     }
 
     /// Reads new changes, or waits if nothing is new. An unreachable database is retried.
     async fn look(&mut self) {
         self.changed.mark_unchanged();
-        let found = self.app.store.changes_after(self.mark).await.unwrap_or_default();
+        let found = self.app.store.events_after(self.position).await.unwrap_or_default();
         let is_quiet = found.is_empty();
         self.waiting.extend(found);
         if is_quiet {

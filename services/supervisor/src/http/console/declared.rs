@@ -12,9 +12,9 @@ use vibrissa_core::robot::effect::{
 use vibrissa_core::robot::event::ArrayKind;
 use vibrissa_core::rollout::Stage;
 use vibrissa_edge::actions::AuditKind;
+use vibrissa_edge::events::{EventKind, webhook_kinds};
 use vibrissa_edge::guidance::Level;
 use vibrissa_edge::presence::Presence;
-use vibrissa_edge::webhooks::EventKind;
 use vibrissa_edge::words::Words;
 
 /// Path of the module below `/console/`.
@@ -38,7 +38,7 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
         ("ALARM_KINDS", labels::<AlarmKind>()),
         ("ALARM_LEVELS", words::<Level>()),
         ("AUDIT_KINDS", words::<AuditKind>()),
-        ("EVENT_KINDS", words::<EventKind>()),
+        ("EVENT_KINDS", told_of(webhook_kinds().into_iter().chain([EventKind::Test]))),
         ("ARRAY_TYPES", words::<ArrayKind>()),
         ("ROLLOUT_STAGES", words::<Stage>()),
         ("MODES", words::<Mode>()),
@@ -52,8 +52,12 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
 });
 
 fn words<T: Words + Copy>() -> Value {
+    told_of(T::all())
+}
+
+fn told_of<T: Words + Copy>(values: impl IntoIterator<Item = T>) -> Value {
     let told = |one: T| one.severity().map_or(json!(one.label()), |severity| json!([one.label(), severity.as_str()]));
-    T::all().into_iter().map(|one| (one.word().to_owned(), told(one))).collect()
+    values.into_iter().map(|one| (one.word().to_owned(), told(one))).collect()
 }
 
 /// Only the labels, of an enum of which some values have a severity.

@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::events::{Audience, EventKind, webhook_kinds};
 use vibrissa_edge::guidance::Level;
-use vibrissa_edge::words::Word as _;
+use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 use vibrissa_store::time::Time;
 use vibrissa_store::webhooks::WebhookRow;
@@ -173,7 +174,7 @@ pub struct WebhookBody {
     /// Fleets of its events; null for all fleets.
     #[schema(value_type = Option<Vec<String>>, min_items = 1, max_items = 100)]
     pub fleets: Option<Vec<Name>>,
-    /// Kinds of its events; null for all kinds.
+    /// Kinds of its events, of those that docs/webhooks.md lists; null for all of them.
     #[schema(min_items = 1)]
     pub kinds: Option<Vec<EventKindWord>>,
     /// Its least urgent events; `WARNING` if omitted, which means all.
@@ -200,8 +201,13 @@ impl WebhookBody {
                 format!("must have 1 to {FLEETS_MAX} names, or be null for all fleets"),
             ));
         }
-        if self.kinds.as_ref().is_some_and(Vec::is_empty) {
+        let kinds: Option<Vec<EventKind>> = self.kinds.as_ref().map(|kinds| kinds.iter().map(|kind| kind.0).collect());
+        if kinds.as_ref().is_some_and(Vec::is_empty) {
             return Err(Problem::invalid("kinds", "must have at least one kind, or be null for all kinds"));
+        }
+        if let Some(other) = kinds.iter().flatten().find(|kind| kind.audience() != Audience::People) {
+            let those = webhook_kinds().into_iter().map(Word::word).collect::<Vec<_>>().join(", ");
+            return Err(Problem::invalid("kinds", format!("webhooks get no {}, only {those}", other.word())));
         }
         let fleets = fleets.map(|fleets| fleets.iter().map(Name::as_str).collect::<Vec<_>>().join(","));
         if !is_covered(caller, fleets.as_deref()) {
@@ -210,8 +216,7 @@ impl WebhookBody {
                 "your token does not cover all fleets of this webhook: name its fleets",
             ));
         }
-        let kinds =
-            self.kinds.as_ref().map(|kinds| kinds.iter().map(|kind| kind.0.word()).collect::<Vec<_>>().join(","));
+        let kinds = kinds.map(|kinds| kinds.into_iter().map(Word::word).collect::<Vec<_>>().join(","));
         Ok(WebhookSettings {
             name: name.to_owned(),
             url,

@@ -9,13 +9,13 @@ use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use crate::events::Event;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::asking::{Asker, Why, answered, number_of, reason};
 use crate::http::extract::{Body, OptionalBody, Path};
 use crate::http::problem::{Kind, Problem};
 use crate::webhooks::Message;
-use crate::webhooks::payload::WebhookEvent;
 use crate::webhooks::signature::{new_secret, shown};
 use vibrissa_edge::actions::RecordedKind;
 use vibrissa_edge::clock::wall_clock;
@@ -315,7 +315,7 @@ async fn test_webhook(
     let of = (Some(at.webhook_id), &settings_of(&row));
     let action = audited(asker, RecordedKind::WebhookTest, of, reason(why.reason)?);
     let action_id = number_of(app.store.record_webhook_action(&action).await?)?;
-    let body = serde_json::to_vec(&WebhookEvent::test()).unwrap_or_default();
+    let body = serde_json::to_vec(&Event::test()).unwrap_or_default();
     let secrets = app.store.webhook_secrets(at.webhook_id).await?;
     let message = Message { url: row.url, id: format!("vibrissa-{}-test-{action_id}", at.webhook_id), body, secrets };
     let begun = tokio::time::Instant::now();

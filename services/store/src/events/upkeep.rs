@@ -1,23 +1,55 @@
-//! Keeps the outbox small, and mends its order after a restored backup.
+//! Keeps the log of events small, and mends its order after a restored backup.
 
 use sqlx::{AssertSqlSafe, SqlSafeStr as _};
 use vibrissa_core::robot::effect::AlarmKind;
+use vibrissa_edge::events::{EventKind, Interest, webhook_kinds};
 use vibrissa_edge::guidance::Level;
-use vibrissa_edge::webhooks::{EventKind, kinds};
-use vibrissa_edge::words::{Word as _, Words as _};
+use vibrissa_edge::words::{Word as _, Words as _, named};
 
-use super::dead::lose;
-use super::queue::Brief;
-use super::{EVENTS, EVENTS_MAX, Placed};
+use super::{EVENTS, Position, Positioned};
 use crate::database::{Either, Tx, on};
+use crate::from_row::from_row;
+use crate::webhooks::dead::lose;
 use crate::{Store, StoreError, failed};
 
-/// Time for which the outbox keeps events, µs: a week.
+/// Number of events for webhooks that the log keeps, in fair shares of fleets and robots.
+pub const EVENTS_MAX: i64 = 20_000;
+/// Time for which the log keeps events for webhooks, µs: a week. After such a time without a sign of Kafka's publisher
+/// no event is kept for it either.
 const KEPT_US: i64 = 7 * 86_400_000_000;
+/// Time for which the log keeps all other events, µs: a day.
+const OTHERS_KEPT_US: i64 = 86_400_000_000;
 /// Most events that are removed at once.
 const PIECE: usize = 5000;
 
-const WHAT: &str = "remove old events of webhooks";
+const WHAT: &str = "remove old events";
+
+/// Condition for events that do not wait for Kafka. `$1` is the earliest sign of its publisher that counts.
+const NOT_AWAITED: &str = "NOT EXISTS (SELECT 1 FROM event_positions p WHERE p.fleet = e.fleet AND p.seen_us >= $1 \
+     AND (e.tx, e.event_id) > (p.tx, p.event_id))";
+
+from_row! {
+    /// What decides whether a webhook wants an event.
+    #[derive(Debug, Clone)]
+    pub(crate) struct Brief {
+        pub(crate) event_id: i64,
+        tx: i64,
+        pub(crate) recorded_us: i64,
+        kind: String,
+        word: Option<String>,
+        fleet: String,
+    }
+}
+
+impl Brief {
+    pub(crate) fn position(&self) -> Position {
+        Position { tx: self.tx, event_id: self.event_id }
+    }
+
+    pub(crate) fn is_in(&self, interest: &Interest) -> bool {
+        named(&self.kind).is_some_and(|kind| interest.includes(&self.fleet, kind, self.word.as_deref()))
+    }
+}
 
 /// The words of texts of this program, as a list in SQL.
 fn listed(words: impl Iterator<Item = &'static str>) -> String {
@@ -27,7 +59,7 @@ fn listed(words: impl Iterator<Item = &'static str>) -> String {
 /// 0 for events that somebody must act on soon, 1 for others.
 fn urgency() -> String {
     let (of_alarms, others): (Vec<EventKind>, Vec<EventKind>) =
-        kinds().into_iter().partition(|kind| matches!(kind, EventKind::AlarmRaised | EventKind::AlarmCleared));
+        webhook_kinds().into_iter().partition(|kind| matches!(kind, EventKind::AlarmRaised | EventKind::AlarmCleared));
     let is_urgent = |word: &&str| EventKind::AlarmRaised.level(Some(*word)) >= Level::Urgent;
     format!(
         "CASE WHEN kind IN ({}) OR kind IN ({}) AND word IN ({}) THEN 0 ELSE 1 END",
@@ -37,28 +69,28 @@ fn urgency() -> String {
     )
 }
 
-/// Events that are too old ($1), or beyond the largest number ($2) in fair shares: the fleets take turns, in each of
+/// Events for webhooks that are too old ($1), or beyond the largest number ($2) in fair shares: the fleets take turns, in each of
 /// them the robots, and of each robot the urgent and then the newest events come first.
 fn excess() -> String {
     format!(
-        "SELECT event_id, tx, place, occurred_us, kind, word, fleet FROM (SELECT f.*, row_number() OVER \
+        "SELECT event_id, tx, recorded_us, kind, word, fleet FROM (SELECT f.*, row_number() OVER \
          (ORDER BY fleet_turn, event_id DESC) AS turn FROM (SELECT r.*, row_number() OVER \
          (PARTITION BY fleet ORDER BY robot_turn, event_id DESC) AS fleet_turn FROM (SELECT e.*, row_number() OVER \
-         (PARTITION BY robot_id ORDER BY {}, event_id DESC) AS robot_turn FROM webhook_events e) r) f) t \
-         WHERE occurred_us < $1 OR turn > $2 LIMIT {PIECE}",
+         (PARTITION BY robot_id ORDER BY {}, event_id DESC) AS robot_turn FROM events e WHERE e.audience = 'PEOPLE') r) f) e \
+         WHERE (recorded_us < $1 OR turn > $2) AND {NOT_AWAITED} LIMIT {PIECE}",
         urgency()
     )
 }
 
 impl Store {
-    /// Removes events that are older than a week, or beyond [`EVENTS_MAX`] in fair shares. Undelivered ones are counted as
-    /// lost at each target that wants them.
+    /// Removes events for webhooks that are older than a week, or beyond [`EVENTS_MAX`] in fair shares. Undelivered ones are
+    /// counted as lost at each webhook that wants them. Events that Kafka has not acknowledged stay.
     ///
     /// # Errors
     /// The database cannot be used.
-    pub async fn trim_webhook_events(&self, now_us: i64) -> Result<(), StoreError> {
-        const ANY: &str = "SELECT count(*) FROM (SELECT 1 FROM webhook_events WHERE occurred_us < $1 \
-             UNION ALL SELECT 1 FROM (SELECT count(*) AS n FROM webhook_events) c WHERE n > $2) x";
+    pub async fn trim_events_for_webhooks(&self, now_us: i64) -> Result<(), StoreError> {
+        const ANY: &str = "SELECT count(*) FROM (SELECT 1 FROM events WHERE audience = 'PEOPLE' AND recorded_us < $1 \
+             UNION ALL SELECT 1 FROM (SELECT count(*) AS n FROM events WHERE audience = 'PEOPLE') c WHERE n > $2) x";
         let before_us = now_us - KEPT_US;
         loop {
             let any: i64 =
@@ -74,15 +106,19 @@ impl Store {
                 locked.map_err(failed(WHAT))?;
             }
             let sql = AssertSqlSafe(excess());
-            let events: Vec<Placed<Brief>> =
+            let events: Vec<Positioned<Brief>> =
                 on!(&mut tx, |tx| sqlx::query_as(sql).bind(before_us).bind(EVENTS_MAX).fetch_all(&mut **tx).await)
                     .map_err(failed(WHAT))?;
+            if events.is_empty() {
+                return Ok(());
+            }
             let ids: Vec<i64> = events.iter().map(|event| event.at.event_id).collect();
             let events: Vec<Brief> =
                 events.into_iter().filter_map(|event| self.set_aside.read(EVENTS, event.event)).collect();
             for webhook in self.webhooks().await? {
                 let (done, interest) = (webhook.done(), webhook.interest());
-                let lost = events.iter().filter(|event| event.at() > done && event.is_in(&interest)).count() as i64;
+                let lost =
+                    events.iter().filter(|event| event.position() > done && event.is_in(&interest)).count() as i64;
                 if lost > 0 {
                     lose(&mut tx, webhook.webhook_id, lost).await.map_err(failed(WHAT))?;
                 }
@@ -92,13 +128,31 @@ impl Store {
         }
     }
 
-    /// Prepares the queues when a supervisor starts. A file has one supervisor at a time, so nobody holds a target of it now. A
-    /// PostgreSQL server that was restored from a dump begins to count transactions anew: events and targets that name
+    /// Removes events that are older than a day, without those for webhooks, and without those that Kafka has not acknowledged.
+    ///
+    /// # Errors
+    /// The database cannot be written.
+    pub async fn forget_events(&self, now_us: i64) -> Result<(), StoreError> {
+        let sql = format!(
+            "DELETE FROM events WHERE event_id IN (SELECT event_id FROM events e WHERE e.recorded_us < $2 \
+             AND e.audience <> 'PEOPLE' AND {NOT_AWAITED})"
+        );
+        on!(&self.pool, |pool| sqlx::query(AssertSqlSafe(sql))
+            .bind(now_us - KEPT_US)
+            .bind(now_us - OTHERS_KEPT_US)
+            .execute(pool)
+            .await
+            .map(drop))
+        .map_err(failed(WHAT))
+    }
+
+    /// Prepares the log when a supervisor starts. A file has one supervisor at a time, so nobody holds a webhook of it now. A
+    /// PostgreSQL server that was restored from a dump begins to count transactions anew: events and readers that name
     /// transactions of the former server come before all new ones then.
     ///
     /// # Errors
     /// The database cannot be written.
-    pub async fn prepare_webhook_queues(&self) -> Result<(), StoreError> {
+    pub async fn prepare_events(&self) -> Result<(), StoreError> {
         const MINE: &str = "pg_snapshot_xmax(pg_current_snapshot())::text::bigint";
         let pool = match &self.pool {
             Either::Sqlite(pool) => {
@@ -108,10 +162,11 @@ impl Store {
             Either::Postgres(pool) => pool,
         };
         for sql in [
-            format!("UPDATE webhook_events SET tx = 0 WHERE tx >= {MINE}"),
+            format!("UPDATE events SET tx = 0 WHERE tx >= {MINE}"),
             format!("UPDATE webhooks SET done_tx = 0 WHERE done_tx >= {MINE}"),
+            format!("UPDATE event_positions SET tx = 0 WHERE tx >= {MINE}"),
         ] {
-            sqlx::query(sqlx::AssertSqlSafe(sql)).execute(pool).await.map_err(failed("mend the order of events"))?;
+            sqlx::query(AssertSqlSafe(sql)).execute(pool).await.map_err(failed("mend the order of events"))?;
         }
         Ok(())
     }
@@ -120,15 +175,14 @@ impl Store {
 /// Removes events with their dead letters, which are counted as lost.
 async fn remove(tx: &mut Tx<'_>, events: &[i64]) -> sqlx::Result<()> {
     // The list contains only numbers, no text from outside.
-    let list: Vec<String> = events.iter().map(i64::to_string).collect();
-    let list = if list.is_empty() { "NULL".to_owned() } else { list.join(", ") };
+    let list = events.iter().map(i64::to_string).collect::<Vec<_>>().join(", ");
     for sql in [
         format!(
             "UPDATE webhooks SET lost = lost + (SELECT count(*) FROM webhook_dead_letters d \
              WHERE d.webhook_id = webhooks.webhook_id AND d.event_id IN ({list}))"
         ),
         format!("DELETE FROM webhook_dead_letters WHERE event_id IN ({list})"),
-        format!("DELETE FROM webhook_events WHERE event_id IN ({list})"),
+        format!("DELETE FROM events WHERE event_id IN ({list})"),
     ] {
         let sql = AssertSqlSafe(sql).into_sql_str();
         on!(&mut *tx, |tx| sqlx::query(sql).persistent(false).execute(&mut **tx).await.map(drop))?;
