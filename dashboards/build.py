@@ -4,7 +4,8 @@
     dashboards/build.py           writes them
     dashboards/build.py --check   lists those that are out of date, and fails if there are any
 
-Python's standard library is enough. Grafana reads the generated files, so they are committed.
+Needs Grafana's SDK: pip install -r dashboards/requirements-dashboards.txt. Grafana reads the generated files, so they
+are committed.
 """
 
 import json
@@ -13,6 +14,8 @@ import sys
 
 # No __pycache__ beside the sources.
 sys.dont_write_bytecode = True
+
+from grafana_foundation_sdk.cog.encoder import JSONEncoder
 
 from source import compensation, fleet, robot, supervisor, whisker
 
@@ -23,7 +26,7 @@ def main(arguments):
     if arguments not in ([], ["--check"]):
         sys.exit(__doc__)
     folder = pathlib.Path(__file__).parent
-    texts = {f"{one.NAME}.json": json.dumps(one.dashboard(), indent=2, ensure_ascii=False) + "\n" for one in DASHBOARDS}
+    texts = {f"{one.NAME}.json": written(one.dashboard()) for one in DASHBOARDS}
     stale = [name for name, text in texts.items() if not is_same(folder / name, text)]
     stale += [file.name for file in folder.glob("*.json") if file.name not in texts]
     if arguments:
@@ -32,6 +35,10 @@ def main(arguments):
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")
     return False
+
+
+def written(dashboard):
+    return json.dumps(dashboard, cls=JSONEncoder, indent=2, ensure_ascii=False) + "\n"
 
 
 def is_same(file, text):

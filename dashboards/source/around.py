@@ -1,16 +1,17 @@
-"""Panels about the supervisors' surroundings: database, broker, Kafka, archive, leases, setpoints, actions, HTTP, processes."""
+"""Panels about the supervisors' surroundings: database, broker, Kafka, archive, leases, setpoints, HTTP, processes."""
 
-from .grafana import by_name, heatmap, hidden, promql, sql, table, timeseries
-from .rows import time
-from .series import any_of, buckets, largest, lately, least, mean, of_all, of_fleet, per_second, quantile, rate, shares, total
+from grafana_foundation_sdk.models.prometheus import PromQueryFormat
+
+from .grafana import Sql, by_name, hidden, promql
+from .panels import heatmap, table, timeseries
+from .rows import of_fleets, time
+from .series import any_of, buckets, largest, lately, mean, of_all, of_fleet, per_second, quantile, rate, shares, total
 
 
 def database():
     commit = "vibrissa_database_commit_seconds"
     return [
-        heatmap(
-            "Commits", "Duration of transactions.", "s", promql(buckets(of_fleet, commit), "{{le}}", form="heatmap")
-        ),
+        heatmap("Commits", "Duration of transactions.", "s", promql(buckets(of_fleet, commit), "{{le}}")),
         timeseries(
             "Commit times",
             "Mean and quantiles of recent commits.",
@@ -49,9 +50,8 @@ def database():
 
 
 def engines():
-    # The newest position of each shard, which its last owners have, too; of these the oldest.
-    by_shard = largest(of_fleet("vibrissa_archive_position_timestamp_seconds") + " > 0", "fleet, shard")
-    behind = f"time() - {least(by_shard, 'fleet')}"
+    # The newest position: former owners have an older one.
+    behind = f"time() - {largest(of_fleet('vibrissa_archive_position_timestamp_seconds') + ' > 0', 'fleet')}"
     skipped = total(lately(of_fleet("vibrissa_kafka_records_skipped_total")), "fleet, reason")
     published = per_second("vibrissa_kafka_events_published_total", "fleet")
     return [
@@ -68,11 +68,14 @@ def engines():
             [promql(total(of_fleet("vibrissa_kafka_outbox_events"), "fleet"), "{{fleet}}")],
         ),
         timeseries(
-            "Events published", "Events that Kafka has acknowledged, per second.", "cps", [promql(published, "{{fleet}}")]
+            "Events published",
+            "Events that Kafka has acknowledged, per second.",
+            "cps",
+            [promql(published, "{{fleet}}")],
         ),
         timeseries(
             "Records skipped",
-            "Records of Kafka in the panel's interval that are no contacts or status of the shard, by reason.",
+            "Records of Kafka in the panel's interval that are no contacts or status of the fleet, by reason.",
             "none",
             [promql(any_of(skipped, "fleet", "reason"), "{{fleet}} {{reason}}")],
             bars=True,
@@ -116,11 +119,11 @@ def ownership():
         table(
             "Owners",
             "Owner of each fleet, and expiry of its lease.",
-            sql(OWNERS),
+            Sql(OWNERS),
             [by_name("until", unit="dateTimeFromNow")],
             (12, 8),
         ),
-        table("Epochs", "Owners up to the end of the selected time, newest first.", sql(EPOCHS), [], (12, 8)),
+        table("Epochs", "Owners up to the end of the selected time, newest first.", Sql(EPOCHS), [], (12, 8)),
         timeseries(
             "Changes of leases",
             "Leases acquired and lost in the panel's interval.",
@@ -207,7 +210,7 @@ def processes():
     info = table(
         "Programs",
         "Program version, database and broker of each supervisor.",
-        promql(of_all("vibrissa_build_info"), "{{supervisor}}", instant=True, form="table"),
+        promql(of_all("vibrissa_build_info"), "{{supervisor}}").format(PromQueryFormat.TABLE).instant(),
         hidden("Time", "Value", "__name__", "job"),
         (24, 6),
     )
@@ -235,12 +238,12 @@ def processes():
 
 OWNERS = f"""
     SELECT l.fleet, l.holder, l.epoch, l.commits, {time("l.expires_us")} AS until FROM leases l
-    WHERE l.fleet IN (${{fleet:sqlstring}}) ORDER BY l.fleet
+    WHERE {of_fleets("l.fleet")} ORDER BY l.fleet
 """
 
 # At most one row for each change of owner.
-EPOCHS = """
+EPOCHS = f"""
     SELECT e.fleet, e.epoch, e.holder, to_timestamp(e.began_us / 1e6) AS began FROM epochs e
-    WHERE e.fleet IN (${fleet:sqlstring}) AND e.began_us <= $__unixEpochNanoTo() / 1000
+    WHERE {of_fleets("e.fleet")} AND e.began_us <= $__unixEpochNanoTo() / 1000
     ORDER BY e.began_us DESC LIMIT 100
 """

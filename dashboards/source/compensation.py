@@ -2,22 +2,9 @@
 
 from . import rows, variables, words
 from .fleet import error_steps, in_force
-from .grafana import (
-    CONSOLE_ROBOT,
-    CONSOLE_WHISKER,
-    bargauge,
-    barchart,
-    by_name,
-    drill_down,
-    heatmap,
-    promql,
-    sql,
-    stat,
-    table,
-    timeseries,
-    xychart,
-)
+from .grafana import CONSOLE_ROBOT, CONSOLE_WHISKER, Sql, by_name, drill_down, promql
 from .layout import whole
+from .panels import barchart, bargauge, heatmap, stat, table, timeseries, xychart
 from .rows import FLEETS, between
 from .series import any_of, buckets, gained, largest, mean, of_fleet, quantile, rate, total
 
@@ -27,14 +14,11 @@ MEASURED = "vibrissa_compensation_error_mean_ratio"
 WITH_GAIN = "vibrissa_compensation_error_with_gain_mean_ratio"
 AIR_ALONE = "vibrissa_compensation_air_error_mean_ratio"
 PREDICTED = "vibrissa_compensation_predicted_error_mean_ratio"
-PAPER = [
-    promql(f"vector({words.PAPER_CASE_1})", "paper, case 1 (shorter for longer, and itself)"),
-    promql(f"vector({words.PAPER_CASE_2})", "paper, case 2 (longer for shorter)"),
-]
+CASE_1, CASE_2 = "paper, case 1 (shorter for longer, and itself)", "paper, case 2 (longer for shorter)"
 DASHED = {"custom__lineStyle": {"fill": "dash", "dash": [10, 10]}, "custom__showPoints": "never"}
 PAPER_LINES = [
-    by_name(PAPER[0]["legendFormat"], color={"mode": "fixed", "fixedColor": "green"}, **DASHED),
-    by_name(PAPER[1]["legendFormat"], color={"mode": "fixed", "fixedColor": "orange"}, **DASHED),
+    by_name(CASE_1, color={"mode": "fixed", "fixedColor": "green"}, **DASHED),
+    by_name(CASE_2, color={"mode": "fixed", "fixedColor": "orange"}, **DASHED),
 ]
 
 
@@ -53,6 +37,10 @@ def dashboard():
         ],
         rows.happenings(FLEETS),
     )
+
+
+def paper():
+    return [promql(f"vector({words.PAPER_CASE_1})", CASE_1), promql(f"vector({words.PAPER_CASE_2})", CASE_2)]
 
 
 def weighted(name):
@@ -97,14 +85,13 @@ def over_time():
             " shorter whisker that compensates for a longer one (self-compensation included), 36.18 % for a longer one"
             " that compensates for a shorter one.",
             "percentunit",
-            [promql(f"avg by (case) ({of_fleet(MEASURED)})", "{{case}}")] + PAPER,
+            [promql(f"avg by (case) ({of_fleet(MEASURED)})", "{{case}}")] + paper(),
             size=(12, 10),
-            overrides=PAPER_LINES,
-        ),
+        ).overrides(PAPER_LINES),
         timeseries(
             "Predicted, measured, with the gain, by air alone",
-            "By case: predicted error, measured error of the reading, and measured error with the published gain. For robots"
-            " that apply a gain also the error of the air alone.",
+            "By case: predicted error, measured error of the reading, and measured error with the published gain. For"
+            " robots that apply a gain also the error of the air alone.",
             "percentunit",
             [
                 by_case(PREDICTED, "predicted"),
@@ -118,7 +105,7 @@ def over_time():
             "Reported errors",
             "Number of errors in each range; an error is reported again as contacts arrive.",
             "percentunit",
-            promql(buckets(of_fleet, stated), "{{le}}", form="heatmap"),
+            promql(buckets(of_fleet, stated), "{{le}}"),
         ),
         timeseries(
             "Reported errors: mean and quantiles",
@@ -129,10 +116,9 @@ def over_time():
                 promql(quantile(0.5, of_fleet, stated), "50 %"),
                 promql(quantile(0.9, of_fleet, stated), "90 %"),
             ]
-            + PAPER,
+            + paper(),
             size=(12, 8),
-            overrides=PAPER_LINES,
-        ),
+        ).overrides(PAPER_LINES),
     ]
 
 
@@ -144,7 +130,7 @@ def by_ratio():
             "As Fig. 10 of the paper, at the same contact ratios: the newest measured errors of the compensations in"
             " the selected time, averaged by case, and the predicted errors.",
             "percentunit",
-            sql(BY_RATIO),
+            Sql(BY_RATIO),
             "contact ratio",
             (14, 10),
         ),
@@ -153,15 +139,14 @@ def by_ratio():
             "One point for each compensation, with its newest measured error: points below the line are better than"
             " predicted.",
             "percentunit",
-            [sql(AGAINST), sql('SELECT unnest(ARRAY[0, 0.6]) AS same, unnest(ARRAY[0, 0.6]) AS "any"')],
+            [Sql(AGAINST), Sql('SELECT unnest(ARRAY[0, 0.6]) AS same, unnest(ARRAY[0, 0.6]) AS "any"')],
             [
                 (0, "predicted", "measured", "measured"),
                 (0, "predicted", "with gain", "with the gain"),
                 (1, "same", "any", "as predicted"),
             ],
             (10, 10),
-            [identity],
-        ),
+        ).overrides([identity]),
     ]
 
 
@@ -179,7 +164,7 @@ def tables():
             "Worst whiskers",
             "Compensations in force with the 95 % interval of their measured error, largest first; click a whisker to"
             " open it.",
-            sql(WORST),
+            Sql(WORST),
             [by_name("whisker", links=to_whisker), by_name("robot", links=to_robot), *errors, *pressures],
             (24, 10),
         ),
@@ -207,9 +192,8 @@ def refinements():
             "Outcomes",
             "Number of reviews by outcome in the selected time.",
             "none",
-            promql(outcomes, "{{outcome}}", instant=True),
-            defaults={"decimals": 0},
-        ),
+            promql(outcomes, "{{outcome}}").instant(),
+        ).decimals(0),
     ]
 
 

@@ -1,8 +1,9 @@
 """All fleets: robots, whiskers, recent events, and links to details."""
 
 from . import rows, variables, words
-from .grafana import CONSOLE_ROBOT, CONSOLE_WHISKER, bargauge, by_name, drill_down, promql, sql, stat, table, timeseries
+from .grafana import CONSOLE_ROBOT, CONSOLE_WHISKER, Sql, by_name, drill_down, promql
 from .layout import whole
+from .panels import bargauge, stat, table, timeseries
 from .rows import FLEETS, between, time
 from .series import any_of, gained, largest, least, mean, of_fleet, rate, shares, total
 
@@ -149,10 +150,9 @@ def trims():
             "Trims",
             "Trims detected in the selected time.",
             "none",
-            promql(total(gained(of_fleet("vibrissa_trims_total"))), "trims", instant=True),
+            promql(total(gained(of_fleet("vibrissa_trims_total"))), "trims").instant(),
             size=(4, 8),
-            defaults={"decimals": 0},
-        ),
+        ).decimals(0),
         timeseries(
             "Contacts to detect a trim",
             "Contacts from the most likely time of a cut to its detection, for recent trims.",
@@ -188,9 +188,8 @@ def trims():
             "Outcomes by case",
             "Number of outcomes by case in the selected time; NONE if none can compensate.",
             "none",
-            promql(any_of(by_outcome, "case", "outcome"), "{{case}}: {{outcome}}", instant=True),
-            defaults={"decimals": 0},
-        ),
+            promql(any_of(by_outcome, "case", "outcome"), "{{case}}: {{outcome}}").instant(),
+        ).decimals(0),
     ]
 
 
@@ -235,20 +234,20 @@ def tables():
         table(
             "Robots",
             "Every robot with its whiskers; click a robot to open it.",
-            sql(ROBOTS),
+            Sql(ROBOTS),
             [by_name("robot", links=to_robot), by_name("heard", unit="dateTimeFromNow")],
         ),
         table(
             "Standing alarms",
             "Alarms whose cause persists, newest first; click a whisker to open it.",
-            sql(ALARMS),
+            Sql(ALARMS),
             [by_name("whisker", links=to_whisker), by_name("robot", links=to_robot)],
             (12, 9),
         ),
         table(
             "Newest trims",
             "Trims in the selected time, newest first; click a whisker to open it.",
-            sql(TRIMS),
+            Sql(TRIMS),
             [by_name("whisker", links=to_whisker), by_name("robot", links=to_robot)]
             + [by_name(name, unit="lengthmm", decimals=1) for name in ("before", "after", "+-")],
             (12, 9),

@@ -1,7 +1,13 @@
-"""Dashboards in the JSON of Grafana 12 (schema 42): rows of panels, placed automatically."""
+"""Dashboards as rows of panels, with the settings that they share."""
 
+from grafana_foundation_sdk.builders import dashboard
+from grafana_foundation_sdk.models.dashboard import DashboardCursorSync, DashboardLinkType, Panel
+
+from .grafana import console_page
+
+# Grafana 12 writes this version; it would migrate an older one, such as the SDK's, on load.
 SCHEMA = 42
-WIDTH = 24
+PLUGINS = "12.4.0"
 
 # The dashboards in the order of their links: uid, title, and purpose.
 ALL = [
@@ -13,72 +19,27 @@ ALL = [
 ]
 
 
-def whole(uid, description, variables, rows, annotations=(), refresh="10s", since="now-1h", console="#/alarms"):
+def whole(uid, description, variables, rows, annotations=(), console="alarms"):
     """A dashboard; `rows` are (title, panels), and `console` is the page of the console that its panels link to."""
     title = next(title for known, title, _ in ALL if known == uid)
-    return {
-        "uid": uid,
-        "title": f"vibrissa: {title}",
-        "description": description,
-        "tags": ["vibrissa"],
-        "schemaVersion": SCHEMA,
-        "version": 1,
-        "editable": False,
-        "graphTooltip": 1,
-        "fiscalYearStartMonth": 0,
-        "timezone": "browser",
-        "refresh": refresh,
-        "time": {"from": since, "to": "now"},
-        "timepicker": {},
-        "templating": {"list": list(variables)},
-        "annotations": {"list": list(annotations)},
-        "links": [link_to(*other) for other in ALL if other[0] != uid],
-        "panels": [linked(panel, console) for panel in placed(rows)],
-    }
+    board = dashboard.Dashboard(f"vibrissa: {title}").uid(uid).description(description).tags(["vibrissa"])
+    board.version(1).readonly().tooltip(DashboardCursorSync.CROSSHAIR).refresh("10s").time("now-1h", "now")
+    board.variables(variables).annotations(list(annotations)).links([link_to(*one) for one in ALL if one[0] != uid])
+    for name, panels in rows:
+        board.with_row(dashboard.Row(name))
+        for panel in panels:
+            # Series and numbers lead to the console; rows and columns with links keep their own.
+            board.with_panel(panel.data_links([console_page(console)]))
+    made = board.build()
+    made.schema_version = SCHEMA
+    for number, panel in enumerate(made.panels or [], 1):
+        panel.id_val = number
+        if isinstance(panel, Panel):
+            panel.plugin_version = PLUGINS
+    return made
 
 
 def link_to(uid, title, tooltip):
     """A link at the top of a dashboard, which passes on time and variables."""
-    return {
-        "type": "link",
-        "title": title,
-        "tooltip": tooltip,
-        "url": f"/d/{uid}",
-        "icon": "dashboard",
-        "tags": [],
-        "asDropdown": False,
-        "includeVars": True,
-        "keepTime": True,
-        "targetBlank": False,
-    }
-
-
-def placed(rows):
-    """Panels with their numbers and positions: from left to right, with line breaks."""
-    panels, y = [], 0
-    for title, members in rows:
-        panels.append(
-            {"type": "row", "title": title, "collapsed": False, "panels": [], "gridPos": place(0, y, WIDTH, 1)}
-        )
-        x, height, y = 0, 0, y + 1
-        for panel in members:
-            width, tall = panel.pop("size")
-            if x + width > WIDTH:
-                x, height, y = 0, 0, y + height
-            panels.append({**panel, "gridPos": place(x, y, width, tall)})
-            x, height = x + width, max(height, tall)
-        y += height
-    return [{"id": number, **panel} for number, panel in enumerate(panels, 1)]
-
-
-def linked(panel, page):
-    """A panel whose series and numbers link to a page of the console; rows and columns with links keep their own."""
-    if panel["type"] == "row":
-        return panel
-    link = {"title": "Open in the console", "url": "${console:raw}/" + page, "targetBlank": True}
-    config = panel["fieldConfig"]
-    return {**panel, "fieldConfig": {**config, "defaults": {**config["defaults"], "links": [link]}}}
-
-
-def place(x, y, width, height):
-    return {"x": x, "y": y, "w": width, "h": height}
+    link = dashboard.DashboardLink(title).type(DashboardLinkType.LINK).tooltip(tooltip).url(f"/d/{uid}")
+    return link.icon("dashboard").include_vars(True).keep_time(True)

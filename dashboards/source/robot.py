@@ -1,8 +1,12 @@
 """One robot: its whiskers, recent events, and its fleet."""
 
+from grafana_foundation_sdk.models.common import BigValueTextMode
+from grafana_foundation_sdk.models.dashboard import DataTransformerConfig
+
 from . import rows, variables, words
-from .grafana import CONSOLE_WHISKER, by_name, drill_down, hidden, promql, sql, stat, table, timeline, timeseries
+from .grafana import CONSOLE_WHISKER, Sql, by_name, drill_down, hidden, promql
 from .layout import whole
+from .panels import newest, stat, table, timeline, timeseries
 from .rows import ROBOT, between, bucket, time
 from .series import largest, of_fleet, shares, total
 
@@ -26,25 +30,23 @@ def dashboard():
             ("Its fleet", fleet()),
         ],
         rows.happenings(ROBOT),
-        console="#/fleets/${fleet}/robots/${robot}",
+        console="fleets/${fleet}/robots/${robot}",
     )
 
 
 def now():
-    count = lambda condition: sql(f"SELECT count(*) FILTER (WHERE {condition}) AS whiskers {OF_ROBOT}")
+    count = lambda condition: Sql(f"SELECT count(*) FILTER (WHERE {condition}) AS whiskers {OF_ROBOT}")
     standing = (
         f"SELECT count(*) AS alarms FROM alarms o {rows.OF_ALARM} WHERE {ROBOT} AND o.cleared_us IS NULL"
     )
-    text = {"textMode": "value"}
     connection = stat(
         "Connection",
         "ONLINE; SILENT if connected and not heard; OFFLINE after a farewell; CONNECTION_BROKEN by the last will.",
         "string",
-        sql(f"SELECT {rows.PRESENCE} AS connection FROM robots r WHERE {ROBOT}"),
+        Sql(f"SELECT {rows.PRESENCE} AS connection FROM robots r WHERE {ROBOT}"),
     )
-    connection["options"].update(text, reduceOptions={"calcs": ["lastNotNull"], "fields": "/.*/", "values": False})
     return [
-        connection,
+        connection.text_mode(BigValueTextMode.VALUE).reduce_options(newest("/.*/")),
         stat("Whiskers", "Whiskers of its newest factsheet.", "none", count("TRUE")),
         stat(
             "Healthy",
@@ -60,13 +62,13 @@ def now():
             [(None, "green"), (1, "red")],
         ),
         stat(
-            "Alarms standing", "Alarms whose cause persists.", "none", sql(standing), [(None, "green"), (1, "red")]
+            "Alarms standing", "Alarms whose cause persists.", "none", Sql(standing), [(None, "green"), (1, "red")]
         ),
         stat(
             "Last message",
             "Time of the last message about one of its whiskers.",
             "dateTimeFromNow",
-            sql(f"SELECT 1000 * extract(epoch FROM {time('max(w.heard_us)')})::double precision AS heard {OF_ROBOT}"),
+            Sql(f"SELECT 1000 * extract(epoch FROM {time('max(w.heard_us)')})::double precision AS heard {OF_ROBOT}"),
         ),
     ]
 
@@ -82,7 +84,7 @@ def whiskers():
         table(
             "Whiskers",
             "Each whisker with its length and 95 % interval; click a whisker to open it.",
-            sql(WHISKERS),
+            Sql(WHISKERS),
             [
                 by_name("whisker", links=to_whisker),
                 *lengths,
@@ -96,20 +98,17 @@ def whiskers():
 
 
 def over_time():
-    contacts = lambda value: sql(CONTACTS.replace("{value}", value), "time_series")
-    partition = {
-        "id": "partitionByValues",
-        "options": {"fields": ["whisker"], "keepFields": False, "naming": {"asLabels": False}},
-    }
-    lines = {"custom": {"axisSoftMin": None}, "size": (12, 9)}
+    contacts = lambda value: Sql(CONTACTS.replace("{value}", value), "time_series")
+    options = {"fields": ["whisker"], "keepFields": False, "naming": {"asLabels": False}}
+    each_whisker = DataTransformerConfig("partitionByValues", options=options)
+    lines = {"from_0": False, "size": (12, 9)}
     return [
         timeline(
             "Health",
             "Each whisker's fault or, without one, its condition.",
-            [sql(HEALTH)],
+            [Sql(HEALTH)],
             words.HEALTH,
-            transformations=[partition],
-        ),
+        ).with_transformation(each_whisker),
         timeseries(
             "Lengths",
             "Estimated lengths after each contact, averaged over the panel's interval; times are the robot's.",
@@ -139,17 +138,17 @@ def tables():
         table(
             "Compensations",
             "Decisions about its whiskers in the selected time, and compensations in force, newest first.",
-            sql(COMPENSATIONS),
+            Sql(COMPENSATIONS),
             [*linked, *errors, pressure],
         ),
         table(
             "Setpoints",
             "Setpoints in the selected time, newest first.",
-            sql(SETPOINTS),
+            Sql(SETPOINTS),
             [*linked, pressure, reached],
             (12, 9),
         ),
-        table("Alarms", "Alarms of the selected time and standing alarms, newest first.", sql(ALARMS), linked, (12, 9)),
+        table("Alarms", "Alarms of the selected time and standing alarms, newest first.", Sql(ALARMS), linked, (12, 9)),
     ]
 
 
@@ -176,8 +175,7 @@ def fleet():
                 promql(total(of_fleet("vibrissa_queue_messages", 'queue="inbox"')), "inbox"),
                 promql(silence, "silence"),
             ],
-            overrides=[by_name("silence", unit="s", custom__axisPlacement="right")],
-        ),
+        ).overrides([by_name("silence", unit="s", custom__axisPlacement="right")]),
     ]
 
 

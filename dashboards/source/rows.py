@@ -1,7 +1,11 @@
 """Parts of queries in SQL. Times of the database are microseconds since 1970 UTC as integers, and so are the bounds
 here: expressions that an index on such a column serves."""
 
-from .grafana import POSTGRES, sql, tidy
+import typing
+
+from grafana_foundation_sdk.builders import dashboard
+
+from .grafana import POSTGRES, Sql
 
 FROM_US = "$__unixEpochNanoFrom() / 1000"
 TO_US = "$__unixEpochNanoTo() / 1000"
@@ -10,7 +14,14 @@ SO_FAR_US = f"least({TO_US}, (extract(epoch FROM now()) * 1000000)::bigint)"
 # Factor of a standard deviation for a 95 % interval.
 Z95 = "1.959963984540054"
 
-FLEETS = "r.fleet IN (${fleet:sqlstring})"
+
+
+def of_fleets(column):
+    """Condition: the column is one of the selected fleets, of which each may be a pattern."""
+    return rf"{column} ~ ANY (ARRAY(SELECT '\A(' || f || ')\Z' FROM unnest(ARRAY[${{fleet:sqlstring}}]::text[]) f))"
+
+
+FLEETS = of_fleets("r.fleet")
 ROBOT = "r.fleet = ${fleet:sqlstring} AND r.robot = ${robot:sqlstring}"
 WHISKER = f"""{ROBOT} AND a."array" = ${{array:sqlstring}} AND w.whisker::text = ${{whisker:sqlstring}}"""
 
@@ -93,15 +104,9 @@ def short(value):
 
 def annotation(name, color, query):
     """Marks events in every panel over time."""
-    target = {key: value for key, value in sql(query).items() if key != "datasource"}
-    return {
-        "name": name,
-        "datasource": POSTGRES,
-        "enable": True,
-        "hide": False,
-        "iconColor": color,
-        "target": {"refId": "Anno", **target},
-    }
+    made = dashboard.AnnotationQuery().name(name).datasource(POSTGRES).enable(True).hide(False).icon_color(color)
+    # The SDK knows no target with a query.
+    return made.target(typing.cast(typing.Any, Sql(query)))
 
 
 def happenings(place):
@@ -120,7 +125,7 @@ def happenings(place):
         FROM setpoints s {OF_WHISKER}
         WHERE {place} AND {between("s.issued_us")} ORDER BY s.issued_us DESC LIMIT 200
     """
-    return [annotation("Trims", "red", tidy(trims)), annotation("Setpoints", "blue", tidy(setpoints))]
+    return [annotation("Trims", "red", trims), annotation("Setpoints", "blue", setpoints)]
 
 # Connection state of the robot `r`; SILENT is connected, but not heard.
 PRESENCE = (

@@ -9,8 +9,8 @@ def of_all(name, *matchers):
 
 
 def of_fleet(name, *matchers):
-    """A metric of the selected fleets."""
-    return of_all(name, "fleet=~" + quoted("$fleet"), *matchers)
+    """A metric of the selected fleets, of which each may be a pattern: `pipe` leaves it as it is."""
+    return of_all(name, "fleet=~" + quoted("${fleet:pipe}"), *matchers)
 
 
 def quoted(text):

@@ -2,8 +2,9 @@
 
 from . import variables
 from .around import database, engines, http, outgoing, ownership, processes
-from .grafana import heatmap, promql, stat, timeseries
+from .grafana import promql
 from .layout import whole
+from .panels import heatmap, stat, timeseries
 from .series import (
     any_of,
     buckets,
@@ -25,7 +26,8 @@ def dashboard():
     """The dashboard."""
     return whole(
         "vibrissa-supervisor",
-        "The supervisors themselves: messages, lag, receipts, queues, database, broker, Kafka, archive, ownership, HTTP, processes.",
+        "The supervisors themselves: messages, lag, receipts, queues, database, broker, Kafka, archive, ownership,"
+        " HTTP, processes.",
         variables.sources() + variables.console() + variables.supervisors() + variables.fleets(),
         [
             ("Now", now()),
@@ -86,10 +88,9 @@ def now():
             "Lost",
             "Contacts messages given up in the selected time.",
             "none",
-            promql(total(gained(of_fleet("vibrissa_messages_given_up_total"))), "lost", instant=True),
+            promql(total(gained(of_fleet("vibrissa_messages_given_up_total"))), "lost").instant(),
             [(None, "green"), (0.5, "red")],
-            defaults={"decimals": 0},
-        ),
+        ).decimals(0),
     ]
 
 
@@ -153,13 +154,13 @@ def lag():
             "From the newest contact of a message, by the robot's clock, to its commit. Includes the time for which the"
             " robot collects contacts.",
             "s",
-            promql(buckets(of_fleet, contact), "{{le}}", form="heatmap"),
+            promql(buckets(of_fleet, contact), "{{le}}"),
         ),
         heatmap(
             "From received to commit",
             "The supervisor's part of this time, by its own clock.",
             "s",
-            promql(buckets(of_fleet, received), "{{le}}", form="heatmap"),
+            promql(buckets(of_fleet, received), "{{le}}"),
         ),
         timeseries(
             "From contact to commit, quantiles", "For recently committed messages.", "s", shares(of_fleet, contact)

@@ -2,13 +2,13 @@
 
 from . import rows, variables, whisker_rows, words
 from .fleet import error_steps
-from .grafana import barchart, by_name, drill_down, hidden, sql, stat, table, timeline, timeseries, to_console
+from .grafana import Sql, by_name, drill_down, hidden, to_console
 from .layout import whole
+from .panels import barchart, newest, stat, table, timeline, timeseries
 from .rows import WHISKER, WHISKERS
 
 NAME = "whisker"
 
-FREE = {"axisSoftMin": None}
 THIS = f"FROM {WHISKERS} WHERE {WHISKER}"
 
 
@@ -27,32 +27,30 @@ def dashboard():
             ("Decisions, setpoints, alarms", tables()),
         ],
         rows.happenings(WHISKER),
-        console="#/fleets/${fleet}/robots/${robot}/arrays/${array}/whiskers/${whisker}",
+        console="fleets/${fleet}/robots/${robot}/arrays/${array}/whiskers/${whisker}",
     )
 
 
 def now():
-    one = lambda column: sql(f"SELECT {column} {THIS}")
+    one = lambda column: Sql(f"SELECT {column} {THIS}")
     health = stat(
         "Health", "Its fault or, without one, its condition.", "string", one("coalesce(w.fault, w.condition) AS health")
     )
-    health["options"]["reduceOptions"]["fields"] = "/.*/"
     return [
-        health,
-        stat("Length", "Estimated length now.", "lengthmm", one("w.length_mm AS length"), defaults={"decimals": 1}),
+        health.reduce_options(newest("/.*/")),
+        stat("Length", "Estimated length now.", "lengthmm", one("w.length_mm AS length")).decimals(1),
         stat(
             "Lost",
             "Difference between the whole length and the present length.",
             "lengthmm",
             one("w.whole_length_mm - w.length_mm AS lost"),
-            defaults={"decimals": 1},
-        ),
+        ).decimals(1),
         stat("Setpoint", "The pressure that it should have.", "pressurepa", one("1e6 * w.setpoint_mpa AS setpoint")),
         stat(
             "Compensation error",
             "The newest measured error of its compensation, as target or as compensator.",
             "percentunit",
-            sql(whisker_rows.NEWEST_ERROR),
+            Sql(whisker_rows.NEWEST_ERROR),
             error_steps(),
         ),
         stat("Contacts", "Contacts since the first factsheet.", "locale", one("w.contacts")),
@@ -75,25 +73,23 @@ def lengths():
             "Length",
             "Estimated length with its 95 % interval, averaged over the panel's interval; times are the robot's.",
             "lengthmm",
-            [sql(whisker_rows.LENGTH, "time_series")],
+            [Sql(whisker_rows.LENGTH, "time_series")],
             size=(12, 10),
-            custom=FREE,
-            overrides=band("low", "high", "length"),
-        ),
+            from_0=False,
+        ).overrides(band("low", "high", "length")),
         timeseries(
             "Sensitivity against the model's",
             "Measured over predicted sensitivity of the used contacts: 100 % where the estimated length explains the"
             " readings.",
             "percentunit",
-            [sql(whisker_rows.RESIDUAL, "time_series")],
+            [Sql(whisker_rows.RESIDUAL, "time_series")],
             size=(12, 10),
-            custom=FREE,
-            overrides=band("low", "high", "measured over predicted"),
-        ),
+            from_0=False,
+        ).overrides(band("low", "high", "measured over predicted")),
         timeline(
             "Health",
             "Its fault or, without one, its condition.",
-            [sql(whisker_rows.HEALTH)],
+            [Sql(whisker_rows.HEALTH)],
             words.HEALTH,
             (12, 6),
         ),
@@ -101,7 +97,7 @@ def lengths():
             "Contacts by use",
             "Contacts per panel's interval by their use; times are the robot's.",
             "none",
-            [sql(whisker_rows.USE, "time_series")],
+            [Sql(whisker_rows.USE, "time_series")],
             size=(12, 6),
             bars=True,
             stacked=True,
@@ -116,16 +112,15 @@ def pressures():
             "Pressure, set and measured",
             "Setpoint, and pressure that the robot measured at contacts.",
             "pressurepa",
-            [sql(whisker_rows.PRESSURE, "time_series"), sql(whisker_rows.SETPOINT, "time_series")],
+            [Sql(whisker_rows.PRESSURE, "time_series"), Sql(whisker_rows.SETPOINT, "time_series")],
             size=(14, 9),
-            overrides=[stepped],
-        ),
+        ).overrides([stepped]),
         barchart(
             "Sensitivity by contact ratio",
             "Measured strain per millimetre of deflection in the selected time: it falls with the distance from the"
             " base.",
             "none",
-            sql(whisker_rows.SENSITIVITY),
+            Sql(whisker_rows.SENSITIVITY),
             "contact ratio",
             (10, 9),
         ),
@@ -139,16 +134,15 @@ def errors():
             "Measured error (Eq. 35) of its compensations with the 95 % interval, the predicted error, and the error"
             " with the published gain.",
             "percentunit",
-            [sql(whisker_rows.ERROR, "time_series")],
+            [Sql(whisker_rows.ERROR, "time_series")],
             size=(12, 10),
-            overrides=band("low", "high", "measured"),
-        ),
+        ).overrides(band("low", "high", "measured")),
         barchart(
             "Compensation error by contact ratio",
             "As Fig. 10 of the paper: the newest measured error of its compensation with the 95 % interval, and the"
             " predicted error.",
             "percentunit",
-            sql(whisker_rows.BY_RATIO),
+            Sql(whisker_rows.BY_RATIO),
             "contact ratio",
             (12, 10),
         ),
@@ -167,7 +161,7 @@ def tables():
             "Decisions and candidates",
             "Decisions about this whisker in the selected time: all candidates, the predictions of Eq. 34 and 35, and"
             " the reason why each was refused; click a candidate to open it.",
-            sql(whisker_rows.CANDIDATES),
+            Sql(whisker_rows.CANDIDATES),
             [
                 by_name("candidate", links=other),
                 *places,
@@ -180,21 +174,21 @@ def tables():
         table(
             "Trims",
             "Trims detected in the selected time.",
-            sql(whisker_rows.TRIMS),
+            Sql(whisker_rows.TRIMS),
             [by_name(name, unit="lengthmm", decimals=1) for name in ("before", "after", "+-")],
             (8, 9),
         ),
         table(
             "Setpoints",
             "Its setpoints in the selected time with each state that they reached, newest first.",
-            sql(whisker_rows.SETPOINTS),
+            Sql(whisker_rows.SETPOINTS),
             in_pascals("pressure", "reached"),
             (16, 9),
         ),
         table(
             "Reviews of its compensation",
             "Reviews of the setpoints of its compensations, newest first.",
-            sql(whisker_rows.REFINEMENTS),
+            Sql(whisker_rows.REFINEMENTS),
             [by_name(name, unit="percentunit", decimals=1) for name in ("error", "with gain", "expected")]
             + in_pascals("pressure", "best"),
             (12, 9),
@@ -202,7 +196,7 @@ def tables():
         table(
             "Alarms",
             "Its alarms of the selected time and standing alarms, newest first.",
-            sql(whisker_rows.ALARMS),
+            Sql(whisker_rows.ALARMS),
             [],
             (12, 9),
         ),

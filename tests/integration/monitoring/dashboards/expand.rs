@@ -14,6 +14,15 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
+    /// The same with a pattern instead of the fleet, if the dashboard takes several.
+    pub(super) fn of_pattern(&self, takes_several: bool) -> Self {
+        let mut chosen = self.clone();
+        if let Some(fleets) = chosen.variables.get_mut("fleet").filter(|_| takes_several) {
+            fleets.iter_mut().for_each(|fleet| fleet.replace_range(1.., ".*"));
+        }
+        chosen
+    }
+
     /// Expands SQL as the PostgreSQL data source does, with intervals of one second.
     ///
     /// # Panics
@@ -43,6 +52,7 @@ impl Chosen {
         query = query.replace("$__range", &format!("{}s", (self.to_us - self.from_us) / 1_000_000));
         for (name, values) in &self.variables {
             query = query.replace(&format!("${name}\""), &format!("{}\"", values.join("|")));
+            query = query.replace(&format!("${{{name}:pipe}}"), &values.join("|"));
         }
         assert!(!query.contains('$'), "not fully expanded: {query}");
         query
@@ -58,6 +68,8 @@ fn values_cannot_leave_their_quotes() {
         "fleet IN (${fleet:sqlstring}) AND us BETWEEN $__unixEpochNanoFrom() / 1000 AND $__unixEpochNanoTo() / 1000";
     let expected = "fleet IN ('a','o''b; DROP') AND us BETWEEN 1000000000 / 1000 AND 61000000000 / 1000";
     assert_eq!(chosen.sql(query), expected);
-    let query = r#"increase(x{job=~"$job"}[$__range]) > rate(x[$__rate_interval])"#;
-    assert_eq!(chosen.promql(query), r#"increase(x{job=~".+"}[60s]) > rate(x[4s])"#);
+    let query = r#"increase(x{job=~"$job"}[$__range]) > rate(x{fleet=~"${fleet:pipe}"}[$__rate_interval])"#;
+    let expected = r#"increase(x{job=~".+"}[60s]) > rate(x{fleet=~"a|o'b; DROP"}[4s])"#;
+    assert_eq!(chosen.promql(query), expected);
+    assert_eq!(chosen.of_pattern(true).variables["fleet"], ["a.*", "o.*"]);
 }

@@ -25,7 +25,7 @@ async fn every_query_shows_something_of_a_fleet_that_is_supervised() {
     lint_metrics(&metrics);
     let mut problems = Vec::new();
     for dashboard in ALL.iter() {
-        problems.extend(promql_problems(&stage, dashboard, &choices[0]).await);
+        problems.extend(promql_problems(&stage, dashboard, &choices[0].of_pattern(dashboard.takes_fleets())).await);
     }
     let mut link = stage.grafana().await;
     let queries: Vec<Query> = ALL.iter().flat_map(queries).collect();
@@ -113,6 +113,8 @@ fn labels(legend: &str) -> Vec<&str> {
 /// A query in SQL and its required columns.
 struct Query {
     place: String,
+    /// Whether several fleets can be chosen.
+    takes_fleets: bool,
     sql: String,
     columns: Vec<String>,
 }
@@ -120,19 +122,23 @@ struct Query {
 /// All queries in SQL: of panels, annotations and variables.
 fn queries(dashboard: &Dashboard) -> Vec<Query> {
     let place = |what: &str, name: &Value| format!("{}: {what}{}", dashboard.title(), text(name));
+    let takes_fleets = dashboard.takes_fleets();
     let of_panels = dashboard.panels().flat_map(targets).filter(|(_, target)| target["rawSql"].is_string());
     let panels = of_panels.map(|(panel, target)| Query {
+        takes_fleets,
         place: place("", &panel["title"]) + ": " + text(&target["refId"]),
         sql: text(&target["rawSql"]).to_owned(),
         columns: columns(dashboard, panel, target),
     });
     let annotations = list(&dashboard.json["annotations"]["list"]).map(|one| Query {
+        takes_fleets,
         place: place("annotation ", &one["name"]),
         sql: text(&one["target"]["rawSql"]).to_owned(),
         columns: ["time", "text", "tags"].map(str::to_owned).to_vec(),
     });
     let of_database = dashboard.variables().filter(|one| one["type"] == "query" && one["query"].is_string());
     let variables = of_database.map(|one| Query {
+        takes_fleets,
         place: place("variable ", &one["name"]),
         sql: text(&one["query"]).to_owned(),
         columns: Vec::new(),
@@ -156,7 +162,10 @@ fn columns(dashboard: &Dashboard, panel: &Value, target: &Value) -> Vec<String> 
 /// The problem of a query, if any: it fails, a column is missing, or no whisker has rows.
 async fn sql_problem(link: &mut PgConnection, query: &Query, choices: &[Chosen]) -> Option<String> {
     for chosen in choices {
-        let sql = format!("SELECT row_to_json(q)::text FROM (\n{}\n) q", chosen.sql(&query.sql));
+        let sql = format!(
+            "SELECT row_to_json(q)::text FROM (\n{}\n) q",
+            chosen.of_pattern(query.takes_fleets).sql(&query.sql)
+        );
         let rows = match sqlx::query(AssertSqlSafe(sql)).fetch_all(&mut *link).await {
             Ok(rows) => rows,
             Err(problem) => return Some(format!("{}: {problem}:\n{}", query.place, query.sql)),
@@ -190,7 +199,7 @@ async fn make_history(stage: &Stage) {
 }
 
 async fn plan_uses_indexes(link: &mut PgConnection, query: &Query, chosen: &Chosen) {
-    let explain = format!("EXPLAIN {}", chosen.sql(&query.sql));
+    let explain = format!("EXPLAIN {}", chosen.of_pattern(query.takes_fleets).sql(&query.sql));
     let plan = sqlx::query(AssertSqlSafe(explain)).fetch_all(link).await.unwrap();
     let plan: Vec<String> = plan.iter().map(|row| row.get(0)).collect();
     // In this database only two days have partitions; all other contacts are in the default partition.

@@ -58,6 +58,11 @@ impl Dashboard {
         self.variables().find(|variable| variable["name"] == name)
     }
 
+    /// Whether several fleets can be chosen.
+    fn takes_fleets(&self) -> bool {
+        self.variable("fleet").is_some_and(|fleet| fleet["multi"] == true)
+    }
+
     /// All queries in PromQL, each with its panel.
     fn promql(&self) -> impl Iterator<Item = (&Value, &Value)> {
         self.panels().flat_map(targets).filter(|(_, target)| target.get("expr").is_some())

@@ -36,11 +36,15 @@ fn word(text: &str) -> usize {
     text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_' || c == ':')).unwrap_or(text.len())
 }
 
+/// The text between two brackets, and the rest. A bracket between quotes closes nothing.
 fn enclosed(text: &str, open: char, close: char) -> (Option<&str>, &str) {
-    match text.strip_prefix(open).and_then(|rest| rest.split_once(close)) {
-        Some((inner, rest)) => (Some(inner), rest),
-        None => (None, text),
-    }
+    let Some(inner) = text.strip_prefix(open) else { return (None, text) };
+    let mut is_quoted = false;
+    let end = inner.find(|letter| {
+        is_quoted ^= letter == '"';
+        letter == close && !is_quoted
+    });
+    end.map_or((None, text), |end| (Some(&inner[..end]), &inner[end + 1..]))
 }
 
 /// The word before the parenthesis at the end of the text.
@@ -53,9 +57,9 @@ fn caller(before: &str) -> &str {
 #[test]
 fn selectors_are_found_with_what_is_asked_of_them() {
     let text =
-        r#"sum by (vibe) (rate(vibrissa_a_total{job=~"$job"}[$__rate_interval])) / vibrissa_b + time() - x{y="z"}"#;
+        r#"sum by (vibe) (rate(vibrissa_a_total{job=~"${job:x}"}[$__rate_interval])) / vibrissa_b + time() - x{y="z"}"#;
     let [a, b] = selectors(text).try_into().unwrap();
-    let matchers = Some(r#"job=~"$job""#);
+    let matchers = Some(r#"job=~"${job:x}""#);
     let range = Some("$__rate_interval");
     assert_eq!(a, Selector { metric: "vibrissa_a_total", matchers, range, within: "rate" });
     assert_eq!(b, Selector { metric: "vibrissa_b", matchers: None, range: None, within: "" });

@@ -4,15 +4,27 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 use serde_json::Value;
+use vibrissa_tests::python::environment_if_reachable;
 
+use super::promql::selectors;
 use super::{ALL, Dashboard, folder, list, targets, text};
 use crate::alerts::named_alerts;
 
 #[test]
-fn dashboards_are_what_their_sources_make() {
-    let ended = Command::new("python3").arg(folder().join("build.py")).arg("--check").output().unwrap();
-    let said = String::from_utf8_lossy(&ended.stdout) + String::from_utf8_lossy(&ended.stderr);
-    assert!(ended.status.success(), "run dashboards/build.py: {said}");
+fn golden_dashboards_are_what_their_sources_make() {
+    let Some(programs) =
+        environment_if_reachable("../dashboards/requirements-dashboards.txt", env!("CARGO_TARGET_TMPDIR"))
+    else {
+        return;
+    };
+    let run = |program: &str, arguments: &[&str]| {
+        let ended = Command::new(programs.join(program)).args(arguments).current_dir(folder()).output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stdout) + String::from_utf8_lossy(&ended.stderr);
+        assert!(ended.status.success(), "run dashboards/build.py: {said}");
+    };
+    run("python", &["build.py", "--check"]);
+    // The SDK's types know the structure of each kind of panel.
+    run("mypy", &["--check-untyped-defs", "--cache-dir=/dev/null", "build.py"]);
 }
 
 /// Bookmarks and links depend on these ids.
@@ -153,9 +165,30 @@ fn every_variable_that_is_used_is_one() {
         let queries = dashboard.panels().flat_map(targets).map(|(_, target)| target);
         let annotations = list(&dashboard.json["annotations"]["list"]).map(|one| &one["target"]);
         let texts = queries.chain(annotations).flat_map(|one| [text(&one["expr"]), text(&one["rawSql"])]);
-        let texts = texts.chain(dashboard.variables().map(|one| text(&one["definition"])));
+        let queries = dashboard.variables().flat_map(|one| [text(&one["query"]), text(&one["query"]["query"])]);
+        let texts = texts.chain(queries);
         for used in texts.flat_map(used_variables) {
             assert!(dashboard.variable(used).is_some(), "{}: {used} is not one of its variables", dashboard.file);
+        }
+    }
+}
+
+/// Names of fleets have no character with a meaning in patterns, so each name is a pattern, too.
+#[test]
+fn fleets_can_be_several_or_a_pattern() {
+    for dashboard in ALL.iter() {
+        for (panel, target) in dashboard.promql() {
+            for selector in selectors(text(&target["expr"])) {
+                let mut matchers = selector.matchers.into_iter().flat_map(|all| all.split(','));
+                let is_pattern = matchers.all(|one| !one.starts_with("fleet") || one == r#"fleet=~"${fleet:pipe}""#);
+                assert!(is_pattern, "{}: {}", dashboard.file, panel["title"]);
+            }
+        }
+        let Some(fleet) = dashboard.variable("fleet") else { panic!("{}: no fleet", dashboard.file) };
+        // A robot is one of one fleet.
+        if dashboard.variable("robot").is_none() {
+            let properties = ["multi", "includeAll", "allowCustomValue"];
+            assert!(properties.iter().all(|&property| fleet[property] == true), "{}: {fleet}", dashboard.file);
         }
     }
 }
