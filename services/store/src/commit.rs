@@ -59,7 +59,7 @@ async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch, now_us: i
     if let Some(row) = &batch.journal {
         write_journal(&mut tx, lease, row).await.map_err(failed("write the journal"))?;
     }
-    log_position::write(&mut tx, lease, batch.log_next).await?;
+    log_position::write(&mut tx, lease, &batch.log).await?;
     write_done(&mut tx, lease, batch, true).await?;
     outbox::write(&mut tx, lease, &batch.events).await?;
     changes::write_of(&mut tx, fleet, &batch.records, now_us).await.map_err(failed("write the changes"))?;

@@ -53,6 +53,19 @@ columns! {
     ShardNumber<'b> { fleet: &'b str, shard: i64, number: i64, }
 }
 
+/// A position in a partitioned log.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LogPositionRow<'b> {
+    pub(crate) fleet: &'b str,
+    pub(crate) topic: &'b str,
+    pub(crate) log_partition: i64,
+    pub(crate) next: i64,
+}
+
+columns! {
+    LogPositionRow<'b> { fleet: &'b str, topic: &'b str, log_partition: i64, next: i64, }
+}
+
 /// The events of a transaction.
 #[derive(Debug, Clone)]
 pub(crate) struct OutboxRow<'b> {
@@ -149,6 +162,8 @@ pub(crate) static JOURNAL_DONE: Statement<ShardNumber<'static>> = Statement::cus
     "journal",
     "DELETE FROM journal AS t USING ROWS WHERE t.fleet = n.fleet AND t.shard = n.shard AND t.number <= n.number AND OWNED",
 );
+pub(crate) static LOG_POSITIONS: Statement<LogPositionRow<'static>> = Statement::insert("log_positions")
+    .on_conflict(" ON CONFLICT (fleet, topic, log_partition) DO UPDATE SET next = excluded.next");
 pub(crate) static CHANGES: Statement<(InFleet<'static>, NewChange<'static>)> = Statement::insert("changes");
 pub(crate) static OUTBOX: Statement<OutboxRow<'static>> = Statement::insert("event_outbox");
 pub(crate) static HEALTH: Statement<HealthRow> = Statement::insert("health_changes");
@@ -248,13 +263,14 @@ pub struct Written {
 /// The columns of all statements, as the rows are declared.
 #[must_use]
 pub fn written() -> Vec<Written> {
-    let all: [&dyn Declared; 30] = [
+    let all: [&dyn Declared; 31] = [
         &ROBOTS,
         &WHISKERS,
         &ROBOT_HASHES,
         &CONTACTS,
         &RESPONSES,
         &JOURNAL,
+        &LOG_POSITIONS,
         &CHANGES,
         &OUTBOX,
         &HEALTH,

@@ -11,6 +11,7 @@ mod formats;
 mod history;
 mod joint;
 mod leases;
+mod log_positions;
 mod opened;
 mod plans;
 mod refused;

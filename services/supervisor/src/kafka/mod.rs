@@ -1,11 +1,13 @@
 //! A partitioned log, Apache Kafka: events go out to it, and contacts may come from it.
 //!
-//! Nothing here decides about a robot. [`publisher`] carries the outbox of a shard to the log, [`reader`] reads a partition,
-//! [`client`] has the connections.
+//! Nothing here decides about a robot. [`publisher`] carries the outbox of a shard to the log, [`reader`] reads all partitions
+//! of a topic ([`partition`]), [`again`] reads them for a recovery, [`client`] has the connections.
 
+mod again;
 mod cause;
 mod client;
 mod fetch;
+mod partition;
 mod publisher;
 mod reader;
 
@@ -48,7 +50,7 @@ impl Kafka {
         Ok(Some(Self { connector: Connector::new(options)?, publish, ingest }))
     }
 
-    /// The reader of a shard's contacts; `None` if they come over MQTT.
+    /// The reader of a fleet's contacts; `None` if they come over MQTT.
     pub(crate) fn reader(
         &self,
         shard: &FleetShard,

@@ -1,84 +1,66 @@
-//! Reads a shard's partition of the log: for the engine, and again for its recovery.
+//! Reads all partitions of a fleet's topic.
 //!
-//! Consumer groups are not used: the owner of a shard's lease reads, and the position is in the database.
+//! Consumer groups are not used: the owner of the fleet's lease reads, and the positions are in the database.
 
-use std::collections::{BTreeMap, VecDeque};
-use std::fmt;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::collections::BTreeMap;
+use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
-use rskafka::client::partition::{OffsetAt, PartitionClient};
 use rskafka::record::RecordAndOffset;
 use tokio::sync::{Mutex, mpsc};
-use tracing::{error, info, warn};
+use tokio::task::JoinSet;
+use tokio::time::sleep;
+use tracing::warn;
 use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 
-use super::client::{Connector, KafkaError, within};
+use super::again::Again;
+use super::client::{Connector, KafkaError, SharedLog};
+use super::partition::PartitionReader;
 use crate::backoff::Backoff;
-use crate::log_inbox::{LogBatch, LogRecord, LogStart, Skipped};
+use crate::log_inbox::{LogBatch, LogRecord, NextOffsets, Skipped};
 use crate::metrics::FleetMetrics;
 use crate::readiness::Readiness;
 use crate::set_aside::Reader;
 
-/// Most records that the engine steps at a time.
-const RECORDS_AT_A_TIME: usize = 512;
+/// Interval of the looks for new partitions.
+const LOOK_EVERY: Duration = Duration::from_secs(30);
 /// Headers with the MQTT topic, as bridges name them.
 const TOPIC_HEADERS: [&str; 3] = ["topic", "mqtt_topic", "mqtt.topic"];
-/// The part of a shard that is not ready then.
+/// The part of a fleet that is not ready then.
 const PART: &str = "log";
-/// Pause of a shard whose partition does not exist.
-const MISCONFIGURED: Duration = Duration::from_secs(2);
 
-/// Reads the partition of one shard.
+/// Reads the topic of one fleet. Clones share their state.
 #[derive(Debug, Clone)]
 pub(crate) struct LogReader {
-    connector: Connector,
+    pub(super) connector: Connector,
     topic: Arc<str>,
-    pub(super) shard: FleetShard,
+    pub(super) fleet: FleetShard,
     metrics: FleetMetrics,
     readiness: Readiness,
-    again: Arc<Mutex<Option<Again>>>,
-    is_connected: Arc<AtomicBool>,
+    pub(super) again: Arc<Mutex<Option<Again>>>,
+    partitions: Arc<std::sync::Mutex<BTreeMap<u32, PartitionState>>>,
 }
 
-/// Records that a recovery reads again.
-struct Again {
-    partition: Arc<PartitionClient>,
-    /// First and next offset of the partition when it was opened.
-    earliest: i64,
-    latest: i64,
-    /// Records before this offset are gone from `read`.
-    begin: i64,
-    /// Next offset to read.
-    next: i64,
-    read: VecDeque<RecordAndOffset>,
-}
-
-impl fmt::Debug for Again {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Again").field("begin", &self.begin).field("next", &self.next).finish_non_exhaustive()
-    }
+/// What is known about a partition.
+#[derive(Debug, Default, Clone, Copy)]
+pub(super) struct PartitionState {
+    /// Whether it has answered the last read.
+    pub(super) is_connected: bool,
+    /// Number of its records that are not read.
+    pub(super) lag: i64,
 }
 
 impl LogReader {
     pub(super) fn new(
         connector: Connector,
         topic: &str,
-        shard: FleetShard,
+        fleet: FleetShard,
         metrics: FleetMetrics,
         readiness: Readiness,
     ) -> Self {
-        Self {
-            connector,
-            topic: topic.into(),
-            shard,
-            metrics,
-            readiness,
-            again: Arc::default(),
-            is_connected: Arc::default(),
-        }
+        let (again, partitions) = (Arc::default(), Arc::default());
+        Self { connector, topic: topic.into(), fleet, metrics, readiness, again, partitions }
     }
 
     /// Name of the topic.
@@ -86,168 +68,71 @@ impl LogReader {
         &self.topic
     }
 
-    /// Whether the log answers.
+    /// Whether all partitions of the log answer.
     pub(crate) fn is_connected(&self) -> bool {
-        self.is_connected.load(Ordering::Relaxed)
+        are_connected(&self.partitions.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    fn set_connected(&self, is_connected: bool) {
-        self.is_connected.store(is_connected, Ordering::Relaxed);
-        self.metrics.log_connected.set(is_connected.into());
+    /// Changes what is known about a partition. Returns the number of partitions.
+    pub(super) fn note(&self, partition: u32, change: impl FnOnce(&mut PartitionState)) -> u32 {
+        let mut partitions = self.partitions.lock().unwrap_or_else(PoisonError::into_inner);
+        change(partitions.entry(partition).or_default());
+        self.metrics.log_connected.set(are_connected(&partitions).into());
+        self.metrics.log_lag.set(partitions.values().map(|state| state.lag).sum());
+        partitions.len() as u32
     }
 
-    /// Connects to the partition.
-    ///
-    /// # Errors
-    /// The log does not answer, or the topic has not as many partitions as the fleet has shards.
-    pub(super) async fn open(&self) -> Result<Arc<PartitionClient>, KafkaError> {
-        let mut log = self.connector.connect().await?;
-        let (partitions, shards) = (log.partitions(&self.topic)?, self.shard.count());
-        if partitions != shards {
-            let fleet = self.shard.fleet().to_string();
-            return Err(KafkaError::Partitions { topic: self.topic.to_string(), partitions, fleet, shards });
-        }
-        log.partition(&self.topic, self.shard.number()).await
-    }
-
-    /// The messages of the records `from`..`to`, which were read before. Waits for the log, however long that takes: they are
-    /// part of the fleet's state. Ranges in rising order are read together.
-    pub(crate) async fn records(&self, from: i64, to: i64) -> Vec<LogRecord> {
-        let mut again = self.again.lock().await;
-        let (mut backoff, mut is_failing) = (Backoff::default(), false);
-        loop {
-            match self.try_records(&mut again, from, to).await {
-                Ok(records) => return records,
-                Err(problem) => {
-                    *again = None;
-                    if !std::mem::replace(&mut is_failing, true) {
-                        error!(%problem, fleet = %self.shard, "cannot read the log again for the recovery, retrying");
-                    }
-                    backoff.wait().await;
-                }
-            }
-        }
-    }
-
-    async fn try_records(&self, again: &mut Option<Again>, from: i64, to: i64) -> Result<Vec<LogRecord>, KafkaError> {
-        let again = match again {
-            Some(again) if again.begin <= from && to <= again.latest => again,
-            other => {
-                let partition = self.open().await?;
-                let earliest = within(partition.get_offset(OffsetAt::Earliest)).await?;
-                let latest = within(partition.get_offset(OffsetAt::Latest)).await?;
-                other.insert(Again { partition, earliest, latest, begin: from, next: from, read: VecDeque::new() })
-            }
-        };
-        let (first, end) = (from.max(again.earliest), to.min(again.latest));
-        let lost = (to - from) - (end - first).max(0);
-        if lost > 0 {
-            self.skipped(Skipped::Deleted, lost as u64);
-            error!(
-                fleet = %self.shard, topic = %self.topic, from, to, lost,
-                "the log has deleted records that the recovery needs: the state lacks their contacts. Keep records longer"
-            );
-        }
-        again.begin = to;
-        again.next = again.next.max(first);
-        while again.next < end {
-            let read = self.fetch(&again.partition, again.next).await?;
-            if read.next == again.next {
-                break;
-            }
-            again.next = read.next;
-            again.read.extend(read.records);
-        }
-        let mut records = Vec::new();
-        while again.read.front().is_some_and(|record| record.offset < end) {
-            records.extend(
-                again
-                    .read
-                    .pop_front()
-                    .filter(|record| record.offset >= from)
-                    .and_then(|record| self.message(record).ok()),
-            );
-        }
-        Ok(records)
-    }
-
-    /// Reads from a position until the engine is gone.
-    pub(crate) async fn run(self, start: LogStart, batches: mpsc::Sender<LogBatch>) {
+    /// Reads from these offsets until the engine is gone: one task for each partition. New partitions are read from their
+    /// first record.
+    pub(crate) async fn run(self, mut from: NextOffsets, batches: mpsc::Sender<LogBatch>) {
         self.metrics.log_ingest.set(1);
-        let mut next = match start {
-            LogStart::Earliest => None,
-            LogStart::At(next) => Some(next),
-        };
-        let (mut backoff, mut told) = (Backoff::default(), None);
-        while !batches.is_closed() {
-            let before = next;
-            let Err(problem) = self.read(&mut next, &batches).await else { return };
-            self.set_connected(false);
-            let text = problem.to_string();
-            if told.as_ref() != Some(&text) {
-                warn!(problem = text, fleet = %self.shard, topic = %self.topic, "cannot read the log, retrying");
-                told = Some(text);
-            }
-            if next != before {
-                backoff = Backoff::default();
-            }
-            if matches!(problem, KafkaError::Partitions { .. }) {
-                tokio::time::sleep(MISCONFIGURED).await;
-            } else {
-                backoff.wait().await;
+        let (log, mut tasks) = (Arc::new(SharedLog::new(self.connector.clone())), JoinSet::new());
+        let (mut known, mut backoff, mut told) = (0, Backoff::default(), None);
+        loop {
+            match self.count(&log).await {
+                Ok(count) => {
+                    (backoff, told) = (Backoff::default(), None);
+                    // Known before one of them answers: the log is not connected until all do.
+                    for partition in known..count {
+                        self.note(partition, |_| ());
+                    }
+                    for partition in known..count {
+                        let next = from.remove(&partition);
+                        let reader = PartitionReader { of: self.clone(), log: log.clone(), partition, next };
+                        tasks.spawn(reader.run(batches.clone()));
+                    }
+                    known = known.max(count);
+                    tokio::select! {
+                        () = batches.closed() => return,
+                        () = sleep(LOOK_EVERY) => {}
+                    }
+                }
+                Err(problem) => {
+                    let text = problem.to_string();
+                    if told.as_ref() != Some(&text) {
+                        warn!(
+                            problem = text, fleet = %self.fleet, topic = %self.topic,
+                            "cannot learn the partitions of the log, retrying"
+                        );
+                        told = Some(text);
+                    }
+                    tokio::select! {
+                        () = batches.closed() => return,
+                        () = backoff.wait() => {}
+                    }
+                }
             }
         }
     }
 
-    /// Reads over one connection. Returns without an error when the engine is gone.
-    async fn read(&self, next: &mut Option<i64>, batches: &mpsc::Sender<LogBatch>) -> Result<(), KafkaError> {
-        let partition = self.open().await?;
-        let earliest = within(partition.get_offset(OffsetAt::Earliest)).await?;
-        let latest = within(partition.get_offset(OffsetAt::Latest)).await?;
-        let mut at = next.unwrap_or(earliest);
-        if at < earliest {
-            self.skipped(Skipped::Deleted, at.abs_diff(earliest));
-            error!(
-                fleet = %self.shard, topic = %self.topic, at, earliest,
-                "the log has deleted records before they were read: robots send contacts without a receipt again. Keep \
-                 records longer"
-            );
-            at = earliest;
-        } else if at > latest {
-            error!(
-                fleet = %self.shard, topic = %self.topic, at, latest,
-                "the log ends before the stored position, because it was created anew: reading from its first record"
-            );
-            at = earliest;
+    /// Number of partitions that the topic has now.
+    async fn count(&self, shared: &SharedLog) -> Result<u32, KafkaError> {
+        let log = shared.get().await?;
+        let counted = log.partitions_now(&self.topic).await;
+        if counted.is_err() {
+            shared.forget(&log).await;
         }
-        info!(fleet = %self.shard, topic = %self.topic, at, latest, "reading contacts from the log");
-        loop {
-            *next = Some(at);
-            let read = self.fetch(&partition, at).await?;
-            self.set_connected(true);
-            let (after, end) = (read.next, read.end);
-            let mut read = read.records.into_iter().peekable();
-            while read.peek().is_some() {
-                let from = at;
-                let mut records = Vec::new();
-                for record in read.by_ref().take(RECORDS_AT_A_TIME) {
-                    at = record.offset + 1;
-                    match self.message(record) {
-                        Ok(record) => records.push(record),
-                        Err(reason) => self.skipped(reason, 1),
-                    }
-                }
-                if batches.send(LogBatch { from, to: at, records }).await.is_err() {
-                    return Ok(());
-                }
-                *next = Some(at);
-            }
-            at = after;
-            self.metrics.log_lag.set((end - at).max(0));
-            if batches.is_closed() {
-                return Ok(());
-            }
-        }
+        counted
     }
 
     pub(super) fn skipped(&self, reason: Skipped, count: u64) {
@@ -255,11 +140,13 @@ impl LogReader {
     }
 
     /// Tells for a while that records were set aside.
-    pub(super) fn tell_set_aside(&self, from: i64, to: i64, why: &str) {
+    pub(super) fn tell_set_aside(&self, partition: i32, (from, to): (i64, i64), why: &str) {
         let (last, topic) = (to - 1, &self.topic);
-        let problem = format!("records {from} to {last} of {topic:?} cannot be read and are set aside: {why}");
+        let problem = format!(
+            "records {from} to {last} of partition {partition} of {topic:?} cannot be read and are set aside: {why}"
+        );
         self.metrics.set_aside(Reader::Log, to.abs_diff(from));
-        self.readiness.tell_set_aside(&self.shard, PART, problem);
+        self.readiness.tell_set_aside(&self.fleet, PART, problem);
     }
 
     /// The message of a record.
@@ -267,19 +154,20 @@ impl LogReader {
         let RecordAndOffset { record, offset } = record;
         let topic = address(record.key.as_deref(), &record.headers)?;
         let Topic::Robot { fleet, robot, kind } = &topic else { return Err(Skipped::NoTopic) };
-        if fleet != self.shard.fleet() {
+        if fleet != self.fleet.fleet() {
             return Err(Skipped::OtherFleet);
         }
         if !matches!(kind, RobotTopic::Contacts | RobotTopic::Status) {
             return Err(Skipped::OtherMessage);
         }
-        if !self.shard.has(robot.as_str()) {
-            return Err(Skipped::WrongPartition);
-        }
         let (robot, kind) = (robot.clone(), *kind);
         let payload = record.value.ok_or(Skipped::NoValue)?.into();
         Ok(LogRecord { offset, topic, robot, kind, payload })
     }
+}
+
+fn are_connected(partitions: &BTreeMap<u32, PartitionState>) -> bool {
+    !partitions.is_empty() && partitions.values().all(|state| state.is_connected)
 }
 
 /// The MQTT topic of a record. A key names the robot, and a header must not name another one: brokers and bridges protect

@@ -92,7 +92,7 @@ fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
     assert!(read(&row).map(Result::unwrap).eq(entries.iter().chain(&entries).cloned()));
     let newer = [&(-VERSION_OF_LOG - 1).to_le_bytes()[..], &bytes[8..]].concat();
     let refused: Vec<_> = read(&newer).collect();
-    assert!(matches!(&refused[..], [Err(problem)] if problem.to_string().contains("version 5")), "{refused:?}");
+    assert!(matches!(&refused[..], [Err(problem)] if problem.to_string().contains("version 6")), "{refused:?}");
     let cut: Vec<_> = read(&bytes[..bytes.len() - 1]).collect();
     assert_eq!(cut.iter().filter(|entry| entry.is_ok()).count(), 2);
     assert_eq!(cut.iter().filter(|entry| entry.is_err()).count(), 1);
