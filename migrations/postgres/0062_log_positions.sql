@@ -1,7 +1,7 @@
 -- A fleet reads all partitions of its topic. Until now each shard of a fleet read the partition of its number.
 
--- The first record of a partition whose effects are not committed, by the fleet that reads it. It changes in the transaction of
--- the effects. A partition without a row is read from its first record.
+-- The first record of a partition whose effects are not committed, by the fleet that reads it. It changes in the
+-- transaction of the effects. A partition without a row is read from its first record.
 CREATE TABLE log_positions (
     fleet         TEXT   NOT NULL,
     topic         TEXT   NOT NULL,

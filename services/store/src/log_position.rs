@@ -1,5 +1,5 @@
-//! Positions in a partitioned log (table `log_positions`): the first record of each partition whose effects are not committed.
-//! They change in the transaction of the effects.
+//! Positions in a partitioned log (table `log_positions`): the first record of each partition whose effects are not
+//! committed. They change in the transaction of the effects.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -271,3 +271,18 @@ async fn negative_control_a_position_before_the_state_loses_contacts() {
     until_true("later contacts", async || named(&more).is_subset(&program.stored_contacts().await)).await;
     assert_eq!(program.stored_contacts().await.len(), stored + 10, "the records are lost for good");
 }
+
+/// The engine asked a reader that never read whether the log is away, and excused all silence.
+#[tokio::test]
+async fn regress_a_robot_falls_silent_while_the_log_answers() {
+    let Some(kafka) = Kafka::start(1).await else { return };
+    kafka.create_topic(MESSAGES, 1).await;
+    let broker = Mosquitto::start();
+    let program = program(&kafka, &broker, &[]).await;
+    let mut robot = robot(&broker, &program).await;
+    let all = messages(&mut robot, 10);
+    kafka.write(MESSAGES, 0, records("r", &all)).await;
+    stored(&program, &all).await;
+    until_true("an alarm", async || program.list("alarms").await.iter().any(|alarm| alarm["kind"] == "ROBOT_SILENT"))
+        .await;
+}

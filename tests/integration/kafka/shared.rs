@@ -93,8 +93,8 @@ impl Rig {
     }
 }
 
-/// Asserts that the positions are those of the contacts in the same snapshot: each record has 20 contacts, and each commit
-/// moves both.
+/// Asserts that the positions are those of the contacts in the same snapshot: each record has 20 contacts, and each
+/// commit moves both.
 async fn positions_are_of_the_contacts(database: &mut PgConnection) {
     let sql = "SELECT r.robot, NULL, count(*) FROM contacts c JOIN whiskers USING (whisker_id) JOIN robots r USING (robot_id) \
          GROUP BY 1 UNION ALL SELECT NULL, log_partition, next FROM log_positions";

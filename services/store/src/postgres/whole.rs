@@ -30,8 +30,8 @@ static OF_SEVERAL: LazyLock<Statements> = LazyLock::new(|| Statements::beginning
 struct Statements {
     /// For a transaction that contains only contacts and journal entries.
     ordinary: String,
-    /// For one that contains checkpoints, or positions in a log, too: nearly half of those of a quiet fleet. `whole` takes the server twice as
-    /// long for them (5.6 instead of 2.6 ms in a run with 64 shards).
+    /// For one that contains checkpoints, or positions in a log, too: nearly half of those of a quiet fleet. `whole`
+    /// takes the server twice as long for them (5.6 instead of 2.6 ms in a run with 64 shards).
     checkpoints: String,
     /// For one with all kinds of rows; most of its parts usually write nothing.
     whole: String,

@@ -8,8 +8,7 @@ use rskafka::record::RecordAndOffset;
 use tracing::error;
 
 use super::client::{KafkaError, Log, within};
-use super::reader::LogReader;
-use crate::backoff::Backoff;
+use super::topic::FleetTopic;
 use crate::log_inbox::{LogRange, LogRecord, Skipped};
 
 /// What a recovery has read ahead.
@@ -51,55 +50,33 @@ impl Partition {
     }
 }
 
-impl LogReader {
-    /// The messages of records that were read before. Waits for the log, however long that takes: they are part of the
-    /// fleet's state. Ranges of a partition in rising order are read together.
-    pub(crate) async fn records(&self, range: LogRange) -> Vec<LogRecord> {
-        let mut again = self.again.lock().await;
-        let (mut backoff, mut is_failing) = (Backoff::default(), false);
-        loop {
-            match self.try_records(&mut again, range).await {
-                Ok(records) => return records,
-                Err(problem) => {
-                    *again = None;
-                    if !std::mem::replace(&mut is_failing, true) {
-                        let partition = range.partition;
-                        error!(
-                            %problem, fleet = %self.fleet, partition,
-                            "cannot read the log again for the recovery, retrying"
-                        );
-                    }
-                    backoff.wait().await;
-                }
-            }
-        }
+impl Again {
+    pub(super) fn new(log: Log) -> Self {
+        Self { log, partitions: BTreeMap::new() }
     }
 
-    async fn try_records(&self, again: &mut Option<Again>, range: LogRange) -> Result<Vec<LogRecord>, KafkaError> {
-        let again = match again {
-            Some(again) => again,
-            none => none.insert(Again { log: self.connector.connect().await?, partitions: BTreeMap::new() }),
-        };
-        let partitions = again.log.partitions(self.topic())?;
-        if !again.partitions.get(&range.partition).is_some_and(|partition| partition.is_before(range)) {
-            let opened = Partition::open(&again.log, self.topic(), range).await?;
-            again.partitions.insert(range.partition, opened);
+    /// The messages of records that were read before. Ranges of a partition in rising order are read together.
+    pub(super) async fn records(&mut self, of: &FleetTopic, range: LogRange) -> Result<Vec<LogRecord>, KafkaError> {
+        let partitions = self.log.partitions(&of.name)?;
+        if !self.partitions.get(&range.partition).is_some_and(|partition| partition.is_before(range)) {
+            let opened = Partition::open(&self.log, &of.name, range).await?;
+            self.partitions.insert(range.partition, opened);
         }
-        let Some(partition) = again.partitions.get_mut(&range.partition) else { return Ok(Vec::new()) };
+        let Some(partition) = self.partitions.get_mut(&range.partition) else { return Ok(Vec::new()) };
         let LogRange { from, to, .. } = range;
         let (first, end) = (from.max(partition.earliest), to.min(partition.latest));
         let lost = (to - from) - (end - first).max(0);
         if lost > 0 {
-            self.skipped(Skipped::Deleted, lost as u64);
+            of.skipped(Skipped::Deleted, lost as u64);
             error!(
-                fleet = %self.fleet, topic = self.topic(), partition = range.partition, from, to, lost,
+                fleet = %of.fleet, topic = %of.name, partition = range.partition, from, to, lost,
                 "the log has deleted records that the recovery needs: the state lacks their contacts. Keep records longer"
             );
         }
         partition.begin = to;
         partition.next = partition.next.max(first);
         while partition.next < end {
-            let read = self.fetch((&partition.client, partitions), partition.next).await?;
+            let read = of.fetch((&partition.client, partitions), partition.next).await?;
             if read.next == partition.next {
                 break;
             }
@@ -109,7 +86,7 @@ impl LogReader {
         let mut records = Vec::new();
         while let Some(record) = partition.read.pop_front_if(|record| record.offset < end) {
             if record.offset >= from {
-                records.extend(self.message(record).ok());
+                records.extend(of.message(record).ok());
             }
         }
         Ok(records)

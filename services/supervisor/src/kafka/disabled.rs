@@ -68,6 +68,10 @@ impl LogReader {
         match self.0 {}
     }
 
+    pub(crate) async fn records_are_read(&self) {
+        match self.0 {}
+    }
+
     pub(crate) async fn run(self, _: NextOffsets, _: mpsc::Sender<LogBatch>) {
         match self.0 {}
     }

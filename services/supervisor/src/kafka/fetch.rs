@@ -8,13 +8,13 @@ use rskafka::record::RecordAndOffset;
 use tracing::error;
 
 use super::client::{KafkaError, within};
-use super::reader::LogReader;
+use super::topic::FleetTopic;
 use crate::log_inbox::Skipped;
 
 /// Bytes of one read, at least and at most.
 const READ_BYTES: RangeInclusive<i32> = 64 * 1024..=1024 * 1024;
-/// Bytes of one read of each partition together, as far as [`READ_BYTES`] allows. Each partition has at most one read in
-/// memory.
+/// Bytes of one read of each partition together, as far as [`READ_BYTES`] allows. Each partition has at most one read
+/// in memory.
 const ALL_READS_BYTES: i32 = 16 * 1024 * 1024;
 /// A read of so many bytes answers with one batch, however long it is.
 const ONE_BATCH: i32 = 1;
@@ -36,9 +36,9 @@ fn read_bytes(partitions: u32) -> i32 {
     each.clamp(*READ_BYTES.start(), *READ_BYTES.end())
 }
 
-impl LogReader {
-    /// Reads records of one of so many partitions from an offset on. Records that cannot be read are set aside after some
-    /// tries: counted, and logged.
+impl FleetTopic {
+    /// Reads records of one of so many partitions from an offset on. Records that cannot be read are set aside after
+    /// some tries: counted, and logged.
     pub(super) async fn fetch(
         &self,
         (partition, partitions): (&PartitionClient, u32),
@@ -67,7 +67,7 @@ impl LogReader {
         self.skipped(Skipped::Unreadable, next.abs_diff(at));
         let problem = problem.map(|why| why.to_string()).unwrap_or_default();
         error!(
-            fleet = %self.fleet, topic = self.topic(), partition = partition.partition(), from = at, to = next, problem,
+            fleet = %self.fleet, topic = %self.name, partition = partition.partition(), from = at, to = next, problem,
             "records of the log cannot be read and are set aside: robots send contacts without a receipt again"
         );
         self.tell_set_aside(partition.partition(), (at, next), &problem);

@@ -7,7 +7,7 @@ use tokio::sync::mpsc;
 use tracing::{error, info, warn};
 
 use super::client::{KafkaError, Log, SharedLog, within};
-use super::reader::LogReader;
+use super::topic::FleetTopic;
 use crate::backoff::Backoff;
 use crate::log_inbox::{LogBatch, LogRange, Skipped};
 
@@ -16,7 +16,7 @@ const RECORDS_AT_A_TIME: usize = 512;
 
 /// Reads one partition.
 pub(super) struct PartitionReader {
-    pub(super) of: LogReader,
+    pub(super) of: FleetTopic,
     pub(super) log: Arc<SharedLog>,
     pub(super) partition: u32,
     /// Next offset to read; `None` for the first record.
@@ -31,9 +31,9 @@ impl PartitionReader {
             let before = self.next;
             let Err(problem) = self.connect_and_read(&batches).await else { return };
             self.of.note(self.partition, |state| state.is_connected = false);
-            let (text, fleet, topic) = (problem.to_string(), &self.of.fleet, self.of.topic());
+            let (text, fleet, topic) = (problem.to_string(), &self.of.fleet, &self.of.name);
             if told.as_ref() != Some(&text) {
-                warn!(problem = text, %fleet, topic, partition = self.partition, "cannot read the log, retrying");
+                warn!(problem = text, %fleet, %topic, partition = self.partition, "cannot read the log, retrying");
                 told = Some(text);
             }
             if self.next != before {
@@ -55,7 +55,7 @@ impl PartitionReader {
     /// Reads over one connection. Returns without an error when the engine is gone.
     async fn read(&mut self, log: &Log, batches: &mpsc::Sender<LogBatch>) -> Result<(), KafkaError> {
         let (of, partition) = (self.of.clone(), self.partition);
-        let (fleet, topic) = (&of.fleet, of.topic());
+        let (fleet, topic) = (&of.fleet, &of.name);
         let client = log.open(topic, partition).await?;
         let earliest = within(client.get_offset(OffsetAt::Earliest)).await?;
         let latest = within(client.get_offset(OffsetAt::Latest)).await?;
@@ -63,19 +63,19 @@ impl PartitionReader {
         if at < earliest {
             of.skipped(Skipped::Deleted, at.abs_diff(earliest));
             error!(
-                %fleet, topic, partition, at, earliest,
+                %fleet, %topic, partition, at, earliest,
                 "the log has deleted records before they were read: robots send contacts without a receipt again. Keep \
                  records longer"
             );
             at = earliest;
         } else if at > latest {
             error!(
-                %fleet, topic, partition, at, latest,
+                %fleet, %topic, partition, at, latest,
                 "the log ends before the stored position, because it was created anew: reading from its first record"
             );
             at = earliest;
         }
-        info!(%fleet, topic, partition, at, latest, "reading contacts from the log");
+        info!(%fleet, %topic, partition, at, latest, "reading contacts from the log");
         let mut partitions = of.note(partition, |_| ());
         loop {
             self.next = Some(at);

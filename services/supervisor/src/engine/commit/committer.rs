@@ -165,6 +165,11 @@ impl Committer {
             error!(robot = name, code, text, "database rejects these rows of the robot for good, leaving them out");
             offenders.push(Offender { robot_id, rejection, stored, journal, records });
         }
+        if let Some(log) = &self.log
+            && !offenders.is_empty()
+        {
+            log.records_are_read().await;
+        }
         Ok(offenders)
     }
 

@@ -75,6 +75,9 @@ pub(crate) async fn recover(
             entries += replay.replay_row(&row, &records, shards);
         }
     }
+    if let Some(log) = log {
+        log.records_are_read().await;
+    }
     replay.finish(lease.epoch(), shards);
     if entries > 0 {
         let seconds = begun.elapsed().as_secs_f64();
@@ -95,8 +98,8 @@ pub(crate) async fn records_of(
     log: Option<&LogReader>,
     lease: &Lease,
 ) -> Result<LogRecords, StoreError> {
-    // Each partition is read once, in rising order. The entries of the engine's shards have the same ranges, and some of them
-    // not all.
+    // Each partition is read once, in rising order. The entries of the engine's shards have the same ranges, and some
+    // of them not all.
     let mut ranges = BTreeSet::new();
     for entry in row.entries().map_while(Result::ok) {
         if let JournalEvent::Log { range, .. } = entry.event {

@@ -33,8 +33,8 @@ use stored::read;
 /// Version of the entries' layout. A negative number -v before entries gives their version v; entries begin with a robot's
 /// id, which is positive. Entries of version 1 have the layout of version 2 and no version number; [`version_2`] reads both.
 const VERSION: i64 = 3;
-/// Version of rows with references to a partitioned log. Its other entries are those of version 3. References of version 4
-/// ([`version_4`]) do not name their partition.
+/// Version of rows with references to a partitioned log. Its other entries are those of version 3. References of
+/// version 4 ([`version_4`]) do not name their partition.
 const VERSION_OF_LOG: i64 = 5;
 /// Robot of entries about all robots of a part.
 const NO_ROBOT: i64 = 0;
@@ -75,8 +75,8 @@ pub(crate) enum JournalEvent {
         robot_time: Micros,
         whiskers: Vec<JournalStatus>,
     },
-    /// Records of a partitioned log, for the robots of a part but those in `except`. The entry's time is that of the first
-    /// record; each further one is a microsecond later.
+    /// Records of a partitioned log, for the robots of a part but those in `except`. The entry's time is that of the
+    /// first record; each further one is a microsecond later.
     Log {
         range: LogRange,
         part: Part,

@@ -87,7 +87,8 @@ pub(super) fn read(bytes: &[u8]) -> impl Iterator<Item = std::io::Result<Entry>>
     read_of(bytes, 0)
 }
 
-fn read_of(bytes: &[u8], partition: u32) -> impl Iterator<Item = std::io::Result<Entry>> {
+/// Reads entries. Records of references that do not name a partition are in this one.
+pub(super) fn read_of(bytes: &[u8], partition: u32) -> impl Iterator<Item = std::io::Result<Entry>> {
     let mut reader = Reader::new(bytes, partition);
     std::iter::from_fn(move || {
         let entry = reader.next();
