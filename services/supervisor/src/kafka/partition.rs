@@ -33,7 +33,7 @@ impl PartitionReader {
             self.of.note(self.partition, |state| state.is_connected = false);
             let (text, fleet, topic) = (problem.to_string(), &self.of.fleet, &self.of.name);
             if told.as_ref() != Some(&text) {
-                warn!(problem = text, %fleet, %topic, partition = self.partition, "cannot read the log, retrying");
+                warn!(problem = %text, %fleet, %topic, partition = self.partition, "cannot read the log, retrying");
                 told = Some(text);
             }
             if self.next != before {

@@ -109,7 +109,7 @@ impl LogReader {
                     let text = problem.to_string();
                     if told.as_ref() != Some(&text) {
                         warn!(
-                            problem = text, fleet = %self.topic.fleet, topic = %self.topic.name,
+                            problem = %text, fleet = %self.topic.fleet, topic = %self.topic.name,
                             "cannot learn the partitions of the log, retrying"
                         );
                         told = Some(text);
