@@ -21,7 +21,7 @@ use crate::stage::{self, Store};
 
 const PART: &str = "kafka";
 const TOPIC: &str = "vibrissa.messages";
-const SHARDS: u32 = 4;
+const PARTITIONS: u32 = 4;
 /// Messages per second of all robots: 20,000 contacts per second.
 const RATE: f64 = 1000.0;
 /// Time with this load before the measurement, s: Java compiles the most frequent functions in it.
@@ -62,11 +62,11 @@ impl Case {
         let (mut further, mut bridge) = (vec!["--contacts-keep", self.keep], None);
         let kafka_url = kafka.as_ref().map(Kafka::url);
         if let (Some(kafka), Some(url)) = (&kafka, &kafka_url) {
-            kafka.create_topic(TOPIC, SHARDS).await;
+            kafka.create_topic(TOPIC, PARTITIONS).await;
             further.extend(["--ingest", "kafka", "--kafka-url", url]);
             bridge = Some(tokio::spawn(carry(broker.port(), fleet.clone(), kafka.addresses())));
         }
-        let supervisors = start(&bench.stage, broker, &store, &fleet, (SHARDS, 1), &further).await?;
+        let supervisors = start(&bench.stage, broker, &store, &fleet, (1, 1), &further).await?;
         let mut watched: Vec<_> = supervisors.iter().map(|one| ("supervisor", one.pid())).collect();
         watched.push(("broker", broker.pid()));
         watched.extend(store.pid().map(|pid| ("postgresql", pid)));
@@ -108,17 +108,17 @@ async fn carry(mqtt: u16, fleet: String, addresses: Vec<String>) -> anyhow::Resu
     for kind in [RobotTopic::Contacts, RobotTopic::Status] {
         client.try_subscribe(format!("whisker/v1/{fleet}/+/{kind}"), QoS::AtLeastOnce)?;
     }
-    let mut writers: Vec<_> = (0..SHARDS).map(|shard| Writer::new(addresses.clone(), TOPIC, shard)).collect();
+    let mut writers: Vec<_> = (0..PARTITIONS).map(|one| Writer::new(addresses.clone(), TOPIC, one)).collect();
     let mut waiting: BTreeMap<u32, Vec<Record>> = BTreeMap::new();
     loop {
         let until = Instant::now() + GATHER;
         while let Ok(event) = timeout_at(until, events.poll()).await {
             let Event::Incoming(Packet::Publish(publish)) = event? else { continue };
-            let (shard, record) = of_message(&fleet, &publish)?;
-            waiting.entry(shard).or_default().push(record);
+            let (partition, record) = of_message(&fleet, &publish)?;
+            waiting.entry(partition).or_default().push(record);
         }
-        for (shard, records) in std::mem::take(&mut waiting) {
-            if !writers[shard as usize].write(records).await {
+        for (partition, records) in std::mem::take(&mut waiting) {
+            if !writers[partition as usize].write(records).await {
                 bail!("Kafka does not take records");
             }
         }
@@ -131,7 +131,7 @@ fn of_message(fleet: &str, publish: &Publish) -> anyhow::Result<(u32, Record)> {
     let (rest, kind) = topic.rsplit_once('/').context("a topic")?;
     let robot = rest.rsplit_once('/').context("a topic")?.1;
     let kind = if kind == "contacts" { RobotTopic::Contacts } else { RobotTopic::Status };
-    Ok((robot_hash(fleet, robot) % SHARDS, record_of(fleet, robot, kind, publish.payload.to_vec())))
+    Ok((robot_hash(fleet, robot) % PARTITIONS, record_of(fleet, robot, kind, publish.payload.to_vec())))
 }
 
 /// Runs this part of the benchmark.

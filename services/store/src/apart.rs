@@ -95,7 +95,7 @@ async fn write(
             waiting.push(range.start..middle);
         }
     }
-    log_position::write(&mut tx, lease, parts.rest().log_next).await?;
+    log_position::write(&mut tx, lease, &parts.rest().log).await?;
     commit::write_done(&mut tx, lease, parts.rest(), refused.is_empty()).await?;
     tx.commit().await.map_err(failed("commit"))?;
     lease.committed(Some(asked));

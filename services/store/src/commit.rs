@@ -57,7 +57,7 @@ async fn write_in_steps(link: &mut Link, lease: &Lease, batch: &Batch) -> Result
     if let Some(row) = &batch.journal {
         write_journal(&mut tx, lease, row).await.map_err(failed("write the journal"))?;
     }
-    log_position::write(&mut tx, lease, batch.log_next).await?;
+    log_position::write(&mut tx, lease, &batch.log).await?;
     write_done(&mut tx, lease, batch, true).await?;
     events::write::write(&mut tx, fleet, &batch.events).await.map_err(failed("write events"))?;
     tx.commit().await.map_err(failed("commit"))?;

@@ -161,8 +161,8 @@ impl Lease {
     }
 
     /// Binds the first parameters of a statement that advances the counter: fleet, epoch, owner, present count,
-    /// time to live, shard, and the position in the log, if it changes.
-    pub(super) fn bind(&self, statement: postgres::Query, log_next: Option<i64>) -> postgres::Query {
+    /// time to live, and shard.
+    pub(super) fn bind(&self, statement: postgres::Query) -> postgres::Query {
         statement
             .bind(self.fleet().as_str())
             .bind(self.epoch as i64)
@@ -170,21 +170,18 @@ impl Lease {
             .bind(self.commits.load(Ordering::Relaxed))
             .bind(micros(self.time_to_live))
             .bind(self.shard_number())
-            .bind(log_next)
     }
 
-    /// As [`Self::bind`], for a statement that advances the counters of several leases of one supervisor, each with its
-    /// position in the log.
-    pub(super) fn bind_several(leases: &[(&Self, Option<i64>)], statement: postgres::Query) -> postgres::Query {
-        let each = |value: fn(&Self) -> i64| leases.iter().map(|(lease, _)| value(lease)).collect::<Vec<i64>>();
-        let owner = leases.first().map_or_else(String::new, |(lease, _)| lease.owner.to_string());
-        let time_to_live = leases.first().map_or(Duration::ZERO, |(lease, _)| lease.time_to_live);
+    /// As [`Self::bind`], for a statement that advances the counters of several leases of one supervisor.
+    pub(super) fn bind_several(leases: &[&Self], statement: postgres::Query) -> postgres::Query {
+        let each = |value: fn(&Self) -> i64| leases.iter().map(|lease| value(lease)).collect::<Vec<i64>>();
+        let owner = leases.first().map_or_else(String::new, |lease| lease.owner.to_string());
+        let time_to_live = leases.first().map_or(Duration::ZERO, |lease| lease.time_to_live);
         statement
-            .bind(leases.iter().map(|(lease, _)| lease.fleet().to_string()).collect::<Vec<_>>())
+            .bind(leases.iter().map(|lease| lease.fleet().to_string()).collect::<Vec<_>>())
             .bind(each(Self::shard_number))
             .bind(each(|lease| lease.epoch as i64))
             .bind(each(|lease| lease.commits.load(Ordering::Relaxed)))
-            .bind(leases.iter().map(|(_, log_next)| *log_next).collect::<Vec<_>>())
             .bind(owner)
             .bind(micros(time_to_live))
     }
@@ -214,7 +211,7 @@ async fn count_sqlite(tx: &mut SqliteConnection, lease: &Lease, before: i64) -> 
 }
 
 async fn count_postgres(tx: &mut PgConnection, lease: &Lease) -> sqlx::Result<bool> {
-    lease.bind(sqlx::query(postgres::COUNTED), None).execute(tx).await.map(|done| done.rows_affected() == 1)
+    lease.bind(sqlx::query(postgres::COUNTED)).execute(tx).await.map(|done| done.rows_affected() == 1)
 }
 
 pub(super) fn micros(time: Duration) -> i64 {

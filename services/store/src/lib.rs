@@ -72,6 +72,7 @@ pub use batch::Batch;
 pub use error::{LossCause, Rejection, RejectionCause, StoreError};
 pub use lease::Lease;
 pub use load::{NumberedWhisker, RobotState, StoredRobot};
+pub use log_position::LogPositions;
 pub use membership::{ClockReport, FleetLease, FleetsHeard, Membership, Present, Supervisor};
 pub use postgres::{NoServer, Refusal, Replication};
 pub use resolution::Resolution;

@@ -1,61 +1,72 @@
-//! Positions in a partitioned log: the first record of a shard's partition whose effects are not committed.
+//! Positions in a partitioned log (table `log_positions`): the first record of each partition whose effects are not
+//! committed. They change in the transaction of the effects.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::database::{Tx, on};
+use super::tables::{LOG_POSITIONS, LogPositionRow};
 use super::{Lease, StoreError, Writer, failed};
 
-/// Time limit for reading or setting a position.
+/// Time limit for reading or setting positions.
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(5);
 
+/// Positions that a transaction changes.
+#[derive(Debug, Default, Clone, PartialEq, Eq)]
+pub struct LogPositions {
+    /// Name of the topic.
+    pub topic: Arc<str>,
+    /// The first record whose effects are not in this transaction or before it, by partition.
+    pub next: BTreeMap<u32, i64>,
+}
+
+impl LogPositions {
+    /// The rows of a fleet.
+    pub(crate) fn rows<'b>(&'b self, lease: &'b Lease) -> impl Iterator<Item = LogPositionRow<'b>> {
+        let (fleet, topic) = (lease.fleet().as_str(), &*self.topic);
+        let row = move |(&partition, &next)| {
+            let log_partition = i64::from(partition);
+            LogPositionRow { fleet, topic, log_partition, next }
+        };
+        self.next.iter().map(row)
+    }
+}
+
 impl Writer {
-    /// The position of a shard in a topic; `None` before the first record. That of another topic is forgotten.
+    /// The positions of a fleet in a topic, by partition. A partition of which no record is committed is missing.
     ///
     /// # Errors
-    /// The database cannot be used, or the lease is lost.
-    pub async fn log_position(&mut self, lease: &Lease, topic: &str) -> Result<Option<i64>, StoreError> {
-        const WHAT: &str = "read the position in the log";
-        const SQL: &str = "UPDATE leases SET log_next = CASE WHEN log_topic = $3 THEN log_next END, log_topic = $3 \
-             WHERE fleet = $1 AND shard = $2 RETURNING log_next";
-        self.attempt(WHAT, PATIENCE, async |link| {
-            let mut tx = link.begin().await.map_err(failed(WHAT))?;
-            lease.hold(&mut tx).await?;
-            let next: Option<Option<i64>> = on!(&mut tx, |tx| sqlx::query_scalar(SQL)
-                .bind(lease.fleet().as_str())
-                .bind(lease.shard_number())
-                .bind(topic)
-                .fetch_optional(&mut **tx)
-                .await)
-            .map_err(failed(WHAT))?;
-            tx.commit().await.map_err(failed(WHAT))?;
-            Ok(next.flatten())
-        })
-        .await
+    /// The database cannot be used.
+    pub async fn log_positions(&mut self, lease: &Lease, topic: &str) -> Result<BTreeMap<u32, i64>, StoreError> {
+        const WHAT: &str = "read the positions in the log";
+        const SQL: &str = "SELECT log_partition, next FROM log_positions WHERE fleet = $1 AND topic = $2";
+        let fleet = lease.fleet().as_str();
+        let rows: Vec<(i64, i64)> = self
+            .attempt(WHAT, PATIENCE, async |link| {
+                on!(link, |link| sqlx::query_as(SQL).bind(fleet).bind(topic).fetch_all(link).await)
+                    .map_err(failed(WHAT))
+            })
+            .await?;
+        Ok(rows.into_iter().filter_map(|(partition, next)| Some((u32::try_from(partition).ok()?, next))).collect())
     }
 
-    /// Sets the position before the effects of its records are committed, for a fault planted by a test.
+    /// Sets positions before the effects of their records are committed, for a fault planted by a test.
     ///
     /// # Errors
     /// The database cannot be written.
-    pub async fn set_log_position(&mut self, lease: &Lease, next: i64) -> Result<(), StoreError> {
-        const WHAT: &str = "set the position in the log";
+    pub async fn set_log_positions(&mut self, lease: &Lease, positions: &LogPositions) -> Result<(), StoreError> {
+        const WHAT: &str = "set the positions in the log";
         self.attempt(WHAT, PATIENCE, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
-            write(&mut tx, lease, Some(next)).await?;
+            write(&mut tx, lease, positions).await?;
             tx.commit().await.map_err(failed(WHAT))
         })
         .await
     }
 }
 
-/// Writes the position, if it changes.
-pub(super) async fn write(tx: &mut Tx<'_>, lease: &Lease, next: Option<i64>) -> Result<(), StoreError> {
-    const SQL: &str = "UPDATE leases SET log_next = $1 WHERE fleet = $2 AND shard = $3";
-    let Some(next) = next else { return Ok(()) };
-    on!(tx, |tx| sqlx::query(SQL)
-        .bind(next)
-        .bind(lease.fleet().as_str())
-        .bind(lease.shard_number())
-        .execute(&mut **tx)
-        .await
-        .map(drop))
-    .map_err(failed("write the position in the log"))
+/// Writes the positions that change.
+pub(super) async fn write(tx: &mut Tx<'_>, lease: &Lease, positions: &LogPositions) -> Result<(), StoreError> {
+    let rows: Vec<LogPositionRow<'_>> = positions.rows(lease).collect();
+    LOG_POSITIONS.write(tx, &rows).await.map(drop).map_err(failed("write the positions in the log"))
 }

@@ -47,13 +47,6 @@ pub enum NotDivided {
 }
 
 from_row! {
-    /// The position of a shard in a partitioned log.
-    struct Position {
-        shard: i64,
-        log_next: Option<i64>,
-        log_topic: Option<String>,
-    }
-
     /// A robot without a hash.
     struct Unhashed {
         robot_id: i64,
@@ -285,13 +278,9 @@ async fn write_leases(tx: &mut Tx<'_>, fleet: &str, count: u32) -> sqlx::Result<
     const NEWEST: &str = "SELECT max(epoch) FROM leases WHERE fleet = $1";
     const JOURNAL: &str = "DELETE FROM journal WHERE fleet = $1";
     const DELETE: &str = "DELETE FROM leases WHERE fleet = $1";
-    // A new partition is read from its begin; the others go on.
-    const POSITIONS: &str = "SELECT shard, log_next, log_topic FROM leases WHERE fleet = $1";
-    const INSERT: &str = "INSERT INTO leases (fleet, shard, shards, shards_wanted, epoch, expires_us, log_next, log_topic) \
-         VALUES ($1, $2, $3, $3, $4, 0, $5, $6)";
+    const INSERT: &str = "INSERT INTO leases (fleet, shard, shards, shards_wanted, epoch, expires_us) \
+         VALUES ($1, $2, $3, $3, $4, 0)";
     let epoch: i64 = on!(&mut *tx, |tx| sqlx::query_scalar(NEWEST).bind(fleet).fetch_one(&mut **tx).await)?;
-    let positions: Vec<Position> =
-        on!(&mut *tx, |tx| sqlx::query_as(POSITIONS).bind(fleet).fetch_all(&mut **tx).await)?;
     on!(&mut *tx, |tx| sqlx::query(JOURNAL).bind(fleet).execute(&mut **tx).await.map(drop))?;
     on!(&mut *tx, |tx| sqlx::query(DELETE).bind(fleet).execute(&mut **tx).await.map(drop))?;
     for number in 0..count {
@@ -300,8 +289,6 @@ async fn write_leases(tx: &mut Tx<'_>, fleet: &str, count: u32) -> sqlx::Result<
             .bind(i64::from(number))
             .bind(i64::from(count))
             .bind(epoch)
-            .bind(positions.iter().find(|one| one.shard == i64::from(number)).and_then(|one| one.log_next))
-            .bind(positions.first().and_then(|one| one.log_topic.as_deref()))
             .execute(&mut **tx)
             .await
             .map(drop))?;

@@ -54,6 +54,19 @@ columns! {
     ShardNumber<'b> { fleet: &'b str, shard: i64, number: i64, }
 }
 
+/// A position in a partitioned log.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LogPositionRow<'b> {
+    pub(crate) fleet: &'b str,
+    pub(crate) topic: &'b str,
+    pub(crate) log_partition: i64,
+    pub(crate) next: i64,
+}
+
+columns! {
+    LogPositionRow<'b> { fleet: &'b str, topic: &'b str, log_partition: i64, next: i64, }
+}
+
 /// The hash that decides about a robot's shard.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RobotHash {
@@ -115,6 +128,8 @@ pub(crate) static JOURNAL_DONE: Statement<ShardNumber<'static>> = Statement::cus
     "DELETE FROM journal AS t USING ROWS WHERE t.fleet = n.fleet AND t.shard = n.shard AND t.number <= n.number AND OWNED",
 );
 pub(crate) static EVENTS: Statement<(InFleet<'static>, &EventRow)> = Statement::insert("events");
+pub(crate) static LOG_POSITIONS: Statement<LogPositionRow<'static>> = Statement::insert("log_positions")
+    .on_conflict(" ON CONFLICT (fleet, topic, log_partition) DO UPDATE SET next = excluded.next");
 pub(crate) static HEALTH: Statement<HealthRow> = Statement::insert("health_changes");
 pub(crate) static TRIMS: Statement<TrimRow> = Statement::insert("trims");
 pub(crate) static DECISIONS: Statement<DecisionRow> = Statement::insert("compensations");
@@ -212,7 +227,7 @@ pub struct Written {
 /// The columns of all statements, as the rows are declared.
 #[must_use]
 pub fn written() -> Vec<Written> {
-    let all: [&dyn Declared; 29] = [
+    let all: [&dyn Declared; 30] = [
         &ROBOTS,
         &WHISKERS,
         &ROBOT_HASHES,
@@ -220,6 +235,7 @@ pub fn written() -> Vec<Written> {
         &RESPONSES,
         &JOURNAL,
         &EVENTS,
+        &LOG_POSITIONS,
         &HEALTH,
         &TRIMS,
         &DECISIONS,

@@ -19,7 +19,7 @@ use crate::ending::{Ending, stopped};
 use crate::engine::{ContactRetention, Engine, EngineOptions, JointCommits, Limits};
 use crate::events::EventSink;
 use crate::former_owner::FormerOwners;
-use crate::kafka::{Kafka, LogReader};
+use crate::kafka::Kafka;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::mqtt::{self, BrokerAddress, Connection, FleetBirths, LinkState, Prepared};
 use crate::outbox::Losses;
@@ -150,7 +150,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
             robots: engine.robots().cloned().collect(),
             births: shared.births.of(shard.fleet()),
             epoch: lease.epoch(),
-            hears_contacts: engine.log_from().is_none(),
+            hears_contacts: engine.log().is_none(),
             occupancy: place.occupancy(),
             link: heard.get_or_init(LinkState::default).clone(),
             ..Connection::new(shared.broker.clone(), shared.prepared.clone(), shard.clone(), boot_id)
@@ -160,7 +160,6 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         }
         shared.readiness.listens(&shard, connection.link.clone(), metrics.promises.clone());
         shared.readiness.set_of(&shard, TAKING_UP, None);
-        let log = shared.kafka.as_ref().and_then(|kafka| kafka.reader(&shard, &metrics, &shared.readiness));
         // The owner of the first shard archives the whole fleet.
         let archive = shared.archive.as_ref().filter(|_| shard.is_first());
         let archiving = archive
@@ -170,7 +169,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
             (Some(kafka), Some(sink)) if shard.is_first() => kafka.publish(&shared.store, &shard, &metrics, sink),
             _ => None,
         };
-        run((engine, place), &connection, &metrics, log, stop).await;
+        run((engine, place), &connection, &metrics, stop).await;
         if let Some(task) = archiving {
             // The next owner writes an unfinished file again.
             task.abort();
@@ -270,7 +269,6 @@ async fn run(
     (engine, place): (Engine, Place),
     connection: &Connection,
     metrics: &FleetMetrics,
-    log: Option<LogReader>,
     mut stop: watch::Receiver<bool>,
 ) {
     let (hang_up, hanging_up) = watch::channel(false);
@@ -288,9 +286,9 @@ async fn run(
         // Ends with the engine.
         let mut beside = JoinSet::new();
         beside.spawn(receiving);
-        let batches = log.zip(engine.log_from()).map(|(log, start)| {
+        let batches = engine.log().map(|(log, from)| {
             let (sender, batches) = mpsc::channel(LOG_BATCHES);
-            beside.spawn(log.run(start, sender));
+            beside.spawn(log.run(from, sender));
             batches
         });
         engine.run((inbox, batches), outbox, losses).await

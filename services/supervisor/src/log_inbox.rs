@@ -1,5 +1,8 @@
 //! Messages of robots that come from a partitioned log instead of the broker.
 
+use std::collections::BTreeMap;
+
+use borsh::{BorshDeserialize, BorshSerialize};
 use bytes::Bytes;
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 
@@ -10,8 +13,6 @@ pub(crate) enum Skipped {
     NoTopic,
     /// The topic is of another fleet.
     OtherFleet,
-    /// The robot belongs to another shard: the record is in the wrong partition.
-    WrongPartition,
     /// A message that supervisors receive over MQTT only.
     OtherMessage,
     /// The record has no value.
@@ -26,10 +27,9 @@ pub(crate) enum Skipped {
 
 impl Skipped {
     /// All reasons.
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::NoTopic,
         Self::OtherFleet,
-        Self::WrongPartition,
         Self::OtherMessage,
         Self::NoValue,
         Self::Deleted,
@@ -42,7 +42,6 @@ impl Skipped {
         match self {
             Self::NoTopic => "NO_TOPIC",
             Self::OtherFleet => "OTHER_FLEET",
-            Self::WrongPartition => "WRONG_PARTITION",
             Self::OtherMessage => "OTHER_MESSAGE",
             Self::NoValue => "NO_VALUE",
             Self::Deleted => "DELETED",
@@ -52,27 +51,29 @@ impl Skipped {
     }
 }
 
-/// Records of a partition that were read together, in order.
-#[derive(Debug, Clone)]
-pub(crate) struct LogBatch {
+/// Records of a partition that follow each other. The order is that of reading.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, BorshSerialize, BorshDeserialize)]
+pub(crate) struct LogRange {
+    /// Number of the partition.
+    pub(crate) partition: u32,
     /// Offset of the first record.
     pub(crate) from: i64,
     /// Offset after the last record.
     pub(crate) to: i64,
+}
+
+/// Records of a partition that were read together, in order.
+#[derive(Debug, Clone)]
+pub(crate) struct LogBatch {
+    pub(crate) range: LogRange,
     /// The messages among the records.
     pub(crate) records: Vec<LogRecord>,
 }
 
-/// Where the log is to be read from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum LogStart {
-    /// From its first record.
-    Earliest,
-    /// From this record.
-    At(i64),
-}
+/// The next offset to read, by partition. A partition without one is read from its first record.
+pub(crate) type NextOffsets = BTreeMap<u32, i64>;
 
-/// A message of a robot of the shard.
+/// A message of a robot of the fleet.
 #[derive(Debug, Clone)]
 pub(crate) struct LogRecord {
     /// Offset of the record in the partition.

@@ -20,11 +20,13 @@ use vibrissa_edge::shard::robot_hash;
 use vibrissa_protocol::{Name, RobotTopic};
 use vibrissa_tests::kafka::{Writer, record};
 
-use super::stage::{CLIENT, SHARDS};
+use super::stage::CLIENT;
 use crate::scenario::{FLEET, fleet};
 
 /// The topic of Kafka; the supervisors' default.
 pub const TOPIC: &str = "vibrissa.messages";
+/// Number of its partitions.
+pub const PARTITIONS: u32 = 64;
 /// Number of messages that wait for each partition. Robots send again what finds no room.
 const WAITING: usize = 1000;
 /// Largest number of records in a write.
@@ -52,11 +54,12 @@ impl Bridge {
     pub fn start(nodes: Vec<(String, u16)>, kafka: &[String], seed: u64) -> Self {
         let (is_open, repeated) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
         let (mut partitions, mut tasks) = (Vec::new(), Vec::new());
-        for partition in 0..SHARDS {
+        for partition in 0..PARTITIONS {
             let (sender, messages) = channel(WAITING);
             partitions.push(sender);
             let writer = Writer::new(kafka.to_vec(), TOPIC, partition);
-            let random = ChaCha8Rng::seed_from_u64(seed.wrapping_mul(u64::from(SHARDS)).wrapping_add(partition.into()));
+            let random =
+                ChaCha8Rng::seed_from_u64(seed.wrapping_mul(u64::from(PARTITIONS)).wrapping_add(partition.into()));
             tasks.push(tokio::spawn(write(messages, writer, random, repeated.clone())));
         }
         let entrance = Entrance { is_open: is_open.clone(), partitions, written: HashMap::new() };
@@ -103,7 +106,7 @@ impl Entrance {
         if !self.is_open.load(Ordering::Relaxed) {
             return;
         }
-        let partition = &self.partitions[(robot_hash(FLEET, robot.as_str()) % SHARDS) as usize];
+        let partition = &self.partitions[(robot_hash(FLEET, robot.as_str()) % PARTITIONS) as usize];
         let Ok(room) = partition.try_reserve() else { return };
         let is_contacts = topic.ends_with(RobotTopic::Contacts.as_str());
         let is_new = !is_contacts || {

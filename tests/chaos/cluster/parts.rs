@@ -11,9 +11,10 @@ use vibrissa_tests::network::Network;
 use vibrissa_tests::patroni::{Patroni, TTL_S};
 use vibrissa_tests::process::Process;
 
+use super::bridge::PARTITIONS;
 use super::broker::Broker;
 use super::plan::{Deed, SEPARATED, Victim};
-use super::stage::{BROKERS, DATABASES, ETCD, KAFKA, SHARDS, SUPERVISOR};
+use super::stage::{BROKERS, DATABASES, ETCD, KAFKA, SUPERVISOR};
 use crate::scenario::FLEET;
 
 /// A leader that stands still for a shorter time still has its lock.
@@ -84,16 +85,17 @@ impl Supervisor<'_> {
         }
     }
 
-    /// Sets the positions of all shards back. Living owners of shards write theirs again with the next commit.
+    /// Sets the positions of all partitions back. A living owner writes each again with the next records.
     async fn set_back(&self) {
-        const SQL: &str = "UPDATE leases SET log_next = greatest(log_next - $1, 0) WHERE fleet = $2 AND shard = $3";
+        const SQL: &str =
+            "UPDATE log_positions SET next = greatest(next - $1, 0) WHERE fleet = $2 AND log_partition = $3";
         let set_back = async {
             for server in &self.servers {
                 let Ok(mut connection) = server.connect().await else { continue };
                 let mut changed = 0;
                 // One by one: together they could wait for a supervisor that waits for them.
-                for shard in 0..i64::from(SHARDS) {
-                    let update = sqlx::query(SQL).bind(SET_BACK).bind(FLEET).bind(shard);
+                for partition in 0..i64::from(PARTITIONS) {
+                    let update = sqlx::query(SQL).bind(SET_BACK).bind(FLEET).bind(partition);
                     // The standby refuses it.
                     let Ok(done) = update.execute(&mut connection).await else { break };
                     changed += done.rows_affected();

@@ -10,7 +10,7 @@ use vibrissa_tests::network::Network;
 use vibrissa_tests::patroni::Patroni;
 use vibrissa_tests::process::{Launch, Process};
 
-use super::bridge::TOPIC;
+use super::bridge::{PARTITIONS, TOPIC};
 use super::broker::{Broker, Kind};
 use super::parts::{Brokers, Database, KafkaBrokers, Supervisor};
 use super::plan::{Nodes, SUPERVISORS_COUNT};
@@ -165,14 +165,14 @@ pub struct Parts<'a> {
     pub kafka: Option<KafkaBrokers<'a>>,
 }
 
-/// Starts so many brokers of Kafka, with a partition for each shard.
+/// Starts so many brokers of Kafka, with the topic.
 async fn kafka(network: &Network, count: usize) -> Result<Option<Kafka>, &'static str> {
     if count == 0 {
         return Ok(None);
     }
     let places: Vec<_> = (KAFKA..KAFKA + count).map(|at| network.place(at)).collect();
     let kafka = Kafka::start_at(&places).await.ok_or("Kafka is not installed: tests/kafka installs it")?;
-    kafka.create_topic(TOPIC, SHARDS).await;
+    kafka.create_topic(TOPIC, PARTITIONS).await;
     Ok(Some(kafka))
 }
 

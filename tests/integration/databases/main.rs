@@ -11,6 +11,7 @@ mod formats;
 mod history;
 mod joint;
 mod leases;
+mod log_positions;
 mod one_log;
 mod opened;
 mod plans;

@@ -41,7 +41,7 @@ const OF_ROBOTS: [(&str, &str); 19] = [
 ];
 
 /// All other tables, and the reason why this test does not cover them.
-const OTHERS: [(&str, &str); 27] = [
+const OTHERS: [(&str, &str); 28] = [
     ("journal", "has a separate test"),
     ("quarantine", "has a separate test"),
     ("boots", "is written with a birth, before its effects"),
@@ -52,6 +52,7 @@ const OTHERS: [(&str, &str); 27] = [
     ("supervisors", "belongs to supervisors"),
     ("supervised_fleets", "belongs to supervisors"),
     ("archives", "belongs to a fleet"),
+    ("log_positions", "belongs to a fleet"),
     ("archive_horizons", "belongs to a shard"),
     ("policies", "belongs to a fleet"),
     ("calibrations", "belongs to a fleet"),

@@ -1,6 +1,6 @@
-//! Supervisors that share a PostgreSQL database and the partitions of the log.
+//! Supervisors that share a PostgreSQL database, and a topic of the log.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use nix::sys::signal::Signal;
@@ -16,10 +16,9 @@ use vibrissa_tests::wait::until_true;
 use crate::bridge::{MESSAGES, partition, records};
 use crate::stage::Program;
 
-const SHARDS: u32 = 2;
-
-/// Robots of which each shard has some.
-const ROBOTS: [&str; 4] = ["r0", "r1", "r2", "r3"];
+const PARTITIONS: u32 = 5;
+/// Robots of which each partition has some.
+const ROBOTS: [&str; 10] = ["r0", "r1", "r2", "r3", "r4", "r5", "r6", "r7", "r8", "r9"];
 
 async fn stored(database: &mut PgConnection) -> BTreeSet<(String, i64, i64)> {
     let sql = "SELECT b.boot_id, c.seq, c.position FROM contacts c JOIN boots b ON b.boot = c.boot";
@@ -43,15 +42,16 @@ struct Rig {
     server: Postgres,
     kafka: Kafka,
     broker: Mosquitto,
+    names: &'static [&'static str],
     robots: Vec<HandRobot>,
 }
 
 impl Rig {
-    async fn start(partitions: u32) -> Option<Self> {
+    async fn start(partitions: u32, names: &'static [&'static str]) -> Option<Self> {
         let kafka = Kafka::start(1).await?;
         kafka.create_topic(MESSAGES, partitions).await;
         let (server, broker) = (Postgres::start_with_supervisor().await, Mosquitto::start());
-        Some(Self { server, kafka, broker, robots: Vec::new() })
+        Some(Self { server, kafka, broker, names, robots: Vec::new() })
     }
 
     async fn supervisor(&self, name: &str, more: &[&str]) -> Program {
@@ -63,19 +63,19 @@ impl Rig {
 
     /// Connects the robots, and waits until all are known.
     async fn robots(&mut self, program: &Program) {
-        for name in ROBOTS {
+        for name in self.names {
             let mut robot =
                 HandRobot::connect(self.broker.port(), name, array(ArrayType::Type1, &[70.0, 68.0, 65.0])).await;
             robot.birth().await;
             self.robots.push(robot);
         }
-        until_true("known robots", async || program.list("whiskers").await.len() == 3 * ROBOTS.len()).await;
+        until_true("known robots", async || program.list("whiskers").await.len() == 3 * self.names.len()).await;
     }
 
     /// Writes contacts of all robots into the log; returns their names.
     async fn write(&mut self, messages: usize, partitions: u32) -> BTreeSet<(String, i64, i64)> {
         let mut all = BTreeSet::new();
-        for (name, robot) in ROBOTS.iter().zip(&mut self.robots) {
+        for (name, robot) in self.names.iter().zip(&mut self.robots) {
             let sent = contacts(robot, messages);
             for message in &sent {
                 let name = |position| (message.boot_id.as_str().to_owned(), message.seq as i64, position);
@@ -93,38 +93,77 @@ impl Rig {
     }
 }
 
+/// Asserts that the positions are those of the contacts in the same snapshot: each record has 20 contacts, and each
+/// commit moves both.
+async fn positions_are_of_the_contacts(database: &mut PgConnection) {
+    let sql = "SELECT r.robot, NULL, count(*) FROM contacts c JOIN whiskers USING (whisker_id) JOIN robots r USING (robot_id) \
+         GROUP BY 1 UNION ALL SELECT NULL, log_partition, next FROM log_positions";
+    let rows: Vec<(Option<String>, Option<i64>, i64)> = sqlx::query_as(sql).fetch_all(database).await.unwrap();
+    let (mut recorded, mut positions) = (BTreeMap::new(), BTreeMap::new());
+    for (robot, of_partition, count) in rows {
+        if let Some(robot) = robot {
+            *recorded.entry(i64::from(partition(&robot, PARTITIONS))).or_insert(0) += count;
+        }
+        positions.extend(of_partition.map(|of_partition| (of_partition, 20 * count)));
+    }
+    assert_eq!(positions, recorded);
+}
+
+/// Each whisker: number of contacts and length in its state, and the same by its rows.
+async fn states_and_rows(database: &mut PgConnection) -> Vec<((i64, f64), (i64, f64))> {
+    let sql = "SELECT w.contacts, w.length_mm, (SELECT count(*) FROM contacts c WHERE c.whisker_id = w.whisker_id \
+         AND c.used IN ('USED', 'LEARNING')), (SELECT c.length_mm FROM contacts c WHERE c.whisker_id = w.whisker_id \
+         ORDER BY seq DESC, position DESC LIMIT 1) FROM whiskers w";
+    let rows: Vec<(i64, f64, i64, f64)> = sqlx::query_as(sql).fetch_all(database).await.unwrap();
+    rows.into_iter().map(|(contacts, mm, rows, rows_mm)| ((contacts, mm), (rows, rows_mm))).collect()
+}
+
+/// The owner of the fleet: 0 for `a`, 1 for `b`.
+async fn owner(database: &mut PgConnection) -> usize {
+    let holder: String = sqlx::query_scalar("SELECT holder FROM leases").fetch_one(database).await.unwrap();
+    ["a", "b"].iter().position(|name| *name == holder).unwrap()
+}
+
 #[tokio::test]
-async fn chaos_shards_of_a_killed_supervisor_go_on_at_the_stored_positions() {
-    let shards = SHARDS.to_string();
-    let Some(mut rig) = Rig::start(SHARDS).await else { return };
-    let mut first = rig.supervisor("a", &["--fleet-shards", &shards]).await;
-    let mut second = rig.supervisor("b", &["--fleet-shards", &shards]).await;
-    rig.robots(&first).await;
+async fn chaos_a_killed_owner_of_five_partitions_is_followed_at_all_positions() {
+    let Some(mut rig) = Rig::start(PARTITIONS, &ROBOTS).await else { return };
+    let used: BTreeSet<u32> = ROBOTS.iter().map(|robot| partition(robot, PARTITIONS)).collect();
+    assert_eq!(used.len(), PARTITIONS as usize, "each partition has a robot");
+    let mut supervisors = [rig.supervisor("a", &[]).await, rig.supervisor("b", &[]).await];
+    rig.robots(&supervisors[0]).await;
     let mut expected = BTreeSet::new();
     let mut database = rig.database().await;
-    for round in 0..4 {
-        expected.extend(rig.write(30, SHARDS).await);
-        let victim = if round % 2 == 0 { &mut first } else { &mut second };
-        victim.process.kill();
-        expected.extend(rig.write(30, SHARDS).await);
-        until_true("all contacts at the other supervisor", async || stored(&mut database).await == expected).await;
-        victim.process.restart();
-        victim.answers().await;
+    for _ in 0..4 {
+        expected.extend(rig.write(30, PARTITIONS).await);
+        let victim = owner(&mut database).await;
+        positions_are_of_the_contacts(&mut database).await;
+        supervisors[victim].process.kill();
+        positions_are_of_the_contacts(&mut database).await;
+        expected.extend(rig.write(30, PARTITIONS).await);
+        until_true("all contacts at the other supervisor", async || {
+            positions_are_of_the_contacts(&mut database).await;
+            stored(&mut database).await == expected
+        })
+        .await;
+        supervisors[victim].process.restart();
+        supervisors[victim].answers().await;
     }
-    let used: Vec<(i64, i64)> = sqlx::query_as(
-        "SELECT w.whisker_id, count(*) FROM whiskers w JOIN contacts c USING (whisker_id) \
-         WHERE c.used IN ('USED', 'LEARNING') GROUP BY 1 ORDER BY 1",
-    )
-    .fetch_all(&mut database)
-    .await
-    .unwrap();
-    assert_eq!(used.len(), 3 * ROBOTS.len());
-    drop((first, second));
+    // The orderly end writes the states that the last owner has replayed and stepped.
+    let last = owner(&mut database).await;
+    supervisors[1 - last].process.kill();
+    supervisors[last].process.signal(Signal::SIGTERM);
+    let ended = supervisors[last].process.ended(Duration::from_secs(20)).await;
+    assert!(ended.is_some_and(|status| status.success()));
+    let whiskers = states_and_rows(&mut database).await;
+    assert_eq!(whiskers.len(), 3 * ROBOTS.len());
+    for (state, rows) in whiskers {
+        assert_eq!(state, rows, "the state is that after the last contact, to the last bit");
+    }
 }
 
 #[tokio::test]
 async fn a_contact_costs_at_most_10_bytes_of_wal_if_none_is_kept() {
-    let Some(mut rig) = Rig::start(1).await else { return };
+    let Some(mut rig) = Rig::start(1, &ROBOTS[..4]).await else { return };
     let mut program = rig.supervisor("a", &["--contacts-keep", "none"]).await;
     rig.robots(&program).await;
     let mut database = rig.database().await;
@@ -133,7 +172,8 @@ async fn a_contact_costs_at_most_10_bytes_of_wal_if_none_is_kept() {
         sqlx::query_scalar(sql).fetch_one(database).await.unwrap()
     };
     let position = async |database: &mut PgConnection| -> i64 {
-        let next: Option<i64> = sqlx::query_scalar("SELECT log_next FROM leases").fetch_one(database).await.unwrap();
+        let sql = "SELECT next FROM log_positions";
+        let next: Option<i64> = sqlx::query_scalar(sql).fetch_optional(database).await.unwrap();
         next.unwrap_or_default()
     };
     // The first checkpoints after a start, and the pages' first changes.

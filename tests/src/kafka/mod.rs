@@ -3,6 +3,7 @@
 mod bridge;
 mod clients;
 mod losses;
+mod partitions;
 
 use std::fs;
 use std::io::{Seek, SeekFrom, Write};

@@ -15,6 +15,7 @@ pub use record::*;
 pub use rows::*;
 pub use touch_test::*;
 
+use crate::LogPositions;
 use crate::events::write::EventRow;
 
 /// All rows that follow from a batch of messages, and the journal.
@@ -40,8 +41,8 @@ pub struct Batch {
     pub journal: Option<JournalRow>,
     /// Journal rows up to this number are contained in the checkpoints and can be deleted.
     pub journal_done: Option<i64>,
-    /// The first record of the partitioned log whose effects are not in this batch or before it; `None` without a log.
-    pub log_next: Option<i64>,
+    /// Positions in the partitioned log that change; none without a log.
+    pub log: LogPositions,
 }
 
 impl Batch {

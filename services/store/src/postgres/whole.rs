@@ -17,8 +17,8 @@ use crate::events::write::EventRow;
 use crate::records::tell_of_rollups;
 use crate::tables::{
     ALARMS, ANSWERED, BINS, CANDIDATES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, EVENTS, HEALTH, InFleet, InShard,
-    JOURNAL, JOURNAL_DONE, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS, STATES, ShardNumber,
-    TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
+    JOURNAL, JOURNAL_DONE, LOG_POSITIONS, LogPositionRow, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS,
+    SETPOINTS, STATES, ShardNumber, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
 };
 use crate::{Batch, Lease, Resolution, StoreError, failed, tables};
 
@@ -30,8 +30,8 @@ static OF_SEVERAL: LazyLock<Statements> = LazyLock::new(|| Statements::beginning
 struct Statements {
     /// For a transaction that contains only contacts and journal entries.
     ordinary: String,
-    /// For one that contains checkpoints, too: nearly half of those of a quiet fleet. `whole` takes the server twice as
-    /// long for them (5.6 instead of 2.6 ms in a run with 64 shards).
+    /// For one that contains checkpoints, or positions in a log, too: nearly half of those of a quiet fleet. `whole`
+    /// takes the server twice as long for them (5.6 instead of 2.6 ms in a run with 64 shards).
     checkpoints: String,
     /// For one with all kinds of rows; most of its parts usually write nothing.
     whole: String,
@@ -63,10 +63,11 @@ impl Batch {
 /// The rows of one statement: those of a batch, or of the batches of several shards.
 #[derive(Default)]
 pub(in super::super) struct Whole<'b> {
-    leases: Vec<(&'b Lease, Option<i64>)>,
+    leases: Vec<&'b Lease>,
     contacts: Vec<&'b ContactRow>,
     journal: Vec<(InShard<'b>, &'b JournalRow)>,
     journal_done: Vec<ShardNumber<'b>>,
+    log_positions: Vec<LogPositionRow<'b>>,
     robots: Vec<&'b RobotRow>,
     whiskers: Vec<&'b WhiskerRow>,
     sorted: Sorted<'b>,
@@ -94,11 +95,12 @@ impl<'b> Whole<'b> {
 
     fn add(&mut self, lease: &'b Lease, batch: &'b Batch) {
         let at = InShard::of(lease);
-        self.leases.push((lease, batch.log_next));
+        self.leases.push(lease);
         self.contacts.extend(&batch.contacts);
         self.journal.extend(batch.journal.iter().map(|row| (at, row)));
         self.journal_done.extend(batch.journal_done.map(|number| ShardNumber::new(at, number)));
         self.has_records |= !batch.records.is_empty();
+        self.log_positions.extend(batch.log.rows(lease));
         self.robots.extend(&batch.robots);
         self.whiskers.extend(&batch.whiskers);
         self.responses.extend(&batch.responses);
@@ -139,17 +141,18 @@ impl<'b> Whole<'b> {
                 && self.minutes.is_empty()
                 && self.hours.is_empty());
         let statements = if self.leases.len() == 1 { &*OF_ONE } else { &*OF_SEVERAL };
-        let sql: &'static str = match (has_rest, self.robots.is_empty() && self.whiskers.is_empty()) {
+        let has_checkpoints = !(self.robots.is_empty() && self.whiskers.is_empty() && self.log_positions.is_empty());
+        let sql: &'static str = match (has_rest, has_checkpoints) {
             (true, _) => &statements.whole,
-            (false, false) => &statements.checkpoints,
-            (false, true) => &statements.ordinary,
+            (false, true) => &statements.checkpoints,
+            (false, false) => &statements.ordinary,
         };
         let statement = match self.leases.as_slice() {
-            [(lease, log_next)] => lease.bind(sqlx::query(sql), *log_next),
+            [lease] => lease.bind(sqlx::query(sql)),
             several => Lease::bind_several(several, sqlx::query(sql)),
         };
         let mut statement = self.ordinary(statement);
-        if has_rest || !self.robots.is_empty() || !self.whiskers.is_empty() {
+        if has_rest || has_checkpoints {
             statement = self.checkpoints(statement);
         }
         if has_rest {
@@ -178,7 +181,11 @@ impl<'b> Whole<'b> {
 
     /// The parts of the two statements with checkpoints.
     fn checkpoints<P: Parts>(&self, parts: P) -> P {
-        parts.rows("robots_now", &ROBOTS, &self.robots).rows("whiskers_now", &WHISKERS, &self.whiskers)
+        parts.rows("robots_now", &ROBOTS, &self.robots).rows("whiskers_now", &WHISKERS, &self.whiskers).rows(
+            "log_positions_now",
+            &LOG_POSITIONS,
+            &self.log_positions,
+        )
     }
 
     /// The further parts of the statement with all kinds of rows.

@@ -49,6 +49,7 @@ pub const TABLES: &[(&str, Kept)] = &[
     ("health_changes", Days("records.days")),
     ("journal", Until("after the next checkpoint")),
     ("leases", For("one for each fleet and shard")),
+    ("log_positions", For("one for each fleet, topic and partition")),
     ("notes", BY_PEOPLE),
     ("policies", BY_PEOPLE),
     ("quarantine", Until("beyond the newest 1,000 of each fleet")),

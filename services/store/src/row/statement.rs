@@ -104,6 +104,13 @@ impl<R: Row> Statement<R> {
         statement
     }
 
+    /// Sets columns of existing rows, as `conflict` says.
+    pub(crate) const fn on_conflict(self, conflict: &'static str) -> Self {
+        let mut statement = self;
+        statement.conflict = conflict;
+        statement
+    }
+
     /// Returns columns of the new rows, for other parts of a whole transaction's statement.
     pub(crate) const fn returning(self, returning: &'static str) -> Self {
         let mut statement = self;

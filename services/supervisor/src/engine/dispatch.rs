@@ -12,10 +12,11 @@ use super::message::RawMessage;
 use super::quarantine::suspect::{Turn, quarantined};
 use super::shard::shards::index_of;
 use crate::inbox::Incoming;
-use crate::log_inbox::{LogBatch, LogRecord};
+use crate::log_inbox::{LogBatch, LogRange, LogRecord};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::full_name::FullName;
+use vibrissa_store::LogPositions;
 use vibrissa_store::fault::{self, Fault};
 
 /// Messages are stepped, and the room of the batches is checked, when their robots have this many whiskers together:
@@ -60,13 +61,16 @@ impl Engine {
 
     /// Steps messages of the partitioned log, in its order. The journal only refers to them.
     pub(super) async fn take_in_log(&mut self, batch: LogBatch) -> Result<(), LeaseLost> {
-        let LogBatch { from, to, records } = batch;
+        let LogBatch { range, records } = batch;
+        let LogRange { partition, from, to } = range;
         if fault::is(Fault::OffsetBeforeState) {
             self.settle().await?;
+            let topic = self.log.as_ref().map(|log| log.topic().into()).unwrap_or_default();
             if let Some(committer) = self.pipeline.idle_committer() {
                 let (writer, lease) = committer.database();
+                let positions = LogPositions { topic, next: [(partition, to)].into() };
                 // A fault planted by a test: what fails here is lost, too.
-                let _ = writer.set_log_position(lease, to).await;
+                let _ = writer.set_log_positions(lease, &positions).await;
             }
         }
         let (count, received) = (records.len(), wall_clock());
@@ -88,9 +92,9 @@ impl Engine {
         let are_there: Vec<bool> = messages.iter().map(|messages| !messages.is_empty()).collect();
         self.shards.handle(&mut messages, true, &self.workers).await;
         for (shard, _) in self.shards.iter_mut().zip(are_there).filter(|(_, is_there)| *is_there) {
-            shard.refer(received, (from, to), &except);
+            shard.refer(received, range, &except);
         }
-        self.pipeline.set_log_next(to);
+        self.pipeline.set_log_next(partition, to);
         self.pipeline.stepped(count, &self.shards);
         self.pipeline.took(count as u64, &self.shards);
         Ok(())

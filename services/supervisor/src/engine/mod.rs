@@ -54,7 +54,7 @@ use crate::clocks::RobotClocks;
 use crate::ending::Ending;
 use crate::inbox::Inbox;
 use crate::kafka::LogReader;
-use crate::log_inbox::{LogBatch, LogStart};
+use crate::log_inbox::{LogBatch, NextOffsets};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::outbox::{Losses, Publication};
 use crate::readiness::Readiness;
@@ -110,8 +110,8 @@ pub(crate) struct Engine {
     /// Runtime for work that would block the engine's own thread.
     workers: Handle,
     boxes: FleetBoxes,
-    /// Where the partitioned log is to be read from, if contacts come from one.
-    log_from: Option<LogStart>,
+    /// Where the partitioned log is to be read from.
+    log_from: NextOffsets,
     /// The partitioned log that contacts come from, if there is one.
     log: Option<LogReader>,
     /// Whether factsheets were missing at the last look.
@@ -153,7 +153,7 @@ impl Engine {
     }
 
     async fn work(&mut self, mut inbox: Inbox, mut log: Option<mpsc::Receiver<LogBatch>>) -> Result<(), LeaseLost> {
-        let between_receipts = if self.log_from.is_some() { TICK } else { RECEIPTS };
+        let between_receipts = if self.log.is_some() { TICK } else { RECEIPTS };
         let (mut ticks, mut receipts) = (self.joint.ticks(TICK), self.joint.ticks(between_receipts));
         let action_sent = self.action_sent.clone();
         let mut messages = Vec::with_capacity(MESSAGES_AT_A_TIME);
@@ -248,7 +248,7 @@ impl Engine {
                 let begun = Instant::now();
                 fleet_metrics::survey_robots(&mut self.shards, &self.place, &self.program, &self.metrics);
                 // From a log messages come late, so they tell nothing about the time.
-                if self.log_from.is_none() {
+                if self.log.is_none() {
                     let ahead_us = fleet_metrics::clocks_ahead_us(&self.shards, wall_clock());
                     self.robot_clocks.show(&self.place, ahead_us);
                 }
@@ -286,9 +286,9 @@ impl Engine {
         Ok(())
     }
 
-    /// Where the partitioned log is to be read from, if contacts come from one.
-    pub(crate) fn log_from(&self) -> Option<LogStart> {
-        self.log_from
+    /// The reader of the partitioned log, and where it is to begin, if contacts come from one.
+    pub(crate) fn log(&self) -> Option<(LogReader, NextOffsets)> {
+        self.log.clone().map(|log| (log, self.log_from.clone()))
     }
 
     /// Names of the known robots.

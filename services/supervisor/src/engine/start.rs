@@ -30,7 +30,7 @@ use crate::black_box::BlackBoxes;
 use crate::clocks::{RobotClocks, SET_FROM_US};
 use crate::events::EventSink;
 use crate::kafka::LogReader;
-use crate::log_inbox::LogStart;
+use crate::log_inbox::NextOffsets;
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::params;
 use crate::readiness::Readiness;
@@ -139,14 +139,11 @@ impl EngineOptions {
         readiness.notice_of(lease.shard(), NEWER, shards.left_to_newer_program());
         // Also without an archive here: the last owner may have had one.
         let contacts_from_us = writer.archive_floor(&fleet).await?;
-        let log_from = match &self.log {
-            None => None,
-            Some(log) => {
-                shards.use_log();
-                let position = writer.log_position(&lease, log.topic()).await?;
-                Some(position.map_or(LogStart::Earliest, LogStart::At))
-            }
-        };
+        let mut log_from = NextOffsets::new();
+        if let Some(log) = &self.log {
+            shards.use_log();
+            log_from = writer.log_positions(&lease, log.topic()).await?;
+        }
         shards.set_retention(self.retention);
         let boxes = self.boxes.of_fleet(&lease, &metrics.black_boxes_lost);
         writer.end_black_boxes(&lease).await?;
@@ -168,8 +165,8 @@ impl EngineOptions {
         let last_owner_us = i64::try_from(epoch.saturating_mul(1000)).unwrap_or_default();
         let set_from_us = if is_clock_set { 0 } else { last_owner_us.saturating_sub(DAY_US) };
         pipeline.set_contacts_from(contacts_from_us.max(set_from_us));
-        if log_from.is_some() {
-            pipeline.schedule().gather_for_a_tick();
+        if let Some(log) = &self.log {
+            pipeline.use_log(log.topic());
         }
         shards.set_number(pipeline.open_number());
         fleet_metrics::show_params(&metrics, &params, policy_version);

@@ -18,6 +18,7 @@ use vibrissa_protocol::{self as protocol, BootId, Name, RobotTopic};
 
 use super::commit::batch::Source;
 use super::commit::checkpoint::CheckpointRate;
+use super::commit::journal::StoredEntries;
 use super::commit::recovery::{LogRecords, Replay};
 use super::commit::transaction::SealedTransaction;
 use super::message::RawMessage;
@@ -308,7 +309,8 @@ fn crash(tables: &Tables, live: &Shard) -> usize {
     }
     let mut entries = 0;
     for (&number, row) in &tables.journal {
-        entries += replay.replay_row(number, row, &LogRecords::new(), &mut shards);
+        let row = StoredEntries::new((number, row.clone()));
+        entries += replay.replay_row(&row, &LogRecords::new(), &mut shards);
     }
     for (name, known) in live.robots() {
         assert_eq!(bytes(shards.robot(name).unwrap()), bytes(known), "{name}");

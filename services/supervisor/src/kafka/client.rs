@@ -12,6 +12,7 @@ use rskafka::client::{Client, ClientBuilder, Credentials, SaslConfig};
 use rustls::pki_types::CertificateDer;
 use rustls::pki_types::pem::{self, PemObject};
 use rustls::{ClientConfig, RootCertStore};
+use tokio::sync::Mutex;
 use tokio::time::timeout;
 use vibrissa_protocol::plain;
 use vibrissa_protocol::text_file::pem_of;
@@ -44,21 +45,6 @@ pub enum KafkaError {
     /// A topic does not exist.
     #[error("the log has no topic {0:?}: create it, see docs/kafka.md")]
     NoTopic(String),
-    /// The partitions of the topic are not the shards of the fleet.
-    #[error(
-        "the topic {topic:?} has {partitions} partitions, and the fleet {fleet} has {shards} shards: give both the same \
-         number, with fleet.shards or with the topic's partitions"
-    )]
-    Partitions {
-        /// Name of the topic.
-        topic: String,
-        /// Number of its partitions.
-        partitions: u32,
-        /// Name of the fleet.
-        fleet: String,
-        /// Number of its shards.
-        shards: u32,
-    },
     /// No broker has answered in time.
     #[error("the log does not answer within {} s", PATIENCE.as_secs())]
     NoAnswer,
@@ -149,8 +135,7 @@ impl Connector {
         }
         within(async {
             let client = builder.build().await?;
-            let topics = client.list_topics().await?;
-            let partitions = topics.into_iter().map(|topic| (topic.name, topic.partitions.len() as u32)).collect();
+            let partitions = partitions_of(&client).await?;
             Ok(Log { client, partitions, open: BTreeMap::new() })
         })
         .await
@@ -165,10 +150,16 @@ pub(super) async fn within<T>(work: impl Future<Output = Result<T, Error>>) -> R
     }
 }
 
+/// Number of partitions by topic, as the brokers have them now.
+async fn partitions_of(client: &Client) -> Result<BTreeMap<String, u32>, Error> {
+    let topics = client.list_topics().await?;
+    Ok(topics.into_iter().map(|topic| (topic.name, topic.partitions.len() as u32)).collect())
+}
+
 /// A connection to the log.
 pub(super) struct Log {
     client: Client,
-    /// Number of partitions by topic.
+    /// Number of partitions by topic when the connection was made.
     partitions: BTreeMap<String, u32>,
     open: BTreeMap<(String, u32), Arc<PartitionClient>>,
 }
@@ -176,8 +167,17 @@ pub(super) struct Log {
 impl Log {
     /// Number of partitions of a topic, at least one.
     pub(super) fn partitions(&self, topic: &str) -> Result<u32, KafkaError> {
-        let known = self.partitions.get(topic).copied().filter(|&count| count > 0);
-        known.ok_or_else(|| KafkaError::NoTopic(topic.to_owned()))
+        number_in(&self.partitions, topic)
+    }
+
+    /// Number of partitions that a topic has now, at least one.
+    pub(super) async fn partitions_now(&self, topic: &str) -> Result<u32, KafkaError> {
+        number_in(&within(partitions_of(&self.client)).await?, topic)
+    }
+
+    /// A new client of a partition, connected.
+    pub(super) async fn open(&self, topic: &str, partition: u32) -> Result<PartitionClient, KafkaError> {
+        within(self.client.partition_client(topic, partition as i32, UnknownTopicHandling::Error)).await
     }
 
     /// A partition, connected.
@@ -186,10 +186,41 @@ impl Log {
         if let Some(open) = self.open.get(&at) {
             return Ok(open.clone());
         }
-        let connecting = self.client.partition_client(topic, partition as i32, UnknownTopicHandling::Error);
-        let client = Arc::new(within(connecting).await?);
+        let client = Arc::new(self.open(topic, partition).await?);
         self.open.insert(at, client.clone());
         Ok(client)
+    }
+}
+
+fn number_in(partitions: &BTreeMap<String, u32>, topic: &str) -> Result<u32, KafkaError> {
+    let known = partitions.get(topic).copied().filter(|&count| count > 0);
+    known.ok_or_else(|| KafkaError::NoTopic(topic.to_owned()))
+}
+
+/// A connection that several tasks use.
+pub(super) struct SharedLog {
+    connector: Connector,
+    log: Mutex<Option<Arc<Log>>>,
+}
+
+impl SharedLog {
+    pub(super) fn new(connector: Connector) -> Self {
+        Self { connector, log: Mutex::default() }
+    }
+
+    /// The connection, which is made if there is none.
+    pub(super) async fn get(&self) -> Result<Arc<Log>, KafkaError> {
+        let mut log = self.log.lock().await;
+        if let Some(log) = &*log {
+            return Ok(log.clone());
+        }
+        Ok(log.insert(Arc::new(self.connector.connect().await?)).clone())
+    }
+
+    /// Forgets a connection after a failure. Who uses it still may go on.
+    pub(super) async fn forget(&self, failed: &Arc<Log>) {
+        let mut log = self.log.lock().await;
+        log.take_if(|log| Arc::ptr_eq(log, failed));
     }
 }
 

@@ -7,7 +7,7 @@ use vibrissa_store::Store;
 
 use crate::events::EventSink;
 use crate::kafka_options::KafkaOptions;
-use crate::log_inbox::{LogBatch, LogRecord, LogStart};
+use crate::log_inbox::{LogBatch, LogRange, LogRecord, NextOffsets};
 use crate::metrics::FleetMetrics;
 use crate::readiness::Readiness;
 
@@ -64,11 +64,15 @@ impl LogReader {
         match self.0 {}
     }
 
-    pub(crate) async fn records(&self, _: i64, _: i64) -> Vec<LogRecord> {
+    pub(crate) async fn records(&self, _: LogRange) -> Vec<LogRecord> {
         match self.0 {}
     }
 
-    pub(crate) async fn run(self, _: LogStart, _: mpsc::Sender<LogBatch>) {
+    pub(crate) async fn records_are_read(&self) {
+        match self.0 {}
+    }
+
+    pub(crate) async fn run(self, _: NextOffsets, _: mpsc::Sender<LogBatch>) {
         match self.0 {}
     }
 }

@@ -1,22 +1,25 @@
 //! Reads records past those that cannot be read: a batch that is damaged, compressed in an unknown way, or has impossible
 //! times must not keep the records after it away.
 
+use std::ops::RangeInclusive;
+
 use rskafka::client::partition::{OffsetAt, PartitionClient};
 use rskafka::record::RecordAndOffset;
 use tracing::error;
 
 use super::client::{KafkaError, within};
-use super::reader::LogReader;
+use super::topic::FleetTopic;
 use crate::log_inbox::Skipped;
 
-/// Bytes of one read.
-const READ_BYTES: i32 = 1024 * 1024;
+/// Bytes of one read, at least and at most.
+const READ_BYTES: RangeInclusive<i32> = 64 * 1024..=1024 * 1024;
+/// Bytes of one read of each partition together, as far as [`READ_BYTES`] allows. Each partition has at most one read
+/// in memory.
+const ALL_READS_BYTES: i32 = 16 * 1024 * 1024;
 /// A read of so many bytes answers with one batch, however long it is.
 const ONE_BATCH: i32 = 1;
 /// Time for which a broker waits for new records, ms. It bounds the delay after a change of the leader, not that of records.
 const WAIT_MS: i32 = 500;
-/// The tries of one read. If an answer cannot be read, its first batch is tried alone, and once more.
-const TRIES: [i32; 3] = [READ_BYTES, ONE_BATCH, ONE_BATCH];
 
 /// Some records.
 pub(super) struct Fetched {
@@ -27,11 +30,23 @@ pub(super) struct Fetched {
     pub(super) end: i64,
 }
 
-impl LogReader {
-    /// Reads records from an offset on. Records that cannot be read are set aside after some tries: counted, and logged.
-    pub(super) async fn fetch(&self, partition: &PartitionClient, at: i64) -> Result<Fetched, KafkaError> {
+/// Bytes of one read of a topic with so many partitions.
+fn read_bytes(partitions: u32) -> i32 {
+    let each = ALL_READS_BYTES / i32::try_from(partitions).unwrap_or(i32::MAX).max(1);
+    each.clamp(*READ_BYTES.start(), *READ_BYTES.end())
+}
+
+impl FleetTopic {
+    /// Reads records of one of so many partitions from an offset on. Records that cannot be read are set aside after
+    /// some tries: counted, and logged.
+    pub(super) async fn fetch(
+        &self,
+        (partition, partitions): (&PartitionClient, u32),
+        at: i64,
+    ) -> Result<Fetched, KafkaError> {
         let mut problem = None;
-        for bytes in TRIES {
+        // If an answer cannot be read, its first batch is tried alone, and once more.
+        for bytes in [read_bytes(partitions), ONE_BATCH, ONE_BATCH] {
             match within(partition.fetch_records(at, 1..bytes + 1, WAIT_MS)).await {
                 Ok((records, end)) => {
                     // A batch without records is a mark of a transaction.
@@ -52,10 +67,10 @@ impl LogReader {
         self.skipped(Skipped::Unreadable, next.abs_diff(at));
         let problem = problem.map(|why| why.to_string()).unwrap_or_default();
         error!(
-            fleet = %self.shard, topic = self.topic(), from = at, to = next, problem,
+            fleet = %self.fleet, topic = %self.name, partition = partition.partition(), from = at, to = next, problem,
             "records of the log cannot be read and are set aside: robots send contacts without a receipt again"
         );
-        self.tell_set_aside(at, next, &problem);
+        self.tell_set_aside(partition.partition(), (at, next), &problem);
         Ok(Fetched { records: Vec::new(), next, end })
     }
 }
@@ -104,6 +119,13 @@ async fn can_read(partition: &PartitionClient, at: i64) -> Result<bool, KafkaErr
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn reads_of_many_partitions_are_smaller() {
+        assert_eq!([0, 1, 16].map(read_bytes), [1024 * 1024; 3]);
+        assert_eq!(read_bytes(64), 256 * 1024);
+        assert_eq!([1000, u32::MAX].map(read_bytes), [64 * 1024; 2]);
+    }
 
     #[test]
     fn brute_force_an_unreadable_batch_is_passed_and_no_record_after_it() {

@@ -1,13 +1,16 @@
 //! A partitioned log, Apache Kafka: events go out to it, and contacts may come from it.
 //!
-//! Nothing here decides about a robot. [`publisher`] carries the outbox of a shard to the log, [`reader`] reads a partition,
-//! [`client`] has the connections.
+//! Nothing here decides about a robot. [`publisher`] carries the outbox of a shard to the log, [`reader`] reads all
+//! partitions of a topic ([`partition`]), [`again`] reads them for a recovery, [`client`] has the connections.
 
+mod again;
 mod cause;
 mod client;
 mod fetch;
+mod partition;
 mod publisher;
 mod reader;
+mod topic;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64};
@@ -25,6 +28,7 @@ use client::Connector;
 pub use client::KafkaError;
 use publisher::Publisher;
 pub(crate) use reader::LogReader;
+use topic::FleetTopic;
 
 /// The log, as far as the configuration uses it.
 #[derive(Debug, Clone)]
@@ -48,7 +52,7 @@ impl Kafka {
         Ok(Some(Self { connector: Connector::new(options)?, publish, ingest }))
     }
 
-    /// The reader of a shard's contacts; `None` if they come over MQTT.
+    /// The reader of a fleet's contacts; `None` if they come over MQTT.
     pub(crate) fn reader(
         &self,
         shard: &FleetShard,
@@ -56,7 +60,8 @@ impl Kafka {
         readiness: &Readiness,
     ) -> Option<LogReader> {
         let topic = self.ingest.as_ref()?;
-        Some(LogReader::new(self.connector.clone(), topic, shard.clone(), metrics.clone(), readiness.clone()))
+        let (connector, fleet) = (self.connector.clone(), shard.clone());
+        Some(LogReader::new(FleetTopic::new(connector, topic, fleet, metrics.clone(), readiness.clone())))
     }
 
     /// Where the engine of a shard reports events; `None` if they are not published.

@@ -229,14 +229,14 @@ of_fleet! {
     /// 1 while the owner takes contacts from the log, else 0.
     log_ingest: IntGauge = "vibrissa_kafka_ingest",
         "1 while the owner takes contacts from a log, whether it answers or not, else 0.";
-    /// 1 while the log answers that contacts come from, else 0.
+    /// 1 while all partitions of the log answer that contacts come from, else 0.
     log_connected: IntGauge = "vibrissa_kafka_connected",
-        "1 while the log that contacts come from answers; 0 without one.";
+        "1 while all partitions of the log that contacts come from answer; 0 without a log.";
     /// Records of the log that are not stepped yet.
-    log_lag: IntGauge = "vibrissa_kafka_lag_records", "Records of the shard's partition that are not read yet.";
+    log_lag: IntGauge = "vibrissa_kafka_lag_records", "Records of all partitions that are not read yet.";
     /// Records of the log that were skipped, by reason.
     log_skipped: Counters = "vibrissa_kafka_records_skipped_total",
-        "Records of the log that are no contacts or status of a robot of the shard, by reason.", labels::LOG_SKIPPED;
+        "Records of the log that are no contacts or status of a robot of the fleet, by reason.", labels::LOG_SKIPPED;
 
     /// Alarms raised, by kind.
     alarms_raised: Counters = "vibrissa_alarms_raised_total", "Alarms raised, by kind.", labels::ALARM;

@@ -11,6 +11,7 @@ use crate::engine::commit::journal::{Journal, Part};
 use crate::engine::commit::transaction::{RobotShare, SealedTransaction};
 use crate::engine::message::{MessageTimes, RawMessage};
 use crate::engine::robot::{Durable, KnownRobot, Robots};
+use crate::log_inbox::LogRange;
 use crate::outbox::Publication;
 use vibrissa_store::Batch;
 
@@ -58,7 +59,7 @@ impl OpenBatch {
     }
 
     /// Makes the messages of these records durable by a reference to the log.
-    pub(crate) fn refer(&mut self, now: Micros, range: (i64, i64), part: Part, except: Vec<i64>) {
+    pub(crate) fn refer(&mut self, now: Micros, range: LogRange, part: Part, except: Vec<i64>) {
         self.journal.log(now, range, part, except);
     }
 

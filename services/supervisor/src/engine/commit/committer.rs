@@ -12,7 +12,7 @@ use vibrissa_store::batch::Owner;
 use vibrissa_store::{Batch, Lease, LossCause, Refused, Rejection, StoreError, StoredRobot, Writer};
 
 use crate::engine::commit::joint::Member;
-use crate::engine::commit::journal;
+use crate::engine::commit::journal::{self, StoredEntries};
 use crate::engine::commit::recovery::{LogRecords, records_of};
 use crate::engine::commit::transaction::SealedTransaction;
 use crate::kafka::LogReader;
@@ -52,8 +52,8 @@ pub(crate) struct Offender {
     pub(crate) robot_id: i64,
     pub(crate) rejection: Rejection,
     pub(crate) stored: Option<StoredRobot>,
-    /// Its journal entries, by rows with their numbers, in order.
-    pub(crate) journal: Vec<(i64, Vec<u8>)>,
+    /// Its journal entries, by rows, in order.
+    pub(crate) journal: Vec<StoredEntries>,
     /// The records of the log to which these refer, by row.
     pub(crate) records: Vec<LogRecords>,
 }
@@ -66,7 +66,7 @@ pub(crate) struct Outage {
 }
 
 /// A robot as of its last commit: its checkpoint, its journal entries by row, and the records of the log by row.
-type Loaded = (Option<StoredRobot>, Vec<(i64, Vec<u8>)>, Vec<LogRecords>);
+type Loaded = (Option<StoredRobot>, Vec<StoredEntries>, Vec<LogRecords>);
 
 /// Another supervisor owns the fleet.
 #[derive(Debug)]
@@ -165,6 +165,11 @@ impl Committer {
             error!(robot = name, code, text, "database rejects these rows of the robot for good, leaving them out");
             offenders.push(Offender { robot_id, rejection, stored, journal, records });
         }
+        if let Some(log) = &self.log
+            && !offenders.is_empty()
+        {
+            log.records_are_read().await;
+        }
         Ok(offenders)
     }
 
@@ -176,10 +181,10 @@ impl Committer {
             let rows = self.writer.journal(&self.lease, after, journal::ROWS_AT_A_TIME).await?;
             let Some((last, _)) = rows.last() else { return Ok((stored, journal, all)) };
             after = *last;
-            for (number, entries) in &rows {
-                let own = journal::of_robot(entries, robot_id);
+            for row in rows {
+                let own = StoredEntries::new(row).of_robot(robot_id);
                 all.push(records_of(&own, self.log.as_ref(), &self.lease).await?);
-                journal.push((*number, own));
+                journal.push(own);
             }
         }
     }

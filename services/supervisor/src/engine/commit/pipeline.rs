@@ -3,6 +3,7 @@
 //! A transaction with a setpoint is sealed at once and kept short: it leaves receipts, and checkpoints that may wait, to the next
 //! one.
 
+use std::collections::BTreeMap;
 use std::future::pending;
 use std::time::SystemTime;
 
@@ -22,7 +23,7 @@ use crate::engine::shard::shards::Shards;
 use crate::metrics::FleetMetrics;
 use crate::outbox::{Losses, Publication};
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_store::Lease;
+use vibrissa_store::{Lease, LogPositions};
 
 /// Number of contacts and whiskers' checkpoints up to which a transaction is written in the engine's own thread.
 const SMALL: usize = 200;
@@ -57,8 +58,8 @@ pub(crate) struct Pipeline {
     receipts_max: usize,
     /// No contact is recorded as received before this time, µs since 1970 UTC: earlier ones may be archived.
     contacts_from_us: i64,
-    /// First record of the log that is not in the open batches or before; `None` without a log.
-    log_next: Option<i64>,
+    /// Positions in the log that the open batches change; `None` without a log.
+    log: Option<LogPositions>,
     outbox: Option<mpsc::Sender<Publication>>,
     /// Publications that may not have reached the broker.
     losses: Losses,
@@ -81,7 +82,7 @@ impl Pipeline {
             received: 0,
             receipts_max: RECEIPTS_AT_ONCE,
             contacts_from_us: 0,
-            log_next: None,
+            log: None,
             outbox: None,
             losses: Losses::default(),
             workers,
@@ -98,9 +99,17 @@ impl Pipeline {
         self.contacts_from_us = self.contacts_from_us.max(at_us);
     }
 
-    /// Sets the first record of the log that is not stepped.
-    pub(crate) fn set_log_next(&mut self, next: i64) {
-        self.log_next = Some(next);
+    /// Prepares for contacts that come from a topic of a partitioned log.
+    pub(crate) fn use_log(&mut self, topic: &str) {
+        self.log = Some(LogPositions { topic: topic.into(), next: BTreeMap::new() });
+        self.schedule.gather_for_a_tick();
+    }
+
+    /// Sets the first record of a partition that is not stepped.
+    pub(crate) fn set_log_next(&mut self, partition: u32, next: i64) {
+        if let Some(log) = &mut self.log {
+            log.next.insert(partition, next);
+        }
     }
 
     /// Whether publications may have been lost since the last call.
@@ -192,11 +201,18 @@ impl Pipeline {
     /// are needed for longer.
     pub(crate) fn begin(&mut self, shards: &mut Shards, holds_journal: bool) {
         let Some(committer) = self.committer.take() else { return };
-        let transaction = self.seal(shards, holds_journal);
+        let mut transaction = self.seal(shards, holds_journal);
         if transaction.is_empty() {
             self.metrics.promises.committed(transaction.received);
             self.committer = Some(committer);
             return;
+        }
+        if let Some(log) = &mut self.log
+            && !transaction.rows.is_empty()
+        {
+            // Positions without rows wait for the next transaction.
+            let next = std::mem::take(&mut log.next);
+            transaction.rows.log = LogPositions { topic: log.topic.clone(), next };
         }
         let rows = transaction.rows.contacts.len() + transaction.rows.whiskers.len();
         let write = committer.write(transaction);
@@ -212,7 +228,7 @@ impl Pipeline {
         self.rate.refill(now, self.journal.contacts());
         let mut transaction = SealedTransaction::new(self.journal.next(), std::mem::take(&mut self.answered));
         transaction.received = std::mem::take(&mut self.received);
-        shards.set_checkpoints_after(due_after(self.log_next.is_some(), self.journal.contacts()));
+        shards.set_checkpoints_after(due_after(self.log.is_some(), self.journal.contacts()));
         let receipts = has_receipts.then(|| Receipts { now, robots_max: self.receipts_max / shards.count() });
         shards.seal_into(&mut transaction, &mut self.rate, receipts);
         if self.contacts_from_us > 0 {
@@ -220,7 +236,6 @@ impl Pipeline {
                 contact.received_us = contact.received_us.max(self.contacts_from_us);
             }
         }
-        transaction.rows.log_next = self.log_next;
         self.journal.append(&transaction);
         self.journal.truncate(shards.oldest_entry(), (has_receipts, holds_journal), &mut transaction);
         shards.set_number(self.journal.next());

@@ -1,6 +1,6 @@
 //! Recovery of a fleet: checkpoints are loaded, and the journal is replayed.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
 use tracing::{error, info};
@@ -9,13 +9,13 @@ use vibrissa_core::robot::event::{Contact, WhiskerStatus};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Message, Name, Received, RobotTopic};
 
-use crate::engine::commit::journal::{Entry, JournalEvent, Part, ROWS_AT_A_TIME, read};
+use crate::engine::commit::journal::{Entry, JournalEvent, Part, ROWS_AT_A_TIME, StoredEntries};
 use crate::engine::robot::KnownRobot;
 use crate::engine::shard::Shard;
 use crate::engine::shard::shards::Shards;
 use crate::engine::shard::stepper::Stepper;
 use crate::kafka::LogReader;
-use crate::log_inbox::LogRecord;
+use crate::log_inbox::{LogRange, LogRecord};
 use crate::metrics::FleetMetrics;
 use crate::set_aside::Reader;
 use vibrissa_edge::full_name::FullName;
@@ -70,10 +70,13 @@ pub(crate) async fn recover(
         let Some((newest, _)) = rows.last() else { break };
         after = *newest;
         last = last.max(after);
-        for (number, bytes) in &rows {
-            let records = records_of(bytes, log, lease).await?;
-            entries += replay.replay_row(*number, bytes, &records, shards);
+        for row in rows.into_iter().map(StoredEntries::new) {
+            let records = records_of(&row, log, lease).await?;
+            entries += replay.replay_row(&row, &records, shards);
         }
+    }
+    if let Some(log) = log {
+        log.records_are_read().await;
     }
     replay.finish(lease.epoch(), shards);
     if entries > 0 {
@@ -84,21 +87,29 @@ pub(crate) async fn recover(
 }
 
 /// Records of the log by their range.
-pub(crate) type LogRecords = BTreeMap<(i64, i64), Vec<LogRecord>>;
+pub(crate) type LogRecords = BTreeMap<LogRange, Vec<LogRecord>>;
 
 /// Reads the records that a row of the journal refers to.
 ///
 /// # Errors
 /// It refers to a log, and none is configured.
-pub(crate) async fn records_of(bytes: &[u8], log: Option<&LogReader>, lease: &Lease) -> Result<LogRecords, StoreError> {
-    let mut records = LogRecords::new();
-    for entry in read(bytes).map_while(Result::ok) {
-        let JournalEvent::Log { from, to, .. } = entry.event else { continue };
-        if records.contains_key(&(from, to)) {
-            continue;
+pub(crate) async fn records_of(
+    row: &StoredEntries,
+    log: Option<&LogReader>,
+    lease: &Lease,
+) -> Result<LogRecords, StoreError> {
+    // Each partition is read once, in rising order. The entries of the engine's shards have the same ranges, and some
+    // of them not all.
+    let mut ranges = BTreeSet::new();
+    for entry in row.entries().map_while(Result::ok) {
+        if let JournalEvent::Log { range, .. } = entry.event {
+            ranges.insert(range);
         }
+    }
+    let mut records = LogRecords::new();
+    for range in ranges {
         let Some(log) = log else { return Err(StoreError::NoLog { fleet: lease.shard().to_string() }) };
-        records.insert((from, to), log.records(from, to).await);
+        records.insert(range, log.records(range).await);
     }
     Ok(records)
 }
@@ -146,9 +157,9 @@ impl Replay {
     }
 
     /// Replays one row of the journal. Returns the number of its entries that were replayed.
-    pub(crate) fn replay_row(&mut self, number: i64, bytes: &[u8], records: &LogRecords, shards: &mut Shards) -> usize {
-        let mut count = 0;
-        for entry in read(bytes) {
+    pub(crate) fn replay_row(&mut self, row: &StoredEntries, records: &LogRecords, shards: &mut Shards) -> usize {
+        let (number, mut count) = (row.number, 0);
+        for entry in row.entries() {
             let entry = match entry {
                 Ok(entry) => entry,
                 Err(problem) => {
@@ -158,9 +169,8 @@ impl Replay {
                 }
             };
             match &entry.event {
-                JournalEvent::Log { from, to, part, except } => {
-                    let range = (*from, *to);
-                    count += self.replay_records((number, entry.now), (range, *part, except), records, shards);
+                JournalEvent::Log { range, part, except } => {
+                    count += self.replay_records((number, entry.now), (*range, *part, except), records, shards);
                     continue;
                 }
                 JournalEvent::TickAll { part } => {
@@ -187,19 +197,19 @@ impl Replay {
     fn replay_records(
         &mut self,
         (number, begin): (i64, Micros),
-        ((from, to), part, except): ((i64, i64), Part, &[i64]),
+        (range, part, except): (LogRange, Part, &[i64]),
         records: &LogRecords,
         shards: &mut Shards,
     ) -> usize {
         let mut count = 0;
-        for record in records.get(&(from, to)).into_iter().flatten().filter(|record| part.has(&record.robot)) {
+        for record in records.get(&range).into_iter().flatten().filter(|record| part.has(&record.robot)) {
             let shard = shards.of(&record.robot);
             let Some(known) = shard.robots().get(&record.robot) else { continue };
             let Some(one) = self.robots.get_mut(&known.robot_id) else { continue };
             if one.journal_number >= number || except.contains(&known.robot_id) {
                 continue;
             }
-            let now = Micros(begin.0 + record.offset.abs_diff(from));
+            let now = Micros(begin.0 + record.offset.abs_diff(range.from));
             let entry = if record.kind == RobotTopic::Contacts {
                 let received = protocol::receive_contacts(&record.payload, Vec::new()).ok();
                 received.map(|received| Entry::of_contacts(known, now, &received.message))

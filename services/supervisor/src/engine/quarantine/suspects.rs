@@ -125,8 +125,8 @@ impl Suspects {
         match offender.stored {
             Some(stored) => {
                 replay.load(stored, name.clone(), epoch, shards);
-                for ((number, entries), records) in offender.journal.iter().zip(&offender.records) {
-                    replay.replay_row(*number, entries, records, shards);
+                for (row, records) in offender.journal.iter().zip(&offender.records) {
+                    replay.replay_row(row, records, shards);
                 }
             }
             None => error!(robot = %self.full_name(name), "robot no longer in the database"),

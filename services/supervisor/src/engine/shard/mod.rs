@@ -39,6 +39,7 @@ use crate::engine::message::RawMessage;
 use crate::engine::robot::Robots;
 use crate::engine::robot::seqs::Seqs;
 use crate::inbox::Delayed;
+use crate::log_inbox::LogRange;
 
 pub(crate) use hearing::Found;
 
@@ -119,7 +120,7 @@ impl Shard {
     }
 
     /// Makes the messages of these records durable, which were handled before.
-    pub(crate) fn refer(&mut self, now: Micros, range: (i64, i64), except: &[i64]) {
+    pub(crate) fn refer(&mut self, now: Micros, range: LogRange, except: &[i64]) {
         if let Some(part) = self.part {
             self.stepper.batch.refer(now, range, part, except.to_vec());
         }

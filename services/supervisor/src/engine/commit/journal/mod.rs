@@ -7,7 +7,9 @@
 
 pub(super) mod index;
 mod place;
+mod stored;
 mod version_2;
+mod version_4;
 
 use std::collections::BTreeMap;
 
@@ -21,15 +23,19 @@ use vibrissa_protocol::{self as protocol, Name};
 
 use crate::engine::robot::KnownRobot;
 use crate::engine::shard::shards::index_of;
+use crate::log_inbox::LogRange;
 use vibrissa_store::batch::ContactRow;
 
 use place::JournalPlace;
+pub(crate) use stored::StoredEntries;
+use stored::read;
 
 /// Version of the entries' layout. A negative number -v before entries gives their version v; entries begin with a robot's
 /// id, which is positive. Entries of version 1 have the layout of version 2 and no version number; [`version_2`] reads both.
 const VERSION: i64 = 3;
-/// Version of rows with references to a partitioned log. Its other entries are those of version 3.
-const VERSION_OF_LOG: i64 = 4;
+/// Version of rows with references to a partitioned log. Its other entries are those of version 3. References of
+/// version 4 ([`version_4`]) do not name their partition.
+const VERSION_OF_LOG: i64 = 5;
 /// Robot of entries about all robots of a part.
 const NO_ROBOT: i64 = 0;
 /// Number of journal rows read at a time.
@@ -69,11 +75,10 @@ pub(crate) enum JournalEvent {
         robot_time: Micros,
         whiskers: Vec<JournalStatus>,
     },
-    /// Records of a partitioned log, for the robots of a part but those in `except`. The entry's time is that of the record
-    /// `from`; each further one is a microsecond later.
+    /// Records of a partitioned log, for the robots of a part but those in `except`. The entry's time is that of the
+    /// first record; each further one is a microsecond later.
     Log {
-        from: i64,
-        to: i64,
+        range: LogRange,
         part: Part,
         except: Vec<i64>,
     },
@@ -157,8 +162,8 @@ impl Journal {
     }
 
     /// Refers to records of the log.
-    pub(crate) fn log(&mut self, now: Micros, (from, to): (i64, i64), part: Part, except: Vec<i64>) {
-        self.write_of_log(&Entry { robot_id: NO_ROBOT, now, event: JournalEvent::Log { from, to, part, except } });
+    pub(crate) fn log(&mut self, now: Micros, range: LogRange, part: Part, except: Vec<i64>) {
+        self.write_of_log(&Entry { robot_id: NO_ROBOT, now, event: JournalEvent::Log { range, part, except } });
     }
 
     /// Replaces the ticks of single robots that were added after `before` bytes by one of all.
@@ -221,58 +226,7 @@ fn version_mark() -> [u8; 8] {
     (-VERSION).to_le_bytes()
 }
 
-/// The bytes of a journal row that are not read yet.
-struct Reader<'b> {
-    bytes: &'b [u8],
-    /// Version of the next entry.
-    version: i64,
-}
-
-impl<'b> Reader<'b> {
-    fn new(bytes: &'b [u8]) -> Self {
-        Self { bytes, version: 1 }
-    }
-
-    /// The next entry, or `None` at the end.
-    ///
-    /// # Errors
-    /// The entry is damaged, or of a version that this program cannot read.
-    fn next(&mut self) -> std::io::Result<Option<Entry>> {
-        while let Some((first, rest)) = self.bytes.split_first_chunk() {
-            let version = i64::from_le_bytes(*first).saturating_neg();
-            if version <= 0 {
-                break;
-            }
-            (self.version, self.bytes) = (version, rest);
-        }
-        if self.bytes.is_empty() {
-            return Ok(None);
-        }
-        match self.version {
-            VERSION | VERSION_OF_LOG => Entry::deserialize(&mut self.bytes).map(Some),
-            1 | 2 => version_2::Entry::deserialize(&mut self.bytes).map(|entry| Some(entry.into())),
-            version => {
-                let problem =
-                    format!("entries of version {version}, and this program reads versions 1 to {VERSION_OF_LOG}");
-                Err(std::io::Error::new(std::io::ErrorKind::InvalidData, problem))
-            }
-        }
-    }
-}
-
-/// Reads the entries of one row.
-pub(crate) fn read(bytes: &[u8]) -> impl Iterator<Item = std::io::Result<Entry>> {
-    let mut reader = Reader::new(bytes);
-    std::iter::from_fn(move || {
-        let entry = reader.next();
-        if entry.is_err() {
-            reader.bytes = &[];
-        }
-        entry.transpose()
-    })
-}
-
-/// Entries of one row by robot, as bytes of the present version, in order. Entries that cannot be read are left out.
+/// Entries by robot, as bytes of the present version, in order. Entries that cannot be read are left out.
 pub(crate) fn by_robot(bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
     let mut robots: BTreeMap<i64, Vec<u8>> = BTreeMap::new();
     for entry in read(bytes).map_while(Result::ok) {
@@ -282,19 +236,6 @@ pub(crate) fn by_robot(bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
         let _ = entry.serialize(own);
     }
     robots.into_iter().collect()
-}
-
-/// The entries of one robot, and those about all robots, in order.
-pub(crate) fn of_robot(bytes: &[u8], robot_id: i64) -> Vec<u8> {
-    let mut own = Vec::new();
-    for entry in read(bytes).map_while(Result::ok) {
-        if entry.robot_id == robot_id || entry.robot_id == NO_ROBOT {
-            own.extend((-VERSION_OF_LOG).to_le_bytes());
-            // Writing to memory cannot fail.
-            let _ = entry.serialize(&mut own);
-        }
-    }
-    own
 }
 
 fn array_index(robot: &Robot, name: &str) -> u16 {
