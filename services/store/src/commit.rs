@@ -12,34 +12,20 @@ use crate::fault::{self, Fault};
 /// Writes a batch in one transaction. If an earlier attempt was committed and only its answer was lost, nothing is
 /// written.
 pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
-    if write_together(link, &[(lease, batch)]).await? {
+    let asked = Instant::now();
+    let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
+    if let Either::Postgres(link) = link
+        && !fault::is(Fault::NoFence)
+        && let Some(whole) = Whole::of(lease, batch, now_us)
+        && whole.write(link).await?
+    {
+        lease.committed(Some(asked));
         return Ok(());
     }
     let asked = Instant::now();
-    let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
     let is_new = write_in_steps(link, lease, batch, now_us).await?;
     lease.committed(is_new.then_some(asked));
     Ok(())
-}
-
-/// Writes one or more batches, each of another shard of this supervisor, as one statement. Returns false, and writes nothing, if
-/// they must be written one by one, in steps: a lease is not as expected, a batch needs statements of its own, or the database is
-/// not shared.
-pub(super) async fn write_together(link: &mut Link, batches: &[(&Lease, &Batch)]) -> Result<bool, StoreError> {
-    let asked = Instant::now();
-    let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
-    let Either::Postgres(link) = link else { return Ok(false) };
-    if fault::is(Fault::NoFence) {
-        return Ok(false);
-    }
-    let Some(whole) = Whole::of(batches, now_us) else { return Ok(false) };
-    if !whole.write(link).await? {
-        return Ok(false);
-    }
-    for (lease, _) in batches {
-        lease.committed(Some(asked));
-    }
-    Ok(true)
 }
 
 /// Writes a batch with one statement for each kind of row, or for each row. Returns false if it was written before.

@@ -178,22 +178,6 @@ impl Lease {
             .bind(log_next)
     }
 
-    /// As [`Self::bind`], for a statement that advances the counters of several leases of one supervisor, each with its
-    /// position in the log.
-    pub(super) fn bind_several(leases: &[(&Self, Option<i64>)], statement: postgres::Query) -> postgres::Query {
-        let each = |value: fn(&Self) -> i64| leases.iter().map(|(lease, _)| value(lease)).collect::<Vec<i64>>();
-        let owner = leases.first().map_or_else(String::new, |(lease, _)| lease.owner.to_string());
-        let time_to_live = leases.first().map_or(Duration::ZERO, |(lease, _)| lease.time_to_live);
-        statement
-            .bind(leases.iter().map(|(lease, _)| lease.fleet().to_string()).collect::<Vec<_>>())
-            .bind(each(Self::shard_number))
-            .bind(each(|lease| lease.epoch as i64))
-            .bind(each(|lease| lease.commits.load(Ordering::Relaxed)))
-            .bind(leases.iter().map(|(_, log_next)| *log_next).collect::<Vec<_>>())
-            .bind(owner)
-            .bind(micros(time_to_live))
-    }
-
     /// Counts a committed transaction. `asked`, the moment before its query, also extends the lease; it is `None` if an
     /// earlier attempt had committed the transaction.
     pub(super) fn committed(&self, asked: Option<Instant>) {

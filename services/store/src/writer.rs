@@ -52,16 +52,6 @@ impl Writer {
         self.attempt("commit", PATIENCE, async |link| commit::write(link, lease, batch).await).await
     }
 
-    /// Writes the batches of several shards of one supervisor in one transaction, because a transaction costs more than
-    /// the rows of a quiet shard. Returns false, and writes nothing, if they must be written one by one by
-    /// [`Self::commit`]. After an error, too: it recognises a batch that was written although no answer came.
-    ///
-    /// # Errors
-    /// The database cannot be written now, or it rejects rows.
-    pub async fn commit_together(&mut self, batches: &[(&Lease, &Batch)]) -> Result<bool, StoreError> {
-        self.attempt("commit together", PATIENCE, async |link| commit::write_together(link, batches).await).await
-    }
-
     /// Runs an operation on the connection within a time limit. The connection is used again only after a success: if
     /// an answer is missing, it may never answer again. If the database gets a new leader meanwhile, the operation fails.
     pub(super) async fn attempt<T>(

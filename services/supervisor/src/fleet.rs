@@ -15,7 +15,7 @@ use crate::archive::Archive;
 use crate::black_box::BlackBoxes;
 use crate::clocks::{HoldBack, RobotClocks};
 use crate::ending::{Ending, stopped};
-use crate::engine::{ContactRetention, Engine, EngineOptions, JointCommits, Limits};
+use crate::engine::{ContactRetention, Engine, EngineOptions, Limits};
 use crate::events::EventSink;
 use crate::former_owner::FormerOwners;
 use crate::kafka::{Kafka, LogReader};
@@ -74,8 +74,6 @@ pub(crate) struct Shared {
     pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
     /// Threads in which the shards work.
     pub(crate) threads: Threads,
-    /// Commits of several shards together.
-    pub(crate) joint: JointCommits,
     /// Identifier of this start of this supervisor; the owner in the leases.
     pub(crate) supervisor: Arc<str>,
 }
@@ -221,7 +219,6 @@ pub(crate) fn engine_options(
         boxes: shared.boxes.clone(),
         robot_clocks: shared.robot_clocks.clone(),
         is_archived: shared.archive.is_some(),
-        joint: shared.joint.clone(),
         traces: shared.traces.clone(),
     }
 }

@@ -20,7 +20,7 @@ pub use crate::black_box::BlackBoxOptions;
 use crate::black_box::BlackBoxes;
 use crate::broker::{Broker, MqttAccess};
 use crate::clocks::{HoldBack, RobotClocks};
-use crate::engine::{ContactRetention, JointCommits, Limits};
+use crate::engine::{ContactRetention, Limits};
 use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
 use crate::http::{App, FurtherRoutes, HttpOptions, Serving};
@@ -222,7 +222,6 @@ impl Service {
             hold_back: hold_back.clone(),
             robots_file: robots_file.clone(),
             threads: Threads::of_all_cores(),
-            joint: JointCommits::start(&store),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };
         let supervisor = Supervisor {

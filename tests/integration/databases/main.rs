@@ -9,7 +9,6 @@ mod contract;
 mod divided_rollouts;
 mod formats;
 mod history;
-mod joint;
 mod leases;
 mod opened;
 mod plans;

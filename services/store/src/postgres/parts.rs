@@ -10,17 +10,6 @@ pub(in super::super) const COUNTED: &str = "UPDATE leases SET commits = $4 + 1, 
     log_next = coalesce($7, log_next) \
     WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND commits = $4 AND shard = $6 RETURNING fleet";
 
-/// As [`COUNTED`], for the leases of several shards: advances the counters of all, or of none. The rows are locked before
-/// they are counted, because another transaction may have changed one since the statement began.
-const COUNTED_SEVERAL: &str = "WITH given AS (SELECT * FROM unnest($1::text[], $2::bigint[], $3::bigint[], \
-    $4::bigint[], $5::bigint[]) AS g (fleet, shard, epoch, commits, log_next)), \
-    locked AS (SELECT l.shard FROM given g JOIN leases l ON l.fleet = g.fleet AND l.shard = g.shard \
-    AND l.epoch = g.epoch AND l.commits = g.commits WHERE l.owner = $6 FOR UPDATE OF l) \
-    UPDATE leases AS l SET commits = g.commits + 1, expires_us = clock_us() + $7, \
-    log_next = coalesce(g.log_next, l.log_next) FROM given g \
-    WHERE l.fleet = g.fleet AND l.shard = g.shard AND l.epoch = g.epoch AND l.commits = g.commits AND l.owner = $6 \
-    AND (SELECT count(*) FROM locked) = cardinality($1::text[]) RETURNING l.fleet";
-
 /// Takes the parts of a statement in their order. One pass over the parts makes the text, another binds the values.
 pub(super) trait Parts: Sized {
     /// A part that writes rows.
@@ -34,7 +23,7 @@ impl Parts for Query {
     }
 }
 
-/// Text of the statement. The first part advances the commit counters; all others write nothing if it did not.
+/// Text of the statement. The first part advances the commit counter; all others write nothing if it did not.
 pub(super) struct Text {
     parts: Vec<String>,
     /// Number of parameters of all parts.
@@ -42,14 +31,9 @@ pub(super) struct Text {
 }
 
 impl Text {
-    /// The text with the first part only, for one lease.
-    pub(super) fn of_one() -> Self {
+    /// The text with the first part only.
+    pub(super) fn new() -> Self {
         Self { parts: Vec::new(), parameters: 0 }.with("counted", COUNTED)
-    }
-
-    /// The text with the first part only, for several leases.
-    pub(super) fn of_several() -> Self {
-        Self { parts: Vec::new(), parameters: 0 }.with("counted", COUNTED_SEVERAL)
     }
 
     /// Appends a part, and renumbers its parameters.

@@ -1,7 +1,6 @@
 //! Writes a whole transaction as one statement: a single round trip to the server.
 //!
-//! The first part advances the commit counter in the lease of each shard; the other parts write nothing if it did not
-//! advance all of them. No part sees the rows that other parts write; foreign keys are checked at the end of the
+//! The first part advances the commit counter in the lease; the other parts write nothing if it did not. No part sees the rows that other parts write; foreign keys are checked at the end of the
 //! statement.
 
 use std::sync::LazyLock;
@@ -21,9 +20,8 @@ use crate::tables::{
 };
 use crate::{Batch, Lease, Resolution, StoreError, changes, failed, outbox, tables};
 
-/// Statements of the transactions of one shard, and of several shards together.
-static OF_ONE: LazyLock<Statements> = LazyLock::new(|| Statements::beginning_with(Text::of_one));
-static OF_SEVERAL: LazyLock<Statements> = LazyLock::new(|| Statements::beginning_with(Text::of_several));
+/// Statements of the transactions.
+static STATEMENTS: LazyLock<Statements> = LazyLock::new(Statements::new);
 
 /// The texts of the statements.
 struct Statements {
@@ -37,12 +35,12 @@ struct Statements {
 }
 
 impl Statements {
-    fn beginning_with(begin: fn() -> Text) -> Self {
-        let rows = Whole::default();
+    fn new() -> Self {
+        let rows = Rows::default();
         Self {
-            ordinary: rows.ordinary(begin()).counting(&["counted"]),
-            checkpoints: rows.checkpoints(rows.ordinary(begin())).counting(&["counted"]),
-            whole: rows.rest(rows.checkpoints(rows.ordinary(begin()))).counting(&[
+            ordinary: rows.ordinary(Text::new()).counting(&["counted"]),
+            checkpoints: rows.checkpoints(rows.ordinary(Text::new())).counting(&["counted"]),
+            whole: rows.rest(rows.checkpoints(rows.ordinary(Text::new()))).counting(&[
                 "counted",
                 "minutes_new",
                 "hours_new",
@@ -51,76 +49,61 @@ impl Statements {
     }
 }
 
-impl Batch {
-    /// Whether one statement can write it: there are no layouts and no rare records.
-    #[must_use]
-    pub fn fits_one_statement(&self) -> bool {
-        self.layouts.is_empty() && Sorted::of(&self.records).is_some()
-    }
+/// A batch, with the lease under which it is written.
+pub(in super::super) struct Whole<'b> {
+    lease: &'b Lease,
+    log_next: Option<i64>,
+    rows: Rows<'b>,
 }
 
-/// The rows of one statement: those of a batch, or of the batches of several shards.
+/// The rows of one statement.
 #[derive(Default)]
-pub(in super::super) struct Whole<'b> {
-    leases: Vec<(&'b Lease, Option<i64>)>,
+struct Rows<'b> {
     contacts: Vec<&'b ContactRow>,
-    journal: Vec<(InShard<'b>, &'b JournalRow)>,
-    journal_done: Vec<ShardNumber<'b>>,
-    robots: Vec<&'b RobotRow>,
-    whiskers: Vec<&'b WhiskerRow>,
+    journal: Option<(InShard<'b>, &'b JournalRow)>,
+    journal_done: Option<ShardNumber<'b>>,
+    robots: &'b [RobotRow],
+    whiskers: &'b [WhiskerRow],
     sorted: Sorted<'b>,
-    responses: Vec<&'b ResponseRow>,
-    outbox: Vec<OutboxRow<'b>>,
+    responses: &'b [ResponseRow],
+    outbox: Option<OutboxRow<'b>>,
     changes: Vec<(InFleet<'b>, NewChange<'b>)>,
     minutes: Vec<&'b RollupRow>,
     hours: Vec<&'b RollupRow>,
 }
 
 impl<'b> Whole<'b> {
-    /// The rows of batches, each of another shard. `None` if a batch has layouts or rare records, which need statements
-    /// of their own.
-    pub(in super::super) fn of(batches: &[(&'b Lease, &'b Batch)], now_us: i64) -> Option<Self> {
-        let mut rows =
-            Self { sorted: Sorted::of(batches.iter().flat_map(|(_, batch)| &batch.records))?, ..Self::default() };
-        for (lease, batch) in batches {
-            if !batch.layouts.is_empty() {
-                return None;
-            }
-            rows.add(lease, batch, now_us);
-        }
-        Some(rows)
-    }
-
-    fn add(&mut self, lease: &'b Lease, batch: &'b Batch, now_us: i64) {
+    /// The rows of a batch. `None` if it has layouts or rare records, which need statements of their own.
+    pub(in super::super) fn of(lease: &'b Lease, batch: &'b Batch, now_us: i64) -> Option<Self> {
+        let sorted = Sorted::of(&batch.records).filter(|_| batch.layouts.is_empty())?;
         let at = InShard::of(lease);
-        self.leases.push((lease, batch.log_next));
-        self.contacts.extend(&batch.contacts);
-        self.journal.extend(batch.journal.iter().map(|row| (at, row)));
-        self.journal_done.extend(batch.journal_done.map(|number| ShardNumber::new(at, number)));
-        self.robots.extend(&batch.robots);
-        self.whiskers.extend(&batch.whiskers);
-        self.responses.extend(&batch.responses);
-        self.outbox.extend(outbox::row(lease, &batch.events));
-        self.changes.extend(changes::of(at.fleet, &batch.records, now_us));
-        for row in &batch.rollups {
-            match row.resolution {
-                Resolution::Minute => self.minutes.push(row),
-                Resolution::Hour => self.hours.push(row),
-            }
-        }
+        let of = |resolution| batch.rollups.iter().filter(move |row| row.resolution == resolution).collect();
+        let rows = Rows {
+            contacts: batch.contacts.iter().collect(),
+            journal: batch.journal.as_ref().map(|row| (at, row)),
+            journal_done: batch.journal_done.map(|number| ShardNumber::new(at, number)),
+            robots: &batch.robots,
+            whiskers: &batch.whiskers,
+            sorted,
+            responses: &batch.responses,
+            outbox: outbox::row(lease, &batch.events),
+            changes: changes::of(at.fleet, &batch.records, now_us),
+            minutes: of(Resolution::Minute),
+            hours: of(Resolution::Hour),
+        };
+        Some(Self { lease, log_next: batch.log_next, rows })
     }
 
-    /// Writes all rows and advances the commit counters. Returns false, and writes nothing, if a counter did not
-    /// advance.
+    /// Writes all rows and advances the commit counter. Returns false, and writes nothing, if it did not advance.
     ///
     /// Many contacts are written by `COPY`, which needs a transaction around both. They are written before the
-    /// leases' rows are locked: a `COPY` lasts as long as its bytes take to arrive, and a supervisor that freezes in it
+    /// lease's row is locked: a `COPY` lasts as long as its bytes take to arrive, and a supervisor that freezes in it
     /// must not block others from acquiring the fleet.
     pub(in super::super) async fn write(mut self, link: &mut PgConnection) -> Result<bool, StoreError> {
-        if !are_copied(self.contacts.len()) {
+        if !are_copied(self.rows.contacts.len()) {
             return self.write_rows(link).await.map_err(failed("commit"));
         }
-        let contacts = std::mem::take(&mut self.contacts);
+        let contacts = std::mem::take(&mut self.rows.contacts);
         let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
         copy_contacts(&mut tx, &contacts).await.map_err(failed("append contacts"))?;
         if !self.write_rows(&mut tx).await.map_err(failed("write rows"))? {
@@ -132,52 +115,58 @@ impl<'b> Whole<'b> {
     }
 
     async fn write_rows(&self, link: &mut PgConnection) -> sqlx::Result<bool> {
-        let has_rest = !(self.changes.is_empty()
-            && self.outbox.is_empty()
-            && self.responses.is_empty()
-            && self.minutes.is_empty()
-            && self.hours.is_empty());
-        let statements = if self.leases.len() == 1 { &*OF_ONE } else { &*OF_SEVERAL };
-        let sql: &'static str = match (has_rest, self.robots.is_empty() && self.whiskers.is_empty()) {
-            (true, _) => &statements.whole,
-            (false, false) => &statements.checkpoints,
-            (false, true) => &statements.ordinary,
+        let rows = &self.rows;
+        let has_rest = rows.has_rest();
+        let has_checkpoints = has_rest || !rows.robots.is_empty() || !rows.whiskers.is_empty();
+        let sql: &'static str = match (has_rest, has_checkpoints) {
+            (true, _) => &STATEMENTS.whole,
+            (false, true) => &STATEMENTS.checkpoints,
+            (false, false) => &STATEMENTS.ordinary,
         };
-        let statement = match self.leases.as_slice() {
-            [(lease, log_next)] => lease.bind(sqlx::query(sql), *log_next),
-            several => Lease::bind_several(several, sqlx::query(sql)),
-        };
-        let mut statement = self.ordinary(statement);
-        if has_rest || !self.robots.is_empty() || !self.whiskers.is_empty() {
-            statement = self.checkpoints(statement);
+        let statement = self.lease.bind(sqlx::query(sql), self.log_next);
+        let mut statement = rows.ordinary(statement);
+        if has_checkpoints {
+            statement = rows.checkpoints(statement);
         }
         if has_rest {
-            statement = self.rest(statement);
+            statement = rows.rest(statement);
         }
         let written = statement.fetch_one(link).await?;
         if written.try_get::<i64, _>(0)? == 0 {
             return Ok(false);
         }
         if has_rest {
-            for (resolution, rows, at) in [(Resolution::Minute, &self.minutes, 1), (Resolution::Hour, &self.hours, 2)] {
-                tell_of_rollups(resolution, rows.len(), written.try_get::<i64, _>(at)? as u64);
+            for (resolution, rollups, at) in
+                [(Resolution::Minute, &rows.minutes, 1), (Resolution::Hour, &rows.hours, 2)]
+            {
+                tell_of_rollups(resolution, rollups.len(), written.try_get::<i64, _>(at)? as u64);
             }
         }
         Ok(true)
     }
+}
+
+impl Rows<'_> {
+    /// Whether there are rows of other kinds than contacts, journal and checkpoints.
+    fn has_rest(&self) -> bool {
+        !(self.changes.is_empty()
+            && self.outbox.is_none()
+            && self.responses.is_empty()
+            && self.minutes.is_empty()
+            && self.hours.is_empty())
+    }
 
     /// The parts of all three statements.
     fn ordinary<P: Parts>(&self, parts: P) -> P {
-        parts.rows("journal_new", &JOURNAL, &self.journal).rows("journal_done", &JOURNAL_DONE, &self.journal_done).rows(
-            "contacts_new",
-            &CONTACTS,
-            &self.contacts,
-        )
+        parts
+            .rows("journal_new", &JOURNAL, self.journal.as_slice())
+            .rows("journal_done", &JOURNAL_DONE, self.journal_done.as_slice())
+            .rows("contacts_new", &CONTACTS, &self.contacts)
     }
 
     /// The parts of the two statements with checkpoints.
     fn checkpoints<P: Parts>(&self, parts: P) -> P {
-        parts.rows("robots_now", &ROBOTS, &self.robots).rows("whiskers_now", &WHISKERS, &self.whiskers)
+        parts.rows("robots_now", &ROBOTS, self.robots).rows("whiskers_now", &WHISKERS, self.whiskers)
     }
 
     /// The further parts of the statement with all kinds of rows.
@@ -201,8 +190,8 @@ impl<'b> Whole<'b> {
             .rows("robot_alarms_cleared", &ROBOT_CLEARED, &sorted.robot_cleared)
             .rows("touch_tests_new", &TOUCH_TESTS, &sorted.tests)
             .rows("touch_tests_now", &TOUCH_TEST_PROGRESS, &sorted.test_progress)
-            .rows("responses_new", &RESPONSES, &self.responses)
-            .rows("outbox_new", &OUTBOX, &self.outbox)
+            .rows("responses_new", &RESPONSES, self.responses)
+            .rows("outbox_new", &OUTBOX, self.outbox.as_slice())
             .rows("changes_new", &CHANGES, &self.changes)
             .rows("minutes_new", tables::rollups(Resolution::Minute), &self.minutes)
             .rows("hours_new", tables::rollups(Resolution::Hour), &self.hours)
@@ -215,9 +204,7 @@ mod tests {
 
     #[test]
     fn no_part_is_written_without_the_lease() {
-        let statements = [&*OF_ONE, &*OF_SEVERAL];
-        let texts = statements.into_iter().flat_map(|of| [&of.ordinary, &of.checkpoints, &of.whole]);
-        for sql in texts {
+        for sql in [&STATEMENTS.ordinary, &STATEMENTS.checkpoints, &STATEMENTS.whole] {
             let parts: usize =
                 [" AS (INSERT", " AS (UPDATE", " AS (DELETE"].map(|begin| sql.matches(begin).count()).iter().sum();
             let counted = usize::from(!sql.contains("counted AS (UPDATE"));

@@ -14,7 +14,6 @@ use super::actions::ParamsInForce;
 use super::allow_list_sources::AllowListSources;
 use super::birth_watch::BirthWatch;
 use super::commit::committer::Committer;
-use super::commit::joint::JointCommits;
 use super::commit::pipeline::Pipeline;
 use super::commit::recovery::recover;
 use super::quarantine::suspects::Suspects;
@@ -76,8 +75,6 @@ pub(crate) struct EngineOptions {
     pub(crate) robot_clocks: RobotClocks,
     /// Whether the contacts are archived.
     pub(crate) is_archived: bool,
-    /// Commits together with the other shards of this supervisor.
-    pub(crate) joint: JointCommits,
     /// Traces, if there is a collector; those of setpoints under way are continued.
     pub(crate) traces: Option<Traces>,
 }
@@ -160,7 +157,7 @@ impl EngineOptions {
         info!(fleet = %lease.shard(), epoch, robots = shards.robot_count(), "fleet loaded, supervision starts");
         // As if a contact had just arrived, so that a silent fleet counts as silent from now on.
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
-        let committer = Committer::new(lease.clone(), writer, program.clone(), self.log.clone(), self.joint.join());
+        let committer = Committer::new(lease.clone(), writer, program.clone(), self.log.clone());
         let workers = Handle::current();
         let mut pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
         // Contacts that a host receives before its clock is set would be deleted as old.
@@ -189,7 +186,6 @@ impl EngineOptions {
             action_notifier,
             birth_watch: BirthWatch::new(),
             limits: self.limits,
-            joint: self.joint,
             new_robots: Bucket::new(new_robots_per_minute, new_robots_per_minute),
             robot_clocks: self.robot_clocks,
             survey_from: Instant::now(),

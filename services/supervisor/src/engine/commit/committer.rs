@@ -11,7 +11,6 @@ use crate::metrics::{FleetMetrics, Metrics};
 use vibrissa_store::batch::Owner;
 use vibrissa_store::{Batch, Lease, LossCause, Refused, Rejection, StoreError, StoredRobot, Writer};
 
-use crate::engine::commit::joint::Member;
 use crate::engine::commit::journal;
 use crate::engine::commit::recovery::{LogRecords, records_of};
 use crate::engine::commit::transaction::SealedTransaction;
@@ -26,8 +25,6 @@ pub(crate) struct Committer {
     metrics: FleetMetrics,
     /// The partitioned log that contacts come from, if there is one.
     log: Option<LogReader>,
-    /// Commits together with other shards.
-    joint: Member,
 }
 
 /// Result of one write.
@@ -73,10 +70,10 @@ type Loaded = (Option<StoredRobot>, Vec<(i64, Vec<u8>)>, Vec<LogRecords>);
 pub(crate) struct LeaseLost;
 
 impl Committer {
-    pub(crate) fn new(lease: Lease, writer: Writer, program: Metrics, log: Option<LogReader>, joint: Member) -> Self {
+    pub(crate) fn new(lease: Lease, writer: Writer, program: Metrics, log: Option<LogReader>) -> Self {
         let fleet = lease.fleet().clone();
         let metrics = program.of_shard(lease.shard());
-        Self { fleet, lease, writer, program, metrics, log, joint }
+        Self { fleet, lease, writer, program, metrics, log }
     }
 
     /// The lease under which this supervisor writes.
@@ -117,11 +114,7 @@ impl Committer {
         let mut outage = Outage::default();
         let first = Instant::now();
         let (mut refused, mut is_apart) = (Vec::new(), false);
-        let is_done = self.joint.commit(&self.lease, batch).await;
-        if is_done {
-            self.metrics.database_commit_seconds.observe(first.elapsed().as_secs_f64());
-        }
-        while !is_done && !batch.is_empty() {
+        while !batch.is_empty() {
             let begun = Instant::now();
             let written = if is_apart {
                 self.writer.commit_apart(&self.lease, batch, journal::by_robot, &mut refused).await
