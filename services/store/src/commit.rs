@@ -5,7 +5,7 @@ use tokio::time::Instant;
 use super::batch::{ContactRow, JournalRow};
 use super::database::{Either, Link, Tx, on};
 use super::postgres::whole::Whole;
-use super::tables::{CONTACTS, InShard, JOURNAL, JOURNAL_UNFENCED};
+use super::tables::{CONTACTS, InFleet, JOURNAL, JOURNAL_UNFENCED};
 use super::{Batch, Lease, StoreError, changes, failed, log_position, outbox, postgres, records};
 use crate::fault::{self, Fault};
 
@@ -78,14 +78,13 @@ pub(super) async fn write_done(
 /// Writes a row of the journal.
 async fn write_journal(tx: &mut Tx<'_>, lease: &Lease, row: &JournalRow) -> sqlx::Result<()> {
     let journal = if fault::is(Fault::NoFence) { &JOURNAL_UNFENCED } else { &JOURNAL };
-    journal.write(tx, &[(InShard::of(lease), row)]).await.map(drop)
+    journal.write(tx, &[(InFleet::of(lease), row)]).await.map(drop)
 }
 
 /// Deletes the journal's rows up to a number, which the checkpoints contain.
 async fn forget_journal(tx: &mut Tx<'_>, lease: &Lease, number: i64) -> sqlx::Result<()> {
-    on!(tx, |tx| sqlx::query("DELETE FROM journal WHERE fleet = $1 AND shard = $2 AND number <= $3")
+    on!(tx, |tx| sqlx::query("DELETE FROM journal WHERE fleet = $1 AND number <= $2")
         .bind(lease.fleet().as_str())
-        .bind(lease.shard_number())
         .bind(number)
         .execute(&mut **tx)
         .await

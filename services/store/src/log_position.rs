@@ -1,4 +1,4 @@
-//! Positions in a partitioned log: the first record of a shard's partition whose effects are not committed.
+//! Positions in a partitioned log: the first record of a fleet's partition whose effects are not committed.
 
 use super::database::{Tx, on};
 use super::{Lease, StoreError, Writer, failed};
@@ -7,20 +7,19 @@ use super::{Lease, StoreError, Writer, failed};
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(5);
 
 impl Writer {
-    /// The position of a shard in a topic; `None` before the first record. That of another topic is forgotten.
+    /// The position of a fleet in a topic; `None` before the first record. That of another topic is forgotten.
     ///
     /// # Errors
     /// The database cannot be used, or the lease is lost.
     pub async fn log_position(&mut self, lease: &Lease, topic: &str) -> Result<Option<i64>, StoreError> {
         const WHAT: &str = "read the position in the log";
-        const SQL: &str = "UPDATE leases SET log_next = CASE WHEN log_topic = $3 THEN log_next END, log_topic = $3 \
-             WHERE fleet = $1 AND shard = $2 RETURNING log_next";
+        const SQL: &str = "UPDATE leases SET log_next = CASE WHEN log_topic = $2 THEN log_next END, log_topic = $2 \
+             WHERE fleet = $1 RETURNING log_next";
         self.attempt(WHAT, PATIENCE, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
             let next: Option<Option<i64>> = on!(&mut tx, |tx| sqlx::query_scalar(SQL)
                 .bind(lease.fleet().as_str())
-                .bind(lease.shard_number())
                 .bind(topic)
                 .fetch_optional(&mut **tx)
                 .await)
@@ -48,14 +47,8 @@ impl Writer {
 
 /// Writes the position, if it changes.
 pub(super) async fn write(tx: &mut Tx<'_>, lease: &Lease, next: Option<i64>) -> Result<(), StoreError> {
-    const SQL: &str = "UPDATE leases SET log_next = $1 WHERE fleet = $2 AND shard = $3";
+    const SQL: &str = "UPDATE leases SET log_next = $1 WHERE fleet = $2";
     let Some(next) = next else { return Ok(()) };
-    on!(tx, |tx| sqlx::query(SQL)
-        .bind(next)
-        .bind(lease.fleet().as_str())
-        .bind(lease.shard_number())
-        .execute(&mut **tx)
-        .await
-        .map(drop))
-    .map_err(failed("write the position in the log"))
+    on!(tx, |tx| sqlx::query(SQL).bind(next).bind(lease.fleet().as_str()).execute(&mut **tx).await.map(drop))
+        .map_err(failed("write the position in the log"))
 }

@@ -1,13 +1,11 @@
 //! The outbox of events (table `event_outbox`): they are written in the transaction that causes them, and deleted after a
 //! partitioned log has acknowledged them.
 //!
-//! An event is named by the shard, the epoch of its lease, the number of the transaction under the lease, and its index
-//! there. Names of a shard rise, so whoever reads the log recognises an event that was written twice.
-
-use std::collections::BTreeMap;
+//! An event is named by the epoch of the lease, the number of the transaction under the lease, and its index there. Names of
+//! a fleet rise, so whoever reads the log recognises an event that was written twice.
 
 use borsh::{BorshDeserialize, BorshSerialize};
-use vibrissa_edge::shard::FleetShard;
+use vibrissa_protocol::Name;
 
 use super::batch::EventRow;
 use super::database::{Either, Tx, on};
@@ -34,9 +32,7 @@ pub struct WaitingEvent {
 /// The events of a transaction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WaitingEvents {
-    /// Number of the shard that wrote them.
-    pub shard: i64,
-    /// Epoch of the shard's lease.
+    /// Epoch of the fleet's lease.
     pub epoch: i64,
     /// Number of the transaction under the lease.
     pub number: i64,
@@ -59,7 +55,6 @@ pub struct OutboxSize {
 
 from_row! {
     struct StoredEvents {
-        shard: i64,
         epoch: i64,
         number: i64,
         events: Vec<u8>,
@@ -68,7 +63,7 @@ from_row! {
 
 impl From<StoredEvents> for WaitingEvents {
     fn from(row: StoredEvents) -> Self {
-        let StoredEvents { shard, epoch, number, events: bytes } = row;
+        let StoredEvents { epoch, number, events: bytes } = row;
         let (mut rest, mut events, size) = (bytes.as_slice(), Vec::new(), bytes.len() as i64);
         let mut is_damaged = false;
         while let Some((version, event)) = rest.split_first() {
@@ -81,7 +76,7 @@ impl From<StoredEvents> for WaitingEvents {
                 }
             }
         }
-        Self { shard, epoch, number, events, is_damaged, bytes: size }
+        Self { epoch, number, events, is_damaged, bytes: size }
     }
 }
 
@@ -107,7 +102,6 @@ pub(crate) fn row<'b>(lease: &'b Lease, events: &[EventRow]) -> Option<OutboxRow
     }
     Some(OutboxRow {
         fleet: lease.fleet().as_str(),
-        shard: lease.shard_number(),
         epoch: lease.epoch() as i64,
         number: lease.next_commit(),
         events: bytes,
@@ -120,18 +114,17 @@ pub(crate) async fn write(tx: &mut Tx<'_>, lease: &Lease, events: &[EventRow]) -
     // SQLite's || makes a text of two blobs, hence the cast; the bytes are unchanged.
     let sql = match tx {
         Either::Sqlite(_) => {
-            "INSERT INTO event_outbox (fleet, shard, epoch, number, events) VALUES ($1, $2, $3, $4, $5) \
-             ON CONFLICT (fleet, shard, epoch, number) \
+            "INSERT INTO event_outbox (fleet, epoch, number, events) VALUES ($1, $2, $3, $4) \
+             ON CONFLICT (fleet, epoch, number) \
              DO UPDATE SET events = CAST(event_outbox.events || excluded.events AS BLOB)"
         }
         Either::Postgres(_) => {
-            "INSERT INTO event_outbox (fleet, shard, epoch, number, events) VALUES ($1, $2, $3, $4, $5) \
-             ON CONFLICT (fleet, shard, epoch, number) DO UPDATE SET events = event_outbox.events || excluded.events"
+            "INSERT INTO event_outbox (fleet, epoch, number, events) VALUES ($1, $2, $3, $4) \
+             ON CONFLICT (fleet, epoch, number) DO UPDATE SET events = event_outbox.events || excluded.events"
         }
     };
     on!(tx, |tx| sqlx::query(sql)
         .bind(row.fleet)
-        .bind(row.shard)
         .bind(row.epoch)
         .bind(row.number)
         .bind(&row.events)
@@ -142,69 +135,51 @@ pub(crate) async fn write(tx: &mut Tx<'_>, lease: &Lease, events: &[EventRow]) -
 }
 
 impl Store {
-    /// The oldest waiting events of a shard. After a change of the number of shards they include those of former shards whose
-    /// number has this shard's remainder.
+    /// The oldest waiting events of a fleet.
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn waiting_events(&self, shard: &FleetShard) -> Result<Vec<WaitingEvents>, StoreError> {
+    pub async fn waiting_events(&self, fleet: &Name) -> Result<Vec<WaitingEvents>, StoreError> {
         let sql = format!(
-            "SELECT shard, epoch, number, events FROM event_outbox WHERE fleet = $1 AND shard % $2 = $3 \
-             ORDER BY epoch, number, shard LIMIT {ROWS_A_QUERY}"
+            "SELECT epoch, number, events FROM event_outbox WHERE fleet = $1 ORDER BY epoch, number LIMIT {ROWS_A_QUERY}"
         );
         let sql = sqlx::AssertSqlSafe(sql);
-        let rows: Vec<StoredEvents> = on!(&self.pool, |pool| sqlx::query_as(sql)
-            .bind(shard.fleet().as_str())
-            .bind(i64::from(shard.count()))
-            .bind(i64::from(shard.number()))
-            .fetch_all(pool)
-            .await)
-        .map_err(failed("read the outbox of events"))?;
+        let rows: Vec<StoredEvents> =
+            on!(&self.pool, |pool| sqlx::query_as(sql).bind(fleet.as_str()).fetch_all(pool).await)
+                .map_err(failed("read the outbox of events"))?;
         Ok(rows.into_iter().map(Into::into).collect())
     }
 
-    /// Size of a shard's waiting events. It reads each row's length, but not its events.
+    /// Size of a fleet's waiting events. It reads each row's length, but not its events.
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn outbox_size(&self, shard: &FleetShard) -> Result<OutboxSize, StoreError> {
+    pub async fn outbox_size(&self, fleet: &Name) -> Result<OutboxSize, StoreError> {
         const SQL: &str = "SELECT count(*), CAST(COALESCE(sum(length(events)), 0) AS BIGINT) FROM event_outbox \
-             WHERE fleet = $1 AND shard % $2 = $3";
-        let (transactions, bytes): (i64, i64) = on!(&self.pool, |pool| sqlx::query_as(SQL)
-            .bind(shard.fleet().as_str())
-            .bind(i64::from(shard.count()))
-            .bind(i64::from(shard.number()))
-            .fetch_one(pool)
-            .await)
-        .map_err(failed("measure the outbox of events"))?;
+             WHERE fleet = $1";
+        let (transactions, bytes): (i64, i64) =
+            on!(&self.pool, |pool| sqlx::query_as(SQL).bind(fleet.as_str()).fetch_one(pool).await)
+                .map_err(failed("measure the outbox of events"))?;
         Ok(OutboxSize { transactions, bytes })
     }
 
-    /// Deletes events that the log has acknowledged, and all older ones of their shards. No lease is needed: they are
+    /// Deletes events that the log has acknowledged, and all older ones of the fleet. No lease is needed: they are
     /// published, whoever deletes them.
     ///
     /// # Errors
     /// The database cannot be written.
-    pub async fn events_are_published(&self, shard: &FleetShard, rows: &[WaitingEvents]) -> Result<(), StoreError> {
+    pub async fn events_are_published(&self, fleet: &Name, rows: &[WaitingEvents]) -> Result<(), StoreError> {
         const WHAT: &str = "delete published events";
-        const SQL: &str = "DELETE FROM event_outbox WHERE fleet = $1 AND shard = $2 AND (epoch, number) <= ($3, $4)";
-        let mut newest: BTreeMap<i64, (i64, i64)> = BTreeMap::new();
-        for row in rows {
-            newest.insert(row.shard, (row.epoch, row.number));
-        }
-        let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
-        for (number, (epoch, last)) in newest {
-            on!(&mut tx, |tx| sqlx::query(SQL)
-                .bind(shard.fleet().as_str())
-                .bind(number)
-                .bind(epoch)
-                .bind(last)
-                .execute(&mut **tx)
-                .await
-                .map(drop))
-            .map_err(failed(WHAT))?;
-        }
-        tx.commit().await.map_err(failed(WHAT))
+        const SQL: &str = "DELETE FROM event_outbox WHERE fleet = $1 AND (epoch, number) <= ($2, $3)";
+        let Some(newest) = rows.last() else { return Ok(()) };
+        on!(&self.pool, |pool| sqlx::query(SQL)
+            .bind(fleet.as_str())
+            .bind(newest.epoch)
+            .bind(newest.number)
+            .execute(pool)
+            .await
+            .map(drop))
+        .map_err(failed(WHAT))
     }
 }
 
@@ -221,9 +196,7 @@ mod tests {
         };
         let bytes = |event: &WaitingEvent| borsh::to_vec(&(VERSION, event)).unwrap();
         let whole = [bytes(&event(0)), bytes(&event(1))].concat();
-        let read = |events: &[u8]| {
-            WaitingEvents::from(StoredEvents { shard: 0, epoch: 1, number: 2, events: events.to_vec() })
-        };
+        let read = |events: &[u8]| WaitingEvents::from(StoredEvents { epoch: 1, number: 2, events: events.to_vec() });
         assert_eq!((read(&whole).events, read(&whole).is_damaged), (vec![event(0), event(1)], false));
         for (damaged, left) in [(&whole[..whole.len() - 1], 1), (&[&whole[..], &[7]].concat(), 2)] {
             let read = read(damaged);

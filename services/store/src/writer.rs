@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 use tokio::time::{Instant, timeout_at};
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use super::database::{Either, Link, Options};
@@ -23,8 +22,8 @@ pub struct Writer {
     link: Option<Link>,
     /// Changes of the leader among several servers, seen since the connection was opened.
     changes: Option<watch::Receiver<u64>>,
-    /// Newest epoch of each shard in the database.
-    pub(super) last_epochs: BTreeMap<FleetShard, u64>,
+    /// Newest epoch of each fleet in the database.
+    pub(super) last_epochs: BTreeMap<Name, u64>,
     /// Highest epoch of each fleet that this process has seen: after a failover the database may know only lower ones.
     pub(super) highest_epochs: BTreeMap<Name, u64>,
     /// Tells leases and members that are alive, by this process's monotonic clock.

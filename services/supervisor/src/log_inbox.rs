@@ -10,8 +10,6 @@ pub(crate) enum Skipped {
     NoTopic,
     /// The topic is of another fleet.
     OtherFleet,
-    /// The robot belongs to another shard: the record is in the wrong partition.
-    WrongPartition,
     /// A message that supervisors receive over MQTT only.
     OtherMessage,
     /// The record has no value.
@@ -26,10 +24,9 @@ pub(crate) enum Skipped {
 
 impl Skipped {
     /// All reasons.
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::NoTopic,
         Self::OtherFleet,
-        Self::WrongPartition,
         Self::OtherMessage,
         Self::NoValue,
         Self::Deleted,
@@ -42,7 +39,6 @@ impl Skipped {
         match self {
             Self::NoTopic => "NO_TOPIC",
             Self::OtherFleet => "OTHER_FLEET",
-            Self::WrongPartition => "WRONG_PARTITION",
             Self::OtherMessage => "OTHER_MESSAGE",
             Self::NoValue => "NO_VALUE",
             Self::Deleted => "DELETED",
@@ -72,7 +68,7 @@ pub(crate) enum LogStart {
     At(i64),
 }
 
-/// A message of a robot of the shard.
+/// A message of a robot of the fleet.
 #[derive(Debug, Clone)]
 pub(crate) struct LogRecord {
     /// Offset of the record in the partition.

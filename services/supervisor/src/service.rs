@@ -74,8 +74,6 @@ pub struct ServiceOptions {
     pub name: String,
     /// The fleets to supervise; with PostgreSQL they are shared with other supervisors.
     pub fleets: Vec<Name>,
-    /// Least number of shards of each fleet. A fleet that has fewer gets as many.
-    pub shards: u32,
     /// SQLite file or PostgreSQL server.
     pub database: DatabaseAddress,
     /// Whether the database is known to be a new one: fleets are supervised although the broker retains owners whom it does
@@ -231,7 +229,7 @@ impl Service {
             time_to_live: options.lease_time_to_live,
         };
         let webhooks = Webhooks::new(&options.webhooks, store.clone(), metrics.clone(), shared.supervisor.clone());
-        let ownership = Ownership::new(supervisor, shared, options.shards, is_prepared);
+        let ownership = Ownership::new(supervisor, shared, is_prepared);
         let app = App::new(
             store.clone(),
             metrics.clone(),

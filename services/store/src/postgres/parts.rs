@@ -7,8 +7,8 @@ use crate::row::{Row, Statement};
 
 /// Advances the commit counter of the lease and renews it; also used as a statement on its own.
 pub(in super::super) const COUNTED: &str = "UPDATE leases SET commits = $4 + 1, expires_us = clock_us() + $5, \
-    log_next = coalesce($7, log_next) \
-    WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND commits = $4 AND shard = $6 RETURNING fleet";
+    log_next = coalesce($6, log_next) \
+    WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND commits = $4 RETURNING fleet";
 
 /// Takes the parts of a statement in their order. One pass over the parts makes the text, another binds the values.
 pub(super) trait Parts: Sized {

@@ -14,9 +14,9 @@ use super::sorted::Sorted;
 use crate::batch::{ContactRow, JournalRow, ResponseRow, RobotRow, RollupRow, WhiskerRow};
 use crate::records::tell_of_rollups;
 use crate::tables::{
-    ALARMS, ANSWERED, BINS, CANDIDATES, CHANGES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, HEALTH, InFleet, InShard,
-    JOURNAL, JOURNAL_DONE, NewChange, OUTBOX, OutboxRow, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS,
-    SETPOINTS, STATES, ShardNumber, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
+    ALARMS, ANSWERED, BINS, CANDIDATES, CHANGES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, HEALTH, InFleet, JOURNAL,
+    JOURNAL_DONE, JournalNumber, NewChange, OUTBOX, OutboxRow, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED,
+    ROBOTS, SETPOINTS, STATES, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
 };
 use crate::{Batch, Lease, Resolution, StoreError, changes, failed, outbox, tables};
 
@@ -28,7 +28,7 @@ struct Statements {
     /// For a transaction that contains only contacts and journal entries.
     ordinary: String,
     /// For one that contains checkpoints, too: nearly half of those of a quiet fleet. `whole` takes the server twice as
-    /// long for them (5.6 instead of 2.6 ms in a run with 64 shards).
+    /// long for them (5.6 instead of 2.6 ms in a run with 64 fleets).
     checkpoints: String,
     /// For one with all kinds of rows; most of its parts usually write nothing.
     whole: String,
@@ -60,8 +60,8 @@ pub(in super::super) struct Whole<'b> {
 #[derive(Default)]
 struct Rows<'b> {
     contacts: Vec<&'b ContactRow>,
-    journal: Option<(InShard<'b>, &'b JournalRow)>,
-    journal_done: Option<ShardNumber<'b>>,
+    journal: Option<(InFleet<'b>, &'b JournalRow)>,
+    journal_done: Option<JournalNumber<'b>>,
     robots: &'b [RobotRow],
     whiskers: &'b [WhiskerRow],
     sorted: Sorted<'b>,
@@ -76,12 +76,12 @@ impl<'b> Whole<'b> {
     /// The rows of a batch. `None` if it has layouts or rare records, which need statements of their own.
     pub(in super::super) fn of(lease: &'b Lease, batch: &'b Batch, now_us: i64) -> Option<Self> {
         let sorted = Sorted::of(&batch.records).filter(|_| batch.layouts.is_empty())?;
-        let at = InShard::of(lease);
+        let at = InFleet::of(lease);
         let of = |resolution| batch.rollups.iter().filter(move |row| row.resolution == resolution).collect();
         let rows = Rows {
             contacts: batch.contacts.iter().collect(),
             journal: batch.journal.as_ref().map(|row| (at, row)),
-            journal_done: batch.journal_done.map(|number| ShardNumber::new(at, number)),
+            journal_done: batch.journal_done.map(|number| JournalNumber { fleet: at.fleet, number }),
             robots: &batch.robots,
             whiskers: &batch.whiskers,
             sorted,

@@ -44,7 +44,6 @@ use tokio::sync::{Notify, mpsc};
 use tokio::task::yield_now;
 use tokio::time::{Duration, Instant, Interval, MissedTickBehavior, interval_at, sleep_until};
 use vibrissa_core::units::Micros;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use crate::action_notifier::ActionNotifier;
@@ -90,8 +89,6 @@ const SURVEY_SHARE: u32 = 50;
 /// Supervision of one fleet: shards that own its robots, and a sequence of transactions.
 pub(crate) struct Engine {
     fleet: Name,
-    /// The shard of the fleet; most fleets have one.
-    place: FleetShard,
     shards: Shards,
     pipeline: Pipeline,
     suspects: Suspects,
@@ -222,8 +219,6 @@ impl Engine {
         self.settle().await?;
         self.restart_silence_timers_if_deaf(inbox);
         let is_round = self.pipeline.schedule().tick(number);
-        // Shards do their other periodic work at different ticks.
-        let number = number.wrapping_add(self.place.number());
         if is_round {
             self.publish_estimates();
             self.check_receipts();
@@ -243,11 +238,11 @@ impl Engine {
             fleet_metrics::show_queues(&self.metrics, inbox, self.pipeline.outbox_filling());
             if self.survey_from <= Instant::now() {
                 let begun = Instant::now();
-                fleet_metrics::survey_robots(&mut self.shards, &self.place, &self.program, &self.metrics);
+                fleet_metrics::survey_robots(&mut self.shards, &self.fleet, &self.program, &self.metrics);
                 // From a log messages come late, so they tell nothing about the time.
                 if self.log_from.is_none() {
                     let ahead_us = fleet_metrics::clocks_ahead_us(&self.shards, wall_clock());
-                    self.robot_clocks.show(&self.place, ahead_us);
+                    self.robot_clocks.show(&self.fleet, ahead_us);
                 }
                 self.survey_from = begun + begun.elapsed() * SURVEY_SHARE;
             }
@@ -286,25 +281,6 @@ impl Engine {
     /// Where the partitioned log is to be read from, if contacts come from one.
     pub(crate) fn log_from(&self) -> Option<LogStart> {
         self.log_from
-    }
-
-    /// Names of the known robots.
-    pub(crate) fn robots(&self) -> impl Iterator<Item = &Name> {
-        self.shards.robots().map(|known| &known.name)
-    }
-
-    /// Writes checkpoints of all robots, so that no journal row is needed any more. Returns false if the database rejects
-    /// some.
-    pub(crate) async fn drain(mut self) -> Result<bool, LeaseLost> {
-        loop {
-            self.finish().await?;
-            if !self.suspects.is_empty() {
-                return Ok(false);
-            }
-            if self.shards.oldest_entry().is_none() {
-                return Ok(true);
-            }
-        }
     }
 
     /// Seals the open batches and starts to write them.

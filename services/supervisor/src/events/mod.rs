@@ -16,14 +16,11 @@ pub(crate) use room::OutboxRoom;
 /// Version of the format. It rises if a field is removed or changes its meaning; new fields may come without a new version.
 pub(crate) const VERSION: u32 = 1;
 
-/// Name of an event. All events of a shard have rising names, compared by epoch, number and index; in each partition they
-/// stand in this order. An event whose name is not above that of the last event of its shard in the partition was read before.
+/// Name of an event. All events of a fleet have rising names, compared by epoch, number and index; in each partition they
+/// stand in this order. An event whose name is not above that of the last event of its fleet in the partition was read before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 pub struct EventId {
-    /// Number of the shard of the fleet.
-    #[schema(minimum = 0)]
-    pub shard: i64,
-    /// Epoch of the shard's lease.
+    /// Epoch of the fleet's lease.
     #[schema(minimum = 0)]
     pub epoch: i64,
     /// Number of the transaction under the lease.
@@ -174,8 +171,8 @@ mod tests {
 
     #[test]
     fn the_name_of_an_event_stands_before_its_other_fields() {
-        let id = EventId { shard: 1, epoch: 2, number: 3, index: 4 };
+        let id = EventId { epoch: 2, number: 3, index: 4 };
         let text = published(id, r#"{"type":"TRIM"}"#);
-        assert_eq!(text, r#"{"id":{"shard":1,"epoch":2,"number":3,"index":4},"type":"TRIM"}"#);
+        assert_eq!(text, r#"{"id":{"epoch":2,"number":3,"index":4},"type":"TRIM"}"#);
     }
 }

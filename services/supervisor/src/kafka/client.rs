@@ -44,21 +44,6 @@ pub enum KafkaError {
     /// A topic does not exist.
     #[error("the log has no topic {0:?}: create it, see docs/kafka.md")]
     NoTopic(String),
-    /// The partitions of the topic are not the shards of the fleet.
-    #[error(
-        "the topic {topic:?} has {partitions} partitions, and the fleet {fleet} has {shards} shards: give both the same \
-         number, with fleet.shards or with the topic's partitions"
-    )]
-    Partitions {
-        /// Name of the topic.
-        topic: String,
-        /// Number of its partitions.
-        partitions: u32,
-        /// Name of the fleet.
-        fleet: String,
-        /// Number of its shards.
-        shards: u32,
-    },
     /// No broker has answered in time.
     #[error("the log does not answer within {} s", PATIENCE.as_secs())]
     NoAnswer,

@@ -52,7 +52,7 @@ impl LogReader {
         self.skipped(Skipped::Unreadable, next.abs_diff(at));
         let problem = problem.map(|why| why.to_string()).unwrap_or_default();
         error!(
-            fleet = %self.shard, topic = self.topic(), from = at, to = next, problem,
+            fleet = %self.fleet, topic = self.topic(), from = at, to = next, problem,
             "records of the log cannot be read and are set aside: robots send contacts without a receipt again"
         );
         self.tell_set_aside(at, next, &problem);

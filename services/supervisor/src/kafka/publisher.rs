@@ -1,8 +1,8 @@
-//! Carries the outbox of a shard to the log: in order, and a row is deleted only after all replicas in sync have its events.
+//! Carries the outbox of a fleet to the log: in order, and a row is deleted only after all replicas in sync have its events.
 //!
 //! After a failure, or at the next owner, the same rows are written again. Their events keep their names, which rise within a
-//! shard, so readers recognise those that they have read. A write of this process that arrives after one of the next owner only
-//! repeats events: a partition never gets an event before all earlier ones of its shard.
+//! fleet, so readers recognise those that they have read. A write of this process that arrives after one of the next owner only
+//! repeats events: a partition never gets an event before all earlier ones of its fleet.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -17,7 +17,8 @@ use tokio::sync::Notify;
 use tokio::time::{Instant, timeout};
 use tracing::{error, info, warn};
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_edge::shard::{FleetShard, robot_hash};
+use vibrissa_edge::partition::robot_hash;
+use vibrissa_protocol::Name;
 use vibrissa_store::Store;
 use vibrissa_store::outbox::{WaitingEvent, WaitingEvents};
 
@@ -35,12 +36,12 @@ const MEASURE_EVERY: Duration = Duration::from_secs(60);
 /// Bytes of the records of one write, less than the brokers' usual limit of 1 MiB.
 const WRITE_BYTES: usize = 512 * 1024;
 
-/// Publishes the events of one shard.
+/// Publishes the events of one fleet.
 pub(super) struct Publisher {
     pub(super) connector: Connector,
     pub(super) topics: EventTopics,
     pub(super) store: Store,
-    pub(super) shard: FleetShard,
+    pub(super) fleet: Name,
     pub(super) metrics: FleetMetrics,
     pub(super) room: Arc<OutboxRoom>,
 }
@@ -68,7 +69,7 @@ impl Publisher {
             match self.round(&mut log).await {
                 Ok(rows) => {
                     if is_failing {
-                        info!(fleet = %self.shard, "events are published again");
+                        info!(fleet = %self.fleet, "events are published again");
                     }
                     (backoff, is_failing) = (Backoff::default(), false);
                     if rows == 0 {
@@ -81,7 +82,7 @@ impl Publisher {
                 Err(problem) => {
                     self.metrics.event_writes_failed.inc();
                     if !std::mem::replace(&mut is_failing, true) {
-                        warn!(%problem, fleet = %self.shard, "cannot publish events, they wait in the outbox; retrying");
+                        warn!(%problem, fleet = %self.fleet, "cannot publish events, they wait in the outbox; retrying");
                     }
                     log = None;
                     backoff.wait().await;
@@ -94,7 +95,7 @@ impl Publisher {
 
     /// Measures the outbox. Without an answer of the database the last size, and what was added to it, go on to count.
     async fn measure(&self) {
-        if let Ok(size) = self.store.outbox_size(&self.shard).await {
+        if let Ok(size) = self.store.outbox_size(&self.fleet).await {
             self.metrics.outbox_transactions.set(size.transactions);
             self.show_bytes(size.bytes);
         }
@@ -107,7 +108,7 @@ impl Publisher {
 
     /// Publishes the oldest rows; returns their number.
     async fn round(&self, log: &mut Option<Log>) -> Result<usize, RoundError> {
-        let rows = self.store.waiting_events(&self.shard).await?;
+        let rows = self.store.waiting_events(&self.fleet).await?;
         if rows.is_empty() {
             return Ok(0);
         }
@@ -120,7 +121,7 @@ impl Publisher {
             writes.push(self.write(log.partition(topic, partition).await?, records));
         }
         try_join_all(writes).await?;
-        self.store.events_are_published(&self.shard, &rows).await?;
+        self.store.events_are_published(&self.fleet, &rows).await?;
         let bytes: i64 = rows.iter().map(|row| row.bytes).sum();
         self.room.bytes.fetch_sub(bytes, Ordering::Relaxed);
         Ok(rows.len())
@@ -134,11 +135,11 @@ impl Publisher {
     ) -> Result<BTreeMap<(&str, u32), VecDeque<Record>>, KafkaError> {
         let mut all: BTreeMap<(&str, u32), VecDeque<Record>> = BTreeMap::new();
         for row in rows {
-            let WaitingEvents { shard, epoch, number, events, is_damaged, bytes: _ } = row;
+            let WaitingEvents { epoch, number, events, is_damaged, bytes: _ } = row;
             if *is_damaged {
                 self.metrics.events_lost.inc();
                 self.metrics.set_aside(Reader::EventOutbox, 1);
-                error!(fleet = %self.shard, shard, epoch, number, "cannot read the rest of these events, it is lost");
+                error!(fleet = %self.fleet, epoch, number, "cannot read the rest of these events, it is lost");
             }
             for (event, index) in events.iter().zip(0..) {
                 let topic = match (&self.topics.contacts, event.is_contacts) {
@@ -147,8 +148,8 @@ impl Publisher {
                     // Contacts were published until the last restart.
                     (None, true) => continue,
                 };
-                let id = EventId { shard: *shard, epoch: *epoch, number: *number, index };
-                let hash = robot_hash(self.shard.fleet().as_str(), &event.robot);
+                let id = EventId { epoch: *epoch, number: *number, index };
+                let hash = robot_hash(self.fleet.as_str(), &event.robot);
                 let partition = hash % log.partitions(topic)?;
                 all.entry((topic, partition)).or_default().push_back(self.record(id, event));
             }
@@ -158,7 +159,7 @@ impl Publisher {
 
     fn record(&self, id: EventId, event: &WaitingEvent) -> Record {
         Record {
-            key: Some(format!("{}/{}", self.shard.fleet(), event.robot).into_bytes()),
+            key: Some(format!("{}/{}", self.fleet, event.robot).into_bytes()),
             value: Some(published(id, &event.body).into_bytes()),
             headers: BTreeMap::new(),
             timestamp: DateTime::<Utc>::from_timestamp_micros(wall_clock().0 as i64).unwrap_or_default(),
@@ -187,7 +188,7 @@ impl Publisher {
                 }
                 Err(problem) if problem.is_refusal() => {
                     self.metrics.events_lost.inc();
-                    error!(%problem, fleet = %self.shard, "the log refuses an event for good, it is lost");
+                    error!(%problem, fleet = %self.fleet, "the log refuses an event for good, it is lost");
                 }
                 Err(problem) => return Err(problem),
             }

@@ -1,18 +1,16 @@
-//! Reads a shard's partition of the log: for the engine, and again for its recovery.
+//! Reads a fleet's partition of the log: for the engine, and again for its recovery.
 //!
-//! Consumer groups are not used: the owner of a shard's lease reads, and the position is in the database.
+//! Consumer groups are not used: the owner of a fleet's lease reads, and the position is in the database.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 use rskafka::client::partition::{OffsetAt, PartitionClient};
 use rskafka::record::RecordAndOffset;
 use tokio::sync::{Mutex, mpsc};
 use tracing::{error, info, warn};
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 
 use super::client::{Connector, KafkaError, within};
@@ -26,17 +24,15 @@ use crate::set_aside::Reader;
 const RECORDS_AT_A_TIME: usize = 512;
 /// Headers with the MQTT topic, as bridges name them.
 const TOPIC_HEADERS: [&str; 3] = ["topic", "mqtt_topic", "mqtt.topic"];
-/// The part of a shard that is not ready then.
+/// The part of a fleet that is not ready then.
 const PART: &str = "log";
-/// Pause of a shard whose partition does not exist.
-const MISCONFIGURED: Duration = Duration::from_secs(2);
 
-/// Reads the partition of one shard.
+/// Reads the partition of one fleet.
 #[derive(Debug, Clone)]
 pub(crate) struct LogReader {
     connector: Connector,
     topic: Arc<str>,
-    pub(super) shard: FleetShard,
+    pub(super) fleet: Name,
     metrics: FleetMetrics,
     readiness: Readiness,
     again: Arc<Mutex<Option<Again>>>,
@@ -45,6 +41,8 @@ pub(crate) struct LogReader {
 
 /// Records that a recovery reads again.
 struct Again {
+    /// Number of the partition.
+    number: i64,
     partition: Arc<PartitionClient>,
     /// First and next offset of the partition when it was opened.
     earliest: i64,
@@ -66,14 +64,14 @@ impl LogReader {
     pub(super) fn new(
         connector: Connector,
         topic: &str,
-        shard: FleetShard,
+        fleet: Name,
         metrics: FleetMetrics,
         readiness: Readiness,
     ) -> Self {
         Self {
             connector,
             topic: topic.into(),
-            shard,
+            fleet,
             metrics,
             readiness,
             again: Arc::default(),
@@ -96,32 +94,23 @@ impl LogReader {
         self.metrics.log_connected.set(is_connected.into());
     }
 
-    /// Connects to the partition.
-    ///
-    /// # Errors
-    /// The log does not answer, or the topic has not as many partitions as the fleet has shards.
-    pub(super) async fn open(&self) -> Result<Arc<PartitionClient>, KafkaError> {
-        let mut log = self.connector.connect().await?;
-        let (partitions, shards) = (log.partitions(&self.topic)?, self.shard.count());
-        if partitions != shards {
-            let fleet = self.shard.fleet().to_string();
-            return Err(KafkaError::Partitions { topic: self.topic.to_string(), partitions, fleet, shards });
-        }
-        log.partition(&self.topic, self.shard.number()).await
+    /// Connects to a partition.
+    async fn open(&self, partition: u32) -> Result<Arc<PartitionClient>, KafkaError> {
+        self.connector.connect().await?.partition(&self.topic, partition).await
     }
 
-    /// The messages of the records `from`..`to`, which were read before. Waits for the log, however long that takes: they are
+    /// The messages of the records `from`..`to` of a partition, which were read before. Waits for the log, however long that takes: they are
     /// part of the fleet's state. Ranges in rising order are read together.
-    pub(crate) async fn records(&self, from: i64, to: i64) -> Vec<LogRecord> {
+    pub(crate) async fn records(&self, partition: i64, (from, to): (i64, i64)) -> Vec<LogRecord> {
         let mut again = self.again.lock().await;
         let (mut backoff, mut is_failing) = (Backoff::default(), false);
         loop {
-            match self.try_records(&mut again, from, to).await {
+            match self.try_records(&mut again, partition, (from, to)).await {
                 Ok(records) => return records,
                 Err(problem) => {
                     *again = None;
                     if !std::mem::replace(&mut is_failing, true) {
-                        error!(%problem, fleet = %self.shard, "cannot read the log again for the recovery, retrying");
+                        error!(%problem, fleet = %self.fleet, "cannot read the log again for the recovery, retrying");
                     }
                     backoff.wait().await;
                 }
@@ -129,14 +118,27 @@ impl LogReader {
         }
     }
 
-    async fn try_records(&self, again: &mut Option<Again>, from: i64, to: i64) -> Result<Vec<LogRecord>, KafkaError> {
+    async fn try_records(
+        &self,
+        again: &mut Option<Again>,
+        number: i64,
+        (from, to): (i64, i64),
+    ) -> Result<Vec<LogRecord>, KafkaError> {
         let again = match again {
-            Some(again) if again.begin <= from && to <= again.latest => again,
+            Some(again) if again.number == number && again.begin <= from && to <= again.latest => again,
             other => {
-                let partition = self.open().await?;
+                let partition = self.open(u32::try_from(number).unwrap_or_default()).await?;
                 let earliest = within(partition.get_offset(OffsetAt::Earliest)).await?;
                 let latest = within(partition.get_offset(OffsetAt::Latest)).await?;
-                other.insert(Again { partition, earliest, latest, begin: from, next: from, read: VecDeque::new() })
+                other.insert(Again {
+                    number,
+                    partition,
+                    earliest,
+                    latest,
+                    begin: from,
+                    next: from,
+                    read: VecDeque::new(),
+                })
             }
         };
         let (first, end) = (from.max(again.earliest), to.min(again.latest));
@@ -144,7 +146,7 @@ impl LogReader {
         if lost > 0 {
             self.skipped(Skipped::Deleted, lost as u64);
             error!(
-                fleet = %self.shard, topic = %self.topic, from, to, lost,
+                fleet = %self.fleet, topic = %self.topic, from, to, lost,
                 "the log has deleted records that the recovery needs: the state lacks their contacts. Keep records longer"
             );
         }
@@ -185,42 +187,38 @@ impl LogReader {
             self.set_connected(false);
             let text = problem.to_string();
             if told.as_ref() != Some(&text) {
-                warn!(problem = text, fleet = %self.shard, topic = %self.topic, "cannot read the log, retrying");
+                warn!(problem = text, fleet = %self.fleet, topic = %self.topic, "cannot read the log, retrying");
                 told = Some(text);
             }
             if next != before {
                 backoff = Backoff::default();
             }
-            if matches!(problem, KafkaError::Partitions { .. }) {
-                tokio::time::sleep(MISCONFIGURED).await;
-            } else {
-                backoff.wait().await;
-            }
+            backoff.wait().await;
         }
     }
 
     /// Reads over one connection. Returns without an error when the engine is gone.
     async fn read(&self, next: &mut Option<i64>, batches: &mpsc::Sender<LogBatch>) -> Result<(), KafkaError> {
-        let partition = self.open().await?;
+        let partition = self.open(0).await?;
         let earliest = within(partition.get_offset(OffsetAt::Earliest)).await?;
         let latest = within(partition.get_offset(OffsetAt::Latest)).await?;
         let mut at = next.unwrap_or(earliest);
         if at < earliest {
             self.skipped(Skipped::Deleted, at.abs_diff(earliest));
             error!(
-                fleet = %self.shard, topic = %self.topic, at, earliest,
+                fleet = %self.fleet, topic = %self.topic, at, earliest,
                 "the log has deleted records before they were read: robots send contacts without a receipt again. Keep \
                  records longer"
             );
             at = earliest;
         } else if at > latest {
             error!(
-                fleet = %self.shard, topic = %self.topic, at, latest,
+                fleet = %self.fleet, topic = %self.topic, at, latest,
                 "the log ends before the stored position, because it was created anew: reading from its first record"
             );
             at = earliest;
         }
-        info!(fleet = %self.shard, topic = %self.topic, at, latest, "reading contacts from the log");
+        info!(fleet = %self.fleet, topic = %self.topic, at, latest, "reading contacts from the log");
         loop {
             *next = Some(at);
             let read = self.fetch(&partition, at).await?;
@@ -259,7 +257,7 @@ impl LogReader {
         let (last, topic) = (to - 1, &self.topic);
         let problem = format!("records {from} to {last} of {topic:?} cannot be read and are set aside: {why}");
         self.metrics.set_aside(Reader::Log, to.abs_diff(from));
-        self.readiness.tell_set_aside(&self.shard, PART, problem);
+        self.readiness.tell_set_aside(&self.fleet, PART, problem);
     }
 
     /// The message of a record.
@@ -267,14 +265,11 @@ impl LogReader {
         let RecordAndOffset { record, offset } = record;
         let topic = address(record.key.as_deref(), &record.headers)?;
         let Topic::Robot { fleet, robot, kind } = &topic else { return Err(Skipped::NoTopic) };
-        if fleet != self.shard.fleet() {
+        if *fleet != self.fleet {
             return Err(Skipped::OtherFleet);
         }
         if !matches!(kind, RobotTopic::Contacts | RobotTopic::Status) {
             return Err(Skipped::OtherMessage);
-        }
-        if !self.shard.has(robot.as_str()) {
-            return Err(Skipped::WrongPartition);
         }
         let (robot, kind) = (robot.clone(), *kind);
         let payload = record.value.ok_or(Skipped::NoValue)?.into();

@@ -2,7 +2,7 @@
 
 use prometheus::{Gauge, Histogram, IntCounter, IntGauge, Registry, Result};
 
-use super::kinds::{At, Buckets, Counters, Gauges, Histograms, OfFleet, Quantities};
+use super::kinds::{Buckets, Counters, Gauges, Histograms, OfFleet, Quantities};
 use super::labels;
 use super::nodes::{NodeFailures, NodeInUse};
 use crate::promises::Promises;
@@ -36,8 +36,8 @@ macro_rules! of_fleet {
                 Ok(Self { $($field: <$kind>::register(registry, $name, $help, ($($shape)?))?,)+ })
             }
 
-            pub(super) fn of(&self, at: At<'_>) -> FleetMetrics {
-                FleetMetrics { $($field: OfFleet::of(&self.$field, at, ($($shape)?)),)+ }
+            pub(super) fn of(&self, fleet: &str) -> FleetMetrics {
+                FleetMetrics { $($field: OfFleet::of(&self.$field, fleet, ($($shape)?)),)+ }
             }
         }
     };
@@ -233,10 +233,10 @@ of_fleet! {
     log_connected: IntGauge = "vibrissa_kafka_connected",
         "1 while the log that contacts come from answers; 0 without one.";
     /// Records of the log that are not stepped yet.
-    log_lag: IntGauge = "vibrissa_kafka_lag_records", "Records of the shard's partition that are not read yet.";
+    log_lag: IntGauge = "vibrissa_kafka_lag_records", "Records of the fleet's partitions that are not read yet.";
     /// Records of the log that were skipped, by reason.
     log_skipped: Counters = "vibrissa_kafka_records_skipped_total",
-        "Records of the log that are no contacts or status of a robot of the shard, by reason.", labels::LOG_SKIPPED;
+        "Records of the log that are no contacts or status of a robot of the fleet, by reason.", labels::LOG_SKIPPED;
 
     /// Alarms raised, by kind.
     alarms_raised: Counters = "vibrissa_alarms_raised_total", "Alarms raised, by kind.", labels::ALARM;
@@ -275,8 +275,7 @@ of_fleet! {
     /// Requests to all robots for their births and factsheets, by cause.
     birth_requests: Counters = "vibrissa_birth_requests_total",
         "Requests to all robots of the fleet for their births and factsheets, by cause.", labels::BIRTH_CAUSE;
-    /// Number of the fleet's shards.
-    fleet_shards: IntGauge = "vibrissa_fleet_shards", "Number of the fleet's shards, each with a lease.";
+
     /// 1 while this supervisor holds the fleet's lease, else 0.
     lease_held: IntGauge = "vibrissa_lease_held", "1 while this supervisor holds the fleet's lease.";
     /// Epoch of this supervisor's newest lease of the fleet.

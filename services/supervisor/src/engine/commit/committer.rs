@@ -9,7 +9,7 @@ use vibrissa_protocol::Name;
 use crate::backoff::Backoff;
 use crate::metrics::{FleetMetrics, Metrics};
 use vibrissa_store::batch::Owner;
-use vibrissa_store::{Batch, Lease, LossCause, Refused, Rejection, StoreError, StoredRobot, Writer};
+use vibrissa_store::{Batch, JournalReading, Lease, LossCause, Refused, Rejection, StoreError, StoredRobot, Writer};
 
 use crate::engine::commit::journal;
 use crate::engine::commit::recovery::{LogRecords, records_of};
@@ -72,7 +72,7 @@ pub(crate) struct LeaseLost;
 impl Committer {
     pub(crate) fn new(lease: Lease, writer: Writer, program: Metrics, log: Option<LogReader>) -> Self {
         let fleet = lease.fleet().clone();
-        let metrics = program.of_shard(lease.shard());
+        let metrics = program.of_fleet(&fleet);
         Self { fleet, lease, writer, program, metrics, log }
     }
 
@@ -84,16 +84,6 @@ impl Committer {
     /// The database, with the lease that each access needs.
     pub(crate) fn database(&mut self) -> (&mut Writer, &Lease) {
         (&mut self.writer, &self.lease)
-    }
-
-    /// Names of the robots in all shards of the fleet, for a stage of a roll-out; none for a fleet with one shard, whose robots
-    /// the engine has. `None` if the database cannot be read now.
-    pub(crate) async fn robots_of_fleet(&mut self) -> Option<Vec<String>> {
-        if self.lease.shard().is_whole() {
-            return Some(Vec::new());
-        }
-        let robots = self.writer.robots_of_fleet(&self.lease).await;
-        robots.inspect_err(|problem| self.failed(problem, "cannot read the robots of the fleet")).ok()
     }
 
     /// Counts and logs a failed read or write that is not waited for.
@@ -167,12 +157,13 @@ impl Committer {
         let (mut journal, mut all) = (Vec::new(), Vec::new());
         loop {
             let rows = self.writer.journal(&self.lease, after, journal::ROWS_AT_A_TIME).await?;
-            let Some((last, _)) = rows.last() else { return Ok((stored, journal, all)) };
-            after = *last;
-            for (number, entries) in &rows {
-                let own = journal::of_robot(entries, robot_id);
+            let Some(last) = rows.last() else { return Ok((stored, journal, all)) };
+            after = last.number;
+            for row in rows {
+                let entries = journal::of_robot(&row.entries, robot_id);
+                let own = JournalReading { entries, ..row };
                 all.push(records_of(&own, self.log.as_ref(), &self.lease).await?);
-                journal.push((*number, own));
+                journal.push((own.number, own.entries));
             }
         }
     }

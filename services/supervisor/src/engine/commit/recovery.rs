@@ -20,7 +20,7 @@ use crate::metrics::FleetMetrics;
 use crate::set_aside::Reader;
 use vibrissa_edge::full_name::FullName;
 use vibrissa_store::StoredRobot;
-use vibrissa_store::{Lease, StoreError, Writer};
+use vibrissa_store::{JournalReading, Lease, StoreError, Writer};
 
 /// Robots that are loaded by one query: the memory for their stored states, at most some 60 KB each, serves the next ones.
 const ROBOTS_AT_A_TIME: i64 = 100;
@@ -67,12 +67,12 @@ pub(crate) async fn recover(
     let mut after = -1;
     loop {
         let rows = writer.journal(lease, after, ROWS_AT_A_TIME).await?;
-        let Some((newest, _)) = rows.last() else { break };
-        after = *newest;
+        let Some(newest) = rows.last() else { break };
+        after = newest.number;
         last = last.max(after);
-        for (number, bytes) in &rows {
-            let records = records_of(bytes, log, lease).await?;
-            entries += replay.replay_row(*number, bytes, &records, shards);
+        for row in &rows {
+            let records = records_of(row, log, lease).await?;
+            entries += replay.replay_row(row.number, &row.entries, &records, shards);
         }
     }
     replay.finish(lease.epoch(), shards);
@@ -90,15 +90,19 @@ pub(crate) type LogRecords = BTreeMap<(i64, i64), Vec<LogRecord>>;
 ///
 /// # Errors
 /// It refers to a log, and none is configured.
-pub(crate) async fn records_of(bytes: &[u8], log: Option<&LogReader>, lease: &Lease) -> Result<LogRecords, StoreError> {
+pub(crate) async fn records_of(
+    row: &JournalReading,
+    log: Option<&LogReader>,
+    lease: &Lease,
+) -> Result<LogRecords, StoreError> {
     let mut records = LogRecords::new();
-    for entry in read(bytes).map_while(Result::ok) {
+    for entry in read(&row.entries).map_while(Result::ok) {
         let JournalEvent::Log { from, to, .. } = entry.event else { continue };
         if records.contains_key(&(from, to)) {
             continue;
         }
-        let Some(log) = log else { return Err(StoreError::NoLog { fleet: lease.shard().to_string() }) };
-        records.insert((from, to), log.records(from, to).await);
+        let Some(log) = log else { return Err(StoreError::NoLog { fleet: lease.fleet().to_string() }) };
+        records.insert((from, to), log.records(row.log_partition, (from, to)).await);
     }
     Ok(records)
 }
