@@ -49,9 +49,9 @@ def database():
 
 
 def engines():
-    # The newest position of each shard, which its last owners have, too; of these the oldest.
-    by_shard = largest(of_fleet("vibrissa_archive_position_timestamp_seconds") + " > 0", "fleet, shard")
-    behind = f"time() - {least(by_shard, 'fleet')}"
+    # The last owners have older positions.
+    archived = largest(of_fleet("vibrissa_archive_position_timestamp_seconds") + " > 0", "fleet")
+    behind = f"time() - {archived}"
     skipped = total(lately(of_fleet("vibrissa_kafka_records_skipped_total")), "fleet, reason")
     published = per_second("vibrissa_kafka_events_published_total", "fleet")
     return [
@@ -72,7 +72,7 @@ def engines():
         ),
         timeseries(
             "Records skipped",
-            "Records of Kafka in the panel's interval that are no contacts or status of the shard, by reason.",
+            "Records of Kafka in the panel's interval that are no contacts or status of the fleet, by reason.",
             "none",
             [promql(any_of(skipped, "fleet", "reason"), "{{fleet}} {{reason}}")],
             bars=True,

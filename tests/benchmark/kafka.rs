@@ -8,7 +8,7 @@ use rskafka::record::Record;
 use rumqttc::{AsyncClient, Event, MqttOptions, Packet, Publish, QoS};
 use serde_json::json;
 use tokio::time::{Instant, timeout_at};
-use vibrissa_edge::shard::robot_hash;
+use vibrissa_edge::partition::robot_hash;
 use vibrissa_protocol::RobotTopic;
 use vibrissa_tests::kafka::{Kafka, Writer, record_of};
 use vibrissa_tests::mosquitto::Mosquitto;
@@ -16,12 +16,11 @@ use vibrissa_tests::mosquitto::Mosquitto;
 use crate::Bench;
 use crate::cost::{CONTACTS, Costs, Loading};
 use crate::report::{Figure, Target, median};
-use crate::scale::start;
-use crate::stage::{self, Store};
+use crate::stage::{self, Store, Supervisor};
 
 const PART: &str = "kafka";
 const TOPIC: &str = "vibrissa.messages";
-const SHARDS: u32 = 4;
+const PARTITIONS: u32 = 4;
 /// Messages per second of all robots: 20,000 contacts per second.
 const RATE: f64 = 1000.0;
 /// Time with this load before the measurement, s: Java compiles the most frequent functions in it.
@@ -62,13 +61,12 @@ impl Case {
         let (mut further, mut bridge) = (vec!["--contacts-keep", self.keep], None);
         let kafka_url = kafka.as_ref().map(Kafka::url);
         if let (Some(kafka), Some(url)) = (&kafka, &kafka_url) {
-            kafka.create_topic(TOPIC, SHARDS).await;
+            kafka.create_topic(TOPIC, PARTITIONS).await;
             further.extend(["--ingest", "kafka", "--kafka-url", url]);
             bridge = Some(tokio::spawn(carry(broker.port(), fleet.clone(), kafka.addresses())));
         }
-        let supervisors = start(&bench.stage, broker, &store, &fleet, (SHARDS, 1), &further).await?;
-        let mut watched: Vec<_> = supervisors.iter().map(|one| ("supervisor", one.pid())).collect();
-        watched.push(("broker", broker.pid()));
+        let supervisor = Supervisor::start_with(&bench.stage, broker, &store, &fleet, &further).await?;
+        let mut watched = vec![("supervisor", supervisor.pid()), ("broker", broker.pid())];
         watched.extend(store.pid().map(|pid| ("postgresql", pid)));
         let brokers = kafka.iter().flat_map(|kafka| (0..self.brokers).map(|at| kafka.broker(at).pid()));
         watched.extend(brokers.map(|pid| ("kafka", pid)));
@@ -82,9 +80,7 @@ impl Case {
             ensure!(!bridge.is_finished(), "the bridge has failed: {:?}", bridge.await);
             bridge.abort();
         }
-        for supervisor in supervisors {
-            supervisor.stop().await?;
-        }
+        supervisor.stop().await?;
         let line = json!({
             "subject": self.name, "messages_per_s": RATE, "contacts": costs.contacts, "us_per_contact": costs.us,
             "wal_bytes_per_contact": costs.wal_bytes,
@@ -108,17 +104,18 @@ async fn carry(mqtt: u16, fleet: String, addresses: Vec<String>) -> anyhow::Resu
     for kind in [RobotTopic::Contacts, RobotTopic::Status] {
         client.try_subscribe(format!("whisker/v1/{fleet}/+/{kind}"), QoS::AtLeastOnce)?;
     }
-    let mut writers: Vec<_> = (0..SHARDS).map(|shard| Writer::new(addresses.clone(), TOPIC, shard)).collect();
+    let mut writers: Vec<_> =
+        (0..PARTITIONS).map(|partition| Writer::new(addresses.clone(), TOPIC, partition)).collect();
     let mut waiting: BTreeMap<u32, Vec<Record>> = BTreeMap::new();
     loop {
         let until = Instant::now() + GATHER;
         while let Ok(event) = timeout_at(until, events.poll()).await {
             let Event::Incoming(Packet::Publish(publish)) = event? else { continue };
-            let (shard, record) = of_message(&fleet, &publish)?;
-            waiting.entry(shard).or_default().push(record);
+            let (partition, record) = of_message(&fleet, &publish)?;
+            waiting.entry(partition).or_default().push(record);
         }
-        for (shard, records) in std::mem::take(&mut waiting) {
-            if !writers[shard as usize].write(records).await {
+        for (partition, records) in std::mem::take(&mut waiting) {
+            if !writers[partition as usize].write(records).await {
                 bail!("Kafka does not take records");
             }
         }
@@ -131,7 +128,7 @@ fn of_message(fleet: &str, publish: &Publish) -> anyhow::Result<(u32, Record)> {
     let (rest, kind) = topic.rsplit_once('/').context("a topic")?;
     let robot = rest.rsplit_once('/').context("a topic")?.1;
     let kind = if kind == "contacts" { RobotTopic::Contacts } else { RobotTopic::Status };
-    Ok((robot_hash(fleet, robot) % SHARDS, record_of(fleet, robot, kind, publish.payload.to_vec())))
+    Ok((robot_hash(fleet, robot) % PARTITIONS, record_of(fleet, robot, kind, publish.payload.to_vec())))
 }
 
 /// Runs this part of the benchmark.

@@ -13,14 +13,13 @@ use vibrissa_tests::process::Process;
 
 use super::broker::Broker;
 use super::plan::{Deed, SEPARATED, Victim};
-use super::stage::{BROKERS, DATABASES, ETCD, KAFKA, SHARDS, SUPERVISOR};
-use crate::scenario::FLEET;
+use super::stage::{BROKERS, DATABASES, ETCD, FLEETS, KAFKA, SUPERVISOR};
 
 /// A leader that stands still for a shorter time still has its lock.
 const KEEPS_LOCK: Duration = Duration::from_secs(TTL_S - 2);
 /// Number of records by which a position in Kafka is set back: about half a minute.
 const SET_BACK: i64 = 50;
-/// Time limit for that: then the shards have other owners.
+/// Time limit for that: then the fleets have other owners.
 const SET_BACK_PATIENCE: Duration = Duration::from_secs(2);
 
 /// The broker's nodes.
@@ -84,16 +83,16 @@ impl Supervisor<'_> {
         }
     }
 
-    /// Sets the positions of all shards back. Living owners of shards write theirs again with the next commit.
+    /// Sets the positions of all fleets back. Living owners write theirs again with the next commit.
     async fn set_back(&self) {
-        const SQL: &str = "UPDATE leases SET log_next = greatest(log_next - $1, 0) WHERE fleet = $2 AND shard = $3";
+        const SQL: &str = "UPDATE leases SET log_next = greatest(log_next - $1, 0) WHERE fleet = $2";
         let set_back = async {
             for server in &self.servers {
                 let Ok(mut connection) = server.connect().await else { continue };
                 let mut changed = 0;
                 // One by one: together they could wait for a supervisor that waits for them.
-                for shard in 0..i64::from(SHARDS) {
-                    let update = sqlx::query(SQL).bind(SET_BACK).bind(FLEET).bind(shard);
+                for fleet in FLEETS {
+                    let update = sqlx::query(SQL).bind(SET_BACK).bind(fleet);
                     // The standby refuses it.
                     let Ok(done) = update.execute(&mut connection).await else { break };
                     changed += done.rows_affected();

@@ -272,14 +272,3 @@ async fn negative_control_a_position_before_the_state_loses_contacts() {
     until_true("later contacts", async || named(&more).is_subset(&program.stored_contacts().await)).await;
     assert_eq!(program.stored_contacts().await.len(), stored + 10, "the records are lost for good");
 }
-
-#[tokio::test]
-async fn a_topic_with_other_partitions_than_shards_is_refused_in_words() {
-    let Some(kafka) = Kafka::start(1).await else { return };
-    kafka.create_topic(MESSAGES, 2).await;
-    let broker = Mosquitto::start();
-    let program = program(&kafka, &broker, &[]).await;
-    let told = "has 2 partitions, and the fleet f has 1 shards: give both the same number";
-    until_true("the refusal", async || program.log().contains(told)).await;
-    assert_eq!(program.metric("vibrissa_kafka_connected{").await, 0.0);
-}

@@ -150,7 +150,7 @@ async fn a_reader_recognises_events_whose_acknowledgement_was_lost() {
     let mut database = program.database().await;
     for sql in [
         "CREATE TABLE kept AS SELECT * FROM event_outbox WHERE 0",
-        "CREATE TRIGGER keep AFTER INSERT ON event_outbox BEGIN INSERT INTO kept SELECT NEW.fleet, NEW.shard, NEW.epoch, \
+        "CREATE TRIGGER keep AFTER INSERT ON event_outbox BEGIN INSERT INTO kept SELECT NEW.fleet, NEW.epoch, \
          NEW.number, NEW.events; END",
     ] {
         sqlx::query(sql).execute(&mut database).await.unwrap();

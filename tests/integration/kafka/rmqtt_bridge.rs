@@ -14,7 +14,7 @@ use vibrissa_tests::wait::until_true;
 use crate::bridge::{MESSAGES, partition};
 use crate::stage::{LEARNED, Program};
 
-/// Robots of which each of two shards has some.
+/// Robots of which each of two partitions has some.
 const ROBOTS: [&str; 4] = ["r0", "r1", "r2", "r3"];
 
 /// Everybody may connect, publish and subscribe.
@@ -56,8 +56,8 @@ impl Rig {
         let rmqtt = Rmqtt::start_with_bridge(RULES, &settings(&kafka, partitions))?;
         let server = Postgres::start_with_supervisor().await;
         let mqtt = rmqtt.ports()[0];
-        let (database, url, shards) = (Postgres::supervisor_url(server.port()), kafka.url(), partitions.to_string());
-        let own = ["--database-url", &database, "--ingest", "kafka", "--kafka-url", &url, "--fleet-shards", &shards];
+        let (database, url) = (Postgres::supervisor_url(server.port()), kafka.url());
+        let own = ["--database-url", &database, "--ingest", "kafka", "--kafka-url", &url];
         let program = Program::of_database(mqtt, &own).await;
         let broker = Broker::from_url(&format!("mqtt://127.0.0.1:{mqtt}")).unwrap();
         let fleet = Fleet::start(&scenario(), &broker).unwrap();
@@ -132,7 +132,7 @@ async fn a_fleet_is_compensated_through_the_bridge_of_rmqtt() {
 }
 
 #[tokio::test]
-async fn the_bridge_of_rmqtt_fills_the_partitions_of_two_shards() {
+async fn the_bridge_of_rmqtt_fills_two_partitions() {
     let Some(rig) = Rig::start(2).await else { return };
     let places = ROBOTS.map(|robot| partition(robot, 2));
     assert!(places.contains(&0) && places.contains(&1), "{places:?}");

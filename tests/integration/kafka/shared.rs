@@ -16,9 +16,9 @@ use vibrissa_tests::wait::until_true;
 use crate::bridge::{MESSAGES, partition, records};
 use crate::stage::Program;
 
-const SHARDS: u32 = 2;
+const PARTITIONS: u32 = 2;
 
-/// Robots of which each shard has some.
+/// Robots of which each partition has some.
 const ROBOTS: [&str; 4] = ["r0", "r1", "r2", "r3"];
 
 async fn stored(database: &mut PgConnection) -> BTreeSet<(String, i64, i64)> {
@@ -94,19 +94,18 @@ impl Rig {
 }
 
 #[tokio::test]
-async fn chaos_shards_of_a_killed_supervisor_go_on_at_the_stored_positions() {
-    let shards = SHARDS.to_string();
-    let Some(mut rig) = Rig::start(SHARDS).await else { return };
-    let mut first = rig.supervisor("a", &["--fleet-shards", &shards]).await;
-    let mut second = rig.supervisor("b", &["--fleet-shards", &shards]).await;
+async fn chaos_partitions_of_a_killed_supervisor_go_on_at_the_stored_positions() {
+    let Some(mut rig) = Rig::start(PARTITIONS).await else { return };
+    let mut first = rig.supervisor("a", &[]).await;
+    let mut second = rig.supervisor("b", &[]).await;
     rig.robots(&first).await;
     let mut expected = BTreeSet::new();
     let mut database = rig.database().await;
     for round in 0..4 {
-        expected.extend(rig.write(30, SHARDS).await);
+        expected.extend(rig.write(30, PARTITIONS).await);
         let victim = if round % 2 == 0 { &mut first } else { &mut second };
         victim.process.kill();
-        expected.extend(rig.write(30, SHARDS).await);
+        expected.extend(rig.write(30, PARTITIONS).await);
         until_true("all contacts at the other supervisor", async || stored(&mut database).await == expected).await;
         victim.process.restart();
         victim.answers().await;

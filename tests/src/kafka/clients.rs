@@ -109,10 +109,10 @@ impl Reader {
     }
 }
 
-/// Recognises events that were written twice: the names of a shard's events rise within a partition.
+/// Recognises events that were written twice: the names of a fleet's events rise within a partition.
 #[derive(Debug, Default)]
 pub struct Names {
-    last: BTreeMap<(u32, i64), (i64, i64, i64)>,
+    last: BTreeMap<u32, (i64, i64, i64)>,
     /// Number of events that were read before.
     pub repeated: usize,
 }
@@ -125,7 +125,7 @@ impl Names {
     pub fn is_new(&mut self, partition: u32, event: &serde_json::Value) -> bool {
         let part = |name: &str| event["id"][name].as_i64().unwrap_or_else(|| panic!("no {name}: {event}"));
         let name = (part("epoch"), part("number"), part("index"));
-        let last = self.last.entry((partition, part("shard"))).or_insert((-1, -1, -1));
+        let last = self.last.entry(partition).or_insert((-1, -1, -1));
         let is_new = name > *last;
         if is_new {
             *last = name;
