@@ -2,7 +2,7 @@
 
 from .grafana import by_name, heatmap, hidden, promql, sql, table, timeseries
 from .rows import time
-from .series import any_of, buckets, largest, lately, least, mean, of_all, of_fleet, per_second, quantile, rate, shares, total
+from .series import any_of, buckets, largest, lately, mean, of_all, of_fleet, per_second, quantile, rate, shares, total
 
 
 def database():

@@ -1,7 +1,7 @@
 //! A database whose fleet was divided into shards: the migration to one owner loses nothing.
 //!
-//! The database of `tests/data/database-37` is divided into four shards before this version opens it. Its robots are in shards 3, 3,
-//! 0 and 2, by the hashes that their rows have.
+//! The database of `tests/data/database-37` is divided into four shards before this version opens it. Its robots belong to
+//! shards by the hashes that their rows have.
 
 use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions as _};
@@ -11,11 +11,6 @@ use vibrissa_tests::postgres::Postgres;
 use crate::Fresh;
 use crate::history::rows;
 use crate::opened::{LEFT_37, postgres_of, sqlite_of};
-
-/// Epoch of the fixture's lease.
-const EPOCH: i64 = 1_795_899_555_785;
-/// The epoch before it, and its begin.
-const FORMER: (i64, i64) = (1_795_899_511_113, 1_795_899_511_113_758);
 
 /// Divides the fleet: leases with rising epochs, an epoch that two shards have, journals with equal numbers, horizons of shards and
 /// of a former one, and events that wait. EMPTY stands for no bytes,
@@ -28,7 +23,7 @@ const DIVIDE: &str = "
     INSERT INTO epochs (fleet, epoch, owner, holder, began_us, shard)
         SELECT fleet, epoch, 'b', 'b', epoch * 1000, shard FROM leases WHERE shard > 0;
     INSERT INTO epochs (fleet, epoch, owner, holder, began_us, shard)
-        SELECT fleet, epoch, 'b', 'b', began_us - 5, 2 FROM epochs WHERE epoch = 1795899511113;
+        SELECT fleet, epoch, 'b', 'b', began_us - 5, 2 FROM epochs ORDER BY epoch LIMIT 1;
     INSERT INTO journal (fleet, shard, number, entries) VALUES
         ('f', 1, 202, EMPTY), ('f', 1, 203, EMPTY), ('f', 2, 203, EMPTY), ('f', 3, 204, EMPTY);
     INSERT INTO event_outbox (fleet, shard, epoch, number, events) VALUES
@@ -78,28 +73,48 @@ fn expected_states() -> Vec<(i64, String)> {
     [(101, "PENDING"), (102, "REFUSED"), (103, "REFUSED"), (104, "PENDING"), (105, "REFUSED")].map(word).into()
 }
 
+/// Epochs with their begins, in order.
+async fn epochs(address: &DatabaseAddress) -> Vec<(i64, i64)> {
+    rows!(address, (i64, i64), "SELECT epoch, began_us FROM epochs ORDER BY epoch")
+}
+
 async fn everything_is_there(address: &DatabaseAddress) {
+    let before = epochs(address).await;
+    let [former, (newest, _)] = before[..] else { panic!("{before:?}") };
+    let mut journal =
+        rows!(address, (i64, i64, i64), "SELECT number * 4, shard, CAST(length(entries) AS BIGINT) FROM journal");
+    let robots = rows!(
+        address,
+        (i64, i64),
+        "SELECT robot_id, journal_number * 4 + shard_hash % 4 FROM robots ORDER BY robot_id"
+    );
+    assert!(!journal.is_empty() && robots.len() == 4);
     execute(address, DIVIDE).await;
     execute(address, PENDING).await;
     prepare(address).await;
 
     type Lease = (String, i64, Option<String>, Option<String>, i64);
     let leases = rows!(address, Lease, "SELECT fleet, epoch, owner, holder, commits FROM leases");
-    assert_eq!(leases, [("f".to_owned(), EPOCH + 30, None, None, 0)]);
+    assert_eq!(leases, [("f".to_owned(), newest + 30, None, None, 0)]);
 
-    let epochs = rows!(address, (i64, i64, String), "SELECT epoch, began_us, holder FROM epochs ORDER BY epoch");
-    let numbers: Vec<i64> = epochs.iter().map(|(epoch, ..)| *epoch).collect();
-    assert_eq!(numbers, [FORMER.0, EPOCH, EPOCH + 10, EPOCH + 20, EPOCH + 30]);
-    assert_eq!(epochs[0], (FORMER.0, FORMER.1 - 5, "b".to_owned()), "the earliest begin of an epoch");
+    let after = epochs(address).await;
+    assert_eq!(after[0], (former.0, former.1 - 5), "the earliest begin of an epoch");
+    let numbers: Vec<i64> = after.iter().map(|(epoch, _)| *epoch).collect();
+    assert_eq!(numbers, [former.0, newest, newest + 10, newest + 20, newest + 30]);
 
-    let journal = rows!(
+    journal.extend([(202 * 4 + 1, 1, 0), (203 * 4 + 1, 1, 0), (203 * 4 + 2, 2, 0), (204 * 4 + 3, 3, 0)]);
+    journal.sort_unstable();
+    let joined = rows!(
         address,
         (i64, i64, i64),
-        "SELECT number, log_partition, CAST(length(entries) AS BIGINT) FROM journal WHERE fleet = 'f' ORDER BY number"
+        "SELECT number, log_partition, CAST(length(entries) AS BIGINT) FROM journal ORDER BY number"
     );
-    assert_eq!(journal, [(809, 1, 0), (812, 0, 1187), (813, 1, 0), (814, 2, 0), (819, 3, 0)]);
-    let robots = rows!(address, (i64, i64), "SELECT robot_id, journal_number FROM robots ORDER BY robot_id");
-    assert_eq!(robots, [(1, 815), (2, 815), (3, 808), (4, 818)], "only the entries of robot 3 are to be replayed");
+    assert_eq!(joined, journal);
+    assert_eq!(
+        rows!(address, (i64, i64), "SELECT robot_id, journal_number FROM robots ORDER BY robot_id"),
+        robots,
+        "a checkpoint contains the same rows as before"
+    );
 
     let outbox = rows!(
         address,

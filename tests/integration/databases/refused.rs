@@ -52,7 +52,7 @@ const OTHERS: [(&str, &str); 28] = [
     ("supervisors", "belongs to supervisors"),
     ("supervised_fleets", "belongs to supervisors"),
     ("archives", "belongs to a fleet"),
-    ("archive_horizons", "belongs to a shard"),
+    ("archive_horizons", "belongs to a fleet"),
     ("policies", "belongs to a fleet"),
     ("calibrations", "belongs to a fleet"),
     ("active_calibrations", "belongs to a fleet"),
