@@ -57,7 +57,7 @@ impl Link {
         let (prepared, fleet) = (mqtt::prepare(&broker).unwrap(), Name::new("f").unwrap());
         let mut connection = Connection::new(broker, prepared, fleet, BootId::new("s1").unwrap());
         (connection.epoch, connection.link) = (1, state.clone());
-        let metrics = Metrics::new(false).unwrap().of_fleet(connection.fleet());
+        let metrics = Metrics::new(false).unwrap().of_fleet(&connection.fleet);
         let (stop, stopped) = watch::channel(false);
         let (inbox, receiving) = mqtt::receive(&connection, metrics.clone(), stopped);
         let (outbox, publications) = mpsc::channel(10);
