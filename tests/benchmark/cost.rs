@@ -28,8 +28,8 @@ pub struct Loading<'a> {
     pub fleet: &'a str,
     /// Messages per second of all robots.
     pub rate: f64,
-    /// Time with this load before the measurement, s. In it the robots and whiskers get their rows, and each shard opens its
-    /// connections and prepares its statements.
+    /// Time with this load before the measurement, s. In it the robots and whiskers get their rows, and the engine
+    /// prepares its statements.
     pub warm_up_s: f64,
     /// Measured time, s.
     pub measured_s: f64,

@@ -8,7 +8,7 @@ use rskafka::record::Record;
 use rumqttc::{AsyncClient, Event, MqttOptions, Packet, Publish, QoS};
 use serde_json::json;
 use tokio::time::{Instant, timeout_at};
-use vibrissa_edge::shard::robot_hash;
+use vibrissa_edge::partition::robot_hash;
 use vibrissa_protocol::RobotTopic;
 use vibrissa_tests::kafka::{Kafka, Writer, record_of};
 use vibrissa_tests::mosquitto::Mosquitto;
@@ -16,8 +16,7 @@ use vibrissa_tests::mosquitto::Mosquitto;
 use crate::Bench;
 use crate::cost::{CONTACTS, Costs, Loading};
 use crate::report::{Figure, Target, median};
-use crate::scale::start;
-use crate::stage::{self, Store};
+use crate::stage::{self, Store, Supervisor};
 
 const PART: &str = "kafka";
 const TOPIC: &str = "vibrissa.messages";
@@ -66,9 +65,8 @@ impl Case {
             further.extend(["--ingest", "kafka", "--kafka-url", url]);
             bridge = Some(tokio::spawn(carry(broker.port(), fleet.clone(), kafka.addresses())));
         }
-        let supervisors = start(&bench.stage, broker, &store, &fleet, (1, 1), &further).await?;
-        let mut watched: Vec<_> = supervisors.iter().map(|one| ("supervisor", one.pid())).collect();
-        watched.push(("broker", broker.pid()));
+        let supervisor = Supervisor::start_with(&bench.stage, broker, &store, &fleet, &further).await?;
+        let mut watched = vec![("supervisor", supervisor.pid()), ("broker", broker.pid())];
         watched.extend(store.pid().map(|pid| ("postgresql", pid)));
         let brokers = kafka.iter().flat_map(|kafka| (0..self.brokers).map(|at| kafka.broker(at).pid()));
         watched.extend(brokers.map(|pid| ("kafka", pid)));
@@ -82,9 +80,7 @@ impl Case {
             ensure!(!bridge.is_finished(), "the bridge has failed: {:?}", bridge.await);
             bridge.abort();
         }
-        for supervisor in supervisors {
-            supervisor.stop().await?;
-        }
+        supervisor.stop().await?;
         let line = json!({
             "subject": self.name, "messages_per_s": RATE, "contacts": costs.contacts, "us_per_contact": costs.us,
             "wal_bytes_per_contact": costs.wal_bytes,
@@ -108,7 +104,8 @@ async fn carry(mqtt: u16, fleet: String, addresses: Vec<String>) -> anyhow::Resu
     for kind in [RobotTopic::Contacts, RobotTopic::Status] {
         client.try_subscribe(format!("whisker/v1/{fleet}/+/{kind}"), QoS::AtLeastOnce)?;
     }
-    let mut writers: Vec<_> = (0..PARTITIONS).map(|one| Writer::new(addresses.clone(), TOPIC, one)).collect();
+    let mut writers: Vec<_> =
+        (0..PARTITIONS).map(|partition| Writer::new(addresses.clone(), TOPIC, partition)).collect();
     let mut waiting: BTreeMap<u32, Vec<Record>> = BTreeMap::new();
     loop {
         let until = Instant::now() + GATHER;

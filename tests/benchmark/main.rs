@@ -5,7 +5,7 @@
 //! each figure.
 //!
 //! Read in this order: [`stage`] (the programs under test), [`child`] (the load and other processes), `burst`, `batch`,
-//! `flat`, `latency`, `idle`, [`crowd`] `pages`, [`scale`], [`takeover`] and [`kafka`] (the parts), [`report`].
+//! `flat`, `latency`, `idle`, [`crowd`] `pages`, [`takeover`] and [`kafka`] (the parts), [`report`].
 
 mod batch;
 mod burst;
@@ -20,7 +20,6 @@ mod null;
 mod pages;
 mod pingpong;
 mod report;
-mod scale;
 mod stage;
 mod takeover;
 mod unnest;
@@ -104,8 +103,6 @@ enum Part {
     Core,
     /// Pages of tables with ten thousand robots
     Pages,
-    /// Many shards and several supervisors; only if it is named
-    Scale,
     /// A takeover of a hundred thousand and of a million whiskers; only if it is named
     Takeover,
     /// Contacts that come through Kafka, and their archive; only if it is named. Needs tests/kafka
@@ -141,7 +138,7 @@ impl Part {
             // Seven requests for each page.
             Self::Pages => 60.0,
             // Not part of a run of everything.
-            Self::Scale | Self::Takeover | Self::Kafka => 900.0,
+            Self::Takeover | Self::Kafka => 900.0,
         }
     }
 }
@@ -253,7 +250,7 @@ async fn until_interrupted(bench: &mut Bench, only: &[Part]) -> anyhow::Result<(
 
 /// Whether a part is run. Some take so long that they must be named.
 fn is_run(part: Part, only: &[Part]) -> bool {
-    if only.is_empty() { !matches!(part, Part::Scale | Part::Takeover | Part::Kafka) } else { only.contains(&part) }
+    if only.is_empty() { !matches!(part, Part::Takeover | Part::Kafka) } else { only.contains(&part) }
 }
 
 async fn parts(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
@@ -269,7 +266,6 @@ async fn parts(bench: &mut Bench, only: &[Part]) -> anyhow::Result<()> {
             Part::Idle => idle::run(bench).await,
             Part::Core => crowd::run(bench).await,
             Part::Pages => pages::run(bench).await,
-            Part::Scale => scale::run(bench).await,
             Part::Takeover => takeover::run(bench).await,
             Part::Kafka => kafka::run(bench).await,
         }

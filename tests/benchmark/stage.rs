@@ -134,8 +134,19 @@ pub struct Supervisor {
 impl Supervisor {
     /// Starts a supervisor for a fleet and waits until it is ready.
     pub async fn start(stage: &Stage, broker: &Mosquitto, store: &Store, fleet: &str) -> anyhow::Result<Self> {
+        Self::start_with(stage, broker, store, fleet, &[]).await
+    }
+
+    /// As [`Self::start`], with further arguments.
+    pub async fn start_with(
+        stage: &Stage,
+        broker: &Mosquitto,
+        store: &Store,
+        fleet: &str,
+        further: &[&str],
+    ) -> anyhow::Result<Self> {
         let begun = Instant::now();
-        let mut supervisor = Self::launch(stage, broker, store, fleet, "bench", &[]);
+        let mut supervisor = Self::launch(stage, broker, store, fleet, further);
         while !is_ready(supervisor.http, fleet).await {
             ensure!(supervisor.is_running(), "the supervisor has ended: {}", supervisor.log());
             ensure!(begun.elapsed() < READY_PATIENCE, "the supervisor does not become ready: {}", supervisor.log());
@@ -146,20 +157,13 @@ impl Supervisor {
     }
 
     /// Starts a supervisor with further arguments, without waiting.
-    pub fn launch(
-        stage: &Stage,
-        broker: &Mosquitto,
-        store: &Store,
-        fleet: &str,
-        name: &str,
-        further: &[String],
-    ) -> Self {
+    fn launch(stage: &Stage, broker: &Mosquitto, store: &Store, fleet: &str, further: &[&str]) -> Self {
         let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
-        let mut arguments: Vec<String> = ["run", "--name", name, "--fleets", fleet].map(str::to_owned).into();
+        let mut arguments: Vec<String> = ["run", "--name", "bench", "--fleets", fleet].map(str::to_owned).into();
         arguments.extend(["--http-listen".to_owned(), http.to_string(), "--database-url".to_owned(), store.url()]);
         arguments.extend(["--mqtt-url".to_owned(), format!("mqtt://127.0.0.1:{}", broker.port())]);
-        arguments.extend(further.iter().cloned());
-        let log = stage.folder.path().join(format!("{fleet}-{}-{name}.log", store.name()));
+        arguments.extend(further.iter().map(|&one| one.to_owned()));
+        let log = stage.folder.path().join(format!("{fleet}-{}-bench.log", store.name()));
         let level = ("RUST_LOG".to_owned(), "info,rumqttc=warn".to_owned());
         let process = Process::start(Launch {
             program: stage.program.clone(),

@@ -7,7 +7,6 @@ use vibrissa_tests::mosquitto::Mosquitto;
 
 use crate::child::load;
 use crate::report::{Figure, Target, median};
-use crate::scale::start;
 use crate::stage::{self, Store};
 use crate::{Bench, usage};
 
@@ -26,7 +25,7 @@ struct Takeover {
 /// Makes a fleet, and takes it over once per round.
 async fn takeovers(bench: &mut Bench, broker: &Mosquitto, whiskers: usize) -> anyhow::Result<Vec<Takeover>> {
     let (store, fleet) = (Store::postgres().await, format!("{PART}-{whiskers}"));
-    let first = start(&bench.stage, broker, &store, &fleet, (1, 1), &[]).await?;
+    let first = Supervisor::start(&bench.stage, broker, &store, &fleet).await?;
     let arguments = [
         ("robots", (whiskers / OF_ROBOT).to_string()),
         ("whiskers", OF_ROBOT.to_string()),
@@ -36,9 +35,7 @@ async fn takeovers(bench: &mut Bench, broker: &Mosquitto, whiskers: usize) -> an
         ("patience-s", PATIENCE.as_secs().to_string()),
     ];
     load(broker.port(), &fleet, &arguments, &[], None).await?;
-    for supervisor in first {
-        supervisor.stop().await?;
-    }
+    first.stop().await?;
     let mut all = Vec::new();
     for round in 0..bench.pace.rounds {
         // A supervisor without robots needs this much until it is ready.
@@ -56,12 +53,9 @@ async fn takeovers(bench: &mut Bench, broker: &Mosquitto, whiskers: usize) -> an
 /// Starts a supervisor and stops it again. Returns its processor time and the elapsed time until it heard its fleet, s.
 async fn started(bench: &Bench, broker: &Mosquitto, store: &Store, fleet: &str) -> anyhow::Result<(f64, f64)> {
     let begun = Instant::now();
-    let started = start(&bench.stage, broker, store, fleet, (1, 1), &[]).await?;
-    let (cpu_s, elapsed_s) =
-        (started.iter().map(|one| usage::of_tree(one.pid()).cpu_s).sum(), begun.elapsed().as_secs_f64());
-    for supervisor in started {
-        supervisor.stop().await?;
-    }
+    let started = Supervisor::start(&bench.stage, broker, store, fleet).await?;
+    let (cpu_s, elapsed_s) = (usage::of_tree(started.pid()).cpu_s, begun.elapsed().as_secs_f64());
+    started.stop().await?;
     Ok((cpu_s, elapsed_s))
 }
 

@@ -1,24 +1,24 @@
 //! Makes the broker forget all retained messages, as brokers without persistence do.
 
+use std::collections::BTreeSet;
 use std::time::Duration;
 
 use rumqttc::{AsyncClient, Event, MqttOptions, Packet, PublishOptions, QoS};
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 
-use crate::scenario::fleet;
-
 /// Time limit for the acknowledgements.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Deletes the retained messages of these robots and of the supervisor; returns whether the broker has acknowledged it.
-pub async fn forget(broker: (&str, u16), (user, password): (&str, &str), robots: &[Name]) -> bool {
-    let fleet = fleet();
-    let of_robot = |robot: &Name| {
+/// Deletes the retained messages of these robots, each with its fleet, and of the fleets' supervisors; returns whether the broker
+/// has acknowledged it.
+pub async fn forget(broker: (&str, u16), (user, password): (&str, &str), robots: &[(Name, Name)]) -> bool {
+    let of_robot = |(fleet, robot): &(Name, Name)| {
         let retained = RobotTopic::ALL.into_iter().filter(|kind| kind.is_retained());
-        retained.map(|kind| kind.of(&fleet, robot).to_string()).collect::<Vec<_>>()
+        retained.map(|kind| kind.of(fleet, robot).to_string()).collect::<Vec<_>>()
     };
-    let state = Topic::SupervisorState { fleet: fleet.clone() }.to_string();
-    let topics: Vec<String> = robots.iter().flat_map(of_robot).chain([state]).collect();
+    let fleets: BTreeSet<&Name> = robots.iter().map(|(fleet, _)| fleet).collect();
+    let states = fleets.into_iter().map(|fleet| Topic::SupervisorState { fleet: fleet.clone() }.to_string());
+    let topics: Vec<String> = robots.iter().flat_map(of_robot).chain(states).collect();
     let mut options = MqttOptions::new("forget", broker);
     options.set_clean_start(true).set_credentials(user, password.to_owned());
     options.set_outgoing_inflight_upper_limit(64);

@@ -79,7 +79,7 @@ struct Arguments {
     /// The same in minutes.
     #[arg(long)]
     minutes: Option<f64>,
-    /// Run three broker nodes, three supervisors and a pair of databases, and a fleet of 64 shards. Needs root, RMQTT
+    /// Run three broker nodes, three supervisors and a pair of databases, and several fleets. Needs root, RMQTT
     /// (tests/rmqtt), Patroni and etcd; ends with code 77 without them.
     #[arg(long)]
     cluster: bool,
@@ -227,9 +227,12 @@ async fn run(arguments: &Arguments, logs: &std::path::Path) -> anyhow::Result<Re
     let panics_before = stage::panics(logs);
     let mut stage = Stage::set(&program, control, logs, &names).await;
     let watch = Watch::start(stage.database.connect());
-    let mut replay = Replay::start(("127.0.0.1", stage.broker.port()), (REPLAY_USER, SUPERVISOR_PASSWORD), seed);
+    let address = ("127.0.0.1", stage.broker.port());
+    let fleets = [scenario::fleet()];
+    let mut replay = Replay::start(address, (REPLAY_USER, SUPERVISOR_PASSWORD), &fleets, seed);
     let refusals = Refusals::start(stage.supervisors.iter().map(|supervisor| supervisor.http).collect());
-    let scenarios = scenario::scenarios(seed, seconds, honest, arguments.rate.unwrap_or(RATE), control, ROBOT_LINKS);
+    let (rate, links) = (arguments.rate.unwrap_or(RATE), vec![scenario::fleet(); ROBOT_LINKS]);
+    let scenarios = scenario::scenarios(seed, seconds, honest, rate, control, &links);
     let robots = Robots::start(&scenarios, &stage::brokers(&stage.robot_links))?;
     let behaviours = Behaviour::chosen(&arguments.hostile_only, &arguments.hostile_without);
     let hostile = Hostile::start(hostile_names, &stage.robot_links, &behaviours, seed);

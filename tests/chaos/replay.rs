@@ -13,8 +13,6 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use vibrissa_protocol::{RobotTopic, Setpoint};
 
-use crate::scenario::fleet;
-
 /// Delays in seconds: while the setpoint is being applied or shortly after, and after it has expired.
 const DELAYS_S: [std::ops::Range<f64>; 2] = [0.5..5.0, LATE_S..18.0];
 /// A setpoint has expired after this time, in seconds.
@@ -34,15 +32,17 @@ impl Drop for Replay {
 }
 
 impl Replay {
-    /// Starts repeating at this host and port of the broker, as this user.
-    pub fn start(broker: (&str, u16), (user, password): (&str, &str), seed: u64) -> Self {
+    /// Starts repeating the setpoints of these fleets at this host and port of the broker, as this user.
+    pub fn start(broker: (&str, u16), (user, password): (&str, &str), fleets: &[Name], seed: u64) -> Self {
+        let filters = fleets.iter().map(|fleet| RobotTopic::Setpoint.fleet_filter(fleet)).collect();
         let mut options = MqttOptions::new("replay", broker);
         options.set_clean_start(true).set_max_packet_size(Some(1 << 20)).set_outgoing_inflight_upper_limit(256);
         options.set_credentials(user, password.to_owned());
         let (client, events) = AsyncClient::builder(options).capacity(1000).build();
         let count = Arc::new(AtomicU64::new(0));
         let (late, told) = watch::channel(0);
-        let task = tokio::spawn(repeat(client, events, ChaCha8Rng::seed_from_u64(seed), count.clone(), late));
+        let task =
+            tokio::spawn(repeat((client, events), filters, ChaCha8Rng::seed_from_u64(seed), count.clone(), late));
         Self { count, late: told, task }
     }
 
@@ -58,18 +58,19 @@ impl Replay {
 }
 
 async fn repeat(
-    client: AsyncClient,
-    mut events: EventLoop,
+    (client, mut events): (AsyncClient, EventLoop),
+    filters: Vec<String>,
     mut random: ChaCha8Rng,
     count: Arc<AtomicU64>,
     late: watch::Sender<u64>,
 ) {
-    let filter = RobotTopic::Setpoint.fleet_filter(&fleet());
     let mut known = HashSet::new();
     loop {
         match events.poll().await {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
-                client.try_subscribe(filter.as_str(), QoS::AtLeastOnce).expect("an empty queue");
+                for filter in &filters {
+                    client.try_subscribe(filter.as_str(), QoS::AtLeastOnce).expect("room for each fleet");
+                }
             }
             Ok(Event::Incoming(Packet::Publish(publish))) => {
                 let setpoint: Setpoint = serde_json::from_slice(&publish.payload).expect("a setpoint of the contract");

@@ -32,17 +32,24 @@ const TRIMS: f64 = 6.0;
 const SHORTEST_MM: f64 = 58.0;
 const CUT_MM: std::ops::Range<f64> = 1.5..4.0;
 
-/// Splits the robots into one scenario per link between robots and broker.
-pub fn scenarios(seed: u64, seconds: f64, names: &[Name], rate: f64, control: Control, links: usize) -> Vec<Scenario> {
+/// Splits the robots into one scenario per link between robots and broker. `links` has the fleet of each.
+pub fn scenarios(
+    seed: u64,
+    seconds: f64,
+    names: &[Name],
+    rate: f64,
+    control: Control,
+    links: &[Name],
+) -> Vec<Scenario> {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x7269_6d73);
-    let mut groups: Vec<Vec<RobotScenario>> = vec![Vec::new(); links];
+    let mut groups: Vec<Vec<RobotScenario>> = vec![Vec::new(); links.len()];
     for (number, name) in names.iter().enumerate() {
         let mut robot = robot(number, name, seconds, &mut random);
         // The database accepts the number of a trim only once, which would hide duplicate contacts.
         if control == Control::NoFence {
             robot.events.clear();
         }
-        groups[number % links].push(robot);
+        groups[number % links.len()].push(robot);
     }
     let behaviour = Behaviour {
         contacts_per_second: rate / names.len() as f64 / f64::from(WHISKERS),
@@ -61,15 +68,15 @@ pub fn scenarios(seed: u64, seconds: f64, names: &[Name], rate: f64, control: Co
         },
         ..Behaviour::default()
     };
-    let scenario = |robots| Scenario {
+    let scenario = |(robots, fleet): (_, &Name)| Scenario {
         seed,
-        fleet: fleet(),
+        fleet: fleet.clone(),
         behaviour: behaviour.clone(),
         noise: Noise::default(),
         calibration_error: 0.03,
         robots,
     };
-    groups.into_iter().map(scenario).collect()
+    groups.into_iter().zip(links).map(scenario).collect()
 }
 
 /// The name of a robot by its number.
@@ -134,7 +141,7 @@ mod tests {
 
     #[test]
     fn robots_are_spread_over_links_and_make_the_rate_together() {
-        let scenarios = scenarios(1, 60.0, &names(), 2000.0, Control::None, 4);
+        let scenarios = scenarios(1, 60.0, &names(), 2000.0, Control::None, &[fleet(), fleet(), fleet(), fleet()]);
         assert_eq!(scenarios.len(), 4);
         let robots: usize = scenarios.iter().map(|scenario| scenario.robots.len()).sum();
         assert_eq!(robots, 100);
@@ -145,7 +152,7 @@ mod tests {
 
     #[test]
     fn trims_come_all_the_time_and_some_robots_have_two() {
-        let scenarios = scenarios(1, 60.0, &names(), 2000.0, Control::None, 1);
+        let scenarios = scenarios(1, 60.0, &names(), 2000.0, Control::None, &[fleet()]);
         let events: Vec<usize> = scenarios[0].robots.iter().map(|robot| robot.events.len()).collect();
         assert!(events.iter().filter(|&&count| count >= 2).count() > 10, "{events:?}");
         let mut at_s: Vec<f64> =
@@ -157,7 +164,7 @@ mod tests {
     #[test]
     fn trims_go_on_to_the_end_of_a_long_run() {
         for seconds in [600.0, 36_000.0] {
-            let scenarios = scenarios(1, seconds, &names(), 2000.0, Control::None, 1);
+            let scenarios = scenarios(1, seconds, &names(), 2000.0, Control::None, &[fleet()]);
             let events = scenarios[0].robots.iter().flat_map(|robot| &robot.events);
             let last_s = events.filter_map(|event| event.at_s).fold(0.0, f64::max);
             assert!(last_s > 0.95 * seconds, "the last trim of {seconds} s is at {last_s} s");

@@ -10,6 +10,7 @@ use vibrissa_tests::proxy::Proxy;
 use crate::forget::forget;
 use crate::owner::{OWNER_PATIENCE, Reign, Watch};
 use crate::plan::{Fault, Manner, Strike};
+use crate::scenario::fleet;
 use crate::stage::{FORGET_USER, SUPERVISOR_PASSWORD, Stage, Supervisor};
 
 /// Steps of clocks, in µs. The runs take place after 2025.
@@ -92,13 +93,8 @@ impl<'a> Striker<'a> {
             Fault::OwnerKilled => {
                 let hit = self.kill(owner);
                 // Before the other supervisor may take the fleet over, so that only robots can tell it who they are.
-                if !forget(
-                    ("127.0.0.1", self.stage.broker.port()),
-                    (FORGET_USER, SUPERVISOR_PASSWORD),
-                    &self.stage.robots,
-                )
-                .await
-                {
+                let robots: Vec<_> = self.stage.robots.iter().map(|robot| (fleet(), robot.clone())).collect();
+                if !forget(("127.0.0.1", self.stage.broker.port()), (FORGET_USER, SUPERVISOR_PASSWORD), &robots).await {
                     eprintln!("chaos: the broker did not forget its retained messages");
                     self.surprises.stuck += 1;
                 }

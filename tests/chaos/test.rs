@@ -61,7 +61,7 @@ fn cluster(arguments: &[&str]) -> Option<(i32, Value)> {
 fn a_cluster_loses_nothing_and_its_controls_are_caught() {
     let Some((code, result)) = cluster(&["--seed", "1", "--seconds", "60"]) else { return };
     assert_eq!(code, 0);
-    assert_eq!((count(&result, "shards"), count(&result, "robots")), (64, 100));
+    assert_eq!((count(&result, "fleets"), count(&result, "robots")), (6, 100));
     assert!(!result["faults"].as_array().expect("faults").is_empty());
     // More contacts per second: whiskers must be learned, and trims detected, between faults.
     let overlapping = ["--seed", "2", "--seconds", "30", "--overlapping", "--rate", "800"];

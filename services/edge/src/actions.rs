@@ -66,8 +66,6 @@ pub enum RecordedKind {
     AllowedRobots,
     /// Takes a robot out of service.
     Decommission,
-    /// Changes the number of shards of a fleet.
-    Shards,
     /// Sets a label of a robot.
     LabelSet,
     /// Removes a label of a robot.
@@ -114,8 +112,6 @@ pub enum RecordedKind {
     RolloutAdvance,
     /// Takes the change of a roll-out back.
     RolloutBack,
-    /// Applies a stage of a roll-out to the robots of a further shard of the fleet; the supervisor requests it.
-    RolloutStage,
     /// Creates an API token.
     TokenCreate,
     /// Revokes an API token.
@@ -142,7 +138,7 @@ pub enum RecordedKind {
 
 impl RecordedKind {
     /// The kinds that the engine of a fleet executes.
-    pub const OF_ENGINE: [Self; 8] = [
+    pub const OF_ENGINE: [Self; 7] = [
         Self::Decommission,
         Self::Calibration,
         Self::RolloutStart,
@@ -150,7 +146,6 @@ impl RecordedKind {
         Self::RolloutResume,
         Self::RolloutAdvance,
         Self::RolloutBack,
-        Self::RolloutStage,
     ];
 }
 

@@ -10,9 +10,9 @@ pub mod full_name;
 pub mod guidance;
 pub mod ids;
 pub mod labels;
+pub mod partition;
 pub mod presence;
 pub mod recording;
-pub mod shard;
 pub mod touch_tests;
 pub mod words;
 

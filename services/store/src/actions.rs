@@ -11,7 +11,6 @@ use vibrissa_edge::clock::wall_clock;
 use super::database::{Tx, on};
 use super::from_row::from_row;
 use super::set_aside::Tried;
-use super::shards::ask_shards;
 use super::{Lease, Store, StoreError, Writer, failed};
 
 /// Time limit for reading the pending actions.
@@ -217,37 +216,25 @@ impl Store {
 }
 
 impl Writer {
-    /// At most `most` pending actions for the lease's shard whose time has come, in the order of their requests. The fleet's
-    /// first shard gets those without a robot, and those of unknown robots.
+    /// At most `most` pending actions for the lease's fleet whose time has come, in the order of their requests.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn pending(&mut self, lease: &Lease, most: i64) -> Result<Pending, StoreError> {
         const WHAT: &str = "read pending actions";
         // The limit is not a parameter: with a parameter there, SQLite would prepare the statement anew each time.
-        let of_shard = match lease.shard().is_whole() {
-            true => "",
-            false => {
-                "AND coalesce(shard, (SELECT r.shard_hash % $4 FROM robots r WHERE r.fleet = actions.fleet \
-                 AND r.robot = actions.robot), 0) = $3 \
-                 AND NOT EXISTS (SELECT 1 FROM actions p WHERE p.action_id = actions.parent_id AND p.state = 'PENDING') "
-            }
-        };
         let sql = format!(
-            "SELECT {COLUMNS} FROM actions WHERE fleet = $1 AND state = 'PENDING' AND not_before_us <= $2 {of_shard}\
+            "SELECT {COLUMNS} FROM actions WHERE fleet = $1 AND state = 'PENDING' AND not_before_us <= $2 \
              ORDER BY action_id LIMIT {most}"
         );
         let (fleet, now_us) = (lease.fleet().as_str(), wall_clock().0 as i64);
         let rows: Vec<Tried<Action>> = self
             .attempt(WHAT, PATIENCE, async |link| {
-                on!(link, |link| {
-                    let query = sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).bind(now_us);
-                    let query = match lease.shard().is_whole() {
-                        true => query,
-                        false => query.bind(lease.shard_number()).bind(i64::from(lease.shard().count())),
-                    };
-                    query.fetch_all(link).await
-                })
+                on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql))
+                    .bind(fleet)
+                    .bind(now_us)
+                    .fetch_all(link)
+                    .await)
                 .map_err(failed(WHAT))
             })
             .await?;
@@ -326,9 +313,6 @@ async fn insert(
         .fetch_optional(&mut **tx)
         .await)?;
     if let Some(action_id) = new {
-        if state == "PENDING" {
-            ask_shards(tx, action_id, action).await?;
-        }
         return Ok(Asked::New(action_id));
     }
     let sql = format!("SELECT {COLUMNS} FROM actions WHERE actor = $1 AND idempotency_key = $2");
@@ -346,9 +330,7 @@ pub(super) async fn write_answer(
     (action_id, state, problem): (i64, &str, Option<&str>),
     done_us: i64,
 ) -> sqlx::Result<()> {
-    // The actions of a fleet's other shards end with a refused one of the first shard.
-    const SQL: &str = "UPDATE actions SET state = $1, problem = $2, done_us = $3 WHERE action_id = $4 \
-         OR ($1 <> 'DONE' AND parent_id = $4 AND shard IS NOT NULL)";
+    const SQL: &str = "UPDATE actions SET state = $1, problem = $2, done_us = $3 WHERE action_id = $4";
     on!(tx, |tx| sqlx::query(SQL)
         .bind(state)
         .bind(problem)

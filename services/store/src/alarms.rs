@@ -4,7 +4,6 @@ use super::actions::{Asked, NewAction, record_done};
 use super::database::{Tx, on};
 use super::events::write::EventRow;
 use super::from_row::from_row;
-use super::shards::of_shard;
 use super::{Lease, Store, StoreError, Writer, events, failed};
 use vibrissa_edge::events::EventKind;
 
@@ -13,26 +12,17 @@ const WHAT: &str = "update an alarm";
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(10);
 
 impl Writer {
-    /// The robots of a shard with a standing alarm of this kind about the robot as a whole, by their numbers.
+    /// The robots of a fleet with a standing alarm of this kind about the robot as a whole, by their numbers.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn robots_with_alarm(&mut self, lease: &Lease, kind: &str) -> Result<Vec<i64>, StoreError> {
         const WHAT: &str = "read the standing alarms";
-        const SQL: &str = concat!(
-            "SELECT a.robot_id FROM alarms a JOIN robots r ON r.robot_id = a.robot_id \
-             WHERE a.kind = $4 AND a.cleared_us IS NULL AND fleet = $1 AND ",
-            of_shard!("r", "$2", "$3")
-        );
+        const SQL: &str = "SELECT a.robot_id FROM alarms a JOIN robots r ON r.robot_id = a.robot_id \
+             WHERE a.kind = $2 AND a.cleared_us IS NULL AND fleet = $1";
         self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_scalar(SQL)
-                .bind(lease.fleet().as_str())
-                .bind(lease.shard_number())
-                .bind(i64::from(lease.shard().count()))
-                .bind(kind)
-                .fetch_all(link)
-                .await)
-            .map_err(failed(WHAT))
+            on!(link, |link| sqlx::query_scalar(SQL).bind(lease.fleet().as_str()).bind(kind).fetch_all(link).await)
+                .map_err(failed(WHAT))
         })
         .await
     }

@@ -176,7 +176,7 @@ impl Writer {
         Ok(stored.map(|stored| stored.reading(&self.set_aside)))
     }
 
-    /// Replaces the shard's rows of robots that were turned away.
+    /// Replaces the fleet's rows of robots that were turned away.
     ///
     /// # Errors
     /// The database cannot be written, or the lease is lost.
@@ -188,22 +188,12 @@ impl Writer {
         self.attempt(WHAT, PATIENCE, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
-            let robots: Vec<String> = on!(&mut tx, |tx| {
-                sqlx::query_scalar("SELECT robot FROM turned_away WHERE fleet = $1")
-                    .bind(fleet)
-                    .fetch_all(&mut **tx)
-                    .await
-            })
+            on!(&mut tx, |tx| sqlx::query("DELETE FROM turned_away WHERE fleet = $1")
+                .bind(fleet)
+                .execute(&mut **tx)
+                .await
+                .map(drop))
             .map_err(failed(WHAT))?;
-            for robot in robots.iter().filter(|robot| lease.shard().has(robot)) {
-                on!(&mut tx, |tx| sqlx::query("DELETE FROM turned_away WHERE fleet = $1 AND robot = $2")
-                    .bind(fleet)
-                    .bind(robot)
-                    .execute(&mut **tx)
-                    .await
-                    .map(drop))
-                .map_err(failed(WHAT))?;
-            }
             for row in rows {
                 on!(&mut tx, |tx| sqlx::query(INSERT)
                     .bind(fleet)

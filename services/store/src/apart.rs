@@ -129,19 +129,18 @@ async fn append_journal(tx: &mut Tx<'_>, lease: &Lease, row: &JournalRow) -> Res
     let sql = match tx {
         // SQLite's || makes a text of two blobs, hence the cast; the bytes are unchanged.
         Either::Sqlite(_) => {
-            "INSERT INTO journal (fleet, shard, number, entries) VALUES ($1, $2, $3, $4) \
-             ON CONFLICT (fleet, shard, number) \
+            "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3) \
+             ON CONFLICT (fleet, number) \
              DO UPDATE SET entries = CAST(journal.entries || excluded.entries AS BLOB)"
         }
         Either::Postgres(_) => {
-            "INSERT INTO journal (fleet, shard, number, entries) VALUES ($1, $2, $3, $4) \
-             ON CONFLICT (fleet, shard, number) \
+            "INSERT INTO journal (fleet, number, entries) VALUES ($1, $2, $3) \
+             ON CONFLICT (fleet, number) \
              DO UPDATE SET entries = journal.entries || excluded.entries"
         }
     };
     on!(tx, |tx| sqlx::query(sql)
         .bind(lease.fleet().as_str())
-        .bind(lease.shard_number())
         .bind(row.number)
         .bind(&row.entries)
         .execute(&mut **tx)

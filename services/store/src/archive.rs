@@ -1,8 +1,8 @@
 //! The archive's position: up to which time of receipt a fleet's contacts are in files on an object store.
 //!
-//! The owner of each shard states a horizon: it will write no contact that was received before. The end of a file is the
-//! lowest horizon of the fleet's shards at most, so the contacts of its span are complete and never change. The span is
-//! written down before the file, so that every attempt writes the same contacts under the same name.
+//! The owner of the fleet states a horizon: it will write no contact that was received before. The end of a file is the
+//! horizon at most, so the contacts of its span are complete and never change. The span is written down before the file,
+//! so that every attempt writes the same contacts under the same name.
 
 use futures_util::TryStreamExt as _;
 use sqlx::{Postgres, Row as _, Sqlite};
@@ -52,16 +52,6 @@ from_row! {
     }
 }
 
-from_row! {
-    /// The horizons of a fleet's shards together.
-    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-    struct Horizons {
-        shards: i64,
-        stated: i64,
-        lowest_us: i64,
-    }
-}
-
 /// The next span after a position, if the contacts up to its end are complete. It has the usual length, ends with the day, and
 /// is longer if the archive is behind.
 fn next_span(from_us: i64, horizon_us: i64, every_us: i64) -> Option<Span> {
@@ -76,11 +66,9 @@ async fn position(tx: &mut Tx<'_>, fleet: &str) -> sqlx::Result<Option<Position>
     on!(tx, |tx| sqlx::query_as(SQL).bind(fleet).fetch_optional(&mut **tx).await)
 }
 
-async fn horizons(tx: &mut Tx<'_>, fleet: &str) -> sqlx::Result<Option<Horizons>> {
-    const SQL: &str = "SELECT l.shards, count(h.shard) AS stated, coalesce(min(h.written_to_us), 0) AS lowest_us \
-         FROM leases l LEFT JOIN archive_horizons h ON h.fleet = l.fleet AND h.shard < l.shards \
-         WHERE l.fleet = $1 AND l.shard = 0 GROUP BY l.shards";
-    on!(tx, |tx| sqlx::query_as(SQL).bind(fleet).fetch_optional(&mut **tx).await)
+async fn horizon(tx: &mut Tx<'_>, fleet: &str) -> sqlx::Result<Option<i64>> {
+    const SQL: &str = "SELECT written_to_us FROM archive_horizons WHERE fleet = $1";
+    on!(tx, |tx| sqlx::query_scalar(SQL).bind(fleet).fetch_optional(&mut **tx).await)
 }
 
 impl Writer {
@@ -89,7 +77,7 @@ impl Writer {
     /// # Errors
     /// The database cannot be read.
     pub async fn archive_floor(&mut self, fleet: &Name) -> Result<i64, StoreError> {
-        const WHAT: &str = "read the archive's horizons";
+        const WHAT: &str = "read the archive's horizon";
         const SQL: &str = "SELECT coalesce(max(written_to_us), 0) FROM archive_horizons WHERE fleet = $1";
         self.attempt(WHAT, PATIENCE, async |link| {
             on!(link, |link| sqlx::query_scalar(SQL).bind(fleet.as_str()).fetch_one(link).await).map_err(failed(WHAT))
@@ -104,15 +92,14 @@ impl Writer {
     /// The database cannot be written, or the lease is lost.
     pub async fn state_horizon(&mut self, lease: &Lease, written_to_us: i64) -> Result<(), StoreError> {
         const WHAT: &str = "state the archive's horizon";
-        const SQL: &str = "INSERT INTO archive_horizons (fleet, shard, written_to_us) VALUES ($1, $2, $3) \
-             ON CONFLICT (fleet, shard) DO UPDATE SET written_to_us = excluded.written_to_us \
+        const SQL: &str = "INSERT INTO archive_horizons (fleet, written_to_us) VALUES ($1, $2) \
+             ON CONFLICT (fleet) DO UPDATE SET written_to_us = excluded.written_to_us \
              WHERE archive_horizons.written_to_us < excluded.written_to_us";
         self.attempt(WHAT, PATIENCE, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
             on!(&mut tx, |tx| sqlx::query(SQL)
                 .bind(lease.fleet().as_str())
-                .bind(lease.shard_number())
                 .bind(written_to_us)
                 .execute(&mut **tx)
                 .await
@@ -135,8 +122,7 @@ impl Writer {
             lease.hold(&mut tx).await?;
             let fleet = lease.fleet().as_str();
             let at = position(&mut tx, fleet).await.map_err(failed(WHAT))?;
-            let horizons = horizons(&mut tx, fleet).await.map_err(failed(WHAT))?;
-            let horizon_us = horizons.filter(|all| all.stated == all.shards).map_or(0, |all| all.lowest_us);
+            let horizon_us = horizon(&mut tx, fleet).await.map_err(failed(WHAT))?.unwrap_or_default();
             let begun = at.and_then(|at| Some(Span { from_us: at.archived_to_us, to_us: at.planned_to_us? }));
             let new = at.and_then(|at| next_span(at.archived_to_us, horizon_us, every_us));
             if let Some(span) = new.filter(|_| begun.is_none()) {

@@ -4,7 +4,6 @@ use std::time::Duration;
 
 use super::database::{Either, on};
 use super::from_row::from_row;
-use super::shards::of_shard;
 use super::{Lease, Store, StoreError, Writer, failed};
 
 /// Number of boxes of a robot that are stored; the oldest are deleted first.
@@ -119,28 +118,18 @@ impl Writer {
         .await
     }
 
-    /// Marks the boxes of a shard's robots that its earlier owner has not finished as `PARTIAL`.
+    /// Marks the boxes of a fleet's robots that its earlier owner has not finished as `PARTIAL`.
     ///
     /// # Errors
     /// The database cannot be written now, or the lease is lost.
     pub async fn end_black_boxes(&mut self, lease: &Lease) -> Result<(), StoreError> {
-        const SQL: &str = concat!(
-            "UPDATE black_boxes SET state = 'PARTIAL' WHERE state = 'RECORDING' AND robot_id IN \
-             (SELECT robot_id FROM robots r WHERE fleet = $1 AND ",
-            of_shard!("r", "$2", "$3"),
-            ")"
-        );
+        const SQL: &str = "UPDATE black_boxes SET state = 'PARTIAL' WHERE state = 'RECORDING' AND robot_id IN \
+             (SELECT robot_id FROM robots WHERE fleet = $1)";
         self.attempt(WHAT, PATIENCE, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
-            on!(&mut tx, |tx| sqlx::query(SQL)
-                .bind(lease.fleet().as_str())
-                .bind(lease.shard_number())
-                .bind(i64::from(lease.shard().count()))
-                .execute(&mut **tx)
-                .await
-                .map(drop))
-            .map_err(failed(WHAT))?;
+            on!(&mut tx, |tx| sqlx::query(SQL).bind(lease.fleet().as_str()).execute(&mut **tx).await.map(drop))
+                .map_err(failed(WHAT))?;
             tx.commit().await.map_err(failed(WHAT))
         })
         .await

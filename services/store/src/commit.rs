@@ -5,39 +5,26 @@ use tokio::time::Instant;
 use super::batch::{ContactRow, JournalRow};
 use super::database::{Either, Link, Tx, on};
 use super::postgres::whole::Whole;
-use super::tables::{CONTACTS, InShard, JOURNAL, JOURNAL_UNFENCED};
+use super::tables::{CONTACTS, InFleet, JOURNAL, JOURNAL_UNFENCED};
 use super::{Batch, Lease, StoreError, events, failed, log_position, postgres, records};
 use crate::fault::{self, Fault};
 
 /// Writes a batch in one transaction. If an earlier attempt was committed and only its answer was lost, nothing is
 /// written.
 pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
-    if write_together(link, &[(lease, batch)]).await? {
+    let asked = Instant::now();
+    if let Either::Postgres(link) = link
+        && !fault::is(Fault::NoFence)
+        && let Some(whole) = Whole::of(lease, batch)
+        && whole.write(link).await?
+    {
+        lease.committed(Some(asked));
         return Ok(());
     }
     let asked = Instant::now();
     let is_new = write_in_steps(link, lease, batch).await?;
     lease.committed(is_new.then_some(asked));
     Ok(())
-}
-
-/// Writes one or more batches, each of another shard of this supervisor, as one statement. Returns false, and writes nothing, if
-/// they must be written one by one, in steps: a lease is not as expected, a batch needs statements of its own, or the database is
-/// not shared.
-pub(super) async fn write_together(link: &mut Link, batches: &[(&Lease, &Batch)]) -> Result<bool, StoreError> {
-    let asked = Instant::now();
-    let Either::Postgres(link) = link else { return Ok(false) };
-    if fault::is(Fault::NoFence) {
-        return Ok(false);
-    }
-    let Some(whole) = Whole::of(batches) else { return Ok(false) };
-    if !whole.write(link).await? {
-        return Ok(false);
-    }
-    for (lease, _) in batches {
-        lease.committed(Some(asked));
-    }
-    Ok(true)
 }
 
 /// Writes a batch with one statement for each kind of row, or for each row. Returns false if it was written before.
@@ -89,14 +76,13 @@ pub(super) async fn write_done(
 /// Writes a row of the journal.
 async fn write_journal(tx: &mut Tx<'_>, lease: &Lease, row: &JournalRow) -> sqlx::Result<()> {
     let journal = if fault::is(Fault::NoFence) { &JOURNAL_UNFENCED } else { &JOURNAL };
-    journal.write(tx, &[(InShard::of(lease), row)]).await.map(drop)
+    journal.write(tx, &[(InFleet::of(lease), row)]).await.map(drop)
 }
 
 /// Deletes the journal's rows up to a number, which the checkpoints contain.
 async fn forget_journal(tx: &mut Tx<'_>, lease: &Lease, number: i64) -> sqlx::Result<()> {
-    on!(tx, |tx| sqlx::query("DELETE FROM journal WHERE fleet = $1 AND shard = $2 AND number <= $3")
+    on!(tx, |tx| sqlx::query("DELETE FROM journal WHERE fleet = $1 AND number <= $2")
         .bind(lease.fleet().as_str())
-        .bind(lease.shard_number())
         .bind(number)
         .execute(&mut **tx)
         .await

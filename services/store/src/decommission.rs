@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use vibrissa_core::robot::Numbers;
-use vibrissa_edge::shard::robot_hash;
 
 use super::database::on;
 use super::events::write::{Whose, clear_alarms};
@@ -67,7 +66,7 @@ impl Writer {
         const FORMER: &str = "SELECT count(*) FROM robots JOIN boots USING (robot_id) \
              WHERE fleet = $1 AND robot = $2 AND decommissioned_us IS NOT NULL AND boots.boot_id = $3";
         // Sets the time, too, so that the robot is not deleted as merely announced before its first boot is inserted.
-        const SQL: &str = "INSERT INTO robots (fleet, robot, updated_us, shard_hash) VALUES ($1, $2, $3, $4) \
+        const SQL: &str = "INSERT INTO robots (fleet, robot, updated_us) VALUES ($1, $2, $3) \
              ON CONFLICT (fleet, robot) DO UPDATE SET updated_us = excluded.updated_us, decommissioned_us = NULL \
              RETURNING robot_id";
         const LAST: &str = "SELECT (SELECT max(trim_id) FROM trims WHERE robot_id = $1), \
@@ -89,7 +88,6 @@ impl Writer {
                 .bind(fleet)
                 .bind(robot)
                 .bind(now_us)
-                .bind(i64::from(robot_hash(fleet, robot)))
                 .fetch_one(&mut **tx)
                 .await)
             .map_err(failed(WHAT))?;

@@ -170,7 +170,7 @@ pub enum StoreError {
         "the journal of fleet {fleet} refers to records of Kafka: set ingest = \"kafka\" again, or stop the fleet in an orderly way first"
     )]
     NoLog {
-        /// Name of the fleet, or of its shard.
+        /// Name of the fleet.
         fleet: String,
     },
     /// The lease does not hold any more. Nothing was written.

@@ -10,10 +10,6 @@ pub enum Fault {
     OffsetBeforeState,
     /// Transactions do not check the lease (no fencing).
     NoFence,
-    /// The process ends in the transaction that changes the number of shards, before its commit.
-    DivisionCut,
-    /// The process ends right after the commit that changes the number of shards.
-    DivisionDone,
     /// The process ends at once, as if killed, when a file of the archive is uploaded and its position is not advanced.
     DeathAfterUpload,
     /// The archive's horizon is the present, although earlier contacts may not be committed yet.
@@ -29,8 +25,6 @@ pub fn is(fault: Fault) -> bool {
         Fault::ReceiptBeforeCommit => "receipt_before_commit",
         Fault::OffsetBeforeState => "offset_before_state",
         Fault::NoFence => "no_fence",
-        Fault::DivisionCut => "division_cut",
-        Fault::DivisionDone => "division_done",
         Fault::DeathAfterUpload => "death_after_upload",
         Fault::EarlyHorizon => "early_horizon",
     };
@@ -42,11 +36,4 @@ pub fn is(fault: Fault) -> bool {
 #[must_use]
 pub const fn is(_: Fault) -> bool {
     false
-}
-
-/// Ends the process as a power failure does, if this fault is requested.
-pub(crate) fn strike(fault: Fault) {
-    if is(fault) {
-        std::process::abort();
-    }
 }

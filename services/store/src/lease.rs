@@ -1,4 +1,4 @@
-//! Leases: the right to write for a shard of a fleet, one row for each shard. `lease_watch` tells when one has expired.
+//! Leases: the right to write for a fleet, one row for each fleet. `lease_watch` tells when one has expired.
 
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -6,17 +6,16 @@ use std::time::Duration;
 
 use sqlx::{PgConnection, SqliteConnection};
 use tokio::time::Instant;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use super::database::{Either, Tx, on};
 use super::{LossCause, StoreError, Supervisor, failed, postgres};
 use crate::fault::{self, Fault};
 
-/// The right to write for a shard of a fleet, until another supervisor acquires it. Clones share their state.
+/// The right to write for a fleet, until another supervisor acquires it. Clones share their state.
 #[derive(Debug, Clone)]
 pub struct Lease {
-    shard: FleetShard,
+    fleet: Name,
     epoch: u64,
     owner: Arc<str>,
     time_to_live: Duration,
@@ -29,15 +28,9 @@ pub struct Lease {
 impl Lease {
     /// A lease that a supervisor has just acquired. `asked` is the moment before the query; the time to live counts
     /// from there.
-    pub(super) fn taken(
-        supervisor: &Supervisor,
-        shard: &FleetShard,
-        epoch: i64,
-        asked: Instant,
-        is_shared: bool,
-    ) -> Self {
+    pub(super) fn taken(supervisor: &Supervisor, fleet: &Name, epoch: i64, asked: Instant, is_shared: bool) -> Self {
         Self {
-            shard: shard.clone(),
+            fleet: fleet.clone(),
             epoch: epoch as u64,
             owner: supervisor.id.clone(),
             time_to_live: supervisor.time_to_live,
@@ -49,18 +42,7 @@ impl Lease {
     /// Name of the fleet.
     #[must_use]
     pub fn fleet(&self) -> &Name {
-        self.shard.fleet()
-    }
-
-    /// The shard of the fleet; most fleets have one.
-    #[must_use]
-    pub fn shard(&self) -> &FleetShard {
-        &self.shard
-    }
-
-    /// Number of the shard, as the database has it.
-    pub(super) fn shard_number(&self) -> i64 {
-        i64::from(self.shard.number())
+        &self.fleet
     }
 
     /// Epoch of the lease, which rises at each change of owner.
@@ -100,19 +82,17 @@ impl Lease {
     }
 
     fn lost(&self, cause: LossCause) -> StoreError {
-        StoreError::LeaseLost { fleet: self.shard.to_string(), epoch: self.epoch, cause }
+        StoreError::LeaseLost { fleet: self.fleet.to_string(), epoch: self.epoch, cause }
     }
 
     /// Checks the lease and locks its row, for a transaction that may be repeated without harm, because it only
     /// assigns numbers or replaces rows.
     pub(super) async fn hold(&self, tx: &mut Tx<'_>) -> Result<(), StoreError> {
-        const SQL: &str =
-            "UPDATE leases SET holder = holder WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND shard = $4";
+        const SQL: &str = "UPDATE leases SET holder = holder WHERE fleet = $1 AND epoch = $2 AND owner = $3";
         let held = on!(tx, |tx| sqlx::query(SQL)
             .bind(self.fleet().as_str())
             .bind(self.epoch as i64)
             .bind(&*self.owner)
-            .bind(self.shard_number())
             .execute(&mut **tx)
             .await
             .map(|done| done.rows_affected()))
@@ -142,12 +122,11 @@ impl Lease {
     /// Distinguishes why the counter did not advance: false if this transaction was committed before, an error if the
     /// lease is lost. A counter below the known one shows that the database went back to an earlier state.
     async fn look_why(&self, tx: &mut Tx<'_>, before: i64) -> Result<bool, StoreError> {
-        const SQL: &str = "SELECT commits FROM leases WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND shard = $4";
+        const SQL: &str = "SELECT commits FROM leases WHERE fleet = $1 AND epoch = $2 AND owner = $3";
         let commits: Option<i64> = on!(tx, |tx| sqlx::query_scalar(SQL)
             .bind(self.fleet().as_str())
             .bind(self.epoch as i64)
             .bind(&*self.owner)
-            .bind(self.shard_number())
             .fetch_optional(&mut **tx)
             .await)
         .map_err(failed("check the lease"))?;
@@ -161,7 +140,7 @@ impl Lease {
     }
 
     /// Binds the first parameters of a statement that advances the counter: fleet, epoch, owner, present count,
-    /// time to live, and shard.
+    /// and time to live.
     pub(super) fn bind(&self, statement: postgres::Query) -> postgres::Query {
         statement
             .bind(self.fleet().as_str())
@@ -169,21 +148,6 @@ impl Lease {
             .bind(&*self.owner)
             .bind(self.commits.load(Ordering::Relaxed))
             .bind(micros(self.time_to_live))
-            .bind(self.shard_number())
-    }
-
-    /// As [`Self::bind`], for a statement that advances the counters of several leases of one supervisor.
-    pub(super) fn bind_several(leases: &[&Self], statement: postgres::Query) -> postgres::Query {
-        let each = |value: fn(&Self) -> i64| leases.iter().map(|lease| value(lease)).collect::<Vec<i64>>();
-        let owner = leases.first().map_or_else(String::new, |lease| lease.owner.to_string());
-        let time_to_live = leases.first().map_or(Duration::ZERO, |lease| lease.time_to_live);
-        statement
-            .bind(leases.iter().map(|lease| lease.fleet().to_string()).collect::<Vec<_>>())
-            .bind(each(Self::shard_number))
-            .bind(each(|lease| lease.epoch as i64))
-            .bind(each(|lease| lease.commits.load(Ordering::Relaxed)))
-            .bind(owner)
-            .bind(micros(time_to_live))
     }
 
     /// Counts a committed transaction. `asked`, the moment before its query, also extends the lease; it is `None` if an
@@ -197,14 +161,13 @@ impl Lease {
 }
 
 async fn count_sqlite(tx: &mut SqliteConnection, lease: &Lease, before: i64) -> sqlx::Result<bool> {
-    const SQL: &str = "UPDATE leases SET commits = $4 + 1 WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND commits = $4 \
-         AND shard = $5";
+    const SQL: &str =
+        "UPDATE leases SET commits = $4 + 1 WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND commits = $4";
     sqlx::query(SQL)
         .bind(lease.fleet().as_str())
         .bind(lease.epoch as i64)
         .bind(&*lease.owner)
         .bind(before)
-        .bind(lease.shard_number())
         .execute(tx)
         .await
         .map(|done| done.rows_affected() == 1)

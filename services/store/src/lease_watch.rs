@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use tokio::time::Instant;
-use vibrissa_edge::shard::FleetShard;
+use vibrissa_protocol::Name;
 
 /// The columns of a lease's row that change with each renewal. A competitor acquires the lease only if the row is still
 /// the same.
@@ -65,7 +65,7 @@ impl<T: PartialEq + Copy> Watched<T> {
 /// The leases and members that a supervisor watches.
 #[derive(Debug, Default)]
 pub(super) struct LeaseWatch {
-    leases: BTreeMap<FleetShard, Watched<Renewal>>,
+    leases: BTreeMap<Name, Watched<Renewal>>,
     members: BTreeMap<String, Watched<i64>>,
     /// Holds of webhooks.
     holds: BTreeMap<i64, Watched<i64>>,
@@ -73,8 +73,8 @@ pub(super) struct LeaseWatch {
 
 impl LeaseWatch {
     /// Takes a lease's row in that was read by `now`. Returns the time until it is free; zero if it is.
-    pub(super) fn lease(&mut self, shard: &FleetShard, row: &Reading<Renewal>, now: Instant) -> Duration {
-        let watched = self.leases.entry(shard.clone()).or_insert_with(|| Watched::first(row, now));
+    pub(super) fn lease(&mut self, fleet: &Name, row: &Reading<Renewal>, now: Instant) -> Duration {
+        let watched = self.leases.entry(fleet.clone()).or_insert_with(|| Watched::first(row, now));
         watched.again(row, now);
         if row.renewal.expires_us == 0 {
             // It was released, or nobody had it.
@@ -114,8 +114,8 @@ impl LeaseWatch {
     }
 
     /// Whether this supervisor may take a lease at `now`.
-    pub(super) fn claim(&self, shard: &FleetShard, now: Instant) -> Claim {
-        match self.leases.get(shard) {
+    pub(super) fn claim(&self, fleet: &Name, now: Instant) -> Claim {
+        match self.leases.get(fleet) {
             None => Claim::Unknown,
             Some(watched) if now >= watched.until => Claim::Free(watched.renewal),
             Some(_) => Claim::Held,
@@ -125,8 +125,6 @@ impl LeaseWatch {
 
 #[cfg(test)]
 mod tests {
-    use vibrissa_protocol::Name;
-
     use super::*;
 
     const TIME_TO_LIVE: Duration = Duration::from_secs(2);
@@ -140,15 +138,15 @@ mod tests {
         database_us: i64,
         row: Renewal,
         watch: LeaseWatch,
-        shard: FleetShard,
+        fleet: Name,
     }
 
     impl Cluster {
         fn new() -> Self {
             let row = Renewal { epoch: 1, commits: 0, expires_us: 0 };
-            let shard = FleetShard::whole(Name::new("f").unwrap());
+            let fleet = Name::new("f").unwrap();
             let mut cluster =
-                Self { now: Instant::now(), database_us: 1 << 50, row, watch: LeaseWatch::default(), shard };
+                Self { now: Instant::now(), database_us: 1 << 50, row, watch: LeaseWatch::default(), fleet };
             cluster.renew();
             cluster
         }
@@ -168,10 +166,10 @@ mod tests {
             self.database_us += TURN.as_micros() as i64;
             let left_us = self.row.expires_us - self.database_us;
             let reading = Reading { renewal: self.row, left_us, time_to_live: TIME_TO_LIVE };
-            let left = self.watch.lease(&self.shard, &reading, self.now);
+            let left = self.watch.lease(&self.fleet, &reading, self.now);
             let is_free = left.is_zero();
             let expected = if is_free { Claim::Free(self.row) } else { Claim::Held };
-            assert_eq!(self.watch.claim(&self.shard, self.now), expected);
+            assert_eq!(self.watch.claim(&self.fleet, self.now), expected);
             is_free
         }
 
@@ -236,7 +234,7 @@ mod tests {
         let mut cluster = Cluster::new();
         cluster.step_database(-60);
         assert!(cluster.free_after() <= TIME_TO_LIVE + TURN);
-        assert_eq!(LeaseWatch::default().claim(&cluster.shard, cluster.now), Claim::Unknown);
+        assert_eq!(LeaseWatch::default().claim(&cluster.fleet, cluster.now), Claim::Unknown);
     }
 
     #[test]

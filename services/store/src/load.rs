@@ -11,7 +11,6 @@ use vibrissa_core::units::Micros;
 use super::database::{Either, Link, Tx, on};
 use super::from_row::from_row;
 use super::set_aside::{SetAside, Tried};
-use super::shards::of_shard;
 use super::{Lease, Store, StoreError, Writer, failed};
 use vibrissa_edge::words::Word;
 
@@ -90,7 +89,7 @@ impl Store {
     }
 }
 
-/// Some robots of a shard.
+/// Some robots of a fleet.
 #[derive(Debug, Default)]
 pub struct StoredRobots {
     /// The robots, in the order of their numbers.
@@ -162,6 +161,19 @@ impl From<RobotName> for RobotHead {
 }
 
 from_row! {
+    /// A row of the journal.
+    #[derive(Debug, Clone, PartialEq, Eq)]
+    pub struct JournalReading {
+        /// Number of the transaction, which rises within a fleet.
+        pub number: i64,
+        /// Kafka partition to which ranges without their own partition refer.
+        pub log_partition: i64,
+        /// Events in the supervisor's own format.
+        pub entries: Vec<u8>,
+    }
+}
+
+from_row! {
     /// State of a robot (position -1) or of one of its whiskers.
     struct StateRow {
         robot_id: i64,
@@ -171,7 +183,7 @@ from_row! {
 }
 
 impl Writer {
-    /// At most `most` robots of the lease's shard with numbers above `after`, in the order of their numbers. While the lease
+    /// At most `most` robots of the lease's fleet with numbers above `after`, in the order of their numbers. While the lease
     /// holds, no other supervisor writes them.
     ///
     /// # Errors
@@ -183,7 +195,7 @@ impl Writer {
         self.attempt(WHAT, LOAD_PATIENCE, load).await
     }
 
-    /// The robot of this number in the lease's shard; `None` if there is no such robot.
+    /// The robot of this number in the lease's fleet; `None` if there is no such robot.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -196,16 +208,17 @@ impl Writer {
         Ok(next.filter(|robot| robot.robot_id == robot_id))
     }
 
-    /// At most `most` rows of the shard's journal after number `after`, in order, each with its number.
+    /// At most `most` rows of the fleet's journal after number `after`, in order.
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn journal(&mut self, lease: &Lease, after: i64, most: i64) -> Result<Vec<(i64, Vec<u8>)>, StoreError> {
+    pub async fn journal(&mut self, lease: &Lease, after: i64, most: i64) -> Result<Vec<JournalReading>, StoreError> {
         const WHAT: &str = "read the journal";
-        const SQL: &str = "SELECT number, entries FROM journal WHERE fleet = $1 AND shard = $4 AND number > $2 ORDER BY number LIMIT $3";
-        let (fleet, shard) = (lease.fleet().as_str(), lease.shard_number());
+        const SQL: &str = "SELECT number, log_partition, entries FROM journal WHERE fleet = $1 AND number > $2 \
+             ORDER BY number LIMIT $3";
+        let fleet = lease.fleet().as_str();
         self.attempt(WHAT, LOAD_PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_as(SQL).bind(fleet).bind(after).bind(most).bind(shard).fetch_all(link).await)
+            on!(link, |link| sqlx::query_as(SQL).bind(fleet).bind(after).bind(most).fetch_all(link).await)
                 .map_err(failed(WHAT))
         })
         .await
@@ -266,7 +279,7 @@ pub(super) async fn held<'c>(link: &'c mut Link, lease: &Lease, what: &'static s
     Ok(tx)
 }
 
-/// At most `most` robots of a shard with numbers above `after`. One damaged row costs its robot what it has learned, and
+/// At most `most` robots of a fleet with numbers above `after`. One damaged row costs its robot what it has learned, and
 /// keeps no other robot from being loaded.
 async fn robots(
     link: &mut Link,
@@ -274,31 +287,20 @@ async fn robots(
     (after, most): (i64, i64),
     set_aside: &SetAside,
 ) -> sqlx::Result<StoredRobots> {
-    const ROBOTS: &str = concat!(
-        "SELECT robot_id, robot, state, journal_number, \
+    const ROBOTS: &str = "SELECT robot_id, robot, state, journal_number, \
          CASE WHEN r.held OR EXISTS (SELECT 1 FROM whiskers w WHERE w.robot_id = r.robot_id AND w.held) \
          THEN 1 ELSE 0 END AS is_held, \
          (SELECT max(trim_id) FROM trims t WHERE t.robot_id = r.robot_id) AS last_trim, \
          (SELECT max(compensation_id) FROM compensations c WHERE c.robot_id = r.robot_id) AS last_compensation \
-         FROM robots r WHERE fleet = $1 AND decommissioned_us IS NULL AND ",
-        of_shard!("r", "$2", "$3"),
-        " AND r.robot_id > $4 ORDER BY r.robot_id LIMIT $5"
-    );
-    const WHISKERS: &str = concat!(
-        "SELECT w.robot_id, whisker_id, w.state, w.rollup FROM whiskers w \
-         JOIN robots r ON r.robot_id = w.robot_id AND position IS NOT NULL AND w.state IS NOT NULL WHERE fleet = $1 AND ",
-        of_shard!("r", "$2", "$3"),
-        " AND w.robot_id BETWEEN $4 AND $5 ORDER BY w.robot_id, position"
-    );
-    const BOOTS: &str = concat!(
-        "SELECT b.robot_id, boot, b.boot_id FROM boots b JOIN robots r ON r.robot_id = b.robot_id WHERE fleet = $1 AND ",
-        of_shard!("r", "$2", "$3"),
-        " AND b.robot_id BETWEEN $4 AND $5"
-    );
-    let count = i64::from(lease.shard().count());
+         FROM robots r WHERE fleet = $1 AND decommissioned_us IS NULL AND r.robot_id > $2 ORDER BY r.robot_id LIMIT $3";
+    const WHISKERS: &str = "SELECT w.robot_id, whisker_id, w.state, w.rollup FROM whiskers w \
+         JOIN robots r ON r.robot_id = w.robot_id AND position IS NOT NULL AND w.state IS NOT NULL \
+         WHERE fleet = $1 AND w.robot_id BETWEEN $2 AND $3 ORDER BY w.robot_id, position";
+    const BOOTS: &str = "SELECT b.robot_id, boot, b.boot_id FROM boots b JOIN robots r ON r.robot_id = b.robot_id \
+         WHERE fleet = $1 AND b.robot_id BETWEEN $2 AND $3";
     macro_rules! rows {
         ($link:expr, $sql:expr, $from:expr, $to:expr) => {{
-            let query = sqlx::query($sql).bind(lease.fleet().as_str()).bind(lease.shard_number()).bind(count);
+            let query = sqlx::query($sql).bind(lease.fleet().as_str());
             query.bind($from).bind($to).fetch_all($link).await?
         }};
     }

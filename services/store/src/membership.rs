@@ -7,7 +7,6 @@ use sqlx::sqlite::SqliteRow;
 use sqlx::{Row, SqliteConnection};
 use tokio::time::Instant;
 use tracing::warn;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 mod sign_in;
@@ -32,14 +31,12 @@ pub struct Supervisor {
     pub time_to_live: Duration,
 }
 
-/// State of the lease of a shard.
+/// State of the lease of a fleet.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FleetLease {
-    /// The shard of its fleet.
-    pub shard: FleetShard,
-    /// Number of shards that the fleet shall have.
-    pub shards_wanted: u32,
-    /// Newest epoch; 0 if the shard never had an owner.
+    /// Name of the fleet.
+    pub fleet: Name,
+    /// Newest epoch; 0 if the fleet never had an owner.
     pub epoch: u64,
     /// Identifier of the present or last owner; `None` if the lease was released or never acquired.
     pub owner: Option<String>,
@@ -51,7 +48,7 @@ pub struct FleetLease {
     pub free_in: Option<Duration>,
 }
 
-/// State of the cluster, from which a supervisor determines its share of the shards.
+/// State of the cluster, from which a supervisor determines its share of the fleets.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Membership {
     /// Leases of the fleets that this supervisor may own.
@@ -133,68 +130,48 @@ impl Writer {
             })
             .await;
         self.lease_watch = watch;
-        let (membership, renewed): (_, Vec<(String, i64)>) = signed_in?;
-        for lease in held.iter().filter(|lease| {
-            let is_lease =
-                |(fleet, shard): &(String, i64)| fleet == lease.fleet().as_str() && *shard == lease.shard_number();
-            renewed.iter().any(is_lease)
-        }) {
+        let (membership, renewed): (_, Vec<String>) = signed_in?;
+        for lease in held.iter().filter(|lease| renewed.iter().any(|fleet| fleet == lease.fleet().as_str())) {
             lease.confirmed(asked);
         }
         for lease in &membership.leases {
-            self.know_epoch(&lease.shard, lease.epoch);
+            self.know_epoch(&lease.fleet, lease.epoch);
         }
         Ok(membership)
     }
 
-    /// As [`Self::acquire_shard`], for a fleet that is not divided.
+    /// Acquires the lease of a free fleet, in a new epoch; `None` if another supervisor was faster. A fleet that the last
+    /// [`Self::sign_in_reporting`] read is free only if this process's monotonic clock says so, and if its row has not
+    /// changed since.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
     pub async fn acquire(&mut self, supervisor: &Supervisor, fleet: &Name) -> Result<Option<Lease>, StoreError> {
-        self.acquire_shard(supervisor, &FleetShard::whole(fleet.clone())).await
+        Ok(self.acquire_several(supervisor, std::slice::from_ref(fleet)).await?.pop())
     }
 
-    /// Acquires the lease of a free shard, in a new epoch; `None` if another supervisor was faster, or if the fleet has
-    /// another number of shards by now. A shard that the last [`Self::sign_in_reporting`] read is free only if this
-    /// process's monotonic clock says so, and if its row has not changed since.
+    /// As [`Self::acquire`] for several fleets in one transaction, because each commit waits for the disk and for a
+    /// standby. Returns the leases of those that were free.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
-    pub async fn acquire_shard(
+    pub async fn acquire_several(
         &mut self,
         supervisor: &Supervisor,
-        shard: &FleetShard,
-    ) -> Result<Option<Lease>, StoreError> {
-        Ok(self.acquire_shards(supervisor, std::slice::from_ref(shard)).await?.pop())
-    }
-
-    /// As [`Self::acquire_shard`] for several shards in one transaction, because each commit waits for the disk and for
-    /// a standby. Returns the leases of those that were free.
-    ///
-    /// # Errors
-    /// The database does not answer within the time to live.
-    pub async fn acquire_shards(
-        &mut self,
-        supervisor: &Supervisor,
-        shards: &[FleetShard],
+        fleets: &[Name],
     ) -> Result<Vec<Lease>, StoreError> {
         const WHAT: &str = "acquire leases";
         let asked = Instant::now();
-        let before = self.highest_epochs.clone();
-        let claims: Vec<Claim> = shards.iter().map(|shard| self.lease_watch.claim(shard, asked)).collect();
+        let known: Vec<u64> = fleets.iter().map(|fleet| self.highest_epoch(fleet)).collect();
+        let claims: Vec<Claim> = fleets.iter().map(|fleet| self.lease_watch.claim(fleet, asked)).collect();
         let (epochs, is_shared) = self
             .attempt(WHAT, supervisor.time_to_live, async |link| {
                 let mut tx = link.begin().await.map_err(failed(WHAT))?;
                 let sql = if matches!(tx, Either::Postgres(_)) { ACQUIRE_POSTGRES } else { ACQUIRE_SQLITE };
-                let (mut epochs, mut highest) = (Vec::new(), before.clone());
-                for (shard, claim) in shards.iter().zip(&claims) {
-                    // A robot may have been in another shard before.
-                    let known = highest.entry(shard.fleet().clone()).or_default();
-                    let epoch = raise_epoch(&mut tx, sql, supervisor, (shard, *claim), *known).await;
-                    let epoch = epoch.map_err(failed(WHAT))?;
-                    *known = (*known).max(epoch.unwrap_or_default() as u64);
-                    epochs.push(epoch);
+                let mut epochs = Vec::new();
+                for ((fleet, claim), known) in fleets.iter().zip(&claims).zip(&known) {
+                    let epoch = raise_epoch(&mut tx, sql, supervisor, (fleet, *claim), *known).await;
+                    epochs.push(epoch.map_err(failed(WHAT))?);
                 }
                 let is_shared = matches!(tx, Either::Postgres(_));
                 if let Either::Postgres(tx) = &mut tx {
@@ -205,40 +182,45 @@ impl Writer {
             })
             .await?;
         let mut leases = Vec::new();
-        for (shard, epoch) in shards.iter().zip(epochs) {
+        for (fleet, epoch) in fleets.iter().zip(epochs) {
             if let Some(epoch) = epoch {
-                self.know_epoch(shard, epoch as u64);
-                leases.push(Lease::taken(supervisor, shard, epoch, asked, is_shared));
+                self.know_epoch(fleet, epoch as u64);
+                leases.push(Lease::taken(supervisor, fleet, epoch, asked, is_shared));
             }
         }
         Ok(leases)
     }
 
-    fn know_epoch(&mut self, shard: &FleetShard, epoch: u64) {
-        let last = self.last_epochs.insert(shard.clone(), epoch).unwrap_or_default();
+    /// Highest epoch of a fleet that this process has seen; 0 before the first.
+    fn highest_epoch(&self, fleet: &Name) -> u64 {
+        self.highest_epochs.get(fleet).copied().unwrap_or_default()
+    }
+
+    fn know_epoch(&mut self, fleet: &Name, epoch: u64) {
+        let last = self.last_epochs.insert(fleet.clone(), epoch).unwrap_or_default();
         if last > epoch {
             warn!(
-                fleet = %shard, epoch, before = last,
+                %fleet, epoch, before = last,
                 "the database has lost commits: it knows only an earlier epoch of the fleet"
             );
         }
-        let highest = self.highest_epochs.entry(shard.fleet().clone()).or_default();
-        *highest = (*highest).max(epoch);
+        let highest = self.highest_epoch(fleet).max(epoch);
+        self.highest_epochs.insert(fleet.clone(), highest);
     }
 
-    /// Releases a lease, so that the shard can be acquired at once.
+    /// Releases a lease, so that the fleet can be acquired at once.
     ///
     /// # Errors
     /// The database does not answer within the time to live.
     pub async fn release(&mut self, lease: &Lease) -> Result<(), StoreError> {
         const WHAT: &str = "release a lease";
-        const SQL: &str = "UPDATE leases SET owner = NULL, expires_us = 0 WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND shard = $4";
+        const SQL: &str =
+            "UPDATE leases SET owner = NULL, expires_us = 0 WHERE fleet = $1 AND epoch = $2 AND owner = $3";
         self.attempt(WHAT, lease.time_to_live(), async |link| {
             on!(link, |link| sqlx::query(SQL)
                 .bind(lease.fleet().as_str())
                 .bind(lease.epoch() as i64)
                 .bind(lease.owner())
-                .bind(lease.shard_number())
                 .execute(link)
                 .await
                 .map(drop))
@@ -267,27 +249,27 @@ impl Writer {
 // database, unless a clock was ahead by more than the age of the back-up. After a failover that lost the last commits, this
 // age is short and the clock another server's: so an epoch is also higher than all that this process knows.
 
-/// SQLite: the lock of the file stands for the lease, so its holder may acquire every shard.
-const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, shard, shards, epoch, owner, holder) \
-    VALUES ($1, $6, $7, max($4, $5 + 1), $2, $3) \
-    ON CONFLICT (fleet, shard) DO UPDATE SET epoch = max(epoch + 1, excluded.epoch), owner = excluded.owner, \
-    holder = excluded.holder, commits = 0 WHERE leases.shards = excluded.shards RETURNING epoch";
+/// SQLite: the lock of the file stands for the lease, so its holder may acquire every fleet.
+const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, epoch, owner, holder) \
+    VALUES ($1, max($4, $5 + 1), $2, $3) \
+    ON CONFLICT (fleet) DO UPDATE SET epoch = max(epoch + 1, excluded.epoch), owner = excluded.owner, \
+    holder = excluded.holder, commits = 0 RETURNING epoch";
 
 /// PostgreSQL: skips a row that is locked, because its owner is committing. A lease of our own can be acquired again:
 /// the answer to an earlier attempt may have been lost. The last three parameters are the row that was seen to be free;
 /// without one the clock decides.
 const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = greatest(epoch + 1, clock_us() / 1000, $5 + 1), owner = $2, \
-    holder = $3, commits = 0, expires_us = clock_us() + $4 WHERE fleet = $1 AND shard = (SELECT shard FROM leases \
-    WHERE fleet = $1 AND shard = $6 AND shards = $7 AND (owner = $2 OR CASE \
-    WHEN $8::bigint IS NULL THEN expires_us <= clock_us() \
-    ELSE epoch = $8 AND commits = $9::bigint AND expires_us = $10::bigint END) \
+    holder = $3, commits = 0, expires_us = clock_us() + $4 WHERE fleet = (SELECT fleet FROM leases \
+    WHERE fleet = $1 AND (owner = $2 OR CASE \
+    WHEN $6::bigint IS NULL THEN expires_us <= clock_us() \
+    ELSE epoch = $6 AND commits = $7::bigint AND expires_us = $8::bigint END) \
     FOR UPDATE SKIP LOCKED) RETURNING epoch";
 
 async fn raise_epoch(
     tx: &mut Tx<'_>,
     sql: &'static str,
     supervisor: &Supervisor,
-    (shard, claim): (&FleetShard, Claim),
+    (fleet, claim): (&Name, Claim),
     known: u64,
 ) -> sqlx::Result<Option<i64>> {
     let seen = match claim {
@@ -300,17 +282,13 @@ async fn raise_epoch(
     // The fourth parameter: time to live in µs (PostgreSQL), or the time in ms since 1970 (SQLite).
     let fourth =
         if matches!(tx, Either::Postgres(_)) { micros(supervisor.time_to_live) } else { (now_us / 1000).max(1) };
-    const HISTORY: &str =
-        "INSERT INTO epochs (fleet, epoch, owner, holder, began_us, shard) VALUES ($1, $2, $3, $4, $5, $6)";
-    let (fleet, number) = (shard.fleet(), i64::from(shard.number()));
+    const HISTORY: &str = "INSERT INTO epochs (fleet, epoch, owner, holder, began_us) VALUES ($1, $2, $3, $4, $5)";
     let epoch: Option<i64> = on!(&mut *tx, |tx| sqlx::query_scalar(sql)
         .bind(fleet.as_str())
         .bind(&*supervisor.id)
         .bind(&supervisor.name)
         .bind(fourth)
         .bind(known as i64)
-        .bind(number)
-        .bind(i64::from(shard.count()))
         .bind(seen.map(|seen| seen.0))
         .bind(seen.map(|seen| seen.1))
         .bind(seen.map(|seen| seen.2))
@@ -323,7 +301,6 @@ async fn raise_epoch(
             .bind(&*supervisor.id)
             .bind(&supervisor.name)
             .bind(now_us)
-            .bind(number)
             .execute(&mut **tx)
             .await
             .map(drop))?;
@@ -332,32 +309,21 @@ async fn raise_epoch(
 }
 
 async fn sqlite_membership(link: &mut SqliteConnection, supervisor: &Supervisor) -> sqlx::Result<Membership> {
-    const SQL: &str =
-        "SELECT fleet, shard, shards, shards_wanted, epoch, owner, holder FROM leases ORDER BY fleet, shard";
+    const SQL: &str = "SELECT fleet, epoch, owner, holder FROM leases";
     let rows = sqlx::query(SQL).fetch_all(link).await?;
-    let lease = |shard: FleetShard, row: Option<&SqliteRow>| {
+    let leases = supervisor.fleets.iter().map(|fleet| {
+        let row = rows.iter().find(|row| row.try_get("fleet").is_ok_and(|told: &str| told == fleet.as_str()));
         // Nobody else has the file, so a damaged row must not keep the fleet from being supervised.
-        let text = |column| row.and_then(|row| row.try_get(column).ok().flatten());
+        let text = |column| row.and_then(|row: &SqliteRow| row.try_get(column).ok().flatten());
         let owner: Option<String> = text("owner");
         FleetLease {
-            shard,
-            shards_wanted: row.and_then(|row| row.try_get("shards_wanted").ok()).unwrap_or(1),
+            fleet: fleet.clone(),
             epoch: row.and_then(|row| row.try_get::<i64, _>("epoch").ok()).unwrap_or_default() as u64,
             free: owner.as_deref() != Some(&*supervisor.id),
             free_in: None,
             owner,
             holder: text("holder"),
         }
-    };
-    let leases = supervisor.fleets.iter().flat_map(|fleet| {
-        let of_fleet = rows.iter().filter(|row| row.try_get("fleet").is_ok_and(|told: &str| told == fleet.as_str()));
-        let leases: Vec<_> = of_fleet
-            .filter_map(|row| {
-                let shard = FleetShard::new(fleet.clone(), row.try_get("shard").ok()?, row.try_get("shards").ok()?)?;
-                Some(lease(shard, Some(row)))
-            })
-            .collect();
-        if leases.is_empty() { vec![lease(FleetShard::whole(fleet.clone()), None)] } else { leases }
     });
     // No other supervisor can own the fleets, so hearing does not matter.
     let (supervisor, fleets) = (supervisor.id.to_string(), supervisor.fleets.clone());

@@ -15,43 +15,25 @@ pub(crate) struct InFleet<'b> {
     pub(crate) fleet: &'b str,
 }
 
+impl<'b> InFleet<'b> {
+    pub(crate) fn of(lease: &'b Lease) -> Self {
+        Self { fleet: lease.fleet().as_str() }
+    }
+}
+
 columns! {
     InFleet<'b> { fleet: &'b str, }
 }
 
-/// The fleet and the shard of a row of the journal.
+/// The number of a fleet's row in the journal.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct InShard<'b> {
+pub(crate) struct JournalNumber<'b> {
     pub(crate) fleet: &'b str,
-    pub(crate) shard: i64,
-}
-
-impl<'b> InShard<'b> {
-    pub(crate) fn of(lease: &'b Lease) -> Self {
-        Self { fleet: lease.fleet().as_str(), shard: lease.shard_number() }
-    }
-}
-
-columns! {
-    InShard<'b> { fleet: &'b str, shard: i64, }
-}
-
-/// The number of a shard's row in the journal.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ShardNumber<'b> {
-    pub(crate) fleet: &'b str,
-    pub(crate) shard: i64,
     pub(crate) number: i64,
 }
 
-impl<'b> ShardNumber<'b> {
-    pub(crate) fn new(at: InShard<'b>, number: i64) -> Self {
-        Self { fleet: at.fleet, shard: at.shard, number }
-    }
-}
-
 columns! {
-    ShardNumber<'b> { fleet: &'b str, shard: i64, number: i64, }
+    JournalNumber<'b> { fleet: &'b str, number: i64, }
 }
 
 /// A position in a partitioned log.
@@ -65,17 +47,6 @@ pub(crate) struct LogPositionRow<'b> {
 
 columns! {
     LogPositionRow<'b> { fleet: &'b str, topic: &'b str, log_partition: i64, next: i64, }
-}
-
-/// The hash that decides about a robot's shard.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct RobotHash {
-    pub(crate) robot_id: i64,
-    pub(crate) shard_hash: i64,
-}
-
-columns! {
-    RobotHash { robot_id: i64, shard_hash: i64, }
 }
 
 /// The decision of a candidate, and the candidate's position in it.
@@ -118,14 +89,13 @@ impl ErrorRow {
 
 pub(crate) static ROBOTS: Statement<RobotRow> = Statement::update("robots", "");
 pub(crate) static WHISKERS: Statement<WhiskerRow> = Statement::update("whiskers", "");
-pub(crate) static ROBOT_HASHES: Statement<RobotHash> = Statement::update("robots", "");
 pub(crate) static CONTACTS: Statement<ContactRow> = Statement::insert("contacts");
 pub(crate) static RESPONSES: Statement<ResponseRow> = Statement::insert("compensation_responses");
-pub(crate) static JOURNAL: Statement<(InShard<'static>, &JournalRow)> = Statement::insert("journal");
+pub(crate) static JOURNAL: Statement<(InFleet<'static>, &JournalRow)> = Statement::insert("journal");
 /// Deletes the journal's rows up to a number.
-pub(crate) static JOURNAL_DONE: Statement<ShardNumber<'static>> = Statement::custom(
+pub(crate) static JOURNAL_DONE: Statement<JournalNumber<'static>> = Statement::custom(
     "journal",
-    "DELETE FROM journal AS t USING ROWS WHERE t.fleet = n.fleet AND t.shard = n.shard AND t.number <= n.number AND OWNED",
+    "DELETE FROM journal AS t USING ROWS WHERE t.fleet = n.fleet AND t.number <= n.number AND OWNED",
 );
 pub(crate) static EVENTS: Statement<(InFleet<'static>, &EventRow)> = Statement::insert("events");
 pub(crate) static LOG_POSITIONS: Statement<LogPositionRow<'static>> = Statement::insert("log_positions")
@@ -168,7 +138,7 @@ pub(crate) static BINS: Statement<(BinKey, &ErrorBinRow)> = Statement::insert_be
 
 /// Journal rows of a test that plants a fault: two owners write the same numbers, and the conflict would protect each
 /// from the damage that the test waits for.
-pub(crate) static JOURNAL_UNFENCED: Statement<(InShard<'static>, &JournalRow)> =
+pub(crate) static JOURNAL_UNFENCED: Statement<(InFleet<'static>, &JournalRow)> =
     Statement::insert("journal").unless_exists();
 
 pub(crate) static ENDED: Statement<EndedRow> = Statement::update(
@@ -227,10 +197,9 @@ pub struct Written {
 /// The columns of all statements, as the rows are declared.
 #[must_use]
 pub fn written() -> Vec<Written> {
-    let all: [&dyn Declared; 30] = [
+    let all: [&dyn Declared; 29] = [
         &ROBOTS,
         &WHISKERS,
-        &ROBOT_HASHES,
         &CONTACTS,
         &RESPONSES,
         &JOURNAL,

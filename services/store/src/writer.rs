@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use tokio::sync::watch;
 use tokio::time::{Instant, timeout_at};
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use super::database::{Either, Link, Options};
@@ -23,8 +22,8 @@ pub struct Writer {
     link: Option<Link>,
     /// Changes of the leader among several servers, seen since the connection was opened.
     changes: Option<watch::Receiver<u64>>,
-    /// Newest epoch of each shard in the database.
-    pub(super) last_epochs: BTreeMap<FleetShard, u64>,
+    /// Newest epoch of each fleet in the database.
+    pub(super) last_epochs: BTreeMap<Name, u64>,
     /// Highest epoch of each fleet that this process has seen: after a failover the database may know only lower ones.
     pub(super) highest_epochs: BTreeMap<Name, u64>,
     /// Tells leases and members that are alive, by this process's monotonic clock.
@@ -50,16 +49,6 @@ impl Writer {
     /// The database cannot be written now, or the lease is lost.
     pub async fn commit(&mut self, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
         self.attempt("commit", PATIENCE, async |link| commit::write(link, lease, batch).await).await
-    }
-
-    /// Writes the batches of several shards of one supervisor in one transaction, because a transaction costs more than
-    /// the rows of a quiet shard. Returns false, and writes nothing, if they must be written one by one by
-    /// [`Self::commit`]. After an error, too: it recognises a batch that was written although no answer came.
-    ///
-    /// # Errors
-    /// The database cannot be written now, or it rejects rows.
-    pub async fn commit_together(&mut self, batches: &[(&Lease, &Batch)]) -> Result<bool, StoreError> {
-        self.attempt("commit together", PATIENCE, async |link| commit::write_together(link, batches).await).await
     }
 
     /// Runs an operation on the connection within a time limit. The connection is used again only after a success: if

@@ -43,7 +43,6 @@ export const api = {
   alarm: (id) => path`/v1/alarms/${id}`,
   calibration: (id) => path`/v1/calibrations/${id}`,
   policy: (fleet) => path`/v1/fleets/${fleet}/policy`,
-  shards: (fleet) => path`/v1/fleets/${fleet}/shards`,
   webhook: (id) => path`/v1/webhooks/${id}`,
 };
 
@@ -52,7 +51,6 @@ export const ROUTES = {
   whisker: "/v1/fleets/{}/robots/{}/arrays/{}/whiskers/{}",
   robot: "/v1/fleets/{}/robots/{}",
   policy: "/v1/fleets/{}/policy",
-  shards: "/v1/fleets/{}/shards",
 };
 
 /** Display name of a whisker: "left 3". */

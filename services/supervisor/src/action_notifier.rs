@@ -8,7 +8,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::{Notify, broadcast, watch};
 use tokio::time::{Duration, Instant, sleep, sleep_until};
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use crate::ending::stopped;
@@ -30,7 +29,7 @@ pub struct ActionNotifier(Arc<Inner>);
 
 #[derive(Debug)]
 struct Inner {
-    waiting: Mutex<BTreeMap<FleetShard, Arc<Notify>>>,
+    waiting: Mutex<BTreeMap<Name, Arc<Notify>>>,
     answered: broadcast::Sender<i64>,
     changed: watch::Sender<u64>,
 }
@@ -49,13 +48,13 @@ impl ActionNotifier {
     /// Announces a new action for a fleet. If the fleet is supervised here, its engine reads the action now; otherwise
     /// its owner finds it within a second in the table of actions.
     pub fn notify(&self, fleet: &Name) {
-        for (_, waiting) in self.waiting().iter().filter(|(shard, _)| shard.fleet() == fleet) {
+        if let Some(waiting) = self.waiting().get(fleet) {
             waiting.notify_one();
         }
     }
 
     /// Until `stop`, looks for pending actions, and for new lists of allowed robots, and wakes the engines of their fleets. One
-    /// query for all shards of this supervisor replaces one of each.
+    /// query for all fleets of this supervisor replaces one of each.
     pub(crate) async fn watch(self, store: Store, mut stop: watch::Receiver<bool>) {
         let mut lists = BTreeMap::new();
         loop {
@@ -76,12 +75,12 @@ impl ActionNotifier {
         }
     }
 
-    /// Notified when a new action for the fleet of a shard arrives.
-    pub(crate) fn subscribe(&self, shard: &FleetShard) -> Arc<Notify> {
-        self.waiting().entry(shard.clone()).or_default().clone()
+    /// Notified when a new action for a fleet arrives.
+    pub(crate) fn subscribe(&self, fleet: &Name) -> Arc<Notify> {
+        self.waiting().entry(fleet.clone()).or_default().clone()
     }
 
-    fn waiting(&self) -> MutexGuard<'_, BTreeMap<FleetShard, Arc<Notify>>> {
+    fn waiting(&self) -> MutexGuard<'_, BTreeMap<Name, Arc<Notify>>> {
         self.0.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -1,4 +1,4 @@
-//! Supervision of one fleet, or of one shard of it, from acquisition to release of its lease: the engine and its two connections.
+//! Supervision of one fleet, from acquisition to release of its lease: the engine and its two connections.
 
 use std::sync::{Arc, OnceLock};
 
@@ -8,15 +8,14 @@ use tokio::time::{Duration, Instant, timeout_at};
 use tracing::{error, info, warn};
 use vibrissa_core::robot::Params;
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_edge::shard::FleetShard;
-use vibrissa_protocol::BootId;
+use vibrissa_protocol::{BootId, Name};
 
 use crate::action_notifier::ActionNotifier;
 use crate::archive::Archive;
 use crate::black_box::BlackBoxes;
 use crate::clocks::{HoldBack, RobotClocks};
 use crate::ending::{Ending, stopped};
-use crate::engine::{ContactRetention, Engine, EngineOptions, JointCommits, Limits};
+use crate::engine::{ContactRetention, Engine, EngineOptions, Limits};
 use crate::events::EventSink;
 use crate::former_owner::FormerOwners;
 use crate::kafka::Kafka;
@@ -73,15 +72,13 @@ pub(crate) struct Shared {
     pub(crate) hold_back: HoldBack,
     /// Allow list of robots from a file, if one is configured.
     pub(crate) robots_file: Option<watch::Receiver<Arc<RobotsFile>>>,
-    /// Threads in which the shards work.
+    /// Threads in which the fleets work.
     pub(crate) threads: Threads,
-    /// Commits of several shards together.
-    pub(crate) joint: JointCommits,
     /// Identifier of this start of this supervisor; the owner in the leases.
     pub(crate) supervisor: Arc<str>,
 }
 
-/// A fleet, or a shard of it, that this supervisor owns.
+/// A fleet that this supervisor owns.
 #[derive(Debug)]
 pub(crate) struct Fleet {
     lease: Lease,
@@ -97,8 +94,8 @@ impl Fleet {
     pub(crate) fn start(lease: Lease, shared: &Shared) -> Self {
         let (stop, stopping) = watch::channel(false);
         // The fleet is ready when its robots are heard.
-        shared.readiness.set_of(lease.shard(), TAKING_UP, Some("loading its robots".to_owned()));
-        shared.readiness.stands(lease.shard(), Standing::Owned { epoch: lease.epoch() });
+        shared.readiness.set_of(lease.fleet(), TAKING_UP, Some("loading its robots".to_owned()));
+        shared.readiness.stands(lease.fleet(), Standing::Owned { epoch: lease.epoch() });
         let link = Arc::new(OnceLock::new());
         let task = tokio::spawn(supervise(lease.clone(), shared.clone(), link.clone(), stopping));
         Self { lease, link, stop, task }
@@ -125,18 +122,18 @@ impl Fleet {
         // An error means that the task has already ended and dropped the receiver.
         let _ = self.stop.send(true);
         if let Err(problem) = self.task.await {
-            error!(fleet = %self.lease.shard(), %problem, "supervision task failed");
+            error!(fleet = %self.lease.fleet(), %problem, "supervision task failed");
         }
         self.lease
     }
 }
 
 async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>, mut stop: watch::Receiver<bool>) {
-    let shard = lease.shard().clone();
-    let metrics = shared.metrics.of_shard(&shard);
-    let events = shared.kafka.as_ref().and_then(|kafka| kafka.sink(&shard, &metrics));
+    let fleet = lease.fleet().clone();
+    let metrics = shared.metrics.of_fleet(&fleet);
+    let events = shared.kafka.as_ref().and_then(|kafka| kafka.sink(&fleet, &metrics));
     let taking_up = async {
-        former_owners(&shard, &shared, &heard).await;
+        former_owners(&fleet, &shared, &heard).await;
         take_up(&lease, &shared, events.as_ref()).await
     };
     let engine = tokio::select! {
@@ -144,29 +141,28 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         () = stopped(&mut stop) => None,
     };
     let place = shared.threads.place();
-    let place = place.inspect_err(|problem| error!(%problem, fleet = %shard, "cannot start a thread for the fleet"));
+    let place = place.inspect_err(|problem| error!(%problem, %fleet, "cannot start a thread for the fleet"));
     if let Some(((engine, boot_id), place)) = engine.zip(place.ok()) {
         let connection = Connection {
-            robots: engine.robots().cloned().collect(),
-            births: shared.births.of(shard.fleet()),
+            births: shared.births.of(&fleet),
             epoch: lease.epoch(),
             hears_contacts: engine.log().is_none(),
             occupancy: place.occupancy(),
             link: heard.get_or_init(LinkState::default).clone(),
-            ..Connection::new(shared.broker.clone(), shared.prepared.clone(), shard.clone(), boot_id)
+            ..Connection::new(shared.broker.clone(), shared.prepared.clone(), fleet.clone(), boot_id)
         };
         for node in shared.broker.nodes() {
             metrics.mqtt_node_failures.know(&node.to_string());
         }
-        shared.readiness.listens(&shard, connection.link.clone(), metrics.promises.clone());
-        shared.readiness.set_of(&shard, TAKING_UP, None);
-        // The owner of the first shard archives the whole fleet.
-        let archive = shared.archive.as_ref().filter(|_| shard.is_first());
-        let archiving = archive
+        shared.readiness.listens(&fleet, connection.link.clone(), metrics.promises.clone());
+        shared.readiness.set_of(&fleet, TAKING_UP, None);
+        let archiving = shared
+            .archive
+            .as_ref()
             .map(|archive| tokio::spawn(archive.clone().run(lease.clone(), shared.store.clone(), metrics.clone())));
-        // Dropped at the end of supervision: what is not published yet waits in the outbox.
+        // Dropped at the end of supervision: what is not published yet waits in the log of events.
         let _publishing = match (&shared.kafka, events) {
-            (Some(kafka), Some(sink)) if shard.is_first() => kafka.publish(&shared.store, &shard, &metrics, sink),
+            (Some(kafka), Some(sink)) => kafka.publish(&shared.store, &fleet, &metrics, sink),
             _ => None,
         };
         run((engine, place), &connection, &metrics, stop).await;
@@ -175,33 +171,28 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
             task.abort();
         }
     }
-    shared.readiness.forget(&shard);
-    shared.robot_clocks.forget(&shard);
+    shared.readiness.forget(&fleet);
+    shared.robot_clocks.forget(&fleet);
     metrics.forget();
     if let Some(whiskers) = &shared.metrics.whiskers {
-        whiskers.show(&shard, Vec::new());
+        whiskers.show(&fleet, Vec::new());
     }
-    info!(fleet = %shard, epoch = lease.epoch(), "fleet supervision ended");
+    info!(%fleet, epoch = lease.epoch(), "fleet supervision ended");
 }
 
 /// Waits while the database does not know the fleet's former owner.
-async fn former_owners(shard: &FleetShard, shared: &Shared, heard: &OnceLock<LinkState>) {
+async fn former_owners(fleet: &Name, shared: &Shared, heard: &OnceLock<LinkState>) {
     let Ok(boot_id) = BootId::new(&shared.supervisor) else { return };
     if shared.is_new_installation {
         return;
     }
     let Shared { store, metrics, readiness, .. } = shared;
-    let connection = Connection::new(shared.broker.clone(), shared.prepared.clone(), shard.clone(), boot_id);
+    let connection = Connection::new(shared.broker.clone(), shared.prepared.clone(), fleet.clone(), boot_id);
     FormerOwners { store, metrics, readiness, part: TAKING_UP, connection, heard }.await_known().await;
 }
 
-/// Settings of the engine of a shard.
-pub(crate) fn engine_options(
-    lease: &Lease,
-    boot_id: &BootId,
-    shared: &Shared,
-    events: Option<&EventSink>,
-) -> EngineOptions {
+/// Settings of the engine of a fleet.
+fn engine_options(lease: &Lease, boot_id: &BootId, shared: &Shared, events: Option<&EventSink>) -> EngineOptions {
     EngineOptions {
         lease: lease.clone(),
         boot_id: boot_id.clone(),
@@ -217,11 +208,10 @@ pub(crate) fn engine_options(
         log: shared
             .kafka
             .as_ref()
-            .and_then(|kafka| kafka.reader(lease.shard(), &shared.metrics.of_shard(lease.shard()), &shared.readiness)),
+            .and_then(|kafka| kafka.reader(lease.fleet(), &shared.metrics.of_fleet(lease.fleet()), &shared.readiness)),
         boxes: shared.boxes.clone(),
         robot_clocks: shared.robot_clocks.clone(),
         is_archived: shared.archive.is_some(),
-        joint: shared.joint.clone(),
         traces: shared.traces.clone(),
     }
 }
@@ -229,11 +219,7 @@ pub(crate) fn engine_options(
 /// Loads the fleet; retries while the database is unreachable.
 async fn take_up(lease: &Lease, shared: &Shared, events: Option<&EventSink>) -> Option<(Engine, BootId)> {
     // New with each epoch, because the message numbers start again.
-    let shard = match lease.shard().is_whole() {
-        true => String::new(),
-        false => format!("-{}", lease.shard().number()),
-    };
-    let boot_id = match BootId::new(&format!("{}-{}{shard}", shared.supervisor, lease.epoch())) {
+    let boot_id = match BootId::new(&format!("{}-{}", shared.supervisor, lease.epoch())) {
         Ok(boot_id) => boot_id,
         Err(problem) => {
             error!(%problem, "cannot make a boot id");
@@ -256,8 +242,8 @@ async fn take_up(lease: &Lease, shared: &Shared, events: Option<&EventSink>) -> 
             }
             Err(problem) => {
                 shared.metrics.database_failed();
-                error!(%problem, fleet = %lease.shard(), "cannot load the fleet, retrying");
-                shared.readiness.set_of(lease.shard(), TAKING_UP, Some(problem.told()));
+                error!(%problem, fleet = %lease.fleet(), "cannot load the fleet, retrying");
+                shared.readiness.set_of(lease.fleet(), TAKING_UP, Some(problem.told()));
                 backoff.wait().await;
             }
         }
@@ -275,11 +261,7 @@ async fn run(
     let (inbox, receiving) = mqtt::receive(connection, metrics.clone(), hanging_up);
     let (outbox, publications) = mpsc::channel(OUTBOX_MESSAGES);
     let losses = Losses::default();
-    let mut publisher = {
-        // A shard of many has few publications, so its publisher need not run at the same time as its engine.
-        let _here = (!connection.shard.is_whole()).then(|| place.enter());
-        mqtt::publish(connection, metrics.clone(), publications, losses.clone())
-    };
+    let mut publisher = mqtt::publish(connection, metrics.clone(), publications, losses.clone());
     let (cut_off, cutting_off) = watch::channel(false);
     // Receiver and engine share a thread, so that a message of a quiet fleet wakes only one.
     let working = async move {
@@ -298,7 +280,7 @@ async fn run(
         () = stopped(&mut stop) => {}
         ended = &mut engine => {
             if let Ok(Some(Ending::LeaseLost)) = ended {
-                warn!(fleet = %connection.shard, epoch = connection.epoch, "fleet lease lost to another supervisor");
+                warn!(fleet = %connection.fleet, epoch = connection.epoch, "fleet lease lost to another supervisor");
             }
         }
     }

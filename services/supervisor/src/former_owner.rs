@@ -14,13 +14,13 @@ use vibrissa_store::{Store, StoreError};
 /// Pause between two looks at the broker and the database.
 const LOOK_PAUSE: Duration = Duration::from_secs(5);
 
-/// Looks for former owners of a shard's fleet.
+/// Looks for former owners of a fleet.
 #[derive(Debug)]
 pub(crate) struct FormerOwners<'a> {
     pub(crate) store: &'a Store,
     pub(crate) metrics: &'a Metrics,
     pub(crate) readiness: &'a Readiness,
-    /// Part of the shard's supervision that is not ready meanwhile.
+    /// Part of the fleet's supervision that is not ready meanwhile.
     pub(crate) part: &'static str,
     pub(crate) connection: Connection,
     /// Gets the state of the link if the broker does not answer.
@@ -30,8 +30,8 @@ pub(crate) struct FormerOwners<'a> {
 impl FormerOwners<'_> {
     /// Waits while the broker retains an owner of the fleet whom the database does not know.
     pub(crate) async fn await_known(&self) {
-        let shard = &self.connection.shard;
-        let told = |problem| self.readiness.set_of(shard, self.part, Some(problem));
+        let fleet = &self.connection.fleet;
+        let told = |problem| self.readiness.set_of(fleet, self.part, Some(problem));
         let mut is_logged = false;
         loop {
             match self.unknown_epoch().await {
@@ -39,7 +39,7 @@ impl FormerOwners<'_> {
                 Ok(Some(epoch)) => {
                     let problem = describe(epoch);
                     if !std::mem::replace(&mut is_logged, true) {
-                        error!(fleet = %shard, "{problem}");
+                        error!(%fleet, "{problem}");
                     }
                     told(problem);
                 }
@@ -55,14 +55,14 @@ impl FormerOwners<'_> {
     /// Epoch of a former owner whom the database does not know, if there is one. A database with robots of the fleet is not
     /// asked further: it may be an old back-up, but it is not an empty one.
     async fn unknown_epoch(&self) -> Result<Option<u64>, StoreError> {
-        let (connection, fleet) = (&self.connection, self.connection.fleet());
+        let (connection, fleet) = (&self.connection, &self.connection.fleet);
         if self.store.has_robots(fleet).await? {
             return Ok(None);
         }
-        let metrics = self.metrics.of_shard(&connection.shard);
+        let metrics = self.metrics.of_fleet(fleet);
         let unreached = || {
             let link = self.heard.get_or_init(|| connection.link.clone());
-            self.readiness.listens(&connection.shard, link.clone(), metrics.promises.clone());
+            self.readiness.listens(fleet, link.clone(), metrics.promises.clone());
         };
         let Some(epoch) = retained_epoch(connection, &metrics, unreached).await else { return Ok(None) };
         Ok((!self.store.has_epoch_until(fleet, epoch).await?).then_some(epoch))

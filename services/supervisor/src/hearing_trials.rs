@@ -11,7 +11,6 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use tokio::time::sleep;
 use tracing::{info, warn};
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{BootId, Name};
 
 use crate::fleet::Shared;
@@ -30,8 +29,6 @@ pub(crate) struct HearingTrials {
     deaf: BTreeMap<Name, String>,
     /// Trials of fleets that are not supervised here.
     trials: BTreeMap<Name, Trial>,
-    /// Divided fleets of which all shards that are owned here are heard.
-    heard: BTreeSet<Name>,
 }
 
 /// Repeatedly opens a short connection to test whether a fleet can be heard. Dropping it ends the test.
@@ -48,9 +45,9 @@ impl Drop for Trial {
 }
 
 impl Trial {
-    fn start(shard: &FleetShard, shared: &Shared) -> Option<Self> {
+    fn start(fleet: &Name, shared: &Shared) -> Option<Self> {
         let boot_id = BootId::new(&shared.supervisor).ok()?;
-        let connection = Connection::new(shared.broker.clone(), shared.prepared.clone(), shard.clone(), boot_id);
+        let connection = Connection::new(shared.broker.clone(), shared.prepared.clone(), fleet.clone(), boot_id);
         let (show, shown) = watch::channel(None);
         let task = tokio::spawn(async move {
             loop {
@@ -70,30 +67,20 @@ impl HearingTrials {
     /// Reads the hearing of the owned fleets from their links, and of the others from their trials.
     pub(crate) fn listen<'a>(
         &mut self,
-        owned: impl Iterator<Item = (&'a FleetShard, Option<&'a LinkState>)>,
+        owned: impl Iterator<Item = (&'a Name, Option<&'a LinkState>)>,
         shared: &Shared,
     ) {
         let limit = shared.broker.deaf_release_after;
         let mut owned_here = BTreeSet::new();
-        self.heard.clear();
-        let mut heard_here = BTreeSet::new();
-        let mut deaf_here = BTreeSet::new();
-        for (shard, link) in owned {
-            let fleet = shard.fleet();
+        for (fleet, link) in owned {
             owned_here.insert(fleet.clone());
             self.trials.remove(fleet);
             // Before the engine has started, nothing is known.
             match link.map(LinkState::deafness) {
                 None => {}
-                Some(None) => {
-                    heard_here.insert(fleet.clone());
-                    if !shard.is_whole() {
-                        self.heard.insert(fleet.clone());
-                    }
-                }
+                Some(None) => drop(self.deaf.remove(fleet)),
                 Some(Some((deaf_for, _))) if deaf_for < limit => {}
                 Some(Some((deaf_for, why))) => {
-                    deaf_here.insert(fleet.clone());
                     if !self.deaf.contains_key(fleet) {
                         let seconds = deaf_for.as_secs_f32();
                         warn!(%fleet, seconds, why, "fleet not heard, any supervisor that hears it may acquire it");
@@ -102,9 +89,6 @@ impl HearingTrials {
                 }
             }
         }
-        self.heard.retain(|fleet| !deaf_here.contains(fleet));
-        // A fleet is heard if all its shards here are.
-        self.deaf.retain(|fleet, _| !heard_here.contains(fleet) || deaf_here.contains(fleet));
         for (fleet, trial) in &self.trials {
             match trial.shown.borrow().as_ref() {
                 None => {}
@@ -117,11 +101,11 @@ impl HearingTrials {
                 }
             }
         }
-        for shard in shared.readiness.shards().keys() {
+        for fleet in shared.readiness.fleets().keys() {
             // The owner's link reports its problem itself.
-            let given_up = self.deaf.get(shard.fleet()).filter(|_| !owned_here.contains(shard.fleet()));
+            let given_up = self.deaf.get(fleet).filter(|_| !owned_here.contains(fleet));
             let problem = given_up.map(|why| format!("released, because its robots were not heard: {why}"));
-            shared.readiness.set_of(shard, PART, problem);
+            shared.readiness.set_of(fleet, PART, problem);
         }
     }
 
@@ -130,10 +114,7 @@ impl HearingTrials {
         let heard = |trial: &Trial| matches!(&*trial.shown.borrow(), Some(Ok(())));
         FleetsHeard {
             deaf: self.deaf.keys().cloned().collect(),
-            heard: {
-                let tried = self.trials.iter().filter(|(_, trial)| heard(trial)).map(|(fleet, _)| fleet);
-                tried.chain(&self.heard).cloned().collect()
-            },
+            heard: self.trials.iter().filter(|(_, trial)| heard(trial)).map(|(fleet, _)| fleet.clone()).collect(),
         }
     }
 
@@ -150,15 +131,14 @@ impl HearingTrials {
         let doubtful: BTreeSet<Name> = membership
             .leases
             .iter()
-            .map(|lease| lease.shard.fleet())
+            .map(|lease| &lease.fleet)
             .filter(|fleet| is_doubtful(fleet) && !owns(membership, supervisor, fleet))
             .cloned()
             .collect();
         self.trials.retain(|fleet, _| doubtful.contains(fleet));
         for fleet in doubtful {
             if !self.trials.contains_key(&fleet)
-                && let Some(lease) = membership.leases.iter().find(|lease| *lease.shard.fleet() == fleet)
-                && let Some(trial) = Trial::start(&lease.shard, shared)
+                && let Some(trial) = Trial::start(&fleet, shared)
             {
                 info!(%fleet, "testing whether the fleet can be heard");
                 self.trials.insert(fleet, trial);
@@ -171,5 +151,5 @@ fn owns(membership: &Membership, supervisor: &str, fleet: &Name) -> bool {
     membership
         .leases
         .iter()
-        .any(|lease| lease.shard.fleet() == fleet && !lease.free && lease.owner.as_deref() == Some(supervisor))
+        .any(|lease| lease.fleet == *fleet && !lease.free && lease.owner.as_deref() == Some(supervisor))
 }

@@ -50,7 +50,7 @@ pub struct EventTopics {
     pub events: String,
     /// Topic of contacts; `None` if these are not published.
     pub contacts: Option<String>,
-    /// MiB of a fleet's waiting events from which its contacts are left out; its shards share them equally.
+    /// MiB of a fleet's waiting events from which its contacts are left out.
     pub waiting_mib_max: u32,
 }
 

@@ -9,7 +9,6 @@ pub mod service;
 
 pub mod action_notifier;
 mod clocks;
-mod division;
 mod ending;
 pub mod events;
 mod fleet;

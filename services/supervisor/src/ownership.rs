@@ -1,5 +1,4 @@
-//! Ownership of fleets and their shards: renews this supervisor's leases, acquires its share, releases the surplus, and
-//! begins changes of the number of shards.
+//! Ownership of fleets: renews this supervisor's leases, acquires its share, and releases the surplus.
 
 use std::collections::BTreeMap;
 
@@ -7,11 +6,9 @@ use tokio::sync::watch;
 use tokio::task::{AbortHandle, JoinSet};
 use tokio::time::{Duration, Instant, sleep};
 use tracing::{error, info, warn};
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use crate::clocks::Clocks;
-use crate::division::divide;
 use crate::ending::stopped;
 use crate::fleet::{Fleet, Shared};
 use crate::hearing_trials::HearingTrials;
@@ -33,7 +30,7 @@ const ALONE_PAUSE: Duration = Duration::from_secs(1);
 const STEP_PAUSE: Duration = Duration::from_millis(50);
 
 /// Largest number of leases that are acquired in one transaction, which locks their rows.
-const SHARDS_AT_ONCE: usize = 64;
+const FLEETS_AT_ONCE: usize = 64;
 
 /// Name of this part in the service's readiness.
 const PART: &str = "ownership";
@@ -43,14 +40,10 @@ pub(crate) struct Ownership {
     supervisor: Supervisor,
     shared: Shared,
     writer: Writer,
-    shards: BTreeMap<FleetShard, Fleet>,
-    /// Shards that are being stopped. A shard must have ended before it can be acquired again.
+    fleets: BTreeMap<Name, Fleet>,
+    /// Fleets that are being stopped. A fleet must have ended before it can be acquired again.
     ending: JoinSet<()>,
-    ending_shards: BTreeMap<FleetShard, AbortHandle>,
-    /// Changes of the number of shards that this supervisor makes, with the leases that they need.
-    divisions: BTreeMap<Name, (Vec<Lease>, AbortHandle)>,
-    /// Least number of shards of each fleet, until the database has it.
-    least_shards: Option<u32>,
+    ending_fleets: BTreeMap<Name, AbortHandle>,
     is_prepared: bool,
     hearing: HearingTrials,
     clocks: Clocks,
@@ -80,9 +73,8 @@ impl Outage {
 }
 
 impl Ownership {
-    /// Owns nothing yet. Each fleet shall have at least `shards` shards. `is_prepared` says that the tables of the database
-    /// are up to date.
-    pub(crate) fn new(supervisor: Supervisor, shared: Shared, shards: u32, is_prepared: bool) -> Self {
+    /// Owns nothing yet. `is_prepared` says that the tables of the database are up to date.
+    pub(crate) fn new(supervisor: Supervisor, shared: Shared, is_prepared: bool) -> Self {
         shared.readiness.set(PART, Some("starting: the owners of the fleets are not known yet".to_owned()));
         let writer = shared.store.writer();
         let clocks = Clocks::new(shared.hold_back.clone());
@@ -90,11 +82,9 @@ impl Ownership {
             supervisor,
             shared,
             writer,
-            shards: BTreeMap::new(),
+            fleets: BTreeMap::new(),
             ending: JoinSet::new(),
-            ending_shards: BTreeMap::new(),
-            divisions: BTreeMap::new(),
-            least_shards: Some(shards).filter(|&shards| shards > 1),
+            ending_fleets: BTreeMap::new(),
             is_prepared,
             hearing: HearingTrials::default(),
             clocks,
@@ -142,21 +132,14 @@ impl Ownership {
             self.shared.store.prepare().await?;
             self.is_prepared = true;
         }
-        if let Some(shards) = self.least_shards {
-            for fleet in &self.supervisor.fleets {
-                self.writer.want_shards(fleet, shards).await?;
-            }
-            self.least_shards = None;
-        }
         self.remove_ended();
-        let is_idle = self.shards.is_empty() && self.ending_shards.is_empty() && self.divisions.is_empty();
+        let is_idle = self.fleets.is_empty() && self.ending_fleets.is_empty();
         if is_idle && self.clocks.must_follow_host() {
             self.clocks.follow_host();
         }
-        let of_divisions = self.divisions.values().flat_map(|(leases, _)| leases);
-        let held: Vec<_> = self.shards.values().map(Fleet::lease).chain(of_divisions).cloned().collect();
+        let held: Vec<_> = self.fleets.values().map(Fleet::lease).cloned().collect();
         if self.shared.store.is_shared() {
-            let links = self.shards.iter().map(|(shard, fleet)| (shard, fleet.link()));
+            let links = self.fleets.iter().map(|(name, fleet)| (name, fleet.link()));
             self.hearing.listen(links, &self.shared);
         }
         let (hearing, clock) = (self.hearing.report(), self.clocks.report());
@@ -171,153 +154,103 @@ impl Ownership {
             self.hearing.try_doubtful(&membership, &self.supervisor.id, &self.shared);
         }
         let shares = shares(&membership);
-        let mine = |shard: &FleetShard| shares.get(shard).is_some_and(|owner| **owner == *self.supervisor.id);
-        let dividing: BTreeMap<Name, u32> = membership
+        let mine = |fleet: &Name| shares.get(fleet).is_some_and(|owner| **owner == *self.supervisor.id);
+        let too_many: Vec<Name> = self.fleets.keys().filter(|fleet| !mine(fleet)).cloned().collect();
+        let missing: Vec<Name> = membership
             .leases
             .iter()
-            .filter(|lease| lease.shards_wanted != lease.shard.count())
-            .map(|lease| (lease.shard.fleet().clone(), lease.shards_wanted))
-            .collect();
-        let is_dividing = |shard: &FleetShard| dividing.contains_key(shard.fleet());
-        let too_many: Vec<FleetShard> =
-            self.shards.keys().filter(|shard| !mine(shard) || is_dividing(shard)).cloned().collect();
-        let missing: Vec<FleetShard> = membership
-            .leases
-            .iter()
-            .map(|lease| &lease.shard)
-            .filter(|shard| mine(shard) && !is_dividing(shard))
-            .filter(|shard| !self.shards.contains_key(*shard) && !self.ending_shards.contains_key(*shard))
+            .map(|lease| &lease.fleet)
+            .filter(|fleet| mine(fleet))
+            .filter(|fleet| !self.fleets.contains_key(*fleet) && !self.ending_fleets.contains_key(*fleet))
             .cloned()
             .collect();
-        let divided_here: Vec<(&Name, u32)> = dividing
-            .iter()
-            .filter(|(fleet, _)| membership.leases.iter().any(|one| one.shard.fleet() == *fleet && mine(&one.shard)))
-            .map(|(fleet, count)| (fleet, *count))
-            .collect();
-        for shard in too_many {
-            match is_dividing(&shard) {
-                true => info!(fleet = %shard, "releasing fleet to change its number of shards"),
-                false => info!(fleet = %shard, "releasing fleet to rebalance"),
-            }
-            self.end(&shard);
+        for fleet in too_many {
+            info!(%fleet, "releasing fleet to rebalance");
+            self.end(&fleet);
         }
-        for some in missing.chunks(SHARDS_AT_ONCE) {
-            for lease in self.writer.acquire_shards(&self.supervisor, some).await? {
+        for some in missing.chunks(FLEETS_AT_ONCE) {
+            for lease in self.writer.acquire_several(&self.supervisor, some).await? {
                 self.begin(lease);
             }
-        }
-        for (fleet, count) in divided_here {
-            self.begin_division(fleet, count, &membership).await?;
         }
         self.show(&membership);
         let soonest = membership
             .leases
             .iter()
-            .filter(|lease| !self.shards.contains_key(&lease.shard))
+            .filter(|lease| !self.fleets.contains_key(&lease.fleet))
             .filter_map(|lease| lease.free_in)
             .min();
         Ok(soonest.map_or(self.pause(), |soonest| soonest.clamp(SHORTEST_PAUSE, self.pause())))
     }
 
-    /// Ends the supervision of all shards, because their times do not fit a new time line. They begin anew as after a
+    /// Ends the supervision of all fleets, because their times do not fit a new time line. They begin anew as after a
     /// takeover. Returns the time until the next turn.
     fn end_all(&mut self) -> Duration {
-        for shard in self.shards.keys().cloned().collect::<Vec<_>>() {
-            info!(fleet = %shard, "releasing fleet to follow a step of the host's clock");
-            self.end(&shard);
+        for fleet in self.fleets.keys().cloned().collect::<Vec<_>>() {
+            info!(%fleet, "releasing fleet to follow a step of the host's clock");
+            self.end(&fleet);
         }
         STEP_PAUSE
     }
 
-    /// Starts the supervision of a shard.
+    /// Starts the supervision of a fleet.
     fn begin(&mut self, lease: Lease) {
-        let shard = lease.shard().clone();
-        info!(fleet = %shard, epoch = lease.epoch(), "fleet lease acquired");
-        let metrics = self.shared.metrics.of_shard(&shard);
+        let fleet = lease.fleet().clone();
+        info!(%fleet, epoch = lease.epoch(), "fleet lease acquired");
+        let metrics = self.shared.metrics.of_fleet(&fleet);
         metrics.lease_held.set(1);
         metrics.lease_epoch.set(lease.epoch() as i64);
         metrics.lease_changes.count([TAKEN]);
-        self.shards.insert(shard, Fleet::start(lease, &self.shared));
+        self.fleets.insert(fleet, Fleet::start(lease, &self.shared));
     }
 
-    /// Acquires all shards of a fleet, and changes their number in the background. Does nothing while a shard has an
-    /// owner.
-    async fn begin_division(&mut self, fleet: &Name, count: u32, membership: &Membership) -> Result<(), StoreError> {
-        let leases: Vec<_> = membership.leases.iter().filter(|lease| lease.shard.fleet() == fleet).collect();
-        let is_ending = self.ending_shards.keys().any(|shard| shard.fleet() == fleet);
-        if is_ending || self.divisions.contains_key(fleet) || !leases.iter().all(|lease| lease.free) {
-            return Ok(());
-        }
-        let all: Vec<FleetShard> = leases.iter().map(|lease| lease.shard.clone()).collect();
-        let held = self.writer.acquire_shards(&self.supervisor, &all).await?;
-        if held.len() < leases.len() {
-            // Another supervisor is faster.
-            for lease in &held {
-                self.writer.release(lease).await?;
-            }
-            return Ok(());
-        }
-        info!(%fleet, before = leases.len(), shards = count, "changing the number of shards");
-        let task = self.ending.spawn(divide(held.clone(), count, self.shared.clone()));
-        self.divisions.insert(fleet.clone(), (held, task));
-        Ok(())
-    }
-
-    /// Shows this supervisor's role in each shard.
+    /// Shows this supervisor's role in each fleet.
     fn show(&self, membership: &Membership) {
-        // The metrics of a fleet are hundreds of series to look up.
-        let counts: BTreeMap<&Name, u32> =
-            membership.leases.iter().map(|lease| (lease.shard.fleet(), lease.shard.count())).collect();
-        for (fleet, count) in counts {
-            self.shared.metrics.of_fleet(fleet).fleet_shards.set(i64::from(count));
-        }
         for lease in &membership.leases {
-            if !self.shards.contains_key(&lease.shard) {
+            if !self.fleets.contains_key(&lease.fleet) {
                 let holder = lease.holder.clone().filter(|_| !lease.free);
-                self.shared.readiness.stands(&lease.shard, Standing::Standby { holder });
+                self.shared.readiness.stands(&lease.fleet, Standing::Standby { holder });
             }
         }
-        self.shared.readiness.retain(|shard| membership.leases.iter().any(|lease| lease.shard == *shard));
     }
 
-    /// Removes shards whose supervision has ended on its own, and collects the stopped ones.
+    /// Removes fleets whose supervision has ended on its own, and collects the stopped ones.
     fn remove_ended(&mut self) {
-        let over: Vec<FleetShard> =
-            self.shards.iter().filter(|(_, fleet)| fleet.is_over()).map(|(shard, _)| shard.clone()).collect();
-        for shard in over {
-            self.end(&shard);
+        let over: Vec<Name> =
+            self.fleets.iter().filter(|(_, fleet)| fleet.is_over()).map(|(name, _)| name.clone()).collect();
+        for fleet in over {
+            self.end(&fleet);
         }
         while let Some(ended) = self.ending.try_join_next() {
             if let Err(problem) = ended {
                 error!(%problem, "fleet task failed");
             }
         }
-        self.ending_shards.retain(|_, task| !task.is_finished());
-        self.divisions.retain(|_, (_, task)| !task.is_finished());
+        self.ending_fleets.retain(|_, task| !task.is_finished());
     }
 
-    /// Stops shards that another supervisor owns by now. Fencing already keeps them from writing.
+    /// Stops fleets that another supervisor owns by now. Fencing already keeps them from writing.
     fn drop_lost(&mut self, membership: &Membership) {
         let is_ours = |fleet: &Fleet| {
             membership.leases.iter().any(|row| {
-                row.shard == *fleet.lease().shard()
+                row.fleet == *fleet.lease().fleet()
                     && row.epoch == fleet.lease().epoch()
                     && row.owner.as_deref() == Some(&*self.supervisor.id)
             })
         };
-        let lost: Vec<FleetShard> =
-            self.shards.iter().filter(|(_, fleet)| !is_ours(fleet)).map(|(shard, _)| shard.clone()).collect();
-        for shard in lost {
-            warn!(fleet = %shard, "fleet lease lost to another supervisor");
-            self.end(&shard);
+        let lost: Vec<Name> =
+            self.fleets.iter().filter(|(_, fleet)| !is_ours(fleet)).map(|(name, _)| name.clone()).collect();
+        for fleet in lost {
+            warn!(%fleet, "fleet lease lost to another supervisor");
+            self.end(&fleet);
         }
     }
 
-    /// Stops the supervision of a shard and releases its lease, if this supervisor still owns it. This runs in the
+    /// Stops the supervision of a fleet and releases its lease, if this supervisor still owns it. This runs in the
     /// background, because the other leases must be renewed meanwhile.
-    fn end(&mut self, shard: &FleetShard) {
-        let Some(fleet) = self.shards.remove(shard) else { return };
-        let metrics = self.shared.metrics.of_shard(shard);
+    fn end(&mut self, name: &Name) {
+        let Some(fleet) = self.fleets.remove(name) else { return };
+        let metrics = self.shared.metrics.of_fleet(name);
         metrics.lease_held.set(0);
         metrics.lease_changes.count([LOST]);
         let mut writer = self.shared.store.writer();
@@ -327,13 +260,13 @@ impl Ownership {
                 warn!(%problem, "cannot release the lease, it will expire");
             }
         });
-        self.ending_shards.insert(shard.clone(), task);
+        self.ending_fleets.insert(name.clone(), task);
     }
 
-    /// Stops all shards, then signs out, so that other supervisors can acquire them.
+    /// Stops all fleets, then signs out, so that other supervisors can acquire them.
     async fn leave(mut self) {
-        for shard in self.shards.keys().cloned().collect::<Vec<_>>() {
-            self.end(&shard);
+        for fleet in self.fleets.keys().cloned().collect::<Vec<_>>() {
+            self.end(&fleet);
         }
         while let Some(ended) = self.ending.join_next().await {
             if let Err(problem) = ended {

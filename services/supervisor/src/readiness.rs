@@ -1,12 +1,11 @@
-//! Problems that keep the service from its work, and its standing in each fleet, or shard of a
-//! fleet: the content of `/readyz`.
+//! Problems that keep the service from its work, and its standing in each fleet: the content of `/readyz`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use vibrissa_edge::shard::FleetShard;
+use vibrissa_protocol::Name;
 
 use crate::mqtt::{LinkState, NodesInUse};
 use crate::promises::{Ages, PATIENCE, Promises};
@@ -24,13 +23,13 @@ struct Parts {
     problems: BTreeMap<String, String>,
     notices: BTreeMap<String, String>,
     rows: SetAside,
-    shards: BTreeMap<FleetShard, Standing>,
-    links: BTreeMap<FleetShard, (LinkState, Promises)>,
+    fleets: BTreeMap<Name, Standing>,
+    links: BTreeMap<Name, (LinkState, Promises)>,
     /// Time of the last answer of the database, by the renewal of the leases; `None` before the first.
     answered: Option<Instant>,
 }
 
-/// This supervisor's role in a fleet, or in a shard of it.
+/// This supervisor's role in a fleet.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(tag = "standing", rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Standing {
@@ -57,26 +56,21 @@ impl Readiness {
         }
     }
 
-    /// Sets this supervisor's role in a shard.
-    pub fn stands(&self, shard: &FleetShard, standing: Standing) {
-        self.parts().shards.insert(shard.clone(), standing);
+    /// Sets this supervisor's role in a fleet.
+    pub fn stands(&self, fleet: &Name, standing: Standing) {
+        self.parts().fleets.insert(fleet.clone(), standing);
     }
 
-    /// Forgets its role in shards that no longer exist.
-    pub(crate) fn retain(&self, exists: impl Fn(&FleetShard) -> bool) {
-        self.parts().shards.retain(|shard, _| exists(shard));
+    /// Sets the problem of a part of a fleet's supervision; `None` clears it.
+    pub fn set_of(&self, fleet: &Name, part: &str, problem: Option<String>) {
+        self.set(format!("{}{part}", prefix(fleet)), problem.map(|problem| format!("fleet {fleet}: {problem}")));
     }
 
-    /// Sets the problem of a part of a shard's supervision; `None` clears it.
-    pub fn set_of(&self, shard: &FleetShard, part: &str, problem: Option<String>) {
-        self.set(format!("{}{part}", prefix(shard)), problem.map(|problem| format!("fleet {shard}: {problem}")));
-    }
-
-    /// Sets a finding about a part of a shard's supervision that people must know although it works; `None` clears it.
-    pub(crate) fn notice_of(&self, shard: &FleetShard, part: &str, notice: Option<String>) {
-        let (part, mut parts) = (format!("{}{part}", prefix(shard)), self.parts());
+    /// Sets a finding about a part of a fleet's supervision that people must know although it works; `None` clears it.
+    pub(crate) fn notice_of(&self, fleet: &Name, part: &str, notice: Option<String>) {
+        let (part, mut parts) = (format!("{}{part}", prefix(fleet)), self.parts());
         match notice {
-            Some(notice) => drop(parts.notices.insert(part, format!("fleet {shard}: {notice}"))),
+            Some(notice) => drop(parts.notices.insert(part, format!("fleet {fleet}: {notice}"))),
             None => drop(parts.notices.remove(&part)),
         }
     }
@@ -93,19 +87,19 @@ impl Readiness {
         self.parts().rows = rows;
     }
 
-    /// Names unreadable items of a shard, which were set aside, for a while.
-    pub(crate) fn tell_set_aside(&self, shard: &FleetShard, part: &'static str, what: String) {
-        self.notice_of(shard, part, Some(what));
-        let (readiness, shard) = (self.clone(), shard.clone());
+    /// Names unreadable items of a fleet, which were set aside, for a while.
+    pub(crate) fn tell_set_aside(&self, fleet: &Name, part: &'static str, what: String) {
+        self.notice_of(fleet, part, Some(what));
+        let (readiness, fleet) = (self.clone(), fleet.clone());
         tokio::spawn(async move {
             tokio::time::sleep(SET_ASIDE_TOLD).await;
-            readiness.notice_of(&shard, part, None);
+            readiness.notice_of(&fleet, part, None);
         });
     }
 
-    /// Registers the link and the promises of a shard, whose problems are then included.
-    pub(crate) fn listens(&self, shard: &FleetShard, link: LinkState, promises: Promises) {
-        self.parts().links.insert(shard.clone(), (link, promises));
+    /// Registers the link and the promises of a fleet, whose problems are then included.
+    pub(crate) fn listens(&self, fleet: &Name, link: LinkState, promises: Promises) {
+        self.parts().links.insert(fleet.clone(), (link, promises));
     }
 
     /// Notes that the database has answered.
@@ -113,12 +107,12 @@ impl Readiness {
         self.parts().answered = Some(Instant::now());
     }
 
-    /// Removes the problems and the link of a shard that is no longer supervised here.
-    pub(crate) fn forget(&self, shard: &FleetShard) {
+    /// Removes the problems and the link of a fleet that is no longer supervised here.
+    pub(crate) fn forget(&self, fleet: &Name) {
         let mut parts = self.parts();
-        parts.links.remove(shard);
-        parts.problems.retain(|part, _| !part.starts_with(&prefix(shard)));
-        parts.notices.retain(|part, _| !part.starts_with(&prefix(shard)));
+        parts.links.remove(fleet);
+        parts.problems.retain(|part, _| !part.starts_with(&prefix(fleet)));
+        parts.notices.retain(|part, _| !part.starts_with(&prefix(fleet)));
     }
 
     /// All problems, without duplicates.
@@ -126,30 +120,30 @@ impl Readiness {
     pub fn problems(&self) -> BTreeSet<String> {
         let parts = self.parts();
         let mut problems: BTreeSet<String> = parts.problems.values().cloned().collect();
-        for (shard, (link, promises)) in &parts.links {
+        for (fleet, (link, promises)) in &parts.links {
             problems.extend(link.problems());
-            problems.extend(promises.problems().iter().map(|problem| format!("fleet {shard}: {problem}")));
+            problems.extend(promises.problems().iter().map(|problem| format!("fleet {fleet}: {problem}")));
         }
         problems.extend(parts.database_problem(Instant::now()));
         problems
     }
 
-    /// Ages of the open promises of each shard that is supervised here.
+    /// Ages of the open promises of each fleet that is supervised here.
     #[must_use]
-    pub fn promises(&self) -> BTreeMap<FleetShard, Ages> {
-        self.parts().links.iter().map(|(shard, (_, promises))| (shard.clone(), promises.ages())).collect()
+    pub fn promises(&self) -> BTreeMap<Name, Ages> {
+        self.parts().links.iter().map(|(fleet, (_, promises))| (fleet.clone(), promises.ages())).collect()
     }
 
-    /// Nodes of the broker that the connections of each shard use.
+    /// Nodes of the broker that the connections of each fleet use.
     #[must_use]
-    pub fn nodes(&self) -> BTreeMap<FleetShard, NodesInUse> {
-        self.parts().links.iter().map(|(shard, (link, _))| (shard.clone(), link.nodes())).collect()
+    pub fn nodes(&self) -> BTreeMap<Name, NodesInUse> {
+        self.parts().links.iter().map(|(fleet, (link, _))| (fleet.clone(), link.nodes())).collect()
     }
 
-    /// This supervisor's role in each shard.
+    /// This supervisor's role in each fleet.
     #[must_use]
-    pub fn shards(&self) -> BTreeMap<FleetShard, Standing> {
-        self.parts().shards.clone()
+    pub fn fleets(&self) -> BTreeMap<Name, Standing> {
+        self.parts().fleets.clone()
     }
 
     fn parts(&self) -> MutexGuard<'_, Parts> {
@@ -166,27 +160,26 @@ impl Parts {
     }
 }
 
-/// Prefix of the names of a shard's parts; no name has a colon.
-fn prefix(shard: &FleetShard) -> String {
-    format!("fleet {shard}: ")
+/// Prefix of the names of a fleet's parts; no name has a colon.
+fn prefix(fleet: &Name) -> String {
+    format!("fleet {fleet}: ")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vibrissa_protocol::Name;
 
     #[tokio::test]
     async fn what_is_set_aside_is_named() {
-        let (readiness, shard) = (Readiness::default(), FleetShard::whole(Name::new("f").unwrap()));
-        readiness.tell_set_aside(&shard, "stored", "3 items".to_owned());
+        let (readiness, fleet) = (Readiness::default(), Name::new("f").unwrap());
+        readiness.tell_set_aside(&fleet, "stored", "3 items".to_owned());
         assert_eq!(readiness.notices(), ["fleet f: 3 items"]);
     }
 
     #[test]
     fn regress_what_was_wrong_with_a_fleet_goes_with_it() {
         let readiness = Readiness::default();
-        let [a, ab] = ["a", "ab"].map(|fleet| FleetShard::whole(Name::new(fleet).unwrap()));
+        let [a, ab] = ["a", "ab"].map(|fleet| Name::new(fleet).unwrap());
         readiness.set_of(&a, "database", Some("nothing is recorded".to_owned()));
         readiness.set_of(&ab, "database", Some("nothing is recorded".to_owned()));
         readiness.listens(&a, LinkState::default(), Promises::default());
@@ -198,11 +191,11 @@ mod tests {
     #[test]
     fn a_promise_that_is_not_kept_names_its_fleet_and_goes_with_it() {
         let (readiness, promises) = (Readiness::default(), Promises::default());
-        let shard = FleetShard::whole(Name::new("a").unwrap());
-        readiness.listens(&shard, LinkState::default(), promises.clone());
+        let fleet = Name::new("a").unwrap();
+        readiness.listens(&fleet, LinkState::default(), promises.clone());
         promises.failed("nothing is recorded: the disk is full".to_owned());
         assert!(readiness.problems().contains("fleet a: nothing is recorded: the disk is full"));
-        readiness.forget(&shard);
+        readiness.forget(&fleet);
         assert_eq!((readiness.problems(), readiness.promises()), (BTreeSet::new(), BTreeMap::new()));
     }
 

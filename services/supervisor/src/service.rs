@@ -20,7 +20,7 @@ pub use crate::black_box::BlackBoxOptions;
 use crate::black_box::BlackBoxes;
 use crate::broker::{Broker, MqttAccess};
 use crate::clocks::{HoldBack, RobotClocks};
-use crate::engine::{ContactRetention, JointCommits, Limits};
+use crate::engine::{ContactRetention, Limits};
 use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
 use crate::http::{App, FurtherRoutes, HttpOptions, Serving};
@@ -74,8 +74,6 @@ pub struct ServiceOptions {
     pub name: String,
     /// The fleets to supervise; with PostgreSQL they are shared with other supervisors.
     pub fleets: Vec<Name>,
-    /// Least number of shards of each fleet. A fleet that has fewer gets as many.
-    pub shards: u32,
     /// SQLite file or PostgreSQL server.
     pub database: DatabaseAddress,
     /// Whether the database is known to be a new one: fleets are supervised although the broker retains owners whom it does
@@ -222,7 +220,6 @@ impl Service {
             hold_back: hold_back.clone(),
             robots_file: robots_file.clone(),
             threads: Threads::of_all_cores(),
-            joint: JointCommits::start(&store),
             supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
         };
         let supervisor = Supervisor {
@@ -232,7 +229,7 @@ impl Service {
             time_to_live: options.lease_time_to_live,
         };
         let webhooks = Webhooks::new(&options.webhooks, store.clone(), metrics.clone(), shared.supervisor.clone());
-        let ownership = Ownership::new(supervisor, shared, options.shards, is_prepared);
+        let ownership = Ownership::new(supervisor, shared, is_prepared);
         let app = App::new(
             store.clone(),
             metrics.clone(),

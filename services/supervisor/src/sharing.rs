@@ -1,83 +1,81 @@
-//! Which supervisor should own which fleet, or which shard of it: a pure function of the membership, so that all supervisors that read the same
+//! Which supervisor should own which fleet: a pure function of the membership, so that all supervisors that read the same
 //! membership agree.
 
 use std::collections::BTreeMap;
 
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use vibrissa_store::{Membership, Present};
 
-/// The best owner of each shard. A present owner keeps its shards, with three exceptions: to even out the numbers, a
+/// The best owner of each fleet. A present owner keeps its fleets, with three exceptions: to even out the numbers, a
 /// fleet that it does not hear and another supervisor has proved to hear, and a clock that most others contradict while
-/// another supervisor's is not. Shards without an owner go to the supervisor with the fewest shards, and only if there is
+/// another supervisor's is not. Fleets without an owner go to the supervisor with the fewest fleets, and only if there is
 /// no other one to a supervisor with a wrong clock.
 #[must_use]
-pub(crate) fn shares(membership: &Membership) -> BTreeMap<FleetShard, String> {
+pub(crate) fn shares(membership: &Membership) -> BTreeMap<Name, String> {
     let mut present: Vec<&Present> = membership.present.iter().collect();
     present.sort_unstable_by_key(|one| one.supervisor.as_str());
-    let owners: BTreeMap<&FleetShard, &str> = membership
+    let owners: BTreeMap<&Name, &str> = membership
         .leases
         .iter()
         .filter(|lease| !lease.free)
-        .filter_map(|lease| Some((&lease.shard, lease.owner.as_deref()?)))
+        .filter_map(|lease| Some((&lease.fleet, lease.owner.as_deref()?)))
         .collect();
-    let owner = |shard: &FleetShard| {
-        let owner = owners.get(shard)?;
-        present.iter().find(|one| *owner == one.supervisor && one.fleets.contains(shard.fleet()))
+    let owner = |fleet: &Name| {
+        let owner = owners.get(fleet)?;
+        present.iter().find(|one| *owner == one.supervisor && one.fleets.contains(fleet))
     };
     let is_deaf = |one: &Present, fleet: &Name| one.hearing.deaf.contains(fleet);
     // No supervisor acquires a fleet that it does not hear. It takes over from an owner that does not hear the fleet
     // only with proof that it hears it.
-    let may = |one: &Present, shard: &FleetShard| {
-        let fleet = shard.fleet();
-        let must_prove = owner(shard).is_some_and(|owner| is_deaf(owner, fleet));
+    let may = |one: &Present, fleet: &Name| {
+        let must_prove = owner(fleet).is_some_and(|owner| is_deaf(owner, fleet));
         one.fleets.contains(fleet) && !is_deaf(one, fleet) && (!must_prove || one.hearing.heard.contains(fleet))
     };
-    let mut shares: BTreeMap<FleetShard, String> = BTreeMap::new();
-    for shard in membership.leases.iter().map(|lease| &lease.shard) {
-        if let Some(owner) = owner(shard)
-            && !(is_deaf(owner, shard.fleet()) && present.iter().any(|one| may(one, shard)))
-            && !(owner.clock.is_wrong && present.iter().any(|one| may(one, shard) && !one.clock.is_wrong))
+    let mut shares: BTreeMap<Name, String> = BTreeMap::new();
+    for fleet in membership.leases.iter().map(|lease| &lease.fleet) {
+        if let Some(owner) = owner(fleet)
+            && !(is_deaf(owner, fleet) && present.iter().any(|one| may(one, fleet)))
+            && !(owner.clock.is_wrong && present.iter().any(|one| may(one, fleet) && !one.clock.is_wrong))
         {
-            shares.insert(shard.clone(), owner.supervisor.clone());
+            shares.insert(fleet.clone(), owner.supervisor.clone());
         }
     }
-    let mut unowned: Vec<&FleetShard> = membership.leases.iter().map(|lease| &lease.shard).collect();
-    unowned.retain(|shard| !shares.contains_key(*shard));
+    let mut unowned: Vec<&Name> = membership.leases.iter().map(|lease| &lease.fleet).collect();
+    unowned.retain(|fleet| !shares.contains_key(*fleet));
     unowned.sort_unstable();
-    for shard in unowned {
-        let able = present.iter().filter(|one| may(one, shard));
+    for fleet in unowned {
+        let able = present.iter().filter(|one| may(one, fleet));
         if let Some(least) = able.min_by_key(|one| (one.clock.is_wrong, held(&shares, &one.supervisor))) {
-            shares.insert(shard.clone(), least.supervisor.clone());
+            shares.insert(fleet.clone(), least.supervisor.clone());
         }
     }
-    while let Some((shard, to)) = step_towards_even(&shares, &present, &may) {
-        shares.insert(shard, to);
+    while let Some((fleet, to)) = step_towards_even(&shares, &present, &may) {
+        shares.insert(fleet, to);
     }
     shares
 }
 
-fn held(shares: &BTreeMap<FleetShard, String>, supervisor: &str) -> usize {
+fn held(shares: &BTreeMap<Name, String>, supervisor: &str) -> usize {
     shares.values().filter(|owner| *owner == supervisor).count()
 }
 
-/// A move of one shard to a supervisor that may own it and has at least two shards fewer than the owner. Each move
-/// lowers the sum of squares of the numbers of shards, so the moves come to an end.
+/// A move of one fleet to a supervisor that may own it and has at least two fleets fewer than the owner. Each move
+/// lowers the sum of squares of the numbers of fleets, so the moves come to an end.
 fn step_towards_even(
-    shares: &BTreeMap<FleetShard, String>,
+    shares: &BTreeMap<Name, String>,
     present: &[&Present],
-    may: &impl Fn(&Present, &FleetShard) -> bool,
-) -> Option<(FleetShard, String)> {
-    // In reverse order, so that the first shards stay where they are.
-    shares.iter().rev().find_map(|(shard, owner)| {
+    may: &impl Fn(&Present, &Name) -> bool,
+) -> Option<(Name, String)> {
+    // In reverse order, so that the first fleets stay where they are.
+    shares.iter().rev().find_map(|(fleet, owner)| {
         let to = present
             .iter()
-            .filter(|one| may(one, shard) && !one.clock.is_wrong)
+            .filter(|one| may(one, fleet) && !one.clock.is_wrong)
             .map(|one| &one.supervisor)
             .min_by_key(|one| held(shares, one))
             .filter(|one| held(shares, one) + 1 < held(shares, owner))?;
-        Some((shard.clone(), to.clone()))
+        Some((fleet.clone(), to.clone()))
     })
 }
 
@@ -90,16 +88,11 @@ mod tests {
         (0..count).map(|number| Name::new(&format!("f{number:02}")).unwrap()).collect()
     }
 
-    fn whole(count: usize) -> Vec<FleetShard> {
-        fleets(count).into_iter().map(FleetShard::whole).collect()
-    }
-
     /// A membership with the given supervisors present, and each fleet's owner.
     fn membership(present: &[&str], owners: &[Option<&str>]) -> Membership {
         let fleets = fleets(owners.len());
         let leases = fleets.iter().zip(owners).map(|(fleet, owner)| FleetLease {
-            shard: FleetShard::whole(fleet.clone()),
-            shards_wanted: 1,
+            fleet: fleet.clone(),
             epoch: 1,
             owner: owner.map(str::to_owned),
             holder: owner.map(str::to_owned),
@@ -111,7 +104,7 @@ mod tests {
         Membership { leases: leases.collect(), present, database_ahead_us: None }
     }
 
-    fn counts(shares: &BTreeMap<FleetShard, String>, present: &[&str]) -> Vec<usize> {
+    fn counts(shares: &BTreeMap<Name, String>, present: &[&str]) -> Vec<usize> {
         present.iter().map(|one| held(shares, one)).collect()
     }
 
@@ -125,18 +118,7 @@ mod tests {
         let before = [Some("a"); 5];
         let shares = shares(&membership(&["a", "b"], &before));
         assert_eq!(counts(&shares, &["a", "b"]), [3, 2]);
-        assert!(whole(3).iter().all(|fleet| shares[fleet] == "a"), "{shares:?}");
-    }
-
-    #[test]
-    fn the_shards_of_one_fleet_are_spread_evenly() {
-        let mut membership = membership(&["a", "b", "c"], &[None]);
-        let lease = membership.leases.remove(0);
-        membership.leases =
-            FleetShard::all(lease.shard.fleet(), 64).map(|shard| FleetLease { shard, ..lease.clone() }).collect();
-        let mut counts = counts(&shares(&membership), &["a", "b", "c"]);
-        counts.sort_unstable();
-        assert_eq!(counts, [21, 21, 22]);
+        assert!(fleets(3).iter().all(|fleet| shares[fleet] == "a"), "{shares:?}");
     }
 
     #[test]
@@ -157,7 +139,7 @@ mod tests {
         membership.present[1].fleets.truncate(1);
         let shares = shares(&membership);
         assert_eq!(counts(&shares, &["a", "b"]), [3, 1]);
-        assert_eq!(shares[&whole(1)[0]], "b");
+        assert_eq!(shares[&fleets(1)[0]], "b");
     }
 
     /// Best owner of one fleet. Each character of `said` is a supervisor's hearing report: D deaf, H proved to hear it,
@@ -172,7 +154,7 @@ mod tests {
                 _ => {}
             }
         }
-        shares(&membership).remove(&whole(1)[0])
+        shares(&membership).remove(&fleets(1)[0])
     }
 
     #[test]
@@ -204,7 +186,7 @@ mod tests {
         membership.present[0].hearing.deaf = fleets(4);
         assert_eq!(counts(&shares(&membership), &["a", "b"]), [4, 0]);
         membership.present[1].hearing.heard = fleets(1);
-        assert_eq!(shares(&membership)[&whole(1)[0]], "b");
+        assert_eq!(shares(&membership)[&fleets(1)[0]], "b");
         assert_eq!(counts(&shares(&membership), &["a", "b"]), [3, 1]);
     }
 
@@ -223,7 +205,7 @@ mod tests {
             for (one, clock) in membership.present.iter_mut().zip(clocks.chars()) {
                 one.clock.is_wrong = clock == 'W';
             }
-            assert_eq!(shares(&membership)[&whole(1)[0]], expected, "{owner:?} {clocks}");
+            assert_eq!(shares(&membership)[&fleets(1)[0]], expected, "{owner:?} {clocks}");
         }
         // Deafness comes first: a fleet that the other one does not hear stays.
         let mut membership = membership(&["a", "b"], &[Some("a"); 4]);

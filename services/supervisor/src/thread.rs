@@ -1,9 +1,9 @@
-//! Threads for the work of shards that each message wakes.
+//! Threads for the work of fleets that each message wakes.
 //!
 //! The threads of the program's own runtime wake each other to look for work, and each wake-up finds cold caches: in a fleet
-//! with little traffic, that is most of a message's cost. So a shard works in one thread with an event loop of its own. There
-//! are as many of these threads as cores; further shards share them, so that a tick wakes few threads, however many
-//! shards there are. Measured benefit: docs/performance.md, "Shards and supervisors".
+//! with little traffic, that is most of a message's cost. So a fleet works in one thread with an event loop of its own. There
+//! are as many of these threads as cores; further fleets share them, so that a tick wakes few threads, however many
+//! fleets there are.
 
 use std::future::Future;
 use std::io;
@@ -11,7 +11,7 @@ use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use tokio::runtime::{Builder, EnterGuard, Handle};
+use tokio::runtime::{Builder, Handle};
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
@@ -99,11 +99,6 @@ impl Place {
     /// Number of those who work in this thread.
     pub(crate) fn occupancy(&self) -> Occupancy {
         self.occupancy.clone()
-    }
-
-    /// Until the result is dropped, new tasks are run here.
-    pub(crate) fn enter(&self) -> EnterGuard<'_> {
-        self.runtime.enter()
     }
 
     /// Runs `work` here until it ends or `stop` is set. `None` if it was stopped.

@@ -14,7 +14,6 @@ use vibrissa_protocol::{BootId, Name};
 
 use crate::replay::Recorded;
 use vibrissa_edge::ids::start_seed;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_supervisor::inbox::Incoming;
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, LinkState, RecorderState};
 
@@ -85,8 +84,8 @@ pub async fn record(
     let recorders: Vec<_> = sources
         .iter()
         .map(|source| {
-            let whole = FleetShard::whole(source.fleet.clone());
-            let mut connection = Connection::new(broker.clone(), prepared.clone(), whole, boot_id.clone());
+            let fleet = source.fleet.clone();
+            let mut connection = Connection::new(broker.clone(), prepared.clone(), fleet, boot_id.clone());
             connection.link = source.link.clone();
             mqtt::record(connection, sender.clone(), source.state.clone())
         })

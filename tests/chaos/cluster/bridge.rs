@@ -16,12 +16,11 @@ use serde::Deserialize;
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 use tokio::task::JoinHandle;
 use tokio::time::sleep;
-use vibrissa_edge::shard::robot_hash;
+use vibrissa_edge::partition::robot_hash;
 use vibrissa_protocol::{Name, RobotTopic};
 use vibrissa_tests::kafka::{Writer, record};
 
-use super::stage::CLIENT;
-use crate::scenario::{FLEET, fleet};
+use super::stage::{CLIENT, fleets};
 
 /// The topic of Kafka; the supervisors' default.
 pub const TOPIC: &str = "vibrissa.messages";
@@ -102,11 +101,13 @@ struct Entrance {
 impl Entrance {
     fn take(&mut self, topic: &[u8], payload: Vec<u8>) {
         let topic = String::from_utf8(topic.to_vec()).expect("text");
-        let Some(robot) = topic.split('/').nth(3).and_then(|robot| Name::robot(robot).ok()) else { return };
+        let mut levels = topic.split('/').skip(2);
+        let Some((fleet, robot)) = levels.next().zip(levels.next()) else { return };
+        let Ok(robot) = Name::robot(robot) else { return };
         if !self.is_open.load(Ordering::Relaxed) {
             return;
         }
-        let partition = &self.partitions[(robot_hash(FLEET, robot.as_str()) % PARTITIONS) as usize];
+        let partition = &self.partitions[(robot_hash(fleet, robot.as_str()) % PARTITIONS) as usize];
         let Ok(room) = partition.try_reserve() else { return };
         let is_contacts = topic.ends_with(RobotTopic::Contacts.as_str());
         let is_new = !is_contacts || {
@@ -130,13 +131,20 @@ async fn listen(nodes: Vec<(String, u16)>, mut entrance: Entrance) {
     }
 }
 
+/// The topics of contacts and statuses of all fleets.
+fn filters() -> impl Iterator<Item = (Name, RobotTopic)> {
+    fleets()
+        .into_iter()
+        .flat_map(|fleet| [RobotTopic::Contacts, RobotTopic::Status].map(|topic| (fleet.clone(), topic)))
+}
+
 /// Receives messages until the connection fails.
 async fn receive(client: &AsyncClient, events: &mut EventLoop, entrance: &mut Entrance) {
     while let Ok(event) = events.poll().await {
         match event {
             Event::Incoming(Packet::ConnAck(_)) => {
-                for topic in [RobotTopic::Contacts, RobotTopic::Status] {
-                    client.try_subscribe(topic.fleet_filter(&fleet()), QoS::AtLeastOnce).expect("an empty queue");
+                for (fleet, topic) in filters() {
+                    client.try_subscribe(topic.fleet_filter(&fleet), QoS::AtLeastOnce).expect("an empty queue");
                 }
             }
             Event::Incoming(Packet::Publish(publish)) => entrance.take(&publish.topic, publish.payload.to_vec()),

@@ -1,5 +1,5 @@
-//! Chaos in a cluster: three nodes of RMQTT (or one Mosquitto), three supervisors, a pair of PostgreSQL servers with Patroni and etcd, and a
-//! fleet of 64 shards. Each node runs in a network namespace, and is killed, frozen and cut off in turn.
+//! Chaos in a cluster: three nodes of RMQTT (or one Mosquitto), three supervisors, a pair of PostgreSQL servers with Patroni and etcd, and
+//! six fleets. Each node runs in a network namespace, and is killed, frozen and cut off in turn.
 //!
 //! Unlike the run with one broker, a fault strikes when everything works again after the last one, not at a given time.
 //!
@@ -40,7 +40,7 @@ use crate::stage::{Program, panics_of};
 use bridge::Bridge;
 use overlap::Happened;
 use plan::{Nodes, Plan};
-use stage::{CLIENT, SHARDS, SUPERVISORS, Stage};
+use stage::{CLIENT, FLEETS, SUPERVISORS, Stage};
 use strike::{Striker, Surprises};
 use watch::Watch;
 
@@ -70,7 +70,7 @@ pub struct Settings {
 /// Runs the cluster under faults. `Ok(Err)` says what is not installed or not allowed here.
 pub async fn run(settings: &Settings, program: &Program, logs: &Path) -> anyhow::Result<Result<Report, &'static str>> {
     let Settings { seed, seconds, rate, control, .. } = *settings;
-    let names = stage::robot_names(settings.robots);
+    let names = stage::robots(settings.robots);
     // The folder may contain logs of an earlier run.
     let panics_before = panics_of(logs, &SUPERVISORS);
     let nodes = Nodes { broker: settings.broker.nodes(), kafka: settings.kafka };
@@ -79,13 +79,16 @@ pub async fn run(settings: &Settings, program: &Program, logs: &Path) -> anyhow:
         Err(missing) => return Ok(Err(missing)),
     };
     let watch = Watch::start([0, 1].map(|node| stage.database.connect(node)));
-    let scenarios = scenario::scenarios(seed, seconds, &names, rate, control, nodes.broker);
-    let brokers: Vec<_> = (0..nodes.broker).map(|group| stage.broker_of(group)).collect();
+    // One link for each fleet: the robots have the fleets by turns, and the links, too.
+    let robots: Vec<_> = names.iter().map(|(_, robot)| robot.clone()).collect();
+    let fleets = stage::fleets();
+    let scenarios = scenario::scenarios(seed, seconds, &robots, rate, control, &fleets);
+    let brokers: Vec<_> = (0..fleets.len()).map(|group| stage.broker_of(group)).collect();
     let bridge = stage.kafka.as_ref().map(|kafka| Bridge::start(stage.broker.addresses(), &kafka.addresses(), seed));
     let robots = Robots::start(&scenarios, &brokers)?;
     let addresses = stage.broker.addresses();
     let replays: Vec<Replay> =
-        addresses.iter().map(|(host, port)| Replay::start((host, *port), CLIENT, seed)).collect();
+        addresses.iter().map(|(host, port)| Replay::start((host, *port), CLIENT, &fleets, seed)).collect();
     let (started, marks) = (Instant::now(), robots.marks());
     let mut striker = Striker {
         stage: &mut stage,
@@ -142,7 +145,7 @@ pub async fn run(settings: &Settings, program: &Program, logs: &Path) -> anyhow:
         broker: settings.broker.as_str(),
         kafka: settings.kafka,
         records_repeated: bridge.as_ref().map_or(0, Bridge::repeated),
-        shards: SHARDS,
+        fleets: FLEETS.len(),
         robots: names.len(),
         repeated: replays.iter().map(Replay::count).sum(),
         dropped,

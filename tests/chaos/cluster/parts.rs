@@ -14,14 +14,13 @@ use vibrissa_tests::process::Process;
 use super::bridge::PARTITIONS;
 use super::broker::Broker;
 use super::plan::{Deed, SEPARATED, Victim};
-use super::stage::{BROKERS, DATABASES, ETCD, KAFKA, SUPERVISOR};
-use crate::scenario::FLEET;
+use super::stage::{BROKERS, DATABASES, ETCD, FLEETS, KAFKA, SUPERVISOR};
 
 /// A leader that stands still for a shorter time still has its lock.
 const KEEPS_LOCK: Duration = Duration::from_secs(TTL_S - 2);
 /// Number of records by which a position in Kafka is set back: about half a minute.
 const SET_BACK: i64 = 50;
-/// Time limit for that: then the shards have other owners.
+/// Time limit for that: then the fleets have other owners.
 const SET_BACK_PATIENCE: Duration = Duration::from_secs(2);
 
 /// The broker's nodes.
@@ -85,7 +84,7 @@ impl Supervisor<'_> {
         }
     }
 
-    /// Sets the positions of all partitions back. A living owner writes each again with the next records.
+    /// Sets the positions of all partitions of all fleets back. Living owners write each again with the next records.
     async fn set_back(&self) {
         const SQL: &str =
             "UPDATE log_positions SET next = greatest(next - $1, 0) WHERE fleet = $2 AND log_partition = $3";
@@ -94,8 +93,10 @@ impl Supervisor<'_> {
                 let Ok(mut connection) = server.connect().await else { continue };
                 let mut changed = 0;
                 // One by one: together they could wait for a supervisor that waits for them.
-                for partition in 0..i64::from(PARTITIONS) {
-                    let update = sqlx::query(SQL).bind(SET_BACK).bind(FLEET).bind(partition);
+                for (fleet, partition) in
+                    FLEETS.into_iter().flat_map(|fleet| (0..PARTITIONS).map(move |one| (fleet, one)))
+                {
+                    let update = sqlx::query(SQL).bind(SET_BACK).bind(fleet).bind(i64::from(partition));
                     // The standby refuses it.
                     let Ok(done) = update.execute(&mut connection).await else { break };
                     changed += done.rows_affected();

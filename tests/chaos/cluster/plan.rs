@@ -52,7 +52,7 @@ pub enum Deed {
     SeparatedThenKilled,
     /// A supervisor is killed, and the broker forgets all retained messages before another one takes over.
     KilledAndForgotten,
-    /// A supervisor is killed, and its shards' positions in Kafka are set back before another one takes over.
+    /// A supervisor is killed, and its fleets' positions in Kafka are set back before another one takes over.
     KilledAndSetBack,
 }
 
@@ -117,7 +117,7 @@ impl Serialize for Fault {
 pub enum Hold {
     /// After this time.
     For(Duration),
-    /// When other supervisors have committed for all shards of the victim, and every robot has a new receipt.
+    /// When other supervisors have committed for all fleets of the victim, and every robot has a new receipt.
     UntilTaken,
     /// When the other database node accepts writes.
     UntilLed,

@@ -20,8 +20,8 @@ pub struct Report {
     /// Number of brokers of Kafka, if contacts went through it, and records that the bridge wrote twice.
     pub kafka: usize,
     pub records_repeated: u64,
-    /// Numbers of shards and of robots.
-    pub shards: u32,
+    /// Numbers of fleets and of robots.
+    pub fleets: usize,
     pub robots: usize,
     /// Contacts that robots made, and rows in the database.
     pub sent: u64,
@@ -70,10 +70,10 @@ pub struct FaultReport {
     pub fault: String,
     /// Seconds after the robots' start.
     pub at_s: f64,
-    /// Until all the victim's shards had another owner.
+    /// Until all the victim's fleets had another owner.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub owned_s: Option<f64>,
-    /// Number of the victim's shards that others took over, and the time until the last one's first commit.
+    /// Number of the victim's fleets that others took over, and the time until the last one's first commit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub takeover: Option<(usize, f64)>,
     /// Until the engine itself worked again.
@@ -205,11 +205,11 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { seed, broker, kafka, shards, robots, run_s, drain_s, .. } = self;
+        let Self { seed, broker, kafka, fleets, robots, run_s, drain_s, .. } = self;
         let kafka = if *kafka > 0 { format!(", Kafka, {kafka} nodes") } else { String::new() };
         writeln!(
             f,
-            "seed {seed}: {} faults in {run_s:.0} s, {broker}{kafka}, {shards} shards, {robots} robots; then {drain_s:.1} s until everything \
+            "seed {seed}: {} faults in {run_s:.0} s, {broker}{kafka}, {fleets} fleets, {robots} robots; then {drain_s:.1} s until everything \
              was recorded\n",
             self.faults.len()
         )?;
@@ -229,8 +229,8 @@ impl fmt::Display for Report {
             let mark = if count > 0 { "  VIOLATION" } else { "" };
             writeln!(f, "{name:<58}{count:>9}{mark}")?;
         }
-        self.fmt_times(f, "hit to another owner of all shards, s", |one| one.owned_s)?;
-        self.fmt_times(f, "hit to the first commit for all shards by others, s", |one| {
+        self.fmt_times(f, "hit to another owner of all fleets, s", |one| one.owned_s)?;
+        self.fmt_times(f, "hit to the first commit for all fleets by others, s", |one| {
             one.takeover.map(|(_, seconds)| seconds)
         })?;
         self.fmt_times(f, "hit to the engine's own failover, s", |one| one.engine_s)?;

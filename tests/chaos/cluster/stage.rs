@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 use vibrissa_tests::kafka::Kafka;
 use vibrissa_tests::mosquitto::free_port;
@@ -15,11 +14,11 @@ use super::broker::{Broker, Kind};
 use super::parts::{Brokers, Database, KafkaBrokers, Supervisor};
 use super::plan::{Nodes, SUPERVISORS_COUNT};
 use crate::plan::{Control, LEASE_S};
-use crate::scenario::{FLEET, fleet, robot_name};
+use crate::scenario::robot_name;
 use crate::stage::{Program, write_password};
 
-/// Number of shards of the fleet.
-pub const SHARDS: u32 = 64;
+/// Names of the fleets.
+pub const FLEETS: [&str; 6] = ["hall-1", "hall-2", "hall-3", "hall-4", "hall-5", "hall-6"];
 /// User and password of all clients of the broker.
 pub const CLIENT: (&str, &str) = ("chaos", "correct-horse");
 /// Names of the supervisors.
@@ -70,12 +69,11 @@ impl Stage {
         for (at, name) in SUPERVISORS.iter().enumerate() {
             let url = broker_url(&broker, at);
             let mut arguments: Vec<String> = program.first_argument.iter().cloned().collect();
-            arguments.extend(["run", "--name", name, "--fleets", FLEET].map(str::to_owned));
+            arguments.extend(["run", "--name", name, "--fleets", &FLEETS.join(",")].map(str::to_owned));
             arguments.extend(["--http-listen".to_owned(), format!("127.0.0.1:{}", free_port())]);
             arguments.extend(["--mqtt-username", user, "--mqtt-url", &url].map(str::to_owned));
             arguments.extend(["--mqtt-password-file".to_owned(), password_file.display().to_string()]);
             arguments.extend(["--database-url".to_owned(), database.url()]);
-            arguments.extend(["--fleet-shards".to_owned(), SHARDS.to_string()]);
             arguments.extend(["--lease-time-to-live-s".to_owned(), LEASE_S.to_string()]);
             arguments.extend(["--detection-cold-start-contacts".to_owned(), LEARNED.to_string()]);
             if let Some(kafka) = &kafka {
@@ -184,29 +182,12 @@ fn broker_url(broker: &Broker, first: usize) -> String {
     urls.join(",")
 }
 
-/// Names of this number of robots, such that every shard has one if there are at least as many.
-pub fn robot_names(count: usize) -> Vec<Name> {
-    let mut names: Vec<Name> = Vec::new();
-    for shard in FleetShard::all(&fleet(), SHARDS).take(count) {
-        names.extend((0..).map(robot_name).find(|name| shard.has(name.as_str())));
-    }
-    let more: Vec<Name> =
-        (0..).map(robot_name).filter(|name| !names.contains(name)).take(count - names.len()).collect();
-    names.extend(more);
-    names
+/// The fleets.
+pub fn fleets() -> Vec<Name> {
+    FLEETS.into_iter().map(|name| Name::new(name).expect("a name")).collect()
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_shard_has_a_robot() {
-        let names = robot_names(100);
-        assert_eq!(names.len(), 100);
-        assert_eq!(std::collections::BTreeSet::from_iter(&names).len(), 100);
-        for shard in FleetShard::all(&fleet(), SHARDS) {
-            assert!(names.iter().any(|name| shard.has(name.as_str())), "{shard}");
-        }
-    }
+/// This number of robots, each with its fleet; the fleets have them by turns.
+pub fn robots(count: usize) -> Vec<(Name, Name)> {
+    fleets().into_iter().cycle().take(count).zip((0..).map(robot_name)).collect()
 }

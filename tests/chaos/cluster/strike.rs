@@ -23,9 +23,9 @@ pub struct Struck {
     pub fault: Fault,
     /// Time of the hit.
     pub at: Instant,
-    /// Time at which all the victim's shards had another owner.
+    /// Time at which all the victim's fleets had another owner.
     pub owned_s: Option<f64>,
-    /// Number of the victim's shards that others took over, and the time of the last one's first commit.
+    /// Number of the victim's fleets that others took over, and the time of the last one's first commit.
     pub takeover: Option<(usize, f64)>,
     /// Time at which the engine itself worked again: a new leader of the database, or messages between the other nodes
     /// of the broker.
@@ -80,7 +80,8 @@ pub struct Striker<'a> {
     pub stage: &'a mut Stage,
     pub watch: &'a Watch,
     pub robots: &'a Robots,
-    pub names: &'a [Name],
+    /// The robots, each with its fleet.
+    pub names: &'a [(Name, Name)],
     pub control: Control,
     pub struck: Vec<Struck>,
     pub surprises: Surprises,
@@ -92,7 +93,7 @@ impl Striker<'_> {
         self.surprises.ended += self.stage.revive();
         let Strike { fault, hold } = strike;
         let Some(leader) = self.stage.database.leader().await else { return };
-        let shards = match fault.victim {
+        let fleets = match fault.victim {
             Victim::Supervisor(at) => self.watch.owned_by(SUPERVISORS[at]),
             Victim::Broker(_) | Victim::Leader | Victim::Standby | Victim::Etcd | Victim::Kafka(_) => BTreeMap::new(),
         };
@@ -109,17 +110,17 @@ impl Striker<'_> {
             if struck.recovered_s.is_none() && self.robots.receipted_beyond(&marks) == self.names.len() {
                 struck.recovered_s = Some(seconds);
             }
-            if is_taken_for_good && struck.owned_s.is_none() && self.watch.owned_again(&shards) == shards.len() {
+            if is_taken_for_good && struck.owned_s.is_none() && self.watch.owned_again(&fleets) == fleets.len() {
                 struck.owned_s = Some(seconds);
             }
             let has_fence = self.control != Control::NoFence;
-            let taken = self.watch.taken(&shards, has_fence);
-            if is_taken_for_good && struck.takeover.is_none() && taken == shards.len() {
+            let taken = self.watch.taken(&fleets, has_fence);
+            if is_taken_for_good && struck.takeover.is_none() && taken == fleets.len() {
                 struck.takeover = Some((taken, seconds));
             }
             let is_due = match hold {
                 Hold::For(time) => elapsed >= time,
-                // Its return moves shards again, which would hide how long the robots waited.
+                // Its return moves fleets again, which would hide how long the robots waited.
                 Hold::UntilTaken => struck.takeover.is_some() && struck.recovered_s.is_some(),
                 Hold::UntilLed => engine.as_ref().is_some_and(JoinHandle::is_finished),
                 Hold::UntilRecovered => struck.recovered_s.is_some(),

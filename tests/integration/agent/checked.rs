@@ -10,7 +10,6 @@ use nix::unistd::Pid;
 use serde_json::Value;
 use tempfile::TempDir;
 use vibrissa::check::{Action, CheckOptions, Help, Outcome, Progress, Report, Timings, check};
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{BootId, Name, Rule};
 use vibrissa_supervisor::mqtt::{BrokerAddress, Connection, Relay, prepare};
 use vibrissa_tests::mosquitto::Mosquitto;
@@ -97,7 +96,7 @@ async fn assisted() -> Report {
     let address = BrokerAddress::new("127.0.0.1", broker.port());
     let prepared = prepare(&address).unwrap();
     let fleet = Name::new("f").unwrap();
-    let of = FleetShard::whole(fleet.clone());
+    let of = fleet.clone();
     let connection = Connection::new(address, prepared, of, BootId::new("check").unwrap());
     let options = CheckOptions {
         fleet,

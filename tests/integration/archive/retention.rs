@@ -55,7 +55,7 @@ async fn a_day_goes_when_it_is_archived_and_too_old() {
     assert_eq!(store.archived_to(&fleet()).await.unwrap(), Some(begin_us));
     assert_eq!(dropped(&store).await, 0);
 
-    assert_eq!(writer.plan_archive(&lease, DAY_US).await.unwrap(), None, "no shard has stated a horizon");
+    assert_eq!(writer.plan_archive(&lease, DAY_US).await.unwrap(), None, "no owner has stated a horizon");
     writer.state_horizon(&lease, begin_us + DAY_US).await.unwrap();
     assert_eq!(writer.archive_floor(&fleet()).await.unwrap(), begin_us + DAY_US);
     let span = writer.plan_archive(&lease, DAY_US).await.unwrap().unwrap();

@@ -2,7 +2,6 @@
 
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{BootId, Name};
 use vibrissa_store::secret::Secret;
 use vibrissa_supervisor::metrics::{FleetMetrics, Metrics};
@@ -55,10 +54,10 @@ impl Link {
     /// Starts both connections for fleet `f`.
     pub(crate) fn start(broker: BrokerAddress) -> Self {
         let state = LinkState::default();
-        let (prepared, fleet) = (mqtt::prepare(&broker).unwrap(), FleetShard::whole(Name::new("f").unwrap()));
+        let (prepared, fleet) = (mqtt::prepare(&broker).unwrap(), Name::new("f").unwrap());
         let mut connection = Connection::new(broker, prepared, fleet, BootId::new("s1").unwrap());
         (connection.epoch, connection.link) = (1, state.clone());
-        let metrics = Metrics::new(false).unwrap().of_fleet(connection.fleet());
+        let metrics = Metrics::new(false).unwrap().of_fleet(&connection.fleet);
         let (stop, stopped) = watch::channel(false);
         let (inbox, receiving) = mqtt::receive(&connection, metrics.clone(), stopped);
         let (outbox, publications) = mpsc::channel(10);

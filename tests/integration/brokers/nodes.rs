@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, TestClient};
 use vibrissa_tests::mosquitto::{Mosquitto, free_port};
@@ -108,7 +107,7 @@ async fn an_outage_of_all_nodes_names_each_and_is_not_tried_without_a_pause() {
 async fn a_test_of_a_robot_uses_the_first_node_that_answers() {
     let (hole, node) = (BlackHole::open().await, Mosquitto::start());
     let address = broker(&[free_port(), hole.port(), node.port()]);
-    let (prepared, fleet) = (mqtt::prepare(&address).unwrap(), FleetShard::whole(Name::new("f").unwrap()));
+    let (prepared, fleet) = (mqtt::prepare(&address).unwrap(), Name::new("f").unwrap());
     let connection = Connection::new(address, prepared, fleet, vibrissa_protocol::BootId::new("c1").unwrap());
     let client = TestClient::open(&connection, &["whisker/v1/f/r/contacts".to_owned()]).await.unwrap();
     client.close().await;

@@ -41,7 +41,6 @@ impl Running {
         let folder = tempfile::tempdir().unwrap();
         let service = Service::start(ServiceOptions {
             kafka: vibrissa_supervisor::service::KafkaOptions::default(),
-            shards: 1,
             access: vibrissa_supervisor::http::access::AccessOptions::default(),
             name: "s".to_owned(),
             fleets: vec![Name::new("lab").unwrap()],

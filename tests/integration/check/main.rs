@@ -15,7 +15,6 @@ mod program;
 use std::time::Duration;
 
 use vibrissa::check::{CheckOptions, Help, Timings};
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{
     BootId, Name, RobotTopic, Setpoint, SetpointReason, SupervisorPresence, SupervisorState, Timestamp, Topic, encode,
 };
@@ -77,7 +76,7 @@ fn connection(broker: &Mosquitto, name: &str) -> Connection {
 fn connection_in(fleet: &str, broker: &Mosquitto, name: &str) -> Connection {
     let address = BrokerAddress::new("127.0.0.1", broker.port());
     let prepared = prepare(&address).unwrap();
-    let fleet = FleetShard::whole(Name::new(fleet).unwrap());
+    let fleet = Name::new(fleet).unwrap();
     Connection::new(address, prepared, fleet, BootId::new(&format!("check-{name}")).unwrap())
 }
 

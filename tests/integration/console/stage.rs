@@ -99,7 +99,6 @@ impl Stage {
         change(&mut params);
         let service = Service::start(ServiceOptions {
             kafka: vibrissa_supervisor::service::KafkaOptions::default(),
-            shards: 1,
             access,
             name: "s".to_owned(),
             fleets: fleets.clone(),

@@ -4,7 +4,6 @@ use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Row};
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::ArrayType;
 use vibrissa_store::actions::{Asked, NewAction};
 use vibrissa_supervisor::mqtt::BrokerAddress;
@@ -23,7 +22,6 @@ use crate::fleet;
 pub(crate) async fn supervisor(name: &str, database_port: u16, broker: &Mosquitto) -> Service {
     Service::start(ServiceOptions {
         kafka: vibrissa_supervisor::service::KafkaOptions::default(),
-        shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: name.to_owned(),
         fleets: vec![fleet()],
@@ -47,7 +45,7 @@ pub(crate) async fn supervisor(name: &str, database_port: u16, broker: &Mosquitt
 }
 
 pub(crate) fn owns(service: &Service) -> bool {
-    matches!(service.readiness.shards().get(&FleetShard::whole(fleet())), Some(Standing::Owned { .. }))
+    matches!(service.readiness.fleets().get(&fleet()), Some(Standing::Owned { .. }))
 }
 
 /// A change of the policy that is accepted only if this version is in force.

@@ -244,7 +244,6 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto, keep: Contact
     params.detection.cold_start_contacts = LEARNED as u32;
     Service::start(ServiceOptions {
         kafka: vibrissa_supervisor::service::KafkaOptions::default(),
-        shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),
         fleets: vec![fleet()],

@@ -25,7 +25,7 @@ use vibrissa_tests::web::try_get;
 use crate::history::{count, rows};
 
 /// A database that an earlier version has left.
-struct Left {
+pub(crate) struct Left {
     folder: &'static str,
     newest_migration: i64,
     /// Tables that have rows, some with the condition of these rows.
@@ -46,7 +46,7 @@ const LEFT_16: Left = Left {
     compensations: 2,
 };
 
-const LEFT_37: Left = Left {
+pub(crate) const LEFT_37: Left = Left {
     folder: "database-37",
     newest_migration: 37,
     filled: &[
@@ -128,7 +128,7 @@ impl Left {
     }
 
     /// The answers of its own version, by path.
-    fn recorded(&self, name: &str) -> Map<String, Value> {
+    pub(crate) fn recorded(&self, name: &str) -> Map<String, Value> {
         let text = std::fs::read_to_string(self.file(name)).unwrap();
         let views = text.parse::<Value>().unwrap().as_object().unwrap().clone();
         let whiskers = views.iter().find(|(path, _)| is_list(path, "/v1/whiskers")).unwrap().1.as_array().unwrap();
@@ -165,13 +165,17 @@ impl Left {
         store.close().await;
         assert!(newest_migration(address).await > self.newest_migration);
         assert_eq!(self.counts(address, true).await, counts);
+        self.shows((folder, url), &recorded).await;
+    }
 
+    /// Starts the program, and compares its answers with recorded ones.
+    pub(crate) async fn shows(&self, (folder, url): (TempDir, &str), recorded: &Map<String, Value>) {
         let opened = Opened::start(folder, url).await;
         let (mut differences, mut same) = (Vec::new(), 0);
         // Open tests and setpoints expire after the start. Once the views are the same, they stay so.
         found_within(PATIENCE, async || {
             tokio::time::sleep(Duration::from_millis(1500)).await;
-            differences = opened.differences(&recorded).await;
+            differences = opened.differences(recorded).await;
             same = if differences.is_empty() { same + 1 } else { 0 };
             (same == 2).then_some(())
         })
@@ -268,15 +272,17 @@ async fn is_refused(address: &DatabaseAddress) {
     store.close().await;
 }
 
-async fn sqlite_goes_on(left: &Left) {
+/// A copy of a database in SQLite, in its folder.
+pub(crate) fn sqlite_of(left: &Left) -> (TempDir, DatabaseAddress, String) {
     let folder = tempfile::tempdir().unwrap();
     let copy = folder.path().join("fleet.sqlite3");
     std::fs::copy(left.file("fleet.sqlite3"), &copy).unwrap();
     let url = format!("sqlite:{}", copy.display());
-    left.goes_on(&DatabaseAddress::Sqlite(copy), (folder, &url), "views-sqlite.json").await;
+    (folder, DatabaseAddress::Sqlite(copy), url)
 }
 
-async fn postgres_goes_on(left: &Left) {
+/// A copy of a database in PostgreSQL.
+pub(crate) async fn postgres_of(left: &Left) -> (Postgres, DatabaseAddress, String) {
     let server = Postgres::start().await;
     let restored = server
         .client("psql")
@@ -286,7 +292,17 @@ async fn postgres_goes_on(left: &Left) {
     let restored = restored.unwrap();
     assert!(restored.status.success(), "psql: {}", String::from_utf8_lossy(&restored.stderr));
     let url = Postgres::url(server.port());
-    left.goes_on(&url.parse().unwrap(), (tempfile::tempdir().unwrap(), &url), "views-postgres.json").await;
+    (server, url.parse().unwrap(), url)
+}
+
+async fn sqlite_goes_on(left: &Left) {
+    let (folder, address, url) = sqlite_of(left);
+    left.goes_on(&address, (folder, &url), "views-sqlite.json").await;
+}
+
+async fn postgres_goes_on(left: &Left) {
+    let (_server, address, url) = postgres_of(left).await;
+    left.goes_on(&address, (tempfile::tempdir().unwrap(), &url), "views-postgres.json").await;
 }
 
 #[tokio::test]

@@ -53,7 +53,7 @@ const OTHERS: [(&str, &str); 28] = [
     ("supervised_fleets", "belongs to supervisors"),
     ("archives", "belongs to a fleet"),
     ("log_positions", "belongs to a fleet"),
-    ("archive_horizons", "belongs to a shard"),
+    ("archive_horizons", "belongs to a fleet"),
     ("policies", "belongs to a fleet"),
     ("calibrations", "belongs to a fleet"),
     ("active_calibrations", "belongs to a fleet"),
@@ -326,8 +326,8 @@ async fn in_the_journal(database: Fresh) {
     assert_eq!(refused.iter().map(|one| one.owner).collect::<Vec<_>>(), [Owner::Robot(bad)]);
     let journal = writer.journal(&lease, -1, 10).await.unwrap();
     // The earlier entry stays, because the state of the robot with the refused row may need it.
-    assert_eq!(journal.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [3, 7]);
-    let mut written: Vec<i64> = split(&journal[1].1).into_iter().map(|(robot_id, _)| robot_id).collect();
+    assert_eq!(journal.iter().map(|row| row.number).collect::<Vec<_>>(), [3, 7]);
+    let mut written: Vec<i64> = split(&journal[1].entries).into_iter().map(|(robot_id, _)| robot_id).collect();
     written.sort_unstable();
     let mut others: Vec<i64> = numbered.iter().filter(|&&one| one != bad).flat_map(|&one| [one, one]).collect();
     others.sort_unstable();

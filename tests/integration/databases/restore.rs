@@ -37,7 +37,6 @@ pub(crate) fn options(database: &DatabaseAddress, broker: &Mosquitto) -> Service
     params.command.resend_after = Micros::from_s(0.3);
     ServiceOptions {
         kafka: vibrissa_supervisor::service::KafkaOptions::default(),
-        shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),
         fleets: vec![fleet()],

@@ -9,7 +9,6 @@ use sqlx::{ConnectOptions, Row};
 use tempfile::TempDir;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{Message, Name};
 use vibrissa_simulator::{Broker, Fleet, Scenario};
 use vibrissa_store::DatabaseAddress;
@@ -453,7 +452,6 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
     let fleets = ["f1", "f2"].map(|fleet| Name::new(fleet).unwrap());
     let service = Service::start(ServiceOptions {
         kafka: vibrissa_supervisor::service::KafkaOptions::default(),
-        shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),
         fleets: fleets.to_vec(),
@@ -481,11 +479,8 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
         fleets.iter().all(touched)
     })
     .await;
-    let standings = service.readiness.shards();
-    assert!(
-        fleets.iter().all(|fleet| matches!(standings[&FleetShard::whole(fleet.clone())], Standing::Owned { .. })),
-        "{standings:?}"
-    );
+    let standings = service.readiness.fleets();
+    assert!(fleets.iter().all(|fleet| matches!(standings[&fleet.clone()], Standing::Owned { .. })), "{standings:?}");
     for fleet in robots {
         fleet.stop().await;
     }

@@ -65,7 +65,6 @@ impl Running {
         let fleet = Name::new("f").unwrap();
         let service = Service::start(ServiceOptions {
             kafka: vibrissa_supervisor::service::KafkaOptions::default(),
-            shards: 1,
             access: vibrissa_supervisor::http::access::AccessOptions::default(),
             webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
             traces: None,

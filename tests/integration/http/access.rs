@@ -89,7 +89,6 @@ fn expected(method: &str, path: &str) -> Role {
         ("GET", _) => Role::Viewer,
         (_, path) if path.contains("/labels/") || path.contains("/notes/") => Role::Operator,
         // Who owns what is a matter of the deployment.
-        ("PUT", path) if path.ends_with("/shards") => Role::Admin,
         ("PUT" | "DELETE", _) => Role::Engineer,
         (_, path) if ["calibrations", "rollouts", "policies"].iter().any(|part| path.contains(part)) => Role::Engineer,
         _ => Role::Operator,

@@ -1,7 +1,7 @@
 //! Records as a bridge from MQTT to the log writes them.
 
 use rskafka::record::Record;
-use vibrissa_edge::shard::robot_hash;
+use vibrissa_edge::partition::robot_hash;
 use vibrissa_protocol::{Contacts, RobotTopic, encode};
 use vibrissa_tests::kafka;
 

@@ -132,7 +132,6 @@ async fn service(folder: &TempDir, port: u16) -> Service {
     let fleet = Name::new("f").unwrap();
     let service = Service::start(ServiceOptions {
         kafka: vibrissa_supervisor::service::KafkaOptions::default(),
-        shards: 1,
         access: vibrissa_supervisor::http::access::AccessOptions::default(),
         name: "s".to_owned(),
         fleets: vec![fleet.clone()],

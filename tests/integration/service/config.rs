@@ -90,7 +90,7 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::ArchiveS3SecretKeyFile => ["file0", "file1", "file2"],
         Key::ArchiveEveryS => ["5", "50", "500"],
         Key::BlackBoxSeconds | Key::BlackBoxMemoryMib | Key::BlackBoxDays => ["5", "50", "500"],
-        Key::FleetShards | Key::LimitsRobotsPerFleet | Key::LimitsNewRobotsPerMinute => ["5", "50", "500"],
+        Key::LimitsRobotsPerFleet | Key::LimitsNewRobotsPerMinute => ["5", "50", "500"],
         Key::LimitsRobotsFile => ["robots0", "robots1", "robots2"],
         Key::MqttDeafReleaseAfterS => ["3.5", "4.5", "5.5"],
         Key::HttpMonitoringListen => ["127.0.0.1:84", "127.0.0.1:85", "[::1]:86"],

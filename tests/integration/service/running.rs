@@ -79,7 +79,6 @@ impl Running {
         let fleet = Name::new("f").unwrap();
         let service = Service::start(ServiceOptions {
             kafka: vibrissa_supervisor::service::KafkaOptions::default(),
-            shards: 1,
             access,
             webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
             traces,

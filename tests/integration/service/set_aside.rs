@@ -32,7 +32,7 @@ const PLANTED: [&str; 25] = [
     "UPDATE boots SET boot_id = BAD WHERE robot_id = (SELECT robot_id FROM robots WHERE robot = 'boot')",
     "UPDATE robots SET state = CAST(x'0b00' || substr(state, 3) AS BLOB) WHERE robot = 'newer'",
     // Journal.
-    "INSERT INTO journal (fleet, shard, number, entries) VALUES ('f', 0, 1000001, x'ff')",
+    "INSERT INTO journal (fleet, number, entries) VALUES ('f', 1000001, x'ff')",
     // Actions: one without text, one of whose parameters are no JSON, and one to execute.
     "INSERT INTO actions (fleet, robot, kind, parameters, reason, actor, role, request_id, asked_us, expires_us, state) \
      VALUES ('f', 'whole', 'NOTHING', '{}', BAD, 'a', 'ADMIN', 'q', 1, 9000000000000000, 'PENDING')",

@@ -119,7 +119,6 @@ impl Stage {
         let allowed_hosts = hosts.iter().map(|&host| host.to_owned()).collect();
         let service = Service::start(ServiceOptions {
             kafka: vibrissa_supervisor::service::KafkaOptions::default(),
-            shards: 1,
             access: AccessOptions::default(),
             name: name.to_owned(),
             fleets: vec![fleet.clone()],

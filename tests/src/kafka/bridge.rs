@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use tokio::sync::oneshot;
-use vibrissa_edge::shard::robot_hash;
+use vibrissa_edge::partition::robot_hash;
 use vibrissa_protocol::{Message, RobotTopic};
 
 use super::{Kafka, record_of};

@@ -144,15 +144,14 @@ impl Channel {
             Self::SupervisorState => {
                 "Retained, with a last will. States whether a supervisor owns the fleet, and its epoch. ONLINE is published \
                  at each connection and repeated every 5 s, because brokers forget. For tools: robots do not need it, \
-                 and the shipped access lists do not let them read it. Of a divided fleet it is the state of the first \
-                 shard only, so it says nothing about the supervisor of a robot in another shard."
+                 and the shipped access lists do not let them read it."
             }
             Self::SupervisorRequest => {
                 "Asks all robots of the fleet for BIRTH: each sends connection with ONLINE, then factsheet, in its present \
                  boot, at a random time within 2 s. So a supervisor knows its robots although the broker has forgotten \
                  their retained messages. Sent when a supervisor takes the fleet over, after each of its connections, and \
                  when it misses a birth; at most 10 times a minute. Never retained. Only supervisors may publish here. It is no \
-                 sign that a robot's own supervisor is there: in a divided fleet the owner of any shard sends it. A \
+                 sign that the fleet has an owner: a supervisor whose lease has just ended may have sent it. A \
                  robot that does not know this topic works with brokers that retain messages."
             }
         }

@@ -309,7 +309,7 @@ impl Agent {
         self.supervision.heard(now.at);
     }
 
-    /// It is no sign of this robot's own supervisor: in a divided fleet the owner of any shard may have sent it.
+    /// It is no sign of the fleet's owner: a supervisor whose lease has just ended may have sent it.
     fn requested_of_all(&mut self, payload: &[u8], random: u64, now: Now) {
         let topic = Topic::SupervisorRequest { fleet: self.fleet.clone() };
         let Ok(Message::SupervisorRequest(request)) = decode(&topic, payload) else {

@@ -10,7 +10,7 @@ use crate::scenario::Misbehaviour;
 
 impl Robot {
     /// Handles a message on the fleet's `supervisor/request`; an invalid one is counted and has no effect. It is no sign of
-    /// this robot's own supervisor: in a divided fleet the owner of any shard may have sent it.
+    /// the fleet's owner: a supervisor whose lease has just ended may have sent it.
     pub fn receive_request_to_all(&mut self, payload: &[u8], now_us: u64) {
         let topic = Topic::SupervisorRequest { fleet: self.config.fleet.clone() };
         let Ok(Message::SupervisorRequest(request)) = decode(&topic, payload) else {

@@ -15,17 +15,13 @@ from_row! {
     pub struct FleetSummary {
         /// Name of the fleet.
         pub fleet: String,
-        /// Name of the supervisor that holds the fleet's lease now, or of those that hold leases of its shards, separated by
-        /// commas; null if none does.
+        /// Name of the supervisor that holds the fleet's lease now; null if none does.
         pub holder: Option<String>,
         /// Epoch of the fleet, which rises at each change of supervisor; 0 before the first.
         #[schema(minimum = 0)]
         pub epoch: i64,
-        /// Whether supervisors hold the leases of all shards of the fleet now.
+        /// Whether a supervisor holds the fleet's lease now.
         pub supervised: bool,
-        /// Number of shards of the fleet.
-        #[schema(minimum = 1)]
-        pub shards: i64,
         /// Number of robots of the fleet, without decommissioned ones.
         #[schema(minimum = 0)]
         pub robots: i64,
@@ -85,16 +81,15 @@ sorts! {
     }
 }
 
-/// The list of fleets, given the condition that a lease is in force, and the expression for the owners' names.
+/// The list of fleets, given the condition that a lease is in force.
 macro_rules! fleets {
-    ($holds:literal, $holders:literal) => {
+    ($holds:literal) => {
         List {
             what: "list the fleets",
             select: concat!(
                 "SELECT q.*, alarms + CASE WHEN supervised THEN 0 ELSE 1 END AS attention FROM \
                  (SELECT row_number() OVER (ORDER BY fleet) AS fleet_id, fleet, \
-                 holder, coalesce(epoch, 0) AS epoch, coalesce(held = shards, false) AS supervised, \
-                 coalesce(shards, 1) AS shards, coalesce(robots, 0) AS robots, \
+                 holder, coalesce(epoch, 0) AS epoch, coalesce(held, false) AS supervised, coalesce(robots, 0) AS robots, \
                  coalesce(robots_online, 0) AS robots_online, coalesce(robots_silent, 0) AS robots_silent, \
                  coalesce(whiskers, 0) AS whiskers, \
                  coalesce(whiskers, 0) - coalesce(whiskers_unsound, 0) AS whiskers_healthy, \
@@ -104,14 +99,11 @@ macro_rules! fleets {
                  coalesce(whiskers_uncompensated, 0) AS whiskers_uncompensated, \
                  coalesce(whiskers_faulty, 0) AS whiskers_faulty, coalesce(proposals, 0) AS proposals, \
                  coalesce(alarms, 0) AS alarms, coalesce(alarms_shelved, 0) AS alarms_shelved \
-                 FROM (SELECT fleet FROM leases UNION SELECT fleet FROM robots) f LEFT JOIN (SELECT fleet, max(epoch) AS epoch, \
-                  count(*) AS shards, count(*) FILTER (WHERE ",
+                 FROM (SELECT fleet FROM leases UNION SELECT fleet FROM robots) f LEFT JOIN (SELECT fleet, epoch, (",
                 $holds,
-                ") AS held, ",
-                $holders,
-                " FILTER (WHERE ",
+                ") AS held, CASE WHEN ",
                 $holds,
-                ") AS holder FROM leases l GROUP BY fleet) l USING (fleet) \
+                " THEN holder END AS holder FROM leases l) l USING (fleet) \
                  LEFT JOIN (SELECT fleet, count(*) AS robots, \
                   count(*) FILTER (WHERE connection = 'ONLINE') AS robots_online, \
                   count(*) FILTER (WHERE connection = 'SILENT') AS robots_silent FROM (SELECT fleet, ",
@@ -144,10 +136,9 @@ macro_rules! fleets {
 }
 
 /// Fleets in SQLite: the owner holds each lease until it releases it.
-static OF_FILE: List = fleets!("l.owner IS NOT NULL", "max(holder)");
+static OF_FILE: List = fleets!("l.owner IS NOT NULL");
 /// Fleets in PostgreSQL: leases expire by the server's clock.
-static OF_SERVER: List =
-    fleets!("l.owner IS NOT NULL AND l.expires_us > clock_us()", "string_agg(DISTINCT holder, ', ' ORDER BY holder)");
+static OF_SERVER: List = fleets!("l.owner IS NOT NULL AND l.expires_us > clock_us()");
 
 /// All fleets that the database knows.
 #[must_use]

@@ -6,7 +6,6 @@ use sqlx::postgres::PgRow;
 use sqlx::{PgConnection, Row};
 use tokio::time::Instant;
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use super::{ClockReport, FleetLease, FleetsHeard, Membership, Present, Supervisor};
@@ -17,7 +16,7 @@ use crate::lease_watch::{LeaseWatch, Reading, Renewal};
 /// An answer of the database that took longer says too little about its clock.
 const ANSWER_MAX: Duration = Duration::from_millis(500);
 
-/// Registers the supervisor and renews its leases; returns the state of the cluster and the renewed shards. A row
+/// Registers the supervisor and renews its leases; returns the state of the cluster and the renewed fleets. A row
 /// that is locked by a commit of this supervisor is skipped, because the commit renews it. Each statement is its own
 /// transaction, because all supervisors do this several times a second.
 pub(super) async fn sign_in(
@@ -26,20 +25,19 @@ pub(super) async fn sign_in(
     held: &[Lease],
     (hearing, clock): (&FleetsHeard, ClockReport),
     watch: &mut LeaseWatch,
-) -> sqlx::Result<(Membership, Vec<(String, i64)>)> {
+) -> sqlx::Result<(Membership, Vec<String>)> {
     let joined = |fleets: &[Name]| fleets.iter().map(Name::as_str).collect::<Vec<_>>().join(",");
     let fleets: Vec<&str> = supervisor.fleets.iter().map(Name::as_str).collect();
-    let renewed = sqlx::query_as(
+    let renewed = sqlx::query_scalar(
         "WITH present AS (INSERT INTO supervisors (supervisor, holder, fleets, alive_us, deaf, heard, \
          time_to_live_us, clock_ahead_us, robots_ahead_us, clock_wrong) \
-         VALUES ($2, $5, $6, clock_us() + $1, $7, $8, $1, $10, $11, $12) ON CONFLICT (supervisor) DO UPDATE SET \
+         VALUES ($2, $5, $6, clock_us() + $1, $7, $8, $1, $9, $10, $11) ON CONFLICT (supervisor) DO UPDATE SET \
          alive_us = excluded.alive_us, deaf = excluded.deaf, heard = excluded.heard, \
          clock_ahead_us = excluded.clock_ahead_us, robots_ahead_us = excluded.robots_ahead_us, \
          clock_wrong = excluded.clock_wrong) \
-         UPDATE leases SET expires_us = clock_us() + $1 WHERE (fleet, shard) IN (SELECT l.fleet, l.shard FROM leases l \
-         JOIN unnest($3::text[], $4::bigint[], $9::bigint[]) AS h (fleet, epoch, shard) \
-         ON l.fleet = h.fleet AND l.shard = h.shard AND l.epoch = h.epoch \
-         WHERE owner = $2 FOR UPDATE OF l SKIP LOCKED) RETURNING fleet, shard",
+         UPDATE leases SET expires_us = clock_us() + $1 WHERE fleet IN (SELECT l.fleet FROM leases l \
+         JOIN unnest($3::text[], $4::bigint[]) AS h (fleet, epoch) ON l.fleet = h.fleet AND l.epoch = h.epoch \
+         WHERE owner = $2 FOR UPDATE OF l SKIP LOCKED) RETURNING fleet",
     )
     .bind(micros(supervisor.time_to_live))
     .bind(&*supervisor.id)
@@ -49,7 +47,6 @@ pub(super) async fn sign_in(
     .bind(fleets.join(","))
     .bind(joined(&hearing.deaf))
     .bind(joined(&hearing.heard))
-    .bind(held.iter().map(Lease::shard_number).collect::<Vec<_>>())
     .bind(clock.ahead_us)
     .bind(clock.robots_ahead_us)
     .bind(clock.is_wrong)
@@ -60,7 +57,7 @@ pub(super) async fn sign_in(
     if !fleets.iter().all(has_lease) {
         sqlx::query(
             "INSERT INTO leases (fleet, epoch, expires_us) SELECT f.fleet, 0, 0 FROM unnest($1::text[]) AS f (fleet) \
-             WHERE NOT EXISTS (SELECT 1 FROM leases l WHERE l.fleet = f.fleet) ON CONFLICT DO NOTHING",
+             ON CONFLICT DO NOTHING",
         )
         .bind(&fleets)
         .execute(&mut *link)
@@ -85,15 +82,14 @@ fn membership(
         if told > 0 { Duration::from_micros(told as u64) } else { supervisor.time_to_live }
     };
     let leases = rows.iter().filter(|row| is_lease(row)).filter_map(|row| {
-        let shard = shard_of(row)?;
+        let fleet = Name::new(row.get("fleet")).ok()?;
         let renewal =
             Renewal { epoch: row.get("epoch"), commits: row.get("commits"), expires_us: row.get("expires_us") };
         let left_us = row.get("left_us");
         let reading = Reading { renewal, left_us, time_to_live: time_to_live(row.get("owner")) };
-        let free_in = watch.lease(&shard, &reading, now);
+        let free_in = watch.lease(&fleet, &reading, now);
         Some(FleetLease {
-            shard,
-            shards_wanted: u32::try_from(row.get::<i64, _>("shards_wanted")).ok()?,
+            fleet,
             epoch: row.get::<i64, _>("epoch") as u64,
             owner: row.get("owner"),
             holder: row.get("holder"),
@@ -136,12 +132,12 @@ pub(super) async fn forget_the_gone(tx: &mut PgConnection) -> sqlx::Result<()> {
 async fn rows_of(link: &mut PgConnection, fleets: &[&str]) -> sqlx::Result<(Vec<PgRow>, Option<i64>)> {
     let (asked, asked_us) = (Instant::now(), wall_clock().0 as i64);
     let rows = sqlx::query(
-        "SELECT fleet, shard, shards, shards_wanted, epoch, owner, holder, commits, expires_us, \
+        "SELECT fleet, epoch, owner, holder, commits, expires_us, \
          expires_us - clock_us() AS left_us, clock_us() AS database_us, \
          NULL::text AS fleets, NULL::text AS deaf, NULL::text AS heard, NULL::bigint AS time_to_live_us, \
          NULL::bigint AS clock_ahead_us, NULL::bigint AS robots_ahead_us, NULL::boolean AS clock_wrong \
          FROM leases WHERE fleet = ANY($1) \
-         UNION ALL SELECT NULL, NULL, NULL, NULL, NULL, supervisor, NULL, NULL, alive_us, alive_us - clock_us(), \
+         UNION ALL SELECT NULL, NULL, supervisor, NULL, NULL, alive_us, alive_us - clock_us(), \
          clock_us(), fleets, deaf, heard, time_to_live_us, clock_ahead_us, robots_ahead_us, clock_wrong \
          FROM supervisors WHERE alive_us > clock_us()",
     )
@@ -154,11 +150,6 @@ async fn rows_of(link: &mut PgConnection, fleets: &[&str]) -> sqlx::Result<(Vec<
         row.get::<i64, _>("database_us") - asked_us - took.as_micros() as i64 / 2
     });
     Ok((rows, ahead_us))
-}
-
-fn shard_of(row: &PgRow) -> Option<FleetShard> {
-    let number = |column| u32::try_from(row.get::<i64, _>(column)).ok();
-    FleetShard::new(Name::new(row.get("fleet")).ok()?, number("shard")?, number("shards")?)
 }
 
 fn is_lease(row: &PgRow) -> bool {

@@ -7,17 +7,7 @@ use crate::row::{Row, Statement};
 
 /// Advances the commit counter of the lease and renews it; also used as a statement on its own.
 pub(in super::super) const COUNTED: &str = "UPDATE leases SET commits = $4 + 1, expires_us = clock_us() + $5 \
-    WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND commits = $4 AND shard = $6 RETURNING fleet";
-
-/// As [`COUNTED`], for the leases of several shards: advances the counters of all, or of none. The rows are locked before
-/// they are counted, because another transaction may have changed one since the statement began.
-const COUNTED_SEVERAL: &str = "WITH given AS (SELECT * FROM unnest($1::text[], $2::bigint[], $3::bigint[], \
-    $4::bigint[]) AS g (fleet, shard, epoch, commits)), \
-    locked AS (SELECT l.shard FROM given g JOIN leases l ON l.fleet = g.fleet AND l.shard = g.shard \
-    AND l.epoch = g.epoch AND l.commits = g.commits WHERE l.owner = $5 FOR UPDATE OF l) \
-    UPDATE leases AS l SET commits = g.commits + 1, expires_us = clock_us() + $6 FROM given g \
-    WHERE l.fleet = g.fleet AND l.shard = g.shard AND l.epoch = g.epoch AND l.commits = g.commits AND l.owner = $5 \
-    AND (SELECT count(*) FROM locked) = cardinality($1::text[]) RETURNING l.fleet";
+    WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND commits = $4 RETURNING fleet";
 
 /// Takes the parts of a statement in their order. One pass over the parts makes the text, another binds the values.
 pub(super) trait Parts: Sized {
@@ -32,7 +22,7 @@ impl Parts for Query {
     }
 }
 
-/// Text of the statement. The first part advances the commit counters; all others write nothing if it did not.
+/// Text of the statement. The first part advances the commit counter; all others write nothing if it did not.
 pub(super) struct Text {
     parts: Vec<String>,
     /// Number of parameters of all parts.
@@ -40,14 +30,9 @@ pub(super) struct Text {
 }
 
 impl Text {
-    /// The text with the first part only, for one lease.
-    pub(super) fn of_one() -> Self {
+    /// The text with the first part only.
+    pub(super) fn new() -> Self {
         Self { parts: Vec::new(), parameters: 0 }.with("counted", COUNTED)
-    }
-
-    /// The text with the first part only, for several leases.
-    pub(super) fn of_several() -> Self {
-        Self { parts: Vec::new(), parameters: 0 }.with("counted", COUNTED_SEVERAL)
     }
 
     /// Appends a part, and renumbers its parameters.

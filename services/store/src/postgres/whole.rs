@@ -1,7 +1,6 @@
 //! Writes a whole transaction as one statement: a single round trip to the server.
 //!
-//! The first part advances the commit counter in the lease of each shard; the other parts write nothing if it did not
-//! advance all of them. No part sees the rows that other parts write; foreign keys are checked at the end of the
+//! The first part advances the commit counter in the lease; the other parts write nothing if it did not. No part sees the rows that other parts write; foreign keys are checked at the end of the
 //! statement.
 
 use std::sync::LazyLock;
@@ -16,34 +15,33 @@ use crate::batch::{ContactRow, JournalRow, ResponseRow, RobotRow, RollupRow, Whi
 use crate::events::write::EventRow;
 use crate::records::tell_of_rollups;
 use crate::tables::{
-    ALARMS, ANSWERED, BINS, CANDIDATES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, EVENTS, HEALTH, InFleet, InShard,
-    JOURNAL, JOURNAL_DONE, LOG_POSITIONS, LogPositionRow, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS,
-    SETPOINTS, STATES, ShardNumber, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
+    ALARMS, ANSWERED, BINS, CANDIDATES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, EVENTS, HEALTH, InFleet, JOURNAL,
+    JOURNAL_DONE, JournalNumber, LOG_POSITIONS, LogPositionRow, REFINEMENTS, RESPONSES, ROBOT_ALARMS, ROBOT_CLEARED,
+    ROBOTS, SETPOINTS, STATES, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
 };
 use crate::{Batch, Lease, Resolution, StoreError, failed, tables};
 
-/// Statements of the transactions of one shard, and of several shards together.
-static OF_ONE: LazyLock<Statements> = LazyLock::new(|| Statements::beginning_with(Text::of_one));
-static OF_SEVERAL: LazyLock<Statements> = LazyLock::new(|| Statements::beginning_with(Text::of_several));
+/// Statements of the transactions.
+static STATEMENTS: LazyLock<Statements> = LazyLock::new(Statements::new);
 
 /// The texts of the statements.
 struct Statements {
     /// For a transaction that contains only contacts and journal entries.
     ordinary: String,
     /// For one that contains checkpoints, or positions in a log, too: nearly half of those of a quiet fleet. `whole`
-    /// takes the server twice as long for them (5.6 instead of 2.6 ms in a run with 64 shards).
+    /// takes the server twice as long for them (5.6 instead of 2.6 ms in a run with 64 fleets).
     checkpoints: String,
     /// For one with all kinds of rows; most of its parts usually write nothing.
     whole: String,
 }
 
 impl Statements {
-    fn beginning_with(begin: fn() -> Text) -> Self {
-        let rows = Whole::default();
+    fn new() -> Self {
+        let rows = Rows::default();
         Self {
-            ordinary: rows.ordinary(begin()).counting(&["counted"]),
-            checkpoints: rows.checkpoints(rows.ordinary(begin())).counting(&["counted"]),
-            whole: rows.rest(rows.checkpoints(rows.ordinary(begin()))).counting(&[
+            ordinary: rows.ordinary(Text::new()).counting(&["counted"]),
+            checkpoints: rows.checkpoints(rows.ordinary(Text::new())).counting(&["counted"]),
+            whole: rows.rest(rows.checkpoints(rows.ordinary(Text::new()))).counting(&[
                 "counted",
                 "minutes_new",
                 "hours_new",
@@ -52,78 +50,62 @@ impl Statements {
     }
 }
 
-impl Batch {
-    /// Whether one statement can write it: there are no layouts and no rare records.
-    #[must_use]
-    pub fn fits_one_statement(&self) -> bool {
-        self.layouts.is_empty() && Sorted::of(&self.records).is_some()
-    }
+/// A batch, with the lease under which it is written.
+pub(in super::super) struct Whole<'b> {
+    lease: &'b Lease,
+    rows: Rows<'b>,
 }
 
-/// The rows of one statement: those of a batch, or of the batches of several shards.
+/// The rows of one statement.
 #[derive(Default)]
-pub(in super::super) struct Whole<'b> {
-    leases: Vec<&'b Lease>,
+struct Rows<'b> {
     contacts: Vec<&'b ContactRow>,
-    journal: Vec<(InShard<'b>, &'b JournalRow)>,
-    journal_done: Vec<ShardNumber<'b>>,
+    journal: Option<(InFleet<'b>, &'b JournalRow)>,
+    journal_done: Option<JournalNumber<'b>>,
     log_positions: Vec<LogPositionRow<'b>>,
-    robots: Vec<&'b RobotRow>,
-    whiskers: Vec<&'b WhiskerRow>,
-    sorted: Sorted<'b>,
+    robots: &'b [RobotRow],
+    whiskers: &'b [WhiskerRow],
     has_records: bool,
-    responses: Vec<&'b ResponseRow>,
+    sorted: Sorted<'b>,
+    responses: &'b [ResponseRow],
     events: Vec<(InFleet<'b>, &'b EventRow)>,
     minutes: Vec<&'b RollupRow>,
     hours: Vec<&'b RollupRow>,
 }
 
 impl<'b> Whole<'b> {
-    /// The rows of batches, each of another shard. `None` if a batch has layouts or rare records, which need statements
-    /// of their own.
-    pub(in super::super) fn of(batches: &[(&'b Lease, &'b Batch)]) -> Option<Self> {
-        let mut rows =
-            Self { sorted: Sorted::of(batches.iter().flat_map(|(_, batch)| &batch.records))?, ..Self::default() };
-        for (lease, batch) in batches {
-            if !batch.layouts.is_empty() {
-                return None;
-            }
-            rows.add(lease, batch);
-        }
-        Some(rows)
+    /// The rows of a batch. `None` if it has layouts or rare records, which need statements of their own.
+    pub(in super::super) fn of(lease: &'b Lease, batch: &'b Batch) -> Option<Self> {
+        let sorted = Sorted::of(&batch.records).filter(|_| batch.layouts.is_empty())?;
+        let at = InFleet::of(lease);
+        let of = |resolution| batch.rollups.iter().filter(move |row| row.resolution == resolution).collect();
+        let rows = Rows {
+            contacts: batch.contacts.iter().collect(),
+            journal: batch.journal.as_ref().map(|row| (at, row)),
+            journal_done: batch.journal_done.map(|number| JournalNumber { fleet: at.fleet, number }),
+            log_positions: batch.log.rows(lease).collect(),
+            robots: &batch.robots,
+            whiskers: &batch.whiskers,
+            has_records: !batch.records.is_empty(),
+            sorted,
+            responses: &batch.responses,
+            events: batch.events.iter().map(|event| (at, event)).collect(),
+            minutes: of(Resolution::Minute),
+            hours: of(Resolution::Hour),
+        };
+        Some(Self { lease, rows })
     }
 
-    fn add(&mut self, lease: &'b Lease, batch: &'b Batch) {
-        let at = InShard::of(lease);
-        self.leases.push(lease);
-        self.contacts.extend(&batch.contacts);
-        self.journal.extend(batch.journal.iter().map(|row| (at, row)));
-        self.journal_done.extend(batch.journal_done.map(|number| ShardNumber::new(at, number)));
-        self.has_records |= !batch.records.is_empty();
-        self.log_positions.extend(batch.log.rows(lease));
-        self.robots.extend(&batch.robots);
-        self.whiskers.extend(&batch.whiskers);
-        self.responses.extend(&batch.responses);
-        self.events.extend(batch.events.iter().map(|event| (InFleet { fleet: at.fleet }, event)));
-        for row in &batch.rollups {
-            match row.resolution {
-                Resolution::Minute => self.minutes.push(row),
-                Resolution::Hour => self.hours.push(row),
-            }
-        }
-    }
-
-    /// Writes all rows and advances the commit counters. Returns false, and writes nothing, if a counter did not
-    /// advance.
+    /// Writes all rows and advances the commit counter. Returns false, and writes nothing, if it did not advance.
     ///
     /// Many contacts are written by `COPY`, which needs a transaction around both. They are written before the
-    /// leases' rows are locked: a `COPY` lasts as long as its bytes take to arrive, and a supervisor that freezes in it
+    /// lease's row is locked: a `COPY` lasts as long as its bytes take to arrive, and a supervisor that freezes in it
     /// must not block others from acquiring the fleet.
     pub(in super::super) async fn write(mut self, link: &mut PgConnection) -> Result<bool, StoreError> {
-        if !are_copied(self.contacts.len()) {
+        if !are_copied(self.rows.contacts.len()) {
             return self.write_rows(link).await.map_err(failed("commit"));
         }
-        let contacts = std::mem::take(&mut self.contacts);
+        let contacts = std::mem::take(&mut self.rows.contacts);
         let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
         copy_contacts(&mut tx, &contacts).await.map_err(failed("append contacts"))?;
         if !self.write_rows(&mut tx).await.map_err(failed("write rows"))? {
@@ -135,53 +117,61 @@ impl<'b> Whole<'b> {
     }
 
     async fn write_rows(&self, link: &mut PgConnection) -> sqlx::Result<bool> {
-        let has_rest = self.has_records
-            || !(self.events.is_empty()
-                && self.responses.is_empty()
-                && self.minutes.is_empty()
-                && self.hours.is_empty());
-        let statements = if self.leases.len() == 1 { &*OF_ONE } else { &*OF_SEVERAL };
-        let has_checkpoints = !(self.robots.is_empty() && self.whiskers.is_empty() && self.log_positions.is_empty());
+        let rows = &self.rows;
+        let (has_rest, has_checkpoints) = (rows.has_rest(), rows.has_checkpoints());
         let sql: &'static str = match (has_rest, has_checkpoints) {
-            (true, _) => &statements.whole,
-            (false, true) => &statements.checkpoints,
-            (false, false) => &statements.ordinary,
+            (true, _) => &STATEMENTS.whole,
+            (false, true) => &STATEMENTS.checkpoints,
+            (false, false) => &STATEMENTS.ordinary,
         };
-        let statement = match self.leases.as_slice() {
-            [lease] => lease.bind(sqlx::query(sql)),
-            several => Lease::bind_several(several, sqlx::query(sql)),
-        };
-        let mut statement = self.ordinary(statement);
+        let mut statement = rows.ordinary(self.lease.bind(sqlx::query(sql)));
         if has_rest || has_checkpoints {
-            statement = self.checkpoints(statement);
+            statement = rows.checkpoints(statement);
         }
         if has_rest {
-            statement = self.rest(statement);
+            statement = rows.rest(statement);
         }
         let written = statement.fetch_one(link).await?;
         if written.try_get::<i64, _>(0)? == 0 {
             return Ok(false);
         }
         if has_rest {
-            for (resolution, rows, at) in [(Resolution::Minute, &self.minutes, 1), (Resolution::Hour, &self.hours, 2)] {
-                tell_of_rollups(resolution, rows.len(), written.try_get::<i64, _>(at)? as u64);
+            for (resolution, rollups, at) in
+                [(Resolution::Minute, &rows.minutes, 1), (Resolution::Hour, &rows.hours, 2)]
+            {
+                tell_of_rollups(resolution, rollups.len(), written.try_get::<i64, _>(at)? as u64);
             }
         }
         Ok(true)
     }
+}
+
+impl Rows<'_> {
+    /// Whether there are rows of other kinds than contacts, journal and checkpoints.
+    fn has_rest(&self) -> bool {
+        self.has_records
+            || !(self.events.is_empty()
+                && self.responses.is_empty()
+                && self.minutes.is_empty()
+                && self.hours.is_empty())
+    }
+
+    /// Whether there are checkpoints, or positions in a log.
+    fn has_checkpoints(&self) -> bool {
+        !(self.robots.is_empty() && self.whiskers.is_empty() && self.log_positions.is_empty())
+    }
 
     /// The parts of all three statements.
     fn ordinary<P: Parts>(&self, parts: P) -> P {
-        parts.rows("journal_new", &JOURNAL, &self.journal).rows("journal_done", &JOURNAL_DONE, &self.journal_done).rows(
-            "contacts_new",
-            &CONTACTS,
-            &self.contacts,
-        )
+        parts
+            .rows("journal_new", &JOURNAL, self.journal.as_slice())
+            .rows("journal_done", &JOURNAL_DONE, self.journal_done.as_slice())
+            .rows("contacts_new", &CONTACTS, &self.contacts)
     }
 
     /// The parts of the two statements with checkpoints.
     fn checkpoints<P: Parts>(&self, parts: P) -> P {
-        parts.rows("robots_now", &ROBOTS, &self.robots).rows("whiskers_now", &WHISKERS, &self.whiskers).rows(
+        parts.rows("robots_now", &ROBOTS, self.robots).rows("whiskers_now", &WHISKERS, self.whiskers).rows(
             "log_positions_now",
             &LOG_POSITIONS,
             &self.log_positions,
@@ -209,7 +199,7 @@ impl<'b> Whole<'b> {
             .rows("robot_alarms_cleared", &ROBOT_CLEARED, &sorted.robot_cleared)
             .rows("touch_tests_new", &TOUCH_TESTS, &sorted.tests)
             .rows("touch_tests_now", &TOUCH_TEST_PROGRESS, &sorted.test_progress)
-            .rows("responses_new", &RESPONSES, &self.responses)
+            .rows("responses_new", &RESPONSES, self.responses)
             .rows("events_new", &EVENTS, &self.events)
             .rows("minutes_new", tables::rollups(Resolution::Minute), &self.minutes)
             .rows("hours_new", tables::rollups(Resolution::Hour), &self.hours)
@@ -222,9 +212,7 @@ mod tests {
 
     #[test]
     fn no_part_is_written_without_the_lease() {
-        let statements = [&*OF_ONE, &*OF_SEVERAL];
-        let texts = statements.into_iter().flat_map(|of| [&of.ordinary, &of.checkpoints, &of.whole]);
-        for sql in texts {
+        for sql in [&STATEMENTS.ordinary, &STATEMENTS.checkpoints, &STATEMENTS.whole] {
             let parts: usize =
                 [" AS (INSERT", " AS (UPDATE", " AS (DELETE"].map(|begin| sql.matches(begin).count()).iter().sum();
             let counted = usize::from(!sql.contains("counted AS (UPDATE"));

@@ -4,7 +4,7 @@ mod write;
 
 pub(super) use write::write;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use tokio::time::Duration;
 use utoipa::ToSchema;
 
@@ -91,24 +91,6 @@ pub struct RolloutChange {
     pub row: RolloutRow,
     /// The event that led to it; `None` for new numbers alone.
     pub event: Option<RolloutEvent>,
-}
-
-/// Parameters of the action `ROLLOUT_STAGE`, by which a further shard of the fleet follows a roll-out.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StageOfShard {
-    /// Number of the roll-out.
-    pub rollout_id: i64,
-    /// `POLICY` or `CALIBRATION`.
-    pub kind: String,
-    /// The change, as JSON.
-    pub change: String,
-    /// `STARTED`, `ADVANCED`, `COMPLETED` or `ROLLED_BACK`.
-    pub event: String,
-    /// Greatest place of the robots that the stages before have changed; `None` if none were, and for `ROLLED_BACK`.
-    pub place_before: Option<i64>,
-    /// Greatest place of the robots that change now.
-    pub place_max: i64,
 }
 
 from_row! {
@@ -228,22 +210,6 @@ impl Writer {
         self.attempt(WHAT, PATIENCE, async |link| {
             on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(since_us).bind(fleet).fetch_all(link).await)
                 .map_err(failed(WHAT))
-        })
-        .await
-    }
-}
-
-impl Writer {
-    /// The names of all robots of the lease's fleet, in all its shards.
-    ///
-    /// # Errors
-    /// The database cannot be read.
-    pub async fn robots_of_fleet(&mut self, lease: &Lease) -> Result<Vec<String>, StoreError> {
-        const WHAT: &str = "read the robots of a fleet";
-        const SQL: &str = "SELECT robot FROM robots WHERE fleet = $1 AND decommissioned_us IS NULL";
-        let fleet = lease.fleet().as_str();
-        self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_scalar(SQL).bind(fleet).fetch_all(link).await).map_err(failed(WHAT))
         })
         .await
     }

@@ -10,7 +10,6 @@ import { robotsActions } from "../parts/bulk.js";
 import { LABEL_COLUMN, LABEL_FILTER } from "../parts/labels.js";
 import { hasOverview, overview, OVERVIEW } from "../parts/overview.js";
 import { proposals, proposalsOf } from "../parts/proposals.js";
-import { shards, shardsOf } from "../parts/shards.js";
 import { trail } from "../table.js";
 import { CONNECTIONS } from "../words.js";
 import { health, present, supervision } from "./fleets.js";
@@ -65,10 +64,10 @@ export default {
       proposalsOf({ fleet }),
       hasOverview() ? get(OVERVIEW, { fleet }) : null,
     ]);
-    return { about, page, waiting, told, parts: await shardsOf(about), state };
+    return { about, page, waiting, told, state };
   },
 
-  view({ about, page, waiting, told, parts, state }, { fleet }, refresh) {
+  view({ about, page, waiting, told, state }, { fleet }, refresh) {
     return [
       trail(["Fleets", link.fleets()]),
       h("h1", { tabindex: "-1" }, `Fleet ${fleet}`),
@@ -87,7 +86,6 @@ export default {
       ),
       proposals(waiting, refresh),
       overview(told, fleet),
-      shards(parts),
       page.items.length ? robotsActions(filterOf(fleet, state), refresh) : null,
       robots.view(page, {
         caption: "Robots",

@@ -1,6 +1,6 @@
 //! The archive of contacts: Parquet files on an object store, by fleet and day.
 //!
-//! The owner of a fleet's first shard writes one file after the other from the database, which has the position, and the span of
+//! The owner of a fleet writes one file after the other from the database, which has the position, and the span of
 //! the file that is being written (`vibrissa_store::archive`). The name of a file follows from its span, so an attempt that was interrupted at any moment is repeated under the same name with the same
 //! contacts. Failures delay the archive, and nothing else.
 
@@ -54,7 +54,7 @@ impl Archive {
     pub(crate) async fn run(self, lease: Lease, store: Store, metrics: FleetMetrics) {
         let mut writer = store.writer();
         let mut backoff = Backoff::default();
-        let fleet = lease.shard().clone();
+        let fleet = lease.fleet().clone();
         loop {
             match self.next(&lease, &store, &mut writer, &metrics).await {
                 Ok(is_more) => {

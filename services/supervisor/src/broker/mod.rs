@@ -39,7 +39,7 @@ const WAITING_MAX: usize = 2_000;
 const UNRELEASED_MAX: u16 = 32;
 /// Messages to a client that wait for its acknowledgement; the next ones wait in the library's queue.
 const UNACKNOWLEDGED_MAX: u16 = 32;
-/// Subscriptions of a client: a shard of a divided fleet has six for each of up to 20,000 robots.
+/// Subscriptions of a client: a supervisor has six for each fleet, and other programs may name their robots one by one.
 const SUBSCRIPTIONS_MAX: usize = 150_000;
 /// Bytes that wait within the library for one client while it takes no more.
 const WAITING_BYTES_MAX: usize = 1024 * 1024;

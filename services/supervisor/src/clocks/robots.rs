@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use vibrissa_edge::shard::FleetShard;
+use vibrissa_protocol::Name;
 
 use super::judge::{NEAR_US, SET_FROM_US, median};
 
@@ -12,19 +12,19 @@ const ROBOTS_MIN: usize = 3;
 /// A robot of a fleet counts only up to this number, so that a very large fleet costs nothing.
 pub(crate) const ROBOTS_MAX: usize = 200;
 
-/// How far the clocks of robots are ahead of the supervisor's, by shard. Clones share their content.
+/// How far the clocks of robots are ahead of the supervisor's, by fleet. Clones share their content.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct RobotClocks(Arc<Mutex<BTreeMap<FleetShard, Vec<i64>>>>);
+pub(crate) struct RobotClocks(Arc<Mutex<BTreeMap<Name, Vec<i64>>>>);
 
 impl RobotClocks {
-    /// Takes in how far the robots of a shard are ahead, in µs.
-    pub(crate) fn show(&self, shard: &FleetShard, ahead_us: Vec<i64>) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(shard.clone(), ahead_us);
+    /// Takes in how far the robots of a fleet are ahead, in µs.
+    pub(crate) fn show(&self, fleet: &Name, ahead_us: Vec<i64>) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(fleet.clone(), ahead_us);
     }
 
-    /// Forgets a shard that is not supervised here any more.
-    pub(crate) fn forget(&self, shard: &FleetShard) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).remove(shard);
+    /// Forgets a fleet that is not supervised here any more.
+    pub(crate) fn forget(&self, fleet: &Name) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).remove(fleet);
     }
 
     /// How far the robots' median is ahead at `now_us`.
@@ -65,9 +65,9 @@ mod tests {
     }
 
     #[test]
-    fn the_robots_of_all_shards_vote_together() {
+    fn the_robots_of_all_fleets_vote_together() {
         let clocks = RobotClocks::default();
-        let fleet = |name| FleetShard::whole(vibrissa_protocol::Name::new(name).unwrap());
+        let fleet = |name| Name::new(name).unwrap();
         clocks.show(&fleet("a"), vec![1, 2]);
         assert_eq!(clocks.vote(NOW_US), None);
         clocks.show(&fleet("b"), vec![3]);

@@ -11,7 +11,6 @@ use vibrissa_edge::actions::{self, ActionKind, PolicyChange, RecordedKind, Reque
 use vibrissa_edge::events::EventKind;
 use vibrissa_edge::full_name::FullName;
 use vibrissa_edge::ids::command_id;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_edge::words::{Word, named};
 use vibrissa_protocol::{Name, plain};
 
@@ -44,15 +43,13 @@ pub(super) struct ParamsInForce {
     pub(super) policy_version: i64,
 }
 
-/// Execution of the actions of one shard of a fleet.
+/// Execution of the actions of a fleet.
 pub(super) struct Execution<'a> {
-    pub(super) place: &'a FleetShard,
+    pub(super) fleet: &'a Name,
     pub(super) shards: &'a mut Shards,
     pub(super) in_force: &'a mut ParamsInForce,
-    /// Roll-out that is running or paused; always `None` in further shards of a fleet.
+    /// Roll-out that is running or paused.
     pub(super) rollout: &'a mut Option<Rollout>,
-    /// Names of all robots of a fleet with several shards; empty if they are not needed, or all are in this shard.
-    pub(super) robots_of_fleet: &'a [String],
     pub(super) metrics: &'a FleetMetrics,
     /// Time for the core.
     pub(super) now: Micros,
@@ -95,7 +92,7 @@ impl Execution<'_> {
         };
         self.metrics.actions.count([kind, state]);
         info!(
-            fleet = %self.place, subject = subject_of(self.place, action).map(display), action = action.action_id, kind,
+            fleet = %self.fleet, subject = subject_of(self.fleet, action).map(display), action = action.action_id, kind,
             state, problem, actor = action.actor, "operator action handled"
         );
         let (action_id, done_us) = (action.action_id, wall_clock().0 as i64);
@@ -146,7 +143,6 @@ impl Execution<'_> {
             RecordedKind::RolloutResume => self.order_rollout(action, Order::Resume),
             RecordedKind::RolloutAdvance => self.order_rollout(action, Order::Advance),
             RecordedKind::RolloutBack => self.order_rollout(action, Order::RollBack),
-            RecordedKind::RolloutStage => self.follow_rollout(action),
             _ => Err(format!("UNKNOWN_KIND: {} needs no engine", kind.word())),
         }
     }
@@ -196,7 +192,7 @@ impl Execution<'_> {
         let Some(known) = self.shards.robot(name) else { return };
         let Some(whisker) = known.robot.find(place.array, place.whisker) else { return };
         let Some((test, _)) = known.robot.tests_under_way().find(|(_, of)| *of == whisker) else { return };
-        let (robot_id, test_id) = (known.robot_id, command_id(self.place.fleet(), name, test));
+        let (robot_id, test_id) = (known.robot_id, command_id(self.fleet, name, test));
         // The event of the answer tells of it.
         self.shards.record(Record::TestOfAction { action_id, robot_id, test_id }, None);
     }
@@ -208,10 +204,7 @@ impl Execution<'_> {
         let activation: Activation =
             serde_json::from_str(&action.parameters).map_err(|problem| malformed(plain::data(&problem.to_string())))?;
         self.without_rollout()?;
-        match self.place.is_first() {
-            true => self.activate(&activation, &action.actor).map_err(malformed)?,
-            false => self.set_params(with_model(&self.in_force.params, &activation.calibration).map_err(malformed)?),
-        }
+        self.activate(&activation, &action.actor).map_err(malformed)?;
         let names: Vec<Name> = self.shards.in_service().map(|known| known.name.clone()).collect();
         self.relearn(&names, &activation.calibration.name);
         Ok(())
@@ -221,7 +214,7 @@ impl Execution<'_> {
     pub(super) fn activate(&mut self, activation: &Activation, actor: &str) -> Result<(), String> {
         self.set_params(with_model(&self.in_force.params, &activation.calibration)?);
         let row = ActivationRow {
-            fleet: self.place.fleet().to_string(),
+            fleet: self.fleet.to_string(),
             model: activation.calibration.name.clone(),
             calibration_id: activation.calibration_id,
             activated_us: wall_clock().0 as i64,
@@ -238,16 +231,11 @@ impl Execution<'_> {
     fn change_policy(&mut self, action: &Action, change: &PolicyChange) -> Result<(), Problem> {
         let in_force = self.in_force.policy_version;
         let policy = change.over(self.in_force.params.policy);
-        if self.place.is_first() {
-            if change.expected_version != in_force {
-                return Err(format!("VERSION: version {in_force} is in force, not {}", change.expected_version));
-            }
-            self.without_rollout()?;
-            self.set_policy(&policy, (&action.actor, action.reason.clone(), action.action_id));
-        } else if change.expected_version >= in_force {
-            // The first shard has checked and recorded it. At the start of this shard it may have been in force already.
-            self.put_in_force(&policy, change.expected_version + 1);
+        if change.expected_version != in_force {
+            return Err(format!("VERSION: version {in_force} is in force, not {}", change.expected_version));
         }
+        self.without_rollout()?;
+        self.set_policy(&policy, (&action.actor, action.reason.clone(), action.action_id));
         let names: Vec<Name> = self.shards.in_service().map(|known| known.name.clone()).collect();
         for name in names {
             self.shards.step(&name, self.now, &Event::PolicyChanged);
@@ -261,10 +249,13 @@ impl Execution<'_> {
         policy: &PolicyParams,
         (actor, reason, action_id): (&str, Option<String>, i64),
     ) {
-        self.put_in_force(policy, self.in_force.policy_version + 1);
+        let version = self.in_force.policy_version + 1;
+        self.set_params(Arc::new(Params { policy: *policy, ..(*self.in_force.params).clone() }));
+        self.in_force.policy_version = version;
+        fleet_metrics::show_params(self.metrics, &self.in_force.params, version);
         let changed = PolicyChanged {
-            fleet: self.place.fleet().to_string(),
-            version: self.in_force.policy_version,
+            fleet: self.fleet.to_string(),
+            version,
             changed_us: wall_clock().0 as i64,
             changed_by: actor.to_owned(),
             reason,
@@ -273,12 +264,6 @@ impl Execution<'_> {
         let parts = Parts { policy: Some(PolicyPart { version: changed.version }), ..Parts::default() };
         let told = event(EventKind::Policy, changed.changed_us, &parts);
         self.shards.record(Record::Policy(Box::new(PolicyRow::new(policy, changed))), Some(told));
-    }
-
-    pub(super) fn put_in_force(&mut self, policy: &PolicyParams, version: i64) {
-        self.set_params(Arc::new(Params { policy: *policy, ..(*self.in_force.params).clone() }));
-        self.in_force.policy_version = version;
-        fleet_metrics::show_params(self.metrics, &self.in_force.params, version);
     }
 }
 
@@ -297,8 +282,8 @@ fn answered(action_id: i64, state: &'static str, done_us: i64) -> EventRow {
 }
 
 /// Full name of the robot or whisker that an action is about.
-fn subject_of<'a>(place: &'a FleetShard, action: &'a Action) -> Option<FullName<'a>> {
-    let robot = FullName::robot(place.fleet().as_str(), action.robot.as_deref()?);
+fn subject_of<'a>(fleet: &'a Name, action: &'a Action) -> Option<FullName<'a>> {
+    let robot = FullName::robot(fleet.as_str(), action.robot.as_deref()?);
     let number = action.whisker.and_then(|whisker| u16::try_from(whisker).ok());
     Some(match (&action.array, number) {
         (Some(array), Some(number)) => robot.whisker(array, number),

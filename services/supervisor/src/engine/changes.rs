@@ -2,10 +2,7 @@
 
 use tokio::time::Instant;
 use tracing::warn;
-use vibrissa_core::rollout::Verdict;
 use vibrissa_core::units::Micros;
-use vibrissa_edge::actions::RecordedKind;
-use vibrissa_edge::words::Word as _;
 use vibrissa_protocol::Refusal;
 use vibrissa_store::actions::{Action, Pending};
 use vibrissa_store::refusals::RefusalRow;
@@ -22,9 +19,6 @@ const REFUSING_ROBOTS_AT_A_TIME: usize = 100;
 
 /// Name of refused messages in the service's readiness.
 const REFUSED: &str = "refused";
-
-/// Actions by which a roll-out enters a stage.
-const ENTERING: [RecordedKind; 2] = [RecordedKind::RolloutStart, RecordedKind::RolloutAdvance];
 
 impl Engine {
     /// Executes the pending actions. If the database is unreachable, this does not wait: the actions stay pending.
@@ -48,16 +42,9 @@ impl Engine {
         if (pending.len() + unreadable.len()) as i64 == ACTIONS_MAX {
             self.action_sent.notify_one();
         }
-        let enters_stage = |action: &Action| ENTERING.iter().any(|kind| action.kind == kind.word());
-        let mut robots_of_fleet = Vec::new();
-        if pending.iter().any(enters_stage) {
-            let Some(robots) = committer.robots_of_fleet().await else { return Ok(()) };
-            robots_of_fleet = robots;
-        }
-        let robots_of_fleet = &robots_of_fleet;
         let (leaving, others): (Vec<&Action>, Vec<&Action>) = pending.iter().partition(|action| leaves(action));
-        let Self { place, shards, in_force, rollout, metrics, suspects, pipeline, .. } = self;
-        let mut execution = Execution { place, shards, in_force, rollout, robots_of_fleet, metrics, now };
+        let Self { fleet, shards, in_force, rollout, metrics, suspects, pipeline, .. } = self;
+        let mut execution = Execution { fleet, shards, in_force, rollout, metrics, now };
         for action in others {
             execution.handle(action, suspects, pipeline);
         }
@@ -74,10 +61,8 @@ impl Engine {
 
     /// Answers an action outside of [`Execution`]; `None` if it has expired.
     pub(super) fn answer(&mut self, action: &Action, robot_id: i64, done: Option<Result<(), String>>) {
-        let Self { place, shards, in_force, rollout, metrics, pipeline, .. } = self;
-        let robots_of_fleet = &[];
-        let mut execution =
-            Execution { place, shards, in_force, rollout, robots_of_fleet, metrics, now: Micros::default() };
+        let Self { fleet, shards, in_force, rollout, metrics, pipeline, .. } = self;
+        let mut execution = Execution { fleet, shards, in_force, rollout, metrics, now: Micros::default() };
         execution.answer(action, robot_id, done, pipeline);
     }
 
@@ -96,14 +81,8 @@ impl Engine {
         };
         let Some(rollout) = self.rollout.as_mut() else { return Ok(()) };
         let comparison = rollout.compare(&errors);
-        let mut robots_of_fleet = Vec::new();
-        if matches!(comparison.verdict, Verdict::Advance(_)) {
-            let Some(robots) = committer.robots_of_fleet().await else { return Ok(()) };
-            robots_of_fleet = robots;
-        }
-        let robots_of_fleet = &robots_of_fleet;
-        let Self { place, shards, in_force, rollout, metrics, .. } = self;
-        Execution { place, shards, in_force, rollout, robots_of_fleet, metrics, now }.review_rollout(comparison);
+        let Self { fleet, shards, in_force, rollout, metrics, .. } = self;
+        Execution { fleet, shards, in_force, rollout, metrics, now }.review_rollout(comparison);
         self.show_rollout();
         self.pipeline.stepped(0, &self.shards);
         Ok(())
@@ -156,6 +135,6 @@ impl Engine {
         let what =
             format!("messages of robot {robot} are refused ({topic}, {reason}): {problem}. Its page counts them");
         self.refusals_told_from = now + SET_ASIDE_TOLD;
-        self.readiness.tell_set_aside(&self.place, REFUSED, what);
+        self.readiness.tell_set_aside(&self.fleet, REFUSED, what);
     }
 }

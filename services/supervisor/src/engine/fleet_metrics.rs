@@ -8,8 +8,8 @@ use vibrissa_core::robot::effect::AlarmKind;
 use vibrissa_core::robot::{Params, Robot, WhiskerView};
 use vibrissa_core::units::Micros;
 use vibrissa_edge::presence::Presence;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_edge::words::Word;
+use vibrissa_protocol::Name;
 
 use super::message::MessageTimes;
 use super::robot::KnownRobot;
@@ -118,7 +118,7 @@ fn health(view: &WhiskerView<'_>) -> Label {
 }
 
 /// Counts robots, whiskers, alarms and compensations.
-pub(super) fn survey_robots(shards: &mut Shards, place: &FleetShard, program: &Metrics, metrics: &FleetMetrics) {
+pub(super) fn survey_robots(shards: &mut Shards, fleet: &Name, program: &Metrics, metrics: &FleetMetrics) {
     let mut survey = Survey::default();
     for known in shards.robots_mut().filter(|known| !known.is_excluded) {
         survey.add(known);
@@ -140,7 +140,7 @@ pub(super) fn survey_robots(shards: &mut Shards, place: &FleetShard, program: &M
     metrics.compensation_air_error_mean_ratio.set_all(mean(|one| one.air_alone.value()));
     metrics.compensation_predicted_error_mean_ratio.set_all(mean(|one| one.predicted.value()));
     if let Some(whiskers) = &program.whiskers {
-        whiskers.show(place, shards.in_service().map(|known| sample(known.name.as_str(), known)).collect());
+        whiskers.show(fleet, shards.in_service().map(|known| sample(known.name.as_str(), known)).collect());
     }
 }
 

@@ -39,7 +39,7 @@ impl Engine {
             }
             notice
         });
-        self.readiness.notice_of(&self.place, FACTSHEETS, notice);
+        self.readiness.notice_of(&self.fleet, FACTSHEETS, notice);
         let notice = deaf.one.map(|robot| {
             let topic = RobotTopic::Receipt.of(&self.fleet, &robot);
             format!(
@@ -48,6 +48,6 @@ impl Engine {
                 deaf.count
             )
         });
-        self.readiness.notice_of(&self.place, RECEIPTS, notice);
+        self.readiness.notice_of(&self.fleet, RECEIPTS, notice);
     }
 }

@@ -31,7 +31,6 @@ mod rollout;
 mod shard;
 mod start;
 
-pub(crate) use commit::joint::JointCommits;
 pub use robot::limits::Limits;
 pub use robot::retention::ContactRetention;
 pub use robot::rollup;
@@ -43,9 +42,8 @@ use std::sync::Arc;
 use tokio::runtime::Handle;
 use tokio::sync::{Notify, mpsc};
 use tokio::task::yield_now;
-use tokio::time::{Instant, sleep_until};
+use tokio::time::{Duration, Instant, Interval, MissedTickBehavior, interval_at, sleep_until};
 use vibrissa_core::units::Micros;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use crate::action_notifier::ActionNotifier;
@@ -91,8 +89,6 @@ const SURVEY_SHARE: u32 = 50;
 /// Supervision of one fleet: shards that own its robots, and a sequence of transactions.
 pub(crate) struct Engine {
     fleet: Name,
-    /// The shard of the fleet; most fleets have one.
-    place: FleetShard,
     shards: Shards,
     pipeline: Pipeline,
     suspects: Suspects,
@@ -130,8 +126,6 @@ pub(crate) struct Engine {
     refusals_told_from: Instant,
     /// Whether the contacts are archived.
     is_archived: bool,
-    /// Ticks and commits together with the other shards of this supervisor.
-    joint: JointCommits,
 }
 
 impl Engine {
@@ -154,10 +148,10 @@ impl Engine {
 
     async fn work(&mut self, mut inbox: Inbox, mut log: Option<mpsc::Receiver<LogBatch>>) -> Result<(), LeaseLost> {
         let between_receipts = if self.log.is_some() { TICK } else { RECEIPTS };
-        let (mut ticks, mut receipts) = (self.joint.ticks(TICK), self.joint.ticks(between_receipts));
+        let (mut ticks, mut receipts) = (every(TICK), every(between_receipts));
         let action_sent = self.action_sent.clone();
         let mut messages = Vec::with_capacity(MESSAGES_AT_A_TIME);
-        let mut is_ticking = false;
+        let (mut is_ticking, mut number) = (false, 0_u32);
         loop {
             let has_room = self.shards.has_room();
             inbox.begin_round(self.pipeline.schedule().number());
@@ -190,8 +184,9 @@ impl Engine {
                         yield_now().await;
                     }
                 }
-                due = ticks.tick() => {
-                    self.at_tick(&inbox, due).await?;
+                _ = ticks.tick() => {
+                    number = number.wrapping_add(1);
+                    self.at_tick(&inbox, number).await?;
                     is_ticking = true;
                 }
                 () = action_sent.notified() => {
@@ -220,13 +215,10 @@ impl Engine {
 
     /// Periodic work besides the core's ticks. It is done together, because each wake-up finds cold caches and costs
     /// far more than a message.
-    async fn at_tick(&mut self, inbox: &Inbox, due: Instant) -> Result<(), LeaseLost> {
+    async fn at_tick(&mut self, inbox: &Inbox, number: u32) -> Result<(), LeaseLost> {
         self.settle().await?;
         self.restart_silence_timers_if_deaf(inbox);
-        let number = self.joint.tick_number(TICK, due);
         let is_round = self.pipeline.schedule().tick(number);
-        // Shards do their other periodic work at different ticks.
-        let number = number.wrapping_add(self.place.number());
         if is_round {
             self.publish_estimates();
             self.check_receipts();
@@ -246,11 +238,11 @@ impl Engine {
             fleet_metrics::show_queues(&self.metrics, inbox, self.pipeline.outbox_filling());
             if self.survey_from <= Instant::now() {
                 let begun = Instant::now();
-                fleet_metrics::survey_robots(&mut self.shards, &self.place, &self.program, &self.metrics);
+                fleet_metrics::survey_robots(&mut self.shards, &self.fleet, &self.program, &self.metrics);
                 // From a log messages come late, so they tell nothing about the time.
                 if self.log.is_none() {
                     let ahead_us = fleet_metrics::clocks_ahead_us(&self.shards, wall_clock());
-                    self.robot_clocks.show(&self.place, ahead_us);
+                    self.robot_clocks.show(&self.fleet, ahead_us);
                 }
                 self.survey_from = begun + begun.elapsed() * SURVEY_SHARE;
             }
@@ -289,25 +281,6 @@ impl Engine {
     /// The reader of the partitioned log, and where it is to begin, if contacts come from one.
     pub(crate) fn log(&self) -> Option<(LogReader, NextOffsets)> {
         self.log.clone().map(|log| (log, self.log_from.clone()))
-    }
-
-    /// Names of the known robots.
-    pub(crate) fn robots(&self) -> impl Iterator<Item = &Name> {
-        self.shards.robots().map(|known| &known.name)
-    }
-
-    /// Writes checkpoints of all robots, so that no journal row is needed any more. Returns false if the database rejects
-    /// some.
-    pub(crate) async fn drain(mut self) -> Result<bool, LeaseLost> {
-        loop {
-            self.finish().await?;
-            if !self.suspects.is_empty() {
-                return Ok(false);
-            }
-            if self.shards.oldest_entry().is_none() {
-                return Ok(true);
-            }
-        }
     }
 
     /// Seals the open batches and starts to write them.
@@ -406,6 +379,13 @@ impl Engine {
     fn restart_silence_timers(&mut self) {
         self.shards.restart_silence_timers(wall_clock());
     }
+}
+
+/// Ticks with this period, the first one after it.
+fn every(period: Duration) -> Interval {
+    let mut ticks = interval_at(Instant::now() + period, period);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    ticks
 }
 
 /// The next records of the log; waits for ever without a log. Cancel safe.

@@ -14,7 +14,6 @@ use super::actions::ParamsInForce;
 use super::allow_list_sources::AllowListSources;
 use super::birth_watch::BirthWatch;
 use super::commit::committer::Committer;
-use super::commit::joint::JointCommits;
 use super::commit::pipeline::Pipeline;
 use super::commit::recovery::recover;
 use super::quarantine::suspects::Suspects;
@@ -76,16 +75,14 @@ pub(crate) struct EngineOptions {
     pub(crate) robot_clocks: RobotClocks,
     /// Whether the contacts are archived.
     pub(crate) is_archived: bool,
-    /// Commits together with the other shards of this supervisor.
-    pub(crate) joint: JointCommits,
     /// Traces, if there is a collector; those of setpoints under way are continued.
     pub(crate) traces: Option<Traces>,
 }
 
-/// The part of a shard that is not ready while stored items were set aside.
+/// The part of a fleet that is not ready while stored items were set aside.
 const STORED: &str = "stored";
 
-/// The part of a shard with robots that wait for a newer version of the program.
+/// The part of a fleet with robots that wait for a newer version of the program.
 const NEWER: &str = "newer program";
 
 /// One shard per core.
@@ -102,8 +99,8 @@ impl EngineOptions {
         let Self { lease, boot_id, mut writer, metrics: program, readiness, action_notifier, .. } = self;
         let (fleet, epoch) = (lease.fleet().clone(), lease.epoch());
         // Before anything is read, so that no change is missed.
-        let action_sent = action_notifier.subscribe(lease.shard());
-        let metrics = program.of_shard(lease.shard());
+        let action_sent = action_notifier.subscribe(lease.fleet());
+        let metrics = program.of_fleet(lease.fleet());
         let set_aside_before = metrics.all_set_aside();
         let policy = writer.policy(&lease).await?;
         metrics.set_aside(Reader::Policy, policy.iter().filter(|policy| policy.params().is_none()).count() as u64);
@@ -127,16 +124,14 @@ impl EngineOptions {
         }
         let rollout = open_rollout(&mut writer, &lease, &params, &metrics).await?;
         shards.set_trial(rollout.as_ref().map(Rollout::trial).as_ref());
-        // The first shard compares and decides; the others follow it.
-        let rollout = rollout.filter(|_| lease.shard().is_first());
         let allowed = writer.allowed_robots(&lease, 0).await?;
         let last = recover(&mut writer, &lease, &mut shards, self.log.as_ref(), &metrics).await?;
         let set_aside = metrics.all_set_aside() - set_aside_before;
         if set_aside > 0 {
             let what = format!("{set_aside} stored items cannot be read and are set aside: see the log");
-            readiness.tell_set_aside(lease.shard(), STORED, what);
+            readiness.tell_set_aside(lease.fleet(), STORED, what);
         }
-        readiness.notice_of(lease.shard(), NEWER, shards.left_to_newer_program());
+        readiness.notice_of(lease.fleet(), NEWER, shards.left_to_newer_program());
         // Also without an archive here: the last owner may have had one.
         let contacts_from_us = writer.archive_floor(&fleet).await?;
         let mut log_from = NextOffsets::new();
@@ -154,10 +149,10 @@ impl EngineOptions {
         for shard in shards.iter_mut() {
             shard.stepper_mut().set_boxes(boxes.clone());
         }
-        info!(fleet = %lease.shard(), epoch, robots = shards.robot_count(), "fleet loaded, supervision starts");
+        info!(fleet = %lease.fleet(), epoch, robots = shards.robot_count(), "fleet loaded, supervision starts");
         // As if a contact had just arrived, so that a silent fleet counts as silent from now on.
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
-        let committer = Committer::new(lease.clone(), writer, program.clone(), self.log.clone(), self.joint.join());
+        let committer = Committer::new(lease.clone(), writer, program.clone(), self.log.clone());
         let workers = Handle::current();
         let mut pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
         // Contacts that a host receives before its clock is set would be deleted as old.
@@ -170,14 +165,13 @@ impl EngineOptions {
         }
         shards.set_number(pipeline.open_number());
         fleet_metrics::show_params(&metrics, &params, policy_version);
-        fleet_metrics::survey_robots(&mut shards, lease.shard(), &program, &metrics);
+        fleet_metrics::survey_robots(&mut shards, &fleet, &program, &metrics);
         if let Some(traces) = &self.traces {
             trace(&mut shards, &fleet, traces);
         }
         let new_robots_per_minute = self.limits.new_robots_per_minute;
         Ok(Engine {
             allow_list: AllowListSources::new(fleet.clone(), allowed.as_ref(), self.robots_file, &mut shards),
-            place: lease.shard().clone(),
             suspects: Suspects::new(lease, metrics.clone(), readiness.clone()),
             readiness,
             in_force: ParamsInForce { params, policy_version },
@@ -186,7 +180,6 @@ impl EngineOptions {
             action_notifier,
             birth_watch: BirthWatch::new(),
             limits: self.limits,
-            joint: self.joint,
             new_robots: Bucket::new(new_robots_per_minute, new_robots_per_minute),
             robot_clocks: self.robot_clocks,
             survey_from: Instant::now(),

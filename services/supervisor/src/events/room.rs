@@ -3,18 +3,18 @@
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 
 use tracing::{info, warn};
-use vibrissa_edge::shard::FleetShard;
+use vibrissa_protocol::Name;
 use vibrissa_store::events::write::EventRow;
 
 use crate::metrics::FleetMetrics;
 
-/// Room for a shard's contacts in the outbox. The engine adds what it writes, the publisher takes away what the log has
+/// Room for a fleet's contacts among the waiting events. The engine adds what it writes, the publisher takes away what the log has
 /// acknowledged.
 ///
 /// The size is an estimate: an event counts before its transaction is committed. The publisher measures it from time to time.
 #[derive(Debug)]
 pub(crate) struct OutboxRoom {
-    pub(crate) shard: FleetShard,
+    pub(crate) fleet: Name,
     pub(crate) metrics: FleetMetrics,
     /// Bytes of waiting events from which contacts are left out, until half of them wait.
     pub(crate) bytes_max: i64,
@@ -36,10 +36,10 @@ impl OutboxRoom {
         let was_full = self.is_full.load(Ordering::Relaxed);
         // Half of the limit, so that a log that is too slow makes few and long gaps.
         let is_full = bytes >= if was_full { self.bytes_max / 2 } else { self.bytes_max };
-        // Several threads step the robots of a shard; one of them says it.
+        // Several threads step the robots of a fleet; one of them says it.
         let changes = |from, to| self.is_full.compare_exchange(from, to, Ordering::Relaxed, Ordering::Relaxed).is_ok();
         if is_full != was_full && changes(was_full, is_full) {
-            let (fleet, left_out) = (&self.shard, self.metrics.contacts_left_out.get());
+            let (fleet, left_out) = (&self.fleet, self.metrics.contacts_left_out.get());
             if is_full {
                 warn!(%fleet, bytes, "too many events wait for the log, contacts are left out; all other events are kept");
             } else {

@@ -29,11 +29,11 @@ pub(super) async fn livez() -> &'static str {
 /// while the database hangs.
 async fn readyz(State(readiness): State<Readiness>) -> Response {
     let reasons = readiness.problems();
-    let (shards, nodes) = (readiness.shards(), readiness.nodes());
+    let (fleets, nodes) = (readiness.fleets(), readiness.nodes());
     let promises: BTreeMap<String, _> =
-        readiness.promises().into_iter().map(|(shard, ages)| (shard.to_string(), ages)).collect();
-    let fleets: BTreeMap<String, _> = shards.iter().map(|(shard, standing)| (shard.to_string(), standing)).collect();
-    let nodes: BTreeMap<String, _> = nodes.into_iter().map(|(shard, nodes)| (shard.to_string(), nodes)).collect();
+        readiness.promises().into_iter().map(|(fleet, ages)| (fleet.to_string(), ages)).collect();
+    let fleets: BTreeMap<String, _> = fleets.iter().map(|(fleet, standing)| (fleet.to_string(), standing)).collect();
+    let nodes: BTreeMap<String, _> = nodes.into_iter().map(|(fleet, nodes)| (fleet.to_string(), nodes)).collect();
     let is_ready = reasons.is_empty();
     let status = if is_ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
     let body = json!({

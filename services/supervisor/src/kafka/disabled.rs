@@ -2,7 +2,7 @@
 //! [`Kafka`] has no value, so no method of this module ever runs except [`Kafka::new`].
 
 use tokio::sync::mpsc;
-use vibrissa_edge::shard::FleetShard;
+use vibrissa_protocol::Name;
 use vibrissa_store::Store;
 
 use crate::events::EventSink;
@@ -33,15 +33,15 @@ impl Kafka {
         if options.publish.is_some() || options.ingest.is_some() { Err(KafkaError) } else { Ok(None) }
     }
 
-    pub(crate) fn sink(&self, _: &FleetShard, _: &FleetMetrics) -> Option<EventSink> {
+    pub(crate) fn sink(&self, _: &Name, _: &FleetMetrics) -> Option<EventSink> {
         match self.0 {}
     }
 
-    pub(crate) fn reader(&self, _: &FleetShard, _: &FleetMetrics, _: &Readiness) -> Option<LogReader> {
+    pub(crate) fn reader(&self, _: &Name, _: &FleetMetrics, _: &Readiness) -> Option<LogReader> {
         match self.0 {}
     }
 
-    pub(crate) fn publish(&self, _: &Store, _: &FleetShard, _: &FleetMetrics, _: EventSink) -> Option<Task> {
+    pub(crate) fn publish(&self, _: &Store, _: &Name, _: &FleetMetrics, _: EventSink) -> Option<Task> {
         match self.0 {}
     }
 }

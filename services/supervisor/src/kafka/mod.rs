@@ -1,6 +1,6 @@
 //! A partitioned log, Apache Kafka: events go out to it, and contacts may come from it.
 //!
-//! Nothing here decides about a robot. [`publisher`] carries the outbox of a shard to the log, [`reader`] reads all
+//! Nothing here decides about a robot. [`publisher`] carries the log of events of a fleet to Kafka, [`reader`] reads all
 //! partitions of a topic ([`partition`]), [`again`] reads them for a recovery, [`client`] has the connections.
 
 mod again;
@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, AtomicI64};
 
 use tokio::sync::Notify;
 use tokio::task::JoinHandle;
-use vibrissa_edge::shard::FleetShard;
+use vibrissa_protocol::Name;
 use vibrissa_store::Store;
 
 use crate::events::{EventSink, OutboxRoom};
@@ -53,44 +53,33 @@ impl Kafka {
     }
 
     /// The reader of a fleet's contacts; `None` if they come over MQTT.
-    pub(crate) fn reader(
-        &self,
-        shard: &FleetShard,
-        metrics: &FleetMetrics,
-        readiness: &Readiness,
-    ) -> Option<LogReader> {
+    pub(crate) fn reader(&self, fleet: &Name, metrics: &FleetMetrics, readiness: &Readiness) -> Option<LogReader> {
         let topic = self.ingest.as_ref()?;
-        let (connector, fleet) = (self.connector.clone(), shard.clone());
+        let (connector, fleet) = (self.connector.clone(), fleet.clone());
         Some(LogReader::new(FleetTopic::new(connector, topic, fleet, metrics.clone(), readiness.clone())))
     }
 
-    /// Where the engine of a shard reports events; `None` if they are not published.
-    pub(crate) fn sink(&self, shard: &FleetShard, metrics: &FleetMetrics) -> Option<EventSink> {
+    /// Where the engine of a fleet reports events; `None` if they are not published.
+    pub(crate) fn sink(&self, fleet: &Name, metrics: &FleetMetrics) -> Option<EventSink> {
         let EventTopics { contacts, waiting_mib_max, .. } = self.publish.as_ref()?;
         let room = OutboxRoom {
-            shard: shard.clone(),
+            fleet: fleet.clone(),
             metrics: metrics.clone(),
-            bytes_max: i64::from(*waiting_mib_max) * 1024 * 1024 / i64::from(shard.count()),
+            bytes_max: i64::from(*waiting_mib_max) * 1024 * 1024,
             bytes: AtomicI64::new(0),
             is_full: AtomicBool::new(false),
         };
         Some(EventSink { has_contacts: contacts.is_some(), committed: Arc::new(Notify::new()), room: Arc::new(room) })
     }
 
-    /// Publishes the events of a shard until the result is dropped.
-    pub(crate) fn publish(
-        &self,
-        store: &Store,
-        shard: &FleetShard,
-        metrics: &FleetMetrics,
-        sink: EventSink,
-    ) -> Option<Task> {
+    /// Publishes the events of a fleet until the result is dropped.
+    pub(crate) fn publish(&self, store: &Store, fleet: &Name, metrics: &FleetMetrics, sink: EventSink) -> Option<Task> {
         let topics = self.publish.clone()?;
         let publisher = Publisher {
             connector: self.connector.clone(),
             topics,
             store: store.clone(),
-            shard: shard.clone(),
+            fleet: fleet.clone(),
             metrics: metrics.clone(),
             room: sink.room,
         };

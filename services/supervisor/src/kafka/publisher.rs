@@ -18,7 +18,8 @@ use tokio::time::{Instant, timeout};
 use tracing::{error, info, warn};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::events::EventKind;
-use vibrissa_edge::shard::{FleetShard, robot_hash};
+use vibrissa_edge::partition::robot_hash;
+use vibrissa_protocol::Name;
 use vibrissa_store::Store;
 use vibrissa_store::events::StoredEvent;
 
@@ -40,7 +41,7 @@ pub(super) struct Publisher {
     pub(super) connector: Connector,
     pub(super) topics: EventTopics,
     pub(super) store: Store,
-    pub(super) shard: FleetShard,
+    pub(super) fleet: Name,
     pub(super) metrics: FleetMetrics,
     pub(super) room: Arc<OutboxRoom>,
 }
@@ -68,7 +69,7 @@ impl Publisher {
             match self.round(&mut log).await {
                 Ok(rows) => {
                     if is_failing {
-                        info!(fleet = %self.shard, "events are published again");
+                        info!(fleet = %self.fleet, "events are published again");
                     }
                     (backoff, is_failing) = (Backoff::default(), false);
                     if rows == 0 {
@@ -81,7 +82,7 @@ impl Publisher {
                 Err(problem) => {
                     self.metrics.event_writes_failed.inc();
                     if !std::mem::replace(&mut is_failing, true) {
-                        warn!(%problem, fleet = %self.shard, "cannot publish events, they wait in the outbox; retrying");
+                        warn!(%problem, fleet = %self.fleet, "cannot publish events, they wait in the outbox; retrying");
                     }
                     log = None;
                     backoff.wait().await;
@@ -95,7 +96,7 @@ impl Publisher {
     /// Measures the waiting events, and states that they are awaited. Without an answer of the database the last size, and what
     /// was added to it, go on to count.
     async fn measure(&self) {
-        let fleet = self.shard.fleet().as_str();
+        let fleet = self.fleet.as_str();
         let measured = async {
             self.store.follow_events(fleet, wall_clock().0 as i64).await?;
             self.store.waiting_size(fleet).await
@@ -113,7 +114,7 @@ impl Publisher {
 
     /// Publishes the oldest events; returns the number of rows.
     async fn round(&self, log: &mut Option<Log>) -> Result<usize, RoundError> {
-        let fleet = self.shard.fleet().as_str();
+        let fleet = self.fleet.as_str();
         let waiting = self.store.waiting_events(fleet).await?;
         let Some(last) = waiting.last else { return Ok(0) };
         let log = match log {
@@ -179,7 +180,7 @@ impl Publisher {
                 }
                 Err(problem) if problem.is_refusal() => {
                     self.metrics.events_lost.inc();
-                    error!(%problem, fleet = %self.shard, "the log refuses an event for good, it is lost");
+                    error!(%problem, fleet = %self.fleet, "the log refuses an event for good, it is lost");
                 }
                 Err(problem) => return Err(problem),
             }

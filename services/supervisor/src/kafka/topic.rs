@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rskafka::record::RecordAndOffset;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 
 use super::client::Connector;
@@ -23,7 +22,7 @@ const PART: &str = "log";
 pub(super) struct FleetTopic {
     pub(super) connector: Connector,
     pub(super) name: Arc<str>,
-    pub(super) fleet: FleetShard,
+    pub(super) fleet: Name,
     pub(super) metrics: FleetMetrics,
     readiness: Readiness,
     partitions: Arc<Mutex<BTreeMap<u32, PartitionState>>>,
@@ -42,7 +41,7 @@ impl FleetTopic {
     pub(super) fn new(
         connector: Connector,
         name: &str,
-        fleet: FleetShard,
+        fleet: Name,
         metrics: FleetMetrics,
         readiness: Readiness,
     ) -> Self {
@@ -82,7 +81,7 @@ impl FleetTopic {
         let RecordAndOffset { record, offset } = record;
         let topic = address(record.key.as_deref(), &record.headers)?;
         let Topic::Robot { fleet, robot, kind } = &topic else { return Err(Skipped::NoTopic) };
-        if fleet != self.fleet.fleet() {
+        if *fleet != self.fleet {
             return Err(Skipped::OtherFleet);
         }
         if !matches!(kind, RobotTopic::Contacts | RobotTopic::Status) {

@@ -7,7 +7,6 @@ use std::time::Duration;
 use axum::http::{Method, StatusCode};
 use prometheus::proto::{MetricFamily, MetricType};
 use prometheus::{Error, Result};
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 use super::clocks::CLOCKS;
@@ -103,7 +102,7 @@ fn everything() -> Result<Metrics> {
     };
     if let Some(whiskers) = &metrics.whiskers {
         let fleet = Name::new("fleet").map_err(|problem| Error::Msg(problem.to_string()))?;
-        whiskers.show(&FleetShard::whole(fleet), vec![robot]);
+        whiskers.show(&fleet, vec![robot]);
     }
     Ok(metrics)
 }
@@ -125,7 +124,7 @@ fn row(text: &mut String, family: &MetricFamily) -> std::fmt::Result {
 fn labels(family: &MetricFamily) -> Vec<String> {
     let first = family.get_metric().first();
     let names = first.into_iter().flat_map(|metric| metric.get_label()).map(|pair| pair.name().to_owned());
-    names.filter(|name| name != super::SHARD).collect()
+    names.collect()
 }
 
 /// A label with its values, if the program defines them.

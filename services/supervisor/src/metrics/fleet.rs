@@ -2,7 +2,7 @@
 
 use prometheus::{Gauge, Histogram, IntCounter, IntGauge, Registry, Result};
 
-use super::kinds::{At, Buckets, Counters, Gauges, Histograms, OfFleet, Quantities};
+use super::kinds::{Buckets, Counters, Gauges, Histograms, OfFleet, Quantities};
 use super::labels;
 use super::nodes::{NodeFailures, NodeInUse};
 use crate::promises::Promises;
@@ -36,8 +36,8 @@ macro_rules! of_fleet {
                 Ok(Self { $($field: <$kind>::register(registry, $name, $help, ($($shape)?))?,)+ })
             }
 
-            pub(super) fn of(&self, at: At<'_>) -> FleetMetrics {
-                FleetMetrics { $($field: OfFleet::of(&self.$field, at, ($($shape)?)),)+ }
+            pub(super) fn of(&self, fleet: &str) -> FleetMetrics {
+                FleetMetrics { $($field: OfFleet::of(&self.$field, fleet, ($($shape)?)),)+ }
             }
         }
     };
@@ -275,8 +275,7 @@ of_fleet! {
     /// Requests to all robots for their births and factsheets, by cause.
     birth_requests: Counters = "vibrissa_birth_requests_total",
         "Requests to all robots of the fleet for their births and factsheets, by cause.", labels::BIRTH_CAUSE;
-    /// Number of the fleet's shards.
-    fleet_shards: IntGauge = "vibrissa_fleet_shards", "Number of the fleet's shards, each with a lease.";
+
     /// 1 while this supervisor holds the fleet's lease, else 0.
     lease_held: IntGauge = "vibrissa_lease_held", "1 while this supervisor holds the fleet's lease.";
     /// Epoch of this supervisor's newest lease of the fleet.

@@ -1,6 +1,6 @@
-//! Kinds of metrics that each fleet has: registered once for all fleets, with `fleet` and `shard` as their first labels, and
-//! then obtained for one fleet, or one of its shards. The values of labels are words of the program and never come from robots, so the number of
-//! series is bounded.
+//! Kinds of metrics that each fleet has: registered once for all fleets, with `fleet` as their first label, and then
+//! obtained for one fleet. The values of labels are words of the program and never come from robots, so the number of series
+//! is bounded.
 
 use std::sync::Arc;
 
@@ -10,13 +10,8 @@ use prometheus::{
     Registry, Result,
 };
 
-/// First labels of each metric. The shard is empty, and not exported, for a fleet that is not divided.
-pub(super) const PLACE: [&str; 2] = ["fleet", SHARD];
-/// Label with the number of a shard.
-pub(super) const SHARD: &str = "shard";
-
-/// Values of the first labels.
-pub(super) type At<'a> = [&'a str; 2];
+/// First label of each metric.
+pub(super) const FLEET: &str = "fleet";
 
 /// A word of the program, as the value of a label.
 pub type Word = &'static str;
@@ -29,7 +24,7 @@ pub(super) trait OfFleet: Sized {
     type Shape: Copy;
 
     fn declare(opts: Opts, shape: Self::Shape) -> Result<Self::Family>;
-    fn of(family: &Self::Family, at: At<'_>, shape: Self::Shape) -> Self;
+    fn of(family: &Self::Family, fleet: &str, shape: Self::Shape) -> Self;
 
     /// Creates the family and registers it.
     fn register(registry: &Registry, name: &str, help: &str, shape: Self::Shape) -> Result<Self::Family> {
@@ -39,7 +34,7 @@ pub(super) trait OfFleet: Sized {
     }
 }
 
-/// Labels beside those of the place, with all combinations of values whose series exist from the start. (The rate of a series
+/// Labels beside that of the fleet, with all combinations of values whose series exist from the start. (The rate of a series
 /// that appears with its first event would miss that event.)
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Labels<const N: usize> {
@@ -51,7 +46,7 @@ pub(super) struct Labels<const N: usize> {
 
 impl<const N: usize> Labels<N> {
     fn all(self) -> Vec<&'static str> {
-        PLACE.into_iter().chain(self.names).collect()
+        std::iter::once(FLEET).chain(self.names).collect()
     }
 }
 
@@ -63,11 +58,11 @@ impl OfFleet for IntCounter {
     type Shape = ();
 
     fn declare(opts: Opts, (): ()) -> Result<IntCounterVec> {
-        IntCounterVec::new(opts, &PLACE)
+        IntCounterVec::new(opts, &[FLEET])
     }
 
-    fn of(family: &IntCounterVec, at: At<'_>, (): ()) -> Self {
-        family.with_label_values(&at)
+    fn of(family: &IntCounterVec, fleet: &str, (): ()) -> Self {
+        family.with_label_values(&[fleet])
     }
 }
 
@@ -76,11 +71,11 @@ impl OfFleet for IntGauge {
     type Shape = ();
 
     fn declare(opts: Opts, (): ()) -> Result<IntGaugeVec> {
-        IntGaugeVec::new(opts, &PLACE)
+        IntGaugeVec::new(opts, &[FLEET])
     }
 
-    fn of(family: &IntGaugeVec, at: At<'_>, (): ()) -> Self {
-        family.with_label_values(&at)
+    fn of(family: &IntGaugeVec, fleet: &str, (): ()) -> Self {
+        family.with_label_values(&[fleet])
     }
 }
 
@@ -89,11 +84,11 @@ impl OfFleet for Gauge {
     type Shape = ();
 
     fn declare(opts: Opts, (): ()) -> Result<GaugeVec> {
-        GaugeVec::new(opts, &PLACE)
+        GaugeVec::new(opts, &[FLEET])
     }
 
-    fn of(family: &GaugeVec, at: At<'_>, (): ()) -> Self {
-        family.with_label_values(&at)
+    fn of(family: &GaugeVec, fleet: &str, (): ()) -> Self {
+        family.with_label_values(&[fleet])
     }
 }
 
@@ -102,11 +97,11 @@ impl OfFleet for Histogram {
     type Shape = Buckets;
 
     fn declare(opts: Opts, buckets: Buckets) -> Result<HistogramVec> {
-        HistogramVec::new(HistogramOpts::from(opts).buckets(buckets.to_vec()), &PLACE)
+        HistogramVec::new(HistogramOpts::from(opts).buckets(buckets.to_vec()), &[FLEET])
     }
 
-    fn of(family: &HistogramVec, at: At<'_>, _: Buckets) -> Self {
-        family.with_label_values(&at)
+    fn of(family: &HistogramVec, fleet: &str, _: Buckets) -> Self {
+        family.with_label_values(&[fleet])
     }
 }
 
@@ -126,19 +121,8 @@ impl<M: Clone, const N: usize> By<M, N> {
     }
 }
 
-fn values<'a>(at: At<'a>, words: &[Word]) -> Vec<&'a str> {
-    at.into_iter().chain(words.iter().copied()).collect()
-}
-
-/// The place of metrics that find further series later.
-type Place = Arc<[String; 2]>;
-
-fn place(at: At<'_>) -> Place {
-    Arc::new(at.map(str::to_owned))
-}
-
-fn at(place: &Place) -> At<'_> {
-    [&place[0], &place[1]]
+fn values<'a>(fleet: &'a str, words: &[Word]) -> Vec<&'a str> {
+    std::iter::once(fleet).chain(words.iter().copied()).collect()
 }
 
 /// Counters by the values of their labels.
@@ -146,14 +130,14 @@ fn at(place: &Place) -> At<'_> {
 pub struct Counters<const N: usize = 1> {
     by: By<IntCounter, N>,
     family: IntCounterVec,
-    place: Place,
+    fleet: Arc<str>,
 }
 
 impl<const N: usize> Counters<N> {
     /// The counter with these values.
     #[must_use]
     pub fn of(&self, words: [Word; N]) -> IntCounter {
-        self.by.find(words).cloned().unwrap_or_else(|| self.family.with_label_values(&values(at(&self.place), &words)))
+        self.by.find(words).cloned().unwrap_or_else(|| self.family.with_label_values(&values(&self.fleet, &words)))
     }
 
     /// Increments the counter with these values.
@@ -173,9 +157,9 @@ impl<const N: usize> OfFleet for Counters<N> {
         IntCounterVec::new(opts, &labels.all())
     }
 
-    fn of(family: &IntCounterVec, at: At<'_>, labels: Labels<N>) -> Self {
-        let by = By::new(labels, |words| family.with_label_values(&values(at, words)));
-        Self { by, family: family.clone(), place: place(at) }
+    fn of(family: &IntCounterVec, fleet: &str, labels: Labels<N>) -> Self {
+        let by = By::new(labels, |words| family.with_label_values(&values(fleet, words)));
+        Self { by, family: family.clone(), fleet: fleet.into() }
     }
 }
 
@@ -202,8 +186,8 @@ impl OfFleet for Gauges {
         IntGaugeVec::new(opts, &labels.all())
     }
 
-    fn of(family: &IntGaugeVec, at: At<'_>, labels: Labels<1>) -> Self {
-        Self { by: By::new(labels, |words| family.with_label_values(&values(at, words))) }
+    fn of(family: &IntGaugeVec, fleet: &str, labels: Labels<1>) -> Self {
+        Self { by: By::new(labels, |words| family.with_label_values(&values(fleet, words))) }
     }
 }
 
@@ -212,14 +196,14 @@ impl OfFleet for Gauges {
 pub struct Quantities {
     family: GaugeVec,
     words: Arc<[[Word; 1]]>,
-    place: Place,
+    fleet: Arc<str>,
 }
 
 impl Quantities {
     /// Sets each gauge to `quantity` of its label value; removes the series if it is `None`.
     pub fn set_all(&self, quantity: impl Fn(Word) -> Option<f64>) {
         for words in self.words.iter() {
-            let values = values(at(&self.place), words);
+            let values = values(&self.fleet, words);
             match quantity(words[0]) {
                 Some(quantity) => self.family.with_label_values(&values).set(quantity),
                 // The series may not exist.
@@ -237,8 +221,8 @@ impl OfFleet for Quantities {
         GaugeVec::new(opts, &labels.all())
     }
 
-    fn of(family: &GaugeVec, at: At<'_>, labels: Labels<1>) -> Self {
-        Self { family: family.clone(), words: (labels.values)().into(), place: place(at) }
+    fn of(family: &GaugeVec, fleet: &str, labels: Labels<1>) -> Self {
+        Self { family: family.clone(), words: (labels.values)().into(), fleet: fleet.into() }
     }
 }
 
@@ -247,17 +231,14 @@ impl OfFleet for Quantities {
 pub struct Histograms {
     by: By<Histogram, 1>,
     family: HistogramVec,
-    place: Place,
+    fleet: Arc<str>,
 }
 
 impl Histograms {
     /// The histogram with this label value.
     #[must_use]
     pub fn of(&self, word: Word) -> Histogram {
-        self.by
-            .find([word])
-            .cloned()
-            .unwrap_or_else(|| self.family.with_label_values(&values(at(&self.place), &[word])))
+        self.by.find([word]).cloned().unwrap_or_else(|| self.family.with_label_values(&values(&self.fleet, &[word])))
     }
 }
 
@@ -269,8 +250,8 @@ impl OfFleet for Histograms {
         HistogramVec::new(HistogramOpts::from(opts).buckets(buckets.to_vec()), &labels.all())
     }
 
-    fn of(family: &HistogramVec, at: At<'_>, (labels, _): Self::Shape) -> Self {
-        let by = By::new(labels, |words| family.with_label_values(&values(at, words)));
-        Self { by, family: family.clone(), place: place(at) }
+    fn of(family: &HistogramVec, fleet: &str, (labels, _): Self::Shape) -> Self {
+        let by = By::new(labels, |words| family.with_label_values(&values(fleet, words)));
+        Self { by, family: family.clone(), fleet: fleet.into() }
     }
 }

@@ -20,16 +20,13 @@ mod whiskers;
 
 use std::sync::Arc;
 
-use prometheus::proto::MetricFamily;
 use prometheus::{Encoder, Gauge, IntCounter, IntGauge, IntGaugeVec, Opts, Registry, Result, TextEncoder};
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::Name;
 
 pub use clocks::ClockMetrics;
 pub use document::document;
 pub use fleet::FleetMetrics;
 pub use http::{ConnectionMetrics, HttpMetrics};
-use kinds::SHARD;
 pub use kinds::{Counters, Gauges, Histograms, Quantities, Word};
 pub use labels::{APPROVED, INBOX, LOST, NO_CASE, OUTBOX, PROPOSED, PUBLISHING, RECEIVING, STARTED, TAKEN, UNSERVED};
 pub use nodes::{NodeFailures, NodeInUse};
@@ -165,16 +162,7 @@ impl Metrics {
     /// Metrics of a fleet of the configuration. The call creates their series, with the value 0.
     #[must_use]
     pub fn of_fleet(&self, fleet: &Name) -> FleetMetrics {
-        self.families.of([fleet.as_str(), ""])
-    }
-
-    /// Metrics of a shard: those of its fleet, unless the fleet is divided.
-    #[must_use]
-    pub fn of_shard(&self, shard: &FleetShard) -> FleetMetrics {
-        match shard.is_whole() {
-            true => self.of_fleet(shard.fleet()),
-            false => self.families.of([shard.fleet().as_str(), &shard.number().to_string()]),
-        }
+        self.families.of(fleet.as_str())
     }
 
     /// Sets the number of stored rows that could not be read so far.
@@ -194,15 +182,7 @@ impl Metrics {
     /// A metric cannot be encoded.
     pub fn text(&self) -> Result<Vec<u8>> {
         let mut text = Vec::new();
-        let mut families = self.registry.gather();
-        for metric in families.iter_mut().flat_map(MetricFamily::mut_metric) {
-            // An empty label is the same as none.
-            if metric.get_label().iter().any(|label| label.name() == SHARD && label.value().is_empty()) {
-                let labels = metric.take_label();
-                metric.set_label(labels.into_iter().filter(|label| label.name() != SHARD).collect());
-            }
-        }
-        TextEncoder::new().encode(&families, &mut text)?;
+        TextEncoder::new().encode(&self.registry.gather(), &mut text)?;
         Ok(text)
     }
 }

@@ -5,26 +5,25 @@ use std::sync::Arc;
 
 use prometheus::{IntCounterVec, IntGaugeVec, Opts, Result};
 
-use super::kinds::{At, OfFleet, PLACE, Word};
+use super::kinds::{FLEET, OfFleet, Word};
 
 /// The nodes that a fleet's connections use: 1 for the node in use, and no series for a connection that is down.
 #[derive(Debug, Clone)]
 pub struct NodeInUse {
     family: IntGaugeVec,
-    place: Arc<[String; 2]>,
+    fleet: Arc<str>,
 }
 
 impl NodeInUse {
     /// Sets the node of a connection.
     pub fn set(&self, connection: Word, node: &str) {
         self.forget(connection);
-        self.family.with_label_values(&[&self.place[0], &self.place[1], connection, node]).set(1);
+        self.family.with_label_values(&[&self.fleet, connection, node]).set(1);
     }
 
     /// Removes the node of a connection that is down.
     pub fn forget(&self, connection: Word) {
-        let labels =
-            HashMap::from([(PLACE[0], self.place[0].as_str()), (PLACE[1], &self.place[1]), ("connection", connection)]);
+        let labels = HashMap::from([(FLEET, &*self.fleet), ("connection", connection)]);
         // There may be none.
         let _ = self.family.remove(&labels);
     }
@@ -35,11 +34,11 @@ impl OfFleet for NodeInUse {
     type Shape = ();
 
     fn declare(opts: Opts, (): ()) -> Result<IntGaugeVec> {
-        IntGaugeVec::new(opts, &[PLACE[0], PLACE[1], "connection", "node"])
+        IntGaugeVec::new(opts, &[FLEET, "connection", "node"])
     }
 
-    fn of(family: &IntGaugeVec, at: At<'_>, (): ()) -> Self {
-        Self { family: family.clone(), place: Arc::new(at.map(str::to_owned)) }
+    fn of(family: &IntGaugeVec, fleet: &str, (): ()) -> Self {
+        Self { family: family.clone(), fleet: fleet.into() }
     }
 }
 
@@ -47,24 +46,24 @@ impl OfFleet for NodeInUse {
 #[derive(Debug, Clone)]
 pub struct NodeFailures {
     family: IntCounterVec,
-    place: Arc<[String; 2]>,
+    fleet: Arc<str>,
 }
 
 impl NodeFailures {
     /// Creates the series of a node.
     pub fn know(&self, node: &str) {
-        let _ = self.family.with_label_values(&[&self.place[0], &self.place[1], node]);
+        let _ = self.family.with_label_values(&[&self.fleet, node]);
     }
 
     /// Number of failures of a node.
     #[must_use]
     pub fn of(&self, node: &str) -> u64 {
-        self.family.with_label_values(&[&self.place[0], &self.place[1], node]).get()
+        self.family.with_label_values(&[&self.fleet, node]).get()
     }
 
     /// Counts a failure of a node.
     pub fn count(&self, node: &str) {
-        self.family.with_label_values(&[&self.place[0], &self.place[1], node]).inc();
+        self.family.with_label_values(&[&self.fleet, node]).inc();
     }
 }
 
@@ -73,10 +72,10 @@ impl OfFleet for NodeFailures {
     type Shape = ();
 
     fn declare(opts: Opts, (): ()) -> Result<IntCounterVec> {
-        IntCounterVec::new(opts, &[PLACE[0], PLACE[1], "node"])
+        IntCounterVec::new(opts, &[FLEET, "node"])
     }
 
-    fn of(family: &IntCounterVec, at: At<'_>, (): ()) -> Self {
-        Self { family: family.clone(), place: Arc::new(at.map(str::to_owned)) }
+    fn of(family: &IntCounterVec, fleet: &str, (): ()) -> Self {
+        Self { family: family.clone(), fleet: fleet.into() }
     }
 }

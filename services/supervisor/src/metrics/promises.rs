@@ -7,14 +7,14 @@ use prometheus::core::{Collector, Desc};
 use prometheus::proto::MetricFamily;
 use prometheus::{GaugeVec, Opts, Result};
 
-use super::kinds::{At, OfFleet, PLACE};
+use super::kinds::{FLEET, OfFleet};
 use crate::promises::{Promise, Promises};
 
 /// The promises of all fleets, and their gauges.
 #[derive(Debug, Clone)]
 pub(super) struct PromiseAges {
     seconds: GaugeVec,
-    by_place: Arc<Mutex<BTreeMap<[String; 2], Promises>>>,
+    by_fleet: Arc<Mutex<BTreeMap<String, Promises>>>,
 }
 
 impl Collector for PromiseAges {
@@ -23,10 +23,10 @@ impl Collector for PromiseAges {
     }
 
     fn collect(&self) -> Vec<MetricFamily> {
-        for ([fleet, shard], promises) in self.by_place.lock().unwrap_or_else(PoisonError::into_inner).iter() {
+        for (fleet, promises) in self.by_fleet.lock().unwrap_or_else(PoisonError::into_inner).iter() {
             for promise in Promise::ALL {
                 let age = promises.age(promise).unwrap_or_default();
-                self.seconds.with_label_values(&[fleet, shard, promise.word()]).set(age.as_secs_f64());
+                self.seconds.with_label_values(&[fleet.as_str(), promise.word()]).set(age.as_secs_f64());
             }
         }
         self.seconds.collect()
@@ -38,12 +38,12 @@ impl OfFleet for Promises {
     type Shape = ();
 
     fn declare(opts: Opts, (): ()) -> Result<PromiseAges> {
-        let seconds = GaugeVec::new(opts, &[PLACE[0], PLACE[1], "promise"])?;
-        Ok(PromiseAges { seconds, by_place: Arc::default() })
+        let seconds = GaugeVec::new(opts, &[FLEET, "promise"])?;
+        Ok(PromiseAges { seconds, by_fleet: Arc::default() })
     }
 
-    fn of(family: &PromiseAges, at: At<'_>, (): ()) -> Self {
-        let mut by_place = family.by_place.lock().unwrap_or_else(PoisonError::into_inner);
-        by_place.entry(at.map(str::to_owned)).or_default().clone()
+    fn of(family: &PromiseAges, fleet: &str, (): ()) -> Self {
+        let mut by_fleet = family.by_fleet.lock().unwrap_or_else(PoisonError::into_inner);
+        by_fleet.entry(fleet.to_owned()).or_default().clone()
     }
 }

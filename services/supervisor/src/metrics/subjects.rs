@@ -133,7 +133,6 @@ pub(super) const SUBJECTS: &[Subject] = &[
         title: "Leases and the database",
         begins: &[
             "vibrissa_lease_",
-            "vibrissa_fleet_shards",
             "vibrissa_database_",
             "vibrissa_clock_",
             "vibrissa_partitions_",
@@ -161,7 +160,7 @@ pub(super) const SUBJECTS: &[Subject] = &[
         queries: &[
             (
                 "Seconds by which the archive is behind",
-                "time() - min by (fleet) (max by (fleet, shard) (vibrissa_archive_position_timestamp_seconds > 0))",
+                "time() - max by (fleet) (vibrissa_archive_position_timestamp_seconds > 0)",
             ),
             (
                 "Bytes per archived contact",
@@ -185,8 +184,8 @@ pub(super) const SUBJECTS: &[Subject] = &[
         begins: &["vibrissa_kafka_"],
         queries: &[
             (
-                "Records that are not read yet, by shard",
-                "max by (fleet, shard) (vibrissa_kafka_lag_records) and on (fleet, shard) vibrissa_kafka_ingest == 1",
+                "Records that are not read yet",
+                "max by (fleet) (vibrissa_kafka_lag_records) and on (fleet) vibrissa_kafka_ingest == 1",
             ),
             ("Events published per second", "sum by (fleet) (rate(vibrissa_kafka_events_published_total[5m]))"),
             ("Events that wait", "sum by (fleet) (vibrissa_kafka_outbox_events) > 0"),

@@ -86,7 +86,7 @@ fn single_whiskers_are_shown_only_if_they_are_wanted_and_vanish_with_their_robot
             health: "TRIMMED",
         }],
     };
-    whiskers.show(&FleetShard::whole(fleet()), vec![sample]);
+    whiskers.show(&fleet(), vec![sample]);
     let text = shown(&metrics);
     let place = "{array=\"left\",fleet=\"f\",robot=\"r\",whisker=\"3\"}";
     assert!(text.contains(&format!("vibrissa_whisker_length_meters{place} 0.065\n")), "{text}");
@@ -98,7 +98,7 @@ fn single_whiskers_are_shown_only_if_they_are_wanted_and_vanish_with_their_robot
         !text.contains("vibrissa_whisker_pressure_pascals{"),
         "a pressure that was not measured is not exported: {text}"
     );
-    whiskers.show(&FleetShard::whole(fleet()), Vec::new());
+    whiskers.show(&fleet(), Vec::new());
     assert!(!shown(&metrics).contains("robot="));
     assert_eq!(whiskers.desc().len(), 6);
 }

@@ -9,7 +9,7 @@ use prometheus::core::{Collector, Desc};
 use prometheus::proto::MetricFamily;
 use prometheus::{GaugeVec, IntCounterVec, Opts, Result};
 
-use vibrissa_edge::shard::FleetShard;
+use vibrissa_protocol::Name;
 
 use super::kinds::Word;
 
@@ -51,7 +51,7 @@ pub struct WhiskerSample {
 /// Metrics of single robots and whiskers.
 #[derive(Debug, Clone)]
 pub struct WhiskerMetrics {
-    seen: Arc<Mutex<BTreeMap<FleetShard, Vec<RobotSample>>>>,
+    seen: Arc<Mutex<BTreeMap<Name, Vec<RobotSample>>>>,
     descriptions: Vec<Desc>,
 }
 
@@ -127,13 +127,13 @@ impl WhiskerMetrics {
         Ok(Self { seen: Arc::default(), descriptions })
     }
 
-    /// Replaces the exported robots of a shard; pass none if it is supervised elsewhere.
-    pub fn show(&self, shard: &FleetShard, robots: Vec<RobotSample>) {
+    /// Replaces the exported robots of a fleet; pass none if it is supervised elsewhere.
+    pub fn show(&self, fleet: &Name, robots: Vec<RobotSample>) {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         if robots.is_empty() {
-            seen.remove(shard);
+            seen.remove(fleet);
         } else {
-            seen.insert(shard.clone(), robots);
+            seen.insert(fleet.clone(), robots);
         }
     }
 }
@@ -147,10 +147,9 @@ impl Collector for WhiskerMetrics {
         // The names were valid when the descriptions were created.
         let Ok(series) = Series::declare() else { return Vec::new() };
         let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        for (shard, robots) in seen.iter() {
-            let fleet = shard.fleet().as_str();
+        for (fleet, robots) in seen.iter() {
             for robot in robots {
-                series.show(fleet, robot);
+                series.show(fleet.as_str(), robot);
             }
         }
         series.each().into_iter().flat_map(|one| one.collect()).collect()

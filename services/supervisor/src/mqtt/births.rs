@@ -19,7 +19,7 @@ const MINUTE: Duration = Duration::from_secs(60);
 /// fleet can fill the inbox again: without it, 10,000 robots with 100 whiskers each sent 450,000 factsheets in six minutes.
 const SHED_PAUSE_MAX: Duration = Duration::from_secs(600);
 
-/// The requests for one fleet, shared by its shards at this supervisor: one request serves all of them.
+/// The requests for one fleet.
 pub(crate) type SharedBirths = Arc<Mutex<BirthRequests>>;
 
 /// The requests for all fleets of this supervisor.
@@ -100,7 +100,7 @@ impl BirthRequests {
             request: SupervisorRequestKind::Birth,
         };
         self.seq += 1;
-        (Topic::SupervisorRequest { fleet: connection.fleet().clone() }.to_string(), encode(&request))
+        (Topic::SupervisorRequest { fleet: connection.fleet.clone() }.to_string(), encode(&request))
     }
 }
 

@@ -41,7 +41,7 @@ pub(crate) async fn retained_epoch(connection: &Connection, metrics: &FleetMetri
 }
 
 async fn read_at(connection: &Connection) -> Result<Option<u64>, Problem> {
-    let topic = Topic::SupervisorState { fleet: connection.fleet().clone() };
+    let topic = Topic::SupervisorState { fleet: connection.fleet.clone() };
     let (options, reached) = connection.options("former-owner");
     let (client, events) = AsyncClient::builder(options).capacity(8).build();
     let mut poller = Poller::new(events, connection, reached);

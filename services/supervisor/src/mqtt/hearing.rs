@@ -7,13 +7,9 @@
 //! In a burst a probe may be late, because it waits in the broker's queue, or may be lost, because the queue is full. A
 //! missing probe therefore means deafness at once only at low traffic. At high traffic it is sent again, and a filter
 //! counts as lost if nothing arrives through it for longer than a queue can explain.
-//!
-//! Each shard of a divided fleet receives the probes of all shards, so many shards must not probe all the time. Between two
-//! full rounds they have light rounds: one publication to a topic that no shard receives, which the broker must acknowledge.
 
 use std::time::{Duration, Instant};
 
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{Name, RobotTopic};
 
 use super::identity::random_hex;
@@ -24,9 +20,6 @@ pub(super) const PERIOD: Duration = Duration::from_secs(3);
 pub(super) const PATIENCE: Duration = Duration::from_secs(2);
 /// Interval between two judgements of an overdue probe in a burst.
 const LOOK: Duration = Duration::from_millis(500);
-/// Number of shards of a fleet up to which each round is full. Of 64 shards, each one has a full round every 48 s, and receives
-/// a probe about every second.
-const SHARDS_PER_ROUND: u32 = 4;
 /// How long a burst can explain that nothing arrives through a filter.
 const QUEUE_MAX: Duration = Duration::from_secs(15);
 /// Rate from which on it is a burst, messages per second.
@@ -93,14 +86,6 @@ pub(super) struct Hearing {
     /// Common prefix of the probes' topics.
     prefix: String,
     probes: Vec<Probe>,
-    /// Topic of light rounds.
-    light_topic: String,
-    /// One of this many rounds is full.
-    full_every: u32,
-    /// Counts rounds, for each shard from another number, so that shards have their full rounds at different times.
-    number: u32,
-    /// This round is light.
-    is_light: bool,
     due: Instant,
     /// Time at which this round was sent; `None` before the first.
     sent: Option<Instant>,
@@ -117,8 +102,7 @@ pub(super) struct Hearing {
 
 impl Hearing {
     /// Starts without a probe; the first is due at [`Self::subscribed`].
-    pub(super) fn new(shard: &FleetShard, kinds: impl Iterator<Item = RobotTopic>, now: Instant) -> Self {
-        let fleet = shard.fleet();
+    pub(super) fn new(fleet: &Name, kinds: impl Iterator<Item = RobotTopic>, now: Instant) -> Self {
         let probe = |kind: RobotTopic| Probe {
             kind,
             topic: kind.probe_topic(fleet),
@@ -132,10 +116,6 @@ impl Hearing {
         Self {
             prefix,
             probes,
-            light_topic: RobotTopic::Status.probe_topic(fleet),
-            full_every: shard.count().div_ceil(SHARDS_PER_ROUND),
-            number: shard.number(),
-            is_light: false,
             due: now + NEVER,
             sent: None,
             came: None,
@@ -158,7 +138,7 @@ impl Hearing {
         self.due
     }
 
-    /// Whether a message or probe has come through each filter in this round, or the broker has acknowledged a light round.
+    /// Whether a message or probe has come through each filter in this round.
     pub(super) fn is_proven(&self) -> bool {
         self.sent.is_some() && !self.is_refused && !self.probes.iter().any(Probe::is_missing)
     }
@@ -170,11 +150,7 @@ impl Hearing {
 
     /// Topics and payloads of the probes to publish.
     pub(super) fn probes(&self) -> impl Iterator<Item = (&str, &[u8])> {
-        let count = if self.is_light { 1 } else { self.probes.len() };
-        self.probes.iter().take(count).map(|probe| {
-            let topic = if self.is_light { &self.light_topic } else { &probe.topic };
-            (topic.as_str(), probe.payload.as_slice())
-        })
+        self.probes.iter().map(|probe| (probe.topic.as_str(), probe.payload.as_slice()))
     }
 
     /// Records that the broker has rejected a probe. This says nothing about the right to read topics.
@@ -185,14 +161,9 @@ impl Hearing {
         }
     }
 
-    /// Records that the broker has acknowledged a probe, which shows that it is alive, and completes a light round.
+    /// Records that the broker has acknowledged a probe, which shows that it is alive.
     pub(super) fn acknowledged(&mut self) {
         self.is_alive = true;
-        if self.is_light && !self.is_proven() {
-            self.probes.iter_mut().for_each(|probe| probe.came = true);
-            self.came = Some(Instant::now());
-            self.finish();
-        }
     }
 
     /// Records a message. Returns true for probes of any supervisor, which do not go to the inbox.
@@ -269,10 +240,7 @@ impl Hearing {
         Tick::Deaf { topics: missing, is_silent: self.came.is_none() && !self.is_alive }
     }
 
-    /// A light round follows only a complete one.
     fn begin(&mut self, now: Instant) {
-        self.number = self.number.wrapping_add(1);
-        self.is_light = self.is_proven() && !self.number.is_multiple_of(self.full_every);
         for probe in &mut self.probes {
             if self.sent.is_none() || !probe.is_missing() || self.is_refused {
                 probe.unproven_since = now;

@@ -42,7 +42,6 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use rumqttc::{MqttOptions, TlsConfiguration, Transport};
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_protocol::{BootId, Name};
 
 use crate::thread::Occupancy;
@@ -77,11 +76,9 @@ pub struct Connection {
     pub broker: BrokerAddress,
     /// Secrets and certificates, read by [`prepare`].
     pub prepared: Prepared,
-    /// Fleet whose topics are used, or shard of it.
-    pub shard: FleetShard,
-    /// Robots of the shard that are known.
-    pub robots: Vec<Name>,
-    /// Requests for births of the fleet, shared by its shards.
+    /// Fleet whose topics are used.
+    pub fleet: Name,
+    /// Requests for births of the fleet.
     pub(crate) births: SharedBirths,
     /// Boot id of this supervisor for the fleet.
     pub boot_id: BootId,
@@ -91,28 +88,22 @@ pub struct Connection {
     pub hears_contacts: bool,
     /// Receives the state of the connections.
     pub link: LinkState,
-    /// Number of shards in the thread that receives.
+    /// Number of fleets in the thread that receives.
     pub occupancy: Occupancy,
 }
 
 impl Connection {
-    /// Settings without known robots, and with the lowest epoch.
+    /// Settings with the lowest epoch.
     #[must_use]
-    pub fn new(broker: BrokerAddress, prepared: Prepared, shard: FleetShard, boot_id: BootId) -> Self {
-        let (robots, births, link) = (Vec::new(), SharedBirths::default(), LinkState::default());
+    pub fn new(broker: BrokerAddress, prepared: Prepared, fleet: Name, boot_id: BootId) -> Self {
+        let (births, link) = (SharedBirths::default(), LinkState::default());
         let occupancy = Occupancy::default();
-        Self { broker, prepared, shard, robots, births, boot_id, epoch: 0, hears_contacts: true, link, occupancy }
-    }
-
-    /// Name of the fleet.
-    #[must_use]
-    pub fn fleet(&self) -> &Name {
-        self.shard.fleet()
+        Self { broker, prepared, fleet, births, boot_id, epoch: 0, hears_contacts: true, link, occupancy }
     }
 
     /// Options of a client with a new client id, and a flag that is set once TCP is connected.
     fn options(&self, role: &str) -> (MqttOptions, Arc<AtomicBool>) {
-        self.options_as(identity::client_id(self.fleet(), role))
+        self.options_as(identity::client_id(&self.fleet, role))
     }
 
     /// The same with this client id.

@@ -32,8 +32,7 @@ const FAREWELL_TIMEOUT: Duration = Duration::from_secs(2);
 
 const ROLE: &str = "out";
 
-/// Publishes messages from `outbox` until it is closed, then announces that the supervisor is offline. Of the shards of a
-/// fleet, only the first announces the supervisor. Expired messages
+/// Publishes messages from `outbox` until it is closed, then announces that the supervisor is offline. Expired messages
 /// are counted and dropped. `losses` notes messages that may not have reached the broker.
 pub fn publish(
     connection: &Connection,
@@ -47,10 +46,7 @@ pub fn publish(
     let mut proofs = Proofs::new(connection);
     let (topic, offline) = presence(connection, SupervisorPresence::Offline, 1);
     let (mut options, reached) = connection.options(ROLE);
-    let is_present = connection.shard.is_first();
-    if is_present {
-        options.set_last_will(LastWill::new(topic.clone(), offline.clone(), QoS::AtLeastOnce, true, None));
-    }
+    options.set_last_will(LastWill::new(topic.clone(), offline.clone(), QoS::AtLeastOnce, true, None));
     let (_, online) = presence(connection, SupervisorPresence::Online, 0);
     let (client, events) = AsyncClient::builder(options).capacity(WAITING).build();
     let poller = Poller::new(events, connection, reached);
@@ -66,7 +62,7 @@ pub fn publish(
             let publication = tokio::select! {
                 publication = outbox.recv() => publication,
                 _ = repeats.tick() => {
-                    let is_due = is_present && *is_connected.borrow() && !flags.outranked.load(Ordering::Relaxed);
+                    let is_due = *is_connected.borrow() && !flags.outranked.load(Ordering::Relaxed);
                     if is_due {
                         let options = presence_options(flags.retains());
                         let sent = client.publish_tracked(topic.clone(), online.clone(), options).await;
@@ -113,9 +109,7 @@ pub fn publish(
         }
         flags.leaving.store(true, Ordering::Relaxed);
         let farewell = async {
-            if is_present {
-                client.publish(topic, offline, presence_options(flags.retains())).await?;
-            }
+            client.publish(topic, offline, presence_options(flags.retains())).await?;
             client.disconnect().await?;
             // Ends when the disconnect is sent.
             let _ = (&mut polling).await;
@@ -202,15 +196,10 @@ async fn keep_up(
                     losses.note();
                 }
                 // Not awaited: the polling task must not wait for the queue that polling empties.
-                if connection.shard.is_first() {
-                    if let Err(problem) = client.try_subscribe(topic.as_str(), QoS::AtLeastOnce) {
-                        warn!(%problem, "cannot subscribe to the supervisor's own state");
-                    }
-                    say_online(&client, &topic, &online, is_retaining, &proofs);
-                } else {
-                    // Without robots it publishes nothing that the broker would acknowledge.
-                    note_connected(&connection, &metrics);
+                if let Err(problem) = client.try_subscribe(topic.as_str(), QoS::AtLeastOnce) {
+                    warn!(%problem, "cannot subscribe to the supervisor's own state");
                 }
+                say_online(&client, &topic, &online, is_retaining, &proofs);
                 connected.send_replace(true);
             }
             Ok(Event::Incoming(Packet::Publish(publish))) => match claim(&connection, &publish.payload) {
@@ -241,7 +230,7 @@ async fn keep_up(
                 }
                 connection = attempts.next(&connection, &problem).await;
                 let is_known = problem.is_takeover() || problem.is_unexplained_end();
-                let client_id = is_known.then(|| client_id(connection.fleet(), ROLE));
+                let client_id = is_known.then(|| client_id(&connection.fleet, ROLE));
                 poller.renew(&connection, client_id);
             }
         }
@@ -277,7 +266,7 @@ enum Claim {
 }
 
 fn claim(connection: &Connection, payload: &[u8]) -> Claim {
-    let topic = Topic::SupervisorState { fleet: connection.fleet().clone() };
+    let topic = Topic::SupervisorState { fleet: connection.fleet.clone() };
     let Ok(Message::SupervisorState(state)) = decode(&topic, payload) else { return Claim::Own };
     match state.epoch.cmp(&connection.epoch) {
         std::cmp::Ordering::Less => Claim::Outdated,
@@ -288,7 +277,7 @@ fn claim(connection: &Connection, payload: &[u8]) -> Claim {
 }
 
 fn presence(connection: &Connection, state: SupervisorPresence, seq: u64) -> (String, Vec<u8>) {
-    let topic = Topic::SupervisorState { fleet: connection.fleet().clone() };
+    let topic = Topic::SupervisorState { fleet: connection.fleet.clone() };
     let message = SupervisorState { boot_id: connection.boot_id.clone(), seq, state, epoch: connection.epoch };
     (topic.to_string(), encode(&message))
 }

@@ -17,7 +17,7 @@ use super::nodes::Attempts;
 use super::poll::{Failure, Poller};
 use super::problem::{Cause, Problem, STOPPED};
 use super::proofs::is_failure;
-use super::subscriptions::{self, Receipt, Subscriptions, inputs};
+use super::subscriptions::{self, Subscriptions, inputs};
 use super::{Connection, limits};
 use crate::births::BirthCause;
 use crate::ending::stopped;
@@ -39,7 +39,7 @@ pub fn receive(
 ) -> (Inbox, impl Future<Output = ()> + Send + 'static) {
     let (intake, inbox) = inbox(metrics.clone());
     let connection = Attempts::first(connection);
-    let subscriptions = Subscriptions::new(connection.shard.clone(), connection.robots.iter().cloned());
+    let subscriptions = Subscriptions::new(connection.fleet.clone());
     let subscriptions = if connection.hears_contacts { subscriptions } else { subscriptions.without_contacts() };
     let attempts = Attempts::new();
     let mut receiver = Receiver { connection, metrics: metrics.clone(), intake, attempts, subscriptions };
@@ -90,10 +90,10 @@ impl Receiver {
     async fn hear(&mut self) -> Result<Infallible, Problem> {
         let (mut options, reached) = self.connection.options("in");
         options.set_outgoing_inflight_upper_limit(IN_FLIGHT);
-        let (client, events) = AsyncClient::builder(options).capacity(64 + self.subscriptions.packets_max()).build();
+        let (client, events) = AsyncClient::builder(options).capacity(64).build();
         let mut poller = Poller::new(events, &self.connection, reached);
         let mut coalescing = PollCoalescing::new(Instant::now());
-        let mut hearing = Hearing::new(&self.connection.shard, self.subscriptions.probed(), Instant::now());
+        let mut hearing = Hearing::new(&self.connection.fleet, self.subscriptions.kinds(), Instant::now());
         let (mut is_subscribed, mut retained) = (false, Pace::default());
         loop {
             let event = match poller.ready() {
@@ -165,7 +165,7 @@ impl Receiver {
                     hearing.refused();
                     self.set_hears(false);
                     let (fleet, why) =
-                        (self.connection.fleet().clone(), plain::reason_code(&format!("{:?}", ack.reason)));
+                        (self.connection.fleet.clone(), plain::reason_code(&format!("{:?}", ack.reason)));
                     let problem = self.problem(Cause::ProbeRefused { fleet, why });
                     self.connection.link.broken(Side::Receiving, &problem);
                 }
@@ -173,14 +173,7 @@ impl Receiver {
                 Event::Incoming(Packet::Publish(publish)) => {
                     let was_proven = hearing.is_proven();
                     if !hearing.take(&publish.topic, &publish.payload) {
-                        match self.subscriptions.receive(&publish.topic) {
-                            Receipt::Foreign => {}
-                            Receipt::Own => self.intake.take(publish.topic, publish.payload),
-                            Receipt::New(filters) => {
-                                self.subscribe(&client, vec![filters])?;
-                                self.intake.take(publish.topic, publish.payload);
-                            }
-                        }
+                        self.intake.take(publish.topic, publish.payload);
                     }
                     if !was_proven && hearing.is_proven() {
                         self.proven(&hearing);
@@ -195,9 +188,8 @@ impl Receiver {
         self.connection.births.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn subscribe(&self, client: &AsyncClient, packets: Vec<subscriptions::Packet>) -> Result<(), Problem> {
-        let mut packets = packets.into_iter();
-        packets.try_for_each(|packet| client.try_subscribe_many(inputs(packet)).map_err(|error| self.lost(&error)))
+    fn subscribe(&self, client: &AsyncClient, packet: subscriptions::Packet) -> Result<(), Problem> {
+        client.try_subscribe_many(inputs(packet)).map_err(|error| self.lost(&error))
     }
 
     /// Publishes a request for births, if one is due.
@@ -260,7 +252,7 @@ pub(super) fn judge(
         }),
         Tick::Deaf { topics, is_silent } => {
             deaf(&topics);
-            Err(problem(Cause::Unheard { fleet: connection.fleet().clone(), topics, is_silent }))
+            Err(problem(Cause::Unheard { fleet: connection.fleet.clone(), topics, is_silent }))
         }
     }
 }

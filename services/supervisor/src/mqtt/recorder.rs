@@ -68,7 +68,7 @@ pub fn record(connection: Connection, sender: mpsc::Sender<Incoming>, state: Arc
 
 /// One connection, from the attempt to its end: the reason of the end, and whether the subscription was accepted.
 async fn listen(connection: &Connection, sender: &mpsc::Sender<Incoming>, state: &RecorderState) -> (Problem, bool) {
-    let filter = format!("whisker/v1/{}/#", connection.fleet());
+    let filter = format!("whisker/v1/{}/#", connection.fleet);
     let problem = |cause| Problem::new(&connection.broker, cause);
     let (options, reached) = connection.options("record");
     let (client, events) = AsyncClient::builder(options).capacity(64).build();

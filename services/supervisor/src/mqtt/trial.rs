@@ -43,19 +43,18 @@ async fn prove(connection: &Connection) -> Result<(), Problem> {
 }
 
 async fn prove_at(connection: &Connection) -> Result<(), Problem> {
-    let fleet = connection.fleet();
-    // Without robots: the probes suffice.
-    let mut subscriptions = Subscriptions::new(connection.shard.clone(), []);
+    let fleet = &connection.fleet;
+    let mut subscriptions = Subscriptions::new(connection.fleet.clone());
     let problem = |cause| Problem::new(&connection.broker, cause);
     let (options, reached) = connection.options("trial");
     let (client, events) = AsyncClient::builder(options).capacity(64).build();
     let mut poller = Poller::new(events, connection, reached);
-    let mut hearing = Hearing::new(&connection.shard, subscriptions.probed(), Instant::now());
+    let mut hearing = Hearing::new(&connection.fleet, subscriptions.kinds(), Instant::now());
     while !hearing.is_proven() {
         let event = poller.next_while(&mut hearing, |hearing| judge(&client, hearing, connection, |_| {})).await?;
         match event {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
-                let subscribed = subscriptions.begin().into_iter().flat_map(inputs);
+                let subscribed = inputs(subscriptions.begin());
                 let subscribed = subscribed.map(|filter| filter.retain_forward_rule(RetainForwardRule::Never));
                 let sent = client.try_subscribe_many(subscribed);
                 sent.map_err(|error| Problem::of_client(&connection.broker, &error))?;

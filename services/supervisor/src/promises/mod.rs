@@ -65,7 +65,7 @@ pub struct Ages {
     pub answered: Option<f64>,
 }
 
-/// The open promises of a fleet, or of a shard of it. Clones share their state.
+/// The open promises of a fleet. Clones share their state.
 #[derive(Debug, Clone, Default)]
 pub struct Promises(Arc<Mutex<Open>>);
 

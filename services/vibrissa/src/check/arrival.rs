@@ -21,7 +21,7 @@ pub async fn wait_for_robot(
     limit: Duration,
     address: &str,
 ) -> anyhow::Result<()> {
-    let fleet = connection.fleet();
+    let fleet = &connection.fleet;
     let topics = [RobotTopic::Connection, RobotTopic::Factsheet].map(|kind| kind.of(fleet, robot).to_string());
     let mut client = TestClient::open(connection, &topics).await?;
     if let Ok(born) = tokio::time::timeout(limit, heard(&mut client, is_birth)).await {

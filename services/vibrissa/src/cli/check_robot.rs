@@ -20,7 +20,6 @@ use super::serve::{log, runtime};
 use super::stop::Stopped;
 use crate::check::{CheckOptions, Help, Outcome, Report, Timings, check, present_epoch, wait_for_robot};
 use vibrissa_edge::ids::start_seed;
-use vibrissa_edge::shard::FleetShard;
 use vibrissa_supervisor::broker::{Broker, BrokerError};
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, Relay};
 
@@ -224,8 +223,7 @@ async fn checked(
 ) -> anyhow::Result<Report> {
     let mark = format!("c{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple());
     let boot_id = BootId::new(&mark).context("creating the boot ID of the connection")?;
-    let whole = FleetShard::whole(options.fleet.clone());
-    let connection = Connection::new(broker.clone(), mqtt::prepare(broker)?, whole, boot_id);
+    let connection = Connection::new(broker.clone(), mqtt::prepare(broker)?, options.fleet.clone(), boot_id);
     let mut terminate = signal(SignalKind::terminate()).context("waiting for SIGTERM")?;
     let mut stopped = pin!(async {
         tokio::select! {

@@ -114,8 +114,6 @@ policy_numbers! { keys {
         "Where contacts and statuses come from: mqtt, or kafka (see the section [kafka]); all else comes over MQTT";
     Publish: "publish", Kind::Text, Some(r#""none""#),
         "Events for other programs: none, or kafka (see the section [kafka])";
-    FleetShards: "fleet.shards", Kind::Whole { min: 1, max: 1024 }, Some("1"),
-        "Least number of shards of each fleet: parts that supervisors with one PostgreSQL share; it can be raised at any time";
     DatabaseUrl: "database.url", Kind::DatabaseUrl, Some(r#""sqlite:vibrissa.sqlite3""#),
         "Database: sqlite:FILE, or postgres://USER@HOST:5432/DATABASE to share fleets with other supervisors; \
         postgres://USER@HOST1:5432,HOST2:5432/DATABASE for servers that fail over";
@@ -155,9 +153,9 @@ policy_numbers! { keys {
     RecordsDays: "records.days", Kind::Whole { min: 0, max: 36_500 }, Some("400"),
         "Days after which finished records are deleted, 0 keeps all: cleared alarms, changes of health, touch tests";
     LimitsRobotsPerFleet: "limits.robots_per_fleet", Kind::Whole { min: 1, max: 10_000 }, Some("10000"),
-        "Maximum number of robots supervised per fleet, or per shard of a divided one; further ones are refused";
+        "Maximum number of robots supervised per fleet; further ones are refused";
     LimitsNewRobotsPerMinute: "limits.new_robots_per_minute", Kind::Whole { min: 1, max: 10_000 }, Some("3000"),
-        "Maximum number of new robots per fleet, or shard, and minute; the others are requested again later";
+        "Maximum number of new robots per fleet and minute; the others are requested again later";
     LimitsRobotsFile: "limits.robots_file", Kind::File, None,
         "File of allowed robots, one FLEET/ROBOT per line, read again when it changes; a list set over HTTP adds to it";
     MqttUrl: "mqtt.url", Kind::Text, None,

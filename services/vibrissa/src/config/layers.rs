@@ -116,6 +116,21 @@ fn file(path: &Path, text: &str, problems: &mut Vec<Problem>) -> Table {
     }
 }
 
+/// Keys of earlier versions, and what to do instead.
+const REMOVED: [(&str, &str); 1] = [(
+    "fleet.shards",
+    "a fleet has one owner and no shards any more: remove this key, and give the parts of a large site as several fleets, \
+     such as fleets = [\"hall-1\", \"hall-2\"]",
+)];
+
+/// What to do about a key that is not known.
+fn unknown_key(key: &str) -> String {
+    match REMOVED.iter().find(|(removed, _)| *removed == key) {
+        Some((_, instead)) => (*instead).to_owned(),
+        None => format!("no such key{}", did_you_mean(key, Key::ALL.iter().map(|key| key.path()))),
+    }
+}
+
 fn unknown_keys(path: &Path, parent: &str, values: &Table, problems: &mut Vec<Problem>) {
     for (name, value) in values {
         let key = if parent.is_empty() { name.clone() } else { format!("{parent}.{name}") };
@@ -123,8 +138,10 @@ fn unknown_keys(path: &Path, parent: &str, values: &Table, problems: &mut Vec<Pr
             continue;
         }
         let is_section = parent.is_empty() && Key::ALL.iter().any(|known| known.section().0 == Some(name.as_str()));
+        let had_keys =
+            REMOVED.iter().any(|(removed, _)| removed.strip_prefix(&*key).is_some_and(|rest| rest.starts_with('.')));
         let what = match value {
-            Value::Table(values) if is_section => {
+            Value::Table(values) if is_section || had_keys => {
                 unknown_keys(path, &key, values, problems);
                 continue;
             }
@@ -138,9 +155,7 @@ fn unknown_keys(path: &Path, parent: &str, values: &Table, problems: &mut Vec<Pr
             | Value::Float(_)
             | Value::Boolean(_)
             | Value::Datetime(_)
-            | Value::Array(_) => {
-                format!("no such key{}", did_you_mean(&key, Key::ALL.iter().map(|key| key.path())))
-            }
+            | Value::Array(_) => unknown_key(&key),
         };
         let key = if key.chars().count() > 100 { key.chars().take(100).chain("...".chars()).collect() } else { key };
         problems.push(Problem { key, origin: Origin::File(path.to_owned()), what });

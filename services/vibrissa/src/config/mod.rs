@@ -61,8 +61,6 @@ pub struct Config {
     pub name: String,
     /// Fleets to supervise: at least one, without duplicates.
     pub fleets: Vec<Name>,
-    /// Least number of shards of each fleet.
-    pub shards: u32,
     /// Whisker models in addition to the paper's, by their names in factsheets.
     pub models: Vec<(String, Model)>,
     /// Log filter of `tracing`.
@@ -136,7 +134,7 @@ pub fn read(sources: &Sources) -> Reading {
 /// Reads every key before it gives up, so that all problems are reported.
 fn config(reader: &mut Reader) -> Option<Config> {
     let name = reader.parsed(Key::Name, supervisor_name);
-    let (fleets, shards) = (fleets(reader), reader.whole(Key::FleetShards));
+    let fleets = fleets(reader);
     let formulation = reader.word::<FormulationArg>(Key::ModelFormulation).map(Formulation::from);
     let models = models(reader, formulation.unwrap_or_default());
     let log = reader.parsed(Key::Log, log_filter::log_filter);
@@ -165,7 +163,6 @@ fn config(reader: &mut Reader) -> Option<Config> {
     Some(Config {
         name: name?,
         fleets: fleets?,
-        shards: shards?,
         models: models?,
         log: log?,
         database: database?,
@@ -289,7 +286,6 @@ impl From<Config> for ServiceOptions {
         Self {
             name: config.name,
             fleets: config.fleets,
-            shards: config.shards,
             database: config.database,
             is_new_installation: config.is_new_installation,
             lease_time_to_live: config.lease_time_to_live,

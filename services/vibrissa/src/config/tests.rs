@@ -165,6 +165,11 @@ fn an_unknown_key_is_told_with_the_nearest_one() {
     assert!(line.contains("no such section; did you mean database?"), "{line}");
     assert!(one_wrong(&from_file("mqtt = 5")).contains("[mqtt]"));
     assert!(!one_wrong(&from_file("zzz = 5")).contains("did you mean"));
+    for text in ["[fleet]\nshards = 4", "fleet.shards = 1"] {
+        let line = one_wrong(&from_file(text));
+        assert!(line.starts_with("fleet.shards (file v.toml): a fleet has one owner"), "{line}");
+        assert!(line.contains("several fleets"), "{line}");
+    }
 }
 
 #[test]

@@ -72,7 +72,6 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     };
     let service_options = ServiceOptions {
         kafka: vibrissa_supervisor::service::KafkaOptions::default(),
-        shards: 1,
         access: AccessOptions::default(),
         name: "demo".to_owned(),
         fleets: vec![Name::new(scenario::FLEET)?],

@@ -69,7 +69,6 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
     params.detection.cold_start_contacts = 60;
     let service = Service::start(ServiceOptions {
         kafka: vibrissa_supervisor::service::KafkaOptions::default(),
-        shards: 1,
         access: AccessOptions::default(),
         name: "s".to_owned(),
         fleets: vec![Name::new("f").unwrap()],

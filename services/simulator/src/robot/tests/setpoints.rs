@@ -108,7 +108,7 @@ fn regress_a_request_to_all_robots_is_no_sign_of_the_robots_own_supervisor() {
     let mut bench = Bench::connected(|scenario| scenario.robots[0].on_supervisor_loss = OnSupervisorLoss::Vent);
     bench.setpoint(1, 0.05);
     bench.run(50.0);
-    // The owner of another shard connects and asks for births.
+    // A supervisor whose lease has just ended asks for births.
     let request = vibrissa_protocol::SupervisorRequest {
         boot_id: BootId::new("another").unwrap(),
         seq: 0,

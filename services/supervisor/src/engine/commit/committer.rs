@@ -11,7 +11,6 @@ use crate::metrics::{FleetMetrics, Metrics};
 use vibrissa_store::batch::Owner;
 use vibrissa_store::{Batch, Lease, LossCause, Refused, Rejection, StoreError, StoredRobot, Writer};
 
-use crate::engine::commit::joint::Member;
 use crate::engine::commit::journal::{self, StoredEntries};
 use crate::engine::commit::recovery::{LogRecords, records_of};
 use crate::engine::commit::transaction::SealedTransaction;
@@ -26,8 +25,6 @@ pub(crate) struct Committer {
     metrics: FleetMetrics,
     /// The partitioned log that contacts come from, if there is one.
     log: Option<LogReader>,
-    /// Commits together with other shards.
-    joint: Member,
 }
 
 /// Result of one write.
@@ -73,10 +70,10 @@ type Loaded = (Option<StoredRobot>, Vec<StoredEntries>, Vec<LogRecords>);
 pub(crate) struct LeaseLost;
 
 impl Committer {
-    pub(crate) fn new(lease: Lease, writer: Writer, program: Metrics, log: Option<LogReader>, joint: Member) -> Self {
+    pub(crate) fn new(lease: Lease, writer: Writer, program: Metrics, log: Option<LogReader>) -> Self {
         let fleet = lease.fleet().clone();
-        let metrics = program.of_shard(lease.shard());
-        Self { fleet, lease, writer, program, metrics, log, joint }
+        let metrics = program.of_fleet(&fleet);
+        Self { fleet, lease, writer, program, metrics, log }
     }
 
     /// The lease under which this supervisor writes.
@@ -87,16 +84,6 @@ impl Committer {
     /// The database, with the lease that each access needs.
     pub(crate) fn database(&mut self) -> (&mut Writer, &Lease) {
         (&mut self.writer, &self.lease)
-    }
-
-    /// Names of the robots in all shards of the fleet, for a stage of a roll-out; none for a fleet with one shard, whose robots
-    /// the engine has. `None` if the database cannot be read now.
-    pub(crate) async fn robots_of_fleet(&mut self) -> Option<Vec<String>> {
-        if self.lease.shard().is_whole() {
-            return Some(Vec::new());
-        }
-        let robots = self.writer.robots_of_fleet(&self.lease).await;
-        robots.inspect_err(|problem| self.failed(problem, "cannot read the robots of the fleet")).ok()
     }
 
     /// Counts and logs a failed read or write that is not waited for.
@@ -117,11 +104,7 @@ impl Committer {
         let mut outage = Outage::default();
         let first = Instant::now();
         let (mut refused, mut is_apart) = (Vec::new(), false);
-        let is_done = self.joint.commit(&self.lease, batch).await;
-        if is_done {
-            self.metrics.database_commit_seconds.observe(first.elapsed().as_secs_f64());
-        }
-        while !is_done && !batch.is_empty() {
+        while !batch.is_empty() {
             let begun = Instant::now();
             let written = if is_apart {
                 self.writer.commit_apart(&self.lease, batch, journal::by_robot, &mut refused).await
@@ -179,8 +162,8 @@ impl Committer {
         let (mut journal, mut all) = (Vec::new(), Vec::new());
         loop {
             let rows = self.writer.journal(&self.lease, after, journal::ROWS_AT_A_TIME).await?;
-            let Some((last, _)) = rows.last() else { return Ok((stored, journal, all)) };
-            after = *last;
+            let Some(last) = rows.last() else { return Ok((stored, journal, all)) };
+            after = last.number;
             for row in rows {
                 let own = StoredEntries::new(row).of_robot(robot_id);
                 all.push(records_of(&own, self.log.as_ref(), &self.lease).await?);

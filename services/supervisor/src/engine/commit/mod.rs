@@ -7,7 +7,6 @@
 //! - [`transaction`]: a sealed transaction on its way to the database.
 //! - [`pipeline`]: transactions one after the other, and the publications that wait for them.
 //! - [`committer`]: one transaction in the database, with retries while the database is unreachable.
-//! - [`joint`]: small transactions of several shards of a supervisor become one.
 //! - [`recovery`]: checkpoints are loaded, and the journal is replayed through the core.
 //!
 //! The states of a transaction:
@@ -33,7 +32,6 @@
 pub(crate) mod batch;
 pub(crate) mod checkpoint;
 pub(crate) mod committer;
-pub(crate) mod joint;
 pub(crate) mod journal;
 pub(crate) mod pipeline;
 pub(crate) mod recovery;

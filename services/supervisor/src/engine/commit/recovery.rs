@@ -67,8 +67,8 @@ pub(crate) async fn recover(
     let mut after = -1;
     loop {
         let rows = writer.journal(lease, after, ROWS_AT_A_TIME).await?;
-        let Some((newest, _)) = rows.last() else { break };
-        after = *newest;
+        let Some(newest) = rows.last() else { break };
+        after = newest.number;
         last = last.max(after);
         for row in rows.into_iter().map(StoredEntries::new) {
             let records = records_of(&row, log, lease).await?;
@@ -108,7 +108,7 @@ pub(crate) async fn records_of(
     }
     let mut records = LogRecords::new();
     for range in ranges {
-        let Some(log) = log else { return Err(StoreError::NoLog { fleet: lease.shard().to_string() }) };
+        let Some(log) = log else { return Err(StoreError::NoLog { fleet: lease.fleet().to_string() }) };
         records.insert(range, log.records(range).await);
     }
     Ok(records)

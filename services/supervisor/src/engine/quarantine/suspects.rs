@@ -91,7 +91,7 @@ impl Suspects {
         let (suspects, robots) = (self.robots.len(), shards.robot_count());
         let is = suspects > SUSPECTS_FEW && suspects > robots / 4;
         let problem = || format!("the database rejects rows of {suspects} of {robots} robots: see the log");
-        self.readiness.set_of(self.lease.shard(), PART, is.then(problem));
+        self.readiness.set_of(self.lease.fleet(), PART, is.then(problem));
         is
     }
 

@@ -13,8 +13,7 @@ use crate::params::with_model;
 /// The change of a roll-out.
 #[derive(Debug, Clone)]
 pub(super) enum Change {
-    /// A policy, and its version once it is in force.
-    Policy(PolicyParams, i64),
+    Policy(PolicyParams),
     Calibration(Box<Activation>),
 }
 
@@ -23,7 +22,7 @@ impl Change {
     pub(super) fn read(kind: &str, json: &str, base: &Params) -> Result<Self, Problem> {
         match kind {
             "POLICY" => match actions::request("POLICY", json, Subject::default()) {
-                Ok(Request::Policy(change)) => Ok(Self::Policy(change.over(base.policy), change.expected_version + 1)),
+                Ok(Request::Policy(change)) => Ok(Self::Policy(change.over(base.policy))),
                 Ok(Request::Operator(_)) => Err("MALFORMED: no policy".to_owned()),
                 Err(problem) => Err(format!("MALFORMED: {problem}")),
             },
@@ -34,7 +33,7 @@ impl Change {
     /// The parameters of changed robots.
     pub(super) fn over(&self, base: &Arc<Params>) -> Result<Arc<Params>, Problem> {
         match self {
-            Self::Policy(policy, _) => Ok(Arc::new(Params { policy: *policy, ..(**base).clone() })),
+            Self::Policy(policy) => Ok(Arc::new(Params { policy: *policy, ..(**base).clone() })),
             Self::Calibration(activation) => {
                 with_model(base, &activation.calibration).map_err(|problem| format!("MALFORMED: {problem}"))
             }

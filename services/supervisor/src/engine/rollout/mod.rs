@@ -6,7 +6,6 @@
 
 mod change;
 mod compare;
-mod follow;
 
 use std::sync::Arc;
 
@@ -129,7 +128,7 @@ impl Execution<'_> {
         let now_us = wall_clock().0 as i64;
         let row = RolloutRow {
             rollout_id: action.action_id,
-            fleet: self.place.fleet().to_string(),
+            fleet: self.fleet.to_string(),
             kind: start.kind,
             change: change_json,
             state: "RUNNING".to_owned(),
@@ -203,7 +202,7 @@ impl Execution<'_> {
         open.row.state = state.to_owned();
         open.row.updated_us = wall_clock().0 as i64;
         self.metrics.rollouts.count([event]);
-        info!(fleet = %self.place, rollout = open.row.rollout_id, event, actor, detail, "roll-out");
+        info!(fleet = %self.fleet, rollout = open.row.rollout_id, event, actor, detail, "roll-out");
         let event = RolloutEvent { event: event.to_owned(), actor: actor.to_owned(), detail };
         let change = RolloutChange { row: open.row.clone(), event: Some(event) };
         let told = event_of(&change.row);
@@ -215,10 +214,7 @@ impl Execution<'_> {
         let Some(open) = self.rollout.as_mut() else { return };
         let before = (event.0 != "STARTED").then(|| open.trial());
         let seed = open.row.rollout_id as u64;
-        let mut places: Vec<u32> = match self.place.is_whole() {
-            true => self.shards.robots().map(|known| place(seed, known.name.as_str())).collect(),
-            false => self.robots_of_fleet.iter().map(|name| place(seed, name)).collect(),
-        };
+        let mut places: Vec<u32> = self.shards.robots().map(|known| place(seed, known.name.as_str())).collect();
         let last = before.as_ref().map_or(0, |trial| trial.place_max);
         open.row.place_max = i64::from(limit(stage, &mut places, last));
         open.row.stage = stage.word().to_owned();
@@ -233,12 +229,12 @@ impl Execution<'_> {
             *self.rollout = None;
             self.shards.set_trial(None);
             match &change {
-                Change::Policy(policy, _) => {
+                Change::Policy(policy) => {
                     self.set_policy(policy, (&row.started_by, row.reason.clone(), row.rollout_id))
                 }
                 Change::Calibration(activation) => {
                     if let Err(problem) = self.activate(activation, &row.started_by) {
-                        error!(fleet = %self.place, rollout = row.rollout_id, problem, "cannot activate a calibration");
+                        error!(fleet = %self.fleet, rollout = row.rollout_id, problem, "cannot activate a calibration");
                     }
                 }
             }
@@ -267,7 +263,7 @@ impl Execution<'_> {
     /// Tells robots that their parameters have changed.
     fn apply(&mut self, change: &Change, robots: &[Name]) {
         match change {
-            Change::Policy(..) => {
+            Change::Policy(_) => {
                 for name in robots {
                     self.shards.step(name, self.now, &Event::PolicyChanged);
                 }

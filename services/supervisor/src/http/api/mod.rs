@@ -32,7 +32,6 @@ pub mod refusals;
 pub mod robots;
 pub mod rollouts;
 pub mod setpoints;
-pub mod shards;
 pub mod touch_tests;
 pub mod webhooks;
 pub mod what_if;
@@ -75,7 +74,6 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(happenings::routes())
         .merge(compensations::routes())
         .merge(setpoints::routes())
-        .merge(shards::routes())
         .merge(touch_tests::routes())
         .merge(errors::routes())
         .merge(webhooks::routes())

@@ -103,7 +103,6 @@ files!(
     "parts/readiness.js"
     "parts/refusals.js"
     "parts/rollouts.js"
-    "parts/shards.js"
     "parts/since.js"
     "parts/tests.js"
     "parts/webhooks.js"

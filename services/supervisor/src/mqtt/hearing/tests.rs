@@ -7,7 +7,7 @@ fn kinds() -> impl Iterator<Item = RobotTopic> {
 /// A state whose first probes were sent, and the time of that.
 fn probing() -> (Hearing, Instant) {
     let now = Instant::now();
-    let mut hearing = Hearing::new(&FleetShard::whole(Name::new("f").unwrap()), kinds(), now);
+    let mut hearing = Hearing::new(&Name::new("f").unwrap(), kinds(), now);
     assert_eq!(hearing.tick(now + PERIOD), Tick::Wait, "no probe before the subscription");
     hearing.subscribed(now);
     assert_eq!(hearing.tick(now), Tick::Probe);
@@ -136,69 +136,6 @@ fn a_process_that_stood_still_gives_its_probes_another_chance() {
     assert_eq!(hearing.tick(late), Tick::Wait);
     deliver(&mut hearing, |_| true);
     assert_eq!(hearing.tick(late + PATIENCE), Tick::Probe);
-}
-
-/// A shard whose first round is complete, and the time of that.
-fn shard(number: u32, count: u32) -> (Hearing, Instant) {
-    let now = Instant::now();
-    let shard = FleetShard::new(Name::new("f").unwrap(), number, count).unwrap();
-    let mut hearing = Hearing::new(&shard, [RobotTopic::Connection].into_iter(), now);
-    hearing.subscribed(now);
-    assert_eq!(hearing.tick(now), Tick::Probe);
-    hearing.acknowledged();
-    assert!(!hearing.is_proven(), "the first round is full: its probe must come back");
-    deliver(&mut hearing, |_| true);
-    assert!(hearing.is_proven());
-    (hearing, now)
-}
-
-#[test]
-fn many_shards_share_the_rounds_in_which_all_receive_a_probe() {
-    for (count, full) in [(1, 64), (4, 64), (16, 16), (64, 4)] {
-        let mut of_shards = std::collections::BTreeMap::<usize, u32>::new();
-        for number in 0..count {
-            let (mut hearing, _) = shard(number, count);
-            let mut full_rounds = 0;
-            for round in 0..64 {
-                assert_eq!(until_done(&mut hearing, |_| {}).0, Tick::Probe);
-                if hearing.is_light {
-                    hearing.acknowledged();
-                } else {
-                    full_rounds += 1;
-                    *of_shards.entry(round).or_default() += 1;
-                    deliver(&mut hearing, |_| true);
-                }
-                assert!(hearing.is_proven());
-            }
-            assert_eq!(full_rounds, full, "shard {number} of {count}");
-        }
-        assert!(of_shards.len() == 64 && of_shards.values().all(|&shards| shards == count.min(4)), "{of_shards:?}");
-    }
-}
-
-#[test]
-fn a_light_round_needs_an_acknowledgement_and_a_lost_filter_is_found_in_the_next_full_one() {
-    let (mut hearing, sent) = shard(1, 64);
-    assert_eq!(until_done(&mut hearing, |_| {}), (Tick::Probe, sent + PERIOD));
-    let published: Vec<_> = hearing.probes().map(|(topic, _)| topic.to_owned()).collect();
-    assert_eq!(published, ["whisker/v1/f/supervisor/status"]);
-    let silent = Tick::Deaf { topics: vec![RobotTopic::Connection], is_silent: true };
-    assert_eq!(until_done(&mut hearing, |_| {}), (silent, sent + PERIOD + PATIENCE));
-
-    let (mut hearing, sent) = shard(1, 64);
-    let (done, at) = until_done(&mut hearing, Hearing::acknowledged);
-    assert_eq!((done, at), (Tick::Probe, sent + PERIOD));
-    let mut rounds = 0;
-    let (done, at) = loop {
-        hearing.acknowledged();
-        rounds += 1;
-        match until_done(&mut hearing, |_| {}) {
-            (Tick::Probe, _) => assert!(rounds < 64),
-            done => break done,
-        }
-    };
-    assert_eq!(done, Tick::Deaf { topics: vec![RobotTopic::Connection], is_silent: false });
-    assert!(at <= sent + 16 * PERIOD + PATIENCE, "{:?}", at - sent);
 }
 
 #[test]

@@ -2,6 +2,8 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use vibrissa_store::JournalReading;
+
 use super::{Entry, NO_ROBOT, VERSION, VERSION_OF_LOG, version_2, version_4};
 
 /// A row of the journal, as the database has it.
@@ -15,10 +17,9 @@ pub(crate) struct StoredEntries {
 }
 
 impl StoredEntries {
-    /// The row with this number and these bytes.
-    pub(crate) fn new((number, bytes): (i64, Vec<u8>)) -> Self {
-        // A fleet with one owner read partition 0 alone when references did not name their partition.
-        Self { number, bytes, partition: 0 }
+    /// The row of the database. References without a partition are to the one that the row names.
+    pub(crate) fn new(row: JournalReading) -> Self {
+        Self { number: row.number, bytes: row.entries, partition: u32::try_from(row.log_partition).unwrap_or_default() }
     }
 
     /// The entries.
