@@ -32,9 +32,18 @@ CREATE TABLE event_positions (
     seen_us  BIGINT  NOT NULL
 );
 
--- Events that wait for webhooks keep their numbers, which targets and dead letters name.
+-- Events that wait for webhooks keep their numbers. Within a transaction the numbers are exchanged, so that they are in the order
+-- of `place`; targets and dead letters follow.
+CREATE TEMP TABLE renumbered AS
+SELECT a.tx, a.event_id AS old_id, b.event_id AS new_id
+FROM (SELECT tx, event_id, row_number() OVER (PARTITION BY tx ORDER BY place, event_id) AS nth FROM webhook_events) a
+JOIN (SELECT tx, event_id, row_number() OVER (PARTITION BY tx ORDER BY event_id) AS nth FROM webhook_events) b USING (tx, nth);
+UPDATE webhooks SET done_event = r.new_id FROM renumbered r WHERE r.tx = done_tx AND r.old_id = done_event;
+-- By way of negative numbers, because two dead letters may exchange theirs.
+UPDATE webhook_dead_letters d SET event_id = -r.new_id FROM renumbered r WHERE r.old_id = d.event_id;
+UPDATE webhook_dead_letters SET event_id = -event_id WHERE event_id < 0;
 INSERT INTO events (event_id, tx, recorded_us, version, kind, audience, word, fleet, robot_id, whisker_id, data)
-SELECT e.event_id, e.tx, e.occurred_us, 2, e.kind, 'PEOPLE',
+SELECT n.new_id, e.tx, e.occurred_us, 2, e.kind, 'PEOPLE',
     CASE WHEN e.kind IN ('ALARM_RAISED', 'ALARM_CLEARED', 'SETPOINT_FAILED') THEN e.word END, e.fleet, e.robot_id, e.whisker_id,
     CASE e.kind
         WHEN 'TRIM' THEN json_build_object('trim', json_build_object('trim_id', e.number, 'length_before_mm', t.length_before_mm,
@@ -51,11 +60,12 @@ SELECT e.event_id, e.tx, e.occurred_us, 2, e.kind, 'PEOPLE',
             'pressure_mpa', s.pressure_mpa, 'rejection', s.error, 'compensation_id', s.compensation_id, 'reason', s.reason))
         ELSE '{}'::json
     END::text
-FROM webhook_events e LEFT JOIN trims t ON e.kind = 'TRIM' AND t.trim_id = e.number
+FROM webhook_events e JOIN renumbered n ON n.old_id = e.event_id LEFT JOIN trims t ON e.kind = 'TRIM' AND t.trim_id = e.number
 LEFT JOIN health_changes h ON e.kind = 'CONDITION_CHANGED' AND h.health_change_id = e.number
 LEFT JOIN compensations c ON e.kind IN ('COMPENSATION_BEGUN', 'COMPENSATION_ENDED') AND c.compensation_id = e.number
 LEFT JOIN whiskers v ON v.whisker_id = c.compensator_whisker_id LEFT JOIN setpoints s ON s.command_id = e.command_id
-ORDER BY e.tx, e.place, e.event_id;
+ORDER BY n.new_id;
+DROP TABLE renumbered;
 SELECT setval(pg_get_serial_sequence('events', 'event_id'), last_value, is_called) FROM webhook_events_event_id_seq;
 
 -- Events that wait for Kafka. A row has those of a transaction: for each the version 1 and the robot's name, then 1 for contacts,

@@ -159,7 +159,9 @@ async fn a_webhook_gets_what_its_filters_name_and_nothing_from_before() {
         // Old events are removed at the start.
         let now_us = vibrissa_edge::clock::wall_clock().0;
         format!(
-            "INSERT INTO alarms (whisker_id, raised_us, kind) SELECT min(whisker_id), {now_us}, '{kind}' FROM whiskers"
+            "INSERT INTO events (recorded_us, version, kind, audience, word, fleet, robot_id, whisker_id, data) \
+             SELECT {now_us}, 2, 'ALARM_RAISED', 'PEOPLE', '{kind}', 'f', robot_id, whisker_id, '{{}}' FROM whiskers \
+             ORDER BY whisker_id LIMIT 1"
         )
     };
     let url = receiver.url();
