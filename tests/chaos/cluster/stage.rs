@@ -20,7 +20,7 @@ use crate::stage::{Program, write_password};
 /// Names of the fleets.
 pub const FLEETS: [&str; 6] = ["hall-1", "hall-2", "hall-3", "hall-4", "hall-5", "hall-6"];
 /// Partitions of the topic of Kafka, which all fleets share.
-pub const PARTITIONS: u32 = 1;
+pub const PARTITIONS: u32 = 4;
 /// User and password of all clients of the broker.
 pub const CLIENT: (&str, &str) = ("chaos", "correct-horse");
 /// Names of the supervisors.
