@@ -20,7 +20,7 @@ use vibrissa_edge::words::Word;
 use vibrissa_protocol::{self as protocol, Name};
 
 use crate::engine::robot::KnownRobot;
-use crate::engine::shard::shards::index_of;
+use crate::engine::worker::workers::index_of;
 use vibrissa_store::batch::ContactRow;
 
 use place::JournalPlace;
@@ -83,7 +83,7 @@ pub(crate) enum JournalEvent {
     },
 }
 
-/// The robots of one of the engine's shards; the number of shards differs between machines.
+/// The robots of one of the engine's workers; the number of workers differs between machines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub(crate) struct Part {
     pub(crate) number: u16,

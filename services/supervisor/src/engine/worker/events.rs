@@ -20,7 +20,7 @@ use crate::events::{
 };
 use crate::one_of::OneOf;
 
-/// Makes the events of a shard's steps.
+/// Makes the events of a worker's steps.
 #[derive(Debug)]
 pub(crate) struct EventMaker {
     sink: EventSink,
