@@ -7,7 +7,7 @@ use vibrissa_tests::mosquitto::Mosquitto;
 
 use crate::child::load;
 use crate::report::{Figure, Target, median};
-use crate::stage::{self, Store};
+use crate::stage::{self, Store, Supervisor};
 use crate::{Bench, usage};
 
 const PART: &str = "takeover";

@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rumqttc::{AsyncClient, Event, EventLoop, MqttOptions, Packet, PublishOptions, QoS};
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
-use vibrissa_protocol::{RobotTopic, Setpoint};
+use vibrissa_protocol::{Name, RobotTopic, Setpoint};
 
 /// Delays in seconds: while the setpoint is being applied or shortly after, and after it has expired.
 const DELAYS_S: [std::ops::Range<f64>; 2] = [0.5..5.0, LATE_S..18.0];

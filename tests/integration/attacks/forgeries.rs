@@ -51,7 +51,7 @@ async fn forgeries_are_counted(supervised: Supervised) {
     supervised.has_refused(&expected).await;
     assert_eq!(supervised.number(applied).await, 1);
     for reason in ["conflicting_duplicate", "state_backward", "unknown_command"] {
-        // Each shard of the fleet has its own rate limit of the log.
+        // Each worker of the engine has its own rate limit of the log.
         assert!((1..=2).contains(&supervised.logged(reason)), "{reason} is logged once a minute");
     }
 }

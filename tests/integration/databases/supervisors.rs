@@ -44,49 +44,8 @@ impl Stage {
 
     /// Starts a supervisor of these fleets.
     pub(crate) fn replica(&self, name: &str, fleets: &str, time_to_live_s: f64) -> Replica {
-        self.replica_with(name, fleets, time_to_live_s, &[])
-    }
-
-    /// The same, with further arguments.
-    pub(crate) fn replica_with(&self, name: &str, fleets: &str, time_to_live_s: f64, further: &[&str]) -> Replica {
         let database = Postgres::supervisor_url(self.server.port());
-        let place = (self.folder.path(), self.broker.port());
-        Replica::start_with(place, name, fleets, &database, time_to_live_s, further, None)
-    }
-
-    /// Folder of the logs.
-    pub(crate) fn folder(&self) -> &Path {
-        self.folder.path()
-    }
-
-    /// Address of the database as an argument.
-    pub(crate) fn database_url(&self) -> String {
-        Postgres::supervisor_url(self.server.port())
-    }
-
-    /// Port of the broker.
-    pub(crate) fn broker_port(&self) -> u16 {
-        self.broker.port()
-    }
-
-    /// Address of the database.
-    pub(crate) fn database(&self) -> DatabaseAddress {
-        Postgres::supervisor_url(self.server.port()).parse().unwrap()
-    }
-
-    /// The number that a query selects.
-    pub(crate) async fn number(&self, sql: &'static str) -> i64 {
-        sqlx::query_scalar(sql).fetch_one(&mut self.link().await).await.unwrap()
-    }
-
-    /// The texts that a query selects.
-    pub(crate) async fn texts(&self, sql: &'static str) -> Vec<String> {
-        sqlx::query_scalar(sql).fetch_all(&mut self.link().await).await.unwrap()
-    }
-
-    /// Executes statements that return no rows.
-    pub(crate) async fn execute(&self, sql: &'static str) {
-        sqlx::raw_sql(sql).execute(&mut self.link().await).await.unwrap();
+        Replica::start(self.folder.path(), name, fleets, &database, self.broker.port(), time_to_live_s)
     }
 
     pub(crate) async fn link(&self) -> PgConnection {
@@ -166,19 +125,6 @@ impl Replica {
         broker_port: u16,
         time_to_live_s: f64,
     ) -> Self {
-        Self::start_with((folder, broker_port), name, fleets, database, time_to_live_s, &[], None)
-    }
-
-    /// The same, with further arguments, and a fault of the feature `test-faults`.
-    pub(crate) fn start_with(
-        (folder, broker_port): (&Path, u16),
-        name: &str,
-        fleets: &str,
-        database: &str,
-        time_to_live_s: f64,
-        further: &[&str],
-        fault: Option<&str>,
-    ) -> Self {
         let http = free_port();
         let arguments = [
             "run",
@@ -197,40 +143,16 @@ impl Replica {
         ];
         let launch = Launch {
             program: env!("CARGO_BIN_EXE_vibrissa-under-test").into(),
-            arguments: arguments.iter().chain(further).map(|&argument| argument.to_owned()).collect(),
-            environment: [("RUST_LOG", "info")]
-                .into_iter()
-                .chain(fault.map(|fault| ("VIBRISSA_TEST_FAULT", fault)))
-                .map(|(name, value)| (name.to_owned(), value.to_owned()))
-                .collect(),
+            arguments: arguments.map(str::to_owned).into(),
+            environment: vec![("RUST_LOG".to_owned(), "info".to_owned())],
             log: folder.join(name),
         };
         Self { process: Process::start(launch), http }
     }
 
-    /// Starts it again after a kill.
-    pub(crate) fn restart(&mut self) {
-        self.process.restart();
-    }
-
     /// Kills the process, as a power failure would.
     pub(crate) fn kill(&mut self) {
         self.process.kill();
-    }
-
-    /// Waits for the end of the process, and returns whether it was an orderly one.
-    pub(crate) async fn ended(&mut self) -> bool {
-        self.process.ended(PATIENCE).await.expect("the supervisor must end").success()
-    }
-
-    /// Address of its HTTP.
-    pub(crate) fn http(&self) -> std::net::SocketAddr {
-        ([127, 0, 0, 1], self.http).into()
-    }
-
-    /// Sends a signal to the process.
-    pub(crate) fn signal(&self, signal: Signal) {
-        self.process.signal(signal);
     }
 
     /// Body of the answer to a GET.

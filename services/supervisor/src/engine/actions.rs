@@ -18,7 +18,7 @@ use super::commit::pipeline::Pipeline;
 use super::fleet_metrics;
 use super::quarantine::suspects::Suspects;
 use super::rollout::{Order, Rollout};
-use super::shard::shards::Shards;
+use super::worker::workers::Workers;
 use crate::calibration_file::CalibrationFile;
 use crate::events::{ActionPart, CalibrationPart, Parts, PolicyPart, event};
 use crate::metrics::FleetMetrics;
@@ -46,7 +46,7 @@ pub(super) struct ParamsInForce {
 /// Execution of the actions of a fleet.
 pub(super) struct Execution<'a> {
     pub(super) fleet: &'a Name,
-    pub(super) shards: &'a mut Shards,
+    pub(super) workers: &'a mut Workers,
     pub(super) in_force: &'a mut ParamsInForce,
     /// Roll-out that is running or paused.
     pub(super) rollout: &'a mut Option<Rollout>,
@@ -64,10 +64,10 @@ impl Execution<'_> {
         if !is_expired && robot.as_ref().is_some_and(|name| suspects.has(name)) {
             return;
         }
-        let robot_id = robot.and_then(|name| self.shards.robot(&name)).map_or(0, |known| known.robot_id);
-        self.shards.set_action(Some(&TracedAction::of(action)));
+        let robot_id = robot.and_then(|name| self.workers.robot(&name)).map_or(0, |known| known.robot_id);
+        self.workers.set_action(Some(&TracedAction::of(action)));
         let done = (!is_expired).then(|| self.carry_out(action));
-        self.shards.set_action(None);
+        self.workers.set_action(None);
         self.answer(action, robot_id, done, pipeline);
     }
 
@@ -98,7 +98,7 @@ impl Execution<'_> {
         let (action_id, done_us) = (action.action_id, wall_clock().0 as i64);
         let told = answered(action_id, state, done_us);
         let told = if robot_id == 0 { told } else { told.of_robot(robot_id) };
-        self.shards.record(Record::Answer { action_id, robot_id, state, problem, done_us }, Some(told));
+        self.workers.record(Record::Answer { action_id, robot_id, state, problem, done_us }, Some(told));
         pipeline.answer(action_id);
     }
 
@@ -108,13 +108,13 @@ impl Execution<'_> {
         self.metrics.actions.count(["UNKNOWN", "REFUSED"]);
         let (state, problem, done_us) = ("REFUSED", Some(problem), wall_clock().0 as i64);
         let told = answered(action_id, state, done_us);
-        self.shards.record(Record::Answer { action_id, robot_id: 0, state, problem, done_us }, Some(told));
+        self.workers.record(Record::Answer { action_id, robot_id: 0, state, problem, done_us }, Some(told));
         pipeline.answer(action_id);
     }
 
     /// Sets the parameters for all robots.
     pub(super) fn set_params(&mut self, params: Arc<Params>) {
-        self.shards.set_params(&params);
+        self.workers.set_params(&params);
         self.in_force.params = params;
     }
 
@@ -157,9 +157,9 @@ impl Execution<'_> {
 
     fn robot_of(&self, action: &Action) -> Result<Name, Problem> {
         let name = action.robot.as_deref().and_then(|name| Name::robot(name).ok());
-        let name = name.filter(|name| self.shards.robot(name).is_some());
+        let name = name.filter(|name| self.workers.robot(name).is_some());
         let name = name.ok_or_else(|| "UNKNOWN_ROBOT: there is no such robot in the fleet".to_owned())?;
-        match self.shards.robot(&name).is_some_and(|known| known.is_excluded) {
+        match self.workers.robot(&name).is_some_and(|known| known.is_excluded) {
             true => Err("ROBOT_NOT_ALLOWED: the fleet's allow list excludes the robot".to_owned()),
             false => Ok(name),
         }
@@ -168,7 +168,7 @@ impl Execution<'_> {
     /// Number of a compensation on its robot. The id in the database combines it with the robot's id.
     fn number_of(&self, action: &Action, compensation_id: i64) -> Result<u32, Problem> {
         let name = self.robot_of(action)?;
-        let robot_id = self.shards.robot(&name).map_or(0, |known| known.robot_id);
+        let robot_id = self.workers.robot(&name).map_or(0, |known| known.robot_id);
         let number = compensation_id as u32;
         let is_its = vibrissa_edge::ids::wide_id(robot_id, number) == compensation_id;
         is_its.then_some(number).ok_or_else(|| refused(ActionProblem::NotProposed))
@@ -176,7 +176,7 @@ impl Execution<'_> {
 
     fn operate(&mut self, action: &Action, operator_action: &OperatorAction<'_>) -> Result<(), Problem> {
         let name = self.robot_of(action)?;
-        let outcome = self.shards.step(&name, self.now, &Event::Operator(operator_action));
+        let outcome = self.workers.step(&name, self.now, &Event::Operator(operator_action));
         if let (OperatorAction::TouchTest(place), Some(Outcome::Taken)) = (operator_action, &outcome) {
             self.name_test(action.action_id, &name, *place);
         }
@@ -189,12 +189,12 @@ impl Execution<'_> {
 
     /// Records the test that an action has requested; none if the request has to wait.
     fn name_test(&mut self, action_id: i64, name: &Name, place: Place<'_>) {
-        let Some(known) = self.shards.robot(name) else { return };
+        let Some(known) = self.workers.robot(name) else { return };
         let Some(whisker) = known.robot.find(place.array, place.whisker) else { return };
         let Some((test, _)) = known.robot.tests_under_way().find(|(_, of)| *of == whisker) else { return };
         let (robot_id, test_id) = (known.robot_id, command_id(self.fleet, name, test));
         // The event of the answer tells of it.
-        self.shards.record(Record::TestOfAction { action_id, robot_id, test_id }, None);
+        self.workers.record(Record::TestOfAction { action_id, robot_id, test_id }, None);
     }
 
     /// Puts another calibration of a model in force from this transaction on. The baselines of its whiskers are learned
@@ -205,7 +205,7 @@ impl Execution<'_> {
             serde_json::from_str(&action.parameters).map_err(|problem| malformed(plain::data(&problem.to_string())))?;
         self.without_rollout()?;
         self.activate(&activation, &action.actor).map_err(malformed)?;
-        let names: Vec<Name> = self.shards.in_service().map(|known| known.name.clone()).collect();
+        let names: Vec<Name> = self.workers.in_service().map(|known| known.name.clone()).collect();
         self.relearn(&names, &activation.calibration.name);
         Ok(())
     }
@@ -223,7 +223,7 @@ impl Execution<'_> {
         let part = CalibrationPart { calibration_id: row.calibration_id, model: row.model.clone() };
         let parts = Parts { calibration: Some(part), ..Parts::default() };
         let told = event(EventKind::Calibration, row.activated_us, &parts);
-        self.shards.record(Record::Activation(Box::new(row)), Some(told));
+        self.workers.record(Record::Activation(Box::new(row)), Some(told));
         Ok(())
     }
 
@@ -236,9 +236,9 @@ impl Execution<'_> {
         }
         self.without_rollout()?;
         self.set_policy(&policy, (&action.actor, action.reason.clone(), action.action_id));
-        let names: Vec<Name> = self.shards.in_service().map(|known| known.name.clone()).collect();
+        let names: Vec<Name> = self.workers.in_service().map(|known| known.name.clone()).collect();
         for name in names {
-            self.shards.step(&name, self.now, &Event::PolicyChanged);
+            self.workers.step(&name, self.now, &Event::PolicyChanged);
         }
         Ok(())
     }
@@ -263,7 +263,7 @@ impl Execution<'_> {
         };
         let parts = Parts { policy: Some(PolicyPart { version: changed.version }), ..Parts::default() };
         let told = event(EventKind::Policy, changed.changed_us, &parts);
-        self.shards.record(Record::Policy(Box::new(PolicyRow::new(policy, changed))), Some(told));
+        self.workers.record(Record::Policy(Box::new(PolicyRow::new(policy, changed))), Some(told));
     }
 }
 

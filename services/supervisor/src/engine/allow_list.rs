@@ -8,7 +8,7 @@ use vibrissa_protocol::Name;
 
 use vibrissa_store::allowed::TurnedAwayReading;
 
-/// Limit of the refused robots remembered per shard; beyond it, the one whose last attempt is oldest is forgotten.
+/// Limit of the refused robots remembered per worker; beyond it, the one whose last attempt is oldest is forgotten.
 const REFUSED_MAX: usize = 64;
 
 /// A fleet's allow list: every robot is allowed if neither list exists, otherwise each robot that is in at least one of

@@ -8,7 +8,7 @@ use vibrissa_protocol::Name;
 
 use super::allow_list::AllowList;
 use super::commit::committer::Committer;
-use super::shard::shards::Shards;
+use super::worker::workers::Workers;
 use crate::robots_file::RobotsFile;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::allowed::{AllowedReading, names_of};
@@ -33,14 +33,14 @@ impl AllowListSources {
         fleet: Name,
         set: Option<&AllowedReading>,
         file: Option<watch::Receiver<Arc<RobotsFile>>>,
-        shards: &mut Shards,
+        workers: &mut Workers,
     ) -> Self {
         let (version, list) = (0, AllowList::default());
         let mut sources = Self { fleet, file, version, list, may_be_outdated: false, has_changed: false };
         if let Some(set) = set {
-            sources.set(set, shards);
+            sources.set(set, workers);
         }
-        sources.read_file(shards);
+        sources.read_file(workers);
         sources
     }
 
@@ -50,48 +50,48 @@ impl AllowListSources {
     }
 
     /// Reads the file again if it has changed.
-    pub(crate) fn read_changed_file(&mut self, shards: &mut Shards) {
+    pub(crate) fn read_changed_file(&mut self, workers: &mut Workers) {
         if self.file.as_ref().is_some_and(|file| file.has_changed().unwrap_or_default()) {
-            self.read_file(shards);
+            self.read_file(workers);
             self.has_changed = true;
         }
     }
 
-    fn read_file(&mut self, shards: &mut Shards) {
+    fn read_file(&mut self, workers: &mut Workers) {
         let Some(file) = &mut self.file else { return };
         self.list.set_file(file.borrow_and_update().of_fleet(&self.fleet));
-        self.apply(shards);
+        self.apply(workers);
     }
 
     /// Applies a list that was set over HTTP.
-    fn set(&mut self, reading: &AllowedReading, shards: &mut Shards) {
+    fn set(&mut self, reading: &AllowedReading, workers: &mut Workers) {
         self.version = reading.version;
         self.list.set_listed(reading.robots.as_deref().map(|names| names_of(names).collect()));
-        self.apply(shards);
+        self.apply(workers);
     }
 
-    fn apply(&self, shards: &mut Shards) {
+    fn apply(&self, workers: &mut Workers) {
         let [in_file, set] = self.list.counts();
         info!(fleet = %self.fleet, ?in_file, ?set, "allow list loaded");
-        shards.set_allow_list(&self.list);
+        workers.set_allow_list(&self.list);
     }
 
     /// Reads the list that was set over HTTP if it has changed, and writes the refused robots. If the database is
     /// unreachable, this does not wait.
-    pub(crate) async fn refresh(&mut self, committer: &mut Committer, shards: &mut Shards) {
+    pub(crate) async fn refresh(&mut self, committer: &mut Committer, workers: &mut Workers) {
         if self.may_be_outdated {
             let (writer, lease) = committer.database();
             match writer.allowed_robots(lease, self.version).await {
                 Ok(None) => {}
                 Ok(Some(reading)) => {
-                    self.set(&reading, shards);
+                    self.set(&reading, workers);
                     self.has_changed = true;
                 }
                 Err(problem) => return committer.failed(&problem, "cannot read the allow list"),
             }
             self.may_be_outdated = false;
         }
-        self.write_refused_robots(committer, shards).await;
+        self.write_refused_robots(committer, workers).await;
     }
 
     /// Makes the next refresh read the list: it may have changed.
@@ -99,11 +99,11 @@ impl AllowListSources {
         self.may_be_outdated = true;
     }
 
-    async fn write_refused_robots(&self, committer: &mut Committer, shards: &mut Shards) {
-        let Some(rows) = shards.refused_robots() else { return };
+    async fn write_refused_robots(&self, committer: &mut Committer, workers: &mut Workers) {
+        let Some(rows) = workers.refused_robots() else { return };
         let (writer, lease) = committer.database();
         match writer.write_turned_away(lease, &rows).await {
-            Ok(()) => shards.refused_robots_written(),
+            Ok(()) => workers.refused_robots_written(),
             Err(problem) => {
                 warn!(%problem, fleet = %self.fleet, at = wall_clock().0, "cannot write the refused robots")
             }

@@ -43,8 +43,8 @@ impl Engine {
             self.action_sent.notify_one();
         }
         let (leaving, others): (Vec<&Action>, Vec<&Action>) = pending.iter().partition(|action| leaves(action));
-        let Self { fleet, shards, in_force, rollout, metrics, suspects, pipeline, .. } = self;
-        let mut execution = Execution { fleet, shards, in_force, rollout, metrics, now };
+        let Self { fleet, workers, in_force, rollout, metrics, suspects, pipeline, .. } = self;
+        let mut execution = Execution { fleet, workers, in_force, rollout, metrics, now };
         for action in others {
             execution.handle(action, suspects, pipeline);
         }
@@ -55,14 +55,14 @@ impl Engine {
             self.decommission(action).await?;
         }
         self.show_rollout();
-        self.pipeline.stepped(0, &self.shards);
+        self.pipeline.stepped(0, &self.workers);
         Ok(())
     }
 
     /// Answers an action outside of [`Execution`]; `None` if it has expired.
     pub(super) fn answer(&mut self, action: &Action, robot_id: i64, done: Option<Result<(), String>>) {
-        let Self { fleet, shards, in_force, rollout, metrics, pipeline, .. } = self;
-        let mut execution = Execution { fleet, shards, in_force, rollout, metrics, now: Micros::default() };
+        let Self { fleet, workers, in_force, rollout, metrics, pipeline, .. } = self;
+        let mut execution = Execution { fleet, workers, in_force, rollout, metrics, now: Micros::default() };
         execution.answer(action, robot_id, done, pipeline);
     }
 
@@ -81,10 +81,10 @@ impl Engine {
         };
         let Some(rollout) = self.rollout.as_mut() else { return Ok(()) };
         let comparison = rollout.compare(&errors);
-        let Self { fleet, shards, in_force, rollout, metrics, .. } = self;
-        Execution { fleet, shards, in_force, rollout, metrics, now }.review_rollout(comparison);
+        let Self { fleet, workers, in_force, rollout, metrics, .. } = self;
+        Execution { fleet, workers, in_force, rollout, metrics, now }.review_rollout(comparison);
         self.show_rollout();
-        self.pipeline.stepped(0, &self.shards);
+        self.pipeline.stepped(0, &self.workers);
         Ok(())
     }
 
@@ -95,17 +95,17 @@ impl Engine {
     /// Reads the allow lists if they have changed, and writes the refused robots. If the database is unreachable, this
     /// does not wait.
     pub(super) async fn refresh_allow_list(&mut self) -> Result<(), LeaseLost> {
-        self.allow_list.read_changed_file(&mut self.shards);
+        self.allow_list.read_changed_file(&mut self.workers);
         self.settle().await?;
         if let Some(committer) = self.pipeline.idle_committer() {
-            self.allow_list.refresh(committer, &mut self.shards).await;
+            self.allow_list.refresh(committer, &mut self.workers).await;
         }
         Ok(())
     }
 
     /// Writes the counts of refusals. If the database is unreachable, this does not wait.
     pub(super) async fn write_refusals(&mut self) -> Result<(), LeaseLost> {
-        let rows = self.shards.refusals(REFUSING_ROBOTS_AT_A_TIME);
+        let rows = self.workers.refusals(REFUSING_ROBOTS_AT_A_TIME);
         if rows.is_empty() {
             return Ok(());
         }
@@ -114,7 +114,7 @@ impl Engine {
             let (writer, lease) = committer.database();
             match writer.add_refusals(lease, &rows).await {
                 Ok(()) => {
-                    self.shards.refusals_written(&rows);
+                    self.workers.refusals_written(&rows);
                     self.tell_refusals(&rows);
                 }
                 Err(problem) => warn!(%problem, fleet = %self.fleet, "cannot count refused messages"),
@@ -130,7 +130,7 @@ impl Engine {
             return;
         }
         let Some(row) = rows.iter().find(|row| Refusal::LABELS.contains(&row.reason)) else { return };
-        let Some(known) = self.shards.robots().find(|known| known.robot_id == row.robot_id) else { return };
+        let Some(known) = self.workers.robots().find(|known| known.robot_id == row.robot_id) else { return };
         let (robot, RefusalRow { topic, reason, problem, .. }) = (known.full_name(), row);
         let what =
             format!("messages of robot {robot} are refused ({topic}, {reason}): {problem}. Its page counts them");

@@ -28,7 +28,7 @@ impl Engine {
         self.begin_commit();
         self.settle().await?;
         let name = action.robot.as_deref().and_then(|name| Name::robot(name).ok());
-        let Some((name, known)) = name.and_then(|name| Some((name.clone(), self.shards.robot(&name)?))) else {
+        let Some((name, known)) = name.and_then(|name| Some((name.clone(), self.workers.robot(&name)?))) else {
             let problem = "UNKNOWN_ROBOT: there is no such robot in the fleet".to_owned();
             self.answer(action, 0, Some(Err(problem)));
             return Ok(());
@@ -54,7 +54,7 @@ impl Engine {
             return Ok(());
         }
         info!(robot = %FullName::robot(self.fleet.as_str(), name.as_str()), actor = action.actor, "robot decommissioned");
-        self.shards.of(&name).forget(&name);
+        self.workers.of(&name).forget(&name);
         self.answer(action, robot_id, Some(Ok(())));
         Ok(())
     }

@@ -1,5 +1,5 @@
-//! Distribution of messages to the shards. A message that needs row ids from the database first is handled alone, in
-//! its turn; all others are handled by the shards in parallel.
+//! Distribution of messages to the workers. A message that needs row ids from the database first is handled alone, in
+//! its turn; all others are handled by the workers in parallel.
 
 use std::time::Instant;
 
@@ -10,7 +10,7 @@ use super::Engine;
 use super::commit::committer::{LeaseLost, Outage};
 use super::message::RawMessage;
 use super::quarantine::suspect::{Turn, quarantined};
-use super::shard::shards::index_of;
+use super::worker::workers::index_of;
 use crate::inbox::Incoming;
 use crate::log_inbox::{LogBatch, LogRange, LogRecord};
 use vibrissa_core::units::Micros;
@@ -27,32 +27,32 @@ impl Engine {
     /// Steps messages through the core, those of each robot in order.
     pub(super) async fn take_in(&mut self, incoming: &mut Vec<Incoming>) -> Result<(), LeaseLost> {
         let count = incoming.len();
-        let mut messages: Vec<Vec<RawMessage>> = self.shards.iter().map(|_| Vec::new()).collect();
+        let mut messages: Vec<Vec<RawMessage>> = self.workers.iter().map(|_| Vec::new()).collect();
         let mut whiskers = 0;
         for incoming in incoming.drain(..) {
             let Some(raw) = self.address(incoming) else { continue };
             let Some(raw) = self.suspects.pass(raw) else { continue };
             if raw.kind == RobotTopic::Factsheet {
-                self.shards.handle(&mut messages, false, &self.workers).await;
+                self.workers.handle(&mut messages, false, &self.background).await;
                 self.take_factsheet(raw).await?;
             } else {
-                whiskers += self.shards.robot(&raw.robot).map_or(0, |known| known.whisker_ids.len());
-                messages[index_of(&raw.robot, self.shards.count())].push(raw);
+                whiskers += self.workers.robot(&raw.robot).map_or(0, |known| known.whisker_ids.len());
+                messages[index_of(&raw.robot, self.workers.count())].push(raw);
             }
             if whiskers >= WHISKERS_AT_A_TIME {
                 whiskers = 0;
-                self.shards.handle(&mut messages, false, &self.workers).await;
+                self.workers.handle(&mut messages, false, &self.background).await;
                 self.make_room().await?;
             }
         }
-        self.shards.handle(&mut messages, false, &self.workers).await;
-        self.pipeline.stepped(count, &self.shards);
+        self.workers.handle(&mut messages, false, &self.background).await;
+        self.pipeline.stepped(count, &self.workers);
         Ok(())
     }
 
     /// Begins a commit of full batches, after the one that is being written.
     async fn make_room(&mut self) -> Result<(), LeaseLost> {
-        if !self.shards.has_room() {
+        if !self.workers.has_room() {
             self.settle().await?;
             self.begin_commit();
         }
@@ -75,28 +75,28 @@ impl Engine {
         }
         let (count, received) = (records.len(), wall_clock());
         self.metrics.promises.received(count as u64);
-        let mut messages: Vec<Vec<RawMessage>> = self.shards.iter().map(|_| Vec::new()).collect();
+        let mut messages: Vec<Vec<RawMessage>> = self.workers.iter().map(|_| Vec::new()).collect();
         let mut except = Vec::new();
         for LogRecord { offset, topic, robot, kind, payload } in records {
             self.metrics.messages_received.count([kind.as_str()]);
             let received = Micros(received.0 + offset.abs_diff(from));
             let raw = RawMessage { topic, robot, kind, payload, received };
             // A replay must leave out what is not stepped here and now.
-            if self.suspects.has(&raw.robot) || !self.shards.of(&raw.robot).is_allowed(&raw.robot) {
-                except.extend(self.shards.robot(&raw.robot).map(|known| known.robot_id));
+            if self.suspects.has(&raw.robot) || !self.workers.of(&raw.robot).is_allowed(&raw.robot) {
+                except.extend(self.workers.robot(&raw.robot).map(|known| known.robot_id));
             }
             if let Some(raw) = self.suspects.pass(raw) {
-                messages[index_of(&raw.robot, self.shards.count())].push(raw);
+                messages[index_of(&raw.robot, self.workers.count())].push(raw);
             }
         }
         let are_there: Vec<bool> = messages.iter().map(|messages| !messages.is_empty()).collect();
-        self.shards.handle(&mut messages, true, &self.workers).await;
-        for (shard, _) in self.shards.iter_mut().zip(are_there).filter(|(_, is_there)| *is_there) {
-            shard.refer(received, range, &except);
+        self.workers.handle(&mut messages, true, &self.background).await;
+        for (worker, _) in self.workers.iter_mut().zip(are_there).filter(|(_, is_there)| *is_there) {
+            worker.refer(received, range, &except);
         }
         self.pipeline.set_log_next(partition, to);
-        self.pipeline.stepped(count, &self.shards);
-        self.pipeline.took(count as u64, &self.shards);
+        self.pipeline.stepped(count, &self.workers);
+        self.pipeline.took(count as u64, &self.workers);
         Ok(())
     }
 
@@ -127,31 +127,31 @@ impl Engine {
     /// unreachable. The factsheet is stepped after it has its ids. If the database rejects it permanently, it is put
     /// into quarantine.
     async fn take_factsheet(&mut self, raw: RawMessage) -> Result<(), LeaseLost> {
-        let Some(factsheet) = self.shards.of(&raw.robot).factsheet(&raw) else { return Ok(()) };
-        if self.shards.robot(&raw.robot).is_none()
+        let Some(factsheet) = self.workers.of(&raw.robot).factsheet(&raw) else { return Ok(()) };
+        if self.workers.robot(&raw.robot).is_none()
             && let Some(reason) = self.has_no_room_for_another()
         {
-            self.shards.of(&raw.robot).refuse_new(&raw, reason);
+            self.workers.of(&raw.robot).refuse_new(&raw, reason);
             return Ok(());
         }
         let (mut outage, mut is_again) = (Outage::default(), false);
         loop {
             self.settle().await?;
             let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
-            let shard = self.shards.of(&raw.robot);
+            let worker = self.workers.of(&raw.robot);
             let attempt = (&factsheet, std::mem::replace(&mut is_again, true));
-            let Err(problem) = shard.handle_factsheet(&raw, attempt, committer).await else {
+            let Err(problem) = worker.handle_factsheet(&raw, attempt, committer).await else {
                 let was_away = committer.end_of(&outage);
                 if was_away {
                     self.restart_silence_timers();
                 }
-                self.shards.of(&raw.robot).batch_mut().push_message(raw);
+                self.workers.of(&raw.robot).batch_mut().push_message(raw);
                 return self.make_room().await;
             };
             if let Some(rejection) = problem.rejection() {
                 let robot = FullName::robot(self.fleet.as_str(), raw.robot.as_str());
                 error!(%problem, %robot, "database rejects this message for good");
-                self.suspects.quarantine(quarantined(&raw, &rejection), &mut self.shards, &mut self.pipeline);
+                self.suspects.quarantine(quarantined(&raw, &rejection), &mut self.workers, &mut self.pipeline);
                 return Ok(());
             }
             committer.wait_out(&mut outage, problem, "cannot assign row ids").await?;
@@ -160,7 +160,7 @@ impl Engine {
 
     /// Reason why no new robot is accepted now, if there is one.
     fn has_no_room_for_another(&mut self) -> Option<&'static str> {
-        if self.shards.robot_count() >= self.limits.robots_per_fleet as usize {
+        if self.workers.robot_count() >= self.limits.robots_per_fleet as usize {
             return Some("too_many_robots");
         }
         (!self.new_robots.take(Instant::now())).then_some("too_many_new_robots")
@@ -169,10 +169,10 @@ impl Engine {
     /// Steps the next messages of suspects.
     pub(super) async fn step_suspects(&mut self) -> Result<(), LeaseLost> {
         let now = tokio::time::Instant::now();
-        for (name, turns) in self.suspects.begin(now, &mut self.shards) {
+        for (name, turns) in self.suspects.begin(now, &mut self.workers) {
             self.step_turns(&name, turns).await?;
         }
-        self.suspects.clear(now, &self.shards);
+        self.suspects.clear(now, &self.workers);
         Ok(())
     }
 
@@ -184,18 +184,18 @@ impl Engine {
                 return Ok(());
             }
             match turn {
-                Turn::Receipt(raw) => self.shards.of(name).receipt_alone(&raw),
+                Turn::Receipt(raw) => self.workers.of(name).receipt_alone(&raw),
                 Turn::Message(raw) if raw.kind == RobotTopic::Factsheet => self.take_factsheet(raw).await?,
-                Turn::Message(raw) => self.shards.of(name).handle(&raw),
+                Turn::Message(raw) => self.workers.of(name).handle(&raw),
             }
         }
         // The suspect keeps these messages, not the transaction.
-        self.shards.of(name).batch_mut().retain_messages(|raw| raw.robot != *name);
+        self.workers.of(name).batch_mut().retain_messages(|raw| raw.robot != *name);
         let number = self.pipeline.open_number();
         self.suspects.stepped(name, number);
-        self.pipeline.stepped(count, &self.shards);
+        self.pipeline.stepped(count, &self.workers);
         self.pipeline.commit_now();
-        if self.shards.is_empty() && !self.pipeline.is_writing() {
+        if self.workers.is_empty() && !self.pipeline.is_writing() {
             // The messages had no effects.
             self.suspects.committed(number);
         }

@@ -13,7 +13,7 @@ use vibrissa_protocol::Name;
 
 use super::message::MessageTimes;
 use super::robot::KnownRobot;
-use super::shard::shards::Shards;
+use super::worker::workers::Workers;
 use crate::clocks::ROBOTS_MAX;
 use crate::inbox::Inbox;
 use crate::metrics::{FleetMetrics, INBOX, Metrics, OUTBOX, RobotSample, WhiskerSample, Word as Label};
@@ -118,9 +118,9 @@ fn health(view: &WhiskerView<'_>) -> Label {
 }
 
 /// Counts robots, whiskers, alarms and compensations.
-pub(super) fn survey_robots(shards: &mut Shards, fleet: &Name, program: &Metrics, metrics: &FleetMetrics) {
+pub(super) fn survey_robots(workers: &mut Workers, fleet: &Name, program: &Metrics, metrics: &FleetMetrics) {
     let mut survey = Survey::default();
-    for known in shards.robots_mut().filter(|known| !known.is_excluded) {
+    for known in workers.robots_mut().filter(|known| !known.is_excluded) {
         survey.add(known);
     }
     let count = |counts: &BTreeMap<Label, i64>, word| counts.get(word).copied().unwrap_or_default();
@@ -140,13 +140,13 @@ pub(super) fn survey_robots(shards: &mut Shards, fleet: &Name, program: &Metrics
     metrics.compensation_air_error_mean_ratio.set_all(mean(|one| one.air_alone.value()));
     metrics.compensation_predicted_error_mean_ratio.set_all(mean(|one| one.predicted.value()));
     if let Some(whiskers) = &program.whiskers {
-        whiskers.show(fleet, shards.in_service().map(|known| sample(known.name.as_str(), known)).collect());
+        whiskers.show(fleet, workers.in_service().map(|known| sample(known.name.as_str(), known)).collect());
     }
 }
 
 /// How far the clocks of some robots are ahead, in µs.
-pub(super) fn clocks_ahead_us(shards: &Shards, now: Micros) -> Vec<i64> {
-    shards.robots().filter_map(|known| known.robot.clock_ahead_us(now)).take(ROBOTS_MAX).collect()
+pub(super) fn clocks_ahead_us(workers: &Workers, now: Micros) -> Vec<i64> {
+    workers.robots().filter_map(|known| known.robot.clock_ahead_us(now)).take(ROBOTS_MAX).collect()
 }
 
 /// Updates the gauges of the queues; `outbox` is the number of publications that wait, and their limit.

@@ -7,7 +7,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::RobotTopic;
 
 use super::Engine;
-use super::shard::Found;
+use super::worker::Found;
 use crate::promises::Promise;
 
 /// Receipts that have waited for longer have not reached the robots, which therefore send again.
@@ -21,9 +21,9 @@ impl Engine {
     pub(super) fn judge_hearing(&mut self, now: Micros) {
         let is_late = self.metrics.promises.age(Promise::Receipted).is_some_and(|age| age > RECEIPTS_LATE);
         let (mut without, mut deaf) = (Found::default(), Found::default());
-        for shard in self.shards.iter_mut() {
-            shard.judge_receipts(now, is_late, &mut deaf);
-            shard.find_without_factsheet(Instant::now(), &mut without);
+        for worker in self.workers.iter_mut() {
+            worker.judge_receipts(now, is_late, &mut deaf);
+            worker.find_without_factsheet(Instant::now(), &mut without);
         }
         self.metrics.robots_without_factsheet.set(without.count);
         let lacked = std::mem::replace(&mut self.lacked_factsheets, without.one.is_some());

@@ -19,7 +19,7 @@ pub(crate) struct Budget {
 
 /// A robot's budget: as many changes as two outages of a robot of 1,900 whiskers cause at once, then 88 MB a day.
 pub(crate) const ROBOT: Budget = Budget { at_once: 4 << 20, per_second: 1 << 10 };
-/// A fleet's budget, or that of each of its shards: an outage of all 10,000 robots of 24 whiskers, then 45 GB a day.
+/// A fleet's budget, or that of each of its workers: an outage of all 10,000 robots of 24 whiskers, then 45 GB a day.
 pub(crate) const FLEET: Budget = Budget { at_once: 256 << 20, per_second: 512 << 10 };
 
 /// Bytes of a whisker's or a robot's row with its state.

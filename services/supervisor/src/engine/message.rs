@@ -1,4 +1,4 @@
-//! A robot's message between the inbox and its shard.
+//! A robot's message between the inbox and its worker.
 
 use bytes::Bytes;
 use vibrissa_core::units::Micros;

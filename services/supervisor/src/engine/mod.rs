@@ -1,8 +1,8 @@
 //! Processing of messages: received, decoded, stepped through the core, committed, and only then answered.
 //!
 //! In the order of the data:
-//! - [`dispatch`]: messages are distributed to the shards.
-//! - [`shard`]: each robot's state has one owner, which steps its events and collects the effects in an open batch.
+//! - [`dispatch`]: messages are distributed to the workers.
+//! - [`worker`]: each robot's state has one owner, which steps its events and collects the effects in an open batch.
 //! - [`commit`]: the open batches of some milliseconds become one transaction, while the next messages are stepped; then
 //!   setpoints and receipts are published.
 //! - [`quarantine`]: robots whose rows the database rejects.
@@ -28,8 +28,8 @@ mod message;
 mod quarantine;
 mod robot;
 mod rollout;
-mod shard;
 mod start;
+mod worker;
 
 pub use robot::limits::Limits;
 pub use robot::retention::ContactRetention;
@@ -69,7 +69,7 @@ use commit::schedule::{RECEIPTS, TICK};
 use quarantine::suspects::Suspects;
 use robot::limits::Bucket;
 use rollout::Rollout;
-use shard::shards::Shards;
+use worker::workers::Workers;
 
 /// Largest number of messages taken from the inbox at a time.
 const MESSAGES_AT_A_TIME: usize = 1024;
@@ -86,10 +86,10 @@ const TICKS_PER_SURVEY: u32 = 4;
 /// A survey takes at most one part in this many of the time; otherwise surveys are less frequent.
 const SURVEY_SHARE: u32 = 50;
 
-/// Supervision of one fleet: shards that own its robots, and a sequence of transactions.
+/// Supervision of one fleet: workers that own its robots, and a sequence of transactions.
 pub(crate) struct Engine {
     fleet: Name,
-    shards: Shards,
+    workers: Workers,
     pipeline: Pipeline,
     suspects: Suspects,
     in_force: ParamsInForce,
@@ -104,7 +104,7 @@ pub(crate) struct Engine {
     /// Limits the rate of new robots.
     new_robots: Bucket,
     /// Runtime for work that would block the engine's own thread.
-    workers: Handle,
+    background: Handle,
     boxes: FleetBoxes,
     /// Where the partitioned log is to be read from.
     log_from: NextOffsets,
@@ -142,7 +142,7 @@ impl Engine {
             Ok(()) => Ending::Stopped,
             Err(LeaseLost) => Ending::LeaseLost,
         };
-        self.shards.end_traces(ending);
+        self.workers.end_traces(ending);
         ending
     }
 
@@ -153,7 +153,7 @@ impl Engine {
         let mut messages = Vec::with_capacity(MESSAGES_AT_A_TIME);
         let (mut is_ticking, mut number) = (false, 0_u32);
         loop {
-            let has_room = self.shards.has_room();
+            let has_room = self.workers.has_room();
             inbox.begin_round(self.pipeline.schedule().number());
             let due = self.pipeline.due();
             let are_few = self.pipeline.schedule().are_few();
@@ -167,9 +167,9 @@ impl Engine {
                     self.take_in(&mut messages).await?;
                     if fault::is(Fault::ReceiptBeforeCommit) {
                         // A fault planted by a test: receipts are published before the commit.
-                        self.pipeline.publish(self.shards.take_publications(), |_| {});
+                        self.pipeline.publish(self.workers.take_publications(), |_| {});
                     }
-                    self.pipeline.took(count as u64, &self.shards);
+                    self.pipeline.took(count as u64, &self.workers);
                     if inbox.is_throttling() {
                         self.pipeline.schedule().hurry();
                     }
@@ -202,11 +202,11 @@ impl Engine {
             if self.allow_list.take_changed() {
                 inbox.want_births(BirthCause::Allowed);
             }
-            if is_ticking && self.shards.has_room() {
-                is_ticking = !self.shards.tick(now(&inbox), &inbox.delayed());
-                self.pipeline.stepped(0, &self.shards);
+            if is_ticking && self.workers.has_room() {
+                is_ticking = !self.workers.tick(now(&inbox), &inbox.delayed());
+                self.pipeline.stepped(0, &self.workers);
             }
-            if self.pipeline.is_due(&self.shards) {
+            if self.pipeline.is_due(&self.workers) {
                 self.begin_commit();
             }
         }
@@ -238,17 +238,17 @@ impl Engine {
             fleet_metrics::show_queues(&self.metrics, inbox, self.pipeline.outbox_filling());
             if self.survey_from <= Instant::now() {
                 let begun = Instant::now();
-                fleet_metrics::survey_robots(&mut self.shards, &self.fleet, &self.program, &self.metrics);
+                fleet_metrics::survey_robots(&mut self.workers, &self.fleet, &self.program, &self.metrics);
                 // From a log messages come late, so they tell nothing about the time.
                 if self.log.is_none() {
-                    let ahead_us = fleet_metrics::clocks_ahead_us(&self.shards, wall_clock());
+                    let ahead_us = fleet_metrics::clocks_ahead_us(&self.workers, wall_clock());
                     self.robot_clocks.show(&self.fleet, ahead_us);
                 }
                 self.survey_from = begun + begun.elapsed() * SURVEY_SHARE;
             }
             self.judge_hearing(now(inbox));
-            self.shards.close_history(now(inbox));
-            self.pipeline.stepped(0, &self.shards);
+            self.workers.close_history(now(inbox));
+            self.pipeline.stepped(0, &self.workers);
         }
         Ok(())
     }
@@ -258,8 +258,8 @@ impl Engine {
         if !inbox.hears() {
             return;
         }
-        let has_unannounced = self.shards.take_unannounced();
-        let has_unheard = || self.shards.robots().any(|known| !known.is_heard && !known.is_excluded);
+        let has_unannounced = self.workers.take_unannounced();
+        let has_unheard = || self.workers.robots().any(|known| !known.is_heard && !known.is_excluded);
         if let Some(cause) = self.birth_watch.due(Instant::now().into_std(), has_unannounced, has_unheard) {
             inbox.want_births(cause);
         }
@@ -270,10 +270,10 @@ impl Engine {
     async fn finish(&mut self) -> Result<(), LeaseLost> {
         self.settle().await?;
         self.pipeline.prepare_last();
-        self.shards.make_checkpoints_due();
+        self.workers.make_checkpoints_due();
         self.begin_commit();
         self.settle().await?;
-        self.shards.end_boxes(wall_clock());
+        self.workers.end_boxes(wall_clock());
         self.boxes.flush().await;
         Ok(())
     }
@@ -286,7 +286,7 @@ impl Engine {
     /// Seals the open batches and starts to write them.
     fn begin_commit(&mut self) {
         // A suspect's checkpoint may be rejected, so its journal entries are needed for longer.
-        self.pipeline.begin(&mut self.shards, !self.suspects.is_empty());
+        self.pipeline.begin(&mut self.workers, !self.suspects.is_empty());
     }
 
     /// Waits until no transaction is being written.
@@ -306,7 +306,7 @@ impl Engine {
         }
         if !done.committed.offenders.is_empty() {
             let offenders = std::mem::take(&mut done.committed.offenders);
-            self.suspects.reject(offenders, &mut done.transaction, &mut self.shards, &mut self.pipeline);
+            self.suspects.reject(offenders, &mut done.transaction, &mut self.workers, &mut self.pipeline);
         }
         self.suspects.committed(done.transaction.number());
         if let Some(events) = self.events.as_ref().filter(|_| done.transaction.has_events()) {
@@ -316,7 +316,7 @@ impl Engine {
         if done.transaction.has_records() {
             self.action_notifier.changed();
         }
-        self.pipeline.publish_committed(done, &mut self.shards);
+        self.pipeline.publish_committed(done, &mut self.workers);
         Ok(())
     }
 
@@ -345,17 +345,17 @@ impl Engine {
     /// waits, too: only the newest estimate of a robot matters.
     fn publish_estimates(&mut self) {
         if self.pipeline.take_losses() {
-            self.shards.repeat_estimates();
+            self.workers.repeat_estimates();
         }
         if self.pipeline.outbox_filling().is_none_or(|(waiting, most)| waiting < most / 2) {
-            self.shards.publish_estimates(Instant::now().into_std());
-            self.pipeline.stepped(0, &self.shards);
+            self.workers.publish_estimates(Instant::now().into_std());
+            self.pipeline.stepped(0, &self.workers);
         }
     }
 
     /// Schedules a commit if receipts are due, or if checkpoints have waited long enough.
     fn check_receipts(&mut self) {
-        if self.shards.is_round_due(wall_clock()) {
+        if self.workers.is_round_due(wall_clock()) {
             self.pipeline.schedule().receipts_are_due(Instant::now());
         }
     }
@@ -371,13 +371,13 @@ impl Engine {
         let now = wall_clock();
         let names = robots.iter().filter_map(|shed| Name::robot(std::str::from_utf8(&shed.robot).ok()?).ok());
         for name in names {
-            self.shards.of(&name).restart_silence_timer(&name, now);
+            self.workers.of(&name).restart_silence_timer(&name, now);
         }
     }
 
     /// Restarts the silence timers of all robots, because this supervisor was deaf.
     fn restart_silence_timers(&mut self) {
-        self.shards.restart_silence_timers(wall_clock());
+        self.workers.restart_silence_timers(wall_clock());
     }
 }
 

@@ -19,10 +19,10 @@ use super::commit::recovery::recover;
 use super::quarantine::suspects::Suspects;
 use super::robot::limits::Bucket;
 use super::rollout::Rollout;
-use super::shard::Shard;
-use super::shard::events::ContactEvents;
-use super::shard::shards::Shards;
-use super::shard::stepper::Stepper;
+use super::worker::Worker;
+use super::worker::events::ContactEvents;
+use super::worker::stepper::Stepper;
+use super::worker::workers::Workers;
 use super::{ContactRetention, Engine, Limits, fleet_metrics};
 use crate::action_notifier::ActionNotifier;
 use crate::black_box::BlackBoxes;
@@ -42,8 +42,8 @@ use vibrissa_store::{Lease, StoreError, Writer};
 
 /// A day in µs.
 const DAY_US: i64 = 86_400_000_000;
-/// Largest number of shards per fleet.
-const SHARDS_MAX: usize = 16;
+/// Largest number of workers per fleet.
+const WORKERS_MAX: usize = 16;
 
 /// Settings and connections of an engine.
 pub(crate) struct EngineOptions {
@@ -85,9 +85,9 @@ const STORED: &str = "stored";
 /// The part of a fleet with robots that wait for a newer version of the program.
 const NEWER: &str = "newer program";
 
-/// One shard per core.
-fn shard_count() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from).min(SHARDS_MAX)
+/// One worker per core.
+fn worker_count() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from).min(WORKERS_MAX)
 }
 
 impl EngineOptions {
@@ -115,46 +115,46 @@ impl EngineOptions {
             let (fleet, boot_id, params) = (fleet.clone(), boot_id.clone(), params.clone());
             Stepper::new(fleet, boot_id, params, metrics.clone())
         };
-        let count = shard_count();
-        let mut shards = Shards::new((0..count).map(|_| Shard::new(stepper(), epoch, count)).collect());
-        for shard in shards.iter_mut() {
+        let count = worker_count();
+        let mut workers = Workers::new((0..count).map(|_| Worker::new(stepper(), epoch, count)).collect());
+        for worker in workers.iter_mut() {
             if let Some(sink) = &self.events {
-                shard.stepper_mut().set_contact_events(ContactEvents::new(sink.clone()));
+                worker.stepper_mut().set_contact_events(ContactEvents::new(sink.clone()));
             }
         }
         let rollout = open_rollout(&mut writer, &lease, &params, &metrics).await?;
-        shards.set_trial(rollout.as_ref().map(Rollout::trial).as_ref());
+        workers.set_trial(rollout.as_ref().map(Rollout::trial).as_ref());
         let allowed = writer.allowed_robots(&lease, 0).await?;
-        let last = recover(&mut writer, &lease, &mut shards, self.log.as_ref(), &metrics).await?;
+        let last = recover(&mut writer, &lease, &mut workers, self.log.as_ref(), &metrics).await?;
         let set_aside = metrics.all_set_aside() - set_aside_before;
         if set_aside > 0 {
             let what = format!("{set_aside} stored items cannot be read and are set aside: see the log");
             readiness.tell_set_aside(lease.fleet(), STORED, what);
         }
-        readiness.notice_of(lease.fleet(), NEWER, shards.left_to_newer_program());
+        readiness.notice_of(lease.fleet(), NEWER, workers.left_to_newer_program());
         // Also without an archive here: the last owner may have had one.
         let contacts_from_us = writer.archive_floor(&fleet).await?;
         let mut log_from = NextOffsets::new();
         if let Some(log) = &self.log {
-            shards.use_log();
+            workers.use_log();
             log_from = writer.log_positions(&lease, log.topic()).await?;
         }
-        shards.set_retention(self.retention);
+        workers.set_retention(self.retention);
         let boxes = self.boxes.of_fleet(&lease, &metrics.black_boxes_lost);
         writer.end_black_boxes(&lease).await?;
         let unheard = writer.robots_with_alarm(&lease, AlarmKind::ReceiptsUnheard.word()).await?;
-        for known in shards.robots_mut().filter(|known| unheard.contains(&known.robot_id)) {
+        for known in workers.robots_mut().filter(|known| unheard.contains(&known.robot_id)) {
             known.repeats.take_up(wall_clock());
         }
-        for shard in shards.iter_mut() {
-            shard.stepper_mut().set_boxes(boxes.clone());
+        for worker in workers.iter_mut() {
+            worker.stepper_mut().set_boxes(boxes.clone());
         }
-        info!(fleet = %lease.fleet(), epoch, robots = shards.robot_count(), "fleet loaded, supervision starts");
+        info!(fleet = %lease.fleet(), epoch, robots = workers.robot_count(), "fleet loaded, supervision starts");
         // As if a contact had just arrived, so that a silent fleet counts as silent from now on.
         metrics.last_contact_timestamp_seconds.set(wall_clock().as_s());
         let committer = Committer::new(lease.clone(), writer, program.clone(), self.log.clone());
-        let workers = Handle::current();
-        let mut pipeline = Pipeline::new(committer, last, metrics.clone(), workers.clone());
+        let background = Handle::current();
+        let mut pipeline = Pipeline::new(committer, last, metrics.clone(), background.clone());
         // Contacts that a host receives before its clock is set would be deleted as old.
         let is_clock_set = wall_clock().0 as i64 >= SET_FROM_US;
         let last_owner_us = i64::try_from(epoch.saturating_mul(1000)).unwrap_or_default();
@@ -163,15 +163,15 @@ impl EngineOptions {
         if let Some(log) = &self.log {
             pipeline.use_log(log.topic());
         }
-        shards.set_number(pipeline.open_number());
+        workers.set_number(pipeline.open_number());
         fleet_metrics::show_params(&metrics, &params, policy_version);
-        fleet_metrics::survey_robots(&mut shards, &fleet, &program, &metrics);
+        fleet_metrics::survey_robots(&mut workers, &fleet, &program, &metrics);
         if let Some(traces) = &self.traces {
-            trace(&mut shards, &fleet, traces);
+            trace(&mut workers, &fleet, traces);
         }
         let new_robots_per_minute = self.limits.new_robots_per_minute;
         Ok(Engine {
-            allow_list: AllowListSources::new(fleet.clone(), allowed.as_ref(), self.robots_file, &mut shards),
+            allow_list: AllowListSources::new(fleet.clone(), allowed.as_ref(), self.robots_file, &mut workers),
             suspects: Suspects::new(lease, metrics.clone(), readiness.clone()),
             readiness,
             in_force: ParamsInForce { params, policy_version },
@@ -186,9 +186,9 @@ impl EngineOptions {
             refusals_told_from: Instant::now(),
             is_archived: self.is_archived,
             fleet,
-            shards,
-            pipeline,
             workers,
+            pipeline,
+            background,
             boxes,
             log_from,
             log: self.log,
@@ -219,9 +219,9 @@ async fn open_rollout(
 }
 
 /// Adds traces, which continue those of setpoints under way.
-fn trace(shards: &mut Shards, fleet: &Name, traces: &Traces) {
-    for shard in shards.iter_mut() {
-        let (robots, stepper) = shard.parts();
+fn trace(workers: &mut Workers, fleet: &Name, traces: &Traces) {
+    for worker in workers.iter_mut() {
+        let (robots, stepper) = worker.parts();
         let mut open = OpenTraces::new(traces.clone(), fleet.clone());
         for known in robots.values() {
             open.take_up(&known.name, known.robot_id, &known.robot);

@@ -25,10 +25,10 @@ use super::message::RawMessage;
 use super::robot::KnownRobot;
 use super::robot::limits::{BOOTS_AT_ONCE, Bucket};
 use super::robot::retention::ContactRetention;
-use super::shard::shards::Shards;
-use super::shard::stepper::Stepper;
+use super::worker::stepper::Stepper;
+use super::worker::workers::Workers;
 
-use super::shard::{Found, Receipts, Shard};
+use super::worker::{Found, Receipts, Worker};
 use crate::inbox::Delayed;
 use crate::metrics::Metrics;
 use vibrissa_store::batch::Batch;
@@ -130,12 +130,12 @@ fn factsheet() -> Factsheet {
     }
 }
 
-fn shard(robots: i64) -> Shard {
+fn worker(robots: i64) -> Worker {
     let params = Arc::new(Params::nguyen_2021(Formulation::default()));
     let (fleet, boot) = (Name::new("f").unwrap(), BootId::new("s").unwrap());
     let metrics = Metrics::new(false).unwrap().of_fleet(&fleet);
-    let mut shard = Shard::new(Stepper::new(fleet, boot, params, metrics), 7, 1);
-    let (known_robots, stepper) = shard.parts();
+    let mut worker = Worker::new(Stepper::new(fleet, boot, params, metrics), 7, 1);
+    let (known_robots, stepper) = worker.parts();
     for robot_id in 1..=robots {
         let name = Name::robot(&format!("r{robot_id}")).unwrap();
         let mut known = KnownRobot::new(
@@ -151,7 +151,7 @@ fn shard(robots: i64) -> Shard {
         stepper.step(&mut known, Micros(1), &Event::Factsheet { boot_id: "b", factsheet: &factsheet() }, None);
         known_robots.insert(name, known);
     }
-    shard
+    worker
 }
 
 /// Robots with contacts, status messages and ticks, some of whose whiskers are cut.
@@ -174,21 +174,21 @@ impl World {
         }
     }
 
-    fn happen(&mut self, shard: &mut Shard) {
+    fn happen(&mut self, worker: &mut Worker) {
         self.now = Micros(self.now.0 + 20_000);
-        let robot_id = 1 + self.random.below(shard.robots().len()) as i64;
+        let robot_id = 1 + self.random.below(worker.robots().len()) as i64;
         match self.random.below(40) {
             // At least one whisker per tick: a tick with many effects is continued with the next one.
-            0 => drop(shard.tick(self.now, &Delayed::new(), 1)),
-            1..=3 => self.status(shard, robot_id),
+            0 => drop(worker.tick(self.now, &Delayed::new(), 1)),
+            1..=3 => self.status(worker, robot_id),
             // An outage that began two whole spans of silence ago, as far as the robots were not heard.
             5 if self.random.below(20) == 0 => {
-                let stale_after = shard.parts().1.params_of(&Name::robot("r1").unwrap()).health.stale_after;
+                let stale_after = worker.parts().1.params_of(&Name::robot("r1").unwrap()).health.stale_after;
                 self.now = self.now.after(stale_after).after(stale_after);
-                shard.restart_silence_timers(self.now);
+                worker.restart_silence_timers(self.now);
             }
             6 if self.random.below(20) == 0 => {
-                shard.restart_silence_timer(&Name::robot(&format!("r{robot_id}")).unwrap(), self.now);
+                worker.restart_silence_timer(&Name::robot(&format!("r{robot_id}")).unwrap(), self.now);
             }
             4 if self.now.0 > 40_000_000 => {
                 let whisker = self.random.below(usize::from(WHISKERS)) as u16;
@@ -196,12 +196,12 @@ impl World {
                 let length_mm = self.lengths_mm.entry((robot_id, whisker)).or_insert(WHOLE_MM);
                 *length_mm = (*length_mm - cut_mm).max(50.0);
             }
-            _ => self.contacts(shard, robot_id),
+            _ => self.contacts(worker, robot_id),
         }
     }
 
-    fn contacts(&mut self, shard: &mut Shard, robot_id: i64) {
-        let (robots, stepper) = shard.parts();
+    fn contacts(&mut self, worker: &mut Worker, robot_id: i64) {
+        let (robots, stepper) = worker.parts();
         let known = robots.values_mut().find(|known| known.robot_id == robot_id).unwrap();
         let pressure = known.robot.whisker(0).map_or(PRESSURE_MPA, |view| view.setpoint.mpa());
         let mut contacts: Vec<Contact<'_>> =
@@ -246,8 +246,8 @@ impl World {
         }
     }
 
-    fn status(&mut self, shard: &mut Shard, robot_id: i64) {
-        let (robots, stepper) = shard.parts();
+    fn status(&mut self, worker: &mut Worker, robot_id: i64) {
+        let (robots, stepper) = worker.parts();
         let known = robots.values_mut().find(|known| known.robot_id == robot_id).unwrap();
         let line = |index: usize| {
             let setpoint = known.robot.whisker(index)?.setpoint;
@@ -281,14 +281,14 @@ fn as_sent(contact: &Contact<'_>) -> protocol::Contact {
 }
 
 /// Seals the open batch as the engine does, and returns its rows.
-fn seal(shard: &mut Shard, now: Micros, rate: &mut CheckpointRate) -> Batch {
-    let number = shard.batch().number();
+fn seal(worker: &mut Worker, now: Micros, rate: &mut CheckpointRate) -> Batch {
+    let number = worker.batch().number();
     rate.refill(now, 0);
     let mut transaction = SealedTransaction::new(number, Vec::new());
-    shard.seal_into(&mut transaction, rate, Some(Receipts { now, robots_max: usize::MAX }));
-    shard.batch_mut().set_number(number + 1);
+    worker.seal_into(&mut transaction, rate, Some(Receipts { now, robots_max: usize::MAX }));
+    worker.batch_mut().set_number(number + 1);
     let mut rows = transaction.into_rows();
-    rows.journal_done = Some(shard.oldest_entry().unwrap_or(number + 1) - 1);
+    rows.journal_done = Some(worker.oldest_entry().unwrap_or(number + 1) - 1);
     rows
 }
 
@@ -301,19 +301,19 @@ fn bytes(known: &KnownRobot) -> Vec<Vec<u8>> {
     [known.robot.to_bytes().unwrap()].into_iter().chain(whiskers).collect()
 }
 
-fn crash(tables: &Tables, live: &Shard) -> usize {
-    let mut shards = Shards::new(vec![shard(0)]);
+fn crash(tables: &Tables, live: &Worker) -> usize {
+    let mut workers = Workers::new(vec![worker(0)]);
     let mut replay = Replay::default();
     for known in live.robots().values() {
-        replay.load(tables.stored(known.robot_id), known.name.clone(), 7, &mut shards);
+        replay.load(tables.stored(known.robot_id), known.name.clone(), 7, &mut workers);
     }
     let mut entries = 0;
     for (&number, row) in &tables.journal {
         let row = StoredEntries::new((number, row.clone()));
-        entries += replay.replay_row(&row, &LogRecords::new(), &mut shards);
+        entries += replay.replay_row(&row, &LogRecords::new(), &mut workers);
     }
     for (name, known) in live.robots() {
-        assert_eq!(bytes(shards.robot(name).unwrap()), bytes(known), "{name}");
+        assert_eq!(bytes(workers.robot(name).unwrap()), bytes(known), "{name}");
     }
     entries
 }
@@ -321,19 +321,19 @@ fn crash(tables: &Tables, live: &Shard) -> usize {
 #[test]
 fn property_states_and_journal_are_the_robots_at_each_commit() {
     for seed in 1..=6 {
-        let mut shard = shard(3);
+        let mut worker = worker(3);
         let mut world = World::new(seed);
         let (mut tables, mut rate) = (Tables::default(), CheckpointRate::new(world.now));
         let (mut replayed, mut decided) = (0, 0);
         for round in 0..1500 {
             for _ in 0..world.random.below(8) {
-                world.happen(&mut shard);
+                world.happen(&mut worker);
             }
-            let rows = seal(&mut shard, world.now, &mut rate);
+            let rows = seal(&mut worker, world.now, &mut rate);
             decided += rows.records.len();
             tables.write(rows);
             if round % 50 == 49 {
-                replayed += crash(&tables, &shard);
+                replayed += crash(&tables, &worker);
             }
         }
         assert!(replayed > 300, "the journal must have been replayed: {replayed}");

@@ -1,4 +1,4 @@
-//! The open batch of a shard: rows, journal entries and checkpoints of the next transaction, and the publications after
+//! The open batch of a worker: rows, journal entries and checkpoints of the next transaction, and the publications after
 //! it.
 
 use vibrissa_core::robot::effect::Effect;
@@ -22,7 +22,7 @@ pub(crate) struct Source<'a> {
     pub(crate) boot: i64,
 }
 
-/// Open batch of a shard: the effects of its steps since the last transaction was sealed.
+/// Open batch of a worker: the effects of its steps since the last transaction was sealed.
 #[derive(Debug, Default)]
 pub(crate) struct OpenBatch {
     /// Number of the transaction that the batch becomes part of.
@@ -200,7 +200,7 @@ impl OpenBatch {
         self.checkpoints.write_due(robots, (self.number, now), &mut self.rows, rate);
     }
 
-    /// Seals the open batch by appending it to those of other shards.
+    /// Seals the open batch by appending it to those of other workers.
     pub(crate) fn seal_into(&mut self, transaction: &mut SealedTransaction) {
         transaction.rows.append(&mut self.rows);
         transaction.publications.append(&mut self.publications);
@@ -211,7 +211,7 @@ impl OpenBatch {
         transaction.append_entries(entries, contacts);
     }
 
-    /// Removes a robot's rows and publications. Its journal entries and messages are only in the batch of its own shard.
+    /// Removes a robot's rows and publications. Its journal entries and messages are only in the batch of its own worker.
     pub(crate) fn remove_rows(&mut self, share: &RobotShare) {
         share.remove_rows(&mut self.rows);
         share.remove_publications(&mut self.publications);

@@ -1,6 +1,6 @@
 //! The write path, from the effects of a step to committed rows and back after a restart.
 //!
-//! - [`batch`]: the effects of a shard's steps since the last transaction was sealed.
+//! - [`batch`]: the effects of a worker's steps since the last transaction was sealed.
 //! - [`journal`]: an input log. A step without a decision writes its *event* here, and the robot's checkpoint may wait.
 //! - [`checkpoint`]: robots' states as rows, written at once after a decision, otherwise about two seconds later.
 //! - [`schedule`]: group commit, the time at which the open batches become a transaction.

@@ -18,8 +18,8 @@ use crate::engine::commit::journal::index::JournalIndex;
 use crate::engine::commit::schedule::Schedule;
 use crate::engine::commit::transaction::{SealedTransaction, answers};
 use crate::engine::fleet_metrics;
-use crate::engine::shard::Receipts;
-use crate::engine::shard::shards::Shards;
+use crate::engine::worker::Receipts;
+use crate::engine::worker::workers::Workers;
 use crate::metrics::FleetMetrics;
 use crate::outbox::{Losses, Publication};
 use vibrissa_edge::clock::wall_clock;
@@ -64,12 +64,12 @@ pub(crate) struct Pipeline {
     /// Publications that may not have reached the broker.
     losses: Losses,
     /// Runtime for writes that would block the engine's own thread.
-    workers: Handle,
+    background: Handle,
 }
 
 impl Pipeline {
     /// The pipeline of a recovered fleet, whose last transaction was `last`.
-    pub(crate) fn new(committer: Committer, last: i64, metrics: FleetMetrics, workers: Handle) -> Self {
+    pub(crate) fn new(committer: Committer, last: i64, metrics: FleetMetrics, background: Handle) -> Self {
         Self {
             lease: committer.lease().clone(),
             metrics,
@@ -85,7 +85,7 @@ impl Pipeline {
             log: None,
             outbox: None,
             losses: Losses::default(),
-            workers,
+            background,
         }
     }
 
@@ -139,29 +139,29 @@ impl Pipeline {
     }
 
     /// Schedules a commit after `messages` messages, or other work with effects.
-    pub(crate) fn stepped(&mut self, messages: usize, shards: &Shards) {
+    pub(crate) fn stepped(&mut self, messages: usize, workers: &Workers) {
         self.schedule.count(messages);
         let now = Instant::now();
-        if shards.is_urgent() {
+        if workers.is_urgent() {
             self.schedule.due_by(now);
-        } else if !shards.is_empty() {
+        } else if !workers.is_empty() {
             self.schedule.has_gathered(now);
         }
     }
 
     /// Notes that `count` received messages are handled: they wait for the commit of the open batches, unless these are
     /// empty.
-    pub(crate) fn took(&mut self, count: u64, shards: &Shards) {
+    pub(crate) fn took(&mut self, count: u64, workers: &Workers) {
         self.received += count;
-        if shards.is_empty() {
+        if workers.is_empty() {
             self.metrics.promises.committed(std::mem::take(&mut self.received));
         }
     }
 
     /// Whether a commit must begin now.
-    pub(crate) fn is_due(&self, shards: &Shards) -> bool {
+    pub(crate) fn is_due(&self, workers: &Workers) -> bool {
         let is_now = |due: Instant| due <= Instant::now();
-        self.writing.is_none() && (self.schedule.due().is_some_and(is_now) || !shards.has_room())
+        self.writing.is_none() && (self.schedule.due().is_some_and(is_now) || !workers.has_room())
     }
 
     /// Whether a transaction is being written.
@@ -199,9 +199,9 @@ impl Pipeline {
 
     /// Seals the open batches and starts to write them. `holds_journal` if checkpoints may be rejected, so that journal entries
     /// are needed for longer.
-    pub(crate) fn begin(&mut self, shards: &mut Shards, holds_journal: bool) {
+    pub(crate) fn begin(&mut self, workers: &mut Workers, holds_journal: bool) {
         let Some(committer) = self.committer.take() else { return };
-        let mut transaction = self.seal(shards, holds_journal);
+        let mut transaction = self.seal(workers, holds_journal);
         if transaction.is_empty() {
             self.metrics.promises.committed(transaction.received);
             self.committer = Some(committer);
@@ -217,28 +217,28 @@ impl Pipeline {
         let rows = transaction.rows.contacts.len() + transaction.rows.whiskers.len();
         let write = committer.write(transaction);
         // A small transaction is written in this thread, which avoids waking another.
-        self.writing = Some(if rows <= SMALL { tokio::spawn(write) } else { self.workers.spawn(write) });
+        self.writing = Some(if rows <= SMALL { tokio::spawn(write) } else { self.background.spawn(write) });
     }
 
-    /// Seals the open batches of all shards, with the checkpoints that are due.
-    fn seal(&mut self, shards: &mut Shards, holds_journal: bool) -> SealedTransaction {
+    /// Seals the open batches of all workers, with the checkpoints that are due.
+    fn seal(&mut self, workers: &mut Workers, holds_journal: bool) -> SealedTransaction {
         let now = wall_clock();
-        let is_short = shards.is_urgent() && self.schedule.passed_over() < PASSED_OVER_MAX;
+        let is_short = workers.is_urgent() && self.schedule.passed_over() < PASSED_OVER_MAX;
         let has_receipts = self.schedule.begin(is_short, Instant::now());
         self.rate.refill(now, self.journal.contacts());
         let mut transaction = SealedTransaction::new(self.journal.next(), std::mem::take(&mut self.answered));
         transaction.received = std::mem::take(&mut self.received);
-        shards.set_checkpoints_after(due_after(self.log.is_some(), self.journal.contacts()));
-        let receipts = has_receipts.then(|| Receipts { now, robots_max: self.receipts_max / shards.count() });
-        shards.seal_into(&mut transaction, &mut self.rate, receipts);
+        workers.set_checkpoints_after(due_after(self.log.is_some(), self.journal.contacts()));
+        let receipts = has_receipts.then(|| Receipts { now, robots_max: self.receipts_max / workers.count() });
+        workers.seal_into(&mut transaction, &mut self.rate, receipts);
         if self.contacts_from_us > 0 {
             for contact in &mut transaction.rows.contacts {
                 contact.received_us = contact.received_us.max(self.contacts_from_us);
             }
         }
         self.journal.append(&transaction);
-        self.journal.truncate(shards.oldest_entry(), (has_receipts, holds_journal), &mut transaction);
-        shards.set_number(self.journal.next());
+        self.journal.truncate(workers.oldest_entry(), (has_receipts, holds_journal), &mut transaction);
+        workers.set_number(self.journal.next());
         transaction
     }
 
@@ -262,16 +262,16 @@ impl Pipeline {
     }
 
     /// Publishes after a commit.
-    pub(crate) fn publish_committed(&self, committed: CommittedTransaction, shards: &mut Shards) {
+    pub(crate) fn publish_committed(&self, committed: CommittedTransaction, workers: &mut Workers) {
         let CommittedTransaction { transaction, committed } = committed;
         fleet_metrics::observe_commit(&self.metrics, &transaction.times);
         let SealedTransaction { mut spans, publications, .. } = transaction;
-        shards.spans_committed(&mut spans, committed.took);
+        workers.spans_committed(&mut spans, committed.took);
         // Taken before publishing, because a robot may answer before `publish` returns.
         let now = SystemTime::now();
         let at = wall_clock();
-        let all = self.publish(publications, |publication| shards.published(publication, at));
-        shards.spans_published(spans, now, all);
+        let all = self.publish(publications, |publication| workers.published(publication, at));
+        workers.spans_published(spans, now, all);
     }
 
     /// Publishes; returns false if messages were dropped. Nothing is lost if the broker is unreachable or the lease may
@@ -304,8 +304,8 @@ impl Pipeline {
     }
 
     /// Forgets answers that are no longer in the open batches: their actions are pending again.
-    pub(crate) fn retain_answers(&mut self, shards: &Shards) {
-        let open: Vec<_> = shards.iter().map(|shard| answers(&shard.batch().rows().records)).collect();
+    pub(crate) fn retain_answers(&mut self, workers: &Workers) {
+        let open: Vec<_> = workers.iter().map(|worker| answers(&worker.batch().rows().records)).collect();
         self.answered.retain(|action_id| open.iter().any(|ids| ids.contains(action_id)));
     }
 }

@@ -11,9 +11,9 @@ use vibrissa_protocol::{self as protocol, Message, Name, Received, RobotTopic};
 
 use crate::engine::commit::journal::{Entry, JournalEvent, Part, ROWS_AT_A_TIME, StoredEntries};
 use crate::engine::robot::KnownRobot;
-use crate::engine::shard::Shard;
-use crate::engine::shard::shards::Shards;
-use crate::engine::shard::stepper::Stepper;
+use crate::engine::worker::Worker;
+use crate::engine::worker::stepper::Stepper;
+use crate::engine::worker::workers::Workers;
 use crate::kafka::LogReader;
 use crate::log_inbox::{LogRange, LogRecord};
 use crate::metrics::FleetMetrics;
@@ -35,13 +35,13 @@ struct ReplayedRobot {
     is_replayed: bool,
 }
 
-/// Loads the robots of a fleet into their shards. Returns the number of the last journal entry.
+/// Loads the robots of a fleet into their workers. Returns the number of the last journal entry.
 ///
 /// The journal may refer to the log. The recovery waits for the log then: what it has must not be left out.
 pub(crate) async fn recover(
     writer: &mut Writer,
     lease: &Lease,
-    shards: &mut Shards,
+    workers: &mut Workers,
     log: Option<&LogReader>,
     metrics: &FleetMetrics,
 ) -> Result<i64, StoreError> {
@@ -54,7 +54,7 @@ pub(crate) async fn recover(
         for stored in some.robots {
             last = last.max(stored.journal_number);
             match Name::robot(&stored.robot) {
-                Ok(name) => replay.load(stored, name, lease.epoch(), shards),
+                Ok(name) => replay.load(stored, name, lease.epoch(), workers),
                 Err(_) => {
                     let robot = FullName::robot(lease.fleet().as_str(), &stored.robot);
                     error!(%robot, "a stored robot has no valid name and is left out");
@@ -72,13 +72,13 @@ pub(crate) async fn recover(
         last = last.max(after);
         for row in rows.into_iter().map(StoredEntries::new) {
             let records = records_of(&row, log, lease).await?;
-            entries += replay.replay_row(&row, &records, shards);
+            entries += replay.replay_row(&row, &records, workers);
         }
     }
     if let Some(log) = log {
         log.records_are_read().await;
     }
-    replay.finish(lease.epoch(), shards);
+    replay.finish(lease.epoch(), workers);
     if entries > 0 {
         let seconds = begun.elapsed().as_secs_f64();
         info!(fleet = %lease.fleet(), entries, seconds, "journal replayed");
@@ -98,7 +98,7 @@ pub(crate) async fn records_of(
     log: Option<&LogReader>,
     lease: &Lease,
 ) -> Result<LogRecords, StoreError> {
-    // Each partition is read once, in rising order. The entries of the engine's shards have the same ranges, and some
+    // Each partition is read once, in rising order. The entries of the engine's workers have the same ranges, and some
     // of them not all.
     let mut ranges = BTreeSet::new();
     for entry in row.entries().map_while(Result::ok) {
@@ -121,14 +121,14 @@ pub(crate) struct Replay {
 }
 
 impl Replay {
-    /// Puts a robot into its shard. The journal is replayed for robots that have whiskers.
-    pub(crate) fn load(&mut self, stored: StoredRobot, name: Name, epoch: u64, shards: &mut Shards) {
+    /// Puts a robot into its worker. The journal is replayed for robots that have whiskers.
+    pub(crate) fn load(&mut self, stored: StoredRobot, name: Name, epoch: u64, workers: &mut Workers) {
         // It has only announced itself, to an earlier version of the program: see `announced`.
         if stored.boots.is_empty() && stored.whisker_ids.is_empty() && !stored.held {
             return;
         }
         let (robot_id, journal_number) = (stored.robot_id, stored.journal_number);
-        let (robots, stepper) = shards.of(&name).parts();
+        let (robots, stepper) = workers.of(&name).parts();
         let (params, retention) = (stepper.params_of(&name), stepper.retention());
         let restored = KnownRobot::restored((stepper.fleet().clone(), name.clone()), stored, epoch, params, retention);
         let Some((known, forgotten)) = restored else {
@@ -139,7 +139,7 @@ impl Replay {
                  program, or restore the back-up from before the upgrade (docs/operations.md, Upgrade and downgrade)"
             );
             stepper.count_set_aside(Reader::Checkpoint, 1);
-            return shards.of(&name).leave_to_newer_program(name.clone());
+            return workers.of(&name).leave_to_newer_program(name.clone());
         };
         stepper.count_set_aside(Reader::Checkpoint, forgotten.iter().count() as u64);
         stepper.batch_mut().rows_mut().records.extend(forgotten);
@@ -157,20 +157,20 @@ impl Replay {
     }
 
     /// Replays one row of the journal. Returns the number of its entries that were replayed.
-    pub(crate) fn replay_row(&mut self, row: &StoredEntries, records: &LogRecords, shards: &mut Shards) -> usize {
+    pub(crate) fn replay_row(&mut self, row: &StoredEntries, records: &LogRecords, workers: &mut Workers) -> usize {
         let (number, mut count) = (row.number, 0);
         for entry in row.entries() {
             let entry = match entry {
                 Ok(entry) => entry,
                 Err(problem) => {
                     error!(number, %problem, "cannot read the journal, the rest of its row is lost");
-                    shards.count_set_aside(Reader::Journal);
+                    workers.count_set_aside(Reader::Journal);
                     break;
                 }
             };
             match &entry.event {
                 JournalEvent::Log { range, part, except } => {
-                    count += self.replay_records((number, entry.now), (*range, *part, except), records, shards);
+                    count += self.replay_records((number, entry.now), (*range, *part, except), records, workers);
                     continue;
                 }
                 JournalEvent::TickAll { part } => {
@@ -178,7 +178,7 @@ impl Replay {
                     for (&robot_id, one) in &mut self.robots {
                         // The checkpoint has the ticks of others.
                         if one.journal_number < number && one.is_replayed && part.has(&one.name) {
-                            one.replay(&tick(robot_id), shards.of(&one.name));
+                            one.replay(&tick(robot_id), workers.of(&one.name));
                         }
                     }
                     continue;
@@ -188,7 +188,7 @@ impl Replay {
             let replayed = self.robots.get_mut(&entry.robot_id);
             let Some(replayed) = replayed.filter(|one| one.journal_number < number) else { continue };
             count += 1;
-            replayed.replay(&entry, shards.of(&replayed.name));
+            replayed.replay(&entry, workers.of(&replayed.name));
         }
         count
     }
@@ -199,12 +199,12 @@ impl Replay {
         (number, begin): (i64, Micros),
         (range, part, except): (LogRange, Part, &[i64]),
         records: &LogRecords,
-        shards: &mut Shards,
+        workers: &mut Workers,
     ) -> usize {
         let mut count = 0;
         for record in records.get(&range).into_iter().flatten().filter(|record| part.has(&record.robot)) {
-            let shard = shards.of(&record.robot);
-            let Some(known) = shard.robots().get(&record.robot) else { continue };
+            let worker = workers.of(&record.robot);
+            let Some(known) = worker.robots().get(&record.robot) else { continue };
             let Some(one) = self.robots.get_mut(&known.robot_id) else { continue };
             if one.journal_number >= number || except.contains(&known.robot_id) {
                 continue;
@@ -222,7 +222,7 @@ impl Replay {
             };
             if let Some(entry) = entry {
                 count += 1;
-                one.replay(&entry, shard);
+                one.replay(&entry, worker);
             }
         }
         count
@@ -230,9 +230,9 @@ impl Replay {
 
     /// Starts the new epoch for all robots, which are now as of the last commit, and schedules checkpoints of those
     /// that were replayed.
-    fn finish(&self, epoch: u64, shards: &mut Shards) {
-        for shard in shards.iter_mut() {
-            let (robots, stepper) = shard.parts();
+    fn finish(&self, epoch: u64, workers: &mut Workers) {
+        for worker in workers.iter_mut() {
+            let (robots, stepper) = worker.parts();
             for known in robots.values_mut() {
                 self.finish_robot(known, epoch, stepper);
             }
@@ -249,9 +249,9 @@ impl Replay {
 }
 
 impl ReplayedRobot {
-    fn replay(&mut self, entry: &Entry, shard: &mut Shard) {
+    fn replay(&mut self, entry: &Entry, worker: &mut Worker) {
         self.is_replayed = true;
-        let (robots, stepper) = shard.parts();
+        let (robots, stepper) = worker.parts();
         let Some(known) = robots.get_mut(&self.name) else { return };
         let boot_of = |boot: &i64| self.boots.get(boot).map_or("", String::as_str);
         match &entry.event {

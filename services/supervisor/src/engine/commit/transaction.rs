@@ -20,7 +20,7 @@ pub(crate) struct SealedTransaction {
     /// The messages behind the rows.
     pub(super) messages: Vec<RawMessage>,
     pub(super) times: Vec<MessageTimes>,
-    /// Spans of the transaction, by shard.
+    /// Spans of the transaction, by worker.
     pub(super) spans: Vec<PendingSpans>,
     /// Actions whose answers are in the rows.
     pub(super) answered: Vec<i64>,
@@ -41,12 +41,12 @@ impl SealedTransaction {
         self.number
     }
 
-    /// Adds the spans of a shard's steps.
+    /// Adds the spans of a worker's steps.
     pub(crate) fn push_spans(&mut self, spans: PendingSpans) {
         self.spans.push(spans);
     }
 
-    /// Adds a shard's journal entries, which contain `contacts` contacts.
+    /// Adds a worker's journal entries, which contain `contacts` contacts.
     pub(super) fn append_entries(&mut self, entries: Vec<u8>, contacts: usize) {
         self.journal_contacts += contacts;
         if entries.is_empty() {

@@ -14,7 +14,7 @@ use crate::engine::commit::recovery::Replay;
 use crate::engine::commit::transaction::{RobotShare, SealedTransaction};
 use crate::engine::message::RawMessage;
 use crate::engine::quarantine::suspect::{Suspect, Turn, Verdict};
-use crate::engine::shard::shards::Shards;
+use crate::engine::worker::workers::Workers;
 use crate::events::{Parts, QuarantinePart, event};
 use crate::metrics::FleetMetrics;
 use crate::readiness::Readiness;
@@ -57,15 +57,15 @@ impl Suspects {
         &mut self,
         offenders: Vec<Offender>,
         transaction: &mut SealedTransaction,
-        shards: &mut Shards,
+        workers: &mut Workers,
         pipeline: &mut Pipeline,
     ) {
         for offender in offenders {
-            let found = shards.robots().find(|known| known.robot_id == offender.robot_id);
+            let found = workers.robots().find(|known| known.robot_id == offender.robot_id);
             let Some(name) = found.map(|known| known.name.clone()) else { continue };
-            let mut messages = self.remove(&name, offender.robot_id, transaction, shards, pipeline);
+            let mut messages = self.remove(&name, offender.robot_id, transaction, workers, pipeline);
             let now = Instant::now();
-            let widespread = self.is_widespread(shards);
+            let widespread = self.is_widespread(workers);
             let suspect = self.robots.entry(name.clone()).or_insert_with(|| Suspect::new(now));
             messages.retain(|raw| raw.robot == name);
             let verdict = suspect.refused(now, messages, &offender.rejection, widespread);
@@ -74,21 +74,21 @@ impl Suspects {
                 robot = %self.full_name(&name), code = offender.rejection.code, rests,
                 "restoring the robot's last committed state"
             );
-            self.restore(&name, offender, rests, shards);
+            self.restore(&name, offender, rests, workers);
             if let Verdict::Quarantine(row) = verdict {
-                self.quarantine(*row, shards, pipeline);
+                self.quarantine(*row, workers, pipeline);
             }
         }
         self.metrics.robots_suspect.set(self.robots.len() as i64);
-        pipeline.stepped(0, shards);
+        pipeline.stepped(0, workers);
     }
 
     fn full_name<'a>(&'a self, name: &'a Name) -> FullName<'a> {
         FullName::robot(self.lease.fleet().as_str(), name.as_str())
     }
 
-    fn is_widespread(&self, shards: &Shards) -> bool {
-        let (suspects, robots) = (self.robots.len(), shards.robot_count());
+    fn is_widespread(&self, workers: &Workers) -> bool {
+        let (suspects, robots) = (self.robots.len(), workers.robot_count());
         let is = suspects > SUSPECTS_FEW && suspects > robots / 4;
         let problem = || format!("the database rejects rows of {suspects} of {robots} robots: see the log");
         self.readiness.set_of(self.lease.fleet(), PART, is.then(problem));
@@ -101,37 +101,37 @@ impl Suspects {
         name: &Name,
         robot_id: i64,
         transaction: &mut SealedTransaction,
-        shards: &mut Shards,
+        workers: &mut Workers,
         pipeline: &mut Pipeline,
     ) -> Vec<RawMessage> {
-        let whisker_ids = shards.robot(name).map_or(&[][..], |known| &known.whisker_ids);
+        let whisker_ids = workers.robot(name).map_or(&[][..], |known| &known.whisker_ids);
         let share = RobotShare::of(self.lease.fleet(), name, robot_id, whisker_ids);
         let mut messages = transaction.remove_rejected(&share);
-        for shard in shards.iter_mut() {
-            shard.batch_mut().remove_rows(&share);
+        for worker in workers.iter_mut() {
+            worker.batch_mut().remove_rows(&share);
         }
-        messages.extend(shards.of(name).batch_mut().remove_messages(&share));
-        pipeline.retain_answers(shards);
+        messages.extend(workers.of(name).batch_mut().remove_messages(&share));
+        pipeline.retain_answers(workers);
         messages
     }
 
     /// Restores a robot's last committed state. Numbers already used are not used again.
-    fn restore(&self, name: &Name, offender: Offender, rests: bool, shards: &mut Shards) {
+    fn restore(&self, name: &Name, offender: Offender, rests: bool, workers: &mut Workers) {
         let epoch = self.lease.epoch();
-        let Some(before) = shards.of(name).robots_mut().get_mut(name) else { return };
+        let Some(before) = workers.of(name).robots_mut().get_mut(name) else { return };
         let (seqs, later) = (std::mem::take(&mut before.seqs), before.robot.clone());
         let refusals = std::mem::take(&mut before.refusals);
         let mut replay = Replay::default();
         match offender.stored {
             Some(stored) => {
-                replay.load(stored, name.clone(), epoch, shards);
+                replay.load(stored, name.clone(), epoch, workers);
                 for (row, records) in offender.journal.iter().zip(&offender.records) {
-                    replay.replay_row(row, records, shards);
+                    replay.replay_row(row, records, workers);
                 }
             }
             None => error!(robot = %self.full_name(name), "robot no longer in the database"),
         }
-        let (robots, stepper) = shards.of(name).parts();
+        let (robots, stepper) = workers.of(name).parts();
         let Some(known) = robots.get_mut(name) else { return };
         replay.finish_robot(known, epoch, stepper);
         known.robot.go_on_numbering_after(&later);
@@ -144,7 +144,7 @@ impl Suspects {
     }
 
     /// Writes a message that the database rejects into the quarantine table, for inspection by people.
-    pub(crate) fn quarantine(&self, row: QuarantineRow, shards: &mut Shards, pipeline: &mut Pipeline) {
+    pub(crate) fn quarantine(&self, row: QuarantineRow, workers: &mut Workers, pipeline: &mut Pipeline) {
         self.metrics.messages_quarantined.count([row.cause]);
         let robot = FullName::robot(self.lease.fleet().as_str(), &row.robot);
         let (topic, seq, cause, code) = (row.topic, row.seq, row.cause, &row.code);
@@ -152,7 +152,7 @@ impl Suspects {
         let part = QuarantinePart { robot: row.robot.clone(), topic, cause };
         let parts = Parts { quarantine: Some(part), ..Parts::default() };
         let told = event(EventKind::Quarantined, row.quarantined_us, &parts);
-        shards.record(Record::Quarantined(Box::new(row)), Some(told));
+        workers.record(Record::Quarantined(Box::new(row)), Some(told));
         pipeline.commit_now();
     }
 
@@ -171,11 +171,11 @@ impl Suspects {
     }
 
     /// Begins the next turns of all suspects that do not rest.
-    pub(crate) fn begin(&mut self, now: Instant, shards: &mut Shards) -> Vec<(Name, Vec<Turn>)> {
+    pub(crate) fn begin(&mut self, now: Instant, workers: &mut Workers) -> Vec<(Name, Vec<Turn>)> {
         let mut next: Vec<(Name, Vec<Turn>)> = Vec::new();
         for (name, suspect) in &mut self.robots {
             let rests = suspect.rests(now);
-            if let Some(known) = shards.of(name).robots_mut().get_mut(name) {
+            if let Some(known) = workers.of(name).robots_mut().get_mut(name) {
                 known.rests = rests;
             }
             let turns = suspect.begin(now);
@@ -206,13 +206,13 @@ impl Suspects {
     }
 
     /// Forgets suspects that are ordinary robots again.
-    pub(crate) fn clear(&mut self, now: Instant, shards: &Shards) {
+    pub(crate) fn clear(&mut self, now: Instant, workers: &Workers) {
         let before = self.robots.len();
         self.robots.retain(|_, suspect| !suspect.is_cleared(now));
         if self.robots.len() < before {
             info!(fleet = %self.lease.fleet(), suspects = self.robots.len(), "robot no longer a suspect");
             self.metrics.robots_suspect.set(self.robots.len() as i64);
-            self.is_widespread(shards);
+            self.is_widespread(workers);
         }
     }
 }

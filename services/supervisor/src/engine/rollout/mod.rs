@@ -179,7 +179,7 @@ impl Execution<'_> {
                     open.row.updated_us = wall_clock().0 as i64;
                     let row = open.row.clone();
                     let told = event_of(&row);
-                    self.shards.record(Record::Rollout(Box::new(RolloutChange { row, event: None })), Some(told));
+                    self.workers.record(Record::Rollout(Box::new(RolloutChange { row, event: None })), Some(told));
                 }
                 return;
             }
@@ -206,7 +206,7 @@ impl Execution<'_> {
         let event = RolloutEvent { event: event.to_owned(), actor: actor.to_owned(), detail };
         let change = RolloutChange { row: open.row.clone(), event: Some(event) };
         let told = event_of(&change.row);
-        self.shards.record(Record::Rollout(Box::new(change)), Some(told));
+        self.workers.record(Record::Rollout(Box::new(change)), Some(told));
     }
 
     /// Enters a stage: more robots change. In the last one the change comes into force, and the roll-out ends.
@@ -214,7 +214,7 @@ impl Execution<'_> {
         let Some(open) = self.rollout.as_mut() else { return };
         let before = (event.0 != "STARTED").then(|| open.trial());
         let seed = open.row.rollout_id as u64;
-        let mut places: Vec<u32> = self.shards.robots().map(|known| place(seed, known.name.as_str())).collect();
+        let mut places: Vec<u32> = self.workers.robots().map(|known| place(seed, known.name.as_str())).collect();
         let last = before.as_ref().map_or(0, |trial| trial.place_max);
         open.row.place_max = i64::from(limit(stage, &mut places, last));
         open.row.stage = stage.word().to_owned();
@@ -227,7 +227,7 @@ impl Execution<'_> {
             let (_, actor, detail) = event;
             self.note(("COMPLETED", actor, detail), "COMPLETED");
             *self.rollout = None;
-            self.shards.set_trial(None);
+            self.workers.set_trial(None);
             match &change {
                 Change::Policy(policy) => {
                     self.set_policy(policy, (&row.started_by, row.reason.clone(), row.rollout_id))
@@ -240,7 +240,7 @@ impl Execution<'_> {
             }
         } else {
             self.note(event, "RUNNING");
-            self.shards.set_trial(Some(&trial));
+            self.workers.set_trial(Some(&trial));
         }
         self.apply(&change, &newly);
     }
@@ -251,13 +251,13 @@ impl Execution<'_> {
         let (trial, change) = (open.trial(), open.change.clone());
         self.note(event, "ROLLED_BACK");
         *self.rollout = None;
-        self.shards.set_trial(None);
+        self.workers.set_trial(None);
         let changed = self.names(|name| trial.has(name));
         self.apply(&change, &changed);
     }
 
     fn names(&self, is_wanted: impl Fn(&Name) -> bool) -> Vec<Name> {
-        self.shards.robots().map(|known| known.name.clone()).filter(|name| is_wanted(name)).collect()
+        self.workers.robots().map(|known| known.name.clone()).filter(|name| is_wanted(name)).collect()
     }
 
     /// Tells robots that their parameters have changed.
@@ -265,7 +265,7 @@ impl Execution<'_> {
         match change {
             Change::Policy(_) => {
                 for name in robots {
-                    self.shards.step(name, self.now, &Event::PolicyChanged);
+                    self.workers.step(name, self.now, &Event::PolicyChanged);
                 }
             }
             Change::Calibration(activation) => self.relearn(robots, &activation.calibration.name),
@@ -275,13 +275,13 @@ impl Execution<'_> {
     /// Relearns the baselines of the whiskers of a model.
     pub(super) fn relearn(&mut self, robots: &[Name], model: &str) {
         for name in robots {
-            let Some(known) = self.shards.robot(name) else { continue };
+            let Some(known) = self.workers.robot(name) else { continue };
             let views = (0..known.robot.whisker_count()).filter_map(|index| known.robot.whisker(index));
             let its = views.filter(|view| *view.sheet.model == model);
             let whiskers: Vec<(String, u16)> = its.map(|view| (view.array.to_owned(), view.sheet.number)).collect();
             for (array, whisker) in whiskers {
                 let operator_action = OperatorAction::Rebaseline(Place { array: &array, whisker });
-                self.shards.step(name, self.now, &Event::Operator(&operator_action));
+                self.workers.step(name, self.now, &Event::Operator(&operator_action));
             }
         }
     }

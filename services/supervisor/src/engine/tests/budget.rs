@@ -6,8 +6,8 @@ use vibrissa_store::batch::Record;
 
 use super::*;
 
-fn told(shard: &mut Shard, counted: impl Fn(&Record) -> bool) -> usize {
-    shard.batch_mut().rows_mut().records.iter().filter(|record| counted(record)).count()
+fn told(worker: &mut Worker, counted: impl Fn(&Record) -> bool) -> usize {
+    worker.batch_mut().rows_mut().records.iter().filter(|record| counted(record)).count()
 }
 
 #[test]
@@ -20,58 +20,58 @@ fn regress_a_status_that_flaps_for_ten_minutes_adds_few_rows() {
 }
 
 fn flap_for_ten_minutes(one: (RegulatorState, f64), other: (RegulatorState, f64)) {
-    let (mut shard, name) = (shard(1), Name::robot("r1").unwrap());
+    let (mut worker, name) = (worker(1), Name::robot("r1").unwrap());
     let mut now = Micros(1_795_260_000_000_000);
     for at in 0..2400 {
         let ((regulator, pressure_mpa), gauge) = (if at % 2 == 0 { other } else { one }, GaugeState::Ok);
         let pressure = Megapascal::known(pressure_mpa);
         let status = |whisker| WhiskerStatus { array: "a", whisker, pressure, setpoint: pressure, regulator, gauge };
         let whiskers: Vec<_> = (0..WHISKERS).map(status).collect();
-        shard.step_robot(&name, now, &Event::Status { boot_id: "b", robot_time: now, whiskers: &whiskers });
+        worker.step_robot(&name, now, &Event::Status { boot_id: "b", robot_time: now, whiskers: &whiskers });
         now = now.after(Micros::from_s(0.25));
-        shard.tick(now, &Delayed::new(), usize::MAX);
+        worker.tick(now, &Delayed::new(), usize::MAX);
     }
-    let alarms = told(&mut shard, |record| matches!(record, Record::Alarm(_)));
-    let changes = told(&mut shard, |record| matches!(record, Record::Health(_)));
+    let alarms = told(&mut worker, |record| matches!(record, Record::Alarm(_)));
+    let changes = told(&mut worker, |record| matches!(record, Record::Health(_)));
     assert_eq!(alarms, usize::from(WHISKERS), "{other:?}");
     assert!(changes <= 6 * usize::from(WHISKERS), "{other:?}: {changes} changes of health");
 }
 
 /// Number of refusals on the page of robot `r1`.
-fn refused(shard: &Shard, topic: &str, reason: &str) -> u64 {
-    let of_these = shard.robots()["r1"].refusals.totals().filter(|total| (total.0, total.1) == (topic, reason));
+fn refused(worker: &Worker, topic: &str, reason: &str) -> u64 {
+    let of_these = worker.robots()["r1"].refusals.totals().filter(|total| (total.0, total.1) == (topic, reason));
     of_these.map(|(_, _, count)| count).sum()
 }
 
 #[test]
 fn regress_a_change_that_is_not_recorded_is_told_on_the_robots_page() {
-    let (mut shard, now) = (shard(1), Micros(1_795_260_000_000_000));
-    let (robots, stepper) = shard.parts();
+    let (mut worker, now) = (worker(1), Micros(1_795_260_000_000_000));
+    let (robots, stepper) = worker.parts();
     let known = &mut robots["r1"];
     let change = Effect::Fault { whisker: 0, from: None, to: Some(Fault::Leak) };
     while stepper.admit(known, now, &change) {}
-    assert_eq!(refused(&shard, "status", "over_budget"), 1);
+    assert_eq!(refused(&worker, "status", "over_budget"), 1);
 }
 
 #[test]
 fn regress_new_layouts_are_charged_to_the_fleet_too() {
-    let (mut shard, now) = (shard(300), Micros(1_795_260_000_000_000));
+    let (mut worker, now) = (worker(300), Micros(1_795_260_000_000_000));
     let mut layout = factsheet();
     let sheet = layout.arrays[0].whiskers[0].clone();
     layout.arrays[0].whiskers = (0..1900).map(|number| WhiskerSheet { number, ..sheet.clone() }).collect();
-    let (robots, stepper) = shard.parts();
+    let (robots, stepper) = worker.parts();
     let admitted =
         robots.values_mut().filter_map(|known| stepper.admits_layout(known, &layout, now).then_some(())).count();
     // Each is within its robot's budget.
     assert!((100..200).contains(&admitted), "{admitted} layouts");
     let is_refused = |total: (&str, &str, u64)| (total.0, total.1) == ("factsheet", "over_budget");
-    let pages = shard.robots().values().filter(|known| known.refusals.totals().any(is_refused)).count();
+    let pages = worker.robots().values().filter(|known| known.refusals.totals().any(is_refused)).count();
     assert_eq!(pages, 300 - admitted);
 }
 
 #[test]
 fn regress_a_robot_whose_times_are_in_milliseconds_is_told_on_its_page() {
-    let (mut shard, start) = (shard(1), Micros(1_795_260_000_000_000));
+    let (mut worker, start) = (worker(1), Micros(1_795_260_000_000_000));
     for seq in 0..30 {
         let now = start.after(Micros::from_s(10.0 * seq as f64));
         let whisker = protocol::WhiskerStatus {
@@ -84,12 +84,12 @@ fn regress_a_robot_whose_times_are_in_milliseconds_is_told_on_its_page() {
         };
         let (boot_id, t_us) = (BootId::new("b").unwrap(), now.0 / 1000);
         let status = protocol::Status { boot_id, seq, t_us, whiskers: vec![whisker], contacts_dropped: None };
-        shard.handle(&raw_message(RobotTopic::Status, protocol::encode(&status), now));
+        worker.handle(&raw_message(RobotTopic::Status, protocol::encode(&status), now));
     }
-    assert!(refused(&shard, "status", "time_unit") > 0);
+    assert!(refused(&worker, "status", "time_unit") > 0);
     // By its clock a setpoint would be valid for hours.
     let action = OperatorAction::Setpoint { whisker: Place { array: "a", whisker: 0 }, pressure_mpa: 0.05 };
-    let outcome = shard.step_robot(&Name::robot("r1").unwrap(), start, &Event::Operator(&action));
+    let outcome = worker.step_robot(&Name::robot("r1").unwrap(), start, &Event::Operator(&action));
     assert_eq!(outcome, Some(Outcome::Refused(ActionProblem::WrongTimeUnit)));
 }
 
@@ -107,22 +107,22 @@ fn connection(state: protocol::ConnectionState, received: Micros) -> RawMessage 
 
 #[test]
 fn regress_a_connection_that_flaps_is_charged_and_then_refused_until_the_budget_allows_it() {
-    let mut shard = shard(1);
+    let mut worker = worker(1);
     // Soon after the robots' factsheets: they are not silent yet.
     let start = Micros(2);
     for at in 0..20_000 {
         let now = start.after(Micros(at));
-        shard.handle(&connection(protocol::ConnectionState::ConnectionBroken, now));
-        shard.handle(&connection(protocol::ConnectionState::Online, now));
+        worker.handle(&connection(protocol::ConnectionState::ConnectionBroken, now));
+        worker.handle(&connection(protocol::ConnectionState::Online, now));
     }
-    assert!(shard.metrics().messages_refused.of(["over_budget"]).get() > 10_000);
-    let alarms = told(&mut shard, |record| matches!(record, Record::RobotAlarm(_)));
-    let changes = told(&mut shard, |record| matches!(record, Record::Health(_)));
+    assert!(worker.metrics().messages_refused.of(["over_budget"]).get() > 10_000);
+    let alarms = told(&mut worker, |record| matches!(record, Record::RobotAlarm(_)));
+    let changes = told(&mut worker, |record| matches!(record, Record::Health(_)));
     assert!(alarms > 100 && (alarms * 1200 + changes * 300) < 5 << 20, "{alarms} alarms, {changes} changes");
-    assert!(refused(&shard, "connection", "over_budget") > 10_000, "on its page");
-    let is_online = |shard: &Shard| shard.robots()["r1"].robot.connection_state().1 == Link::Online;
-    assert!(!is_online(&shard));
+    assert!(refused(&worker, "connection", "over_budget") > 10_000, "on its page");
+    let is_online = |worker: &Worker| worker.robots()["r1"].robot.connection_state().1 == Link::Online;
+    assert!(!is_online(&worker));
     // The last birth is accepted later.
-    shard.tick(start.after(Micros::from_s(60.0)), &Delayed::new(), usize::MAX);
-    assert!(is_online(&shard));
+    worker.tick(start.after(Micros::from_s(60.0)), &Delayed::new(), usize::MAX);
+    assert!(is_online(&worker));
 }

@@ -4,14 +4,14 @@ use super::*;
 
 #[test]
 fn receipts_of_many_robots_go_out_in_turn() {
-    let mut shard = shard(12);
-    let (robots, stepper) = shard.parts();
+    let mut worker = worker(12);
+    let (robots, stepper) = worker.parts();
     for known in robots.values_mut() {
         stepper.receipt(known, "b");
     }
     let mut sent = |most| {
-        shard.publish_receipts(most);
-        shard.batch_mut().take_publications().into_iter().map(|one| one.topic).collect::<Vec<_>>()
+        worker.publish_receipts(most);
+        worker.batch_mut().take_publications().into_iter().map(|one| one.topic).collect::<Vec<_>>()
     };
     let (first, second, rest) = (sent(1), sent(4), sent(usize::MAX));
     assert_eq!([first.len(), second.len(), rest.len()], [3, 4, 5], "at least a quarter, at most the limit, all");
@@ -22,7 +22,7 @@ fn receipts_of_many_robots_go_out_in_turn() {
 
 #[test]
 fn a_robot_that_was_only_announced_is_not_taken_up() {
-    let (mut shards, mut replay) = (Shards::new(vec![shard(0)]), Replay::default());
+    let (mut workers, mut replay) = (Workers::new(vec![worker(0)]), Replay::default());
     let stored = |robot_id: i64, held: bool| StoredRobot {
         robot_id,
         robot: format!("r{robot_id}"),
@@ -36,9 +36,9 @@ fn a_robot_that_was_only_announced_is_not_taken_up() {
         numbers: Numbers::default(),
     };
     for (robot_id, held) in [(1, false), (2, true)] {
-        replay.load(stored(robot_id, held), Name::robot(&format!("r{robot_id}")).unwrap(), 7, &mut shards);
+        replay.load(stored(robot_id, held), Name::robot(&format!("r{robot_id}")).unwrap(), 7, &mut workers);
     }
-    let names: Vec<&str> = shards.robots().map(|known| known.name.as_str()).collect();
+    let names: Vec<&str> = workers.robots().map(|known| known.name.as_str()).collect();
     assert_eq!(names, ["r2"], "a held robot must be kept");
 }
 
@@ -60,26 +60,26 @@ fn birth(robot: &str, boot_id: &str) -> RawMessage {
 
 #[test]
 fn a_robot_has_some_new_boots_at_once_and_the_last_one_that_was_refused_later() {
-    let mut shard = shard(1);
+    let mut worker = worker(1);
     for number in 1..=BOOTS_AT_ONCE + 2 {
-        shard.handle(&birth("r1", &format!("new-{number}")));
+        worker.handle(&birth("r1", &format!("new-{number}")));
     }
-    let known = &shard.robots()["r1"];
+    let known = &worker.robots()["r1"];
     assert_eq!(known.robot.connection_state().0, Some("new-10"));
     assert_eq!(known.refused_boot.as_ref().map(BootId::as_str), Some("new-12"));
-    assert_eq!(shard.metrics().messages_refused.of(["too_many_boots"]).get(), 2);
-    shard.tick(Micros(2), &Delayed::new(), 1000);
-    assert_eq!(shard.robots()["r1"].robot.connection_state().0, Some("new-10"), "the limit does not allow it yet");
+    assert_eq!(worker.metrics().messages_refused.of(["too_many_boots"]).get(), 2);
+    worker.tick(Micros(2), &Delayed::new(), 1000);
+    assert_eq!(worker.robots()["r1"].robot.connection_state().0, Some("new-10"), "the limit does not allow it yet");
     // A full bucket, as after a minute.
-    shard.robots_mut()["r1"].new_boots = Bucket::new(1, 1);
-    shard.tick(Micros(3), &Delayed::new(), 1000);
-    let known = &shard.robots()["r1"];
+    worker.robots_mut()["r1"].new_boots = Bucket::new(1, 1);
+    worker.tick(Micros(3), &Delayed::new(), 1000);
+    let known = &worker.robots()["r1"];
     assert_eq!((known.robot.connection_state().0, &known.refused_boot), (Some("new-12"), &None));
 }
 
 #[test]
 fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
-    let mut shard = shard(0);
+    let mut worker = worker(0);
     let factsheet = |robot: &str| {
         let facts = protocol::Factsheet {
             boot_id: BootId::new("b").unwrap(),
@@ -94,23 +94,23 @@ fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
         };
         raw_message(robot, RobotTopic::Factsheet, protocol::encode(&facts))
     };
-    assert!(shard.factsheet(&factsheet("r1")).is_none(), "refused without a birth");
+    assert!(worker.factsheet(&factsheet("r1")).is_none(), "refused without a birth");
     for number in 1..=5000 {
-        shard.handle(&birth(&format!("r{number}"), "b"));
+        worker.handle(&birth(&format!("r{number}"), "b"));
     }
-    assert!(shard.robots().is_empty() && shard.batch().is_empty(), "nothing is written for a birth");
-    assert!(shard.factsheet(&factsheet("r5000")).is_some());
-    assert!(shard.factsheet(&factsheet("r1")).is_none(), "its announcement must be forgotten");
-    shard.tick(Micros(5_000_000), &Delayed::new(), 1000);
-    let asked = shard.batch_mut().take_publications().len();
+    assert!(worker.robots().is_empty() && worker.batch().is_empty(), "nothing is written for a birth");
+    assert!(worker.factsheet(&factsheet("r5000")).is_some());
+    assert!(worker.factsheet(&factsheet("r1")).is_none(), "its announcement must be forgotten");
+    worker.tick(Micros(5_000_000), &Delayed::new(), 1000);
+    let asked = worker.batch_mut().take_publications().len();
     assert!((1000..=1024).contains(&asked), "their factsheets must be requested: {asked}");
 }
 
 /// The log named the index within the robot, without fleet and array.
 #[test]
 fn regress_a_full_name_counts_within_the_array() {
-    let mut shard = shard(1);
-    let (robots, stepper) = shard.parts();
+    let mut worker = worker(1);
+    let (robots, stepper) = worker.parts();
     let known = &mut robots["r1"];
     let mut factsheet = factsheet();
     let mut second = factsheet.arrays[0].clone();
@@ -125,26 +125,26 @@ fn regress_a_full_name_counts_within_the_array() {
 #[test]
 fn regress_a_missing_factsheet_is_told_although_the_connection_breaks_again_and_again() {
     use std::time::{Duration, Instant};
-    let (mut shard, begin) = (shard(2), Instant::now());
-    let missing = |shard: &mut Shard, seconds: u64| {
+    let (mut worker, begin) = (worker(2), Instant::now());
+    let missing = |worker: &mut Worker, seconds: u64| {
         let mut without = Found::default();
-        shard.find_without_factsheet(begin + Duration::from_secs(seconds), &mut without);
+        worker.find_without_factsheet(begin + Duration::from_secs(seconds), &mut without);
         without.one.map(|name| name.to_string())
     };
-    let link = |shard: &mut Shard, boot_id: &str, link| {
-        let (robots, stepper) = shard.parts();
+    let link = |worker: &mut Worker, boot_id: &str, link| {
+        let (robots, stepper) = worker.parts();
         stepper.step(&mut robots["r1"], Micros(1), &Event::Connection { boot_id, link }, None);
     };
-    assert_eq!(missing(&mut shard, 0), None, "both have factsheets");
+    assert_eq!(missing(&mut worker, 0), None, "both have factsheets");
     for second in 0..30 {
-        link(&mut shard, "new", [Link::Online, Link::Broken][second as usize % 2]);
-        assert_eq!(missing(&mut shard, second), None, "{second} s");
+        link(&mut worker, "new", [Link::Online, Link::Broken][second as usize % 2]);
+        assert_eq!(missing(&mut worker, second), None, "{second} s");
     }
-    assert_eq!(missing(&mut shard, 31).as_deref(), Some("r1"));
-    link(&mut shard, "new", Link::Offline);
-    assert_eq!(missing(&mut shard, 32), None, "it has left in order");
-    link(&mut shard, "new", Link::Broken);
-    assert_eq!(missing(&mut shard, 90), None);
-    link(&mut shard, "b", Link::Online);
-    assert_eq!(missing(&mut shard, 91), None, "its factsheet is known");
+    assert_eq!(missing(&mut worker, 31).as_deref(), Some("r1"));
+    link(&mut worker, "new", Link::Offline);
+    assert_eq!(missing(&mut worker, 32), None, "it has left in order");
+    link(&mut worker, "new", Link::Broken);
+    assert_eq!(missing(&mut worker, 90), None);
+    link(&mut worker, "b", Link::Online);
+    assert_eq!(missing(&mut worker, 91), None, "its factsheet is known");
 }

@@ -4,15 +4,15 @@ use super::*;
 
 #[test]
 fn what_befalls_all_robots_at_once_is_written_in_several_transactions() {
-    let mut shard = shard(5);
-    let silent = shard.parts().1.params_of(&Name::robot("r1").unwrap()).health.stale_after.0 + 2;
+    let mut worker = worker(5);
+    let silent = worker.parts().1.params_of(&Name::robot("r1").unwrap()).health.stale_after.0 + 2;
     let mut rate = CheckpointRate::new(Micros(1));
-    seal(&mut shard, Micros(1), &mut rate);
+    seal(&mut worker, Micros(1), &mut rate);
     let mut written = Vec::new();
     for round in 0.. {
         let now = Micros(silent + round);
-        let is_done = shard.tick(now, &Delayed::new(), usize::from(WHISKERS) + 1);
-        let rows = seal(&mut shard, now, &mut rate);
+        let is_done = worker.tick(now, &Delayed::new(), usize::from(WHISKERS) + 1);
+        let rows = seal(&mut worker, now, &mut rate);
         assert!(rows.robots.len() <= 2, "two robots are enough for a transaction");
         assert_eq!(rows.records.is_empty(), rows.robots.is_empty(), "silence must lead to a fault");
         written.extend(rows.robots.iter().map(|row| row.robot_id));
@@ -26,26 +26,26 @@ fn what_befalls_all_robots_at_once_is_written_in_several_transactions() {
 /// All robots of a large fleet were written at once. That took too long for the database, which refused it each time.
 #[test]
 fn regress_after_an_outage_only_robots_that_would_become_silent_are_written_and_not_all_at_once() {
-    let mut shard = shard(5);
-    let stale_after = shard.parts().1.params_of(&Name::robot("r1").unwrap()).health.stale_after;
+    let mut worker = worker(5);
+    let stale_after = worker.parts().1.params_of(&Name::robot("r1").unwrap()).health.stale_after;
     let mut rate = CheckpointRate::new(Micros(1));
-    seal(&mut shard, Micros(1), &mut rate);
+    seal(&mut worker, Micros(1), &mut rate);
     let back = Micros(stale_after.0 - 1);
-    shard.restart_silence_timers(back);
-    let rows = seal(&mut shard, back, &mut rate);
+    worker.restart_silence_timers(back);
+    let rows = seal(&mut worker, back, &mut rate);
     assert!(rows.robots.is_empty(), "nobody is silent yet");
     // The second robot is heard before it would become silent.
     let mut world = World::new(1);
     world.now = Micros(stale_after.0);
-    world.status(&mut shard, 2);
-    shard.batch_mut().checkpoints().make_due();
-    seal(&mut shard, world.now, &mut rate);
+    world.status(&mut worker, 2);
+    worker.batch_mut().checkpoints().make_due();
+    seal(&mut worker, world.now, &mut rate);
 
     let mut written = Vec::new();
     for round in 0.. {
         let now = Micros(stale_after.0 + 2 + round);
-        let is_done = shard.tick(now, &Delayed::new(), usize::from(WHISKERS) + 1);
-        let rows = seal(&mut shard, now, &mut rate);
+        let is_done = worker.tick(now, &Delayed::new(), usize::from(WHISKERS) + 1);
+        let rows = seal(&mut worker, now, &mut rate);
         assert!(rows.robots.len() <= 2 && rows.records.is_empty(), "nobody is silent: {:?}", rows.records);
         written.extend(rows.robots.iter().map(|row| row.robot_id));
         if is_done {
@@ -55,25 +55,25 @@ fn regress_after_an_outage_only_robots_that_would_become_silent_are_written_and_
     assert_eq!(written, [1, 3, 4, 5], "those that were not heard, once, in order");
 
     let late = back.after(stale_after).after(Micros(1));
-    assert!(shard.tick(late, &Delayed::new(), usize::MAX));
-    let silent: BTreeSet<i64> = seal(&mut shard, late, &mut rate).robots.iter().map(|row| row.robot_id).collect();
+    assert!(worker.tick(late, &Delayed::new(), usize::MAX));
+    let silent: BTreeSet<i64> = seal(&mut worker, late, &mut rate).robots.iter().map(|row| row.robot_id).collect();
     assert_eq!(silent, BTreeSet::from([1, 3, 4, 5]), "silence after the outage counts");
 }
 
 /// Messages of a robot that sends too much wait. Its whiskers were found silent meanwhile.
 #[test]
 fn regress_a_robot_whose_messages_wait_is_not_silent() {
-    let mut shard = shard(3);
-    let silent = Micros(shard.parts().1.params_of(&Name::robot("r1").unwrap()).health.stale_after.0 + 2);
+    let mut worker = worker(3);
+    let silent = Micros(worker.parts().1.params_of(&Name::robot("r1").unwrap()).health.stale_after.0 + 2);
     let mut rate = CheckpointRate::new(Micros(1));
-    seal(&mut shard, Micros(1), &mut rate);
-    let faulty = |shard: &mut Shard, rate: &mut CheckpointRate| -> Vec<i64> {
-        seal(shard, silent, rate).robots.iter().map(|row| row.robot_id).collect()
+    seal(&mut worker, Micros(1), &mut rate);
+    let faulty = |worker: &mut Worker, rate: &mut CheckpointRate| -> Vec<i64> {
+        seal(worker, silent, rate).robots.iter().map(|row| row.robot_id).collect()
     };
     let delayed = Delayed::from([(b"r2".to_vec(), Micros(3)), (b"unknown".to_vec(), Micros(3))]);
-    assert!(shard.tick(silent, &delayed, usize::MAX));
-    assert_eq!(faulty(&mut shard, &mut rate), [1, 3]);
+    assert!(worker.tick(silent, &delayed, usize::MAX));
+    assert_eq!(faulty(&mut worker, &mut rate), [1, 3]);
     // Once nothing of it waits, it has the time of all.
-    assert!(shard.tick(silent, &Delayed::new(), usize::MAX));
-    assert_eq!(faulty(&mut shard, &mut rate), [2]);
+    assert!(worker.tick(silent, &Delayed::new(), usize::MAX));
+    assert_eq!(faulty(&mut worker, &mut rate), [2]);
 }

@@ -22,7 +22,7 @@ use vibrissa_edge::words::Word;
 use vibrissa_protocol::{self as protocol, Name};
 
 use crate::engine::robot::KnownRobot;
-use crate::engine::shard::shards::index_of;
+use crate::engine::worker::workers::index_of;
 use crate::log_inbox::LogRange;
 use vibrissa_store::batch::ContactRow;
 
@@ -88,7 +88,7 @@ pub(crate) enum JournalEvent {
     },
 }
 
-/// The robots of one of the engine's shards; the number of shards differs between machines.
+/// The robots of one of the engine's workers; the number of workers differs between machines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
 pub(crate) struct Part {
     pub(crate) number: u16,

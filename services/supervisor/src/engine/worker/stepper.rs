@@ -48,7 +48,7 @@ impl AnsweredSetpoint {
     }
 }
 
-/// Steps the robots of a shard, and collects the effects in its open batch.
+/// Steps the robots of a worker, and collects the effects in its open batch.
 pub(crate) struct Stepper {
     pub(super) fleet: Name,
     pub(super) boot_id: BootId,

@@ -35,7 +35,7 @@ pub(super) struct Announcement {
     pub(super) birth: (Micros, Bytes),
 }
 
-/// The robots of a shard whose factsheets are missing, in the order of their last births.
+/// The robots of a worker whose factsheets are missing, in the order of their last births.
 #[derive(Debug)]
 pub(super) struct Announced {
     robots: IndexMap<Name, Announcement>,
@@ -43,9 +43,9 @@ pub(super) struct Announced {
 }
 
 impl Announced {
-    /// The announced robots of one of `shards` shards.
-    pub(super) fn of_shards(shards: usize) -> Self {
-        Self { robots: IndexMap::new(), most: (ANNOUNCED_MAX / shards.max(1)).max(1) }
+    /// The announced robots of one of `workers` workers.
+    pub(super) fn of_workers(workers: usize) -> Self {
+        Self { robots: IndexMap::new(), most: (ANNOUNCED_MAX / workers.max(1)).max(1) }
     }
 
     /// Handles a birth or a farewell.

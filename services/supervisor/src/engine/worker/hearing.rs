@@ -8,7 +8,7 @@ use vibrissa_core::robot::event::Link;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{Name, RobotTopic};
 
-use super::Shard;
+use super::Worker;
 
 /// How long a robot may be announced without a factsheet: it is requested several times in between.
 const FACTSHEET_PATIENCE: Duration = Duration::from_secs(30);
@@ -27,7 +27,7 @@ impl Found {
     }
 }
 
-impl Shard {
+impl Worker {
     /// Raises the alarm of robots that do not hear their receipts, and clears it. Adds those whose alarm stands to `deaf`.
     /// `is_late` says that receipts could not be sent: then repeats say nothing about robots.
     pub(crate) fn judge_receipts(&mut self, now: Micros, is_late: bool, deaf: &mut Found) {

@@ -1,4 +1,4 @@
-//! Handling of messages in a shard: decoded, checked against allow list and limits, and passed on.
+//! Handling of messages in a worker: decoded, checked against allow list and limits, and passed on.
 
 use std::fmt::Display;
 use std::time::Instant;
@@ -8,7 +8,7 @@ use vibrissa_core::robot::event::Link;
 use vibrissa_core::robot::{Event, Outcome};
 use vibrissa_protocol::{self as protocol, Message, Refusal, RobotTopic};
 
-use super::Shard;
+use super::Worker;
 use super::reports::OLD_FACTSHEET;
 use crate::engine::commit::committer::Committer;
 use crate::engine::ledger;
@@ -21,7 +21,7 @@ use vibrissa_store::decommission::Registered;
 
 const OLD_BIRTH: &str = "a birth of a boot that a newer one has replaced";
 
-impl Shard {
+impl Worker {
     /// Handles a message that needs no row ids from the database.
     pub(crate) fn handle(&mut self, raw: &RawMessage) {
         if raw.is_clearing() || !self.permits(raw) {

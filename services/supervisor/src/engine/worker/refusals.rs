@@ -1,17 +1,17 @@
-//! Counts of refusals, and of stored items that cannot be read, of all shards.
+//! Counts of refusals, and of stored items that cannot be read, of all workers.
 
 use std::collections::BTreeSet;
 
 use vibrissa_store::refusals::RefusalRow;
 
-use super::shards::Shards;
+use super::workers::Workers;
 use crate::set_aside::Reader;
 
-impl Shards {
-    /// Counts a stored item of all shards that cannot be read.
+impl Workers {
+    /// Counts a stored item of all workers that cannot be read.
     pub(crate) fn count_set_aside(&mut self, reader: Reader) {
-        if let Some(shard) = self.iter_mut().next() {
-            shard.stepper_mut().count_set_aside(reader, 1);
+        if let Some(worker) = self.iter_mut().next() {
+            worker.stepper_mut().count_set_aside(reader, 1);
         }
     }
 

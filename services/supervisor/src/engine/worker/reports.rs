@@ -38,7 +38,7 @@ impl Stepper {
         now: Micros,
         committer: &mut Committer,
     ) -> Result<(), StoreError> {
-        // [`Shard::factsheet`](super::Shard::factsheet) has refused others.
+        // [`Worker::factsheet`](super::Worker::factsheet) has refused others.
         let Ok(factsheet) = self.factsheet(message) else { return Ok(()) };
         let boot_id = message.boot_id.as_str();
         if known.boots.is_old(boot_id) {

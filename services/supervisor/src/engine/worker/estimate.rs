@@ -8,7 +8,7 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::words::{length_interval_mm, whisker_condition};
 use vibrissa_protocol::{self as protocol, Name, PAYLOAD_MAX_BYTES, RobotTopic, Timestamp, WhiskerCondition, encode};
 
-use super::Shard;
+use super::Worker;
 use super::stepper::Stepper;
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::estimates::WhiskerState;
@@ -19,7 +19,7 @@ const WHISKERS_MIN: usize = 8;
 const LENGTH_MM: (f64, f64) = (1.0, 1000.0);
 const BOUND_MAX_MM: f64 = 2000.0;
 
-impl Shard {
+impl Worker {
     /// Adds the estimates that are due to the open batch; they are published after the commit. Stops after `most` whiskers,
     /// and continues there the next time. Robots that are not connected get theirs at their birth.
     pub(super) fn publish_estimates(&mut self, now: Instant, most: usize) {

@@ -1,4 +1,4 @@
-//! A part of a fleet's robots. Each robot has one owner, its shard. Shards share nothing, so they work in parallel.
+//! A part of a fleet's robots. Each robot has one owner, its worker. Workers share nothing, so they work in parallel.
 //!
 //! - [`messages`]: a message is decoded, and checked against the allow list and the limits.
 //! - [`reports`]: contacts, status and setpoint states of a known robot become events.
@@ -18,9 +18,9 @@ mod record;
 mod refusals;
 mod reports;
 mod rows;
-pub(crate) mod shards;
 pub(crate) mod stepper;
 mod touch_tests;
+pub(crate) mod workers;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::RandomState;
@@ -51,7 +51,7 @@ use stepper::Stepper;
 pub(crate) struct Receipts {
     /// Time of sealing.
     pub(crate) now: Micros,
-    /// Limit of the shard's robots that get receipts.
+    /// Limit of the worker's robots that get receipts.
     pub(crate) robots_max: usize,
 }
 
@@ -63,7 +63,7 @@ struct Former {
 }
 
 /// A part of a fleet's robots, and their open batch.
-pub(crate) struct Shard {
+pub(crate) struct Worker {
     robots: Robots,
     /// Robots whose factsheets are missing.
     announced: Announced,
@@ -83,18 +83,18 @@ pub(crate) struct Shard {
     refused_robots: RefusedRobots,
     /// Keys of the hashes of messages.
     hashers: RandomState,
-    /// The robots of this shard, if their messages come from a partitioned log.
+    /// The robots of this worker, if their messages come from a partitioned log.
     part: Option<Part>,
     /// Contacts of a handled message; the allocation is reused.
     contacts: Vec<protocol::Contact>,
 }
 
-impl Shard {
-    /// One of `shards` shards, without robots.
-    pub(crate) fn new(stepper: Stepper, epoch: u64, shards: usize) -> Self {
+impl Worker {
+    /// One of `workers` workers, without robots.
+    pub(crate) fn new(stepper: Stepper, epoch: u64, workers: usize) -> Self {
         Self {
             robots: Robots::new(),
-            announced: Announced::of_shards(shards),
+            announced: Announced::of_workers(workers),
             stepper,
             epoch,
             tick_resumes_at: None,
@@ -109,7 +109,7 @@ impl Shard {
         }
     }
 
-    /// Makes the journal refer to a partitioned log, as the shard of these robots.
+    /// Makes the journal refer to a partitioned log, as the worker of these robots.
     pub(crate) fn set_part(&mut self, part: Part) {
         self.part = Some(part);
     }
@@ -304,7 +304,7 @@ impl Shard {
         self.stepper.batch.checkpoints().is_due(&self.robots, now)
     }
 
-    /// Number of the first journal entry that a recovery of this shard's robots needs; `None` if it needs none.
+    /// Number of the first journal entry that a recovery of this worker's robots needs; `None` if it needs none.
     pub(crate) fn oldest_entry(&mut self) -> Option<i64> {
         self.stepper.batch.checkpoints().oldest(&self.robots).map(|(number, _)| number)
     }
@@ -328,7 +328,7 @@ impl Shard {
         }
     }
 
-    /// Seals the open batch by appending it to those of other shards, with the checkpoints that are due.
+    /// Seals the open batch by appending it to those of other workers, with the checkpoints that are due.
     pub(crate) fn seal_into(
         &mut self,
         transaction: &mut SealedTransaction,

@@ -1,4 +1,4 @@
-//! The shards of a fleet.
+//! The workers of a fleet.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
@@ -8,7 +8,7 @@ use vibrissa_core::robot::{Event, Outcome, Params};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 
-use super::{Receipts, Shard};
+use super::{Receipts, Worker};
 use crate::ending::Ending;
 use crate::engine::allow_list::AllowList;
 use crate::engine::commit::checkpoint::CheckpointRate;
@@ -38,54 +38,54 @@ const DECIDED_MAX: usize = 2500;
 /// Limit of the whiskers whose minutes are closed in one commit. Their checkpoints are written with them, and a robot's
 /// checkpoint includes all its changed whiskers.
 const CLOSED_AT_ONCE: usize = 5000;
-/// Number of messages from which on the shards work in tasks of their own.
+/// Number of messages from which on the workers work in tasks of their own.
 const WORTH_TASKS: usize = 128;
-/// Payload bytes from which on the shards work in tasks, about a millisecond's work. Meanwhile this thread receives, so
+/// Payload bytes from which on the workers work in tasks, about a millisecond's work. Meanwhile this thread receives, so
 /// that no robot's messages wait in the broker behind those of a robot that sends much.
 const WORTH_A_TASK_BYTES: usize = 128 * 1024;
 
-/// Limit of the whiskers whose estimates are published at a time, in all shards: 0.6 MB. After a takeover, a large fleet
+/// Limit of the whiskers whose estimates are published at a time, in all workers: 0.6 MB. After a takeover, a large fleet
 /// gets its estimates within seconds.
 const ESTIMATED_AT_ONCE: usize = 4000;
 
-/// All robots of a fleet, each owned by one shard.
-pub(crate) struct Shards {
-    shards: Vec<Shard>,
+/// All robots of a fleet, each owned by one worker.
+pub(crate) struct Workers {
+    workers: Vec<Worker>,
 }
 
-impl Shards {
-    /// At least one shard.
-    pub(crate) fn new(shards: Vec<Shard>) -> Self {
-        Self { shards }
+impl Workers {
+    /// At least one worker.
+    pub(crate) fn new(workers: Vec<Worker>) -> Self {
+        Self { workers }
     }
 
-    /// Number of shards.
+    /// Number of workers.
     pub(crate) fn count(&self) -> usize {
-        self.shards.len()
+        self.workers.len()
     }
 
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &Shard> {
-        self.shards.iter()
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Worker> {
+        self.workers.iter()
     }
 
-    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Shard> {
-        self.shards.iter_mut()
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Worker> {
+        self.workers.iter_mut()
     }
 
-    /// The shard that owns a robot of this name.
-    pub(crate) fn of(&mut self, robot: &Name) -> &mut Shard {
-        let at = index_of(robot, self.shards.len());
-        &mut self.shards[at]
+    /// The worker that owns a robot of this name.
+    pub(crate) fn of(&mut self, robot: &Name) -> &mut Worker {
+        let at = index_of(robot, self.workers.len());
+        &mut self.workers[at]
     }
 
     /// A robot, if it is known.
     pub(crate) fn robot(&self, name: &Name) -> Option<&KnownRobot> {
-        self.shards[index_of(name, self.shards.len())].robots().get(name)
+        self.workers[index_of(name, self.workers.len())].robots().get(name)
     }
 
     /// All known robots.
     pub(crate) fn robots(&self) -> impl Iterator<Item = &KnownRobot> {
-        self.shards.iter().flat_map(|shard| shard.robots().values())
+        self.workers.iter().flat_map(|worker| worker.robots().values())
     }
 
     /// The robots that the allow list does not exclude.
@@ -94,14 +94,14 @@ impl Shards {
     }
 
     pub(crate) fn robots_mut(&mut self) -> impl Iterator<Item = &mut KnownRobot> {
-        self.shards.iter_mut().flat_map(|shard| shard.robots_mut().values_mut())
+        self.workers.iter_mut().flat_map(|worker| worker.robots_mut().values_mut())
     }
 
     /// The robots that wait for a newer version of the program, in words; `None` without any.
     pub(crate) fn left_to_newer_program(&self) -> Option<String> {
         const NAMES_MAX: usize = 10;
         let names: Vec<&str> =
-            self.shards.iter().flat_map(|shard| shard.of_newer_program()).map(Name::as_str).collect();
+            self.workers.iter().flat_map(|worker| worker.of_newer_program()).map(Name::as_str).collect();
         let told = names.iter().take(NAMES_MAX).copied().collect::<Vec<_>>().join(", ");
         (!names.is_empty()).then(|| {
             format!(
@@ -113,12 +113,12 @@ impl Shards {
 
     /// Number of known robots.
     pub(crate) fn robot_count(&self) -> usize {
-        self.shards.iter().map(|shard| shard.robots().len()).sum()
+        self.workers.iter().map(|worker| worker.robots().len()).sum()
     }
 
     /// Whether the open batches may take more.
     pub(crate) fn has_room(&self) -> bool {
-        let batches = || self.shards.iter().map(Shard::batch);
+        let batches = || self.workers.iter().map(Worker::batch);
         self.contacts() < CONTACTS_MAX
             && batches().map(|batch| batch.journal_bytes()).sum::<usize>() < JOURNAL_BYTES_MAX
             && batches().map(|batch| batch.message_count()).sum::<usize>() < MESSAGES_MAX
@@ -127,49 +127,49 @@ impl Shards {
 
     /// Number of contacts with rows in the open batches.
     pub(crate) fn contacts(&self) -> usize {
-        self.shards.iter().map(|shard| shard.batch().rows().contacts.len()).sum()
+        self.workers.iter().map(|worker| worker.batch().rows().contacts.len()).sum()
     }
 
     /// Whether a setpoint waits for the commit of the open batches.
     pub(crate) fn is_urgent(&self) -> bool {
-        self.shards.iter().any(|shard| shard.batch().is_urgent())
+        self.workers.iter().any(|worker| worker.batch().is_urgent())
     }
 
     /// Whether there is nothing to commit or to publish.
     pub(crate) fn is_empty(&self) -> bool {
-        self.shards.iter().all(|shard| shard.batch().is_empty())
+        self.workers.iter().all(|worker| worker.batch().is_empty())
     }
 
     /// Whether receipts, or checkpoints that have waited long enough, are due.
     pub(crate) fn is_round_due(&mut self, now: Micros) -> bool {
-        let is_checkpoint_due = self.shards.iter_mut().any(|shard| shard.is_checkpoint_due(now));
-        is_checkpoint_due || self.shards.iter().any(Shard::is_receipt_due)
+        let is_checkpoint_due = self.workers.iter_mut().any(|worker| worker.is_checkpoint_due(now));
+        is_checkpoint_due || self.workers.iter().any(Worker::is_receipt_due)
     }
 
-    /// Handles messages, by shard. Many are handled by tasks of `workers`; each shard is owned by one task until it is
+    /// Handles messages, by worker. Many are handled by tasks of `background`; each worker is owned by one task until it is
     /// done.
-    pub(crate) async fn handle(&mut self, messages: &mut [Vec<RawMessage>], are_in_log: bool, workers: &Handle) {
+    pub(crate) async fn handle(&mut self, messages: &mut [Vec<RawMessage>], are_in_log: bool, background: &Handle) {
         let busy = messages.iter().filter(|messages| !messages.is_empty()).count();
         let is_few = busy <= 1 || messages.iter().map(Vec::len).sum::<usize>() < WORTH_TASKS;
         let bytes: usize = messages.iter().flatten().map(|raw| raw.payload.len()).sum();
         if is_few && bytes < WORTH_A_TASK_BYTES {
-            for (shard, messages) in self.shards.iter_mut().zip(messages) {
-                shard.handle_all(messages, are_in_log);
+            for (worker, messages) in self.workers.iter_mut().zip(messages) {
+                worker.handle_all(messages, are_in_log);
             }
             return;
         }
-        let mut tasks = Vec::with_capacity(self.shards.len());
-        for (mut shard, messages) in self.shards.drain(..).zip(messages) {
+        let mut tasks = Vec::with_capacity(self.workers.len());
+        for (mut worker, messages) in self.workers.drain(..).zip(messages) {
             let mut messages = std::mem::take(messages);
-            tasks.push(workers.spawn(async move {
-                shard.handle_all(&mut messages, are_in_log);
-                shard
+            tasks.push(background.spawn(async move {
+                worker.handle_all(&mut messages, are_in_log);
+                worker
             }));
         }
         for task in tasks {
             // The task is never aborted, so an error means that it has panicked.
-            let shard: Shard = task.await.unwrap_or_else(|ended| std::panic::resume_unwind(ended.into_panic()));
-            self.shards.push(shard);
+            let worker: Worker = task.await.unwrap_or_else(|ended| std::panic::resume_unwind(ended.into_panic()));
+            self.workers.push(worker);
         }
     }
 
@@ -182,8 +182,8 @@ impl Shards {
 
     /// Ends the open black boxes before their time, because supervision ends.
     pub(crate) fn end_boxes(&mut self, now: Micros) {
-        for shard in &mut self.shards {
-            shard.end_boxes(now);
+        for worker in &mut self.workers {
+            worker.end_boxes(now);
         }
     }
 
@@ -195,13 +195,13 @@ impl Shards {
     /// Steps the tick through all robots. Returns false if it stopped because the batches are full; then it must
     /// continue later.
     pub(crate) fn tick(&mut self, now: Micros, delayed: &Delayed) -> bool {
-        let whiskers_max = DECIDED_MAX / self.shards.len();
-        let is_under_way = self.shards.iter().any(Shard::is_tick_under_way);
+        let whiskers_max = DECIDED_MAX / self.workers.len();
+        let is_under_way = self.workers.iter().any(Worker::is_tick_under_way);
         let mut is_done = true;
-        for shard in &mut self.shards {
-            // A shard that is done waits for the others.
-            if !is_under_way || shard.is_tick_under_way() {
-                is_done &= shard.tick(now, delayed, whiskers_max);
+        for worker in &mut self.workers {
+            // A worker that is done waits for the others.
+            if !is_under_way || worker.is_tick_under_way() {
+                is_done &= worker.tick(now, delayed, whiskers_max);
             }
         }
         is_done
@@ -209,22 +209,22 @@ impl Shards {
 
     /// Whether a message of a robot came since the last call whose birth was not received.
     pub(crate) fn take_unannounced(&mut self) -> bool {
-        let of_shard = |shard: &mut Shard| std::mem::take(&mut shard.stepper_mut().has_unannounced);
-        self.shards.iter_mut().map(of_shard).fold(false, |any, one| any | one)
+        let of_worker = |worker: &mut Worker| std::mem::take(&mut worker.stepper_mut().has_unannounced);
+        self.workers.iter_mut().map(of_worker).fold(false, |any, one| any | one)
     }
 
     /// Restarts the silence timers of all robots, because this supervisor was deaf.
     pub(crate) fn restart_silence_timers(&mut self, now: Micros) {
-        for shard in &mut self.shards {
-            shard.restart_silence_timers(now);
+        for worker in &mut self.workers {
+            worker.restart_silence_timers(now);
         }
     }
 
     /// Publishes the estimates that are due with the next transaction, those of some robots later if there are many.
     pub(crate) fn publish_estimates(&mut self, now: Instant) {
-        let each = ESTIMATED_AT_ONCE / self.shards.len();
-        for shard in &mut self.shards {
-            shard.publish_estimates(now, each);
+        let each = ESTIMATED_AT_ONCE / self.workers.len();
+        for worker in &mut self.workers {
+            worker.publish_estimates(now, each);
         }
     }
 
@@ -239,14 +239,14 @@ impl Shards {
     /// time.
     pub(crate) fn close_history(&mut self, now: Micros) {
         let mut left = CLOSED_AT_ONCE;
-        for shard in &mut self.shards {
-            shard.close_history(now, &mut left);
+        for worker in &mut self.workers {
+            worker.close_history(now, &mut left);
         }
     }
 
-    /// Adds a row that no effect of a robot has caused, and its event, after the rows of all shards so far.
+    /// Adds a row that no effect of a robot has caused, and its event, after the rows of all workers so far.
     pub(crate) fn record(&mut self, record: Record, event: Option<EventRow>) {
-        if let Some(last) = self.shards.last_mut() {
+        if let Some(last) = self.workers.last_mut() {
             let rows = last.batch_mut().rows_mut();
             rows.records.push(record);
             rows.events.extend(event);
@@ -255,9 +255,9 @@ impl Shards {
 
     /// Sets which contacts get a row of their own. Contacts remembered so far are forgotten.
     pub(crate) fn set_retention(&mut self, retention: ContactRetention) {
-        for shard in &mut self.shards {
-            shard.stepper_mut().set_retention(retention);
-            for known in shard.robots_mut().values_mut() {
+        for worker in &mut self.workers {
+            worker.stepper_mut().set_retention(retention);
+            for known in worker.robots_mut().values_mut() {
                 known.history.set_retention(retention);
             }
         }
@@ -265,57 +265,57 @@ impl Shards {
 
     /// Sets the parameters for all robots.
     pub(crate) fn set_params(&mut self, params: &Arc<Params>) {
-        for shard in &mut self.shards {
-            shard.stepper_mut().set_params(params.clone());
+        for worker in &mut self.workers {
+            worker.stepper_mut().set_params(params.clone());
         }
     }
 
     /// Sets the parameters of the robots that a roll-out has changed; `None` without one.
     pub(crate) fn set_trial(&mut self, trial: Option<&TrialParams>) {
-        for shard in &mut self.shards {
-            shard.stepper_mut().set_trial(trial.cloned());
+        for worker in &mut self.workers {
+            worker.stepper_mut().set_trial(trial.cloned());
         }
     }
 
     /// Sets the allow list.
     pub(crate) fn set_allow_list(&mut self, list: &AllowList) {
-        for shard in &mut self.shards {
-            shard.set_allow_list(list.clone());
+        for worker in &mut self.workers {
+            worker.set_allow_list(list.clone());
         }
     }
 
     /// Robots that are not on the allow list; `None` if none have been added or removed since they were written.
     pub(crate) fn refused_robots(&self) -> Option<Vec<TurnedAwayReading>> {
-        let lists = || self.shards.iter().map(Shard::refused_robots);
+        let lists = || self.workers.iter().map(Worker::refused_robots);
         lists().any(|list| list.has_changed()).then(|| lists().flat_map(|list| list.rows()).collect())
     }
 
     /// Notes that the robots that are not on the allow list are written.
     pub(crate) fn refused_robots_written(&mut self) {
-        for shard in &mut self.shards {
-            shard.refused_robots_mut().written();
+        for worker in &mut self.workers {
+            worker.refused_robots_mut().written();
         }
     }
 
     /// Makes the journals refer to a partitioned log.
     pub(crate) fn use_log(&mut self) {
-        let of = self.shards.len() as u16;
-        for (shard, number) in self.shards.iter_mut().zip(0..) {
-            shard.set_part(Part { number, of });
+        let of = self.workers.len() as u16;
+        for (worker, number) in self.workers.iter_mut().zip(0..) {
+            worker.set_part(Part { number, of });
         }
     }
 
     /// Sets the age at which checkpoints are due.
     pub(crate) fn set_checkpoints_after(&mut self, after: Micros) {
-        for shard in &mut self.shards {
-            shard.batch_mut().checkpoints().set_after(after);
+        for worker in &mut self.workers {
+            worker.batch_mut().checkpoints().set_after(after);
         }
     }
 
     /// Makes all waiting checkpoints due.
     pub(crate) fn make_checkpoints_due(&mut self) {
-        for shard in &mut self.shards {
-            shard.batch_mut().checkpoints().make_due();
+        for worker in &mut self.workers {
+            worker.batch_mut().checkpoints().make_due();
         }
     }
 
@@ -326,44 +326,44 @@ impl Shards {
         rate: &mut CheckpointRate,
         receipts: Option<Receipts>,
     ) {
-        for shard in &mut self.shards {
-            shard.seal_into(transaction, rate, receipts);
+        for worker in &mut self.workers {
+            worker.seal_into(transaction, rate, receipts);
         }
     }
 
     /// Number of the first journal entry that a recovery needs; `None` if it needs none.
     pub(crate) fn oldest_entry(&mut self) -> Option<i64> {
-        self.shards.iter_mut().filter_map(Shard::oldest_entry).min()
+        self.workers.iter_mut().filter_map(Worker::oldest_entry).min()
     }
 
     /// Sets the number of the transaction that the open batches become.
     pub(crate) fn set_number(&mut self, number: i64) {
-        for shard in &mut self.shards {
-            shard.batch_mut().set_number(number);
+        for worker in &mut self.workers {
+            worker.batch_mut().set_number(number);
         }
     }
 
     /// Takes receipts and other publications without a commit, for a fault planted by a test.
     pub(crate) fn take_publications(&mut self) -> Vec<Publication> {
         let mut publications = Vec::new();
-        for shard in &mut self.shards {
-            shard.publish_receipts(usize::MAX);
-            publications.append(&mut shard.batch_mut().take_publications());
+        for worker in &mut self.workers {
+            worker.publish_receipts(usize::MAX);
+            publications.append(&mut worker.batch_mut().take_publications());
         }
         publications
     }
 
     /// Sets the action in execution, which the traces of its effects name; `None` after it.
     pub(crate) fn set_action(&mut self, action: Option<&TracedAction>) {
-        for traces in self.shards.iter_mut().filter_map(|shard| shard.stepper_mut().traces_mut()) {
+        for traces in self.workers.iter_mut().filter_map(|worker| worker.stepper_mut().traces_mut()) {
             traces.set_action(action.cloned());
         }
     }
 
-    /// Exports the spans of a transaction after its commit, by shard.
+    /// Exports the spans of a transaction after its commit, by worker.
     pub(crate) fn spans_committed(&mut self, spans: &mut [PendingSpans], took: Duration) {
-        for (shard, spans) in self.shards.iter_mut().zip(spans) {
-            if let Some(traces) = shard.stepper_mut().traces_mut() {
+        for (worker, spans) in self.workers.iter_mut().zip(spans) {
+            if let Some(traces) = worker.stepper_mut().traces_mut() {
                 traces.committed(spans, took);
             }
         }
@@ -371,8 +371,8 @@ impl Shards {
 
     /// Adds the spans of the publications; `all` is false if some could not be published.
     pub(crate) fn spans_published(&mut self, spans: Vec<PendingSpans>, now: SystemTime, all: bool) {
-        for (shard, spans) in self.shards.iter_mut().zip(spans) {
-            if let Some(traces) = shard.stepper_mut().traces_mut() {
+        for (worker, spans) in self.workers.iter_mut().zip(spans) {
+            if let Some(traces) = worker.stepper_mut().traces_mut() {
                 traces.published(spans, now, all);
             }
         }
@@ -380,14 +380,14 @@ impl Shards {
 
     /// Ends the traces.
     pub(crate) fn end_traces(&mut self, ending: Ending) {
-        for traces in self.shards.iter_mut().filter_map(|shard| shard.stepper_mut().traces_mut()) {
+        for traces in self.workers.iter_mut().filter_map(|worker| worker.stepper_mut().traces_mut()) {
             traces.end(ending);
         }
     }
 }
 
-/// The shard of a robot. Depends only on its name and the number of shards.
-pub(crate) fn index_of(name: &Name, shards: usize) -> usize {
+/// The worker of a robot. Depends only on its name and the number of workers.
+pub(crate) fn index_of(name: &Name, workers: usize) -> usize {
     // FNV-1a, so that the result is the same in every build.
     let hash = name
         .as_str()
@@ -395,7 +395,7 @@ pub(crate) fn index_of(name: &Name, shards: usize) -> usize {
         .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
     // The low bits depend on the last letter, the high ones hardly do.
     let mixed = (hash ^ (hash >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 33;
-    (mixed % shards.max(1) as u64) as usize
+    (mixed % workers.max(1) as u64) as usize
 }
 
 #[cfg(test)]
@@ -403,13 +403,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn robots_are_spread_over_all_shards_and_stay_where_they_are() {
+    fn robots_are_spread_over_all_workers_and_stay_where_they_are() {
         let mut counts = [0; 4];
         for number in 0..1000 {
             let name = Name::robot(&format!("robot-{number:04}")).unwrap();
-            let shard = index_of(&name, counts.len());
-            assert_eq!(shard, index_of(&name, counts.len()));
-            counts[shard] += 1;
+            let worker = index_of(&name, counts.len());
+            assert_eq!(worker, index_of(&name, counts.len()));
+            counts[worker] += 1;
         }
         assert!(counts.iter().all(|&count| count > 200), "{counts:?}");
     }
