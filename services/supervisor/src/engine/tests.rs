@@ -32,7 +32,7 @@ use super::worker::{Found, Receipts, Worker};
 use crate::inbox::Delayed;
 use crate::metrics::Metrics;
 use vibrissa_store::batch::Batch;
-use vibrissa_store::{Resolution, StoredRobot};
+use vibrissa_store::{JournalReading, Resolution, StoredRobot};
 
 const WHISKERS: u16 = 6;
 const PRESSURE_MPA: f64 = 0.1;
@@ -309,7 +309,7 @@ fn crash(tables: &Tables, live: &Worker) -> usize {
     }
     let mut entries = 0;
     for (&number, row) in &tables.journal {
-        let row = StoredEntries::new((number, row.clone()));
+        let row = StoredEntries::new(JournalReading { number, log_partition: 0, entries: row.clone() });
         entries += replay.replay_row(&row, &LogRecords::new(), &mut workers);
     }
     for (name, known) in live.robots() {
