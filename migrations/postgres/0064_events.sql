@@ -70,15 +70,15 @@ SELECT setval(pg_get_serial_sequence('events', 'event_id'), last_value, is_calle
 
 -- Events that wait for Kafka. A row has those of a transaction: for each the version 1 and the robot's name, then 1 for contacts,
 -- else 0, and a JSON object. Each text has its length before it, 4 bytes with the lowest first.
-WITH RECURSIVE fields (fleet, epoch, number, shard, nth, rest, bytes) AS (
-    SELECT fleet, epoch, number, shard, 0, events, get_byte(events, 1) + 256 * get_byte(events, 2) + 65536 * get_byte(events, 3)
+WITH RECURSIVE fields (fleet, epoch, number, nth, rest, bytes) AS (
+    SELECT fleet, epoch, number, 0, events, get_byte(events, 1) + 256 * get_byte(events, 2) + 65536 * get_byte(events, 3)
     FROM event_outbox
     UNION ALL
-    SELECT fleet, epoch, number, shard, nth + 1, substring(rest FROM 6 + bytes),
+    SELECT fleet, epoch, number, nth + 1, substring(rest FROM 6 + bytes),
         get_byte(rest, 6 + bytes) + 256 * get_byte(rest, 7 + bytes) + 65536 * get_byte(rest, 8 + bytes)
     FROM fields WHERE length(rest) > 5 + bytes
 ), waiting AS (
-    SELECT fleet, epoch, number, shard, nth, convert_from(substring(rest FROM 6 FOR bytes), 'UTF8')::json AS body
+    SELECT fleet, epoch, number, nth, convert_from(substring(rest FROM 6 FOR bytes), 'UTF8')::json AS body
     FROM fields WHERE nth % 2 = 1
 )
 INSERT INTO events (recorded_us, version, kind, audience, word, fleet, robot_id, whisker_id, data)
@@ -91,7 +91,7 @@ SELECT (extract(epoch FROM (body ->> 'timestamp')::timestamptz) * 1000000)::bigi
 FROM waiting w LEFT JOIN robots r ON r.fleet = w.fleet AND r.robot = body ->> 'robot'
 LEFT JOIN arrays a ON a.robot_id = r.robot_id AND a."array" = body ->> 'array'
 LEFT JOIN whiskers k ON k.array_id = a.array_id AND k.whisker = (body ->> 'whisker')::bigint
-ORDER BY epoch, number, shard, nth;
+ORDER BY epoch, number, nth;
 
 -- Kafka has all events of a fleet before those that wait for it; without any, all.
 INSERT INTO event_positions (fleet, tx, event_id, seen_us)

@@ -60,16 +60,16 @@ INSERT INTO sqlite_sequence (name, seq) SELECT 'events', seq FROM sqlite_sequenc
 
 -- Events that wait for Kafka. A row has those of a transaction: for each the version 1 and the robot's name, then 1 for contacts,
 -- else 0, and a JSON object. Each text has its length before it, 4 bytes with the lowest first.
-WITH RECURSIVE fields (fleet, epoch, number, shard, nth, rest, bytes) AS (
-    SELECT fleet, epoch, number, shard, 0, events, ('[0x' || hex(substr(events, 5, 1)) || hex(substr(events, 4, 1))
+WITH RECURSIVE fields (fleet, epoch, number, nth, rest, bytes) AS (
+    SELECT fleet, epoch, number, 0, events, ('[0x' || hex(substr(events, 5, 1)) || hex(substr(events, 4, 1))
         || hex(substr(events, 3, 1)) || hex(substr(events, 2, 1)) || ']') ->> 0
     FROM event_outbox
     UNION ALL
-    SELECT fleet, epoch, number, shard, nth + 1, substr(rest, 6 + bytes), ('[0x' || hex(substr(rest, 10 + bytes, 1))
+    SELECT fleet, epoch, number, nth + 1, substr(rest, 6 + bytes), ('[0x' || hex(substr(rest, 10 + bytes, 1))
         || hex(substr(rest, 9 + bytes, 1)) || hex(substr(rest, 8 + bytes, 1)) || hex(substr(rest, 7 + bytes, 1)) || ']') ->> 0
     FROM fields WHERE length(rest) > 5 + bytes
 ), waiting AS (
-    SELECT fleet, epoch, number, shard, nth, CAST(substr(rest, 6, bytes) AS TEXT) AS body FROM fields WHERE nth % 2 = 1
+    SELECT fleet, epoch, number, nth, CAST(substr(rest, 6, bytes) AS TEXT) AS body FROM fields WHERE nth % 2 = 1
 )
 INSERT INTO events (recorded_us, version, kind, audience, word, fleet, robot_id, whisker_id, data)
 SELECT CAST(round(unixepoch(body ->> 'timestamp', 'subsec') * 1e6) AS INTEGER), 2,
@@ -81,7 +81,7 @@ SELECT CAST(round(unixepoch(body ->> 'timestamp', 'subsec') * 1e6) AS INTEGER), 
 FROM waiting w LEFT JOIN robots r ON r.fleet = w.fleet AND r.robot = body ->> 'robot'
 LEFT JOIN arrays a ON a.robot_id = r.robot_id AND a."array" = body ->> 'array'
 LEFT JOIN whiskers k ON k.array_id = a.array_id AND k.whisker = body ->> 'whisker'
-ORDER BY epoch, number, shard, nth;
+ORDER BY epoch, number, nth;
 
 -- Kafka has all events of a fleet before those that wait for it; without any, all.
 INSERT INTO event_positions (fleet, tx, event_id, seen_us)

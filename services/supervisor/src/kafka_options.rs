@@ -39,7 +39,7 @@ pub struct KafkaOptions {
     pub credentials: Option<KafkaCredentials>,
     /// Topics of events; `None` if none are published.
     pub publish: Option<EventTopics>,
-    /// Topic of contacts and statuses; `None` if they come over MQTT.
+    /// Topic of contacts and statuses, in which `{fleet}` stands for the name of the fleet; `None` if they come over MQTT.
     pub ingest: Option<String>,
 }
 
@@ -52,6 +52,12 @@ pub struct EventTopics {
     pub contacts: Option<String>,
     /// MiB of a fleet's waiting events from which its contacts are left out.
     pub waiting_mib_max: u32,
+}
+
+/// The topic of a fleet: `{fleet}` stands for its name.
+#[must_use]
+pub fn topic_of(topic: &str, fleet: &str) -> String {
+    topic.replace("{fleet}", fleet)
 }
 
 /// Whether a text can be the name of a topic.

@@ -21,7 +21,7 @@ use vibrissa_protocol::Name;
 use vibrissa_store::Store;
 
 use crate::events::{EventSink, OutboxRoom};
-use crate::kafka_options::{EventTopics, KafkaOptions};
+use crate::kafka_options::{EventTopics, KafkaOptions, topic_of};
 use crate::metrics::FleetMetrics;
 use crate::readiness::Readiness;
 use client::Connector;
@@ -35,7 +35,7 @@ use topic::FleetTopic;
 pub(crate) struct Kafka {
     connector: Connector,
     publish: Option<EventTopics>,
-    /// Topic of contacts and statuses, if they come from the log.
+    /// Topic of contacts and statuses, if they come from the log; `{fleet}` stands for the name of the fleet.
     ingest: Option<String>,
 }
 
@@ -54,9 +54,9 @@ impl Kafka {
 
     /// The reader of a fleet's contacts; `None` if they come over MQTT.
     pub(crate) fn reader(&self, fleet: &Name, metrics: &FleetMetrics, readiness: &Readiness) -> Option<LogReader> {
-        let topic = self.ingest.as_ref()?;
+        let topic = topic_of(self.ingest.as_ref()?, fleet.as_str());
         let (connector, fleet) = (self.connector.clone(), fleet.clone());
-        Some(LogReader::new(FleetTopic::new(connector, topic, fleet, metrics.clone(), readiness.clone())))
+        Some(LogReader::new(FleetTopic::new(connector, &topic, fleet, metrics.clone(), readiness.clone())))
     }
 
     /// Where the engine of a fleet reports events; `None` if they are not published.

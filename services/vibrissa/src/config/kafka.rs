@@ -3,7 +3,7 @@
 use super::choices::{IngestArg, LogArg, PublishContactsArg, SaslArg};
 use super::keys::Key;
 use super::reader::Reader;
-use vibrissa_supervisor::kafka_options::{EventTopics, KafkaCredentials, KafkaOptions, is_topic};
+use vibrissa_supervisor::kafka_options::{EventTopics, KafkaCredentials, KafkaOptions, is_topic, topic_of};
 
 /// Keys that have an effect only if the log is used.
 const KEYS: [Key; 4] = [Key::KafkaUrl, Key::KafkaUsername, Key::KafkaPasswordFile, Key::KafkaCaFile];
@@ -11,7 +11,12 @@ const KEYS: [Key; 4] = [Key::KafkaUrl, Key::KafkaUsername, Key::KafkaPasswordFil
 /// Settings of the log; without addresses if it is not used.
 pub(super) fn kafka(reader: &mut Reader) -> Option<KafkaOptions> {
     let (publish, ingest) = (reader.word::<LogArg>(Key::Publish), reader.word::<IngestArg>(Key::Ingest));
-    let ingest_topic = topic(reader, Key::KafkaIngestTopic);
+    let ingest_topic = reader.parsed(Key::KafkaIngestTopic, |text| {
+        let what = "must be the name of a topic: 1 to 249 letters, digits, dots, underscores or dashes, and {fleet} for \
+                    the name of the fleet, of up to 64 characters";
+        let longest = topic_of(text, &"f".repeat(64));
+        is_topic(&longest).then(|| text.to_owned()).ok_or(what)
+    });
     let url = reader.parsed(Key::KafkaUrl, addresses);
     let (events, contacts) = (topic(reader, Key::KafkaEventsTopic), topic(reader, Key::KafkaContactsTopic));
     let publish_contacts = reader.word::<PublishContactsArg>(Key::KafkaPublishContacts);

@@ -225,7 +225,7 @@ policy_numbers! { keys {
     KafkaCaFile: "kafka.ca_file", Kind::File, None,
         "CA certificates (PEM) that may sign the brokers' certificates; default: the system's";
     KafkaIngestTopic: "kafka.ingest_topic", Kind::Text, Some(r#""vibrissa.messages""#),
-        "Topic of contacts and statuses, with any number of partitions";
+        "Topic of contacts and statuses, with any number of partitions; {fleet} stands for the name of the fleet";
     KafkaEventsTopic: "kafka.events_topic", Kind::Text, Some(r#""vibrissa.events""#),
         "Topic of trims, decisions, setpoints, errors and alarms";
     KafkaContactsTopic: "kafka.contacts_topic", Kind::Text, Some(r#""vibrissa.contacts""#),
