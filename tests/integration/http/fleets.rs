@@ -179,11 +179,13 @@ async fn live_events_are_those_of_the_halls() {
             acknowledge(&served, fleet).await;
         }
         for events in [&mut by_token, &mut by_query] {
-            for hall in HALLS {
+            let mut told = Vec::new();
+            while told.last() != Some(&json!("hall-2")) {
                 let event = events.next().await.unwrap().unwrap();
-                let told: Value = serde_json::from_str(&event.data).unwrap();
-                assert_eq!(told["data"]["fleet"], hall, "{told}");
+                told.push(serde_json::from_str::<Value>(&event.data).unwrap()["data"]["fleet"].clone());
             }
+            told.dedup();
+            assert_eq!(told, HALLS);
         }
     }
 }

@@ -12,8 +12,12 @@ const LENGTH_MAX = 6499;
 /** What may be written into a field for fleets. */
 export const FLEETS_RULE = "Names separated by commas. * stands for any characters: hall-* means all halls.";
 
+/** The API takes no spaces between names. */
+const withoutSpaces = (text) => text.replace(/\s+/g, "");
+
 /** The filter for names and patterns; none if there is no choice. */
 export function fleetFilter(fleets) {
-  const field = { name: "fleet", label: "Fleets", text: true, maxlength: LENGTH_MAX };
-  return fleets.length > 1 ? [{ ...field, placeholder: "all, or hall-*", title: FLEETS_RULE, suggestions: fleets }] : [];
+  if (fleets.length < 2) return [];
+  const field = { name: "fleet", label: "Fleets", text: true, maxlength: LENGTH_MAX, clean: withoutSpaces };
+  return [{ ...field, placeholder: "all, or hall-*", title: FLEETS_RULE, suggestions: fleets }];
 }
