@@ -1,6 +1,7 @@
 //! Events: facts that the database's log keeps for other programs. Their kinds, how urgent each is, and which of them a
 //! webhook wants.
 
+use crate::fleets::FleetPattern;
 use crate::guidance::{Level, of_word};
 use crate::words::{Words, named};
 
@@ -121,8 +122,8 @@ pub enum Audience {
 /// The events that a webhook wants.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interest {
-    /// Fleets; `None` for all.
-    pub fleets: Option<Vec<String>>,
+    /// Fleets by names and patterns; `None` for all.
+    pub fleets: Option<Vec<FleetPattern>>,
     /// Kinds of events; `None` for all.
     pub kinds: Option<Vec<EventKind>>,
     /// The least urgent events.
@@ -130,10 +131,10 @@ pub struct Interest {
 }
 
 impl Interest {
-    /// Reads the stored form: words separated by commas. Unknown words stand for nothing.
+    /// Reads the stored form: words separated by commas. Words that are not valid stand for nothing.
     #[must_use]
     pub fn stored(fleets: Option<&str>, kinds: Option<&str>, level: &str) -> Self {
-        let list = |text: &str| text.split(',').map(ToOwned::to_owned).collect::<Vec<_>>();
+        let list = |text: &str| text.split(',').filter_map(|one| FleetPattern::new(one).ok()).collect();
         Self {
             fleets: fleets.map(list),
             kinds: kinds.map(|text| text.split(',').filter_map(named).collect()),
@@ -144,7 +145,7 @@ impl Interest {
     /// Whether the webhook wants an event. `word` is the kind of its alarm.
     #[must_use]
     pub fn includes(&self, fleet: &str, kind: EventKind, word: Option<&str>) -> bool {
-        self.fleets.as_ref().is_none_or(|fleets| fleets.iter().any(|one| one == fleet))
+        self.fleets.as_ref().is_none_or(|fleets| fleets.iter().any(|one| one.matches(fleet)))
             && self.kinds.as_ref().map_or_else(|| kind.audience() == Audience::People, |kinds| kinds.contains(&kind))
             && kind.level(word) >= self.level
     }
@@ -170,6 +171,9 @@ mod tests {
         assert!(!some.includes("c", EventKind::Trim, None), "another fleet");
         assert!(!some.includes("a", EventKind::AlarmCleared, Some("LEAK")), "another kind");
         assert!(!some.includes("a", EventKind::AlarmRaised, Some("ERODING")), "less urgent");
+        let halls = Interest::stored(Some("hall-*,lab"), None, "WARNING");
+        assert!(["hall-1", "hall-2", "lab"].iter().all(|fleet| halls.includes(fleet, EventKind::Trim, None)));
+        assert!(!["hall", "lab-1", "other"].iter().any(|fleet| halls.includes(fleet, EventKind::Trim, None)));
         let critical = Interest::stored(None, None, "CRITICAL");
         assert!(critical.includes("a", EventKind::AlarmRaised, Some("SETPOINT_FAILED")));
         assert!(!critical.includes("a", EventKind::AlarmRaised, Some("LEAK")));

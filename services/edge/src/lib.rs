@@ -6,6 +6,7 @@ pub mod actions;
 pub mod black_box;
 pub mod clock;
 pub mod events;
+pub mod fleets;
 pub mod full_name;
 pub mod guidance;
 pub mod ids;

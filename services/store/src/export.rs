@@ -6,6 +6,8 @@
 use futures_util::TryStreamExt as _;
 use sqlx::{ColumnIndex, Database, Decode, Encode, Postgres, QueryBuilder, Row, Sqlite, Type};
 
+use vibrissa_edge::fleets::FleetPattern;
+
 use super::database::Either;
 use super::list::{Filter, Value, push_filters};
 use super::lists::compensations::COMPENSATIONS;
@@ -72,8 +74,8 @@ pub enum Cell {
 /// Selection of the rows to export.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Which {
-    /// Fleets; all if empty.
-    pub fleets: Vec<String>,
+    /// Fleets by names and patterns; all if empty.
+    pub fleets: Vec<FleetPattern>,
     /// Earliest time, inclusive, µs since 1970 UTC.
     pub from_us: Option<i64>,
     /// Latest time, exclusive, µs since 1970 UTC.
@@ -180,7 +182,7 @@ impl ExportTable {
         let from = which.from_us.map(|from_us| Filter::AtLeast(self.at, Value::Whole(from_us)));
         let to = which.to_us.map(|to_us| Filter::Below(self.at, Value::Whole(to_us)));
         let fleets = Some(&which.fleets).filter(|fleets| !fleets.is_empty());
-        let fleets = fleets.map(|fleets| Filter::IsOneOf("fleet", fleets.clone()));
+        let fleets = fleets.map(|fleets| Filter::fleets("fleet", fleets));
         from.into_iter().chain(to).chain(fleets).collect()
     }
 

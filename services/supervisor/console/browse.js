@@ -19,7 +19,7 @@ const ASKED = new WeakMap();
 /**
  * A list of the API as a table: `{ route, what, filters, search, rows }`. `what` names the rows in the plural,
  * `filters` are `{ name, label, options: [[value, words]] }` with the API's parameter as name, or `{ name, label, text: true }`
- * for a text; `empty` names the choice of no filter. And `search` is the hint
+ * for a text, with `suggestions` of it, and `clean` to normalise it; `empty` names the choice of no filter. And `search` is the hint
  * of the search field, or null without one. A column of the table with `sort` (the API's sort key) can order it;
  * `descends` makes the greatest value first at the first click.
  */
@@ -97,10 +97,20 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
   }
 
   /** A field for a text that must match exactly. */
-  function textField({ name, label, maxlength = 64, placeholder }, state) {
-    const choose = (event) => change({ [name]: event.target.value.trim(), cursor: null });
-    const attributes = { id: `filter-${name}`, name, maxlength, placeholder, value: state[name] ?? "", "data-of-address": true };
-    return h("label", { class: "tool" }, h("span", {}, label), h("input", { ...attributes, onchange: choose }));
+  function textField({ name, label, maxlength = 64, placeholder, title, suggestions, clean }, state) {
+    const told = (text) => (clean ? clean(text) : text.trim());
+    const choose = (event) => change({ [name]: told(event.target.value), cursor: null });
+    const id = `filter-${name}`;
+    const listed = suggestions ? `${id}-suggestions` : null;
+    const value = state[name] ?? "";
+    const attributes = { id, name, maxlength, placeholder, title, list: listed, value, "data-of-address": true };
+    return h(
+      "label",
+      { class: "tool" },
+      h("span", {}, label),
+      h("input", { ...attributes, onchange: choose }),
+      suggestions ? h("datalist", { id: listed }, suggestions.map((value) => h("option", { value }))) : null,
+    );
   }
 
   function choice({ name, label, options, empty = "all" }, state) {

@@ -7,7 +7,6 @@ use std::time::{Duration, Instant};
 use tokio::sync::watch;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
-use vibrissa_protocol::Name;
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_store::{DatabaseAddress, Store};
 use vibrissa_supervisor::action_notifier::ActionNotifier;
@@ -83,7 +82,7 @@ async fn regress_beyond_loopback_metrics_and_readiness_need_a_token_for_all_flee
     store.prepare().await.unwrap();
     let (http, _stop) = beyond_loopback(&store, Readiness::default()).await;
     let of_all = token(&store, "all", Scope::All).await;
-    let of_one = token(&store, "one", Scope::Only([Name::new("f").unwrap()].into())).await;
+    let of_one = token(&store, "one", Scope::of(["f".parse().unwrap()])).await;
     for path in ["/readyz", "/metrics"] {
         let status =
             async |headers: &[(&str, &str)]| ask(http, "GET", path, headers).await.map(|answer| answer.status).unwrap();

@@ -65,6 +65,34 @@ fn closed_words_are_taken_in_any_case_and_a_wrong_one_lists_the_allowed_ones() {
 }
 
 #[test]
+fn fleets_are_names_and_patterns() {
+    let folder = tempfile::tempdir().unwrap();
+    let database = ["--database-url", "sqlite:v.sqlite3"];
+    let create = ["token", "create", "--role", "viewer", "--fleet", "lab", "--fleet", "hall-*"];
+    out(&vibrissa(&[&create[..], &database].concat(), folder.path()));
+    let all = ["token", "create", "--role", "viewer", "--fleet", "lab", "--fleet", "*", "--name", "all"];
+    out(&vibrissa(&[&all[..], &database].concat(), folder.path()));
+    let list = out(&vibrissa(&[&["token", "list", "--json"][..], &database].concat(), folder.path()));
+    let list: serde_json::Value = serde_json::from_str(&list).unwrap();
+    for token in list.as_array().unwrap() {
+        let is_all = token["name"] == "all";
+        let fleets = if is_all { serde_json::Value::Null } else { serde_json::json!(["hall-*", "lab"]) };
+        assert_eq!(token["fleets"], fleets);
+    }
+    for arguments in [
+        vec!["token", "create", "--role", "viewer", "--fleet", "hall-?"],
+        vec!["bulk", "hold-robots", "--fleet", "hall-*,"],
+        vec!["whiskers", "--fleet", "a b"],
+        vec!["export", "contacts", "--csv", "c.csv", "--fleet", "hall.*"],
+    ] {
+        let told = refused(&arguments, 2);
+        assert!(told.contains("neither the name of a fleet nor a pattern"), "{arguments:?}: {told}");
+    }
+    let told = refused(&["whiskers", "--fleet", "hall-*,lab", "--url", "http://127.0.0.1:1"], 1);
+    assert!(told.contains("http://127.0.0.1:1/v1/whiskers") && told.contains("fleet=hall-*%2Clab"), "{told}");
+}
+
+#[test]
 fn an_invalid_log_filter_is_refused_by_every_command_that_logs() {
     let broker = ["--broker", "mqtt://127.0.0.1:1", "--fleet", "f"];
     for command in [vec!["config"], vec!["run"], vec!["record"], vec!["check-robot", "--robot", "r"]] {

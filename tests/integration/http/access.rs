@@ -6,7 +6,6 @@ use futures_util::future::join_all;
 use serde_json::{Value, json};
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpSocket;
-use vibrissa_protocol::Name;
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_store::secret::Secret;
 use vibrissa_supervisor::http::access::token::{NewToken, create};
@@ -23,8 +22,7 @@ async fn closed() -> Served {
 }
 
 async fn token(served: &Served, role: Role, fleets: Option<&[&str]>, good_for_us: i64) -> String {
-    let scope =
-        fleets.map_or(Scope::All, |fleets| Scope::Only(fleets.iter().map(|fleet| Name::new(fleet).unwrap()).collect()));
+    let scope = fleets.map_or(Scope::All, |fleets| Scope::of(fleets.iter().map(|fleet| fleet.parse().unwrap())));
     let now_us = now_us() as i64;
     let new = NewToken {
         name: format!("{}-{fleets:?}", role.word()),

@@ -6,7 +6,6 @@ use std::collections::BTreeSet;
 use serde_json::{Value, json};
 use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{ConnectOptions as _, Connection as _, PgConnection};
-use vibrissa_protocol::Name;
 use vibrissa_store::DatabaseAddress;
 use vibrissa_supervisor::http::access::token::{NewToken, create};
 use vibrissa_supervisor::http::access::{AccessOptions, Role, Scope};
@@ -174,7 +173,7 @@ async fn a_caller_with_one_fleet_reaches_only_that_fleet_and_an_operator_no_poli
     let new = NewToken {
         name: "one".to_owned(),
         role: Role::Operator,
-        scope: Scope::Only(BTreeSet::from([Name::new("g").unwrap()])),
+        scope: Scope::of(["g".parse().unwrap()]),
         expires_us: i64::MAX,
         created_by: "test".to_owned(),
     };

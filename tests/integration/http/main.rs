@@ -9,6 +9,7 @@ mod bulk;
 mod document;
 mod events;
 mod exports;
+mod fleets;
 mod formats;
 mod groups;
 mod history;

@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use futures_util::future::join_all;
 use serde_json::{Value, json};
-use vibrissa_protocol::Name;
 use vibrissa_store::notes::{NOTES_MAX, NoteChange, Noted};
 use vibrissa_supervisor::http::access::token::{NewToken, create};
 use vibrissa_supervisor::http::access::{AccessOptions, Role, Scope};
@@ -136,8 +135,7 @@ async fn an_operator_of_the_fleet_writes_notes_and_a_viewer_reads_them() {
     for (name, role, fleet) in
         [("olga", Role::Operator, "f"), ("vera", Role::Viewer, "f"), ("otto", Role::Operator, "g")]
     {
-        let fleets = BTreeSet::from([Name::new(fleet).unwrap()]);
-        let (name, scope, created_by) = (name.to_owned(), Scope::Only(fleets), "test".to_owned());
+        let (name, scope, created_by) = (name.to_owned(), Scope::of([fleet.parse().unwrap()]), "test".to_owned());
         let new = NewToken { name, role, scope, expires_us: i64::MAX, created_by };
         let bearer = format!("Bearer {}", create(&served.store, &new, 0).await.unwrap().0);
         let headers = [("Authorization", bearer.as_str())];

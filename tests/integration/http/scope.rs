@@ -1,8 +1,5 @@
 //! A token for one fleet shows nothing of other fleets.
 
-use std::collections::BTreeSet;
-
-use vibrissa_protocol::Name;
 use vibrissa_supervisor::http::access::token::{NewToken, create};
 use vibrissa_supervisor::http::access::{Role, Scope};
 use vibrissa_tests::web::ask;
@@ -16,7 +13,7 @@ async fn a_caller_with_one_fleet_sees_nothing_of_another() {
     let new = NewToken {
         name: "one".to_owned(),
         role: Role::Viewer,
-        scope: Scope::Only(BTreeSet::from([Name::new("g").unwrap()])),
+        scope: Scope::of(["g".parse().unwrap()]),
         expires_us: i64::MAX,
         created_by: "test".to_owned(),
     };

@@ -2,7 +2,6 @@
 
 use serde_json::{Value, json};
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_protocol::Name;
 use vibrissa_supervisor::http::access::token::{self, NewToken};
 use vibrissa_supervisor::http::access::{Role, Scope};
 use vibrissa_supervisor::service::Service;
@@ -103,7 +102,7 @@ async fn admins_manage_operators_test_and_viewers_see_nothing() {
         bearer(&service, Role::Engineer, Scope::All).await,
         bearer(&service, Role::Admin, Scope::All).await,
     ];
-    let only = Scope::Only([Name::new("f").unwrap()].into());
+    let only = Scope::of(["f".parse().unwrap()]);
     let of_fleet = bearer(&service, Role::Admin, only).await;
     let body = json!({ "name": "all", "url": receiver.url() });
     for token in [&viewer, &operator, &engineer] {
@@ -136,6 +135,22 @@ async fn admins_manage_operators_test_and_viewers_see_nothing() {
     for kind in ["WEBHOOK_CREATE", "WEBHOOK_TEST", "WEBHOOK_REMOVE"] {
         assert!(kinds.contains(&kind), "{kinds:?}");
     }
+    service.stop().await;
+}
+
+#[tokio::test]
+async fn a_webhook_of_a_pattern_gets_the_events_of_fleets_that_match() {
+    let stage = Stage::sqlite().await;
+    let receiver = Receiver::start(Manner::Status(200)).await;
+    let service = stage.supervisor("a", FAST).await;
+    stage.robot().await;
+    let (others, _) = hook(&service, &receiver, json!({ "name": "others", "fleets": ["f-*", "F*", "other"] })).await;
+    let (halls, _) = hook(&service, &receiver, json!({ "fleets": ["hall-*", "*f"] })).await;
+    stage.raw().await.trim(1).await;
+    taken(&receiver, 1).await;
+    assert!(receiver.requests()[0].headers["webhook-id"].starts_with(&format!("vibrissa-{halls}-")));
+    let state = shown(&service, others).await;
+    assert_eq!((&state["waiting"], &state["delivered"]), (&json!(0), &json!(0)), "{state}");
     service.stop().await;
 }
 

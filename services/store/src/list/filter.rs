@@ -1,8 +1,9 @@
 //! Conditions that rows of a list must meet, and their SQL.
 
 use serde::{Deserialize, Serialize};
-use sqlx::{Database, Encode, QueryBuilder, Type};
+use sqlx::{Database, Encode, QueryBuilder, Sqlite, Type};
 
+use vibrissa_edge::fleets::FleetPattern;
 use vibrissa_edge::labels::{LabelCondition, LabelConditions};
 
 use super::Kind;
@@ -47,6 +48,8 @@ pub enum Filter {
     IsOneOf(&'static str, Vec<String>),
     /// The column equals one of the numbers; no row matches an empty list.
     IsOneOfNumbers(&'static str, Vec<i64>),
+    /// The column is a name that matches the pattern.
+    Matches(&'static str, FleetPattern),
     /// The column is at least the value.
     AtLeast(&'static str, Value),
     /// The column is less than the value.
@@ -82,6 +85,7 @@ impl Filter {
             Self::Is(column, _)
             | Self::IsOneOf(column, _)
             | Self::IsOneOfNumbers(column, _)
+            | Self::Matches(column, _)
             | Self::AtLeast(column, _)
             | Self::Below(column, _)
             | Self::IsNull(column, _)
@@ -91,6 +95,19 @@ impl Filter {
             Self::Contains(read, _) => read.iter().all(|column| columns.contains(column)),
             Self::AnyOf(filters) => filters.iter().all(|filter| filter.reads_only(columns)),
         }
+    }
+
+    /// The condition that the column is one of the names, or matches one of the patterns. No row matches an empty list.
+    pub fn fleets<'a>(column: &'static str, fleets: impl IntoIterator<Item = &'a FleetPattern>) -> Self {
+        let (names, patterns): (Vec<_>, Vec<_>) = fleets.into_iter().cloned().partition(FleetPattern::is_name);
+        let names = match &names[..] {
+            [name] => Self::Is(column, Value::Text(name.to_string())),
+            names => Self::IsOneOf(column, names.iter().map(ToString::to_string).collect()),
+        };
+        if patterns.is_empty() {
+            return names;
+        }
+        Self::AnyOf(patterns.into_iter().map(|pattern| Self::Matches(column, pattern)).chain([names]).collect())
     }
 
     /// The conditions on the labels of the robot whose number is in a column.
@@ -156,6 +173,7 @@ where
             }
             sql.push(")");
         }
+        Filter::Matches(column, pattern) => push_match(sql, column, pattern),
         Filter::AtLeast(column, value) => {
             sql.push(*column).push(" >= ");
             push_value(sql, value);
@@ -207,6 +225,21 @@ where
         sql.push(" OR lower(").push(*column).push(") LIKE ").push_bind(pattern.clone()).push(" ESCAPE '!'");
     }
     sql.push(")");
+}
+
+/// Appends the condition that a column matches a pattern. Patterns have no special character of GLOB but `*`. LIKE of
+/// SQLite would not tell `Hall` from `hall`.
+fn push_match<DB: Database>(sql: &mut QueryBuilder<DB>, column: &'static str, pattern: &FleetPattern)
+where
+    String: for<'q> Encode<'q, DB> + Type<DB>,
+{
+    sql.push(column);
+    if DB::NAME == Sqlite::NAME {
+        sql.push(" GLOB ").push_bind(pattern.to_string());
+    } else {
+        let like = pattern.as_str().replace('_', "!_").replace('*', "%");
+        sql.push(" LIKE ").push_bind(like).push(" ESCAPE '!'");
+    }
 }
 
 /// The pattern of LIKE for a text in lower case anywhere in a column.

@@ -12,6 +12,7 @@ use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
 use sqlx::{ColumnIndex, Decode, FromRow, Postgres, Row, Sqlite, Type};
 
+use vibrissa_edge::fleets::FleetSelection;
 use vibrissa_edge::labels::LabelConditions;
 
 use super::database::Either;
@@ -126,6 +127,11 @@ impl Selection {
     /// Adds the condition that a column equals a text, if one is given.
     pub fn is(&mut self, column: &'static str, text: Option<impl ToString>) {
         self.filters.extend(text.map(|text| Filter::Is(column, Value::Text(text.to_string()))));
+    }
+
+    /// Adds the condition that the column `fleet` is one of these fleets, if some are given.
+    pub fn of_fleets(&mut self, fleets: Option<&FleetSelection>) {
+        self.filters.extend(fleets.map(|fleets| Filter::fleets("fleet", fleets.iter())));
     }
 
     /// Adds the condition that a column equals a number, if one is given.

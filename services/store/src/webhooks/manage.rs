@@ -15,7 +15,7 @@ pub struct WebhookSettings {
     pub name: String,
     /// URL that receives the events.
     pub url: String,
-    /// Fleets of its events, separated by commas; `None` for all.
+    /// Names and patterns of the fleets of its events, separated by commas; `None` for all.
     pub fleets: Option<String>,
     /// Kinds of its events, separated by commas; `None` for all.
     pub kinds: Option<String>,
@@ -36,7 +36,7 @@ pub enum Set {
     Absent,
     /// Another target has this name.
     NameTaken,
-    /// There are as many targets as possible: of this fleet, or else in all.
+    /// There are as many targets as possible: of this fleet, or else in all, or for all fleets and patterns.
     Full(Option<String>),
 }
 
@@ -201,20 +201,26 @@ async fn is_taken(tx: &mut Tx<'_>, name: &str, but: i64) -> sqlx::Result<bool> {
     Ok(others > 0)
 }
 
-/// Whether there is no place for a target of these fleets, separated by commas, beside the others.
+/// Whether there is no place for a target of these fleets, separated by commas, beside the others. A pattern counts as
+/// all fleets, because fleets that match it may begin later.
 async fn full(tx: &mut Tx<'_>, fleets: Option<&str>, but: i64) -> sqlx::Result<Option<Set>> {
     const SQL: &str = "SELECT fleets FROM webhooks WHERE webhook_id <> $1";
     let others: Vec<Option<String>> = on!(tx, |tx| sqlx::query_scalar(SQL).bind(but).fetch_all(&mut **tx).await)?;
     if others.len() as i64 >= WEBHOOKS_MAX {
         return Ok(Some(Set::Full(None)));
     }
-    let of_all = others.iter().filter(|fleets| fleets.is_none()).count();
-    let Some(fleets) = fleets else { return Ok((of_all >= WEBHOOKS_PER_FLEET_MAX).then_some(Set::Full(None))) };
+    let is_of_many = |fleets: Option<&str>| fleets.is_none_or(|fleets| fleets.contains('*'));
+    let of_many = others.iter().filter(|fleets| is_of_many(fleets.as_deref())).count();
+    if is_of_many(fleets) && of_many >= WEBHOOKS_PER_FLEET_MAX {
+        return Ok(Some(Set::Full(None)));
+    }
+    let Some(fleets) = fleets else { return Ok(None) };
     let count = |fleet: &str| {
         let has = |one: &&String| one.split(',').any(|named| named == fleet);
         others.iter().flatten().filter(has).count()
     };
-    let full = fleets.split(',').find(|fleet| count(fleet) >= WEBHOOKS_PER_FLEET_MAX);
+    let mut names = fleets.split(',').filter(|fleet| !fleet.contains('*'));
+    let full = names.find(|fleet| count(fleet) >= WEBHOOKS_PER_FLEET_MAX);
     Ok(full.map(|fleet| Set::Full(Some(fleet.to_owned()))))
 }
 

@@ -17,7 +17,7 @@ use super::from_row::from_row;
 
 /// Largest number of webhooks. Each may hold a thread, of which there are 512.
 pub const WEBHOOKS_MAX: i64 = 200;
-/// Largest number of webhooks of a fleet, and of those for all fleets.
+/// Largest number of webhooks of a fleet, and of those for all fleets or with a pattern.
 pub const WEBHOOKS_PER_FLEET_MAX: usize = 50;
 /// Number of dead letters that each target keeps.
 pub const DEAD_LETTERS_MAX: i64 = 1000;
@@ -32,7 +32,7 @@ from_row! {
         pub name: String,
         /// URL that receives the events.
         pub url: String,
-        /// Fleets of its events, separated by commas; `None` for all.
+        /// Names and patterns of the fleets of its events, separated by commas; `None` for all.
         pub fleets: Option<String>,
         /// Kinds of its events, separated by commas; `None` for all.
         pub kinds: Option<String>,

@@ -8,6 +8,7 @@ import { notice, report } from "../notices.js";
 import { api } from "../places.js";
 import { refusal } from "../rights.js";
 import { ALARM_LEVELS, EVENT_KINDS, say } from "../words.js";
+import { FLEETS_RULE } from "./fleets.js";
 
 export const PATH = "/v1/webhooks";
 /** What a webhook wants, in a few words. */
@@ -52,7 +53,7 @@ const fields = (webhook) => [
   {
     name: "fleets",
     label: "Fleets",
-    hint: "Names, separated by commas. Empty for all fleets.",
+    hint: `${FLEETS_RULE} Patterns include future fleets. Empty for all fleets.`,
     value: webhook?.fleets?.join(", "),
   },
   {

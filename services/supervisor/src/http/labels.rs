@@ -22,7 +22,7 @@ pub struct LabelKeyText(pub LabelKey);
 pub struct LabelValueText(pub LabelValue);
 
 /// A text with a pattern, which the description of the field explains.
-fn text(pattern: String, description: &str, example: &str) -> RefOr<Schema> {
+pub(super) fn text(pattern: String, description: &str, example: &str) -> RefOr<Schema> {
     let text = ObjectBuilder::new().schema_type(SchemaType::Type(Type::String)).pattern(Some(pattern));
     text.description(Some(description)).examples([example]).into()
 }

@@ -21,6 +21,7 @@ mod docs;
 mod docs;
 pub mod document;
 pub mod extract;
+mod fleets;
 mod further_routes;
 mod headers;
 mod health;

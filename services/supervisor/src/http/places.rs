@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::access::Scope;
+use super::fleets::FleetFilter;
 use super::problem::{Kind, Problem};
 
 /// Most places that are taken at once.
@@ -42,13 +43,14 @@ pub struct Place {
     taken: Taken,
 }
 
-/// The fleet that a request is about: the one that it names, or the only one of its caller; `None` for several.
-pub(super) fn fleet_of<'a>(scope: &'a Scope, named: Option<&'a str>) -> Option<&'a str> {
+/// The fleet that a request is about: the only one that it names, or the only one of its caller; `None` for several,
+/// and for a pattern.
+pub(super) fn fleet_of<'a>(scope: &'a Scope, named: Option<&'a FleetFilter>) -> Option<&'a str> {
     let only = match scope {
         Scope::All => None,
-        Scope::Only(fleets) => fleets.first().filter(|_| fleets.len() == 1).map(|fleet| fleet.as_str()),
+        Scope::Only(fleets) => fleets.first().filter(|first| fleets.len() == 1 && first.is_name()),
     };
-    named.or(only)
+    named.and_then(|named| named.only()).or(only.map(|only| only.as_str()))
 }
 
 impl Places {
@@ -174,9 +176,14 @@ mod tests {
 
     #[test]
     fn a_request_is_about_the_fleet_that_it_names_or_its_callers_only_one() {
-        let only = |fleets: &[&str]| Scope::Only(fleets.iter().map(|name| name.parse().unwrap()).collect());
+        let only = |fleets: &[&str]| Scope::of(fleets.iter().map(|name| name.parse().unwrap()));
+        let named = |text: &str| FleetFilter(text.parse().unwrap());
         assert_eq!(fleet_of(&Scope::All, None), None);
-        assert_eq!(fleet_of(&Scope::All, Some("a")), Some("a"));
+        assert_eq!(fleet_of(&Scope::All, Some(&named("a"))), Some("a"));
+        assert_eq!(fleet_of(&Scope::All, Some(&named("a,b"))), None);
+        assert_eq!(fleet_of(&Scope::All, Some(&named("a*"))), None);
+        assert_eq!(fleet_of(&only(&["a*"]), None), None);
+        assert_eq!(fleet_of(&only(&["a"]), Some(&named("a*"))), Some("a"));
         assert_eq!(fleet_of(&only(&["a"]), None), Some("a"));
         assert_eq!(fleet_of(&only(&["a", "b"]), None), None);
     }

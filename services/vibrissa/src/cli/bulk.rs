@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 use vibrissa_core::robot::effect::Condition;
+use vibrissa_edge::fleets::FleetSelection;
 use vibrissa_edge::labels::LabelConditions;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
@@ -24,9 +25,9 @@ in time, or if the time of --wait is over. One request concerns at most 1000 sub
 pub struct BulkArgs {
     /// What to do.
     action: Action,
-    /// Only this fleet.
-    #[arg(long)]
-    fleet: Option<Name>,
+    /// Only these fleets: names or patterns such as 'hall-*', separated by commas.
+    #[arg(long, value_name = "FLEETS")]
+    fleet: Option<FleetSelection>,
     /// Only this robot.
     #[arg(long)]
     robot: Option<Name>,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{ArgGroup, Args};
-use vibrissa_protocol::Name;
+use vibrissa_edge::fleets::FleetPattern;
 use vibrissa_store::Store;
 use vibrissa_store::export::{EXPORTS, ExportTable, Which};
 
@@ -48,9 +48,9 @@ pub struct ExportArgs {
     /// Convert a recording of `vibrissa record` to an MCAP file, for example for Foxglove.
     #[arg(long, num_args = 2, value_names = ["RECORDING", "FILE"], group = "target")]
     mcap: Option<Vec<PathBuf>>,
-    /// Fleet of the rows; may be given several times. Default: all fleets.
+    /// Fleet of the rows, or a pattern such as 'hall-*'; may be given several times. Default: all fleets.
     #[arg(long, value_name = "FLEET", conflicts_with = "mcap")]
-    fleet: Vec<Name>,
+    fleet: Vec<FleetPattern>,
     /// Earliest time, inclusive: RFC 3339 such as 2026-11-21T08:00:00Z, or a day (UTC).
     #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "mcap")]
     from: Option<i64>,
@@ -88,8 +88,7 @@ pub fn run(args: &ExportArgs, out: &mut impl Write) -> anyhow::Result<()> {
         (_, Some(path)) => (Box::new(ParquetFile::create(path, table)?), path),
         (None, None) => anyhow::bail!("name the file: --csv FILE or --parquet FILE"),
     };
-    let which =
-        Which { fleets: args.fleet.iter().map(ToString::to_string).collect(), from_us: args.from, to_us: args.to };
+    let which = Which { fleets: args.fleet.clone(), from_us: args.from, to_us: args.to };
     let database = args.database.read()?.database;
     let rows = runtime()?.block_on(async {
         tokio::select! {

@@ -1,18 +1,17 @@
 //! `vibrissa token`: creates, lists and revokes API tokens.
 
-use std::collections::BTreeSet;
 use std::io::Write;
 use std::time::Duration;
 
 use anyhow::bail;
 use clap::{Args, Subcommand};
-use vibrissa_protocol::Name;
 
 use super::config::DatabaseArgs;
 use super::serve::runtime;
 use super::table::Table;
 use super::words::one_of;
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::fleets::FleetPattern;
 use vibrissa_store::Store;
 use vibrissa_store::time::Time;
 use vibrissa_supervisor::http::access::token::{self, NewToken};
@@ -40,9 +39,10 @@ struct CreateArgs {
     /// Role of the token; each role has the rights of those before it.
     #[arg(long, value_parser = one_of(Role::ALL.to_vec(), Role::word))]
     role: Role,
-    /// Fleet that the token is limited to; may be given several times.
+    /// Fleet that the token is limited to, or a pattern such as 'hall-*', which includes future fleets; may be given
+    /// several times.
     #[arg(long, value_name = "FLEET", required_unless_present = "all_fleets")]
-    fleet: Vec<Name>,
+    fleet: Vec<FleetPattern>,
     /// Allow all fleets, including future ones.
     #[arg(long, conflicts_with = "fleet")]
     all_fleets: bool,
@@ -115,8 +115,7 @@ async fn open(database: &DatabaseArgs) -> anyhow::Result<Store> {
 async fn create(args: &CreateArgs, out: &mut impl Write) -> anyhow::Result<()> {
     let store = open(&args.database).await?;
     let now_us = wall_clock().0 as i64;
-    let scope =
-        if args.all_fleets { Scope::All } else { Scope::Only(args.fleet.iter().cloned().collect::<BTreeSet<_>>()) };
+    let scope = if args.all_fleets { Scope::All } else { Scope::of(args.fleet.iter().cloned()) };
     let new = NewToken {
         name: args.name.clone().unwrap_or_else(|| args.role.word().to_ascii_lowercase()),
         role: args.role,

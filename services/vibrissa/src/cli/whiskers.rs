@@ -5,6 +5,7 @@ use std::io::Write;
 use clap::Args;
 use serde_json::Value;
 use vibrissa_core::robot::effect::Condition;
+use vibrissa_edge::fleets::FleetSelection;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 
@@ -16,9 +17,9 @@ use super::words::word_of;
 /// Arguments of `vibrissa whiskers`.
 #[derive(Debug, Args)]
 pub struct WhiskersArgs {
-    /// Only this fleet.
-    #[arg(long)]
-    fleet: Option<Name>,
+    /// Only these fleets: names or patterns such as 'hall-*', separated by commas.
+    #[arg(long, value_name = "FLEETS")]
+    fleet: Option<FleetSelection>,
     /// Only this robot.
     #[arg(long)]
     robot: Option<Name>,
@@ -87,9 +88,9 @@ fn list_whiskers(args: &WhiskersArgs, api: &Api, out: &mut impl Write) -> anyhow
 /// Arguments of `vibrissa compensations`.
 #[derive(Debug, Args)]
 pub struct CompensationsArgs {
-    /// Only this fleet.
-    #[arg(long)]
-    fleet: Option<Name>,
+    /// Only these fleets: names or patterns such as 'hall-*', separated by commas.
+    #[arg(long, value_name = "FLEETS")]
+    fleet: Option<FleetSelection>,
     /// Only this robot.
     #[arg(long)]
     robot: Option<Name>,

@@ -203,7 +203,7 @@ policy_numbers! { keys {
     HttpOidcRoleClaim: "http.oidc_role_claim", Kind::Text, Some(r#""vibrissa_role""#),
         "Claim with the role: viewer, operator, engineer or admin, or a list with one of them";
     HttpOidcFleetsClaim: "http.oidc_fleets_claim", Kind::Text, Some(r#""vibrissa_fleets""#),
-        "Claim with the fleets: a list of names, or * for all";
+        "Claim with the fleets: a list of names and patterns such as hall-*, or * for all";
     HttpOidcClientId: "http.oidc_client_id", Kind::Text, None,
         "Identifier of this service at the OpenID provider, for people who sign in at the console; default: no sign-in";
     HttpOidcClientSecretFile: "http.oidc_client_secret_file", Kind::File, None,

@@ -30,7 +30,6 @@ use axum::response::{IntoResponse, Response};
 use governor::{DefaultKeyedRateLimiter, Quota, RateLimiter};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-use vibrissa_protocol::Name;
 
 use self::guests::{Guests, client};
 use self::known::{HASHES_MAX, Hash, Known};
@@ -41,6 +40,7 @@ use super::client_address::TrustedProxies;
 use super::document::Need;
 use super::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::fleets::FleetPattern;
 use vibrissa_store::Store;
 use vibrissa_store::list::Filter;
 use vibrissa_store::secret::Secret;
@@ -86,17 +86,33 @@ impl Role {
 pub enum Scope {
     /// Every fleet, including future ones.
     All,
-    /// These fleets only.
-    Only(BTreeSet<Name>),
+    /// The fleets of these names and patterns only. A pattern includes future fleets that match it.
+    Only(BTreeSet<FleetPattern>),
 }
 
 impl Scope {
+    /// The fleets of these names and patterns. The pattern `*` is every fleet.
+    #[must_use]
+    pub fn of(fleets: impl IntoIterator<Item = FleetPattern>) -> Self {
+        let fleets: BTreeSet<_> = fleets.into_iter().collect();
+        if fleets.iter().any(FleetPattern::is_all) { Self::All } else { Self::Only(fleets) }
+    }
+
     /// Whether the scope includes the fleet.
     #[must_use]
     pub fn covers(&self, fleet: &str) -> bool {
         match self {
             Self::All => true,
-            Self::Only(fleets) => fleets.contains(fleet),
+            Self::Only(fleets) => fleets.iter().any(|one| one.matches(fleet)),
+        }
+    }
+
+    /// Whether one name or pattern of the scope includes all fleets that this one matches, also future ones.
+    #[must_use]
+    pub fn includes(&self, fleets: &FleetPattern) -> bool {
+        match self {
+            Self::All => true,
+            Self::Only(own) => own.iter().any(|one| one.includes(fleets)),
         }
     }
 
@@ -105,9 +121,7 @@ impl Scope {
     pub fn filter(&self, column: &'static str) -> Option<Filter> {
         match self {
             Self::All => None,
-            Self::Only(fleets) => {
-                Some(Filter::IsOneOf(column, fleets.iter().map(|fleet| fleet.as_str().to_owned()).collect()))
-            }
+            Self::Only(fleets) => Some(Filter::fleets(column, fleets)),
         }
     }
 }
@@ -454,6 +468,17 @@ mod tests {
     use super::super::document;
     use super::*;
     use vibrissa_store::DatabaseAddress;
+
+    #[test]
+    fn a_scope_gives_no_more_than_it_has() {
+        let scope = |fleets: &[&str]| Scope::of(fleets.iter().map(|fleet| FleetPattern::new(fleet).unwrap()));
+        let may_give = |own: &[&str], given| scope(own).includes(&FleetPattern::new(given).unwrap());
+        assert!(may_give(&["hall-*"], "hall-*") && may_give(&["hall-*"], "hall-1*") && may_give(&["hall-*"], "hall-7"));
+        assert!(!may_give(&["hall-*"], "hall*") && !may_give(&["hall-*"], "*") && !may_give(&["hall-1"], "hall-*"));
+        assert!(may_give(&["lab", "h*"], "hall-*") && !may_give(&[], "lab") && may_give(&["*"], "*"));
+        assert_eq!((scope(&["lab", "*"]), scope(&[]).covers("lab")), (Scope::All, false));
+        assert!(scope(&["hall-*"]).covers("hall-9") && !scope(&["hall-*"]).covers("hall-*"));
+    }
 
     /// Statuses of requests to a router whose document declares `GET /v1/told` only.
     async fn statuses(requests: &[(&str, &str)]) -> Vec<u16> {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use jsonwebtoken::jwk::Jwk;
 use jsonwebtoken::{Algorithm, DecodingKey, Validation, decode, decode_header};
 use serde_json::{Map, Value};
-use vibrissa_protocol::Name;
+use vibrissa_edge::fleets::FleetPattern;
 
 use super::keys::Keys;
 use super::provider::SignInOptions;
@@ -24,7 +24,7 @@ pub struct OidcOptions {
     pub jwks_url: Option<String>,
     /// Claim that holds the role.
     pub role_claim: String,
-    /// Claim that holds the fleets; `*` means all.
+    /// Claim that holds the fleets as names and patterns; `*` means all.
     pub fleets_claim: String,
     /// How people sign in at the console; `None` if they cannot.
     pub sign_in: Option<SignInOptions>,
@@ -141,12 +141,7 @@ impl Oidc {
                 format!("the token's claim {role_claim:?} contains no role (viewer, operator, engineer or admin)"),
             )
         })?;
-        let fleets = texts(fleets_claim);
-        let scope = if fleets.contains(&"*") {
-            Scope::All
-        } else {
-            Scope::Only(fleets.into_iter().filter_map(|fleet| Name::new(fleet).ok()).collect())
-        };
+        let scope = Scope::of(texts(fleets_claim).into_iter().filter_map(|fleet| FleetPattern::new(fleet).ok()));
         let text = |claim: &str| claims.get(claim).and_then(Value::as_str).filter(|text| !text.trim().is_empty());
         let subject = subject(claims).unwrap_or_default();
         let name = NAME_CLAIMS.into_iter().find_map(text).unwrap_or(subject).to_owned();

@@ -3,7 +3,7 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use subtle::ConstantTimeEq as _;
-use vibrissa_protocol::Name;
+use vibrissa_edge::fleets::FleetPattern;
 
 use super::{Authentication, Caller, Role, Scope};
 use vibrissa_store::tokens::TokenRow;
@@ -40,7 +40,7 @@ pub async fn create(store: &Store, new: &NewToken, now_us: i64) -> anyhow::Resul
     getrandom::fill(&mut secret).map_err(|problem| anyhow::anyhow!("the system provides no randomness: {problem}"))?;
     let fleets = match &new.scope {
         Scope::All => None,
-        Scope::Only(fleets) => Some(fleets.iter().map(Name::as_str).collect::<Vec<_>>().join(",")),
+        Scope::Only(fleets) => Some(fleets.iter().map(FleetPattern::as_str).collect::<Vec<_>>().join(",")),
     };
     let row = TokenRow {
         token_id: id.iter().map(|byte| format!("{byte:02x}")).collect(),
@@ -95,7 +95,7 @@ pub(super) async fn caller(
     let Some(role) = Role::of_word(&row.role) else { return Ok(None) };
     let scope = match &row.fleets {
         None => Scope::All,
-        Some(fleets) => Scope::Only(fleets.split(',').filter_map(|fleet| Name::new(fleet).ok()).collect()),
+        Some(fleets) => Scope::of(fleets.split(',').filter_map(|fleet| FleetPattern::new(fleet).ok())),
     };
     let (actor, authentication) = (actor(&row), Authentication::Token);
     Ok(Some(Caller { name: row.name, actor, role, scope, authentication, expires_us: Some(row.expires_us) }))

@@ -18,6 +18,7 @@ use super::alarm_actions::AlarmPath;
 use crate::http::App;
 use crate::http::access::{Caller, Scope};
 use crate::http::extract::{Path, Query};
+use crate::http::fleets::FleetFilter;
 use crate::http::labels::LabelFilter;
 use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
@@ -150,10 +151,9 @@ const WORDS_MAX: usize = 8;
 #[derive(Debug, Clone, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AlarmFilter {
-    /// Name of the fleet.
+    /// Fleets: names or patterns such as `hall-*`, separated by commas.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-    pub fleet: Option<Name>,
+    pub fleet: Option<FleetFilter>,
     /// Name of the robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
@@ -203,7 +203,7 @@ impl AlarmFilter {
     pub(super) fn conditions(self, scope: &Scope) -> Result<Vec<Filter>, Problem> {
         let text = |column, name: Option<Name>| name.map(|name| Filter::Is(column, Value::Text(name.to_string())));
         let mut all: Vec<Filter> = scope.filter("fleet").into_iter().collect();
-        all.extend(text("fleet", self.fleet));
+        all.extend(self.fleet.map(|fleets| Filter::fleets("fleet", fleets.iter())));
         all.extend(text("robot", self.robot));
         all.extend(text("\"array\"", self.array));
         all.extend(self.whisker.map(|whisker| Filter::Is("whisker", Value::Whole(whisker.into()))));
@@ -249,9 +249,8 @@ macro_rules! alarms_query {
         list_query! {
             $(#[$meta])*
             pub struct $name by $sort {
-                /// Name of the fleet.
-                #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-                pub fleet: Option<Name>,
+                /// Fleets: names or patterns such as `hall-*`, separated by commas.
+                pub fleet: Option<FleetFilter>,
                 /// Name of the robot.
                 #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
                 pub robot: Option<Name>,

@@ -118,7 +118,7 @@ async fn say(app: &App, asker: Asker, request: Request) -> Result<Json<AlarmsCha
     if let Value::Object(all) = &mut all {
         all.insert("which".to_owned(), json!(request.which));
     }
-    let fleet = request.which.filter.fleet.as_ref().map(ToString::to_string);
+    let fleet = request.which.filter.fleet.as_ref().and_then(|fleets| fleets.only()).map(ToOwned::to_owned);
     let mut filters = request.which.filter.conditions(&asker.caller.scope)?;
     if let Some(id) = request.which.up_to_alarm_id {
         if id < 0 {

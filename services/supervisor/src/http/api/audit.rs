@@ -11,6 +11,7 @@ use vibrissa_protocol::Name;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::fleets::FleetFilter;
 use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
@@ -41,9 +42,8 @@ words! {
 list_query! {
     /// Filters for the audit log.
     pub struct AuditQuery by ActionSort {
-        /// Fleet of the action.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
+        /// Fleets of the action: names or patterns such as `hall-*`, separated by commas.
+        pub fleet: Option<FleetFilter>,
         /// Robot of the action.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
@@ -84,7 +84,7 @@ async fn list_audit(
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
-    selection.is("fleet", query.fleet);
+    selection.of_fleets(query.fleet.as_deref());
     selection.is("robot", query.robot);
     selection.is("state", query.state);
     selection.is("kind", query.kind);

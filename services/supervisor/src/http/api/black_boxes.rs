@@ -16,6 +16,7 @@ use vibrissa_protocol::Name;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::fleets::FleetFilter;
 use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
@@ -37,9 +38,8 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 list_query! {
     /// Filters for the list of black boxes.
     pub struct BlackBoxesQuery by BlackBoxSort {
-        /// Name of the fleet.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
+        /// Fleets: names or patterns such as `hall-*`, separated by commas.
+        pub fleet: Option<FleetFilter>,
         /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
@@ -65,7 +65,7 @@ async fn list_black_boxes(
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
-    selection.is("fleet", query.fleet);
+    selection.of_fleets(query.fleet.as_deref());
     selection.is("robot", query.robot);
     selection.filters.extend(between("event_at", query.from, query.to));
     listing.answer::<BlackBox>(&app, &BLACK_BOXES, selection).await

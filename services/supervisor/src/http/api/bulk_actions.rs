@@ -9,7 +9,6 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_edge::actions::RecordedKind;
 use vibrissa_edge::words::Word as _;
-use vibrissa_protocol::Name;
 use vibrissa_store::bulk::Refusals;
 use vibrissa_store::list::{Filter, Value};
 use vibrissa_store::lists::bulk::{BULK, BulkRow, BulkSort};
@@ -18,6 +17,7 @@ use crate::http::App;
 use crate::http::access::{Caller, Role};
 use crate::http::asking::{Asker, Why, number_of, reason};
 use crate::http::extract::{OptionalBody, Path, Query};
+use crate::http::fleets::FleetFilter;
 use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::{Kind, Problem};
@@ -29,9 +29,9 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 list_query! {
     /// Filters for the list of requests for many.
     pub struct BulkQuery by BulkSort {
-        /// Name of the fleet; requests that concern several fleets are left out.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
+        /// Fleets: names or patterns such as `hall-*`, separated by commas. Requests that concern several fleets are
+        /// left out.
+        pub fleet: Option<FleetFilter>,
         /// Person or token that requested it.
         #[param(max_length = 200)]
         pub actor: Option<String>,
@@ -57,7 +57,7 @@ async fn list_bulk(
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(seen_by(&caller));
-    selection.is("fleet", query.fleet);
+    selection.of_fleets(query.fleet.as_deref());
     selection.is("actor", query.actor);
     listing.answer::<BulkRow>(&app, &BULK, selection).await
 }

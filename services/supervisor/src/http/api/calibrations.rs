@@ -443,7 +443,7 @@ mod tests {
             uploaded_by: "local".to_owned(),
             active_in: active_in.map(ToOwned::to_owned),
         };
-        let one = Scope::Only([Name::new("b").unwrap()].into());
+        let one = Scope::of(["b".parse().unwrap()]);
         let seen = |scope: &Scope, fleets| seen_by(scope, row(fleets)).active_in;
         assert_eq!(seen(&one, Some("a,b,c")).as_deref(), Some("b"));
         assert_eq!(seen(&one, Some("a,c")), None);

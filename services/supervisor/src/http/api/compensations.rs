@@ -12,6 +12,7 @@ use super::paths::CompensationPath;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::fleets::FleetFilter;
 use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{LIMIT_MAX, Page, list_query};
@@ -30,9 +31,8 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 list_query! {
     /// Filters for the list of compensations.
     pub struct CompensationsQuery by CompensationSort {
-        /// Name of the fleet.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
+        /// Fleets: names or patterns such as `hall-*`, separated by commas.
+        pub fleet: Option<FleetFilter>,
         /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
@@ -79,7 +79,7 @@ async fn list_compensations(
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
     selection.is("approval", query.approval);
-    selection.is("fleet", query.fleet);
+    selection.of_fleets(query.fleet.as_deref());
     selection.is("robot", query.robot);
     selection.is("\"array\"", query.array);
     selection.is_number("target_whisker", query.target_whisker);

@@ -11,6 +11,7 @@ use vibrissa_protocol::Name;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::Query;
+use crate::http::fleets::FleetFilter;
 use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::number::RowNumber;
@@ -35,9 +36,8 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 list_query! {
     /// Filters for the list of errors.
     pub struct ErrorsQuery by ErrorSort {
-        /// Name of the fleet.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
+        /// Fleets: names or patterns such as `hall-*`, separated by commas.
+        pub fleet: Option<FleetFilter>,
         /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
@@ -85,9 +85,8 @@ async fn list_errors(
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorGroupsQuery {
-    /// Name of the fleet.
-    #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-    pub fleet: Option<Name>,
+    /// Fleets: names or patterns such as `hall-*`, separated by commas.
+    pub fleet: Option<FleetFilter>,
     /// Name of the robot.
     #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub robot: Option<Name>,
@@ -113,9 +112,10 @@ pub struct ErrorGroupsQuery {
 
 impl ErrorGroupsQuery {
     fn filters(&self, caller: &Caller) -> Vec<Filter> {
-        let names = [("fleet", &self.fleet), ("robot", &self.robot), ("\"array\"", &self.array)];
+        let names = [("robot", &self.robot), ("\"array\"", &self.array)];
         let names = names.into_iter().filter_map(|(column, name)| Some((column, name.as_ref()?.to_string())));
         let mut filters: Vec<Filter> = names.map(|(column, name)| Filter::Is(column, Value::Text(name))).collect();
+        filters.extend(self.fleet.as_ref().map(|fleets| Filter::fleets("fleet", fleets.iter())));
         filters.extend(self.case.map(|case| Filter::Is("compensation_case", Value::Text(case.to_string()))));
         filters.extend(self.whisker.map(|whisker| Filter::Is("target_whisker", Value::Whole(whisker.into()))));
         filters.extend(self.compensation_id.map(|id| Filter::Is("compensation_id", Value::Whole(id.0))));
@@ -137,9 +137,8 @@ pub struct Groups<T> {
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorsByTimeQuery {
-    /// Name of the fleet.
-    #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-    pub fleet: Option<Name>,
+    /// Fleets: names or patterns such as `hall-*`, separated by commas.
+    pub fleet: Option<FleetFilter>,
     /// Name of the robot.
     #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
     pub robot: Option<Name>,

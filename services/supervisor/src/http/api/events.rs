@@ -12,12 +12,12 @@ use tokio::time::{Duration, Instant, timeout};
 use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
-use vibrissa_protocol::Name;
 
 use crate::events::{Event as LogEvent, published};
 use crate::http::App;
 use crate::http::access::{Caller, Credential};
 use crate::http::extract::Query;
+use crate::http::fleets::FleetFilter;
 use crate::http::places::{Place, fleet_of};
 use crate::http::problem::{Kind, Problem};
 use vibrissa_store::events::{Position, StoredEvent};
@@ -49,9 +49,8 @@ const UNBUFFERED: [(HeaderName, &str); 3] = [
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
 pub struct EventsQuery {
-    /// Name of the fleet.
-    #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-    pub fleet: Option<Name>,
+    /// Fleets: names or patterns such as `hall-*`, separated by commas.
+    pub fleet: Option<FleetFilter>,
 }
 
 /// Client of an event stream.
@@ -62,7 +61,7 @@ struct Follower {
     credential: Credential,
     /// Time of the next identification.
     check_at: Instant,
-    fleet: Option<Name>,
+    fleet: Option<FleetFilter>,
     position: Position,
     /// Whether the client's last event is no longer stored, so that it may have missed others.
     is_reset_due: bool,
@@ -103,7 +102,7 @@ async fn follow(
     Query(query): Query<EventsQuery>,
     headers: HeaderMap,
 ) -> Result<impl IntoResponse, Problem> {
-    let fleet = fleet_of(&caller.scope, query.fleet.as_ref().map(Name::as_str));
+    let fleet = fleet_of(&caller.scope, query.fleet.as_ref());
     let place = app.streams.open(&caller.actor, fleet)?;
     let (changed, stop) = (app.action_notifier.changes(), app.stop.clone());
     let ends = app.store.log_ends().await?;
@@ -189,7 +188,7 @@ impl Follower {
     }
 
     fn concerns(&self, event: &StoredEvent) -> bool {
-        let is_asked_for = self.fleet.as_ref().is_none_or(|fleet| fleet.as_str() == event.fleet);
+        let is_asked_for = self.fleet.as_ref().is_none_or(|fleets| fleets.matches(&event.fleet));
         is_asked_for && self.caller.scope.covers(&event.fleet)
     }
 

@@ -9,6 +9,7 @@ use vibrissa_store::list::{Filter, Value};
 use vibrissa_store::lists::whiskers::named;
 
 use crate::http::access::Scope;
+use crate::http::fleets::FleetFilter;
 use crate::http::labels::LabelFilter;
 use crate::http::problem::Problem;
 use crate::http::search::Search;
@@ -18,10 +19,9 @@ use crate::http::words::{ConditionWord, ConnectionWord};
 #[derive(Debug, Clone, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotFilter {
-    /// Name of the fleet.
+    /// Fleets: names or patterns such as `hall-*`, separated by commas.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-    pub fleet: Option<Name>,
+    pub fleet: Option<FleetFilter>,
     /// Name of the robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
@@ -48,10 +48,9 @@ pub struct RobotFilter {
 #[derive(Debug, Clone, Default, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WhiskerFilter {
-    /// Name of the fleet.
+    /// Fleets: names or patterns such as `hall-*`, separated by commas.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-    pub fleet: Option<Name>,
+    pub fleet: Option<FleetFilter>,
     /// Name of the robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
@@ -104,7 +103,7 @@ impl RobotFilter {
     /// The search contains a NUL character.
     pub(super) fn conditions(self, scope: &Scope) -> Result<Vec<Filter>, Problem> {
         let mut all: Vec<Filter> = scope.filter("fleet").into_iter().collect();
-        all.extend(text("fleet", self.fleet));
+        all.extend(self.fleet.map(|fleets| Filter::fleets("fleet", fleets.iter())));
         all.extend(text("robot", self.robot));
         all.extend(text("connection", self.connection));
         all.extend(self.attention.map(|attention| match attention {
@@ -125,7 +124,7 @@ impl WhiskerFilter {
     /// The search contains a NUL character.
     pub(super) fn conditions(self, scope: &Scope) -> Result<Vec<Filter>, Problem> {
         let mut all: Vec<Filter> = scope.filter("fleet").into_iter().collect();
-        all.extend(text("fleet", self.fleet));
+        all.extend(self.fleet.map(|fleets| Filter::fleets("fleet", fleets.iter())));
         all.extend(text("robot", self.robot));
         all.extend(text("\"array\"", self.array));
         all.extend(text("condition", self.condition));

@@ -9,6 +9,7 @@ use super::paths::FleetPath;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::fleets::FleetFilter;
 use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
@@ -19,8 +20,12 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 }
 
 list_query! {
-    /// Pagination of the list of fleets.
-    pub struct FleetsQuery by FleetSort {}
+    /// Filters for the list of fleets.
+    pub struct FleetsQuery by FleetSort {
+        /// Fleets: names or patterns such as `hall-*`, separated by commas.
+        #[param(inline)]
+        pub fleet: Option<FleetFilter>,
+    }
 }
 
 /// All known fleets, each with its supervisor and the number of items that need attention.
@@ -36,6 +41,7 @@ async fn list_fleets(
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
+    selection.of_fleets(query.fleet.as_deref());
     listing.answer::<FleetSummary>(&app, fleets(&app.store), selection).await
 }
 

@@ -11,6 +11,7 @@ use vibrissa_protocol::Name;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::fleets::FleetFilter;
 use crate::http::listing::Listing;
 use crate::http::moment::{Moment, between};
 use crate::http::page::{Page, list_query};
@@ -30,9 +31,8 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 list_query! {
     /// Filters for the list of trims.
     pub struct TrimsQuery by TrimSort {
-        /// Name of the fleet.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
+        /// Fleets: names or patterns such as `hall-*`, separated by commas.
+        pub fleet: Option<FleetFilter>,
         /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
@@ -64,7 +64,7 @@ async fn list_trims(
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
-    selection.is("fleet", query.fleet);
+    selection.of_fleets(query.fleet.as_deref());
     selection.is("robot", query.robot);
     selection.is("\"array\"", query.array);
     selection.is_number("whisker", query.whisker);
@@ -75,9 +75,8 @@ async fn list_trims(
 list_query! {
     /// Filters for the list of health changes.
     pub struct HealthChangesQuery by HealthChangeSort {
-        /// Name of the fleet.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
+        /// Fleets: names or patterns such as `hall-*`, separated by commas.
+        pub fleet: Option<FleetFilter>,
         /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
@@ -112,7 +111,7 @@ async fn list_health_changes(
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
-    selection.is("fleet", query.fleet);
+    selection.of_fleets(query.fleet.as_deref());
     selection.is("robot", query.robot);
     selection.is("\"array\"", query.array);
     selection.is_number("whisker", query.whisker);

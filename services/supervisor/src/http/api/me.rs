@@ -27,7 +27,7 @@ pub struct Me {
     pub actor: String,
     /// Role of the caller. `x-required-role` of each operation in `/openapi.json` says which role it requires.
     pub role: Role,
-    /// Fleets that the caller may access, in order; null for all fleets.
+    /// Fleets that the caller may access, as names and patterns in order; null for all fleets.
     pub fleets: Option<Vec<String>>,
     /// How the caller was authenticated.
     pub authentication: Authentication,

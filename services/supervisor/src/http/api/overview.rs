@@ -10,11 +10,11 @@ use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_protocol::Name;
 
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::Query;
+use crate::http::fleets::FleetFilter;
 use crate::http::moment::Moment;
 use crate::http::problem::Problem;
 use vibrissa_store::list::{Filter, Selection, Value};
@@ -43,9 +43,8 @@ const BINS: u8 = 11;
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
 pub struct OverviewQuery {
-    /// Name of the fleet; all visible fleets if omitted.
-    #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-    pub fleet: Option<Name>,
+    /// Fleets: names or patterns such as `hall-*`, separated by commas; all visible fleets if omitted.
+    pub fleet: Option<FleetFilter>,
     /// Earliest time of the changes, inclusive; 24 hours before now if omitted.
     #[param(value_type = Option<String>, format = DateTime)]
     pub from: Option<Moment>,
@@ -116,7 +115,7 @@ async fn get_overview(
 ) -> Result<Json<Overview>, Problem> {
     let from = query.from.map_or_else(|| Time(wall_clock().0 as i64 - SINCE_US), |Moment(from)| from);
     let filters = |column| {
-        let fleet = query.fleet.as_ref().map(|fleet| Filter::Is(column, Value::Text(fleet.to_string())));
+        let fleet = query.fleet.as_ref().map(|fleets| Filter::fleets(column, fleets.iter()));
         fleet.into_iter().chain(caller.scope.filter(column)).collect::<Vec<Filter>>()
     };
     let concerned = filters("r.fleet");

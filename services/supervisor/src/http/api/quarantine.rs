@@ -9,6 +9,7 @@ use vibrissa_protocol::Name;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::Query;
+use crate::http::fleets::FleetFilter;
 use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
@@ -21,9 +22,8 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 list_query! {
     /// Filters for the list of messages in quarantine.
     pub struct QuarantineQuery by QuarantineSort {
-        /// Name of the fleet.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
+        /// Fleets: names or patterns such as `hall-*`, separated by commas.
+        pub fleet: Option<FleetFilter>,
         /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
@@ -44,7 +44,7 @@ async fn list_quarantine(
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
-    selection.is("fleet", query.fleet);
+    selection.of_fleets(query.fleet.as_deref());
     selection.is("robot", query.robot);
     listing.answer::<Quarantined>(&app, &QUARANTINE, selection).await
 }

@@ -17,6 +17,7 @@ use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::asking::{Asker, Why, ask, reason};
 use crate::http::extract::{OptionalBody, Path, Query};
+use crate::http::fleets::FleetFilter;
 use crate::http::labels::LabelFilter;
 use crate::http::listing::Listing;
 use crate::http::page::{LIMIT_MAX, Page, list_query};
@@ -41,9 +42,8 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 list_query! {
     /// Filters for the list of robots.
     pub struct RobotsQuery by RobotSort {
-        /// Name of the fleet.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
+        /// Fleets: names or patterns such as `hall-*`, separated by commas.
+        pub fleet: Option<FleetFilter>,
         /// Connection state of the robot.
         #[param(inline)]
         pub connection: Option<ConnectionWord>,
@@ -147,9 +147,8 @@ async fn robot(app: &App, at: &RobotPath) -> Result<RobotSummary, Problem> {
 list_query! {
     /// Filters for the list of arrays.
     pub struct ArraysQuery by ArraySort {
-        /// Name of the fleet.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
+        /// Fleets: names or patterns such as `hall-*`, separated by commas.
+        pub fleet: Option<FleetFilter>,
         /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,
@@ -169,7 +168,7 @@ async fn list_arrays(
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
-    selection.is("fleet", query.fleet);
+    selection.of_fleets(query.fleet.as_deref());
     selection.is("robot", query.robot);
     listing.answer::<ArraySummary>(&app, &ARRAYS, selection).await
 }

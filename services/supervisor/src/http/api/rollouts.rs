@@ -23,6 +23,7 @@ use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::asking::{Asker, Why, ask, reason};
 use crate::http::extract::{Body, OptionalBody, Path, Query};
+use crate::http::fleets::FleetFilter;
 use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
 use crate::http::problem::Problem;
@@ -139,9 +140,8 @@ async fn start(
 list_query! {
     /// Filters for the list of roll-outs.
     pub struct RolloutsQuery by RolloutSort {
-        /// Name of the fleet.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
+        /// Fleets: names or patterns such as `hall-*`, separated by commas.
+        pub fleet: Option<FleetFilter>,
         /// State of the roll-out.
         #[param(inline)]
         pub state: Option<RolloutState>,
@@ -161,7 +161,7 @@ async fn list_rollouts(
 ) -> Result<Response, Problem> {
     let mut selection = query.page()?;
     selection.filters.extend(caller.scope.filter("fleet"));
-    selection.is("fleet", query.fleet);
+    selection.of_fleets(query.fleet.as_deref());
     selection.is("state", query.state);
     listing.answer::<Rollout>(&app, &ROLLOUTS, selection).await
 }

@@ -11,6 +11,7 @@ use super::paths::WhiskerPath;
 use crate::http::App;
 use crate::http::access::Caller;
 use crate::http::extract::{Path, Query};
+use crate::http::fleets::FleetFilter;
 use crate::http::labels::LabelFilter;
 use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
@@ -26,9 +27,8 @@ pub(super) fn routes() -> OpenApiRouter<App> {
 list_query! {
     /// Filters for the list of whiskers.
     pub struct WhiskersQuery by WhiskerSort {
-        /// Name of the fleet.
-        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
-        pub fleet: Option<Name>,
+        /// Fleets: names or patterns such as `hall-*`, separated by commas.
+        pub fleet: Option<FleetFilter>,
         /// Name of the robot.
         #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
         pub robot: Option<Name>,

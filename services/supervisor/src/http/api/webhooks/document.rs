@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::events::{Audience, EventKind, webhook_kinds};
+use vibrissa_edge::fleets::{FLEETS_MAX, FleetPattern};
 use vibrissa_edge::guidance::Level;
 use vibrissa_edge::words::Word;
-use vibrissa_protocol::Name;
 use vibrissa_store::time::Time;
 use vibrissa_store::webhooks::WebhookRow;
 use vibrissa_store::webhooks::manage::WebhookSettings;
@@ -20,8 +20,6 @@ use crate::webhooks::target::checked;
 
 /// Maximum length of a name, in characters.
 const NAME_CHARS_MAX: usize = 100;
-/// Maximum number of fleets of a webhook.
-const FLEETS_MAX: usize = 100;
 words! {
     /// State of a webhook.
     pub enum WebhookState {
@@ -46,7 +44,7 @@ pub struct Webhook {
     pub name: String,
     /// URL that receives the events. Only admins see what follows the host, which may be confidential.
     pub url: String,
-    /// Fleets of its events; null for all fleets.
+    /// Fleets of its events, as names and patterns; null for all fleets.
     pub fleets: Option<Vec<String>>,
     /// Kinds of its events; null for all kinds.
     pub kinds: Option<Vec<EventKindWord>>,
@@ -112,7 +110,7 @@ impl Webhook {
             webhook_id: row.webhook_id,
             name: row.name.clone(),
             url: if caller.role == Role::Admin { row.url.clone() } else { origin(&row.url) },
-            fleets: interest.fleets,
+            fleets: interest.fleets.map(|fleets| fleets.iter().map(ToString::to_string).collect()),
             kinds: interest.kinds.map(|kinds| kinds.into_iter().map(OneOf).collect()),
             level: OneOf(interest.level),
             enabled: row.enabled,
@@ -171,9 +169,9 @@ pub struct WebhookBody {
     /// `webhooks.allowed_hosts`.
     #[schema(max_length = 2000, example = "https://hooks.example/vibrissa")]
     pub url: String,
-    /// Fleets of its events; null for all fleets.
+    /// Fleets of its events: names, or patterns such as `hall-*`, which include future fleets; null for all fleets.
     #[schema(value_type = Option<Vec<String>>, min_items = 1, max_items = 100)]
-    pub fleets: Option<Vec<Name>>,
+    pub fleets: Option<Vec<FleetPattern>>,
     /// Kinds of its events, of those that docs/webhooks.md lists; null for all of them.
     #[schema(min_items = 1)]
     pub kinds: Option<Vec<EventKindWord>>,
@@ -198,7 +196,7 @@ impl WebhookBody {
         if fleets.is_some_and(|fleets| fleets.is_empty() || fleets.len() > FLEETS_MAX) {
             return Err(Problem::invalid(
                 "fleets",
-                format!("must have 1 to {FLEETS_MAX} names, or be null for all fleets"),
+                format!("must have 1 to {FLEETS_MAX} names and patterns, or be null for all fleets"),
             ));
         }
         let kinds: Option<Vec<EventKind>> = self.kinds.as_ref().map(|kinds| kinds.iter().map(|kind| kind.0).collect());
@@ -209,11 +207,12 @@ impl WebhookBody {
             let those = webhook_kinds().into_iter().map(Word::word).collect::<Vec<_>>().join(", ");
             return Err(Problem::invalid("kinds", format!("webhooks get no {}, only {those}", other.word())));
         }
-        let fleets = fleets.map(|fleets| fleets.iter().map(Name::as_str).collect::<Vec<_>>().join(","));
+        let fleets = fleets.filter(|fleets| !fleets.iter().any(FleetPattern::is_all));
+        let fleets = fleets.map(|fleets| fleets.iter().map(FleetPattern::as_str).collect::<Vec<_>>().join(","));
         if !is_covered(caller, fleets.as_deref()) {
             return Err(Problem::new(
                 Kind::Forbidden,
-                "your token does not cover all fleets of this webhook: name its fleets",
+                "your token does not cover all fleets of this webhook: name fleets or patterns within your token's",
             ));
         }
         let kinds = kinds.map(|kinds| kinds.into_iter().map(Word::word).collect::<Vec<_>>().join(","));
@@ -232,6 +231,8 @@ impl WebhookBody {
 pub(super) fn is_covered(caller: &Caller, fleets: Option<&str>) -> bool {
     match fleets {
         None => caller.scope == crate::http::access::Scope::All,
-        Some(fleets) => fleets.split(',').all(|fleet| caller.scope.covers(fleet)),
+        Some(fleets) => {
+            fleets.split(',').all(|fleet| FleetPattern::new(fleet).is_ok_and(|one| caller.scope.includes(&one)))
+        }
     }
 }

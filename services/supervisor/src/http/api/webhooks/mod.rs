@@ -19,6 +19,7 @@ use crate::webhooks::Message;
 use crate::webhooks::signature::{new_secret, shown};
 use vibrissa_edge::actions::RecordedKind;
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::fleets::FleetSelection;
 use vibrissa_edge::words::Word as _;
 use vibrissa_store::actions::{Asked, NewAction};
 use vibrissa_store::lists::actions::ActionRow;
@@ -80,7 +81,8 @@ pub(super) fn audited(
         "url_hash": blake3::hash(url.as_bytes()).to_hex()[..16],
     });
     let mut action = asker.action(kind.word(), &parameters, why);
-    action.fleet = fleets.as_ref().filter(|fleets| !fleets.contains(',')).cloned();
+    let fleets = fleets.as_ref().and_then(|fleets| fleets.parse::<FleetSelection>().ok());
+    action.fleet = fleets.and_then(|fleets| fleets.only().map(ToOwned::to_owned));
     action
 }
 
@@ -100,7 +102,8 @@ fn full(fleet: Option<&str>) -> String {
     match fleet {
         Some(fleet) => format!("fleet {fleet} has {WEBHOOKS_PER_FLEET_MAX} webhooks already: remove one"),
         None => format!(
-            "there are {WEBHOOKS_MAX} webhooks already, or {WEBHOOKS_PER_FLEET_MAX} about all fleets: remove one"
+            "there are {WEBHOOKS_MAX} webhooks already, or {WEBHOOKS_PER_FLEET_MAX} for all fleets or \
+             patterns: remove one"
         ),
     }
 }
@@ -310,7 +313,8 @@ async fn test_webhook(
     OptionalBody(why): OptionalBody<Why>,
 ) -> Result<Json<WebhookTest>, Problem> {
     let row = found(&app, &asker.caller, &at).await?;
-    let fleets = row.fleets.iter().flat_map(|fleets| fleets.split(','));
+    // A pattern stands for several fleets.
+    let fleets = row.fleets.iter().flat_map(|fleets| fleets.split(',')).filter(|fleet| !fleet.contains('*'));
     let _place = app.webhook_tests.take(&asker.caller.actor, fleets)?;
     let of = (Some(at.webhook_id), &settings_of(&row));
     let action = audited(asker, RecordedKind::WebhookTest, of, reason(why.reason)?);
