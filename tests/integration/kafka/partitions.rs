@@ -1,12 +1,17 @@
 //! The partitions of the topic that contacts come from.
 
+use std::time::Duration;
+
 use vibrissa_protocol::Contacts;
-use vibrissa_tests::kafka::Kafka;
+use vibrissa_tests::kafka::{Kafka, Writer};
 use vibrissa_tests::mosquitto::Mosquitto;
-use vibrissa_tests::wait::until_true;
+use vibrissa_tests::wait::{found_within, until_true};
 
 use crate::bridge::{MESSAGES, records};
 use crate::ingested::{messages, named, program, robot, stored};
+
+/// Time limit of a write to a broker that runs.
+const WRITTEN: Duration = Duration::from_secs(10);
 
 /// Next offsets in the database, by partition.
 async fn positions(program: &crate::stage::Program) -> Vec<(i64, i64)> {
@@ -74,6 +79,42 @@ async fn contacts_of_a_robot_in_five_partitions_are_all_recorded_and_replayed_in
 fn named_before(all: &[Contacts], part: &[Contacts]) -> Vec<Contacts> {
     let last = part.last().map_or(0, |message| message.seq);
     all.iter().filter(|message| message.seq <= last).cloned().collect()
+}
+
+/// Each broker leads a partition that the others do not have.
+#[tokio::test]
+async fn a_partition_without_a_broker_does_not_stop_the_others() {
+    const PARTITIONS: u32 = 3;
+    let Some(mut kafka) = Kafka::start(PARTITIONS as usize).await else { return };
+    kafka.create_replicated_topic(MESSAGES, PARTITIONS, 1).await;
+    let broker = Mosquitto::start();
+    let program = program(&kafka, &broker, &[]).await;
+    let mut robot = robot(&broker, &program).await;
+    let mut all = Vec::new();
+    let mut stopped = Vec::new();
+    kafka.kill(0);
+    until_true("the stopped partition", async || program.metric("vibrissa_kafka_connected{").await == 0.0).await;
+    for partition in 0..PARTITIONS {
+        let some = messages(&mut robot, 10);
+        let mut writer = Writer::new(kafka.addresses(), MESSAGES, partition);
+        let written = found_within(WRITTEN, async || writer.write(records("r", &some)).await.then_some(())).await;
+        if written.is_some() {
+            all.extend(some);
+        } else {
+            stopped.push((partition, some));
+        }
+    }
+    assert_eq!(stopped.len(), 1, "one partition is without a broker");
+    stored(&program, &all).await;
+    assert_eq!(program.metric("vibrissa_kafka_connected{").await, 0.0);
+    kafka.restart(0).await;
+    for (partition, some) in stopped {
+        kafka.write(MESSAGES, partition, records("r", &some)).await;
+        all.extend(some);
+    }
+    // A write without an answer may have come to the broker, too.
+    until_true("all contacts", async || program.stored_contacts().await == named(&all)).await;
+    until_true("all partitions answer", async || program.metric("vibrissa_kafka_connected{").await == 1.0).await;
 }
 
 #[tokio::test]

@@ -210,11 +210,18 @@ impl Kafka {
     /// # Panics
     /// The brokers do not create it.
     pub async fn create_topic(&self, name: &str, partitions: u32) {
-        let replicas = self.nodes.len() as i16;
+        self.create_replicated_topic(name, partitions, self.nodes.len()).await;
+    }
+
+    /// Creates a topic with a replica on so many of the brokers.
+    ///
+    /// # Panics
+    /// The brokers do not create it.
+    pub async fn create_replicated_topic(&self, name: &str, partitions: u32, replicas: usize) {
         until_within(START, "a new topic", async || {
             let client = self.client().await;
             let controller = client.controller_client().ok()?;
-            let creating = controller.create_topic(name, partitions as i32, replicas, 5000);
+            let creating = controller.create_topic(name, partitions as i32, replicas as i16, 5000);
             let created = tokio::time::timeout(ANSWER, creating).await;
             let topics = tokio::time::timeout(ANSWER, client.list_topics()).await.ok()?.ok()?;
             let exists = topics.iter().any(|topic| topic.name == name && topic.partitions.len() == partitions as usize);
