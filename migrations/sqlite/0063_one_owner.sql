@@ -11,12 +11,10 @@ CREATE TABLE leases_new (
     owner      TEXT,
     holder     TEXT,
     commits    INTEGER NOT NULL DEFAULT 0,
-    expires_us INTEGER,
-    log_next   INTEGER,
-    log_topic  TEXT
+    expires_us INTEGER
 );
-INSERT INTO leases_new (fleet, epoch, owner, holder, commits, expires_us, log_next, log_topic)
-    SELECT fleet, epoch, owner, holder, commits, expires_us, log_next, log_topic FROM leases WHERE shard = 0;
+INSERT INTO leases_new (fleet, epoch, owner, holder, commits, expires_us)
+    SELECT fleet, epoch, owner, holder, commits, expires_us FROM leases WHERE shard = 0;
 UPDATE leases_new SET epoch = (SELECT max(epoch) FROM leases l WHERE l.fleet = leases_new.fleet),
     owner = NULL, holder = NULL, commits = 0, expires_us = 0 WHERE fleet IN (SELECT fleet FROM divided);
 DROP TABLE leases;

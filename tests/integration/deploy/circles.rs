@@ -14,7 +14,7 @@ const IN_CIRCLES_MAX: [(&str, usize); 9] = [
     ("robot", 0),
     ("simulator", 4),
     ("evaluation", 2),
-    ("store", 5),
+    ("store", 3),
     ("supervisor", 26),
     ("vibrissa", 8),
 ];
