@@ -76,7 +76,7 @@ impl EventKind {
         self.audience() == Audience::Kafka
     }
 
-    /// Who may read events of this kind.
+    /// The readers of events of this kind.
     #[must_use]
     pub fn audience(self) -> Audience {
         match self {
@@ -108,7 +108,7 @@ impl EventKind {
     }
 }
 
-/// Who may read an event.
+/// The readers of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Audience {
     /// Kafka alone: contacts, which are most of the volume.

@@ -76,7 +76,7 @@ from_row! {
         pub array: Option<String>,
         /// Number of the whisker in its array; `None` if no single whisker is concerned.
         pub whisker: Option<i64>,
-        /// What happened: a JSON object.
+        /// Data of the event, a JSON object.
         pub data: String,
     }
 }

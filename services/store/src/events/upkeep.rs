@@ -15,7 +15,7 @@ use crate::{Store, StoreError, failed};
 /// Number of events for webhooks that the log keeps, in fair shares of fleets and robots.
 pub const EVENTS_MAX: i64 = 20_000;
 /// Time for which the log keeps events for webhooks, µs: a week. After such a time without a sign of Kafka's publisher
-/// no event is kept for it either.
+/// no event waits for it any more.
 const KEPT_US: i64 = 7 * 86_400_000_000;
 /// Time for which the log keeps all other events, µs: a day.
 const OTHERS_KEPT_US: i64 = 86_400_000_000;
@@ -29,7 +29,7 @@ const NOT_AWAITED: &str = "NOT EXISTS (SELECT 1 FROM event_positions p WHERE p.f
      AND (e.tx, e.event_id) > (p.tx, p.event_id))";
 
 from_row! {
-    /// What decides whether a webhook wants an event.
+    /// The columns of an event that the filters of a webhook need.
     #[derive(Debug, Clone)]
     pub(crate) struct Brief {
         pub(crate) event_id: i64,

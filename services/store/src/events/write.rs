@@ -18,7 +18,7 @@ row! {
         pub version: i64,
         /// Kind of the event.
         pub kind: &'static str,
-        /// Who may read it: a word of [`Audience`](vibrissa_edge::events::Audience).
+        /// Its readers: a word of [`Audience`](vibrissa_edge::events::Audience).
         pub audience: &'static str,
         /// Kind of the alarm, or state of the setpoint; `None` for other kinds.
         pub word: Option<&'static str>,
@@ -26,7 +26,7 @@ row! {
         pub robot_id: Option<i64>,
         /// Number of the whisker in the database; `None` if no single whisker is concerned.
         pub whisker_id: Option<i64>,
-        /// What happened: a JSON object.
+        /// Data of the event, a JSON object.
         pub data: String,
     }
 }

@@ -39,22 +39,22 @@ pub struct Event {
     pub version: i64,
     /// Time of the event, by the supervisor's clock.
     pub timestamp: Time,
-    /// What happened, and where.
+    /// Subject and data of the event.
     pub data: EventData,
 }
 
-/// What happened, and where. Parts that do not concern the kind of the event are missing.
+/// Subject and data of an event. Parts that do not concern the kind of the event are missing.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct EventData {
-    /// Where it happened.
+    /// Subject of the event.
     #[serde(flatten)]
     pub subject: Subject,
-    /// What happened.
+    /// Data that depend on the kind of the event.
     #[serde(flatten)]
     pub parts: Parts,
 }
 
-/// Where an event happened, and how urgent it is.
+/// Subject of an event, and its urgency.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct Subject {
     /// How soon somebody must act.

@@ -182,9 +182,9 @@ pub struct AlarmPart {
 /// A change of a whisker's condition.
 #[derive(Debug, Clone, Copy, Serialize, ToSchema)]
 pub struct ConditionPart {
-    /// Condition before.
+    /// Condition before the change.
     pub was: ConditionWord,
-    /// Condition after.
+    /// Condition after the change.
     pub becomes: ConditionWord,
 }
 
@@ -271,7 +271,7 @@ pub struct QuarantinePart {
 /// Declares the parts of events.
 macro_rules! parts {
     ($($(#[$meta:meta])* $name:ident: $type:ty,)+) => {
-        /// What happened. Parts that do not concern the kind of the event are missing.
+        /// Data of an event. Parts that do not concern the kind of the event are missing.
         #[derive(Debug, Clone, Default, Serialize, ToSchema)]
         pub struct Parts {
             $($(#[$meta])* #[serde(skip_serializing_if = "Option::is_none")] pub $name: Option<$type>,)+

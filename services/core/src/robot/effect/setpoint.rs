@@ -32,7 +32,7 @@ pub struct Command {
     pub gain: Option<[f64; CONTACT_RATIOS.len()]>,
 }
 
-/// What a setpoint asks of a robot, and why.
+/// Pressure and reason of a setpoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asked {
     /// Pressure to hold.
