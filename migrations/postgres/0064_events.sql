@@ -72,7 +72,7 @@ SELECT setval(pg_get_serial_sequence('events', 'event_id'), last_value, is_calle
 -- else 0, and a JSON object. Each text has its length before it, 4 bytes with the lowest first.
 WITH RECURSIVE fields (fleet, epoch, number, nth, rest, bytes) AS (
     SELECT fleet, epoch, number, 0, events, get_byte(events, 1) + 256 * get_byte(events, 2) + 65536 * get_byte(events, 3)
-    FROM event_outbox
+    FROM event_outbox WHERE length(events) > 0
     UNION ALL
     SELECT fleet, epoch, number, nth + 1, substring(rest FROM 6 + bytes),
         get_byte(rest, 6 + bytes) + 256 * get_byte(rest, 7 + bytes) + 65536 * get_byte(rest, 8 + bytes)

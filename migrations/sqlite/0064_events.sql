@@ -63,7 +63,7 @@ INSERT INTO sqlite_sequence (name, seq) SELECT 'events', seq FROM sqlite_sequenc
 WITH RECURSIVE fields (fleet, epoch, number, nth, rest, bytes) AS (
     SELECT fleet, epoch, number, 0, events, ('[0x' || hex(substr(events, 5, 1)) || hex(substr(events, 4, 1))
         || hex(substr(events, 3, 1)) || hex(substr(events, 2, 1)) || ']') ->> 0
-    FROM event_outbox
+    FROM event_outbox WHERE length(events) > 0
     UNION ALL
     SELECT fleet, epoch, number, nth + 1, substr(rest, 6 + bytes), ('[0x' || hex(substr(rest, 10 + bytes, 1))
         || hex(substr(rest, 9 + bytes, 1)) || hex(substr(rest, 8 + bytes, 1)) || hex(substr(rest, 7 + bytes, 1)) || ']') ->> 0

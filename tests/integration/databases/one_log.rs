@@ -20,7 +20,7 @@ fn fixture(name: &str) -> String {
 }
 
 /// The events of a transaction in the form of the former outbox: version, robot, whether it is about contacts, JSON.
-fn outbox_row(robot: &str, events: &[Value]) -> String {
+pub(crate) fn outbox_row(robot: &str, events: &[Value]) -> String {
     let text = |text: &str| [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat();
     let bytes = events.iter().flat_map(|event| {
         let is_contacts = event["type"] == "CONTACTS";

@@ -3,6 +3,7 @@
 //! The database of `tests/data/database-37` is divided into four shards before this version opens it. Its robots belong to
 //! shards by the hashes that their rows have.
 
+use serde_json::json;
 use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions as _};
 use vibrissa_store::{DatabaseAddress, Store};
@@ -10,6 +11,7 @@ use vibrissa_tests::postgres::Postgres;
 
 use crate::Fresh;
 use crate::history::rows;
+use crate::one_log::outbox_row;
 use crate::opened::{LEFT_37, postgres_of, sqlite_of};
 
 /// Divides the fleet: leases with rising epochs, an epoch that two shards have, journals with equal numbers, horizons of shards and
@@ -27,7 +29,7 @@ const DIVIDE: &str = "
     INSERT INTO journal (fleet, shard, number, entries) VALUES
         ('f', 1, 202, EMPTY), ('f', 1, 203, EMPTY), ('f', 2, 203, EMPTY), ('f', 3, 204, EMPTY);
     INSERT INTO event_outbox (fleet, shard, epoch, number, events) VALUES
-        ('f', 0, 1, 7, EMPTY), ('f', 1, 1, 7, EMPTY), ('f', 3, 1, 6, EMPTY), ('f', 3, 2, 1, EMPTY), ('g', 0, 1, 7, EMPTY);
+        ('f', 0, 1, 7, EVENT_1), ('f', 1, 1, 7, EVENT_2), ('f', 3, 1, 6, EVENT_3), ('f', 3, 2, 1, EVENT_4), ('g', 0, 1, 7, EVENT_5);
     INSERT INTO archive_horizons (fleet, shard, written_to_us) VALUES
         ('f', 0, 50), ('f', 1, 40), ('f', 3, 60), ('f', 9, 5), ('g', 0, 70);";
 
@@ -41,15 +43,26 @@ const PENDING: &str = "
         (104, 'f', 'POLICY', '{}', 'ann', 'ENGINEER', 'q', 1, 2, 'PENDING', NULL, NULL),
         (105, 'f', 'POLICY', '{}', 'ann', 'ENGINEER', 'q', 1, 2, 'PENDING', 104, 1);";
 
+/// The statements with an event in the place of each EVENT_, which has the number as that of a trim.
+fn with_events(sql: &str, blob: impl Fn(String) -> String) -> String {
+    (1..=5).fold(sql.to_owned(), |sql, number| {
+        let event = json!({ "type": "TRIM", "version": 1, "timestamp": "2026-11-20T08:00:00.000Z", "fleet": "f",
+            "robot": "r", "trim": { "trim_id": number } });
+        sql.replace(&format!("EVENT_{number}"), &blob(outbox_row("r", &[event])))
+    })
+}
+
 async fn execute(address: &DatabaseAddress, sql: &str) {
     match address {
         DatabaseAddress::Sqlite(path) => {
             let mut link = SqliteConnectOptions::new().filename(path).connect().await.unwrap();
+            let sql = with_events(sql, |bytes| format!("x'{bytes}'"));
             let sql = AssertSqlSafe(sql.replace("EMPTY", "x''").replace("OVERRIDING", ""));
             sqlx::raw_sql(sql).execute(&mut link).await.map(drop).unwrap();
         }
         DatabaseAddress::Postgres(options) => {
             let mut link = options.connect().await.unwrap();
+            let sql = with_events(sql, |bytes| format!("decode('{bytes}', 'hex')"));
             let sql =
                 AssertSqlSafe(sql.replace("EMPTY", "'\\x'::bytea").replace("OVERRIDING", "OVERRIDING SYSTEM VALUE"));
             sqlx::raw_sql(sql).execute(&mut link).await.map(drop).unwrap();
@@ -116,13 +129,13 @@ async fn everything_is_there(address: &DatabaseAddress) {
         "a checkpoint contains the same rows as before"
     );
 
-    let outbox = rows!(
-        address,
-        (String, i64, i64),
-        "SELECT fleet, epoch, number FROM event_outbox ORDER BY fleet, epoch, number"
-    );
-    let expected = [("f", 1, 27), ("f", 1, 28), ("f", 1, 29), ("f", 2, 7), ("g", 1, 7)];
-    assert_eq!(outbox, expected.map(|(fleet, epoch, number)| (fleet.to_owned(), epoch, number)));
+    let waiting = "SELECT fleet, data FROM events WHERE audience = 'PROGRAMS' ORDER BY fleet, event_id";
+    let waiting: Vec<(String, Option<i64>)> = rows!(address, (String, String), waiting)
+        .into_iter()
+        .map(|(fleet, data)| (fleet, data.parse::<serde_json::Value>().unwrap()["trim"]["trim_id"].as_i64()))
+        .collect();
+    let expected = [("f", 3), ("f", 1), ("f", 2), ("f", 4), ("g", 5)];
+    assert_eq!(waiting, expected.map(|(fleet, number)| (fleet.to_owned(), Some(number))));
 
     let horizons = rows!(address, (String, i64), "SELECT fleet, written_to_us FROM archive_horizons ORDER BY fleet");
     assert_eq!(horizons, [("f".to_owned(), 40), ("g".to_owned(), 70)]);

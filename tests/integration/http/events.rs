@@ -19,7 +19,7 @@ async fn acknowledged_is_followed(served: &Served) {
     let done = send(served.http, "POST", &path, &[], Some(&json!({ "reason": "seen" }))).await.unwrap();
     assert_eq!(done.status, 200, "{}", done.body);
     let (id, change) = next(&mut events).await;
-    assert_eq!([&change["kind"], &change["robot"]], [&json!("ALARM"), &alarms[0]["robot"]]);
+    assert_eq!([&change["type"], &change["data"]["robot"]], [&json!("ALARM_HANDLED"), &alarms[0]["robot"]]);
     let (_, mut again) = open(served.http, "/v1/events", &[("Last-Event-ID", &id)]).await.unwrap();
     let path = format!("/v1/alarms/{}/acknowledge", alarms[1]["alarm_id"]);
     assert_eq!(send(served.http, "POST", &path, &[], None).await.unwrap().status, 200);
@@ -42,11 +42,9 @@ async fn regress_a_transaction_that_is_overtaken_is_not_missed() {
     let url = served.url.clone().unwrap();
     let (_, mut events) = open(served.http, "/v1/events", &[]).await.unwrap();
     let insert = async |link: &mut PgConnection, number: i64| {
-        sqlx::query("INSERT INTO changes (recorded_us, fleet, kind, number) VALUES (1, 'f', 'ACTION', $1)")
-            .bind(number)
-            .execute(link)
-            .await
-            .unwrap();
+        const SQL: &str = "INSERT INTO events (recorded_us, version, fleet, kind, audience, data) \
+             VALUES (1, 2, 'f', 'ACTION', 'PROGRAMS', $1)";
+        sqlx::query(SQL).bind(json!({ "action": { "action_id": number } }).to_string()).execute(link).await.unwrap();
     };
     let mut slow = PgConnection::connect(&url).await.unwrap();
     let mut quick = PgConnection::connect(&url).await.unwrap();
@@ -56,6 +54,6 @@ async fn regress_a_transaction_that_is_overtaken_is_not_missed() {
     overtaken.commit().await.unwrap();
     insert(&mut quick, 3).await;
     for number in [1, 2, 3] {
-        assert_eq!(next(&mut events).await.1["number"], number);
+        assert_eq!(next(&mut events).await.1["data"]["action"]["action_id"], number);
     }
 }

@@ -102,14 +102,17 @@ async fn regress_a_stream_shows_the_fleets_that_its_token_has_now() {
     let mut link = PgConnection::connect(served.url.as_ref().unwrap()).await.unwrap();
     sqlx::query("UPDATE api_tokens SET fleets = 'g' WHERE token_id = $1").bind(id).execute(&mut link).await.unwrap();
     for (fleet, number) in [("f", 1_i64), ("g", 2)] {
-        sqlx::query("INSERT INTO changes (recorded_us, fleet, kind, number) VALUES (1, $1, 'ACTION', $2)")
+        const SQL: &str = "INSERT INTO events (recorded_us, version, fleet, kind, audience, data) \
+             VALUES (1, 2, $1, 'ACTION', 'PROGRAMS', $2)";
+        sqlx::query(SQL)
             .bind(fleet)
-            .bind(number)
+            .bind(format!(r#"{{"action":{{"action_id":{number}}}}}"#))
             .execute(&mut link)
             .await
             .unwrap();
     }
     let event = timeout(PATIENCE, events.next()).await.expect("an event").unwrap().expect("the stream must continue");
     let change: Value = serde_json::from_str(&event.data).unwrap();
-    assert_eq!((&change["fleet"], &change["number"]), (&Value::from("g"), &Value::from(2)));
+    let data = &change["data"];
+    assert_eq!((&data["fleet"], &data["action"]["action_id"]), (&Value::from("g"), &Value::from(2)));
 }
