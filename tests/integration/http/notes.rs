@@ -1,6 +1,6 @@
 //! Notes on robots: added, listed, removed, recorded and limited, on both databases.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use futures_util::future::join_all;
 use serde_json::{Value, json};
