@@ -34,7 +34,7 @@ CREATE TABLE event_positions (
 
 -- Events that wait for webhooks keep their numbers. Within a transaction the numbers are exchanged, so that they are in the order
 -- of `place`; targets and dead letters follow.
-CREATE TEMP TABLE renumbered AS
+CREATE TABLE renumbered AS
 SELECT a.tx, a.event_id AS old_id, b.event_id AS new_id
 FROM (SELECT tx, event_id, row_number() OVER (PARTITION BY tx ORDER BY place, event_id) AS nth FROM webhook_events) a
 JOIN (SELECT tx, event_id, row_number() OVER (PARTITION BY tx ORDER BY event_id) AS nth FROM webhook_events) b USING (tx, nth);

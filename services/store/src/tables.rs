@@ -1,11 +1,10 @@
 //! The statements that write a batch, one for each kind of row. Their columns come from the declarations of the rows.
 
 use super::batch::{
-    AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, HealthRow,
-    JournalRow, PolicyRow, QuarantineRow, RefinementRow, ResponseRow, RobotAlarmClearedRow, RobotAlarmRow, RobotRow,
-    RollupRow, SetpointRow, SetpointStateRow, TouchTestProgressRow, TouchTestRow, TrimRow, WhiskerRow,
+    AlarmClearedRow, AlarmRow, CandidateRow, ContactRow, DecisionRow, EndedRow, ErrorBinRow, ErrorRow, EventRow,
+    HealthRow, JournalRow, PolicyRow, QuarantineRow, RefinementRow, ResponseRow, RobotAlarmClearedRow, RobotAlarmRow,
+    RobotRow, RollupRow, SetpointRow, SetpointStateRow, TouchTestProgressRow, TouchTestRow, TrimRow, WhiskerRow,
 };
-use super::events::write::EventRow;
 use super::row::{Declared, Parent, Statement, columns};
 use crate::{Lease, Resolution};
 

@@ -1,6 +1,7 @@
 //! The rows of one transaction, in the order in which they must be written.
 
 mod compensation;
+mod event;
 mod parts;
 mod policy;
 mod record;
@@ -8,6 +9,7 @@ mod rows;
 mod touch_test;
 
 pub use compensation::*;
+pub use event::*;
 pub use parts::{Owner, Owners};
 pub(crate) use parts::{Parts, Rows};
 pub use policy::{PolicyChanged, PolicyRow};
@@ -16,7 +18,6 @@ pub use rows::*;
 pub use touch_test::*;
 
 use crate::LogPositions;
-use crate::events::write::EventRow;
 
 /// All rows that follow from a batch of messages, and the journal.
 #[derive(Debug, Default)]

@@ -3,8 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
-use super::{Batch, ContactRow, JournalRow, LayoutRow, Record, ResponseRow, RobotRow, RollupRow, WhiskerRow};
-use crate::events::write::EventRow;
+use super::{Batch, ContactRow, EventRow, JournalRow, LayoutRow, Record, ResponseRow, RobotRow, RollupRow, WhiskerRow};
 
 /// The owner of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

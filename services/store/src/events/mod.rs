@@ -16,13 +16,13 @@ use sqlx::{AssertSqlSafe, ColumnIndex, Decode, FromRow, Row, SqlSafeStr, Type};
 use vibrissa_edge::events::{EventKind, Interest};
 use vibrissa_edge::words::named;
 
+pub use crate::batch::EVENT_VERSION as VERSION;
+
 use super::database::{Either, on};
 use super::from_row::from_row;
 use super::set_aside::Tried;
 use super::{Store, StoreError, failed};
 
-/// Version of the events' data. It rises if a field is removed or changes its meaning; new fields come without a new version.
-pub const VERSION: i64 = 2;
 /// Most events that one query returns.
 pub const EVENTS_A_QUERY: i64 = 500;
 /// The table, for names of unreadable rows.

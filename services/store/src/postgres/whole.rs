@@ -11,8 +11,7 @@ use sqlx::{Connection, Row};
 use super::copy::{are_copied, copy_contacts};
 use super::parts::{Parts, Text};
 use super::sorted::Sorted;
-use crate::batch::{ContactRow, JournalRow, ResponseRow, RobotRow, RollupRow, WhiskerRow};
-use crate::events::write::EventRow;
+use crate::batch::{ContactRow, EventRow, JournalRow, ResponseRow, RobotRow, RollupRow, WhiskerRow};
 use crate::records::tell_of_rollups;
 use crate::tables::{
     ALARMS, ANSWERED, BINS, CANDIDATES, CLEARED, CONTACTS, DECISIONS, ENDED, ERRORS, EVENTS, HEALTH, InFleet, JOURNAL,

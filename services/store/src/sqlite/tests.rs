@@ -38,7 +38,7 @@ impl Folder {
         store.prepare().await.unwrap();
         let crate::database::Either::Sqlite(pool) = &store.pool else { panic!("SQLite") };
         const ROWS: &str = "WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 2000) \
-             INSERT INTO changes (fleet, kind, recorded_us, number) SELECT 'f', 'TRIM', i, i FROM n";
+             INSERT INTO events (fleet, kind, audience, recorded_us, version, data) SELECT 'f', 'TRIM', 'PEOPLE', i, 2, '{}' FROM n";
         sqlx::query(ROWS).execute(pool).await.unwrap();
         sqlx::query("PRAGMA wal_checkpoint(TRUNCATE)").execute(pool).await.unwrap();
         store.close().await;
