@@ -48,6 +48,7 @@ async fn events_reach_a_broker_with_tls_and_each_kind_of_credentials() {
         let broker = Mosquitto::start();
         let _program = program(&broker, &kafka, &folder, ["ca.pem", "password", sasl]).await;
         let mut robot = HandRobot::born(broker.port(), name, array(ArrayType::Type2, &[70.0])).await;
+        events.of_another_database();
         let before = events.contacts().len();
         robot.touch(0, 20).await;
         robot.receipted().await;

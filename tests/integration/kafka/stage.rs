@@ -176,6 +176,13 @@ impl Events {
         }
     }
 
+    /// Further events come from another database, whose numbers begin anew.
+    pub(crate) fn of_another_database(&mut self) {
+        for (_, numbers) in &mut self.readers {
+            *numbers = Numbers::default();
+        }
+    }
+
     /// Number of events that were written again.
     pub(crate) fn repeated(&self) -> usize {
         self.readers.iter().map(|(_, numbers)| numbers.repeated).sum()
