@@ -24,8 +24,8 @@ use super::stage::{CLIENT, fleets};
 
 /// The topic of Kafka; the supervisors' default.
 pub const TOPIC: &str = "vibrissa.messages";
-/// Number of its partitions.
-pub const PARTITIONS: u32 = 64;
+/// Number of its partitions. The owner of each fleet reads all of them.
+pub const PARTITIONS: u32 = 4;
 /// Number of messages that wait for each partition. Robots send again what finds no room.
 const WAITING: usize = 1000;
 /// Largest number of records in a write.
