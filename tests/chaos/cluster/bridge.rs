@@ -78,7 +78,8 @@ impl Bridge {
 }
 
 struct Message {
-    robot: Name,
+    /// Fleet and robot.
+    key: String,
     topic: String,
     payload: Vec<u8>,
 }
@@ -115,7 +116,7 @@ impl Entrance {
             self.written.entry(robot.clone()).or_default().insert(number)
         };
         if is_new {
-            room.send(Message { robot, topic, payload });
+            room.send(Message { key: format!("{fleet}/{robot}"), topic, payload });
         }
     }
 }
@@ -157,7 +158,11 @@ async fn receive(client: &AsyncClient, events: &mut EventLoop, entrance: &mut En
 async fn write(mut messages: Receiver<Message>, mut writer: Writer, mut random: ChaCha8Rng, repeated: Arc<AtomicU64>) {
     let mut some = Vec::new();
     while messages.recv_many(&mut some, RECORDS).await > 0 {
-        let of = |message: Message| record(message.robot.as_str(), &message.topic, message.payload);
+        let of = |Message { key, topic, payload }| {
+            let mut of_robot = record("", &topic, payload);
+            of_robot.key = Some(key.into_bytes());
+            of_robot
+        };
         let records: Vec<_> = some.drain(..).map(of).collect();
         while !writer.write(records.clone()).await {
             sleep(PAUSE).await;
