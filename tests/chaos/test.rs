@@ -66,7 +66,6 @@ fn a_cluster_loses_nothing_and_its_controls_are_caught() {
     // More contacts per second: whiskers must be learned, and trims detected, between faults.
     let overlapping = ["--seed", "2", "--seconds", "30", "--overlapping", "--rate", "800"];
     let through_kafka = cluster(&[&overlapping[..], &["--kafka", "3"]].concat());
-    let has_kafka = through_kafka.is_some();
     let (code, result) = through_kafka.unwrap_or_else(|| cluster(&overlapping).expect("it ran before"));
     assert_eq!(code, 0);
     assert!(result["faults"].as_array().expect("faults").len() >= 5, "each part fails");
@@ -78,9 +77,7 @@ fn a_cluster_loses_nothing_and_its_controls_are_caught() {
     };
     control("asynchronous", &["--seconds", "40"], "missing");
     control("no-fence", &["--seconds", "30"], "duplicate");
-    if has_kafka {
-        control("offset-before-state", &["--seconds", "20", "--kafka", "1"], "missing");
-    }
+    // The suite `kafka` plants the fault of positions that are written before their state.
 }
 
 #[test]
