@@ -155,8 +155,8 @@ impl Store {
         Ok(rows.into_iter().map(|row| (row.at, self.set_aside.read(EVENTS, row.event))).collect())
     }
 
-    /// The first and the last position of the log, without events of contacts; `None` if it is empty. Events of transactions
-    /// that have not ended come after the last one.
+    /// The first and the last position of the log, without events of contacts; `None` if it is empty. Events of
+    /// unfinished transactions come after the last one.
     ///
     /// # Errors
     /// The database cannot be read.

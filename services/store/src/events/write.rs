@@ -42,7 +42,7 @@ pub(crate) async fn clear_alarms(tx: &mut Tx<'_>, whose: Whose<'_>, cleared_us: 
     Ok(())
 }
 
-/// Whose alarms are cleared.
+/// The robot or the whisker of the alarms to clear.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Whose<'a> {
     /// Those of a robot and of all its whiskers.

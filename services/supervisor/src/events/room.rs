@@ -1,4 +1,4 @@
-//! The limit of the events that wait in the outbox: while it is reached, contacts are left out.
+//! The limit of the events that wait for Kafka: while it is reached, contacts are left out.
 
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 

@@ -29,9 +29,9 @@ use crate::events::{OutboxRoom, published};
 use crate::kafka_options::EventTopics;
 use crate::metrics::FleetMetrics;
 
-/// Polling interval of the outbox without a notice.
+/// Polling interval of the log of events without a notice.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
-/// Interval between two measurements of the outbox while the log takes events.
+/// Interval between two measurements of the waiting events while Kafka takes them.
 const MEASURE_EVERY: Duration = Duration::from_secs(60);
 /// Bytes of the records of one write, less than the brokers' usual limit of 1 MiB.
 const WRITE_BYTES: usize = 512 * 1024;
@@ -82,7 +82,7 @@ impl Publisher {
                 Err(problem) => {
                     self.metrics.event_writes_failed.inc();
                     if !std::mem::replace(&mut is_failing, true) {
-                        warn!(%problem, fleet = %self.fleet, "cannot publish events, they wait in the outbox; retrying");
+                        warn!(%problem, fleet = %self.fleet, "cannot publish events, they wait in the database; retrying");
                     }
                     log = None;
                     backoff.wait().await;
