@@ -1,22 +1,36 @@
-# Three images from one build, which needs BuildKit:
+# Three images, which need BuildKit:
 #
 #   docker build --target supervisor -t vibrissa .
-#   docker build --target simulator -t vibrissa-simulator .
+#   docker build --target lab -t vibrissa-lab .              # simulated robots, and vibrissa-lab beside them
 #   docker build --target robot -t vibrissa-robot .          # docs/agent.md says how to run it
 
 # Sources of the base images.
 ARG RUST_IMAGE=rust:1.95-slim-bookworm
 ARG DEBIAN_IMAGE=debian:bookworm-slim
 
-FROM ${RUST_IMAGE} AS build
+FROM ${RUST_IMAGE} AS source
 WORKDIR /src
 COPY . .
-# The cache keeps built dependencies, but is not part of a layer: hence the programs are copied out of it.
+
+# Each image compiles its own program only. The cache keeps built dependencies, but is not part of a layer: hence the
+# programs are copied out of it.
+FROM source AS build-supervisor
 RUN --mount=type=cache,target=/usr/local/cargo/registry,sharing=locked \
     --mount=type=cache,target=/src/target,sharing=locked \
-    cargo build --profile dist --locked -p vibrissa -p vibrissa-simulator -p vibrissa-robot \
-       --features vibrissa/full --bins \
-    && install -D -t /out target/dist/vibrissa target/dist/vibrissa-simulator target/dist/vibrissa-robot
+    cargo build --profile dist --locked -p vibrissa --features full \
+    && install -D -t /out target/dist/vibrissa
+
+FROM source AS build-lab
+RUN --mount=type=cache,target=/usr/local/cargo/registry,sharing=locked \
+    --mount=type=cache,target=/src/target,sharing=locked \
+    cargo build --profile dist --locked -p vibrissa-lab -p vibrissa-simulator --features vibrissa-lab/full --bins \
+    && install -D -t /out target/dist/vibrissa-lab target/dist/vibrissa-simulator
+
+FROM source AS build-robot
+RUN --mount=type=cache,target=/usr/local/cargo/registry,sharing=locked \
+    --mount=type=cache,target=/src/target,sharing=locked \
+    cargo build --profile dist --locked --manifest-path robot/Cargo.toml -p vibrissa-robot --target-dir target \
+    && install -D -t /out target/dist/vibrissa-robot
 
 FROM ${DEBIAN_IMAGE} AS runtime
 # A named volume that is mounted here takes over the folder's owner.
@@ -25,12 +39,12 @@ RUN useradd --uid 10001 --user-group --no-create-home --home-dir /var/lib/vibris
 WORKDIR /var/lib/vibrissa
 USER 10001:10001
 
-FROM runtime AS simulator
-LABEL org.opencontainers.image.title="vibrissa-simulator" \
-      org.opencontainers.image.description="A fleet of simulated whisker robots that keep the MQTT contract" \
+FROM runtime AS lab
+LABEL org.opencontainers.image.title="vibrissa-lab" \
+      org.opencontainers.image.description="A fleet of simulated whisker robots, and the laboratory's program" \
       org.opencontainers.image.licenses="MIT OR Apache-2.0"
-COPY --from=build /out/vibrissa-simulator /usr/local/bin/
-COPY services/simulator/scenarios /usr/share/vibrissa/scenarios
+COPY --from=build-lab /out/vibrissa-lab /out/vibrissa-simulator /usr/local/bin/
+COPY lab/simulator/scenarios /usr/share/vibrissa/scenarios
 ENV VIBRISSA_SCENARIO=/usr/share/vibrissa/scenarios/example.toml
 ENTRYPOINT ["vibrissa-simulator"]
 
@@ -38,7 +52,7 @@ FROM runtime AS robot
 LABEL org.opencontainers.image.title="vibrissa-robot" \
       org.opencontainers.image.description="The agent of a robot with soft whisker arrays" \
       org.opencontainers.image.licenses="MIT OR Apache-2.0"
-COPY --from=build /out/vibrissa-robot /usr/local/bin/
+COPY --from=build-robot /out/vibrissa-robot /usr/local/bin/
 ENTRYPOINT ["vibrissa-robot"]
 CMD ["--config", "/etc/vibrissa/agent.toml"]
 
@@ -46,7 +60,7 @@ FROM runtime AS supervisor
 LABEL org.opencontainers.image.title="vibrissa" \
       org.opencontainers.image.description="Supervisor for fleets of robots with soft whisker arrays" \
       org.opencontainers.image.licenses="MIT OR Apache-2.0"
-COPY --from=build /out/vibrissa /usr/local/bin/
+COPY --from=build-supervisor /out/vibrissa /usr/local/bin/
 COPY deploy/supervisor/readyz.sh /usr/local/bin/vibrissa-readyz
 ENV VIBRISSA_DATABASE_URL=sqlite:/var/lib/vibrissa/vibrissa.sqlite3 \
     VIBRISSA_HTTP_LISTEN=0.0.0.0:8080 \

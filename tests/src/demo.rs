@@ -1,4 +1,4 @@
-//! Runs `vibrissa demo --serve --live` as a child process, and types its commands.
+//! Runs `vibrissa-lab demo --serve --live` as a child process, and types its commands.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};

@@ -18,7 +18,6 @@ pub mod fleet;
 mod journal;
 mod link;
 pub mod load;
-pub mod options;
 pub mod places;
 pub mod plant;
 mod random;

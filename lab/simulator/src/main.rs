@@ -7,9 +7,9 @@ use anyhow::Context;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
+use vibrissa_program::options::{decimal, lenient};
 use vibrissa_simulator::board::{self, BoardPlan};
 use vibrissa_simulator::load::{self, LoadPlan};
-use vibrissa_simulator::options::{decimal, lenient};
 use vibrissa_simulator::scenario::Misbehaviour;
 use vibrissa_simulator::{Authorities, Broker, Fleet, Scenario, password_in};
 
@@ -99,7 +99,7 @@ fn main() -> anyhow::Result<()> {
 
 async fn simulate(arguments: Arguments) -> anyhow::Result<()> {
     let broker = arguments.broker()?;
-    vibrissa_robot::log::start(arguments.log)?;
+    vibrissa_program::log::start(arguments.log)?;
     let scenario = arguments.scenario.as_ref().context("--scenario is missing")?;
     let path = scenario.display();
     let text = std::fs::read_to_string(scenario).with_context(|| format!("cannot read {path}"))?;

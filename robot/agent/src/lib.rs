@@ -3,7 +3,7 @@
 //! [`contract`] has the rules, each once: the agent of real robots and the simulated robots use them. It is pure: no
 //! sockets and no clock. [`agent`] stands between the contract and a [`driver`], and is pure, too. [`store`] keeps what
 //! survives a restart, [`hub`] runs an agent, [`mqtt`] carries the messages of one robot over a connection that it renews, and [`config`] is
-//! `agent.toml`. [`log`] limits the log of each program, also of the supervisor and the simulator.
+//! `agent.toml`.
 
 pub mod agent;
 pub mod clock;
@@ -12,7 +12,6 @@ pub mod contract;
 pub mod driver;
 pub mod exposure;
 pub mod hub;
-pub mod log;
 pub mod mqtt;
 pub mod store;
 

@@ -62,7 +62,7 @@ impl Agent {
     fn start(config: PathBuf, socket: PathBuf, log: &str) -> PyResult<Self> {
         let filter = EnvFilter::try_new(log).map_err(|problem| PyValueError::new_err(format!("log: {problem}")))?;
         // The first agent of a process decides; a program may also have a subscriber of its own.
-        let _ = vibrissa_robot::log::start(filter);
+        let _ = vibrissa_program::log::start(filter);
         let named = |problem: String| PyValueError::new_err(format!("{}: {problem}", config.display()));
         let read = configured(&config, socket).map_err(named)?;
         exposure::warn(&config, &read);

@@ -12,7 +12,7 @@ pub struct Header {
     pub frame_id: String,
 }
 
-/// `vibrissa_msgs/msg/Contact`: `ros2/vibrissa_msgs/msg/Contact.msg` explains the fields.
+/// `vibrissa_msgs/msg/Contact`: `robot/ros2/vibrissa_msgs/msg/Contact.msg` explains the fields.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the file explains them")]
 pub struct Contact {

@@ -253,7 +253,7 @@ fn names_of_topics_fit_ros_and_differ() {
 
 #[test]
 fn the_definition_for_ros_users_has_the_same_fields_in_the_same_order() {
-    let definition = include_str!("../../../ros2/vibrissa_msgs/msg/Contact.msg");
+    let definition = include_str!("../vibrissa_msgs/msg/Contact.msg");
     let without_comments = definition.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
     let defined: Vec<(&str, &str)> =
         without_comments.filter(|line| !line.contains('=')).filter_map(|line| line.split_once(' ')).collect();

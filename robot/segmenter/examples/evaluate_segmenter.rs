@@ -1,5 +1,5 @@
 //! Evaluates the segmenter on hours of simulated streams and prints the table of docs/segmenter.md:
-//! `cargo run --release -p vibrissa-segmenter --example evaluate_segmenter [HOURS] [SEED]`.
+//! `cargo run --manifest-path robot/Cargo.toml --release -p vibrissa-segmenter --example evaluate_segmenter [HOURS] [SEED]`.
 
 #[path = "../tests/stream/mod.rs"]
 mod stream;

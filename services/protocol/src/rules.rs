@@ -1,6 +1,6 @@
 //! Rules of the contract for robots. Each has a permanent name for tools, tests and documents.
 //!
-//! `vibrissa check-robot` tests a robot against them, and the simulator can break each one on purpose.
+//! `vibrissa-lab check-robot` tests a robot against them, and the simulator can break each one on purpose.
 
 mod table;
 

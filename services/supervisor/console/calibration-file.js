@@ -1,4 +1,4 @@
-// Reads the readings of a calibration from a CSV file, as `vibrissa calibrate` does, or from JSON in the form of the API.
+// Reads the readings of a calibration from a CSV file, as `vibrissa-lab calibrate` does, or from JSON in the form of the API.
 
 /** Columns of strain with their factor, and whether the gauge factor divides them. */
 const STRAINS = {

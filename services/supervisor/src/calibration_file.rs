@@ -1,4 +1,4 @@
-//! Calibration files: `vibrissa calibrate` writes them, and the supervisor reads them.
+//! Calibration files: `vibrissa-lab calibrate` writes them, and the supervisor reads them.
 //!
 //! ```toml
 //! name = "left-front"              # the model's name in factsheets

@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use crate::config::{Config, Key};
-use vibrissa_robot::exposure::open_file;
+use vibrissa_program::files::open_file;
 use vibrissa_store::DatabaseAddress;
 
 /// Warnings about everything that others can read or do; empty if nothing is exposed. Encryption of the connections to

@@ -2,7 +2,7 @@
 
 use vibrissa_evaluation::detection::{Plan, evaluate};
 
-/// Enough for standard errors of a few percent; `vibrissa evaluate detection` runs more.
+/// Enough for standard errors of a few percent; `vibrissa-lab evaluate detection` runs more.
 fn plan() -> Plan {
     Plan { cuts: 150, healthy_whiskers: 60, healthy_contacts: 20_000, changes_at: vec![2000], ..Plan::default() }
 }

@@ -1,4 +1,4 @@
-//! Everything by its name, and nothing else a trim: a small version of `vibrissa evaluate health`.
+//! Everything by its name, and nothing else a trim: a small version of `vibrissa-lab evaluate health`.
 
 use vibrissa_evaluation::health::{Class, Plan, evaluate};
 

@@ -9,7 +9,7 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use serde_json::Value;
 use tempfile::TempDir;
-use vibrissa::check::{Action, CheckOptions, Help, Outcome, Progress, Report, Timings, check};
+use vibrissa_lab::check::{Action, CheckOptions, Help, Outcome, Progress, Report, Timings, check};
 use vibrissa_protocol::{BootId, Name, Rule};
 use vibrissa_supervisor::mqtt::{BrokerAddress, Connection, Relay, prepare};
 use vibrissa_tests::mosquitto::Mosquitto;

@@ -56,6 +56,7 @@ impl Desk {
         let programs = folder.path().join("programs");
         fs::create_dir(&programs).unwrap();
         symlink(env!("CARGO_BIN_EXE_vibrissa-under-test"), programs.join("vibrissa")).unwrap();
+        symlink(env!("CARGO_BIN_EXE_lab-under-test"), programs.join("vibrissa-lab")).unwrap();
         symlink(agent_program(), programs.join("vibrissa-robot")).unwrap();
         symlink(BOARD, programs.join("vibrissa-simulator")).unwrap();
         let (port, http) = (free_port(), format!("127.0.0.1:{}", free_port()));
@@ -135,7 +136,7 @@ async fn a_newcomer_wires_checks_cuts_and_sees_the_compensation() {
                 fs::write(desk.folder.path().join(name), written).unwrap();
             }
             // The programs are built already.
-            ("sh", "1") => assert!(code.contains("-p vibrissa -p vibrissa-robot -p vibrissa-simulator"), "{code}"),
+            ("sh", "1") => assert!(code.contains("-p vibrissa -p vibrissa-lab -p vibrissa-simulator"), "{code}"),
             ("sh", "2") => {
                 assert!(desk.execute(code).0);
                 until_true("the board", async || desk.folder.path().join("board").exists()).await;

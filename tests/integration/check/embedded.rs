@@ -1,4 +1,4 @@
-//! `vibrissa check-robot` without a broker: it starts its own one.
+//! `vibrissa-lab check-robot` without a broker: it starts its own one.
 
 use std::net::{Ipv4Addr, TcpListener};
 use std::process::Stdio;
@@ -10,7 +10,7 @@ use vibrissa_simulator::Broker;
 use super::{FLEET, robot_of};
 
 fn started(arguments: &[&str]) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_vibrissa-under-test"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lab-under-test"));
     command.args(["check-robot", "--fleet", FLEET, "--robot", "good"]).args(arguments);
     command.env_remove("RUST_LOG").stdout(Stdio::piped()).stderr(Stdio::piped()).kill_on_drop(true).spawn().unwrap()
 }

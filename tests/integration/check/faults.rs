@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use tokio::sync::Semaphore;
 use tokio::task::{JoinSet, LocalSet};
-use vibrissa::check::{Outcome, Report};
+use vibrissa_lab::check::{Outcome, Report};
 use vibrissa_protocol::{OnSupervisorLoss, Rule};
 use vibrissa_simulator::places::Places;
 use vibrissa_simulator::scenario::{Misbehaviour, Scenario};

@@ -3,7 +3,7 @@
 use std::net::{Ipv4Addr, SocketAddr};
 
 use tokio::sync::mpsc;
-use vibrissa::check::{Action, CheckOptions, Help, Progress, Report, check};
+use vibrissa_lab::check::{Action, CheckOptions, Help, Progress, Report, check};
 use vibrissa_protocol::SupervisorPresence;
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_simulator::scenario::Change;

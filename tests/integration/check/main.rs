@@ -14,7 +14,7 @@ mod program;
 
 use std::time::Duration;
 
-use vibrissa::check::{CheckOptions, Help, Timings};
+use vibrissa_lab::check::{CheckOptions, Help, Timings};
 use vibrissa_protocol::{
     BootId, Name, RobotTopic, Setpoint, SetpointReason, SupervisorPresence, SupervisorState, Timestamp, Topic, encode,
 };

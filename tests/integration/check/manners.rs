@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use vibrissa::check::{CheckOptions, Help, Outcome, Progress, check};
+use vibrissa_lab::check::{CheckOptions, Help, Outcome, Progress, check};
 use vibrissa_protocol::{
     BootId, Connection as Told, ConnectionState, RobotTopic, Rule, SupervisorPresence, Timestamp, encode,
 };

@@ -1,4 +1,4 @@
-//! Runs `vibrissa check-robot` as a program with the contract's own times.
+//! Runs `vibrissa-lab check-robot` as a program with the contract's own times.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -8,7 +8,7 @@ use tempfile::NamedTempFile;
 use tokio::io::{AsyncBufReadExt, BufReader};
 use tokio::net::unix::pipe;
 use tokio::process::Command;
-use vibrissa::check::{Action, Spot};
+use vibrissa_lab::check::{Action, Spot};
 use vibrissa_protocol::rules::Visible;
 use vibrissa_protocol::{Name, Rule};
 use vibrissa_simulator::Broker;
@@ -20,7 +20,7 @@ use super::helper::Helper;
 use super::{FLEET, robot_of, scenario_of};
 
 async fn run(broker: &Mosquitto, robot: &str, password: &NamedTempFile, more: &[&str]) -> Output {
-    let program = Path::new(env!("CARGO_BIN_EXE_vibrissa-under-test"));
+    let program = Path::new(env!("CARGO_BIN_EXE_lab-under-test"));
     let url = format!("mqtt://127.0.0.1:{}", broker.port());
     let mut command = Command::new(program);
     command.args(["check-robot", "--broker", &url, "--fleet", FLEET, "--robot", robot]).args(more);

@@ -1,4 +1,4 @@
-//! `vibrissa paper`, `solve` and `calibrate` on the command line.
+//! `vibrissa-lab paper`, `solve` and `calibrate` on the command line.
 
 use serde_json::Value;
 

@@ -181,16 +181,16 @@ fn a_shell_completes_commands_and_words() {
     let completed = |words: &[&str]| {
         let (last, before) = (words.len() - 1, words[words.len() - 2]);
         let ask = format!(
-            "source '{}'; COMP_WORDS=({}); COMP_CWORD={last}; _vibrissa vibrissa '{}' '{before}'; echo \"${{COMPREPLY[@]}}\"",
+            "source '{}'; COMP_WORDS=({}); COMP_CWORD={last}; _vibrissa-lab vibrissa-lab '{}' '{before}'; echo \"${{COMPREPLY[@]}}\"",
             script.display(),
             words.iter().map(|word| format!("'{word}' ")).collect::<String>(),
             words[last],
         );
         out(&Command::new("bash").args(["-c", &ask]).output().unwrap())
     };
-    assert_eq!(completed(&["vibrissa", "ca"]).trim(), "calibrate");
-    assert!(completed(&["vibrissa", "whiskers", "--condition", ""]).contains("TRIMMED"));
-    assert!(completed(&["vibrissa", "solve", "--before"]).contains("--before-mpa"));
+    assert_eq!(completed(&["vibrissa-lab", "ca"]).trim(), "calibrate");
+    assert!(completed(&["vibrissa-lab", "whiskers", "--condition", ""]).contains("TRIMMED"));
+    assert!(completed(&["vibrissa-lab", "solve", "--before"]).contains("--before-mpa"));
 }
 
 /// A list of no whiskers, for each request, until the program ends.

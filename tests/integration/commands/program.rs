@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 /// Path of the program.
-pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
+pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_lab-under-test");
 
 /// Runs the program in a folder, without the log filter of the caller.
 pub(crate) fn vibrissa(arguments: &[&str], folder: &Path) -> Output {

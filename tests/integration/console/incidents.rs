@@ -8,7 +8,7 @@ use crate::browser::Browser;
 use crate::checks::{complaints, overflow};
 use crate::stage::Stage;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
+const PROGRAM: &str = env!("CARGO_BIN_EXE_lab-under-test");
 const ROBOT: &str = "#/fleets/demo/robots/crawler-1";
 const NAMES: [&str; 6] = ["Cut 5 mm", "Cut 22 mm", "Wear off", "Leak", "Heat by 10 K", "Replace"];
 

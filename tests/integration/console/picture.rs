@@ -12,7 +12,7 @@ use vibrissa_tests::web::send;
 
 use crate::browser::Browser;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
+const PROGRAM: &str = env!("CARGO_BIN_EXE_lab-under-test");
 const LOOK: &str = include_str!("look.js");
 /// Beginning of the comment in the PNG file: its keyword, no compression, no language.
 const KEYWORD: &[u8] = b"vibrissa-look\0\0\0\0\0";

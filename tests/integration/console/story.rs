@@ -20,7 +20,7 @@ use crate::checks::overflow;
 use crate::incidents::{picture, press};
 use crate::stage::Stage;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
+const PROGRAM: &str = env!("CARGO_BIN_EXE_lab-under-test");
 const ROBOTS: usize = 1000;
 const WHISKERS: usize = 6;
 const CRAWLER: &str = "#/fleets/demo/robots/crawler-1";

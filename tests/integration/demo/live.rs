@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use vibrissa_tests::demo::LiveDemo;
 use vibrissa_tests::web::{ask, send, try_get};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
+const PROGRAM: &str = env!("CARGO_BIN_EXE_lab-under-test");
 const OF_WHISKER: &str = "robot=crawler-1&array=left";
 
 #[tokio::test(flavor = "multi_thread")]

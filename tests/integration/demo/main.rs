@@ -3,7 +3,7 @@
 mod live;
 mod pictures;
 
-use vibrissa::demo::{DemoOptions, Serving, run};
+use vibrissa_lab::demo::{DemoOptions, Serving, run};
 use vibrissa_tests::svg::is_up_to_date;
 
 /// The demo itself fails if a trim was missed, late or false, a length off by more than 1 mm, a setpoint not applied, a

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use vibrissa_tests::svg::{is_up_to_date, writes_docs};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
+const PROGRAM: &str = env!("CARGO_BIN_EXE_lab-under-test");
 
 #[test]
 fn the_drawing_beyond_the_paper_in_docs_is_up_to_date() {

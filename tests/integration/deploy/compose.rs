@@ -109,7 +109,7 @@ fn regress_each_image_is_built_once_and_nothing_built_is_fetched() {
             assert!(service["depends_on"].get(built[image]).is_some(), "{name} may start before {image} is built");
         }
     }
-    assert_eq!(built.keys().copied().collect::<Vec<_>>(), ["vibrissa-simulator:0.2.0", "vibrissa:0.2.0"]);
+    assert_eq!(built.keys().copied().collect::<Vec<_>>(), ["vibrissa-lab:0.2.0", "vibrissa:0.2.0"]);
 }
 
 #[test]
@@ -263,18 +263,24 @@ fn grafana_opens_on_a_dashboard_and_reads_with_a_role_of_its_own() {
 }
 
 #[test]
-fn each_program_of_an_image_is_built_and_each_image_is_named_at_the_top() {
-    let image = std::fs::read_to_string(project().join("Dockerfile")).unwrap();
-    let build = image.lines().find(|line| line.contains("cargo build")).unwrap();
-    let install = image.lines().find(|line| line.contains("install -D -t /out")).unwrap();
-    let programs: Vec<&str> =
-        image.lines().filter_map(|line| line.strip_prefix("COPY --from=build /out/")?.split(' ').next()).collect();
-    assert_eq!(programs, ["vibrissa-simulator", "vibrissa-robot", "vibrissa"]);
-    for program in programs {
-        let has = |line: &str, word: &str| line.split(' ').any(|part| part == word);
-        assert!(build.contains(&format!("-p {program} ")), "{program}: {build}");
-        assert!(has(install, &format!("target/dist/{program}")), "{program}: {install}");
+fn each_image_builds_its_own_programs_and_is_named_at_the_top() {
+    let image = std::fs::read_to_string(project().join("Dockerfile")).unwrap().replace("\\\n", " ");
+    let stage = |name: &str| image.split(&format!(" AS {name}\n")).nth(1).unwrap().split("\nFROM ").next().unwrap();
+    let mut copied = Vec::new();
+    for name in ["supervisor", "lab", "robot"] {
+        let build = stage(&format!("build-{name}"));
+        let from = format!("COPY --from=build-{name} ");
+        let copy = stage(name).lines().find_map(|line| line.strip_prefix(&from)).unwrap();
+        for program in copy.split(' ').filter_map(|word| word.strip_prefix("/out/")) {
+            assert!(build.contains(&format!("-p {program} ")), "{program}: {build}");
+            assert!(
+                build.split_whitespace().any(|word| word == format!("target/dist/{program}")),
+                "{program}: {build}"
+            );
+            copied.push(program);
+        }
     }
+    assert_eq!(copied, ["vibrissa", "vibrissa-lab", "vibrissa-simulator", "vibrissa-robot"]);
     let targets = image.lines().filter_map(|line| line.strip_prefix("FROM runtime AS "));
     targets.for_each(|target| assert!(image.contains(&format!("docker build --target {target} ")), "{target}"));
 }

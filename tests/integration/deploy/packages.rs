@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crate::project;
 
-/// Most packages that `cargo run` may compile, those of the workspace included. The crate of the sign-in brings 46 of them.
+/// Most packages of the program `vibrissa` with its default features, those of the workspace included. The crate of the sign-in brings 46 of them.
 const PACKAGES_MAX: usize = 336;
 
 #[test]

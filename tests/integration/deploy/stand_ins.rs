@@ -29,13 +29,16 @@ fn words(value: &Value) -> BTreeSet<String> {
     value.as_array().unwrap().iter().map(|word| word.as_str().unwrap().to_owned()).collect()
 }
 
-/// The build step of the Dockerfile as a shell command, which installs into `out` instead of `/out`.
-fn build_step(dockerfile: &str, out: &Path) -> String {
+/// The build steps of the Dockerfile as a shell command, which installs into `out` instead of `/out`.
+fn build_steps(dockerfile: &str, out: &Path) -> String {
     let joined = dockerfile.replace("\\\n", " ");
-    let step = joined.lines().find(|line| line.starts_with("RUN") && line.contains("cargo build")).unwrap();
-    let command = step.split_whitespace().skip(1).skip_while(|word| word.starts_with("--mount="));
+    let steps = joined.lines().filter(|line| line.starts_with("RUN") && line.contains("cargo build"));
     let placed = |word: &str| if word == "/out" { out.display().to_string() } else { word.to_owned() };
-    command.map(placed).collect::<Vec<_>>().join(" ")
+    let command = |step: &str| {
+        let words = step.split_whitespace().skip(1).skip_while(|word| word.starts_with("--mount="));
+        words.map(placed).collect::<Vec<_>>().join(" ")
+    };
+    steps.map(command).collect::<Vec<_>>().join(" && ")
 }
 
 #[test]
@@ -49,15 +52,18 @@ fn regress_the_stand_in_of_cargo_builds_all_programs_of_the_images() {
     }
     let path = format!("{}:{}", project().join("tests/composing/standins").display(), std::env::var("PATH").unwrap());
     let ended = Command::new("sh")
-        .args(["-c", &build_step(&dockerfile, &out)])
+        .args(["-c", &build_steps(&dockerfile, &out)])
         .current_dir(folder.path())
         .env("PATH", path)
         .env("PREBUILT", &prebuilt)
         .output()
         .unwrap();
     succeeded(&ended);
-    let copied = dockerfile.lines().filter_map(|line| line.strip_prefix("COPY --from=build /out/")?.split(' ').next());
-    let missing: Vec<&str> = copied.filter(|program| !out.join(program).exists()).collect();
+    let copies = dockerfile.lines().filter(|line| line.starts_with("COPY --from=build-"));
+    let copied: Vec<&str> =
+        copies.flat_map(|line| line.split(' ')).filter_map(|word| word.strip_prefix("/out/")).collect();
+    assert_eq!(copied.len(), 4, "{copied:?}");
+    let missing: Vec<&&str> = copied.iter().filter(|program| !out.join(program).exists()).collect();
     assert!(missing.is_empty(), "the stand-ins lack {missing:?}");
 }
 

@@ -6,27 +6,30 @@ use std::path::{Path, PathBuf};
 
 use crate::project;
 
-/// Crates from the lowest to the highest: a crate depends only on those before it.
-const CRATES: [&str; 11] = [
-    "core",
-    "regulator",
-    "segmenter",
-    "protocol",
-    "edge",
-    "robot",
-    "simulator",
-    "evaluation",
-    "store",
-    "supervisor",
-    "vibrissa",
+/// Crates from the lowest to the highest, with their folders: a crate depends only on those before it.
+const CRATES: [(&str, &str); 13] = [
+    ("core", "services/core"),
+    ("regulator", "robot/regulator"),
+    ("segmenter", "robot/segmenter"),
+    ("program", "services/program"),
+    ("protocol", "services/protocol"),
+    ("edge", "services/edge"),
+    ("robot", "robot/agent"),
+    ("store", "services/store"),
+    ("supervisor", "services/supervisor"),
+    ("vibrissa", "services/vibrissa"),
+    ("simulator", "lab/simulator"),
+    ("evaluation", "lab/evaluation"),
+    ("lab", "lab/vibrissa-lab"),
 ];
 /// Crates that must not reach a library, and those libraries: directly, or by way of another crate.
-const KEPT_OUT: [(&str, &[&str]); 5] = [
+const KEPT_OUT: [(&str, &[&str]); 6] = [
     ("vibrissa-core", &["tokio", "sqlx", "axum", "rumqttc-next"]),
     ("vibrissa-core-tests", &["sqlx", "axum", "utoipa", "vibrissa-store", "vibrissa-supervisor"]),
     ("vibrissa-robot", &["sqlx", "axum", "vibrissa-core", "vibrissa-store", "vibrissa-supervisor"]),
     ("vibrissa-store", &["axum", "rumqttc-next"]),
-    ("vibrissa-supervisor", &["vibrissa-simulator", "vibrissa-evaluation", "plotters", "clap", "indicatif"]),
+    ("vibrissa-supervisor", &["plotters", "clap", "indicatif"]),
+    ("vibrissa", &["vibrissa-lab", "vibrissa-simulator", "vibrissa-evaluation", "vibrissa-robot", "plotters", "rayon"]),
 ];
 
 pub(crate) fn rust_files(folder: &Path) -> Vec<PathBuf> {
@@ -69,9 +72,15 @@ fn imported(code: &str) -> BTreeSet<String> {
     modules
 }
 
+/// The folder of a crate.
+pub(crate) fn folder(name: &str) -> PathBuf {
+    let (_, folder) = CRATES.iter().find(|(crate_name, _)| *crate_name == name).unwrap();
+    project().join(folder)
+}
+
 /// Each module of a crate with the modules of the same crate that it imports.
 fn modules_of(name: &str) -> BTreeMap<String, BTreeSet<String>> {
-    let root = project().join("services").join(name).join("src");
+    let root = folder(name).join("src");
     let mut modules: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for path in rust_files(&root) {
         let top = path.strip_prefix(&root).unwrap().iter().next().unwrap();
@@ -121,23 +130,52 @@ fn no_module_of_the_program_imports_one_that_depends_on_it() {
 
 #[test]
 fn crates_depend_on_lower_crates_only() {
-    for (place, name) in CRATES.iter().enumerate() {
-        let manifest = read_to_string(project().join("services").join(name).join("Cargo.toml")).unwrap();
+    for (place, (name, folder)) in CRATES.iter().enumerate() {
+        let manifest = read_to_string(project().join(folder).join("Cargo.toml")).unwrap();
         let dependencies = manifest.split("[dependencies]").nth(1).unwrap_or_default().split("\n[").next().unwrap();
-        for (at, other) in CRATES.iter().enumerate() {
-            let is_used = dependencies.lines().any(|line| line.starts_with(&format!("vibrissa-{other}.")));
-            assert!(!is_used || at < place, "vibrissa-{name} must not depend on vibrissa-{other}");
+        for (at, (other, _)) in CRATES.iter().enumerate() {
+            let package = if *other == "vibrissa" { "vibrissa".to_owned() } else { format!("vibrissa-{other}") };
+            let is_used = dependencies.lines().any(|line| line.starts_with(&format!("{package}.")));
+            assert!(!is_used || at < place, "{name} must not depend on {other}");
         }
     }
-    let is_ordered = |folder: &PathBuf| {
-        let manifest = read_to_string(folder.join("Cargo.toml")).unwrap();
-        let is_apart = manifest.lines().any(|line| line == "[workspace]");
-        // A workspace of its own reaches none of our crates.
-        assert!(!is_apart || !manifest.contains("path = \"../"), "{}", folder.display());
-        !is_apart
+    let houses = ["services", "lab"].map(|house| read_dir(project().join(house)).unwrap());
+    let crates =
+        houses.into_iter().flatten().filter(|entry| entry.as_ref().unwrap().path().join("Cargo.toml").exists());
+    let listed = CRATES.iter().filter(|(_, folder)| !folder.starts_with("robot/"));
+    assert_eq!(crates.count(), listed.count(), "each crate must have a place in the order");
+}
+
+/// Names and versions of the packages in a Cargo.lock.
+fn locked(path: &str) -> BTreeSet<(String, String)> {
+    let lock: toml::Table = read_to_string(project().join(path)).unwrap().parse().unwrap();
+    let word = |package: &toml::Value, key: &str| package[key].as_str().unwrap().to_owned();
+    let packages = lock["package"].as_array().unwrap().iter();
+    packages.map(|package| (word(package, "name"), word(package, "version"))).collect()
+}
+
+/// The agent speaks with the broker and reads its messages through the same code, whichever workspace builds it.
+#[test]
+fn the_programs_of_robots_have_the_versions_of_the_service() {
+    let (service, robot) = (locked("Cargo.lock"), locked("robot/Cargo.lock"));
+    let names: BTreeSet<&str> = service.iter().map(|(name, _)| name.as_str()).collect();
+    let shared: Vec<_> = robot.iter().filter(|(name, _)| names.contains(name.as_str())).collect();
+    assert!(shared.len() > 100, "{}", shared.len());
+    let different: Vec<_> = shared.into_iter().filter(|&package| !service.contains(package)).collect();
+    assert!(different.is_empty(), "copy Cargo.lock to robot, and build there: {different:?}");
+    let requirements = |path: &str| -> toml::Table {
+        let manifest: toml::Table = read_to_string(project().join(path)).unwrap().parse().unwrap();
+        let dependencies = manifest["workspace"]["dependencies"].as_table().unwrap();
+        dependencies
+            .iter()
+            .filter(|(_, of)| of.get("path").is_none())
+            .map(|(name, of)| (name.clone(), of.clone()))
+            .collect()
     };
-    let folders = read_dir(project().join("services")).unwrap().map(|entry| entry.unwrap().path()).filter(is_ordered);
-    assert_eq!(folders.count(), CRATES.len(), "each crate must have a place in the order");
+    let (service, robot) = (requirements("Cargo.toml"), requirements("robot/Cargo.toml"));
+    for (name, asked) in robot.iter().filter(|(name, _)| service.contains_key(*name)) {
+        assert_eq!(asked, &service[name], "{name} in Cargo.toml and robot/Cargo.toml");
+    }
 }
 
 /// The packages of Cargo.lock with the packages that each depends on, development dependencies included.

@@ -1,6 +1,5 @@
 //! `vibrissa-robot`: the wheel, built and installed in a new environment, as a robot of a real supervisor and broker.
 
-use std::collections::BTreeSet;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -21,14 +20,14 @@ fn installed() -> Option<(PathBuf, PathBuf)> {
     let make = || {
         let target = Path::new(env!("CARGO_TARGET_TMPDIR"));
         let programs = environment_if_reachable("requirements-python-robot.txt", env!("CARGO_TARGET_TMPDIR"))?;
-        let manifest = project().join("python/robot/Cargo.toml");
+        let manifest = project().join("robot/python/Cargo.toml");
         if !crates_fetched(&manifest) {
             return None;
         }
         let wheels = tempfile::tempdir().unwrap();
         let mut maturin = Command::new(programs.join("maturin"));
         maturin.args(["build", "--locked", "--quiet", "--profile", "dev", "--manifest-path"]).arg(&manifest);
-        maturin.arg("--out").arg(wheels.path()).env("CARGO_TARGET_DIR", target.parent().unwrap().join("python-robot"));
+        maturin.arg("--out").arg(wheels.path()).env("CARGO_TARGET_DIR", target.parent().unwrap().join("robot"));
         succeed(&mut maturin);
         let wheel = std::fs::read_dir(wheels.path()).unwrap().next().unwrap().unwrap().path();
         assert!(wheel.to_str().unwrap().contains("-cp39-abi3-"), "one wheel for all versions: {}", wheel.display());
@@ -41,24 +40,6 @@ fn installed() -> Option<(PathBuf, PathBuf)> {
     MADE.get_or_init(make).clone()
 }
 
-/// Names and versions of the packages in a Cargo.lock.
-fn locked(path: &str) -> BTreeSet<(String, String)> {
-    let lock: toml::Table = std::fs::read_to_string(project().join(path)).unwrap().parse().unwrap();
-    let word = |package: &toml::Value, key: &str| package[key].as_str().unwrap().to_owned();
-    let packages = lock["package"].as_array().unwrap().iter();
-    packages.map(|package| (word(package, "name"), word(package, "version"))).collect()
-}
-
-#[test]
-fn the_wheel_has_the_versions_of_the_programs() {
-    let (programs, wheel) = (locked("Cargo.lock"), locked("python/robot/Cargo.lock"));
-    let names: BTreeSet<&str> = programs.iter().map(|(name, _)| name.as_str()).collect();
-    let shared: Vec<_> = wheel.iter().filter(|(name, _)| names.contains(name.as_str())).collect();
-    assert!(shared.len() > 100, "{}", shared.len());
-    let different: Vec<_> = shared.into_iter().filter(|&package| !programs.contains(package)).collect();
-    assert!(different.is_empty(), "copy Cargo.lock to python/robot, and build there: {different:?}");
-}
-
 /// The robot's program.
 fn script() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("integration/python/robot.py")
@@ -67,7 +48,7 @@ fn script() -> PathBuf {
 #[tokio::test]
 async fn the_robot_does_what_its_types_say() {
     let Some((programs, python)) = installed() else { return };
-    let source = project().join("python/robot/python/vibrissa_robot");
+    let source = project().join("robot/python/python/vibrissa_robot");
     for checked in [script(), source] {
         let mut mypy = Command::new(programs.join("mypy"));
         mypy.args(["--strict", "--cache-dir"]).arg(Path::new(env!("CARGO_TARGET_TMPDIR")).join("mypy-robot"));

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use serde_json::Value;
 
 /// Path of the program.
-pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
+pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_lab-under-test");
 
 /// Runs the program until it ends.
 pub(crate) fn run(arguments: &[&str]) -> Output {

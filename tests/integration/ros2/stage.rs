@@ -82,14 +82,14 @@ fn cargo(arguments: &[&str]) -> Output {
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap().join("ros2");
     let mut command = Command::new(env!("CARGO"));
     command.args(arguments).args(["--locked", "--quiet", "--manifest-path"]);
-    command.arg(project().join("services/ros2/Cargo.toml")).env("CARGO_TARGET_DIR", target).output().unwrap()
+    command.arg(project().join("robot/ros2/Cargo.toml")).env("CARGO_TARGET_DIR", target).output().unwrap()
 }
 
 /// The program, built once per run after its unit tests; `None` if its crates cannot be fetched.
 fn built() -> Option<PathBuf> {
     static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
     let build = || {
-        if !crates_fetched(&project().join("services/ros2/Cargo.toml")) {
+        if !crates_fetched(&project().join("robot/ros2/Cargo.toml")) {
             return None;
         }
         for verb in ["build", "test"] {

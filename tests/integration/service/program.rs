@@ -12,6 +12,8 @@ use crate::running::LEARNED;
 
 /// Path of the program.
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
+/// Path of the program of the laboratory.
+pub(crate) const LABORATORY: &str = env!("CARGO_BIN_EXE_lab-under-test");
 
 /// A running program, killed on drop.
 pub(crate) struct Program {

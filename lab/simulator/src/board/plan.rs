@@ -36,7 +36,7 @@ pub struct BoardPlan {
     #[arg(long, default_value_t = 0.0, value_name = "MPA_PER_S", requires = "valves")]
     pub leak_mpa_per_s: f64,
     /// Contact ratio of all touches; default: random ones
-    #[arg(long, value_name = "RATIO", value_parser = crate::options::number(0.5..=1.0))]
+    #[arg(long, value_name = "RATIO", value_parser = vibrissa_program::options::number(0.5..=1.0))]
     pub touch_ratio: Option<f64>,
     /// File to which the board appends its own log, as JSON lines
     #[arg(long, value_name = "FILE")]

@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use vibrissa_protocol::{CONTACTS_MAX, Name, WHISKERS_MAX};
 
-use crate::options::{above_zero, number, whole};
+use vibrissa_program::options::{above_zero, number, whole};
 
 /// Largest number of robots: their names have six digits, and a supervisor accepts no more in a fleet.
 pub const ROBOTS_MAX: usize = 10_000;

@@ -10,7 +10,7 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncReadExt};
 use tokio::time::timeout;
 
-use crate::exposure::own_uid;
+use vibrissa_program::files::own_uid;
 
 /// Time in which the line with the token must come.
 const TOKEN_TIMEOUT: Duration = Duration::from_secs(5);

@@ -19,7 +19,7 @@ use tokio::time::timeout;
 
 use super::admission::{expect_own_peer, expect_own_server, expect_token, is_trusted};
 use crate::config::{DriverConfig, Way};
-use crate::exposure::own_uid;
+use vibrissa_program::files::own_uid;
 
 /// Time limit of a TCP connection.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use rustix::fs::OFlags;
 
-use crate::exposure::own_uid;
+use vibrissa_program::files::own_uid;
 
 const MODE: u32 = 0o600;
 /// Bytes by which a file is recognised.

@@ -1,4 +1,4 @@
-// Regulates the pressure of a chamber with two on/off valves: the algorithm of the Rust crate services/regulator,
+// Regulates the pressure of a chamber with two on/off valves: the algorithm of the Rust crate robot/regulator,
 // function by function. docs/regulator.md explains it. A test runs both on the same readings and compares each command
 // and condition. The microcontroller has no 64-bit floats and little memory, and its Rust compiler is not a stable one:
 // hence this second implementation.
@@ -22,7 +22,7 @@ inline const char *word(Condition condition) {
 
 enum Fault : uint8_t { NO_FAULT, SENSOR, NO_RESPONSE, FILL_VALVE, BURST };
 
-// Meanings and units: services/regulator/src/params.rs.
+// Meanings and units: robot/regulator/src/params.rs.
 struct Params {
     float max_mpa = 0.2f;
     float sensor_step_mpa = 0.0012207031f;
@@ -147,7 +147,7 @@ struct Leak {
     }
 };
 
-// services/regulator/src/regulator
+// robot/regulator/src/regulator
 class Regulator {
     static constexpr uint32_t GAP_US = 2000000, APPROACHES = 12;
     static constexpr float LOW_STEPS = 8.0f, FAR_MPA = 3.4e38f;

@@ -1,7 +1,7 @@
 // A board for one whisker: two on/off valves, a pressure sensor and a strain gauge, for an Arduino Uno or Mega.
 //
 // Speaks the driver interface of vibrissa-robot over serial, 115200 baud: one JSON object per line. It regulates the
-// pressure by itself (regulator.h), and vents if it hears no line for 5 seconds. boards/README.md has the wiring.
+// pressure by itself (regulator.h), and vents if it hears no line for 5 seconds. robot/boards/README.md has the wiring.
 
 #include <Arduino.h>
 #include <avr/wdt.h>

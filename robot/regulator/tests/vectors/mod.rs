@@ -55,7 +55,7 @@ fn the_regulator_in_c_plus_plus_gives_the_same_commands() {
         return;
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../boards/arduino/vectors/check.cpp");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../boards/arduino/vectors/check.cpp");
     let program = folder.join("regulator-vectors");
     // Contracted multiplications and additions would round differently.
     let flags = ["-std=c++14", "-O1", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off", "-o"];

@@ -7,7 +7,7 @@ use super::{Rule, Scope, Visible};
 const HEAD: &str = "\
 # Rules of the contract for robots
 
-Rules of the MQTT contract for robots, each with the name that `vibrissa check-robot` reports. This table is generated
+Rules of the MQTT contract for robots, each with the name that `vibrissa-lab check-robot` reports. This table is generated
 from `services/protocol/src/rules.rs`; `VIBRISSA_WRITE_DOCS=1 cargo test --workspace --lib rules` writes it again.
 
 Most rules apply to *every robot*. Those *with receipts* apply to robots that store contacts until a receipt covers them;

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
 /// Arguments of `vibrissa completions`.
@@ -12,13 +12,14 @@ pub struct CompletionsArgs {
     shell: Shell,
 }
 
-/// Prints the script.
+/// Prints the script for a program.
 ///
 /// # Errors
 /// The output cannot be written.
-pub fn run(args: &CompletionsArgs, out: &mut impl Write) -> anyhow::Result<()> {
+pub fn run(args: &CompletionsArgs, program: &mut Command, out: &mut impl Write) -> anyhow::Result<()> {
     // The generator panics if its output fails, so it writes into memory.
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut super::Cli::command(), "vibrissa", &mut script);
+    let name = program.get_name().to_owned();
+    clap_complete::generate(args.shell, program, name, &mut script);
     Ok(out.write_all(&script)?)
 }

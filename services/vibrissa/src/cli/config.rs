@@ -199,7 +199,8 @@ impl ConfigArgs {
     }
 
     /// Whether a key was given as a flag.
-    pub(super) fn is_given(&self, key: Key) -> bool {
+    #[must_use]
+    pub fn is_given(&self, key: Key) -> bool {
         self.flags.iter().any(|(given, _)| *given == key)
     }
 

@@ -16,7 +16,7 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 const DRAWN_EVERY: Duration = Duration::from_millis(200);
 
 /// Progress of a command. Dropping it removes the bar, or ends the lines.
-pub(super) struct Progress(Shown);
+pub struct Progress(Shown);
 
 enum Shown {
     Bar(ProgressBar),
@@ -28,7 +28,7 @@ impl Progress {
     ///
     /// # Errors
     /// The template of the bar is invalid.
-    pub(super) fn start(steps: u64, what: &'static str) -> Result<Self> {
+    pub fn start(steps: u64, what: &'static str) -> Result<Self> {
         if !stderr().is_terminal() {
             return Ok(Self(Shown::Lines(Lines::start(steps, what, LINE_EVERY, Box::new(stderr())))));
         }
@@ -39,7 +39,7 @@ impl Progress {
     }
 
     /// One step is done.
-    pub(super) fn step(&self) {
+    pub fn step(&self) {
         match &self.0 {
             Shown::Bar(bar) => bar.inc(1),
             Shown::Lines(lines) => {

@@ -11,7 +11,7 @@ use tokio::signal::unix::{SignalKind, signal};
 
 use super::config::BrokerArgs;
 use super::serve::{log, runtime};
-use crate::record::{Report, record};
+use crate::recording::{Report, record};
 
 /// Arguments of `vibrissa record`.
 #[derive(Debug, Args)]
@@ -31,7 +31,10 @@ pub struct RecordArgs {
 }
 
 /// A duration as a whole number and a unit.
-pub(super) fn duration(text: &str) -> Result<Duration, String> {
+///
+/// # Errors
+/// The text is no such duration.
+pub fn duration(text: &str) -> Result<Duration, String> {
     let bad = || "must be a number and a unit, such as 500ms, 60s, 5m or 1h".to_owned();
     let digits = text.find(|c: char| !c.is_ascii_digit()).ok_or_else(bad)?;
     let (number, unit) = text.split_at(digits);

@@ -107,7 +107,7 @@ policy_numbers! { keys {
     Fleets: "fleets", Kind::Texts, Some(r#"["fleet"]"#),
         "Fleets to supervise; their topics begin with whisker/v1/FLEET/";
     Calibrations: "calibrations", Kind::Files, Some("[]"),
-        "Calibration files written by `vibrissa calibrate`";
+        "Calibration files written by `vibrissa-lab calibrate`";
     Log: "log", Kind::Text, Some(r#""info""#),
         "Log filter, such as warn or info,vibrissa=debug; RUST_LOG overrides it";
     Ingest: "ingest", Kind::Text, Some(r#""mqtt""#),

@@ -11,7 +11,7 @@ use vibrissa_protocol::as_json;
 
 use super::McapReport;
 use super::new_file::NewFile;
-use crate::replay::lines::Lines;
+use crate::recording::Lines;
 
 /// A channel of the file.
 struct Channel {

@@ -7,7 +7,7 @@ use std::process::Command;
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Row};
 use tempfile::TempDir;
-use vibrissa::demo::scenario;
+use vibrissa_lab::demo::scenario;
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_simulator::{Broker, Fleet};
 use vibrissa_tests::mosquitto::free_port;

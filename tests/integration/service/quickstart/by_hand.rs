@@ -12,7 +12,7 @@ use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::observer::{Heard, Observer};
 
 use super::script::Script;
-use crate::program::PROGRAM;
+use crate::program::LABORATORY;
 
 /// A robot that has sent its birth, and its supervisor.
 struct Scene {
@@ -239,7 +239,7 @@ async fn contacts_come_again_after_pauses_that_double_until_a_receipt_covers_the
 #[tokio::test(flavor = "multi_thread")]
 async fn it_passes_the_check_of_robots() {
     let scene = Scene::start().await;
-    let checked = tokio::process::Command::new(PROGRAM)
+    let checked = tokio::process::Command::new(LABORATORY)
         .args(["check-robot", "--fleet", "f", "--robot", "r", "--broker"])
         .arg(format!("mqtt://127.0.0.1:{}", scene.broker.port()))
         .stdin(std::process::Stdio::null())

@@ -10,7 +10,7 @@ use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::wait::{PATIENCE, until_true};
 
 use super::script::Script;
-use crate::program::PROGRAM;
+use crate::program::{LABORATORY, PROGRAM};
 
 /// Two ports on which nothing listens: for MQTT and for HTTP.
 fn free_ports() -> [u16; 2] {
@@ -31,7 +31,7 @@ fn supervisor(folder: &Path, mqtt: u16, http: u16) -> Process {
 }
 
 async fn vibrissa(arguments: &[&str], http: u16) -> Output {
-    let mut command = Command::new(PROGRAM);
+    let mut command = Command::new(LABORATORY);
     command.args(arguments).env("VIBRISSA_URL", format!("http://127.0.0.1:{http}")).env("RUST_LOG", "error");
     command.kill_on_drop(true).output().await.unwrap()
 }

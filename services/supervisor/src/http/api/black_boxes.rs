@@ -96,7 +96,7 @@ async fn get_black_box(
     found.map(Json).ok_or_else(|| not_found(at.black_box_id))
 }
 
-/// The messages of a black box as a file for `vibrissa replay`: one JSON object per line, in the format of `vibrissa record`.
+/// The messages of a black box as a file for `vibrissa-lab replay`: one JSON object per line, in the format of `vibrissa record`.
 #[utoipa::path(
     get, path = "/v1/black-boxes/{black_box_id}/recording", tag = "happenings", params(BlackBoxPath),
     responses((status = 200, description = "The recording", body = String, content_type = "application/x-ndjson"))

@@ -1,4 +1,4 @@
-//! `vibrissa evaluate compensation`: the paper's Fig. 9 and 10 on simulated plants, as a table and as figures.
+//! `vibrissa-lab evaluate compensation`: the paper's Fig. 9 and 10 on simulated plants, as a table and as figures.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -15,11 +15,11 @@ use vibrissa_evaluation::compensation::{
     trials,
 };
 
-use crate::cli::progress::Progress;
-use crate::cli::stop;
 use crate::figures;
+use vibrissa::cli::progress::Progress;
+use vibrissa::cli::stop;
 
-/// Arguments of `vibrissa evaluate compensation`.
+/// Arguments of `vibrissa-lab evaluate compensation`.
 #[derive(Debug, Args)]
 pub struct CompensationArgs {
     /// Seed: equal seeds give equal numbers, on any number of processors.

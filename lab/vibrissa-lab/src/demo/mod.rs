@@ -92,7 +92,10 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     };
     let service = Service::start_with(service_options, routes).await?;
     let broker = vibrissa_simulator::Broker::new(service.broker.host.clone(), service.broker.port);
-    println!("vibrissa demo: two robots with ten whiskers, over MQTT on {broker:?}; HTTP on http://{}", service.http);
+    println!(
+        "vibrissa-lab demo: two robots with ten whiskers, over MQTT on {broker:?}; HTTP on http://{}",
+        service.http
+    );
     let mut scenario = scenario::scenario(options.seed)?;
     if options.serving == Serving::AtOnce {
         scenario.robots.iter_mut().for_each(|robot| robot.events.clear());

@@ -1,4 +1,4 @@
-//! `vibrissa evaluate reality`: detection, false reports and compensation on whiskers with nuisances, as a table, as
+//! `vibrissa-lab evaluate reality`: detection, false reports and compensation on whiskers with nuisances, as a table, as
 //! JSON, and as a figure.
 
 use std::io::Write;
@@ -9,12 +9,12 @@ use clap::Args;
 use serde_json::{Value, json};
 use vibrissa_evaluation::reality::{Figures, Found, Nuisance, Place, Plan, Row, Share, Spread, evaluate};
 
-use crate::cli::progress::Progress;
-use crate::cli::stop;
-use crate::cli::words::one_of;
 use crate::figures;
+use vibrissa::cli::progress::Progress;
+use vibrissa::cli::stop;
+use vibrissa::cli::words::one_of;
 
-/// Arguments of `vibrissa evaluate reality`.
+/// Arguments of `vibrissa-lab evaluate reality`.
 #[derive(Debug, Args)]
 pub struct RealityArgs {
     /// Seed: equal seeds give equal figures, on any number of processors.

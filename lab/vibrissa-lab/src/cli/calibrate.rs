@@ -1,4 +1,4 @@
-//! `vibrissa calibrate`: fits a whisker's calibration to readings under pressure.
+//! `vibrissa-lab calibrate`: fits a whisker's calibration to readings under pressure.
 
 mod readings;
 
@@ -14,7 +14,7 @@ use self::readings::{Reading, read};
 use crate::figures::calibration;
 use vibrissa_supervisor::calibration_file::{self, CalibrationFile};
 
-/// Arguments of `vibrissa calibrate`.
+/// Arguments of `vibrissa-lab calibrate`.
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
 The CSV file has a header. Columns, in any order:

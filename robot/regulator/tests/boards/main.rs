@@ -19,7 +19,7 @@ fn compiled(board: &str, test: &str) -> Option<PathBuf> {
         return None;
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("board-{board}-{test}"));
-    let build = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../boards/arduino/build");
+    let build = Path::new(env!("CARGO_MANIFEST_DIR")).join("../boards/arduino/build");
     let ended = Command::new(build).arg(board).arg(&folder).output().expect("bash runs");
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     Some(folder)

@@ -1,4 +1,6 @@
-//! Records the MQTT messages of fleets into a file as they arrive, for [`crate::replay`].
+//! Recordings of MQTT messages: writes those of fleets into a file as they arrive, and reads such a file line by line.
+
+pub mod lines;
 
 use std::io::{self, Write};
 use std::pin::pin;
@@ -12,8 +14,9 @@ use tracing::warn;
 use uuid::Uuid;
 use vibrissa_protocol::{BootId, Name};
 
-use crate::replay::Recorded;
+pub use lines::Lines;
 use vibrissa_edge::ids::start_seed;
+use vibrissa_edge::recording::Recorded;
 use vibrissa_supervisor::inbox::Incoming;
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, LinkState, RecorderState};
 
@@ -210,7 +213,6 @@ mod tests {
     use vibrissa_core::units::Micros;
 
     use super::*;
-    use crate::replay::Lines;
 
     /// A disk that becomes full in the middle of the second line, and then has space again.
     #[derive(Default)]

@@ -1,4 +1,4 @@
-//! `vibrissa replay`: replays recorded traffic through the core.
+//! `vibrissa-lab replay`: replays recorded traffic through the core.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -12,12 +12,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 
-use super::config::CoreArgs;
-use super::stop::{self, Stopped};
-use crate::config::{Key, policy_over};
-use crate::replay::{Comparison, Lines, Recorded, Refusals, Replayer, effect_json};
+use vibrissa::cli::config::CoreArgs;
+use vibrissa::cli::stop::{self, Stopped};
+use vibrissa::config::{Key, policy_over};
+use vibrissa::recording::Lines;
 
-/// Arguments of `vibrissa replay`.
+use crate::replay::{Comparison, Recorded, Refusals, Replayer, effect_json};
+
+/// Arguments of `vibrissa-lab replay`.
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
 FILE is a recording of `vibrissa record`. Times come from the file: nothing waits. The same file gives the same bytes.

@@ -1,11 +1,9 @@
 //! Replays recorded traffic through the core, without a broker or a database: shows the decisions that would have been
 //! made, and their reasons.
 //!
-//! Read in this order: [`vibrissa_edge::recording`] (format of a recording), [`lines`] (reading one of any size), [`replayer`]
+//! Read in this order: [`vibrissa_edge::recording`] (format of a recording), [`vibrissa::recording::lines`] (reading one of any size), [`replayer`]
 //! (messages and time for the core), `answers` (robots' answers to setpoints that were never sent to them), [`told`]
 //! (effects as JSON lines), [`comparison`] (two policies on the same traffic).
-
-pub mod lines;
 
 mod answers;
 mod recorded_tests;
@@ -18,7 +16,6 @@ pub mod effect_json;
 pub mod comparison;
 
 pub use comparison::Comparison;
-pub use lines::Lines;
 pub use refusals::Refusals;
 pub use replayer::{Happened, Replayer, What};
 pub use vibrissa_edge::recording::{LineError, Recorded};

@@ -1,4 +1,4 @@
-//! Delays, false reports and errors of `vibrissa evaluate reality`, one line for each row.
+//! Delays, false reports and errors of `vibrissa-lab evaluate reality`, one line for each row.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! `vibrissa paper`: the paper's compensation experiments beside the model's results.
+//! `vibrissa-lab paper`: the paper's compensation experiments beside the model's results.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ use vibrissa_core::units::{Megapascal, Millimetre};
 
 use crate::figures;
 
-/// Arguments of `vibrissa paper`.
+/// Arguments of `vibrissa-lab paper`.
 #[derive(Debug, Args)]
 pub struct PaperArgs {
     /// Draw the model's curves of Fig. 7, 8 and 9 as SVG files into this folder.

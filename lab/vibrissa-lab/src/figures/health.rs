@@ -1,4 +1,4 @@
-//! The confusion matrix of `vibrissa evaluate health` as a heat map.
+//! The confusion matrix of `vibrissa-lab evaluate health` as a heat map.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! `vibrissa solve`: the pressure at which one whisker feels like another.
+//! `vibrissa-lab solve`: the pressure at which one whisker feels like another.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -12,11 +12,11 @@ use vibrissa_core::mechanics::{
 };
 use vibrissa_core::units::{Megapascal, Millimetre};
 
-use super::ANSWER_IS_NO;
-use crate::config::choices::{FormulationArg, ObjectiveArg};
+use vibrissa::cli::ANSWER_IS_NO;
+use vibrissa::config::choices::{FormulationArg, ObjectiveArg};
 use vibrissa_supervisor::calibration_file;
 
-/// Arguments of `vibrissa solve`.
+/// Arguments of `vibrissa-lab solve`.
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
 The exit code is 0 if a pressure makes both whiskers feel alike, and 3 if the answer is OUT OF RANGE (with --json: a \
@@ -40,7 +40,7 @@ pub struct SolveArgs {
     /// Objective of the solver.
     #[arg(long, value_enum, default_value_t = ObjectiveArg::Tip)]
     objective: ObjectiveArg,
-    /// Calibration file of `vibrissa calibrate` to use instead of the paper's whisker.
+    /// Calibration file of `vibrissa-lab calibrate` to use instead of the paper's whisker.
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
     /// Print the solution as JSON.

@@ -1,4 +1,4 @@
-//! `vibrissa check-robot`: checks whether a robot conforms to the contract.
+//! `vibrissa-lab check-robot`: checks whether a robot conforms to the contract.
 
 use std::io::Write;
 use std::net::{Ipv4Addr, SocketAddr};
@@ -14,16 +14,16 @@ use uuid::Uuid;
 use vibrissa_protocol::{BootId, Name};
 
 use super::assistant::Helper;
-use super::config::BrokerOrPortArgs;
-use super::record::duration;
-use super::serve::{log, runtime};
-use super::stop::Stopped;
 use crate::check::{CheckOptions, Help, Outcome, Report, Timings, check, present_epoch, wait_for_robot};
+use vibrissa::cli::config::BrokerOrPortArgs;
+use vibrissa::cli::record::duration;
+use vibrissa::cli::serve::{log, runtime};
+use vibrissa::cli::stop::Stopped;
 use vibrissa_edge::ids::start_seed;
 use vibrissa_supervisor::broker::{Broker, BrokerError};
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, Relay};
 
-/// Arguments of `vibrissa check-robot`.
+/// Arguments of `vibrissa-lab check-robot`.
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
 Without --broker (mqtt.url) the check starts the broker that is built into the supervisor, on 127.0.0.1 and \

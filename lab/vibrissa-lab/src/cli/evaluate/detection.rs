@@ -1,4 +1,4 @@
-//! `vibrissa evaluate detection`: detection delays beside an oracle's, as a table, as JSON, and as a figure.
+//! `vibrissa-lab evaluate detection`: detection delays beside an oracle's, as a table, as JSON, and as a figure.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -8,14 +8,14 @@ use clap::Args;
 use serde_json::{Value, json};
 use vibrissa_evaluation::detection::{Delay, Evaluation, Healthy, Plan, contacts_in_words, evaluate, whiskers};
 
-use crate::cli::progress::Progress;
-use crate::cli::stop;
 use crate::figures;
+use vibrissa::cli::progress::Progress;
+use vibrissa::cli::stop;
 
 /// Share of outliers in the evaluation with outliers.
 const OUTLIERS: f64 = 0.02;
 
-/// Arguments of `vibrissa evaluate detection`.
+/// Arguments of `vibrissa-lab evaluate detection`.
 #[derive(Debug, Args)]
 pub struct DetectionArgs {
     /// Seed: equal seeds give equal results, on any number of processors.

@@ -1,4 +1,4 @@
-//! `vibrissa evaluate`: evaluates the core on simulated whiskers whose true state is known.
+//! `vibrissa-lab evaluate`: evaluates the core on simulated whiskers whose true state is known.
 
 pub mod compensation;
 pub mod detection;
@@ -10,9 +10,9 @@ use std::io::Write;
 use anyhow::Result;
 use clap::{Args, Subcommand};
 
-use super::stop;
+use vibrissa::cli::stop;
 
-/// Arguments of `vibrissa evaluate`.
+/// Arguments of `vibrissa-lab evaluate`.
 #[derive(Debug, Args)]
 pub struct EvaluateArgs {
     #[command(subcommand)]

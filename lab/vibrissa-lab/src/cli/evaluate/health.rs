@@ -1,4 +1,4 @@
-//! `vibrissa evaluate health`: the confusion matrix, as a table, as JSON, and as a figure.
+//! `vibrissa-lab evaluate health`: the confusion matrix, as a table, as JSON, and as a figure.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -8,11 +8,11 @@ use clap::Args;
 use serde_json::{Value, json};
 use vibrissa_evaluation::health::{Class, ClassReport, Outcome, Plan, Report, evaluate};
 
-use crate::cli::progress::Progress;
-use crate::cli::stop;
 use crate::figures;
+use vibrissa::cli::progress::Progress;
+use vibrissa::cli::stop;
 
-/// Arguments of `vibrissa evaluate health`.
+/// Arguments of `vibrissa-lab evaluate health`.
 #[derive(Debug, Args)]
 pub struct HealthArgs {
     /// Seed: equal seeds give equal cases, on any number of processors.

@@ -1,0 +1,5 @@
+//! Parts of every program here: the supervisor, the agent, the simulator and the laboratory.
+
+pub mod files;
+pub mod log;
+pub mod options;
