@@ -15,8 +15,8 @@ const IN_CIRCLES_MAX: [(&str, usize); 10] = [
     ("evaluation", 2),
     ("store", 3),
     ("supervisor", 26),
-    ("vibrissa", 8),
-    ("lab", 0),
+    ("vibrissa", 0),
+    ("lab", 8),
 ];
 
 /// A module as its path within the crate.
