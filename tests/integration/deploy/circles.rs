@@ -16,7 +16,7 @@ const IN_CIRCLES_MAX: [(&str, usize); 10] = [
     ("store", 3),
     ("supervisor", 26),
     ("vibrissa", 0),
-    ("lab", 8),
+    ("lab", 0),
 ];
 
 /// A module as its path within the crate.

@@ -12,9 +12,9 @@ use vibrissa_protocol::{
 
 use super::CheckOptions;
 use super::action::Action;
-use super::estimates::Touched;
 use super::listener::Listener;
 use super::timings::Timings;
+use super::touched::Touched;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_supervisor::mqtt::TestClient;
 

@@ -6,8 +6,7 @@
 use std::time::Duration;
 
 use vibrissa_protocol::{
-    BootId, Contact, Estimate, Factsheet, Message, Name, PlaceKind, RobotTopic, Rule, Timestamp, WhiskerCondition,
-    WhiskerEstimate,
+    BootId, Contact, Estimate, Factsheet, Message, Name, RobotTopic, Rule, Timestamp, WhiskerCondition, WhiskerEstimate,
 };
 
 use super::action::{Action, Spot};
@@ -16,25 +15,15 @@ use super::bench::Bench;
 use super::divisor::{Divisor, First, Touches};
 use super::listener::Listener;
 use super::report::seconds;
+use super::touched::Touched;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_supervisor::mqtt::{Connection, TestClient};
 
 /// Touches after each estimate.
 const TOUCHES: usize = 6;
-/// The second length as a multiple of the first one. A longer one, because distances beyond the length have no ratio.
-const LONGER: f64 = 1.25;
-/// Longest length that an estimate may have, in mm.
-const LENGTH_MAX_MM: f64 = 1000.0;
 /// Half of the interval of a length, relative.
 const INTERVAL: f64 = 0.01;
 const RULES: [Rule; 2] = [Rule::EstimateLength, Rule::EstimateOrder];
-
-/// The whisker of the test.
-#[derive(Debug, Clone)]
-pub(super) struct Touched {
-    spot: Spot,
-    length_mm: f64,
-}
 
 impl Bench {
     /// Tests whether the robot follows estimates.
@@ -186,28 +175,6 @@ impl Reader {
         if let Some(client) = self.client {
             client.close().await;
         }
-    }
-}
-
-impl Touched {
-    /// The whisker of the trial if it has contact ratios, otherwise the first one with contact ratios.
-    fn choose(factsheet: &Factsheet, trial: Option<Spot>) -> Option<Self> {
-        let all = factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(move |one| (&array.array, one)));
-        let with_ratio = all.filter(|(_, one)| one.place.unwrap_or(PlaceKind::Ratio) == PlaceKind::Ratio);
-        let all: Vec<Self> = with_ratio
-            .map(|(array, one)| Self {
-                spot: Spot { array: array.clone(), whisker: one.whisker },
-                length_mm: one.length_mm,
-            })
-            .collect();
-        let at = all.iter().position(|one| Some(&one.spot) == trial.as_ref()).unwrap_or(0);
-        all.into_iter().nth(at)
-    }
-
-    /// The lengths of the first and the second estimate.
-    fn lengths_mm(&self) -> (f64, f64) {
-        let longer_mm = LONGER * self.length_mm;
-        if longer_mm <= LENGTH_MAX_MM { (self.length_mm, longer_mm) } else { (self.length_mm / LONGER, self.length_mm) }
     }
 }
 

@@ -29,6 +29,7 @@ mod log;
 mod memory;
 mod opening;
 mod own_level;
+mod queries;
 mod refusals;
 mod report;
 mod restart;
@@ -37,6 +38,7 @@ mod silence;
 mod supply;
 mod timings;
 mod touch_tests;
+mod touched;
 
 use std::time::Instant;
 

@@ -6,15 +6,12 @@ use anyhow::{Context, bail};
 use vibrissa_protocol::{BootId, ConnectionState, Message, RequestKind, Rule};
 
 use super::bench::{Bench, Trial};
-use super::log::{facts, whiskers};
+use super::log::{conditions, facts, whiskers};
 use super::report::seconds;
-use super::supply::conditions;
-use super::timings::BIRTHS_WITHIN;
+use super::timings::{BIRTHS_WITHIN, TOO_QUICK};
 
 /// Number of statuses whose period is measured.
 const WATCHED: usize = 4;
-/// Status period below which an answer to a request cannot be distinguished from the next regular status.
-pub(super) const TOO_QUICK: Duration = Duration::from_millis(400);
 /// Why rules about retained messages are not judged.
 pub(super) const NOT_RETAINED: &str = "the broker retains no messages";
 /// Size of a pressure change.

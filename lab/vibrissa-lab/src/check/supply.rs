@@ -6,13 +6,14 @@
 
 use std::time::{Duration, Instant};
 
-use vibrissa_protocol::{Gauge, Regulator, Rule, Setpoint, Status};
+use vibrissa_protocol::{Rule, Setpoint, Status};
 
 use super::action::Action;
 use super::assisted::{Ended, Told};
 use super::bench::{Bench, Trial};
-use super::opening::TOO_QUICK;
+use super::log::conditions;
 use super::report::seconds;
+use super::timings::TOO_QUICK;
 
 /// Least difference of the two pressures: more than the tolerance of a reached pressure.
 const ROOM_MPA: f64 = 0.006;
@@ -159,13 +160,9 @@ fn changes(statuses: &[(&Status, Instant)], early: Duration) -> (usize, usize) {
     (gaps.iter().filter(|&&gap| gap < early).count(), gaps.len())
 }
 
-pub(super) fn conditions(status: &Status) -> Vec<(Regulator, Gauge)> {
-    status.whiskers.iter().map(|one| (one.regulator, one.gauge)).collect()
-}
-
 #[cfg(test)]
 mod tests {
-    use vibrissa_protocol::{BootId, Name, WhiskerStatus};
+    use vibrissa_protocol::{BootId, Gauge, Name, Regulator, WhiskerStatus};
 
     use super::*;
 

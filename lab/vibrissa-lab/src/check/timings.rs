@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+/// Status period below which an answer to a request cannot be distinguished from the next regular status.
+pub(super) const TOO_QUICK: Duration = Duration::from_millis(400);
 /// Time within which robots answer a request for births, by the contract. The check waits for the time of an answer in
 /// addition.
 pub(super) const BIRTHS_WITHIN: Duration = Duration::from_secs(2);
