@@ -69,6 +69,7 @@ pub fn scenarios(
         ..Behaviour::default()
     };
     let scenario = |(robots, fleet): (_, &Name)| Scenario {
+        calibration: None,
         seed,
         fleet: fleet.clone(),
         behaviour: behaviour.clone(),

@@ -291,6 +291,7 @@ pub fn scenario(trial: &Trial) -> Scenario {
     let name = |text: &str| Name::new(text).expect("a name");
     let cut = Event::at_contact(WHOLE_CONTACTS, name("a"), 0, Change::Trim { length_mm: cut_mm });
     Scenario {
+        calibration: None,
         seed: trial.seed,
         fleet: name("f"),
         behaviour: Behaviour {

@@ -10,4 +10,6 @@ pub mod reality;
 #[expect(clippy::wildcard_enum_match_arm, reason = "only a few of many effects and messages matter")]
 pub mod world;
 
+mod deviation;
+
 pub use world::World;

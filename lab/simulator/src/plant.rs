@@ -7,7 +7,7 @@
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use vibrissa_core::mechanics::{Calibration, ContactOnChamber, Formulation, Geometry, Model, ModelError};
+use vibrissa_core::mechanics::{Calibration, ContactOnChamber, Formulation, Model, ModelError};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 use vibrissa_protocol::Gauge;
 
@@ -28,6 +28,8 @@ pub const TEMPERATURE_C: f64 = 24.0;
 #[derive(Debug)]
 pub struct Plant {
     rubber: Rubber,
+    /// Mechanics without deviations.
+    designed: Model,
     model: Model,
     whole_length_mm: f64,
     whole_pressure_mpa: f64,
@@ -124,6 +126,7 @@ impl Plant {
     /// # Errors
     /// Its calibration is invalid, which the permitted ranges of a scenario exclude.
     pub(crate) fn new(
+        designed: Model,
         length_mm: f64,
         pressure_mpa: f64,
         truth: Truth,
@@ -136,7 +139,8 @@ impl Plant {
         };
         Ok(Self {
             rubber,
-            model: rubber.model()?,
+            model: rubber.model(&designed)?,
+            designed,
             whole_length_mm: length_mm,
             whole_pressure_mpa: pressure_mpa,
             length_mm,
@@ -418,31 +422,31 @@ impl GaugeCondition {
     }
 }
 
-/// The built-in calibration with a random factor on each parameter.
+/// A random factor on each parameter of the calibration.
 fn drawn(error: f64, stream: &mut ChaCha8Rng) -> Rubber {
     let mut factor = || 1.0 + stream.random_range(-1.0..=1.0) * error;
     Rubber { c: factor(), a: factor(), b: factor(), elongation: factor(), formulation: TrueFormulation::Consistent }
 }
 
 impl Rubber {
-    /// Mechanics of a whisker made of this rubber.
+    /// Mechanics of a whisker made of this rubber, which deviates from the designed one.
     ///
     /// # Errors
     /// The factors are invalid, which the permitted ranges of a scenario exclude.
-    pub fn model(&self) -> Result<Model, ModelError> {
-        let built_in = Calibration::nguyen_2021();
+    pub fn model(&self, designed: &Model) -> Result<Model, ModelError> {
+        let of = designed.calibration();
         let calibration = Calibration {
-            c: built_in.c * self.c,
-            a: built_in.a * self.a,
-            b_per_mpa: built_in.b_per_mpa * self.b,
-            youngs_modulus_mpa: built_in.youngs_modulus_mpa,
-            elongation_gain_mm: built_in.elongation_gain_mm * self.elongation,
+            c: of.c * self.c,
+            a: of.a * self.a,
+            b_per_mpa: of.b_per_mpa * self.b,
+            youngs_modulus_mpa: of.youngs_modulus_mpa,
+            elongation_gain_mm: of.elongation_gain_mm * self.elongation,
         };
         let formulation = match self.formulation {
             TrueFormulation::Published => Formulation::Published,
             TrueFormulation::Consistent => Formulation::Consistent,
         };
-        Model::new(Geometry::nguyen_2021(), calibration, formulation)
+        Model::new(*designed.geometry(), calibration, formulation)
     }
 }
 

@@ -4,6 +4,7 @@
 
 pub mod actions;
 pub mod black_box;
+pub mod calibration_file;
 pub mod clock;
 pub mod events;
 pub mod fleets;

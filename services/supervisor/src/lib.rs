@@ -56,7 +56,6 @@ mod archive;
 mod archive;
 mod backoff;
 mod black_box;
-pub mod calibration_file;
 mod params;
 mod replication;
 pub mod robots_file;

@@ -8,7 +8,7 @@ use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::robot::Params;
 use vibrissa_protocol::plain;
 
-use crate::calibration_file::CalibrationFile;
+use vibrissa_edge::calibration_file::CalibrationFile;
 use vibrissa_store::calibrations::ActiveCalibration;
 use vibrissa_store::policies::PolicyReading;
 

@@ -130,7 +130,7 @@ fn per_mm(model: &Model, length_mm: f64, pressure: Megapascal) -> ByRatio {
 
 /// By how much the error that is predicted for a neighbour of 66 mm is off the true one at that setpoint.
 fn off_by(rubber: Rubber, target_mm: f64, asked: &CandidateRecord) -> f64 {
-    let model = rubber.model().unwrap();
+    let model = rubber.model(&Model::nguyen_2021(Formulation::Consistent)).unwrap();
     let nominal = Megapascal::new(0.1).unwrap();
     let after = per_mm(&model, 66.0, asked.pressure.unwrap());
     let truth = ErrorProfile::new(&after, &per_mm(&model, 66.0, nominal), &per_mm(&model, target_mm, nominal));

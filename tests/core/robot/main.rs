@@ -50,6 +50,7 @@ fn scenario(seed: u64, array_type: ArrayType, lengths_mm: &[f64]) -> Scenario {
     });
     let array = ArrayScenario { array: name("left"), array_type, whiskers: whiskers.collect() };
     Scenario {
+        calibration: None,
         seed,
         fleet: name("f"),
         behaviour: Behaviour { contacts_per_second: 50.0, contacts_per_message: 20, ..Behaviour::default() },

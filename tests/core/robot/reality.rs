@@ -1,5 +1,6 @@
 //! The evaluation on whiskers with nuisances: does it have the nuisances that it states, and does it measure?
 
+use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_evaluation::reality::{
     Circumstances, Course, Figures, Found, Habit, Nuisance, Nuisances, Place, Plan, Row, Touch, Whisker, evaluate,
 };
@@ -10,7 +11,7 @@ fn nuisances(nuisance: Nuisance, strength: f64) -> Nuisances {
 
 /// Contacts of one whisker at nominal pressure.
 fn touches(nuisances: Nuisances, seed: u64, count: usize) -> (Whisker, Vec<(Touch, Course)>) {
-    let mut whisker = Whisker::new(nuisances, 70.0, seed, 0);
+    let mut whisker = Whisker::new(&Model::nguyen_2021(Formulation::Published), nuisances, 70.0, seed, 0);
     let mut course = Course::new(nuisances, seed);
     let mut felt = Vec::new();
     for _ in 0..count {

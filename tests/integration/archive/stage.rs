@@ -106,6 +106,7 @@ fn scenario() -> Scenario {
         ..Behaviour::default()
     };
     Scenario {
+        calibration: None,
         seed: 1,
         fleet: name(FLEET),
         behaviour,

@@ -70,7 +70,7 @@ fn property_calibrate_finds_the_parameters_and_its_file_can_be_used() {
         let arguments =
             ["calibrate", "front.csv", "--youngs-modulus-mpa", "1.2", "--out", "front.toml", "--svg", "front.svg"];
         out(&vibrissa(&arguments, folder.path()));
-        let (name, model) = vibrissa_supervisor::calibration_file::load(
+        let (name, model) = vibrissa_edge::calibration_file::load(
             &folder.path().join("front.toml"),
             vibrissa_core::mechanics::Formulation::Published,
         )
@@ -136,7 +136,7 @@ fn the_example_in_the_documents_gives_the_calibration_of_the_paper() {
     let folder = tempfile::tempdir().unwrap();
     let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/calibration-example.csv");
     out(&vibrissa(&["calibrate", example, "--out", "own.toml"], folder.path()));
-    let (name, model) = vibrissa_supervisor::calibration_file::load(
+    let (name, model) = vibrissa_edge::calibration_file::load(
         &folder.path().join("own.toml"),
         vibrissa_core::mechanics::Formulation::Published,
     )

@@ -1,6 +1,6 @@
 //! True value of a compensation on the plant itself, without noise.
 
-use vibrissa_core::mechanics::{ByRatio, CONTACT_RATIOS, ErrorProfile, Model};
+use vibrissa_core::mechanics::{ByRatio, CONTACT_RATIOS, ErrorProfile, Formulation, Model};
 use vibrissa_core::units::{Megapascal, Millimetre};
 
 use super::{Case, START_MPA, Trial, TrueError};
@@ -21,7 +21,8 @@ impl Truth {
     /// The plant of a trial.
     #[must_use]
     pub fn new(trial: &Trial) -> Self {
-        let model = trial.rubber.model().expect("factors that a scenario may have");
+        let model =
+            trial.rubber.model(&Model::nguyen_2021(Formulation::Consistent)).expect("factors that a scenario may have");
         let before = per_mm(&model, trial.length_mm, START_MPA);
         let target = per_mm(&model, trial.case.target_mm(), START_MPA);
         Self { model, case: trial.case, length_mm: trial.length_mm, before, target }

@@ -8,6 +8,7 @@ pub mod plant;
 mod supervised;
 
 use rayon::prelude::*;
+use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::units::ContactRatio;
 
 use vibrissa_edge::words::Z95;
@@ -19,6 +20,8 @@ use supervised::{Said, Supervised};
 /// Parameters of the evaluation.
 #[derive(Debug, Clone)]
 pub struct Plan {
+    /// Model of the whiskers, from which the true ones deviate.
+    pub model: Model,
     /// Seed of all randomness.
     pub seed: u64,
     /// Number of cuts of each size.
@@ -42,6 +45,7 @@ pub struct Plan {
 impl Default for Plan {
     fn default() -> Self {
         Self {
+            model: Model::nguyen_2021(Formulation::Published),
             seed: 1,
             cuts: 1000,
             healthy_whiskers: 1000,
@@ -141,8 +145,8 @@ fn healthy(plan: &Plan, done: &(dyn Fn() + Sync)) -> Healthy {
     let each: Vec<Healthy> = (0..plan.healthy_whiskers)
         .into_par_iter()
         .map(|number| {
-            let mut plant = Plant::new(seed(plan, 0, number), plan.calibration_error, plan.outliers);
-            let mut supervised = Supervised::new(plan.contacts_between_false_alarms);
+            let mut plant = Plant::new(&plan.model, seed(plan, 0, number), plan.calibration_error, plan.outliers);
+            let mut supervised = Supervised::new(plan);
             let mut seen = nothing;
             while seen.contacts < u64::from(plan.healthy_contacts) {
                 let said = supervised.feel(&plant.touch());
@@ -150,7 +154,7 @@ fn healthy(plan: &Plan, done: &(dyn Fn() + Sync)) -> Healthy {
                 seen.alarms += u64::from(said.alarm);
                 seen.called += u64::from(said.called);
                 if said.called {
-                    supervised = Supervised::new(plan.contacts_between_false_alarms);
+                    supervised = Supervised::new(plan);
                 }
                 seen.mean_square += said.square;
             }
@@ -179,7 +183,7 @@ struct Cut {
 fn delays(plan: &Plan, change_at: u32, size_mm: f64, done: &(dyn Fn() + Sync)) -> Delay {
     let length_mm = WHOLE_MM - size_mm;
     // Shifts of a typical whisker, on which the oracle's threshold depends.
-    let typical = Plant::new(0, 0.0, 0.0);
+    let typical = Plant::new(&plan.model, 0, 0.0, 0.0);
     let shifts: Vec<f64> = (0..12)
         .map(|k| ContactRatio::known(RATIOS.0 + (RATIOS.1 - RATIOS.0) * (f64::from(k) + 0.5) / 12.0))
         .map(|ratio| typical.log_shift(ratio, length_mm) / NOISE)
@@ -191,7 +195,7 @@ fn delays(plan: &Plan, change_at: u32, size_mm: f64, done: &(dyn Fn() + Sync)) -
     let cuts: Vec<Option<Cut>> = (0..plan.cuts)
         .into_par_iter()
         .map(|number| {
-            let plant = Plant::new(seed(plan, purpose, number), plan.calibration_error, plan.outliers);
+            let plant = Plant::new(&plan.model, seed(plan, purpose, number), plan.calibration_error, plan.outliers);
             let cut = cut(plan, plant, (change_at, size_mm), threshold, patience);
             done();
             cut
@@ -204,7 +208,7 @@ fn delays(plan: &Plan, change_at: u32, size_mm: f64, done: &(dyn Fn() + Sync)) -
 /// `None` if a false alarm was in progress at the cut.
 fn cut(plan: &Plan, mut plant: Plant, (at, size_mm): (u32, f64), threshold: f64, patience: u32) -> Option<Cut> {
     let length_mm = plant.whole_mm - size_mm;
-    let mut supervised = Supervised::new(plan.contacts_between_false_alarms);
+    let mut supervised = Supervised::new(plan);
     let mut oracle = Oracle::default();
     for _ in 0..at {
         let touch = plant.touch();

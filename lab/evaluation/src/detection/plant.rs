@@ -3,8 +3,10 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model, Morphology};
+use vibrissa_core::mechanics::{Formulation, Model, Morphology};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
+
+use crate::deviation::{deviating, with_calibration};
 
 /// Range of the contact ratios.
 pub const RATIOS: (f64, f64) = (0.45, 1.0);
@@ -48,22 +50,14 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// A whole whisker. `outliers` is the share of contacts with ten times the noise.
+    /// A whole whisker that deviates by at most `off` from the designed one. `outliers` is the share of contacts with ten times the noise.
     #[must_use]
-    pub fn new(seed: u64, off: f64, outliers: f64) -> Self {
+    pub fn new(designed: &Model, seed: u64, off: f64, outliers: f64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let built_in = Calibration::nguyen_2021();
-        let mut by = |value: f64| value * (1.0 + off * random.random_range(-1.0..=1.0));
-        let calibration = Calibration {
-            c: by(built_in.c),
-            a: by(built_in.a),
-            b_per_mpa: by(built_in.b_per_mpa),
-            elongation_gain_mm: by(built_in.elongation_gain_mm),
-            ..built_in
-        };
+        let calibration =
+            deviating(designed.calibration(), |value| value * (1.0 + off * random.random_range(-1.0..=1.0)));
         let formulation = if random.random() { Formulation::Published } else { Formulation::Consistent };
-        let model = Model::new(Geometry::nguyen_2021(), calibration, formulation)
-            .unwrap_or_else(|_| Model::nguyen_2021(formulation));
+        let model = with_calibration(designed, calibration, formulation);
         let morphology = model.morphology(Megapascal::known(PRESSURE_MPA));
         let unit: f64 = StandardNormal.sample(&mut random);
         let whole_mm = WHOLE_MM + WHOLE_SD_MM * unit;

@@ -1,6 +1,5 @@
 //! One whisker supervised by the core: takes contacts, returns verdicts.
 
-use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{Condition, Effect};
 use vibrissa_core::robot::event::{
     ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, Link, Task, TouchTests, WhiskerSheet,
@@ -8,6 +7,7 @@ use vibrissa_core::robot::event::{
 use vibrissa_core::robot::{Event, Numbers, Params, Robot};
 use vibrissa_core::units::{Megapascal, Micros, Millimetre, Strain};
 
+use super::Plan;
 use super::plant::{PRESSURE_MPA, Touch, WHOLE_MM};
 
 const BOOT: &str = "b";
@@ -37,9 +37,12 @@ pub(super) struct Said {
 }
 
 impl Supervised {
-    pub(super) fn new(contacts_between_false_alarms: f64) -> Self {
-        let mut params = Params::nguyen_2021(Formulation::Published);
-        params.detection.contacts_between_false_alarms = contacts_between_false_alarms;
+    pub(super) fn new(plan: &Plan) -> Self {
+        let mut params = Params::nguyen_2021(plan.model.formulation());
+        for (_, model) in &mut params.models {
+            model.clone_from(&plan.model);
+        }
+        params.detection.contacts_between_false_alarms = plan.contacts_between_false_alarms;
         // Only the strain's relative noise is configured, at 2 %, far below the true noise: its size must be
         // learned.
         params.noise.strain_floor = 5e-6;

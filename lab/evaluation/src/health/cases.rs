@@ -48,6 +48,7 @@ pub(super) fn case(seed: u64, class: Class, number: u32) -> Case {
     let noise_factor = rng.random_range(1.0..=2.0);
     let (array_type, calibration_error) = (kind(rng), rng.random_range(0.03..=0.10));
     let scenario = Scenario {
+        calibration: None,
         seed: rng.random(),
         fleet: name("evaluation"),
         behaviour: Behaviour {

@@ -106,17 +106,19 @@ impl Robot {
     pub(super) fn new(nuisances: Nuisances, kind: RobotKind, layout: Layout, seed: u64) -> Self {
         let place = kind.place;
         let numbers = 0..WHISKERS as u64;
+        let params = params(place);
+        let (_, designed) = &params.models[0];
         let mut robot = Self {
             place,
             layout,
             whiskers: numbers
                 .clone()
-                .map(|number| Whisker::new(nuisances, layout.whole_mm(number), seed, number))
+                .map(|number| Whisker::new(designed, nuisances, layout.whole_mm(number), seed, number))
                 .collect(),
             air: numbers.map(|number| Air::new(&nuisances, seed, number)).collect(),
             course: Course::new(nuisances, seed),
             core: Core::new(1, Numbers::default()),
-            params: params(place),
+            params,
             told: Vec::new(),
             moving: Vec::new(),
             effects: Vec::new(),

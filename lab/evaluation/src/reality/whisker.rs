@@ -3,12 +3,13 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use vibrissa_core::mechanics::{Calibration, Formulation, Geometry, Model, Morphology};
+use vibrissa_core::mechanics::{Formulation, Model, Morphology};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 
 use super::Place;
 use super::nuisances::{DEFLECTION_MAX_MM, Nuisances};
 use super::rubber::{Press, Rubber};
+use crate::deviation::{deviating, with_calibration};
 
 /// Nominal pressure, MPa.
 pub(super) const NOMINAL_MPA: f64 = 0.1;
@@ -113,26 +114,17 @@ pub struct Whisker {
 }
 
 impl Whisker {
-    /// A whole whisker of a robot.
+    /// A whole whisker of a robot, which deviates from the designed one.
     #[must_use]
-    pub fn new(nuisances: Nuisances, whole_mm: f64, seed: u64, number: u64) -> Self {
+    pub fn new(designed: &Model, nuisances: Nuisances, whole_mm: f64, seed: u64, number: u64) -> Self {
         let mut batch = stream(seed, 0);
         let mut own = stream(seed, 1 + 4 * number);
-        let built_in = Calibration::nguyen_2021();
-        let mut by = |value: f64| {
+        let calibration = deviating(designed.calibration(), |value| {
             let shared = CALIBRATION_ERROR * batch.random_range(-1.0..=1.0);
             value * (1.0 + shared + BATCH_ERROR * own.random_range(-1.0..=1.0))
-        };
-        let calibration = Calibration {
-            c: by(built_in.c),
-            a: by(built_in.a),
-            b_per_mpa: by(built_in.b_per_mpa),
-            elongation_gain_mm: by(built_in.elongation_gain_mm),
-            ..built_in
-        };
+        });
         let formulation = if batch.random() { Formulation::Published } else { Formulation::Consistent };
-        let model = Model::new(Geometry::nguyen_2021(), calibration, formulation)
-            .unwrap_or_else(|_| Model::nguyen_2021(formulation));
+        let model = with_calibration(designed, calibration, formulation);
         let sign = if batch.random() { 1.0 } else { -1.0 };
         let per_k = sign * batch.random_range(0.003..=0.01) * own.random_range(0.9..=1.1);
         let ageing_sign = if own.random() { 1.0 } else { -1.0 };

@@ -8,7 +8,7 @@ use std::io::Write;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use vibrissa_core::mechanics::ModelError;
+use vibrissa_core::mechanics::{Formulation, Model, ModelError};
 
 use super::plan::LoadPlan;
 use crate::plant::{Plant, Reading, Streams, Truth};
@@ -110,7 +110,14 @@ impl Touching {
         };
         let WhiskerScenario { length_mm, pressure_mpa, .. } = WhiskerScenario::default();
         let truth = Truth::Known(Rubber::default());
-        let plant = Plant::new(length_mm, pressure_mpa, truth, Noise::default(), streams)?;
+        let plant = Plant::new(
+            Model::nguyen_2021(Formulation::Consistent),
+            length_mm,
+            pressure_mpa,
+            truth,
+            Noise::default(),
+            streams,
+        )?;
         let sensor = ChaCha8Rng::from_rng(&mut stream(Purpose::Regulator));
         Ok(Self { plant, pressure_mpa, sensor })
     }

@@ -58,7 +58,7 @@ impl Plant {
                 return Err(format!("{name} is {factor}, but must be above 0"));
             }
         }
-        self.model = state.rubber.model().map_err(|why| format!("rubber: {why}"))?;
+        self.model = state.rubber.model(&self.designed).map_err(|why| format!("rubber: {why}"))?;
         self.rubber = state.rubber;
         self.length_mm = state.length_mm;
         self.contacts = state.contacts;

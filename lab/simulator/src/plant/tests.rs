@@ -10,7 +10,8 @@ fn plant(seed: u64, calibration_error: f64, noise: Noise) -> Plant {
         noise: stream(seed, "r", "a", 0, Purpose::Noise),
         test: stream(seed, "r", "a", 0, Purpose::Test),
     };
-    Plant::new(70.0, 0.1, Truth::Within(calibration_error), noise, streams).unwrap()
+    Plant::new(Model::nguyen_2021(Formulation::Consistent), 70.0, 0.1, Truth::Within(calibration_error), noise, streams)
+        .unwrap()
 }
 
 #[test]

@@ -20,7 +20,7 @@ mod whisker;
 use std::collections::{BTreeMap, VecDeque};
 
 use rand_chacha::ChaCha8Rng;
-use vibrissa_core::mechanics::ModelError;
+use vibrissa_core::mechanics::{Formulation, Model, ModelError};
 use vibrissa_protocol::{
     self as protocol, BootId, Contact, Message, MissedTouch, Name, Receipt, RequestKind, RobotTopic, decode,
 };
@@ -56,6 +56,8 @@ pub struct RobotConfig {
     pub noise: Noise,
     /// Largest relative deviation of the whiskers' calibrations.
     pub calibration_error: f64,
+    /// Mechanics of its whiskers without deviations.
+    pub model: Model,
     /// Scenario of the robot.
     pub robot: RobotScenario,
 }
@@ -63,11 +65,14 @@ pub struct RobotConfig {
 impl RobotConfig {
     /// Configurations of a scenario's robots, in its order.
     pub fn all(scenario: &Scenario) -> impl Iterator<Item = Self> {
-        scenario.robots.iter().map(|robot| Self {
+        // Scenario::check refuses a calibration without a model.
+        let model = scenario.model().unwrap_or_else(|_| Model::nguyen_2021(Formulation::Consistent));
+        scenario.robots.iter().map(move |robot| Self {
             fleet: scenario.fleet.clone(),
             behaviour: scenario.behaviour.clone(),
             noise: scenario.noise.clone(),
             calibration_error: scenario.calibration_error,
+            model: model.clone(),
             robot: robot.clone(),
         })
     }

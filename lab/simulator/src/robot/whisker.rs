@@ -65,6 +65,7 @@ impl Whisker {
         Ok(Self {
             array: array.array.clone(),
             plant: Plant::new(
+                config.model.clone(),
                 facts.length_mm,
                 facts.pressure_mpa,
                 facts.rubber.map_or(Truth::Within(config.calibration_error), Truth::Known),

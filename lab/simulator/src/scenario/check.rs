@@ -86,6 +86,7 @@ impl Scenario {
         within("noise.deflection_relative".into(), self.noise.deflection_relative, 0.0..=1.0)?;
         within("noise.ratio".into(), self.noise.ratio, 0.0..=0.5)?;
         within("calibration_error".into(), self.calibration_error, 0.0..=0.5)?;
+        self.model().map_err(|problem| unfitting("calibration", problem.to_string()))?;
         distinct("robots", self.robots.iter().map(|robot| robot.robot.to_string()))?;
         self.robots.iter().try_for_each(RobotScenario::check)
     }

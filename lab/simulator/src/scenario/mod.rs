@@ -5,6 +5,8 @@ mod event;
 mod misbehaviour;
 
 use serde::{Deserialize, Serialize};
+use vibrissa_core::mechanics::{Formulation, Model, ModelError};
+use vibrissa_edge::calibration_file::CalibrationFile;
 use vibrissa_protocol::{AirControl, ArrayType, Name, OnSupervisorLoss, Task, TouchTestKind, plain};
 
 pub use check::BadScenario;
@@ -32,6 +34,10 @@ pub struct Scenario {
     /// the elongation gain are each uniform within ± this.
     #[serde(default = "default_calibration_error")]
     pub calibration_error: f64,
+    /// Dimensions and calibration of the whiskers before their deviations, as in a calibration file; those of the paper if
+    /// absent. Its `name` belongs into `model` of the robots.
+    #[serde(default)]
+    pub calibration: Option<CalibrationFile>,
     /// The robots, with distinct names.
     pub robots: Vec<RobotScenario>,
 }
@@ -167,7 +173,7 @@ pub struct WhiskerScenario {
     pub rubber: Option<Rubber>,
 }
 
-/// True deviation of a whisker from the built-in calibration: factors on its parameters, and the true formulation
+/// True deviation of a whisker from the scenario's calibration: factors on its parameters, and the true formulation
 /// of the mechanics.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
@@ -228,6 +234,15 @@ fn default_on_supervisor_loss() -> OnSupervisorLoss {
 }
 
 impl Scenario {
+    /// Mechanics of its whiskers without deviations.
+    ///
+    /// # Errors
+    /// The numbers of its calibration do not give a valid model.
+    pub fn model(&self) -> Result<Model, ModelError> {
+        let formulation = Formulation::Consistent;
+        self.calibration.as_ref().map_or_else(|| Ok(Model::nguyen_2021(formulation)), |file| file.model(formulation))
+    }
+
     /// Parses a scenario and checks it as a whole.
     ///
     /// # Errors

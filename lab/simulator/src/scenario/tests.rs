@@ -1,3 +1,7 @@
+use std::collections::BTreeMap as Table;
+
+use vibrissa_core::mechanics::{Calibration, Geometry};
+
 use super::*;
 
 const SMALL: &str = r#"
@@ -29,6 +33,29 @@ fn what_is_not_said_has_its_default() {
     let (array, whisker) = scenario.robots[0].whiskers().next().unwrap();
     assert_eq!((array.array.as_str(), whisker.length_mm, whisker.pressure_mpa), ("left", 70.0, 0.1));
     assert_eq!(scenario.calibration_error, 0.03);
+}
+
+/// The scenario with whiskers of other dimensions.
+fn with_calibration(geometry: Geometry) -> Result<Scenario, BadScenario> {
+    let calibration = Calibration { youngs_modulus_mpa: 0.9, ..Calibration::nguyen_2021() };
+    let file = CalibrationFile::new(&Name::new("wide").unwrap(), &geometry, &calibration);
+    let (before, after) = SMALL.split_once("[[robots]]").unwrap();
+    let section = toml::to_string(&Table::from([("calibration", file)])).unwrap();
+    Scenario::from_toml_str(&format!("{before}{section}[[robots]]{after}"))
+}
+
+#[test]
+fn whiskers_of_other_dimensions_have_the_mechanics_of_their_calibration() {
+    let built_in = Geometry::nguyen_2021();
+    let wide = Geometry { d3_large_mm: 1.2 * built_in.d3_large_mm, ..built_in };
+    let scenario = with_calibration(wide).unwrap();
+    let model = scenario.model().unwrap();
+    assert_eq!((*model.geometry(), model.calibration().youngs_modulus_mpa), (wide, 0.9));
+    let deviating = Rubber { c: 1.1, ..Rubber::default() }.model(&model).unwrap();
+    assert_eq!((*deviating.geometry(), deviating.calibration().youngs_modulus_mpa), (wide, 0.9));
+    assert!((deviating.calibration().c / model.calibration().c - 1.1).abs() < 1e-12);
+    let refused = with_calibration(Geometry { d3_large_mm: -1.0, ..built_in }).unwrap_err().to_string();
+    assert!(refused.starts_with("calibration: ") && refused.contains("d3_large_mm"), "{refused}");
 }
 
 #[test]

@@ -12,7 +12,7 @@ use vibrissa_protocol::Name;
 
 use self::readings::{Reading, read};
 use crate::figures::calibration;
-use vibrissa_supervisor::calibration_file::{self, CalibrationFile};
+use vibrissa_edge::calibration_file::{self, CalibrationFile};
 
 /// Arguments of `vibrissa-lab calibrate`.
 #[derive(Debug, Args)]

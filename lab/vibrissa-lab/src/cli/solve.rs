@@ -14,7 +14,7 @@ use vibrissa_core::units::{Megapascal, Millimetre};
 
 use vibrissa::cli::ANSWER_IS_NO;
 use vibrissa::config::choices::{FormulationArg, ObjectiveArg};
-use vibrissa_supervisor::calibration_file;
+use vibrissa_edge::calibration_file;
 
 /// Arguments of `vibrissa-lab solve`.
 #[derive(Debug, Args)]

@@ -109,6 +109,7 @@ pub fn scenario(seed: u64) -> Result<Scenario, BadName> {
     let tail = array("tail", ArrayType::Type2, &[70.0])?;
     let nose = array("nose", ArrayType::Type2, &[70.0, 70.0, 70.0])?;
     Ok(Scenario {
+        calibration: None,
         seed,
         fleet: Name::new(FLEET)?,
         behaviour: Behaviour {

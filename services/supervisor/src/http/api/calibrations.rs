@@ -12,7 +12,6 @@ use vibrissa_core::mechanics::{CalibrationRow as Measured, Fit, FitError, Geomet
 use vibrissa_core::units::{Megapascal, Millimetre, Strain};
 use vibrissa_protocol::Name;
 
-use crate::calibration_file::{CalibrationFile, GeometrySection};
 use crate::http::App;
 use crate::http::access::{Caller, Scope};
 use crate::http::asking::{Asker, Why, ask, number_of, reason};
@@ -22,6 +21,7 @@ use crate::http::page::{Page, list_query};
 use crate::http::problem::{Kind, Problem};
 use crate::http::search::Search;
 use vibrissa_edge::actions::RecordedKind;
+use vibrissa_edge::calibration_file::{CalibrationFile, GeometrySection};
 use vibrissa_edge::words::Word as _;
 use vibrissa_store::actions::Asked;
 use vibrissa_store::calibrations::NewCalibration;

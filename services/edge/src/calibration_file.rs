@@ -1,4 +1,4 @@
-//! Calibration files: `vibrissa-lab calibrate` writes them, and the supervisor reads them.
+//! Calibration files: `vibrissa-lab calibrate` writes them, and the supervisor and simulated whiskers read them.
 //!
 //! ```toml
 //! name = "left-front"              # the model's name in factsheets
@@ -90,8 +90,8 @@ pub fn load(path: &Path, formulation: Formulation) -> Result<(String, Model), Ca
         .map_err(|problem| plain::in_file(&text, problem.span(), problem.message()))
         .map_err(|reason| CalibrationFileError::Parse { path: path.to_owned(), reason })?;
     let name = Name::new(&file.name).map_err(|reason| CalibrationFileError::Name { path: path.to_owned(), reason })?;
-    let model = Model::new(file.geometry(), file.calibration(), formulation)
-        .map_err(|reason| CalibrationFileError::Model { path: path.to_owned(), reason })?;
+    let model =
+        file.model(formulation).map_err(|reason| CalibrationFileError::Model { path: path.to_owned(), reason })?;
     Ok((name.as_str().to_owned(), model))
 }
 
@@ -108,6 +108,14 @@ impl CalibrationFile {
             elongation_gain_mm: calibration.elongation_gain_mm,
             geometry: (*geometry != Geometry::nguyen_2021()).then(|| (*geometry).into()),
         }
+    }
+
+    /// The mechanics of a whisker with this calibration.
+    ///
+    /// # Errors
+    /// The numbers do not give a valid model.
+    pub fn model(&self, formulation: Formulation) -> Result<Model, ModelError> {
+        Model::new(self.geometry(), self.calibration(), formulation)
     }
 
     /// The geometry of the file, or the paper's.
