@@ -5,11 +5,13 @@
 pub mod actions;
 pub mod black_box;
 pub mod clock;
+pub mod contract;
 pub mod events;
 pub mod fleets;
 pub mod full_name;
 pub mod guidance;
 pub mod ids;
+pub mod interval;
 pub mod labels;
 pub mod partition;
 pub mod presence;

@@ -10,7 +10,7 @@ use crate::structure::{code, rust_files};
 const IN_CIRCLES_MAX: [(&str, usize); 9] = [
     ("core", 0),
     ("protocol", 0),
-    ("edge", 4),
+    ("edge", 0),
     ("robot", 0),
     ("simulator", 4),
     ("evaluation", 2),
