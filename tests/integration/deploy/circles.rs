@@ -12,7 +12,7 @@ const IN_CIRCLES_MAX: [(&str, usize); 9] = [
     ("protocol", 0),
     ("edge", 0),
     ("robot", 0),
-    ("simulator", 4),
+    ("simulator", 0),
     ("evaluation", 2),
     ("store", 3),
     ("supervisor", 26),
