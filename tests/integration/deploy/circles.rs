@@ -13,7 +13,7 @@ const IN_CIRCLES_MAX: [(&str, usize); 9] = [
     ("edge", 0),
     ("robot", 0),
     ("simulator", 0),
-    ("evaluation", 2),
+    ("evaluation", 0),
     ("store", 3),
     ("supervisor", 26),
     ("vibrissa", 8),
