@@ -14,7 +14,7 @@ const IN_CIRCLES_MAX: [(&str, usize); 9] = [
     ("robot", 0),
     ("simulator", 0),
     ("evaluation", 0),
-    ("store", 3),
+    ("store", 0),
     ("supervisor", 26),
     ("vibrissa", 8),
 ];
