@@ -4,7 +4,7 @@ use vibrissa_core::robot::effect::{Command, CommandKey, Effect, TouchTest};
 use vibrissa_core::robot::{Event, Numbers, OperatorAction, Outcome, Params, Robot};
 use vibrissa_core::units::Micros;
 use vibrissa_edge as edge;
-use vibrissa_edge::words::setpoint_reason;
+use vibrissa_edge::contract::setpoint_reason;
 use vibrissa_protocol::{self as protocol, BootId, Message, Name, RobotTopic, Timestamp, decode, encode};
 use vibrissa_simulator::robot::Outgoing;
 use vibrissa_simulator::{Robot as SimulatedRobot, RobotConfig, Scenario};

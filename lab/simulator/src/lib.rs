@@ -23,12 +23,14 @@ pub mod plant;
 mod random;
 pub mod regulator;
 pub mod robot;
+mod robot_handle;
 pub mod scenario;
 pub mod state;
 
-pub use fleet::{Authorities, Broker, CannotStart, Fleet, RobotHandle, password_in};
+pub use fleet::{Authorities, Broker, CannotStart, Fleet, password_in};
 pub use journal::{HeardSetpoint, JournalEntry};
 pub use plant::LengthChange;
 pub use robot::{Outgoing, Robot, RobotConfig, Whisker};
+pub use robot_handle::RobotHandle;
 pub use scenario::Scenario;
 pub use state::StateError;

@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 use tokio::sync::Notify;
 use tokio::time::timeout;
 
-use crate::fleet::RobotHandle;
 use crate::random::digest;
 use crate::robot::RobotState;
+use crate::robot_handle::RobotHandle;
 use crate::scenario::Scenario;
 
 /// Greatest age of wear and pressures in the file: this much of them is lost if the process is killed.

@@ -5,7 +5,7 @@ use vibrissa_core::robot::effect::TouchTest;
 use vibrissa_core::robot::event::{Rejection, TestReport};
 use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, Timestamp};
 
-use crate::words::{touch_test_kind, touch_test_reason};
+use crate::contract::{touch_test_kind, touch_test_reason};
 
 /// The request for a touch test of one of the robot's whiskers; `None` if the robot has no such whisker.
 #[must_use]

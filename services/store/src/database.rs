@@ -5,17 +5,14 @@
 
 use std::time::Duration;
 
+use sqlx::SqlSafeStr;
 use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
 use sqlx::postgres::{PgConnection, PgPool};
-use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection, SqlitePool};
-use sqlx::{ConnectOptions, SqlSafeStr};
+use sqlx::sqlite::{SqliteConnection, SqlitePool};
 use tokio::time::{Instant, interval_at};
 use tracing::info;
 
 use super::StoreError;
-use super::error::failed;
-use super::lock::FileLock;
-use super::postgres::Route;
 
 /// Evaluates the same expression for whichever database is in use.
 macro_rules! on {
@@ -41,22 +38,6 @@ pub(super) type Pool = Either<SqlitePool, PgPool>;
 pub(super) type Link = Either<SqliteConnection, PgConnection>;
 /// An open transaction.
 pub(super) type Tx<'c> = Either<sqlx::Transaction<'c, sqlx::Sqlite>, sqlx::Transaction<'c, sqlx::Postgres>>;
-/// Options of new connections. For SQLite with the lock of the file; for PostgreSQL with the servers.
-pub(super) type Options = Either<(SqliteConnectOptions, Option<FileLock>), Route>;
-
-impl Options {
-    /// Opens a connection for writing. `what` is its purpose, as a verb phrase after "cannot".
-    pub(super) async fn connect(&self, what: &'static str) -> Result<Link, StoreError> {
-        match self {
-            Either::Sqlite((options, _)) => options.connect().await.map(Either::Sqlite).map_err(failed(what)),
-            Either::Postgres(route) => {
-                let mut link = route.connect().await.map_err(|none| none.preventing(what))?;
-                super::postgres::prepare_writer(&mut link).await.map_err(failed(what))?;
-                Ok(Either::Postgres(link))
-            }
-        }
-    }
-}
 
 impl Pool {
     /// Begins a transaction that writes, on a connection of the pool. For rare and small transactions only.

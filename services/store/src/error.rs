@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::cause::{for_log, of_migration, outline};
-use super::postgres::NoServer;
+use super::no_server::NoServer;
 use vibrissa_protocol::plain;
 
 /// Reason why the database cannot be used. No variant shows a password.

@@ -20,6 +20,7 @@ pub mod bulk;
 pub mod calibrations;
 mod cause;
 mod commit;
+mod connect;
 mod database;
 pub mod decommission;
 mod epochs;
@@ -37,6 +38,7 @@ mod load;
 mod lock;
 mod log_position;
 mod membership;
+mod no_server;
 pub mod notes;
 pub mod overview;
 mod partitions;
@@ -73,12 +75,14 @@ pub use lease::Lease;
 pub use load::{JournalReading, NumberedWhisker, RobotState, StoredRobot};
 pub use log_position::LogPositions;
 pub use membership::{ClockReport, FleetLease, FleetsHeard, Membership, Present, Supervisor};
-pub use postgres::{NoServer, Refusal, Replication};
+pub use no_server::{NoServer, Refusal};
+pub use postgres::Replication;
 pub use resolution::Resolution;
 pub use set_aside::SetAside;
 pub use writer::Writer;
 
-use database::{ACQUIRE_PATIENCE, Either, Options, Pool, on};
+use connect::Options;
+use database::{ACQUIRE_PATIENCE, Either, Pool, on};
 use error::failed;
 use lease_watch::LeaseWatch;
 
@@ -103,7 +107,10 @@ impl Store {
         let name: Arc<str> = address.to_string().into();
         let (pool, options) = match address {
             DatabaseAddress::Sqlite(path) => sqlite::open(path, &name, supervisor).await?,
-            DatabaseAddress::Postgres(address) => postgres::open(address, supervisor),
+            DatabaseAddress::Postgres(address) => {
+                let (pool, route) = postgres::open(address, supervisor);
+                (pool, Either::Postgres(route))
+            }
         };
         Ok(Self { pool, options: Arc::new(options), name, set_aside: SetAside::default(), holds: Arc::default() })
     }

@@ -9,7 +9,8 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePo
 use sqlx::{ConnectOptions as _, Connection as _};
 use tracing::info;
 
-use super::database::{ACQUIRE_PATIENCE, Either, Options, Pool};
+use super::connect::Options;
+use super::database::{ACQUIRE_PATIENCE, Either, Pool};
 use super::lock::FileLock;
 use super::{StoreError, database, failed};
 

@@ -8,7 +8,8 @@ use tokio::sync::watch;
 use tokio::time::{Instant, timeout_at};
 use vibrissa_protocol::Name;
 
-use super::database::{Either, Link, Options};
+use super::connect::Options;
+use super::database::{Either, Link};
 use super::lease_watch::LeaseWatch;
 use super::{Batch, Lease, SetAside, StoreError, commit, failed};
 

@@ -1,6 +1,6 @@
 // The API's enumerations in plain English: [words, tone, shape]. An unknown word is shown unchanged.
 //
-// The service makes declared.js of its own declaration of words (services/edge/src/words.rs): [words, tone], or the
+// The service makes declared.js of its own declaration of words (services/edge/src/words): [words, tone], or the
 // words alone. Here are the shapes of its marks, and the words that only the API has.
 
 import * as declared from "./declared.js";

@@ -6,7 +6,7 @@ use vibrissa_evaluation::reality::{
 };
 
 fn nuisances(nuisance: Nuisance, strength: f64) -> Nuisances {
-    Row { nuisance, strength }.nuisances()
+    Nuisances::of(Row { nuisance, strength })
 }
 
 /// Contacts of one whisker at nominal pressure.

@@ -6,7 +6,7 @@ use vibrissa_core::robot::event::{Contact, MissedTouch};
 use vibrissa_core::robot::{Event, Numbers, Outcome, Params, Robot};
 use vibrissa_core::units::Micros;
 use vibrissa_edge as edge;
-use vibrissa_edge::words::setpoint_reason;
+use vibrissa_edge::contract::setpoint_reason;
 use vibrissa_protocol::{
     self as protocol, BootId, Message, Name, RobotTopic, Timestamp, Topic, decode, encode, envelope,
 };

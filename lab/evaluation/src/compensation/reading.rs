@@ -5,7 +5,7 @@ use vibrissa_core::mechanics::{CONTACT_RATIOS, Formulation};
 use vibrissa_core::policy::LongerForShorter;
 use vibrissa_core::robot::Params;
 use vibrissa_core::robot::effect::{CandidateRecord, CompensationError, Effect};
-use vibrissa_edge::words::Z95;
+use vibrissa_edge::interval::Z95;
 use vibrissa_protocol::{AirControl, TouchTestKind};
 use vibrissa_simulator::places::Places;
 use vibrissa_simulator::scenario::{Behaviour, Change};

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::units::ContactRatio;
 
-use vibrissa_edge::words::Z95;
+use vibrissa_edge::interval::Z95;
 
 use oracle::Oracle;
 use plant::{DEFLECTIONS_MM, NOISE, Plant, RATIOS, WHOLE_MM};

@@ -2,6 +2,7 @@
 
 use vibrissa_core::robot::effect::{AlarmKind, Condition, Effect, Fault};
 
+use super::nuisances::Nuisances;
 use super::robot::{Layout, Robot, WHISKERS};
 use super::{RobotKind, Row, seed};
 
@@ -107,7 +108,7 @@ impl Healthy {
 #[must_use]
 pub(super) fn robots(row: Row, contacts: u64) -> (u64, u64) {
     let rounds = contacts.div_ceil(WHISKERS as u64);
-    let rounds_max = if row.nuisances().leak > 0.0 { LEAK_ROUNDS_MAX } else { ROUNDS_MAX };
+    let rounds_max = if Nuisances::of(row).leak > 0.0 { LEAK_ROUNDS_MAX } else { ROUNDS_MAX };
     // As many robots of each layout.
     let robots = rounds.div_ceil(rounds_max).next_multiple_of(Layout::ALL.len() as u64);
     (robots, rounds.div_ceil(robots))
@@ -117,7 +118,7 @@ pub(super) fn robots(row: Row, contacts: u64) -> (u64, u64) {
 #[must_use]
 pub(super) fn run(row: Row, kind: RobotKind, plan_seed: u64, number: u64, rounds: u64) -> Healthy {
     let layout = Layout::ALL[number as usize % Layout::ALL.len()];
-    let nuisances = row.nuisances();
+    let nuisances = Nuisances::of(row);
     let mut robot = Robot::new(nuisances, kind, layout, seed(plan_seed, 0, number));
     let mut healthy = Healthy::default();
     let has_leak = nuisances.leak > 0.0;

@@ -6,11 +6,12 @@ use rand::Rng;
 use vibrissa_core::mechanics::{ByRatio, CONTACT_RATIOS};
 use vibrissa_core::robot::effect::{Condition, Effect, EndReason, Reason};
 use vibrissa_core::robot::one_number;
-use vibrissa_edge::words::Z95;
+use vibrissa_edge::interval::Z95;
 
 pub use self::compensated::Compensated;
 use self::compensated::{Prediction, SOON_ROUNDS};
 use super::healthy::Healthy;
+use super::nuisances::Nuisances;
 use super::robot::{Layout, Robot, WHISKERS};
 use super::row::Incident;
 use super::truth::{Reference, whole};
@@ -99,7 +100,7 @@ pub(super) fn run(row: Row, kind: RobotKind, plan_seed: u64, number: u64) -> (Ve
     let layout = layouts[number as usize % layouts.len()];
     let size_mm = SIZES_MM[number as usize % SIZES_MM.len()];
     let mut trial = Trial {
-        robot: Robot::new(row.nuisances(), kind, layout, own_seed),
+        robot: Robot::new(Nuisances::of(row), kind, layout, own_seed),
         incident,
         round: 0,
         cases: Vec::new(),

@@ -60,7 +60,9 @@ impl Nuisances {
         leak: 0.0,
     };
 
-    pub(super) fn of(row: Row) -> Self {
+    /// Sizes of the nuisances of a row that last.
+    #[must_use]
+    pub fn of(row: Row) -> Self {
         let mut all = Self::NONE;
         let each: &[Nuisance] = if row.nuisance == Nuisance::Mix { &LASTING } else { &[row.nuisance] };
         for &nuisance in each {

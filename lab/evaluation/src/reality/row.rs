@@ -1,7 +1,5 @@
 //! The rows of the evaluation: one nuisance at one strength each.
 
-use super::nuisances::Nuisances;
-
 /// A departure of real whiskers and robots from the ideal world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Nuisance {
@@ -148,12 +146,6 @@ impl Row {
     pub fn of(nuisances: &[Nuisance]) -> Vec<Self> {
         let each = |&nuisance: &Nuisance| nuisance.strengths().iter().map(move |&strength| Self { nuisance, strength });
         nuisances.iter().flat_map(each).collect()
-    }
-
-    /// Sizes of the nuisances that last.
-    #[must_use]
-    pub fn nuisances(self) -> Nuisances {
-        Nuisances::of(self)
     }
 
     /// Incident of the whiskers that are not healthy.

@@ -5,13 +5,10 @@ use vibrissa_robot::contract::supervision::pressure_without;
 use vibrissa_robot::contract::{Answer, Moment, Verdict};
 
 use super::misbehaviour::{AT_ONCE_MPA_PER_S, HELD_LESS_MPA};
-use super::whisker::Applying;
+use super::whisker::{Applying, OWN_SLEW_MPA_PER_S};
 use super::{Outgoing, Robot};
 use crate::journal::{HeardSetpoint, JournalEntry};
 use crate::scenario::Misbehaviour;
-
-/// Slew of pressure changes without a command, in MPa/s.
-pub(super) const OWN_SLEW_MPA_PER_S: f64 = 0.02;
 
 impl Robot {
     pub(super) fn setpoint(&mut self, setpoint: &Setpoint, now_us: u64, out: &mut Vec<Outgoing>) {

@@ -12,6 +12,9 @@ use crate::random::{Purpose, stream};
 use crate::regulator::Regulator;
 use crate::scenario::{ArrayScenario, Change, WhiskerScenario};
 
+/// Slew of pressure changes without a command, in MPa/s.
+pub(super) const OWN_SLEW_MPA_PER_S: f64 = 0.02;
+
 /// One whisker of a robot.
 #[derive(Debug)]
 pub struct Whisker {
@@ -93,7 +96,7 @@ impl Whisker {
         self.estimated_mm = None;
         self.gain = ReadingGain::new(self.facts.pressure_mpa);
         self.applying = None;
-        self.regulator.set(self.facts.pressure_mpa, super::setpoints::OWN_SLEW_MPA_PER_S);
+        self.regulator.set(self.facts.pressure_mpa, OWN_SLEW_MPA_PER_S);
     }
 
     /// Condition of regulator and gauge as the robot detects it.

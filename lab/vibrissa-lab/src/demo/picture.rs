@@ -7,7 +7,7 @@ use plotters::prelude::*;
 
 use super::scenario::{CONTACTS_PER_SECOND, INCIDENTS};
 use crate::figures::{Axes, COLOURS, Panel, chart, drawing, legend};
-use vibrissa_edge::words::Z95;
+use vibrissa_edge::interval::Z95;
 use vibrissa_store::Store;
 use vibrissa_store::from_row::LengthPoint;
 use vibrissa_store::list::{Filter, Value};

@@ -10,7 +10,8 @@ use vibrissa_core::robot::effect::{
     Response, Trim,
 };
 use vibrissa_core::units::Megapascal;
-use vibrissa_edge::words::{Word, Z95};
+use vibrissa_edge::interval::Z95;
+use vibrissa_edge::words::Word;
 use vibrissa_protocol as protocol;
 
 use super::replayer::{Happened, What};

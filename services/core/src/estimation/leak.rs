@@ -232,13 +232,13 @@ impl LeakWatch {
         let Some(open) = self.open.take() else { return };
         self.closed.fade((-open.span_s() / params.memory.as_s()).exp());
         let mut own = Pool::default();
-        own.add(params, &open);
+        own.add(params.sensor_step_mpa, &open);
         let apart = |one: Interval, other: Interval| one.high < other.low || other.high < one.low;
         if own.rate().zip(self.closed.rate()).is_some_and(|(own, before)| apart(own, before)) {
             // A leak began or was repaired: a long quiet interval would outweigh many short ones after it.
             self.closed = own;
         } else {
-            self.closed.add(params, &open);
+            self.closed.add(params.sensor_step_mpa, &open);
         }
     }
 
@@ -300,7 +300,7 @@ impl LeakWatch {
     fn fitted_rate_per_s(&self, params: &LeakParams) -> Option<Interval> {
         let mut pool = self.closed;
         if let Some(open) = &self.open {
-            pool.add(params, open);
+            pool.add(params.sensor_step_mpa, open);
         }
         pool.told()
     }

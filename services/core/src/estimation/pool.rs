@@ -2,7 +2,6 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::leak::LeakParams;
 use super::sealed_interval::SealedInterval;
 use super::trend::{Interval, Slope};
 
@@ -45,7 +44,8 @@ impl Pool {
         self.scatter = self.scatter.map(|sum| sum * keep);
     }
 
-    pub(super) fn add(&mut self, params: &LeakParams, open: &SealedInterval) {
+    /// Adds a closed interval. The step is that of the pressure sensor.
+    pub(super) fn add(&mut self, sensor_step_mpa: f64, open: &SealedInterval) {
         let Some(Slope { per_x, weight, squares, freedom }) = open.slope() else { return };
         let mpa = f64::from(open.mpa);
         let by_pressure = mpa.powi(2);
@@ -58,7 +58,7 @@ impl Pool {
         self.freedom += freedom as f32;
         // Rounding errors are uniform over a step, so a line through a few of them is off by about a step over the
         // interval (1 / sqrt(12) times sqrt(12)), and by much less once the pressure falls through several steps.
-        let step = params.sensor_step_mpa / mpa;
+        let step = sensor_step_mpa / mpa;
         let fallen = per_x.abs() * open.span_s();
         let rounding = step / open.span_s().max(1.0) * (step / fallen.max(step));
         self.rounding += (weight * rounding).powi(2) as f32;

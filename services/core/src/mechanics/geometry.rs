@@ -1,7 +1,6 @@
 //! Table 1: the shape of a whisker at zero pressure.
 
 use super::model_error::ModelError;
-use super::taper;
 
 /// Dimensions of a whisker before pressurization (Table 1, Fig. 3A), in mm.
 ///
@@ -76,23 +75,6 @@ impl Geometry {
             xss_mm: 6.0,
             poisson_ratio: 0.49,
         }
-    }
-
-    /// G: elongation of the whole chamber in mm for Q = E2, by eq. 24 from c to l:
-    /// `delta_l(l) = G * Q / (k2 * E)`.
-    #[must_use]
-    pub fn elongation_gain_mm(&self) -> f64 {
-        self.elongation_gain_between_mm(self.c_mm, self.l_mm)
-    }
-
-    /// Eq. 24 between two cross sections instead of from c, for Q = E2, in mm.
-    pub(super) fn elongation_gain_between_mm(&self, from_mm: f64, to_mm: f64) -> f64 {
-        taper::axial_compliance_mm(self, to_mm) - taper::axial_compliance_mm(self, from_mm)
-    }
-
-    /// Axial strain of the gauge's grid for Q = E2 (eq. 32), dimensionless.
-    pub(super) fn axial_gain(&self) -> f64 {
-        self.elongation_gain_between_mm(self.xss_mm, self.xss_mm + self.e_mm) / self.e_mm
     }
 
     /// Position of the apex of the body's cone, in mm: upper limit of a whisker's length.

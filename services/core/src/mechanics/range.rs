@@ -5,28 +5,6 @@ use super::root;
 use super::setpoint::Target;
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
-/// Number of cells in a search over the pressure: 5 kPa each over the examined range.
-pub(super) const CELLS: u32 = 40;
-/// Tolerance of the pressure of an extreme value, in MPa.
-pub(super) const TOLERANCE_MPA: f64 = 1e-9;
-/// Step that shows whether a curve still rises, in MPa.
-const STEP_MPA: f64 = 1e-6;
-
-/// Pressure at which `f` is greatest between two pressures, if `f` rises to one peak. The peak is mostly at the
-/// upper end, which two evaluations show.
-///
-/// A tip's sensitivity rises with the pressure because the wall softens. It also falls, because the chamber's
-/// growing compliance absorbs more of the deflection; for short whiskers (nguyen-2021: below 52 mm) this effect
-/// prevails below 0.2 MPa. Beyond the peak, more pressure does not help.
-pub(super) fn peak_mpa(low_mpa: f64, high_mpa: f64, f: impl Fn(f64) -> f64) -> f64 {
-    let near_high_mpa = high_mpa - STEP_MPA;
-    if near_high_mpa <= low_mpa || f(high_mpa) >= f(near_high_mpa) {
-        high_mpa
-    } else {
-        root::least(low_mpa, high_mpa, CELLS, TOLERANCE_MPA, |pressure_mpa| -f(pressure_mpa))
-    }
-}
-
 /// Shortest and longest compensator of a model that can serve a target between two pressures.
 ///
 /// At `pressure_min` the shortest has the target's sensitivity at the tip. The longest has it at `pressure_max`, or
@@ -50,6 +28,6 @@ pub fn compensable_range(
         found.unwrap_or_else(|error| error.nearest().unwrap_or(target.length))
     };
     let (low_mpa, high_mpa) = (pressure_min.mpa(), pressure_max.mpa().max(pressure_min.mpa()));
-    let peak_mpa = peak_mpa(low_mpa, high_mpa, |pressure_mpa| length_at(pressure_mpa).mm());
+    let peak_mpa = root::peak_mpa(low_mpa, high_mpa, |pressure_mpa| length_at(pressure_mpa).mm());
     (length_at(low_mpa), length_at(peak_mpa))
 }

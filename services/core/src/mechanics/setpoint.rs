@@ -5,7 +5,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use super::length::CutIntoChamber;
 use super::model::Model;
 use super::profile::{self, ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, ErrorProfile, GainProfile, Offset, RatioWeights};
-use super::{range, root};
+use super::root;
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
 /// Tolerance of a solved pressure, in MPa.
@@ -237,7 +237,7 @@ impl Question<'_> {
             log_at_tip(self.model, self.compensator.length, pressure) + self.deviation.at_tip(pressure)
                 - self.wanted_log
         };
-        let high_mpa = range::peak_mpa(low_mpa, high_mpa, excess);
+        let high_mpa = root::peak_mpa(low_mpa, high_mpa, excess);
         let (at_low, at_high) = (excess(low_mpa), excess(high_mpa));
         if at_low.abs() <= EQUAL_LOG {
             Solution::InRange(self.setpoint(low_mpa))

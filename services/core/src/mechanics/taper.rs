@@ -2,6 +2,25 @@
 
 use super::geometry::Geometry;
 
+impl Geometry {
+    /// G: elongation of the whole chamber in mm for Q = E2, by eq. 24 from c to l:
+    /// `delta_l(l) = G * Q / (k2 * E)`.
+    #[must_use]
+    pub fn elongation_gain_mm(&self) -> f64 {
+        self.elongation_gain_between_mm(self.c_mm, self.l_mm)
+    }
+
+    /// Eq. 24 between two cross sections instead of from c, for Q = E2, in mm.
+    pub(super) fn elongation_gain_between_mm(&self, from_mm: f64, to_mm: f64) -> f64 {
+        axial_compliance_mm(self, to_mm) - axial_compliance_mm(self, from_mm)
+    }
+
+    /// Axial strain of the gauge's grid for Q = E2 (eq. 32), dimensionless.
+    pub(super) fn axial_gain(&self) -> f64 {
+        self.elongation_gain_between_mm(self.xss_mm, self.xss_mm + self.e_mm) / self.e_mm
+    }
+}
+
 /// Eq. 24 from c to `x_mm` without the factor Q / E2: elongation of the chamber up to `x_mm`, in mm.
 ///
 /// `d_m^2 L2^2 Lm^2 * integral of dx / (D2^2 Lm^2 (L2 - x + c)^2 - Dm^2 L2^2 (Lm - x + c)^2)`. The denominator is a

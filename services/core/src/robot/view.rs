@@ -2,7 +2,7 @@
 
 use super::effect::{Command, CommandKey, Condition, Fault, TestKind, TestState, WhiskerIndex};
 use super::event::{ArrayKind, Link};
-use super::health::alarms::Standing;
+use super::health::standing::Standing;
 use super::{Compensation, Robot, Sequence, Sheet};
 use crate::estimation::{Erosion, Interval, LengthEstimate};
 use crate::mechanics::Offset;

@@ -14,14 +14,13 @@ use sqlx::postgres::{PgArguments, PgConnection, Postgres};
 
 use super::StoreError;
 use super::address::PostgresAddress;
-use super::database::{Either, Options, Pool};
+use super::database::Pool;
 use super::error::failed;
 
 pub(super) use audit_log::protect as protect_audit_log;
 pub(super) use copy::{are_copied, copy_contacts};
 pub(super) use parts::COUNTED;
 pub use replication::Replication;
-pub use role::{NoServer, Refusal};
 pub(super) use route::Route;
 
 /// A statement whose parameters are being bound.
@@ -30,10 +29,10 @@ pub(super) type Query = sqlx::query::Query<'static, Postgres, PgArguments>;
 /// Version number of the oldest supported server (`server_version_num`).
 const OLDEST: i32 = 150_000;
 
-/// Connection pool for queries; connections are opened when they are needed.
-pub(super) fn open(address: &PostgresAddress, supervisor: &str) -> (Pool, Options) {
+/// Connection pool for queries, and the servers; connections are opened when they are needed.
+pub(super) fn open(address: &PostgresAddress, supervisor: &str) -> (Pool, Route) {
     let route = Route::new(address.clone().named(&format!("vibrissa {supervisor}")));
-    (Pool::Postgres(route.pool().clone()), Either::Postgres(route))
+    (Pool::Postgres(route.pool().clone()), route)
 }
 
 /// Finds the server that accepts writes, and checks that it is not too old and that sessions are whole.

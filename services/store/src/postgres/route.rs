@@ -16,9 +16,10 @@ use tokio::sync::watch;
 use tokio::time::{Instant, sleep, timeout};
 use tracing::info;
 
-use super::role::{self, Leader, NoServer, Refusal};
+use super::role::{self, Leader};
 use crate::address::{PostgresAddress, place};
 use crate::database::ACQUIRE_PATIENCE;
+use crate::no_server::{NoServer, Refusal};
 
 /// Most connections of the pool.
 const CONNECTIONS: u32 = 5;

@@ -10,7 +10,7 @@ use crate::policy::Case;
 use crate::robot::compensation::Compensation;
 use crate::robot::effect::{Command, CommandState, Condition, Fault, Reason, TestKind, TestReason, TestState};
 use crate::robot::event::{AirControl, ArrayKind, GaugeState, Link, RegulatorState, Task, TouchTests};
-use crate::robot::health::alarms;
+use crate::robot::health::standing;
 use crate::robot::state::head::Head;
 use crate::robot::state::whisker::{Desired, Holds, InFlight, Whisker};
 use crate::robot::{Array, Robot};
@@ -127,7 +127,7 @@ impl Robot {
         parts.add("condition", whiskers().map(|one| &one.condition));
         parts.add("fault", whiskers().filter_map(|one| one.fault.as_ref()));
         parts.add("holds", whiskers().map(|one| &one.holds));
-        parts.note("standing", alarms::PARTS, whiskers().map(|one| one.standing.has()));
+        parts.note("standing", standing::PARTS, whiskers().map(|one| one.standing.has()));
         parts.note("air", whisker::AIR_FLAGS, whiskers().map(|one| one.air.is(&one.sheet)));
         parts.add("regulator", whiskers().map(|one| &one.air.regulator));
         parts.add("detector", whiskers().map(|one| &one.detector));

@@ -11,8 +11,7 @@ use crate::robot::health::flapping::{Flapping, Vent};
 use crate::robot::setpoints::tries::Tries;
 use crate::robot::state::factsheet::{Sheet, read_numbers, write_numbers};
 use crate::robot::state::rare_state::{Rare, RareState};
-use crate::robot::state::tracked::DecisionBasis;
-use crate::robot::state::whisker::{Air, Holds, Whisker};
+use crate::robot::state::whisker::{Air, DecisionBasis, Holds, Whisker};
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.

@@ -36,42 +36,6 @@ const READING_GAIN_STEP: f64 = 0.001;
 /// Number of steps that leaves none.
 const KEEPS_PRESSURE: u8 = u8::MAX;
 
-/// Parameters of the refinement.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RefinementParams {
-    /// The first evaluation comes after this many contacts at a pressure; each further one after twice as many.
-    pub first_look_contacts: u32,
-    /// Moves of pressure in one compensation.
-    pub steps_max: u8,
-    /// Expected gain in mean error (Eq. 35) below which a setpoint stays, as a ratio.
-    pub margin: f64,
-    /// Moves up to this are lost in a regulator's dither, MPa.
-    pub dither_mpa: f64,
-    /// Share of the open cases that must be better at the new pressure.
-    pub confidence: f64,
-    /// A gain stays while the mean error with it is below this, as a ratio.
-    pub gain_margin: f64,
-    /// An eroding whisker gets a setpoint, and each new one, after it has lost this much, mm.
-    pub erosion_step_mm: f64,
-    /// ... and after this many contacts at the last one.
-    pub erosion_contacts_min: u32,
-}
-
-impl Default for RefinementParams {
-    fn default() -> Self {
-        Self {
-            first_look_contacts: 200,
-            steps_max: 3,
-            margin: 0.005,
-            dither_mpa: 0.0012,
-            confidence: 0.95,
-            gain_margin: 0.01,
-            erosion_step_mm: 0.4,
-            erosion_contacts_min: 40,
-        }
-    }
-}
-
 /// Progress of the refinement of a compensation.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
 pub(in crate::robot) struct Refining {

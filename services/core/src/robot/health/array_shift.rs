@@ -14,7 +14,8 @@ use crate::mechanics::Model;
 use crate::robot::Robot;
 use crate::robot::effect::{Condition, Effect, WhiskerIndex};
 use crate::robot::params::Params;
-use crate::robot::state::whisker::{Unsteady, Whisker};
+use crate::robot::state::rare_state::Unsteady;
+use crate::robot::state::whisker::Whisker;
 use crate::units::ContactRatio;
 
 /// With fewer others nothing is attributed to the array.

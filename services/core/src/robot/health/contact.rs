@@ -7,7 +7,7 @@ use crate::robot::Robot;
 use crate::robot::effect::{Condition, ContactRecord, Effect, Trim, WhiskerIndex};
 use crate::robot::event::Contact;
 use crate::robot::params::Params;
-use crate::robot::state::whisker::PendingTrim;
+use crate::robot::state::rare_state::PendingTrim;
 use crate::units::Micros;
 
 impl Robot {

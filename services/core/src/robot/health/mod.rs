@@ -1,10 +1,12 @@
 //! The condition of whiskers, gauges and chambers, and the alarms that follow from it.
 
-pub mod alarms;
+mod alarms;
 pub(in crate::robot) mod array_shift;
 pub(in crate::robot) mod contact;
 mod deafness;
 pub(in crate::robot) mod duplicate;
+mod fault_changes;
 pub(in crate::robot) mod faults;
 pub(in crate::robot) mod flapping;
 pub(in crate::robot) mod gauge;
+pub mod standing;

@@ -8,7 +8,6 @@ use smallvec::SmallVec;
 
 use crate::encoding;
 use crate::robot::event::WhiskerSheet;
-use crate::robot::state::whisker::Whisker;
 use crate::units::{Megapascal, Millimetre};
 
 /// Longest name of a model in stored bytes; a longer one is invalid.
@@ -76,16 +75,6 @@ impl Sheet {
     /// Whether a factsheet has the same data.
     pub(in crate::robot) fn is_as_told(&self, told: &WhiskerSheet) -> bool {
         self.is_same_whisker(told) && self.neighbours[..] == told.neighbours[..]
-    }
-}
-
-/// Whiskers of the same model share its name, if it can be with `names`.
-pub(in crate::robot) fn share_models(whiskers: &mut [Whisker], mut names: Vec<Arc<String>>) {
-    for model in whiskers.iter_mut().map(|one| &mut one.sheet.model) {
-        match names.iter().find(|known| *known == model) {
-            Some(known) => *model = Arc::clone(known),
-            None => names.push(Arc::clone(model)),
-        }
     }
 }
 

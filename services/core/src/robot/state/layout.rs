@@ -1,12 +1,13 @@
 //! Changes of the layout: a new factsheet, or a new whisker in the place of an old one.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::robot::effect::{AlarmKind, CommandState, Condition, Effect, EndReason, Reason, WhiskerIndex};
 use crate::robot::event::{ArrayKind, ArraySheet, Factsheet, WhiskerSheet};
 use crate::robot::params::Params;
 use crate::robot::setpoints::command::state_of;
-use crate::robot::state::factsheet::{Sheet, share_models};
+use crate::robot::state::factsheet::Sheet;
 use crate::robot::state::tracked::Whiskers;
 use crate::robot::state::whisker::{Air, Desired, Whisker};
 use crate::robot::{Array, Compensation, Robot};
@@ -236,5 +237,15 @@ impl Whisker {
         };
         renewed.gauge.reported = self.gauge.reported;
         renewed
+    }
+}
+
+/// Whiskers of the same model share its name, if it can be with `names`.
+pub(in crate::robot) fn share_models(whiskers: &mut [Whisker], mut names: Vec<Arc<String>>) {
+    for model in whiskers.iter_mut().map(|one| &mut one.sheet.model) {
+        match names.iter().find(|known| *known == model) {
+            Some(known) => *model = Arc::clone(known),
+            None => names.push(Arc::clone(model)),
+        }
     }
 }

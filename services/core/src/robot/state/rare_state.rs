@@ -2,14 +2,39 @@
 
 use std::ops::Deref;
 
+use borsh::{BorshDeserialize, BorshSerialize};
+
 use crate::estimation::{ErosionWatch, OwnCalibration, Reach};
 use crate::mechanics::Offset;
 use crate::robot::effect::Fault;
 use crate::robot::health::flapping::{Flapping, Vent};
 use crate::robot::setpoints::tries::Tries;
-use crate::robot::state::whisker::{PendingTrim, Unsteady};
 use crate::robot::touch_tests::LengthTest;
 use crate::units::Micros;
+
+/// A cut that is confirmed.
+#[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(in crate::robot) struct PendingTrim {
+    pub length_before_mm: f64,
+    pub contacts_since_change: u32,
+    pub contacts_since_confirmed: u32,
+}
+
+/// An offset that follows a shift of the whole array.
+#[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
+pub(in crate::robot) struct Unsteady {
+    /// The shift that was found, log sensitivity, without its sign.
+    pub log_shift: f64,
+    /// Contacts for which it goes on.
+    pub contacts_left: u32,
+}
+
+impl Unsteady {
+    pub(in crate::robot) fn after_contact(&self) -> Option<Self> {
+        let contacts_left = self.contacts_left.checked_sub(1)?;
+        Some(Self { contacts_left, ..*self })
+    }
+}
 
 /// State of a whisker that was cut, erodes, serves, is sent setpoints, is in an array that shifts, is touched at known
 /// distances, or whose fault changes.

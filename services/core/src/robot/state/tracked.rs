@@ -6,8 +6,8 @@
 //!   [`Whiskers::take_changed`] for the whiskers.
 //! - The alarms of a whisker must be evaluated: it was accessed in this step, a compensation began, ended or was
 //!   approved, or the robot fell silent.
-//! - The policy must look at the arrays: the [`DecisionBasis`] of an accessed whisker or the list of compensations
-//!   differs from that of the last decision.
+//! - The policy must look at the arrays: the [`DecisionBasis`](super::whisker::DecisionBasis) of an accessed whisker or
+//!   the list of compensations differs from that of the last decision.
 //! - The cached deadline of ticks may be too late: it is lowered to the deadline of each accessed whisker, see
 //!   [`super::deadline`].
 //!
@@ -22,7 +22,7 @@ use std::ops::{Deref, DerefMut, Index, IndexMut};
 use smallvec::SmallVec;
 
 use crate::robot::Robot;
-use crate::robot::effect::{Condition, Effect, Fault, WhiskerIndex};
+use crate::robot::effect::{Effect, WhiskerIndex};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
 use crate::units::Micros;
@@ -214,25 +214,6 @@ impl IndexSet {
         for (word, other) in self.0.iter_mut().zip(&mut other.0) {
             *word |= std::mem::take(other);
         }
-    }
-}
-
-/// The properties of a whisker that decide whether it needs a compensator and whether it may serve as one.
-///
-/// Length and offset are left out: they move with each contact, and a decision stands until one of these differs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::robot) struct DecisionBasis {
-    pub condition: Condition,
-    pub fault: Option<Fault>,
-    pub given_up: bool,
-    pub held: bool,
-    pub undecided: bool,
-}
-
-impl Whisker {
-    pub(in crate::robot) fn decision_basis(&self) -> DecisionBasis {
-        let Self { condition, fault, given_up, held, undecided, .. } = *self;
-        DecisionBasis { condition, fault, given_up, held, undecided }
     }
 }
 

@@ -10,12 +10,11 @@ use crate::estimation::{
 use crate::mechanics::{CONTACT_RATIOS, Model, Offset, Target};
 use crate::robot::effect::{Command, CommandState, Condition, Fault, Reason};
 use crate::robot::event::{AirControl, RegulatorState};
-use crate::robot::health::alarms::Standing;
 use crate::robot::health::gauge::GaugeWatch;
+use crate::robot::health::standing::Standing;
 use crate::robot::params::Params;
 use crate::robot::state::factsheet::Sheet;
 use crate::robot::state::rare_state::Rare;
-use crate::robot::state::tracked::DecisionBasis;
 use crate::units::{ContactRatio, Megapascal, Micros};
 
 /// Largest step of an eroding whisker's pressure that leaves its offset as certain as it was.
@@ -96,30 +95,6 @@ pub(in crate::robot) enum Holds {
     Vented,
 }
 
-/// A cut that is confirmed.
-#[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
-pub(in crate::robot) struct PendingTrim {
-    pub length_before_mm: f64,
-    pub contacts_since_change: u32,
-    pub contacts_since_confirmed: u32,
-}
-
-/// An offset that follows a shift of the whole array.
-#[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
-pub(in crate::robot) struct Unsteady {
-    /// The shift that was found, log sensitivity, without its sign.
-    pub log_shift: f64,
-    /// Contacts for which it goes on.
-    pub contacts_left: u32,
-}
-
-impl Unsteady {
-    pub(in crate::robot) fn after_contact(&self) -> Option<Self> {
-        let contacts_left = self.contacts_left.checked_sub(1)?;
-        Some(Self { contacts_left, ..*self })
-    }
-}
-
 /// The chamber's pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::robot) struct Air {
@@ -167,6 +142,18 @@ pub(in crate::robot) struct InFlight {
     pub resend_at: Micros,
 }
 
+/// The properties of a whisker that decide whether it needs a compensator and whether it may serve as one.
+///
+/// Length and offset are left out: they move with each contact, and a decision stands until one of these differs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::robot) struct DecisionBasis {
+    pub condition: Condition,
+    pub fault: Option<Fault>,
+    pub given_up: bool,
+    pub held: bool,
+    pub undecided: bool,
+}
+
 impl Whisker {
     pub(in crate::robot) fn new(array: u16, sheet: Sheet, params: &Params) -> Self {
         Self {
@@ -209,6 +196,11 @@ impl Whisker {
             },
             sheet,
         }
+    }
+
+    pub(in crate::robot) fn decision_basis(&self) -> DecisionBasis {
+        let Self { condition, fault, given_up, held, undecided, .. } = *self;
+        DecisionBasis { condition, fault, given_up, held, undecided }
     }
 
     /// Whether all stored numbers are finite: a version before this one could learn infinite ones.

@@ -5,7 +5,8 @@ use crate::robot::Robot;
 use crate::robot::effect::{Condition, Effect, TestReason, TestState, WhiskerIndex};
 use crate::robot::event::{Contact, ContactPlace, MissedTouch};
 use crate::robot::params::Params;
-use crate::robot::state::whisker::{PendingTrim, Whisker};
+use crate::robot::state::rare_state::PendingTrim;
+use crate::robot::state::whisker::Whisker;
 use crate::robot::touch_tests::LengthTest;
 use crate::units::{Micros, Millimetre};
 

@@ -8,7 +8,7 @@ use vibrissa_core::estimation::LengthEstimate;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::Robot;
 use vibrissa_core::robot::effect::Condition;
-use vibrissa_edge::words::Z95;
+use vibrissa_edge::interval::Z95;
 
 /// Change of a length from which on the robot is told, mm: 0.2 mm change a reading by about 0.7 %.
 const CHANGE_MM: f64 = 0.2;

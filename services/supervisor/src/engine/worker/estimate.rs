@@ -5,7 +5,8 @@ use std::time::Instant;
 use vibrissa_core::robot::event::Link;
 use vibrissa_edge as edge;
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_edge::words::{length_interval_mm, whisker_condition};
+use vibrissa_edge::contract::whisker_condition;
+use vibrissa_edge::interval::length_interval_mm;
 use vibrissa_protocol::{self as protocol, Name, PAYLOAD_MAX_BYTES, RobotTopic, Timestamp, WhiskerCondition, encode};
 
 use super::Worker;

@@ -11,8 +11,9 @@ use crate::engine::robot::seqs::Seqs;
 use crate::outbox::{Publication, Stopwatch};
 use vibrissa_edge as edge;
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::contract::setpoint_reason;
 use vibrissa_edge::ids::{command_id, command_uuid};
-use vibrissa_edge::words::{Word, setpoint_reason};
+use vibrissa_edge::words::Word;
 
 /// Limit of `held` ranges in a receipt; the core keeps no more.
 const HELD_MAX: usize = 64;

@@ -4,7 +4,8 @@ use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::effect::{Command, CompensationError, Decision, ErrorBin, Refinement};
 use vibrissa_core::units::Megapascal;
 use vibrissa_edge::ids::{command_id, wide_id};
-use vibrissa_edge::words::{Word, Z95};
+use vibrissa_edge::interval::Z95;
+use vibrissa_edge::words::Word;
 use vibrissa_protocol::Name;
 use vibrissa_store::batch::{CandidateRow, DecisionRow, ErrorBinRow, ErrorRow, Interval, RefinementRow, SetpointRow};
 

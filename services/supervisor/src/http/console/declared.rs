@@ -78,9 +78,9 @@ mod tests {
             let words: BTreeMap<String, Value> = serde_json::from_str(words).unwrap();
             let is_marked = words.values().next().unwrap().is_array();
             for (word, told) in &words {
-                assert_eq!(told.is_array(), is_marked, "{name} in edge/src/words.rs: severity of {word}");
+                assert_eq!(told.is_array(), is_marked, "{name} in edge/src/words: severity of {word}");
                 let label = if is_marked { &told[0] } else { told };
-                assert!(label.is_string(), "{name} in edge/src/words.rs: {word} needs a label");
+                assert!(label.is_string(), "{name} in edge/src/words: {word} needs a label");
             }
         }
     }

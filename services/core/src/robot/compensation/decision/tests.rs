@@ -4,10 +4,10 @@ use super::*;
 use crate::estimation::LengthFilter;
 use crate::estimation::filter::{LENGTH, STATES};
 use crate::mechanics::{EVEN_WEIGHTS, Formulation, Objective};
-use crate::policy::LongerForShorter;
+use crate::policy::{Fitness, LongerForShorter, propose};
 use crate::robot::Numbers;
-use crate::robot::event::{ArraySheet, Factsheet, TouchTests, WhiskerSheet};
-use crate::units::Micros;
+use crate::robot::event::{ArrayKind, ArraySheet, Factsheet, TouchTests, WhiskerSheet};
+use crate::units::{Megapascal, Micros, Millimetre};
 
 /// Numbers without a pattern, the same each time.
 struct Random(u64);

@@ -1,0 +1,69 @@
+//! Words of the state of robots and whiskers.
+
+use vibrissa_core::robot::effect::{AlarmKind, Condition, ContactUse, Fault};
+use vibrissa_core::robot::event::{ArrayKind, GaugeState, Link};
+
+use super::{Severity, Word, Words};
+use crate::presence::Presence;
+
+words! {
+    Condition {
+        Learning => "LEARNING" "learning" (Info),
+        Healthy => "HEALTHY" "healthy" (Good),
+        Suspected => "SUSPECTED" "suspected" (Warn),
+        Trimmed => "TRIMMED" "trimmed" (Bad),
+        Eroding => "ERODING" "eroding" (Warn),
+        SensitivityLoss => "SENSITIVITY_LOSS" "less sensitive" (Warn),
+    }
+    Fault {
+        Stale => "STALE" "stale: no contacts" (Warn),
+        Gauge(GaugeState::Open) => "GAUGE_OPEN" "gauge open" (Bad),
+        Gauge(GaugeState::Short) => "GAUGE_SHORT" "gauge shorted" (Bad),
+        Gauge(GaugeState::Saturated) => "GAUGE_SATURATED" "gauge saturated" (Bad),
+        Gauge(GaugeState::Ok) => "GAUGE" "gauge faulty" (Bad),
+        Leak => "LEAK" "leaking" (Bad),
+        Regulator => "REGULATOR" "regulator faulty" (Bad),
+        SupplyLow => "SUPPLY_LOW" "air supply low" (Bad),
+    }
+    ContactUse {
+        Learning => "LEARNING",
+        Used => "USED",
+        Unsettled => "UNSETTLED",
+        TooWeak => "TOO_WEAK",
+        OnChamber => "ON_CHAMBER",
+        NoPlace => "NO_PLACE",
+        BeyondTip => "BEYOND_TIP",
+        GaugeFault => "GAUGE_FAULT",
+        Implausible => "IMPLAUSIBLE",
+    }
+    AlarmKind {
+        Uncompensated => "UNCOMPENSATED" "trimmed, no compensator available",
+        SetpointFailed => "SETPOINT_FAILED" "setpoints have failed",
+        SensitivityLoss => "SENSITIVITY_LOSS" "sensitivity loss not explained by a cut",
+        Eroding => "ERODING" "eroding",
+        ArrayShift => "ARRAY_SHIFT" "shift shared by the whole array",
+        BaselineDrift => "BASELINE_DRIFT" "baseline drift of the gauge",
+        Proposed => "PROPOSED" "a compensation waits for approval",
+        ReachLost => "REACH_LOST" "no contacts near the tip any more",
+        Vented => "VENTED" "vented by the robot itself, and not filled again",
+        RobotSilent => "ROBOT_SILENT" "the robot is silent or not connected",
+        ReceiptsUnheard => "RECEIPTS_UNHEARD" "the robot does not hear its receipts",
+        DuplicateRobot => "DUPLICATE_ROBOT" "two robots use this name";
+        Fault(Fault)
+    }
+    ArrayKind {
+        Type1 => "TYPE_1" "whiskers that compensate for one another",
+        Type2 => "TYPE_2" "single whiskers, each for itself",
+    }
+    Link {
+        Online => "ONLINE",
+        Offline => "OFFLINE",
+        Broken => "CONNECTION_BROKEN",
+    }
+    Presence {
+        Online => "ONLINE" "online" (Good),
+        Silent => "SILENT" "connected, but silent" (Bad),
+        Offline => "OFFLINE" "offline" (Off),
+        Broken => "CONNECTION_BROKEN" "connection broken" (Bad),
+    }
+}
