@@ -38,7 +38,7 @@ pub mod kafka;
 #[path = "kafka/disabled.rs"]
 pub mod kafka;
 pub mod kafka_options;
-mod log_inbox;
+pub mod log_inbox;
 pub mod metrics;
 pub mod one_of;
 #[cfg(feature = "parquet")]

@@ -15,7 +15,7 @@ const IN_CIRCLES_MAX: [(&str, usize); 9] = [
     ("simulator", 4),
     ("evaluation", 2),
     ("store", 3),
-    ("supervisor", 26),
+    ("supervisor", 0),
     ("vibrissa", 8),
 ];
 

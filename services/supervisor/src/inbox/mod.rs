@@ -1,13 +1,15 @@
-//! The queue of received messages: bounded in messages and bytes, and shared fairly among robots (`fair`). The receiver
-//! fills it through an `Intake`; the engine takes messages out.
+//! The engine's input: received messages as [`Incoming`], and the [`LinkState`] of the transport that receives them.
+//!
+//! The queue is bounded in messages and bytes, and shared fairly among robots (`fair`). The receiver fills it through an
+//! `Intake`; the engine takes messages out.
 //!
 //! Messages received together are handed over together: one lock, one wake-up and one allocation for all of them.
 
 mod fair;
 mod intake;
+mod link;
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bytes::Bytes;
@@ -16,14 +18,15 @@ use vibrissa_core::units::Micros;
 
 pub use fair::{Filling, Shed};
 pub(crate) use intake::{Intake, inbox};
+pub use link::LinkState;
 
 use crate::births::BirthCause;
 use fair::{Bounds, FairQueues};
 
-/// A message as received from the broker.
+/// A message as a transport has received it.
 #[derive(Debug)]
 pub struct Incoming {
-    /// The MQTT topic.
+    /// The topic of the contract.
     pub topic: Bytes,
     /// Payload: JSON, if the robot conforms to the contract.
     pub payload: Bytes,
@@ -46,7 +49,7 @@ struct Shared {
     /// Notified when messages arrive, or when no more can.
     arrived: Notify,
     /// Whether the receiver hears the robots.
-    hears: AtomicBool,
+    link: LinkState,
 }
 
 #[derive(Debug, Default)]
@@ -112,10 +115,10 @@ impl Inbox {
         }
     }
 
-    /// Whether the receiver hears the robots: it is connected, and all its subscriptions are proven.
+    /// State of the receiver's connection.
     #[must_use]
-    pub fn hears(&self) -> bool {
-        self.shared.hears.load(Ordering::Relaxed)
+    pub fn link(&self) -> &LinkState {
+        &self.shared.link
     }
 
     /// Whether no messages wait.

@@ -288,7 +288,7 @@ impl Pipeline {
             if !is_fresh && !one.states_a_commit() {
                 continue;
             }
-            let one = if one.is_retained { Publication { until: fresh_until, ..one } } else { one };
+            let one = if one.is_retained() { Publication { until: fresh_until, ..one } } else { one };
             // Noted before the robot may answer.
             let Ok(place) = outbox.try_reserve() else { continue };
             self.metrics.promises.receipts_due(u64::from(one.states_a_commit()));

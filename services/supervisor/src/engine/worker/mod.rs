@@ -3,13 +3,14 @@
 //! - [`messages`]: a message is decoded, and checked against the allow list and the limits.
 //! - [`reports`]: contacts, status and setpoint states of a known robot become events.
 //! - [`stepper`]: an event is stepped through the core.
-//! - [`record`], [`rows`]: its effects become rows; [`events`]: and events for other programs.
+//! - [`record`], [`rows`]: its effects become rows; [`events`], [`contact_events`]: and events for other programs.
 //! - [`log`]: lines of the log, which name their subject in full.
 //! - [`publication`]: setpoints, receipts and requests; [`estimate`]: estimates.
 
 mod announced;
+pub(crate) mod contact_events;
 mod estimate;
-pub(crate) mod events;
+mod events;
 mod hearing;
 mod log;
 mod messages;
@@ -27,19 +28,20 @@ use std::hash::RandomState;
 
 use vibrissa_core::robot::{Event, Outcome};
 use vibrissa_core::units::Micros;
-use vibrissa_protocol::{self as protocol, Name, RobotTopic};
+use vibrissa_protocol::{self as protocol, Name};
 
 use crate::black_box::recorder::Whose;
 use crate::engine::allow_list::{AllowList, RefusedRobots};
 use crate::engine::commit::batch::OpenBatch;
 use crate::engine::commit::checkpoint::CheckpointRate;
-use crate::engine::commit::journal::Part;
 use crate::engine::commit::transaction::SealedTransaction;
 use crate::engine::message::RawMessage;
+use crate::engine::part::Part;
 use crate::engine::robot::Robots;
 use crate::engine::robot::seqs::Seqs;
 use crate::inbox::Delayed;
 use crate::log_inbox::LogRange;
+use crate::outbox::Publication;
 
 pub(crate) use hearing::Found;
 
@@ -132,6 +134,10 @@ impl Worker {
 
     pub(crate) fn robots_mut(&mut self) -> &mut Robots {
         &mut self.robots
+    }
+
+    pub(crate) fn stepper(&self) -> &Stepper {
+        &self.stepper
     }
 
     pub(crate) fn stepper_mut(&mut self) -> &mut Stepper {
@@ -283,9 +289,11 @@ impl Worker {
     }
 
     /// Records a message that was published to a robot.
-    pub(crate) fn published(&mut self, robot: &str, topic: RobotTopic, at: Micros, payload: &[u8]) {
-        if let Some(known) = self.robots.get_mut(robot) {
-            self.stepper.keep_message(known, topic, at, payload);
+    pub(crate) fn published(&mut self, Publication { robot, message, .. }: &Publication, at: Micros) {
+        if let Some(known) = self.robots.get_mut(robot)
+            && self.stepper.has_box(known, at)
+        {
+            self.stepper.keep_message(known, message.topic(), at, &message.encoded());
         }
     }
 

@@ -3,12 +3,12 @@
 use std::time::{Duration, Instant};
 
 use vibrissa_core::robot::effect::{Command, TouchTest};
-use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp, encode};
+use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp};
 
 use super::stepper::Stepper;
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::seqs::Seqs;
-use crate::outbox::{Publication, Stopwatch};
+use crate::outbox::{Publication, Stopwatch, ToRobot};
 use vibrissa_edge as edge;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::ids::{command_id, command_uuid};
@@ -67,7 +67,7 @@ impl Stepper {
                 None
             }
         };
-        let publication = self.publication(&known.name, RobotTopic::Setpoint, encode(&setpoint));
+        let publication = Publication::new(known.name.clone(), ToRobot::Setpoint(Box::new(setpoint)));
         self.batch.publish_setpoint(Publication { until: Some(until), stopwatch, ..publication });
         if let Some(traces) = &mut self.traces {
             traces.sending(&known.name, command);
@@ -86,8 +86,7 @@ impl Stepper {
     pub(super) fn publish_request(&mut self, robot: &Name, seqs: &mut Seqs, request: RequestKind) {
         let (boot_id, seq) = (self.boot_id.clone(), seqs.next_request());
         let request = protocol::Request { boot_id, seq, request, touch_test: None };
-        let publication = self.publication(robot, RobotTopic::Request, encode(&request));
-        self.batch.publish(publication);
+        self.batch.publish(Publication::new(robot.clone(), ToRobot::Request(request)));
     }
 
     /// Requests a touch test. The broker forgets it when the robot would reject it as expired.
@@ -96,27 +95,14 @@ impl Stepper {
         let sender = (self.boot_id.clone(), known.seqs.next_request());
         let Some(request) = edge::touch_tests::request(&known.robot, test, test_id, sender) else { return };
         let valid_for = Duration::from_micros(self.params.command.time_to_live.0);
-        let publication = self.publication(&known.name, RobotTopic::Request, encode(&request));
+        let publication = Publication::new(known.name.clone(), ToRobot::Request(request));
         self.batch.publish(Publication { until: Some(Instant::now() + valid_for), ..publication });
-    }
-
-    pub(super) fn publication(&self, robot: &Name, kind: RobotTopic, payload: Vec<u8>) -> Publication {
-        Publication {
-            topic: kind.of(&self.fleet, robot).to_string(),
-            robot: Some((robot.clone(), kind)),
-            payload,
-            qos: kind.quality_of_service(),
-            is_retained: kind.is_retained(),
-            until: None,
-            stopwatch: None,
-        }
     }
 
     /// Clears the retained messages of a robot that has left for good: new clients must not take it for a present one.
     pub(super) fn clear_retained(&mut self, robot: &Name) {
         for kind in RobotTopic::ALL.into_iter().filter(|kind| kind.is_retained()) {
-            let publication = self.publication(robot, kind, Vec::new());
-            self.batch.publish(publication);
+            self.batch.publish(Publication::new(robot.clone(), ToRobot::Cleared(kind)));
         }
     }
 
@@ -141,10 +127,8 @@ impl Stepper {
             next: sequence.next(),
             held: sequence.held().iter().copied().take(HELD_MAX).collect(),
         };
-        let publication = self.publication(&known.name, RobotTopic::Receipt, encode(&receipt));
-        let next = receipt.next;
-        known.repeats.receipted(known.boot(boot_id), next, wall_clock());
-        self.batch.publish(publication);
+        known.repeats.receipted(known.boot(boot_id), receipt.next, wall_clock());
+        self.batch.publish(Publication::new(known.name.clone(), ToRobot::Receipt(receipt)));
         self.metrics.receipts_sent.inc();
     }
 }
