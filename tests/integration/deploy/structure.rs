@@ -180,15 +180,3 @@ fn only_the_store_and_the_tests_depend_on_sqlx() {
     let users: Vec<&str> = users.map(|(name, _)| name.as_str()).collect();
     assert_eq!(users, ["vibrissa-store", "vibrissa-tests"]);
 }
-
-/// A gauge is an output. The engine decides by the state of its parts.
-#[test]
-fn the_engine_reads_no_metric() {
-    for path in rust_files(&project().join("services/supervisor/src/engine")) {
-        let code: String = code(&path).split_whitespace().collect();
-        for after in code.split("metrics.").skip(1) {
-            let reads = after.split([';', ',', '{', '}']).next().is_some_and(|one| one.contains(".get()"));
-            assert!(!reads, "{}: metrics.{}", path.display(), after.chars().take(60).collect::<String>());
-        }
-    }
-}

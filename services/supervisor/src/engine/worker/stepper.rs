@@ -69,7 +69,7 @@ pub(crate) struct Stepper {
     pub(super) answered: Option<AnsweredSetpoint>,
     /// Traces of setpoints under way, if there is a collector.
     pub(super) traces: Option<OpenTraces>,
-    /// Events of contacts, if Kafka gets them.
+    /// Events of contacts, if they are wanted.
     pub(super) contact_events: Option<ContactEvents>,
     /// Black boxes, if they are wanted.
     boxes: Option<FleetBoxes>,
