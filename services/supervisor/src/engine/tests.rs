@@ -29,7 +29,8 @@ use super::robot::retention::ContactRetention;
 use super::worker::stepper::Stepper;
 use super::worker::workers::Workers;
 
-use super::worker::{Found, Receipts, Worker};
+use super::worker::publication::Receipts;
+use super::worker::{Found, Worker};
 use crate::inbox::Delayed;
 use crate::metrics::Metrics;
 use vibrissa_store::batch::Batch;

@@ -18,7 +18,7 @@ use crate::engine::commit::journal::index::JournalIndex;
 use crate::engine::commit::schedule::Schedule;
 use crate::engine::commit::transaction::{SealedTransaction, answers};
 use crate::engine::fleet_metrics;
-use crate::engine::worker::Receipts;
+use crate::engine::worker::publication::Receipts;
 use crate::engine::worker::workers::Workers;
 use crate::metrics::FleetMetrics;
 use crate::outbox::{Losses, Publication};

@@ -1,11 +1,15 @@
-//! Publications: setpoints, receipts, requests.
+//! Publications: setpoints, receipts, requests. They leave with the sealed batch, after its commit.
 
 use std::time::{Duration, Instant};
 
 use vibrissa_core::robot::effect::{Command, TouchTest};
+use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp};
 
+use super::Worker;
 use super::stepper::Stepper;
+use crate::engine::commit::checkpoint::CheckpointRate;
+use crate::engine::commit::transaction::SealedTransaction;
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::seqs::Seqs;
 use crate::outbox::{Publication, Stopwatch, ToRobot};
@@ -22,6 +26,52 @@ const HELD_MAX: usize = 64;
 pub(super) enum Sent {
     First,
     Again,
+}
+
+/// Receipts and waiting checkpoints are part of a transaction.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Receipts {
+    /// Time of sealing.
+    pub(crate) now: Micros,
+    /// Limit of the worker's robots that get receipts.
+    pub(crate) robots_max: usize,
+}
+
+impl Worker {
+    pub(super) fn is_receipt_due(&self) -> bool {
+        !self.stepper.receipts_due.is_empty()
+    }
+
+    /// Adds receipts to the open batch, which are published after the commit and state how far the contacts of each
+    /// boot are committed. At most `most` robots, or a quarter of those due if that is more, get theirs now: the broker
+    /// forwards each receipt as a message, and a later receipt covers more contacts.
+    pub(crate) fn publish_receipts(&mut self, most: usize) {
+        let due = &mut self.stepper.receipts_due;
+        let most = most.max(due.len() / 4).min(due.len());
+        let later = due.split_off(most);
+        for name in std::mem::replace(due, later) {
+            let Some(known) = self.robots.get_mut(&name) else { continue };
+            for boot_id in std::mem::take(&mut known.receipts_due) {
+                self.stepper.publish_receipt(known, boot_id.as_str());
+            }
+        }
+    }
+
+    /// Seals the open batch by appending it to those of other workers, with the checkpoints that are due.
+    pub(crate) fn seal_into(
+        &mut self,
+        transaction: &mut SealedTransaction,
+        rate: &mut CheckpointRate,
+        receipts: Option<Receipts>,
+    ) {
+        self.stepper.batch.write_decided_checkpoints(&mut self.robots, rate);
+        if let Some(Receipts { now, robots_max }) = receipts {
+            self.stepper.batch.write_due_checkpoints(&mut self.robots, now, rate);
+            self.publish_receipts(robots_max);
+        }
+        self.stepper.batch.seal_into(transaction);
+        transaction.push_spans(self.stepper.seal_spans());
+    }
 }
 
 impl Stepper {

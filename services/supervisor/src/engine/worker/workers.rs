@@ -8,7 +8,8 @@ use vibrissa_core::robot::{Event, Outcome, Params};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 
-use super::{Receipts, Worker};
+use super::Worker;
+use super::publication::Receipts;
 use crate::ending::Ending;
 use crate::engine::allow_list::AllowList;
 use crate::engine::commit::checkpoint::CheckpointRate;
