@@ -10,7 +10,7 @@ use bytes::Bytes;
 use tokio::sync::{mpsc, oneshot};
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 
-use crate::inbox::LinkState;
+use crate::link_state::LinkState;
 
 /// Why a record of the log is skipped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! The engine and its ports: `inbox`, `log_inbox` and `outbox` carry data, and no transport and no gauge has a part in it.
+//! The engine and its ports: `inbox`, `log_inbox`, `link_state` and `outbox` carry data, and no transport and no gauge has a part in it.
 
 use std::path::PathBuf;
 
@@ -33,7 +33,7 @@ fn the_engine_names_no_transport() {
         ["kafka", "rumqttc"]
     );
     assert!(transports("let mqtt_topic = https;").is_empty());
-    let files = files(&["engine", "inbox", "log_inbox", "outbox"]);
+    let files = files(&["engine", "inbox", "log_inbox", "link_state", "outbox"]);
     assert!(files.len() > 50, "{files:?}");
     for path in files {
         assert_eq!(transports(&code(&path)), Vec::<&str>::new(), "{}", path.display());

@@ -7,7 +7,6 @@
 
 mod fair;
 mod intake;
-mod link;
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -18,9 +17,9 @@ use vibrissa_core::units::Micros;
 
 pub use fair::{Filling, Shed};
 pub(crate) use intake::{Intake, inbox};
-pub use link::LinkState;
 
 use crate::births::BirthCause;
+use crate::link_state::LinkState;
 use fair::{Bounds, FairQueues};
 
 /// A message as a transport has received it.

@@ -8,7 +8,7 @@ use rskafka::record::RecordAndOffset;
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 
 use super::client::Connector;
-use crate::inbox::LinkState;
+use crate::link_state::LinkState;
 use crate::log_inbox::{LogRecord, Skipped};
 use crate::metrics::FleetMetrics;
 use crate::readiness::Readiness;
