@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether a transport hears the robots: it is connected, and its subscriptions are proven or all its partitions answer. The
-/// transport sets it, and the engine reads it; clones share it.
+/// Whether a transport hears the robots: it is connected, and its subscriptions are proven or all its partitions
+/// answer. The transport sets it, and the engine reads it. Clones share their state.
 #[derive(Debug, Clone, Default)]
 pub struct LinkState(Arc<AtomicBool>);
 

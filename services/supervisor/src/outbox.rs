@@ -58,7 +58,7 @@ pub struct Publication {
     pub robot: Name,
     /// The message.
     pub message: ToRobot,
-    /// Deadline for sending. The robot gets the message within the remaining time, or not at all, unless it is retained.
+    /// Deadline for sending. After it the transport drops the message, unless it is retained.
     pub until: Option<Instant>,
     /// Measures the time until the setpoint is published; `None` for other messages, and for setpoints that are sent
     /// again.

@@ -1,4 +1,5 @@
-//! The engine and its ports: `inbox`, `log_inbox`, `link_state` and `outbox` carry data, and no transport and no gauge has a part in it.
+//! The engine and its ports: `inbox`, `log_inbox`, `link_state` and `outbox` carry data, name no transport and read no
+//! metric.
 
 use std::path::PathBuf;
 

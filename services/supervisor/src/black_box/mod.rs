@@ -1,8 +1,8 @@
 //! Black boxes: the messages of a robot around a trim, a fault or an alarm.
 //!
 //! [`tape`] keeps the newest messages of a robot in memory, with its state at some times, and [`reel`] keeps it within its
-//! limits. [`recorder`] decides when a box begins and ends. [`lines`] makes a recording of a tape, and [`writer`] writes it to the database, in a
-//! task of its own, by a [`job`]: no commit waits for it.
+//! limits. [`recorder`] decides when a box begins and ends. [`lines`] makes a recording of a tape, and [`writer`] writes it
+//! to the database, in a task of its own, by a [`job`]: no commit waits for it.
 
 mod job;
 mod lines;

@@ -1,7 +1,7 @@
 //! The engine's input: received messages as [`Incoming`], and the [`LinkState`] of the transport that receives them.
 //!
-//! The queue is bounded in messages and bytes, and shared fairly among robots (`fair`). The receiver fills it through an
-//! `Intake`; the engine takes messages out.
+//! The queue is bounded in messages and bytes, and shared fairly among robots (`fair`). The receiver fills it through
+//! an `Intake`; the engine takes messages out.
 //!
 //! Messages received together are handed over together: one lock, one wake-up and one allocation for all of them.
 

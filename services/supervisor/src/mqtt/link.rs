@@ -92,7 +92,8 @@ pub(super) struct LowLimit {
     pub(super) is_too_low: bool,
 }
 
-/// A fleet's broker connections as people see them: why its robots cannot be heard or answered. Shared by both connections.
+/// State of a fleet's broker connections for people: why its robots cannot be heard or answered. Shared by both
+/// connections.
 #[derive(Debug, Clone, Default)]
 pub struct BrokerLink(Arc<Mutex<Link>>);
 

@@ -1,8 +1,8 @@
 //! Staged roll-outs of a fleet: some robots get a change before the others, and their errors decide about the rest.
 //!
-//! The core decides ([`vibrissa_core::rollout`]); here is the state, and `actions::rollouts` steps the chosen robots. The
-//! state is a row of the database, written in the transaction in which robots change, so a roll-out survives its owner. The
-//! changed robots have parameters of their own ([`TrialParams`]); those of the fleet stay until the last stage.
+//! The core decides ([`vibrissa_core::rollout`]); here is the state, and `actions::rollouts` steps the chosen robots.
+//! The state is a row of the database, written in the transaction in which robots change, so a roll-out survives its
+//! owner. The changed robots have parameters of their own ([`TrialParams`]); those of the fleet stay until the last stage.
 
 pub(super) mod change;
 pub(super) mod compare;

@@ -19,7 +19,7 @@ const WHISKERS_MIN: usize = 8;
 /// Range of lengths in the contract, mm; the bounds of an interval are from 0 to [`BOUND_MAX_MM`].
 const LENGTH_MM: (f64, f64) = (1.0, 1000.0);
 const BOUND_MAX_MM: f64 = 2000.0;
-/// Bytes of JSON that a whisker takes in an estimate, at most; an estimate without whiskers takes fewer than one whisker.
+/// Largest size of a whisker in an estimate, bytes of JSON.
 const WHISKER_BYTES_MAX: usize = 1024;
 
 impl Worker {
@@ -93,8 +93,8 @@ fn rounded(value: f64, per_unit: f64) -> f64 {
     (value * per_unit).round() / per_unit
 }
 
-/// Shortens an estimate to at most `most` bytes of JSON. The contract allows robots with more whiskers than one message can
-/// list: then whiskers that work as installed are left out, the last ones first.
+/// Shortens an estimate to at most `most` bytes of JSON. The contract allows robots with more whiskers than one message
+/// can list: then whiskers that work as installed are left out, the last ones first.
 fn shorten(estimate: &mut protocol::Estimate, most: usize) {
     while estimate.whiskers.len() * WHISKER_BYTES_MAX > most {
         let bytes = encode(estimate).len();
