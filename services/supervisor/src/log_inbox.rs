@@ -160,3 +160,31 @@ impl LogSource {
         self.set_aside.load(Ordering::Relaxed)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn the_transport_answers_each_recall_and_learns_when_all_are_read() {
+        let (recalls, mut wanted) = mpsc::channel(1);
+        let source = LogSource::new("t".into(), LinkState::default(), recalls, Arc::default());
+        let transport = tokio::spawn(async move {
+            let mut answered = Vec::new();
+            while let Some(Recall::Records(range, answer)) = wanted.recv().await {
+                let topic = Topic::parse("whisker/v1/f/r/contacts").unwrap();
+                let (robot, kind) = (Name::robot("r").unwrap(), RobotTopic::Contacts);
+                let record = LogRecord { offset: range.from, topic, robot, kind, payload: Bytes::new() };
+                answer.send(vec![record]).unwrap();
+                answered.push(range.from);
+            }
+            answered
+        });
+        for from in [3, 5] {
+            let records = source.records(LogRange { partition: 0, from, to: from + 2 }).await;
+            assert_eq!(records.iter().map(|record| record.offset).collect::<Vec<_>>(), [from]);
+        }
+        source.records_are_read().await;
+        assert_eq!(transport.await.unwrap(), [3, 5]);
+    }
+}

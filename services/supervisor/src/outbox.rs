@@ -58,7 +58,8 @@ pub struct Publication {
     pub robot: Name,
     /// The message.
     pub message: ToRobot,
-    /// Deadline for sending. After it the transport drops the message, unless it is retained.
+    /// Deadline for sending, after which the transport drops the message. Robots get it by then, too, unless it is
+    /// retained.
     pub until: Option<Instant>,
     /// Measures the time until the setpoint is published; `None` for other messages, and for setpoints that are sent
     /// again.
