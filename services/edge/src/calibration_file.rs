@@ -42,6 +42,14 @@ pub struct CalibrationFile {
     pub geometry: Option<GeometrySection>,
 }
 
+/// A calibration with its number in the database: the parameters of an action that activates it.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Activation {
+    pub(crate) calibration_id: i64,
+    pub(crate) calibration: CalibrationFile,
+}
+
 /// Why a calibration file is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum CalibrationFileError {

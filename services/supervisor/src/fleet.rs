@@ -18,9 +18,9 @@ use crate::ending::{Ending, stopped};
 use crate::engine::{ContactRetention, Engine, EngineOptions, Limits};
 use crate::events::EventSink;
 use crate::former_owner::FormerOwners;
-use crate::kafka::Kafka;
+use crate::kafka::{Kafka, LogReader};
 use crate::metrics::{FleetMetrics, Metrics};
-use crate::mqtt::{self, BrokerAddress, Connection, FleetBirths, LinkState, Prepared};
+use crate::mqtt::{self, BrokerAddress, BrokerLink, Connection, FleetBirths, Prepared};
 use crate::outbox::Losses;
 use crate::readiness::{Readiness, Standing};
 use crate::robots_file::RobotsFile;
@@ -83,7 +83,7 @@ pub(crate) struct Shared {
 pub(crate) struct Fleet {
     lease: Lease,
     /// State of the fleet's broker connections; not set before the engine has started.
-    link: Arc<OnceLock<LinkState>>,
+    link: Arc<OnceLock<BrokerLink>>,
     stop: watch::Sender<bool>,
     task: JoinHandle<()>,
 }
@@ -102,7 +102,7 @@ impl Fleet {
     }
 
     /// State of the fleet's broker connections; `None` before the engine has started.
-    pub(crate) fn link(&self) -> Option<&LinkState> {
+    pub(crate) fn link(&self) -> Option<&BrokerLink> {
         self.link.get()
     }
 
@@ -128,13 +128,14 @@ impl Fleet {
     }
 }
 
-async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>, mut stop: watch::Receiver<bool>) {
+async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<BrokerLink>>, mut stop: watch::Receiver<bool>) {
     let fleet = lease.fleet().clone();
     let metrics = shared.metrics.of_fleet(&fleet);
     let events = shared.kafka.as_ref().and_then(|kafka| kafka.sink(&fleet, &metrics));
+    let log = shared.kafka.as_ref().and_then(|kafka| kafka.reader(&fleet, &metrics, &shared.readiness));
     let taking_up = async {
         former_owners(&fleet, &shared, &heard).await;
-        take_up(&lease, &shared, events.as_ref()).await
+        take_up(&lease, &shared, events.as_ref(), log.as_ref()).await
     };
     let engine = tokio::select! {
         engine = taking_up => engine,
@@ -146,9 +147,9 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
         let connection = Connection {
             births: shared.births.of(&fleet),
             epoch: lease.epoch(),
-            hears_contacts: engine.log().is_none(),
+            hears_contacts: log.is_none(),
             occupancy: place.occupancy(),
-            link: heard.get_or_init(LinkState::default).clone(),
+            link: heard.get_or_init(BrokerLink::default).clone(),
             ..Connection::new(shared.broker.clone(), shared.prepared.clone(), fleet.clone(), boot_id)
         };
         for node in shared.broker.nodes() {
@@ -165,7 +166,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
             (Some(kafka), Some(sink)) => kafka.publish(&shared.store, &fleet, &metrics, sink),
             _ => None,
         };
-        run((engine, place), &connection, &metrics, stop).await;
+        run((engine, place, log), &connection, &metrics, stop).await;
         if let Some(task) = archiving {
             // The next owner writes an unfinished file again.
             task.abort();
@@ -181,7 +182,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<LinkState>>
 }
 
 /// Waits while the database does not know the fleet's former owner.
-async fn former_owners(fleet: &Name, shared: &Shared, heard: &OnceLock<LinkState>) {
+async fn former_owners(fleet: &Name, shared: &Shared, heard: &OnceLock<BrokerLink>) {
     let Ok(boot_id) = BootId::new(&shared.supervisor) else { return };
     if shared.is_new_installation {
         return;
@@ -192,7 +193,12 @@ async fn former_owners(fleet: &Name, shared: &Shared, heard: &OnceLock<LinkState
 }
 
 /// Settings of the engine of a fleet.
-fn engine_options(lease: &Lease, boot_id: &BootId, shared: &Shared, events: Option<&EventSink>) -> EngineOptions {
+fn engine_options(
+    lease: &Lease,
+    boot_id: &BootId,
+    shared: &Shared,
+    (events, log): (Option<&EventSink>, Option<&LogReader>),
+) -> EngineOptions {
     EngineOptions {
         lease: lease.clone(),
         boot_id: boot_id.clone(),
@@ -205,10 +211,7 @@ fn engine_options(lease: &Lease, boot_id: &BootId, shared: &Shared, events: Opti
         limits: shared.limits,
         robots_file: shared.robots_file.clone(),
         events: events.cloned(),
-        log: shared
-            .kafka
-            .as_ref()
-            .and_then(|kafka| kafka.reader(lease.fleet(), &shared.metrics.of_fleet(lease.fleet()), &shared.readiness)),
+        log: log.map(LogReader::source),
         boxes: shared.boxes.clone(),
         robot_clocks: shared.robot_clocks.clone(),
         is_archived: shared.archive.is_some(),
@@ -217,7 +220,12 @@ fn engine_options(lease: &Lease, boot_id: &BootId, shared: &Shared, events: Opti
 }
 
 /// Loads the fleet; retries while the database is unreachable.
-async fn take_up(lease: &Lease, shared: &Shared, events: Option<&EventSink>) -> Option<(Engine, BootId)> {
+async fn take_up(
+    lease: &Lease,
+    shared: &Shared,
+    events: Option<&EventSink>,
+    log: Option<&LogReader>,
+) -> Option<(Engine, BootId)> {
     // New with each epoch, because the message numbers start again.
     let boot_id = match BootId::new(&format!("{}-{}", shared.supervisor, lease.epoch())) {
         Ok(boot_id) => boot_id,
@@ -232,7 +240,7 @@ async fn take_up(lease: &Lease, shared: &Shared, events: Option<&EventSink>) -> 
             if events.is_some() {
                 shared.store.follow_events(lease.fleet().as_str(), wall_clock().0 as i64).await?;
             }
-            engine_options(lease, &boot_id, shared, events).start().await
+            engine_options(lease, &boot_id, shared, (events, log)).start().await
         };
         match loading.await {
             Ok(engine) => return Some((engine, boot_id)),
@@ -252,7 +260,7 @@ async fn take_up(lease: &Lease, shared: &Shared, events: Option<&EventSink>) -> 
 
 /// Runs the engine until `stop`, or until another supervisor acquires the lease.
 async fn run(
-    (engine, place): (Engine, Place),
+    (engine, place, log): (Engine, Place, Option<LogReader>),
     connection: &Connection,
     metrics: &FleetMetrics,
     mut stop: watch::Receiver<bool>,
@@ -268,7 +276,7 @@ async fn run(
         // Ends with the engine.
         let mut beside = JoinSet::new();
         beside.spawn(receiving);
-        let batches = engine.log().map(|(log, from)| {
+        let batches = log.zip(engine.log_from()).map(|(log, from)| {
             let (sender, batches) = mpsc::channel(LOG_BATCHES);
             beside.spawn(log.run(from, sender));
             batches

@@ -7,7 +7,7 @@ use std::time::Duration;
 use tracing::error;
 
 use crate::metrics::Metrics;
-use crate::mqtt::{Connection, LinkState, retained_epoch};
+use crate::mqtt::{BrokerLink, Connection, retained_epoch};
 use crate::readiness::Readiness;
 use vibrissa_store::{Store, StoreError};
 
@@ -24,7 +24,7 @@ pub(crate) struct FormerOwners<'a> {
     pub(crate) part: &'static str,
     pub(crate) connection: Connection,
     /// Gets the state of the link if the broker does not answer.
-    pub(crate) heard: &'a OnceLock<LinkState>,
+    pub(crate) heard: &'a OnceLock<BrokerLink>,
 }
 
 impl FormerOwners<'_> {

@@ -14,7 +14,7 @@ use tracing::{info, warn};
 use vibrissa_protocol::{BootId, Name};
 
 use crate::fleet::Shared;
-use crate::mqtt::{Connection, LinkState, try_hearing};
+use crate::mqtt::{BrokerLink, Connection, try_hearing};
 use vibrissa_store::{FleetsHeard, Membership};
 
 /// Pause between two trials.
@@ -67,7 +67,7 @@ impl HearingTrials {
     /// Reads the hearing of the owned fleets from their links, and of the others from their trials.
     pub(crate) fn listen<'a>(
         &mut self,
-        owned: impl Iterator<Item = (&'a Name, Option<&'a LinkState>)>,
+        owned: impl Iterator<Item = (&'a Name, Option<&'a BrokerLink>)>,
         shared: &Shared,
     ) {
         let limit = shared.broker.deaf_release_after;
@@ -76,7 +76,7 @@ impl HearingTrials {
             owned_here.insert(fleet.clone());
             self.trials.remove(fleet);
             // Before the engine has started, nothing is known.
-            match link.map(LinkState::deafness) {
+            match link.map(BrokerLink::deafness) {
                 None => {}
                 Some(None) => drop(self.deaf.remove(fleet)),
                 Some(Some((deaf_for, _))) if deaf_for < limit => {}

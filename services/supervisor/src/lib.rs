@@ -1,9 +1,11 @@
 //! The service of the supervisor: contacts in over MQTT, pressure setpoints out, everything recorded.
 //!
-//! Read in this order: [`service`] starts all tasks. `ownership` and `fleet` take fleets by leases. [`mqtt`], [`inbox`],
-//! [`outbox`] and [`broker`] carry messages, which [`vibrissa_edge`] turns into events of the core. [`engine`] steps the core and
-//! commits its effects to [`vibrissa_store`]. `black_box` keeps robots' messages around events. [`http`] serves people,
-//! [`kafka`] sends [`events`] to a partitioned log, [`webhooks`] sends events to other programs, [`metrics`] and [`trace`] serve monitoring.
+//! Read in this order: [`service`] starts all tasks. `ownership` and `fleet` take fleets by leases. [`mqtt`] and
+//! [`broker`] carry messages. [`inbox`], [`log_inbox`], [`link_state`] and [`outbox`] are the ports of [`engine`],
+//! which knows no transport: it steps the core with the events that [`vibrissa_edge`] makes of messages, and commits
+//! the effects to [`vibrissa_store`]. `black_box` keeps robots' messages around events. [`http`] serves people,
+//! [`kafka`] sends [`events`] to a partitioned log, [`webhooks`] sends events to other programs, [`metrics`] and
+//! [`trace`] serve monitoring.
 
 pub mod service;
 
@@ -25,6 +27,8 @@ pub mod archive_options;
 pub mod births;
 pub mod broker;
 pub mod inbox;
+pub mod link_state;
+pub mod log_inbox;
 pub mod mqtt;
 pub mod outbox;
 pub mod outgoing;
@@ -38,7 +42,6 @@ pub mod kafka;
 #[path = "kafka/disabled.rs"]
 pub mod kafka;
 pub mod kafka_options;
-mod log_inbox;
 pub mod metrics;
 pub mod one_of;
 #[cfg(feature = "parquet")]

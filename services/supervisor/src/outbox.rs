@@ -1,4 +1,4 @@
-//! Messages on their way from the engine to the broker.
+//! The engine's output: messages on their way to a transport.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -6,24 +6,60 @@ use std::time::Instant;
 
 use prometheus::Histogram;
 use vibrissa_core::units::Micros;
-use vibrissa_protocol::{Name, QualityOfService, RobotTopic};
+use vibrissa_protocol::{self as protocol, Name, RobotTopic, encode};
 
 use vibrissa_edge::clock::wall_clock;
+
+/// A message to a robot. It leaves the engine as data, and the transport encodes it.
+#[derive(Debug, Clone)]
+pub enum ToRobot {
+    /// A pressure to apply.
+    Setpoint(Box<protocol::Setpoint>),
+    /// States which contacts are committed.
+    Receipt(protocol::Receipt),
+    /// Asks for something.
+    Request(protocol::Request),
+    /// The lengths of the whiskers.
+    Estimate(protocol::Estimate),
+    /// Clears the retained message of this topic.
+    Cleared(RobotTopic),
+}
+
+impl ToRobot {
+    /// The topic of the contract.
+    #[must_use]
+    pub fn topic(&self) -> RobotTopic {
+        match self {
+            Self::Setpoint(_) => RobotTopic::Setpoint,
+            Self::Receipt(_) => RobotTopic::Receipt,
+            Self::Request(_) => RobotTopic::Request,
+            Self::Estimate(_) => RobotTopic::Estimate,
+            Self::Cleared(topic) => *topic,
+        }
+    }
+
+    /// The message as JSON, as the contract has it.
+    #[must_use]
+    pub fn encoded(&self) -> Vec<u8> {
+        match self {
+            Self::Setpoint(setpoint) => encode(setpoint),
+            Self::Receipt(receipt) => encode(receipt),
+            Self::Request(request) => encode(request),
+            Self::Estimate(estimate) => encode(estimate),
+            Self::Cleared(_) => Vec::new(),
+        }
+    }
+}
 
 /// A message to publish.
 #[derive(Debug, Clone)]
 pub struct Publication {
-    /// The MQTT topic.
-    pub topic: String,
-    /// The robot, and its topic; `None` for a message to nobody in particular.
-    pub robot: Option<(Name, RobotTopic)>,
-    /// The message as JSON.
-    pub payload: Vec<u8>,
-    /// Quality of service.
-    pub qos: QualityOfService,
-    /// Whether the broker retains the message.
-    pub is_retained: bool,
-    /// Deadline for sending. The remaining time becomes the MQTT message expiry, unless the message is retained.
+    /// The robot that gets it.
+    pub robot: Name,
+    /// The message.
+    pub message: ToRobot,
+    /// Deadline for sending, after which the transport drops the message. Robots get it by then, too, unless it is
+    /// retained.
     pub until: Option<Instant>,
     /// Measures the time until the setpoint is published; `None` for other messages, and for setpoints that are sent
     /// again.
@@ -31,10 +67,22 @@ pub struct Publication {
 }
 
 impl Publication {
+    /// A publication without a deadline.
+    #[must_use]
+    pub fn new(robot: Name, message: ToRobot) -> Self {
+        Self { robot, message, until: None, stopwatch: None }
+    }
+
     /// Whether it only states what a transaction has recorded. Such a message stays true after the lease has expired.
     #[must_use]
     pub fn states_a_commit(&self) -> bool {
-        matches!(self.robot, Some((_, RobotTopic::Receipt)))
+        matches!(self.message, ToRobot::Receipt(_))
+    }
+
+    /// Whether robots that connect later get it, too.
+    #[must_use]
+    pub fn is_retained(&self) -> bool {
+        self.message.topic().is_retained()
     }
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use vibrissa_protocol::Name;
 
-use crate::mqtt::{LinkState, NodesInUse};
+use crate::mqtt::{BrokerLink, NodesInUse};
 use crate::promises::{Ages, PATIENCE, Promises};
 use vibrissa_store::SetAside;
 
@@ -24,7 +24,7 @@ struct Parts {
     notices: BTreeMap<String, String>,
     rows: SetAside,
     fleets: BTreeMap<Name, Standing>,
-    links: BTreeMap<Name, (LinkState, Promises)>,
+    links: BTreeMap<Name, (BrokerLink, Promises)>,
     /// Time of the last answer of the database, by the renewal of the leases; `None` before the first.
     answered: Option<Instant>,
 }
@@ -98,7 +98,7 @@ impl Readiness {
     }
 
     /// Registers the link and the promises of a fleet, whose problems are then included.
-    pub(crate) fn listens(&self, fleet: &Name, link: LinkState, promises: Promises) {
+    pub(crate) fn listens(&self, fleet: &Name, link: BrokerLink, promises: Promises) {
         self.parts().links.insert(fleet.clone(), (link, promises));
     }
 
@@ -182,7 +182,7 @@ mod tests {
         let [a, ab] = ["a", "ab"].map(|fleet| Name::new(fleet).unwrap());
         readiness.set_of(&a, "database", Some("nothing is recorded".to_owned()));
         readiness.set_of(&ab, "database", Some("nothing is recorded".to_owned()));
-        readiness.listens(&a, LinkState::default(), Promises::default());
+        readiness.listens(&a, BrokerLink::default(), Promises::default());
         assert_eq!(readiness.problems().len(), 3);
         readiness.forget(&a);
         assert_eq!(readiness.problems(), BTreeSet::from(["fleet ab: nothing is recorded".to_owned()]));
@@ -192,7 +192,7 @@ mod tests {
     fn a_promise_that_is_not_kept_names_its_fleet_and_goes_with_it() {
         let (readiness, promises) = (Readiness::default(), Promises::default());
         let fleet = Name::new("a").unwrap();
-        readiness.listens(&fleet, LinkState::default(), promises.clone());
+        readiness.listens(&fleet, BrokerLink::default(), promises.clone());
         promises.failed("nothing is recorded: the disk is full".to_owned());
         assert!(readiness.problems().contains("fleet a: nothing is recorded: the disk is full"));
         readiness.forget(&fleet);

@@ -6,7 +6,7 @@ use vibrissa_protocol::{BootId, Name};
 use vibrissa_store::secret::Secret;
 use vibrissa_supervisor::metrics::{FleetMetrics, Metrics};
 use vibrissa_supervisor::mqtt::{
-    self, BrokerAddress, ClientCertificate, Connection, Credentials, LinkState, NodesInUse, TlsOptions,
+    self, BrokerAddress, BrokerLink, ClientCertificate, Connection, Credentials, NodesInUse, TlsOptions,
 };
 use vibrissa_tests::wait::{until, until_true};
 
@@ -22,7 +22,7 @@ pub(crate) struct Link {
     pub(crate) metrics: FleetMetrics,
     /// Keeps the receiver open; it is not read.
     _inbox: Inbox,
-    state: LinkState,
+    state: BrokerLink,
     outbox: mpsc::Sender<Publication>,
     stop: watch::Sender<bool>,
     tasks: [JoinHandle<()>; 2],
@@ -53,7 +53,7 @@ pub(crate) fn with_certificate(mut address: BrokerAddress, client: ClientCertifi
 impl Link {
     /// Starts both connections for fleet `f`.
     pub(crate) fn start(broker: BrokerAddress) -> Self {
-        let state = LinkState::default();
+        let state = BrokerLink::default();
         let (prepared, fleet) = (mqtt::prepare(&broker).unwrap(), Name::new("f").unwrap());
         let mut connection = Connection::new(broker, prepared, fleet, BootId::new("s1").unwrap());
         (connection.epoch, connection.link) = (1, state.clone());

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use vibrissa_store::secret::Secret;
 use vibrissa_supervisor::http::access::AccessOptions;
-use vibrissa_supervisor::http::access::oidc::OidcOptions;
-use vibrissa_supervisor::http::access::provider::SignInOptions;
+use vibrissa_supervisor::http::access::OidcOptions;
+use vibrissa_supervisor::http::access::SignInOptions;
 use vibrissa_tests::mosquitto::free_port;
 use vibrissa_tests::web::ask;
 

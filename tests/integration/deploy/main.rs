@@ -8,6 +8,7 @@ mod compose;
 mod documents;
 mod guidance;
 mod packages;
+mod ports;
 mod profiles;
 mod sbom;
 mod scale;

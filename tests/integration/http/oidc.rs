@@ -11,7 +11,7 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpListener;
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_supervisor::http::access::AccessOptions;
-use vibrissa_supervisor::http::access::oidc::OidcOptions;
+use vibrissa_supervisor::http::access::OidcOptions;
 use vibrissa_tests::jwt::{header, signed};
 use vibrissa_tests::web::{Answer, ask, open};
 

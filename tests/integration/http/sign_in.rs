@@ -12,8 +12,8 @@ use tokio::net::TcpListener;
 use url::Url;
 use vibrissa_simulator::fleet::now_us;
 use vibrissa_supervisor::http::access::AccessOptions;
-use vibrissa_supervisor::http::access::oidc::OidcOptions;
-use vibrissa_supervisor::http::access::provider::SignInOptions;
+use vibrissa_supervisor::http::access::OidcOptions;
+use vibrissa_supervisor::http::access::SignInOptions;
 use vibrissa_tests::jwt::{header, signed};
 use vibrissa_tests::web::{Answer, ask};
 

@@ -9,8 +9,8 @@ use vibrissa_edge::black_box::StateBytes;
 use vibrissa_edge::recording::Recorded;
 use vibrissa_protocol::RobotTopic;
 
+use super::job::BoxToWrite;
 use super::tape::Kind;
-use super::writer::BoxToWrite;
 
 /// The lines of a box.
 #[derive(Debug, PartialEq, Eq)]

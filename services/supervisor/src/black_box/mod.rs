@@ -1,9 +1,10 @@
 //! Black boxes: the messages of a robot around a trim, a fault or an alarm.
 //!
 //! [`tape`] keeps the newest messages of a robot in memory, with its state at some times, and [`reel`] keeps it within its
-//! limits. [`recorder`] decides when a box begins and ends. [`lines`] makes a recording of a tape, and [`writer`] writes it to the database, in a task of its
-//! own: no commit waits for it.
+//! limits. [`recorder`] decides when a box begins and ends. [`lines`] makes a recording of a tape, and [`writer`] writes it
+//! to the database, in a task of its own, by a [`job`]: no commit waits for it.
 
+mod job;
 mod lines;
 pub(crate) mod recorder;
 mod reel;
@@ -20,8 +21,8 @@ use tokio::time::{Duration, timeout};
 use vibrissa_core::units::Micros;
 use vibrissa_store::Lease;
 
+use job::Job;
 pub(crate) use recorder::Recorder;
-use writer::Job;
 
 /// Most memory for a robot's messages, bytes: two minutes of a robot with 24 whiskers, each with three contacts a second.
 const ROBOT_BYTES_MAX: usize = 1024 * 1024;

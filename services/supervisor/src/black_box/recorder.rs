@@ -8,9 +8,9 @@ use vibrissa_core::units::Micros;
 use vibrissa_edge::black_box::StateBytes;
 use vibrissa_protocol::{Name, RobotTopic};
 
+use super::job::{BoxToWrite, Job};
 use super::reel::Reel;
 use super::tape::Kind;
-use super::writer::{BoxToWrite, Job};
 use super::{FleetBoxes, Inner};
 
 /// A box with several events ends at the latest this many spans after the first.

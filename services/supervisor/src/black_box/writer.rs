@@ -1,50 +1,20 @@
 //! Writes boxes to the database, one after the other.
 
-use prometheus::IntCounter;
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::mpsc;
 use tokio::task::spawn_blocking;
 use tokio::time::{Duration, Instant, sleep};
 use tracing::warn;
-use vibrissa_core::units::Micros;
 use vibrissa_edge::full_name::FullName;
-use vibrissa_protocol::Name;
 use vibrissa_store::black_boxes::NewBlackBox;
-use vibrissa_store::{Lease, StoreError, Writer};
+use vibrissa_store::{StoreError, Writer};
 
+use super::job::{BoxToWrite, Job};
 use super::lines;
-use super::tape::TapeCopy;
 
 /// How long a box is tried again while the database is unreachable. Later boxes wait meanwhile.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// Pause between two attempts.
 const PAUSE: Duration = Duration::from_secs(1);
-
-/// Work for the writer.
-#[derive(Debug)]
-pub(super) enum Job {
-    /// Writes a box.
-    Write(Box<BoxToWrite>),
-    /// Answers when all earlier boxes are written.
-    Flush(oneshot::Sender<()>),
-}
-
-/// A box to write: a copy of the robot's tape, and what the row says about it.
-#[derive(Debug)]
-pub(super) struct BoxToWrite {
-    pub(super) lease: Lease,
-    pub(super) lost: IntCounter,
-    pub(super) robot_id: i64,
-    pub(super) robot: Name,
-    pub(super) whisker_id: i64,
-    pub(super) cause: &'static str,
-    pub(super) event: Micros,
-    pub(super) from: Micros,
-    pub(super) ends: Micros,
-    pub(super) left_out: u64,
-    pub(super) state: &'static str,
-    pub(super) base: [Option<Vec<u8>>; 2],
-    pub(super) tape: TapeCopy,
-}
 
 /// Writes boxes until no more can come.
 pub(super) async fn run(mut jobs: mpsc::Receiver<Job>, mut writer: Writer) {

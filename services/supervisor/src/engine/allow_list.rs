@@ -17,7 +17,7 @@ const REFUSED_MAX: usize = 64;
 pub(crate) struct AllowList {
     /// Robots in the file of `limits.robots_file`.
     file: Option<Arc<HashSet<Name>>>,
-    /// Robots in the list that was set over HTTP.
+    /// Robots in the list that people have set.
     set: Option<Arc<HashSet<Name>>>,
 }
 
@@ -27,12 +27,12 @@ impl AllowList {
         self.file = Some(robots);
     }
 
-    /// Sets the robots of the list that was set over HTTP.
+    /// Sets the robots of the list that people have set.
     pub(crate) fn set_listed(&mut self, robots: Option<HashSet<Name>>) {
         self.set = robots.map(Arc::new);
     }
 
-    /// Numbers of robots in the file, and in the list that was set over HTTP.
+    /// Numbers of robots in the file, and in the list that people have set.
     pub(crate) fn counts(&self) -> [Option<usize>; 2] {
         [&self.file, &self.set].map(|list| list.as_ref().map(|list| list.len()))
     }

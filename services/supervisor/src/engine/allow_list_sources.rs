@@ -1,4 +1,4 @@
-//! Sources of a fleet's allow list: a file, and a list that was set over HTTP.
+//! Sources of a fleet's allow list: a file, and a list that people have set.
 
 use std::sync::Arc;
 
@@ -18,17 +18,17 @@ use vibrissa_store::allowed::{AllowedReading, names_of};
 pub(crate) struct AllowListSources {
     fleet: Name,
     file: Option<watch::Receiver<Arc<RobotsFile>>>,
-    /// Version of the list that was set over HTTP; 0 before the first.
+    /// Version of the list that people have set; 0 before the first.
     version: i64,
     list: AllowList,
-    /// The list that was set over HTTP may have changed.
+    /// The list that people have set may have changed.
     may_be_outdated: bool,
     /// The lists have changed, so that refused robots may be allowed now.
     has_changed: bool,
 }
 
 impl AllowListSources {
-    /// A list that was `set` over HTTP, and a file that may change later.
+    /// A list that people have `set`, and a file that may change later.
     pub(crate) fn new(
         fleet: Name,
         set: Option<&AllowedReading>,
@@ -63,7 +63,7 @@ impl AllowListSources {
         self.apply(workers);
     }
 
-    /// Applies a list that was set over HTTP.
+    /// Applies a list that people have set.
     fn set(&mut self, reading: &AllowedReading, workers: &mut Workers) {
         self.version = reading.version;
         self.list.set_listed(reading.robots.as_deref().map(|names| names_of(names).collect()));
@@ -76,7 +76,7 @@ impl AllowListSources {
         workers.set_allow_list(&self.list);
     }
 
-    /// Reads the list that was set over HTTP if it has changed, and writes the refused robots. If the database is
+    /// Reads the list that people have set if it has changed, and writes the refused robots. If the database is
     /// unreachable, this does not wait.
     pub(crate) async fn refresh(&mut self, committer: &mut Committer, workers: &mut Workers) {
         if self.may_be_outdated {

@@ -19,7 +19,7 @@ const RECEIPTS: &str = "receipts";
 impl Engine {
     /// Judges whether robots hear their receipts, and whether factsheets arrive.
     pub(super) fn judge_hearing(&mut self, now: Micros) {
-        let is_late = self.metrics.promises.age(Promise::Receipted).is_some_and(|age| age > RECEIPTS_LATE);
+        let is_late = self.promises.age(Promise::Receipted).is_some_and(|age| age > RECEIPTS_LATE);
         let (mut without, mut deaf) = (Found::default(), Found::default());
         for worker in self.workers.iter_mut() {
             worker.judge_receipts(now, is_late, &mut deaf);

@@ -25,6 +25,7 @@ mod fleet_metrics;
 mod hearing;
 mod ledger;
 mod message;
+mod part;
 mod quarantine;
 mod robot;
 mod rollout;
@@ -51,10 +52,10 @@ use crate::black_box::FleetBoxes;
 use crate::clocks::RobotClocks;
 use crate::ending::Ending;
 use crate::inbox::Inbox;
-use crate::kafka::LogReader;
-use crate::log_inbox::{LogBatch, NextOffsets};
+use crate::log_inbox::{LogBatch, LogSource, NextOffsets};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::outbox::{Losses, Publication};
+use crate::promises::Promises;
 use crate::readiness::Readiness;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::fault::{self, Fault};
@@ -109,7 +110,7 @@ pub(crate) struct Engine {
     /// Where the partitioned log is to be read from.
     log_from: NextOffsets,
     /// The partitioned log that contacts come from, if there is one.
-    log: Option<LogReader>,
+    log: Option<LogSource>,
     /// Whether factsheets were missing at the last look.
     lacked_factsheets: bool,
     /// Notified when a transaction with events is committed.
@@ -118,6 +119,7 @@ pub(crate) struct Engine {
     program: Metrics,
     readiness: Readiness,
     metrics: FleetMetrics,
+    promises: Promises,
     /// Takes the clocks of the robots.
     robot_clocks: RobotClocks,
     /// Time of the next survey of the robots, at the earliest.
@@ -255,7 +257,7 @@ impl Engine {
 
     /// Requests births that were not received.
     fn watch_births(&mut self, inbox: &Inbox) {
-        if !inbox.hears() {
+        if !inbox.link().hears() {
             return;
         }
         let has_unannounced = self.workers.take_unannounced();
@@ -278,9 +280,9 @@ impl Engine {
         Ok(())
     }
 
-    /// The reader of the partitioned log, and where it is to begin, if contacts come from one.
-    pub(crate) fn log(&self) -> Option<(LogReader, NextOffsets)> {
-        self.log.clone().map(|log| (log, self.log_from.clone()))
+    /// Where the partitioned log is to be read from, if contacts come from one.
+    pub(crate) fn log_from(&self) -> Option<NextOffsets> {
+        self.log.as_ref().map(|_| self.log_from.clone())
     }
 
     /// Seals the open batches and starts to write them.
@@ -364,8 +366,8 @@ impl Engine {
     /// sent.
     fn restart_silence_timers_if_deaf(&mut self, inbox: &Inbox) {
         let (robots, others) = inbox.take_shed();
-        let is_log_away = self.log.as_ref().is_some_and(|log| !log.is_connected());
-        if !inbox.hears() || others > 0 || is_log_away {
+        let is_log_away = self.log.as_ref().is_some_and(|log| !log.link().hears());
+        if !inbox.link().hears() || others > 0 || is_log_away {
             return self.restart_silence_timers();
         }
         let now = wall_clock();

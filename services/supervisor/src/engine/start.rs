@@ -20,7 +20,7 @@ use super::quarantine::suspects::Suspects;
 use super::robot::limits::Bucket;
 use super::rollout::Rollout;
 use super::worker::Worker;
-use super::worker::events::ContactEvents;
+use super::worker::contact_events::ContactEvents;
 use super::worker::stepper::Stepper;
 use super::worker::workers::Workers;
 use super::{ContactRetention, Engine, Limits, fleet_metrics};
@@ -28,8 +28,7 @@ use crate::action_notifier::ActionNotifier;
 use crate::black_box::BlackBoxes;
 use crate::clocks::{RobotClocks, SET_FROM_US};
 use crate::events::EventSink;
-use crate::kafka::LogReader;
-use crate::log_inbox::NextOffsets;
+use crate::log_inbox::{LogSource, NextOffsets};
 use crate::metrics::{FleetMetrics, Metrics};
 use crate::params;
 use crate::readiness::Readiness;
@@ -68,7 +67,7 @@ pub(crate) struct EngineOptions {
     /// Events for other programs, if they are published.
     pub(crate) events: Option<EventSink>,
     /// The partitioned log that contacts come from, if there is one.
-    pub(crate) log: Option<LogReader>,
+    pub(crate) log: Option<LogSource>,
     /// Black boxes of the robots.
     pub(crate) boxes: BlackBoxes,
     /// Takes the clocks of the robots.
@@ -101,9 +100,9 @@ impl EngineOptions {
         // Before anything is read, so that no change is missed.
         let action_sent = action_notifier.subscribe(lease.fleet());
         let metrics = program.of_fleet(lease.fleet());
-        let set_aside_before = metrics.all_set_aside();
         let policy = writer.policy(&lease).await?;
-        metrics.set_aside(Reader::Policy, policy.iter().filter(|policy| policy.params().is_none()).count() as u64);
+        let unreadable = policy.iter().filter(|policy| policy.params().is_none()).count() as u64;
+        metrics.set_aside(Reader::Policy, unreadable);
         let params = params::with_policy(self.params, policy.as_ref());
         let (params, unusable) = params::with_calibrations(params, &writer.calibrations(&lease).await?);
         metrics.set_aside(Reader::Calibration, unusable);
@@ -122,11 +121,12 @@ impl EngineOptions {
                 worker.stepper_mut().set_contact_events(ContactEvents::new(sink.clone()));
             }
         }
-        let rollout = open_rollout(&mut writer, &lease, &params, &metrics).await?;
+        let (rollout, unreadable_rollouts) = open_rollout(&mut writer, &lease, &params, &metrics).await?;
         workers.set_trial(rollout.as_ref().map(Rollout::trial).as_ref());
         let allowed = writer.allowed_robots(&lease, 0).await?;
-        let last = recover(&mut writer, &lease, &mut workers, self.log.as_ref(), &metrics).await?;
-        let set_aside = metrics.all_set_aside() - set_aside_before;
+        let last = recover(&mut writer, &lease, &mut workers, self.log.as_ref()).await?;
+        let of_log = self.log.as_ref().map_or(0, LogSource::set_aside);
+        let set_aside = unreadable + unusable + unreadable_rollouts + workers.set_aside() + of_log;
         if set_aside > 0 {
             let what = format!("{set_aside} stored items cannot be read and are set aside: see the log");
             readiness.tell_set_aside(lease.fleet(), STORED, what);
@@ -195,27 +195,30 @@ impl EngineOptions {
             lacked_factsheets: false,
             events: self.events.map(|sink| sink.committed),
             program,
+            promises: metrics.promises.clone(),
             metrics,
         })
     }
 }
 
 /// The roll-out that the last owner left running or paused. One that this program cannot read stays as it is: its robots get
-/// what is in force in the fleet.
+/// what is in force in the fleet, and the result has 1 as the number of unreadable ones.
 async fn open_rollout(
     writer: &mut Writer,
     lease: &Lease,
     params: &Arc<Params>,
     metrics: &FleetMetrics,
-) -> Result<Option<Rollout>, StoreError> {
-    let Some(row) = writer.open_rollout(lease).await? else { return Ok(None) };
+) -> Result<(Option<Rollout>, u64), StoreError> {
+    let Some(row) = writer.open_rollout(lease).await? else { return Ok((None, 0)) };
     let rollout_id = row.rollout_id;
-    Ok(Rollout::restored(row, params)
-        .inspect_err(|problem| {
+    match Rollout::restored(row, params) {
+        Ok(rollout) => Ok((Some(rollout), 0)),
+        Err(problem) => {
             error!(fleet = %lease.fleet(), rollout_id, problem, "cannot go on with a roll-out");
             metrics.set_aside(Reader::Rollout, 1);
-        })
-        .ok())
+            Ok((None, 1))
+        }
+    }
 }
 
 /// Adds traces, which continue those of setpoints under way.

@@ -7,7 +7,7 @@ use serde_json::Value;
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
 
-use super::access::Role;
+use super::access::role::Role;
 use super::problem::{FieldError, ProblemBody};
 
 /// Extension of an operation that names the required role.

@@ -18,17 +18,7 @@ use super::csv_rows::{Columns, MEDIA_TYPE};
 use super::page::{LIMIT_MAX, Page};
 use super::places::{Place, fleet_of};
 use super::problem::{Kind, Problem};
-use super::words::words;
-
-words! {
-    /// Format of a list.
-    pub enum FormatWord {
-        /// A page as a JSON object.
-        Json = "json",
-        /// Rows as comma-separated values (RFC 4180) with a header row.
-        Csv = "csv",
-    }
-}
+use super::words::FormatWord;
 
 /// Format and caller of a request for a list.
 #[derive(Debug)]

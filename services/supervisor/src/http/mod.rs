@@ -73,6 +73,7 @@ pub use further_routes::FurtherRoutes;
 use places::{PlaceLimits, Places};
 use server::{Limits, Server};
 use streams::{StreamOptions, Streams};
+use vibrissa_edge::guidance::RUNBOOKS;
 use vibrissa_store::{Store, StoreError};
 
 /// State shared by the handlers.
@@ -147,7 +148,7 @@ impl App {
             robots_file: None,
             webhooks,
             webhook_tests,
-            runbooks_url: runbooks::PATH.into(),
+            runbooks_url: RUNBOOKS.into(),
             base_path: "".into(),
             further_routes: FurtherRoutes::default(),
         }
@@ -164,7 +165,7 @@ impl App {
     pub fn reached_at(self, base_path: &str, runbooks_url: Option<&str>) -> Self {
         let runbooks_url = match runbooks_url {
             Some(url) => url.trim_end_matches('/').into(),
-            None => format!("{base_path}{}", runbooks::PATH).into(),
+            None => format!("{base_path}{}", RUNBOOKS).into(),
         };
         Self { runbooks_url, base_path: base_path.into(), ..self }
     }

@@ -126,7 +126,7 @@ macro_rules! list_query {
             pub order: Option<$crate::http::page::Order>,
             /// Format of the answer; by default that of the header `Accept`, and else JSON.
             #[param(inline)]
-            pub format: Option<$crate::http::listing::FormatWord>,
+            pub format: Option<$crate::http::words::FormatWord>,
         }
 
         impl $name {

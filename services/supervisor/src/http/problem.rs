@@ -8,6 +8,7 @@ use serde_json::json;
 use utoipa::ToSchema;
 
 use super::App;
+use vibrissa_edge::guidance::RUNBOOKS;
 use vibrissa_store::StoreError;
 
 /// Media type of problem documents.
@@ -160,7 +161,7 @@ impl Problem {
             instance: format!("{base}{path}"),
             request_id,
             hint: kind.guidance().map(|(hint, _)| hint.to_owned()),
-            runbook_url: kind.guidance().map(|(_, runbook)| format!("{base}{}/{runbook}", super::runbooks::PATH)),
+            runbook_url: kind.guidance().map(|(_, runbook)| format!("{base}{}/{runbook}", RUNBOOKS)),
             errors: self.errors,
         };
         let json = serde_json::to_vec(&body).unwrap_or_default();

@@ -11,9 +11,7 @@ use axum::routing::get;
 
 use super::accept::preferred;
 use super::problem::Problem;
-
-/// Path of the runbooks on this service.
-pub const PATH: &str = vibrissa_edge::guidance::RUNBOOKS;
+use vibrissa_edge::guidance::RUNBOOKS;
 
 /// The page that lists the others.
 const FIRST: &str = "README.md";
@@ -79,7 +77,7 @@ pages! {
 
 /// The pages: as hypertext for browsers, and as Markdown for all others.
 pub(super) fn routes() -> Router<super::App> {
-    Router::new().route("/runbooks", get(async || Redirect::permanent(&format!("{PATH}/{FIRST}")))).route(
+    Router::new().route("/runbooks", get(async || Redirect::permanent(&format!("{RUNBOOKS}/{FIRST}")))).route(
         "/runbooks/{name}",
         get(async |extract::Path(name): extract::Path<String>, headers: HeaderMap| page(&name, &headers)),
     )
@@ -87,7 +85,8 @@ pub(super) fn routes() -> Router<super::App> {
 
 fn page(name: &str, headers: &HeaderMap) -> Response {
     let Some((_, text)) = PAGES.iter().find(|(known, _)| *known == name) else {
-        return Problem::not_found(format_args!("runbook called {name}: {PATH}/{FIRST} lists them")).into_response();
+        return Problem::not_found(format_args!("runbook called {name}: {RUNBOOKS}/{FIRST} lists them"))
+            .into_response();
     };
     let vary = (header::VARY, "accept");
     if preferred(headers, &["text/plain", "text/html"]) == Some(1) {

@@ -21,6 +21,16 @@ macro_rules! words {
 pub(super) use words;
 
 words! {
+    /// Format of a list.
+    pub enum FormatWord {
+        /// A page as a JSON object.
+        Json = "json",
+        /// Rows as comma-separated values (RFC 4180) with a header row.
+        Csv = "csv",
+    }
+}
+
+words! {
     /// Length of the intervals over which contacts are aggregated.
     pub enum ResolutionWord {
         /// Intervals of one minute.

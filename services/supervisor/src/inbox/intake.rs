@@ -1,7 +1,6 @@
 //! The receiving end of the inbox, and shedding of messages.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use bytes::Bytes;
@@ -68,7 +67,7 @@ fn bounded(bounds: Bounds, metrics: FleetMetrics) -> (Intake, Inbox) {
 impl Intake {
     /// Sets whether the receiver hears the robots. Returns whether it did before.
     pub(crate) fn set_hears(&self, hears: bool) -> bool {
-        self.shared.hears.swap(hears, Ordering::Relaxed)
+        self.shared.link.set(hears)
     }
 
     /// Receives a message, or sheds and counts it. Shed messages come again: robots send contacts again, setpoints are

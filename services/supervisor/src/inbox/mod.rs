@@ -1,5 +1,7 @@
-//! The queue of received messages: bounded in messages and bytes, and shared fairly among robots (`fair`). The receiver
-//! fills it through an `Intake`; the engine takes messages out.
+//! The engine's input: received messages as [`Incoming`], and the [`LinkState`] of the transport that receives them.
+//!
+//! The queue is bounded in messages and bytes, and shared fairly among robots (`fair`). The receiver fills it through
+//! an `Intake`; the engine takes messages out.
 //!
 //! Messages received together are handed over together: one lock, one wake-up and one allocation for all of them.
 
@@ -7,7 +9,6 @@ mod fair;
 mod intake;
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bytes::Bytes;
@@ -18,12 +19,13 @@ pub use fair::{Filling, Shed};
 pub(crate) use intake::{Intake, inbox};
 
 use crate::births::BirthCause;
+use crate::link_state::LinkState;
 use fair::{Bounds, FairQueues};
 
-/// A message as received from the broker.
+/// A message as a transport has received it.
 #[derive(Debug)]
 pub struct Incoming {
-    /// The MQTT topic.
+    /// The topic of the contract.
     pub topic: Bytes,
     /// Payload: JSON, if the robot conforms to the contract.
     pub payload: Bytes,
@@ -46,7 +48,7 @@ struct Shared {
     /// Notified when messages arrive, or when no more can.
     arrived: Notify,
     /// Whether the receiver hears the robots.
-    hears: AtomicBool,
+    link: LinkState,
 }
 
 #[derive(Debug, Default)]
@@ -112,10 +114,10 @@ impl Inbox {
         }
     }
 
-    /// Whether the receiver hears the robots: it is connected, and all its subscriptions are proven.
+    /// State of the receiver's connection.
     #[must_use]
-    pub fn hears(&self) -> bool {
-        self.shared.hears.load(Ordering::Relaxed)
+    pub fn link(&self) -> &LinkState {
+        &self.shared.link
     }
 
     /// Whether no messages wait.

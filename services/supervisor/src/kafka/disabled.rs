@@ -7,7 +7,7 @@ use vibrissa_store::Store;
 
 use crate::events::EventSink;
 use crate::kafka_options::KafkaOptions;
-use crate::log_inbox::{LogBatch, LogRange, LogRecord, NextOffsets};
+use crate::log_inbox::{LogBatch, LogSource, NextOffsets};
 use crate::metrics::FleetMetrics;
 use crate::readiness::Readiness;
 
@@ -54,24 +54,12 @@ pub(crate) struct Task(Never);
 #[derive(Debug, Clone)]
 pub(crate) struct LogReader(Never);
 
-#[expect(clippy::unused_async, reason = "as in the module that this one stands in for")]
 impl LogReader {
-    pub(crate) fn topic(&self) -> &str {
+    pub(crate) fn source(&self) -> LogSource {
         match self.0 {}
     }
 
-    pub(crate) fn is_connected(&self) -> bool {
-        match self.0 {}
-    }
-
-    pub(crate) async fn records(&self, _: LogRange) -> Vec<LogRecord> {
-        match self.0 {}
-    }
-
-    pub(crate) async fn records_are_read(&self) {
-        match self.0 {}
-    }
-
+    #[expect(clippy::unused_async, reason = "as in the module that this one stands in for")]
     pub(crate) async fn run(self, _: NextOffsets, _: mpsc::Sender<LogBatch>) {
         match self.0 {}
     }

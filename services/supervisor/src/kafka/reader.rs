@@ -5,7 +5,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::sync::{Mutex, mpsc};
+use tokio::sync::mpsc;
 use tokio::task::JoinSet;
 use tokio::time::sleep;
 use tracing::{error, warn};
@@ -15,7 +15,7 @@ use super::client::{KafkaError, SharedLog};
 use super::partition::PartitionReader;
 use super::topic::FleetTopic;
 use crate::backoff::Backoff;
-use crate::log_inbox::{LogBatch, LogRange, LogRecord, NextOffsets};
+use crate::log_inbox::{LogBatch, LogRange, LogRecord, LogSource, NextOffsets, Recall};
 
 /// Interval of the looks for new partitions.
 const LOOK_EVERY: Duration = Duration::from_secs(30);
@@ -24,31 +24,48 @@ const LOOK_EVERY: Duration = Duration::from_secs(30);
 #[derive(Debug, Clone)]
 pub(crate) struct LogReader {
     topic: FleetTopic,
-    again: Arc<Mutex<Option<Again>>>,
 }
 
 impl LogReader {
     pub(super) fn new(topic: FleetTopic) -> Self {
-        Self { topic, again: Arc::default() }
+        Self { topic }
     }
 
-    /// Name of the topic.
-    pub(crate) fn topic(&self) -> &str {
-        &self.topic.name
+    /// The log for an engine. A task reads records again for it, until the engine is gone.
+    pub(crate) fn source(&self) -> LogSource {
+        let topic = self.topic.counting_anew();
+        let (recalls, wanted) = mpsc::channel(1);
+        let source = LogSource::new(topic.name.clone(), topic.link.clone(), recalls, topic.set_aside.clone());
+        tokio::spawn(Self { topic }.answer(wanted));
+        source
     }
 
-    /// Whether all partitions of the log answer.
-    pub(crate) fn is_connected(&self) -> bool {
-        self.topic.is_connected()
+    /// Answers what an engine asks while it recovers robots.
+    async fn answer(self, mut wanted: mpsc::Receiver<Recall>) {
+        let mut again = None;
+        while let Some(wanted) = wanted.recv().await {
+            match wanted {
+                Recall::Records(range, mut answer) => {
+                    let records = tokio::select! {
+                        records = self.records(&mut again, range) => Some(records),
+                        () = answer.closed() => None,
+                    };
+                    match records {
+                        // An error means that nobody waits any more.
+                        Some(records) => drop(answer.send(records)),
+                        None => again = None,
+                    }
+                }
+                Recall::Done => again = None,
+            }
+        }
     }
 
-    /// The messages of records that were read before. Waits for the log, however long that takes: they are part of the
-    /// fleet's state. Ranges of a partition in rising order are read together.
-    pub(crate) async fn records(&self, range: LogRange) -> Vec<LogRecord> {
-        let mut again = self.again.lock().await;
+    /// The messages of records that were read before. Tries until the log answers.
+    async fn records(&self, again: &mut Option<Again>, range: LogRange) -> Vec<LogRecord> {
         let (mut backoff, mut is_failing) = (Backoff::default(), false);
         loop {
-            match self.try_records(&mut again, range).await {
+            match self.try_records(again, range).await {
                 Ok(records) => return records,
                 Err(problem) => {
                     *again = None;
@@ -63,11 +80,6 @@ impl LogReader {
                 }
             }
         }
-    }
-
-    /// Forgets what [`Self::records`] has read ahead, and closes its connection.
-    pub(crate) async fn records_are_read(&self) {
-        *self.again.lock().await = None;
     }
 
     async fn try_records(&self, again: &mut Option<Again>, range: LogRange) -> Result<Vec<LogRecord>, KafkaError> {

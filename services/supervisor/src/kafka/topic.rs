@@ -1,12 +1,14 @@
 //! A fleet's topic: what its partitions are known to do, and the messages of its records.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rskafka::record::RecordAndOffset;
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 
 use super::client::Connector;
+use crate::link_state::LinkState;
 use crate::log_inbox::{LogRecord, Skipped};
 use crate::metrics::FleetMetrics;
 use crate::readiness::Readiness;
@@ -24,6 +26,10 @@ pub(super) struct FleetTopic {
     pub(super) name: Arc<str>,
     pub(super) fleet: Name,
     pub(super) metrics: FleetMetrics,
+    /// Whether all partitions of the log answer.
+    pub(super) link: LinkState,
+    /// Number of records that could not be read.
+    pub(super) set_aside: Arc<AtomicU64>,
     readiness: Readiness,
     partitions: Arc<Mutex<BTreeMap<u32, PartitionState>>>,
 }
@@ -45,19 +51,22 @@ impl FleetTopic {
         metrics: FleetMetrics,
         readiness: Readiness,
     ) -> Self {
-        Self { connector, name: name.into(), fleet, metrics, readiness, partitions: Arc::default() }
+        let (link, set_aside) = (LinkState::default(), Arc::default());
+        Self { connector, name: name.into(), fleet, metrics, link, set_aside, readiness, partitions: Arc::default() }
     }
 
-    /// Whether all partitions of the log answer.
-    pub(super) fn is_connected(&self) -> bool {
-        are_connected(&self.partitions.lock().unwrap_or_else(PoisonError::into_inner))
+    /// The same topic, with its own number of records that could not be read.
+    pub(super) fn counting_anew(&self) -> Self {
+        Self { set_aside: Arc::default(), ..self.clone() }
     }
 
     /// Changes what is known about a partition. Returns the number of partitions.
     pub(super) fn note(&self, partition: u32, change: impl FnOnce(&mut PartitionState)) -> u32 {
         let mut partitions = self.partitions.lock().unwrap_or_else(PoisonError::into_inner);
         change(partitions.entry(partition).or_default());
-        self.metrics.log_connected.set(are_connected(&partitions).into());
+        let is_connected = are_connected(&partitions);
+        self.link.set(is_connected);
+        self.metrics.log_connected.set(is_connected.into());
         self.metrics.log_lag.set(partitions.values().map(|state| state.lag).sum());
         partitions.len() as u32
     }
@@ -72,6 +81,7 @@ impl FleetTopic {
         let problem = format!(
             "records {from} to {last} of partition {partition} of {topic:?} cannot be read and are set aside: {why}"
         );
+        self.set_aside.fetch_add(to.abs_diff(from), Ordering::Relaxed);
         self.metrics.set_aside(Reader::Log, to.abs_diff(from));
         self.readiness.tell_set_aside(&self.fleet, PART, problem);
     }

@@ -357,9 +357,4 @@ impl FleetMetrics {
     pub(crate) fn set_aside(&self, reader: Reader, count: u64) {
         self.items_set_aside.of([reader.word()]).inc_by(count);
     }
-
-    /// Number of all items that were set aside.
-    pub(crate) fn all_set_aside(&self) -> u64 {
-        Reader::ALL.map(|reader| self.items_set_aside.of([reader.word()]).get()).iter().sum()
-    }
 }

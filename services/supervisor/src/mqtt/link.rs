@@ -92,9 +92,10 @@ pub(super) struct LowLimit {
     pub(super) is_too_low: bool,
 }
 
-/// State of a fleet's broker connections: why its robots cannot be heard or answered. Shared by both connections.
+/// State of a fleet's broker connections for people: why its robots cannot be heard or answered. Shared by both
+/// connections.
 #[derive(Debug, Clone, Default)]
-pub struct LinkState(Arc<Mutex<Link>>);
+pub struct BrokerLink(Arc<Mutex<Link>>);
 
 #[derive(Debug)]
 struct Link {
@@ -160,7 +161,7 @@ impl Link {
     }
 }
 
-impl LinkState {
+impl BrokerLink {
     /// The first problem, as a sentence with the host, file or user concerned, and what to do; `None` while both
     /// connections are up.
     #[must_use]

@@ -6,7 +6,7 @@
 //!
 //! Further connections: [`record`] records, [`TestClient`] tests a robot, whose topics a [`Relay`] records, and
 //! [`try_hearing`] tests for a short time whether a fleet can be heard; `former_owner` asks for the fleet's last owner. [`prepare`] reads certificates before the first
-//! attempt; [`LinkState`] gives the reason of an outage. A broker may have several nodes; [`nodes`] has their order.
+//! attempt; [`BrokerLink`] gives the reason of an outage. A broker may have several nodes; [`nodes`] has their order.
 
 mod address;
 mod tls;
@@ -17,6 +17,7 @@ mod subscriptions;
 
 mod hearing;
 
+mod encoded;
 mod proofs;
 mod publish;
 mod refusals;
@@ -50,7 +51,7 @@ pub(crate) use births::{FleetBirths, SharedBirths};
 pub(crate) use former_owner::retained_epoch;
 
 pub use address::{BadBrokerUrl, BrokerAddress, ClientCertificate, Credentials, Node, TlsOptions};
-pub use link::{LinkState, NodesInUse};
+pub use link::{BrokerLink, NodesInUse};
 pub use publish::publish;
 pub use receive::receive;
 pub use recorder::{RecorderState, record};
@@ -87,7 +88,7 @@ pub struct Connection {
     /// Whether contacts and statuses come over MQTT, not from a partitioned log.
     pub hears_contacts: bool,
     /// Receives the state of the connections.
-    pub link: LinkState,
+    pub link: BrokerLink,
     /// Number of fleets in the thread that receives.
     pub occupancy: Occupancy,
 }
@@ -96,7 +97,7 @@ impl Connection {
     /// Settings with the lowest epoch.
     #[must_use]
     pub fn new(broker: BrokerAddress, prepared: Prepared, fleet: Name, boot_id: BootId) -> Self {
-        let (births, link) = (SharedBirths::default(), LinkState::default());
+        let (births, link) = (SharedBirths::default(), BrokerLink::default());
         let occupancy = Occupancy::default();
         Self { broker, prepared, fleet, births, boot_id, epoch: 0, hears_contacts: true, link, occupancy }
     }

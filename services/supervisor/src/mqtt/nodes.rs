@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use super::Connection;
 use super::address::Node;
-use super::link::{Backoff, LinkState};
+use super::link::{Backoff, BrokerLink};
 use super::problem::Problem;
 
 /// Longest pause between two rounds of several nodes, which share the attempts. A cluster that elects a leader refuses
@@ -76,7 +76,7 @@ fn next(connection: &Connection, failed: &[Node]) -> Node {
 
 /// The best of these nodes: one that has not failed since it last worked, otherwise one that failed quickly, and of these
 /// the one with the oldest failure; of equal ones the first.
-fn best(link: &LinkState, nodes: Vec<Node>) -> Option<Node> {
+fn best(link: &BrokerLink, nodes: Vec<Node>) -> Option<Node> {
     // The order puts `None` before each time.
     nodes.into_iter().min_by_key(|node| link.failure_of(node))
 }
@@ -92,8 +92,8 @@ mod tests {
 
     #[test]
     fn a_node_that_failed_is_tried_later_and_one_that_did_not_answer_last() {
-        let (link, nodes) = (LinkState::default(), nodes());
-        let first = |link: &LinkState| best(link, nodes.clone()).unwrap().host;
+        let (link, nodes) = (BrokerLink::default(), nodes());
+        let first = |link: &BrokerLink| best(link, nodes.clone()).unwrap().host;
         let fails = |at: usize, is_slow| {
             link.node_failed(nodes[at].clone(), is_slow);
             std::thread::sleep(std::time::Duration::from_millis(2));

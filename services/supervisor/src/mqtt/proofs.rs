@@ -10,9 +10,9 @@ use vibrissa_protocol::{QualityOfService, plain};
 
 use super::Connection;
 use super::address::BrokerAddress;
-use super::link::LinkState;
+use super::encoded::Encoded;
+use super::link::BrokerLink;
 use super::problem::{Cause, Problem};
-use crate::outbox::Publication;
 
 /// Interval between two receipts whose acceptance the broker must confirm.
 const RECEIPT_INTERVAL: Duration = Duration::from_secs(5);
@@ -22,7 +22,7 @@ const PACKET_OVERHEAD: usize = 32;
 /// Follows the publications of a connection.
 #[derive(Debug)]
 pub(super) struct Proofs {
-    link: LinkState,
+    link: BrokerLink,
     broker: BrokerAddress,
     /// When the next receipt must be confirmed.
     receipt_due: Instant,
@@ -36,14 +36,13 @@ impl Proofs {
 
     /// Raises the quality of service of a receipt if its acceptance must be confirmed now: regularly, and as long as the
     /// broker has refused the last one on this topic.
-    pub(super) fn ask(&mut self, publication: Publication, now: Instant) -> Publication {
-        let is_due =
-            publication.states_a_commit() && (now >= self.receipt_due || self.link.has_refused(&publication.topic));
+    pub(super) fn ask(&mut self, encoded: Encoded, now: Instant) -> Encoded {
+        let is_due = encoded.is_receipt && (now >= self.receipt_due || self.link.has_refused(&encoded.topic));
         if !is_due {
-            return publication;
+            return encoded;
         }
         self.receipt_due = now + RECEIPT_INTERVAL;
-        Publication { qos: QualityOfService::AtLeastOnce, ..publication }
+        Encoded { qos: QualityOfService::AtLeastOnce, ..encoded }
     }
 
     /// Whether the broker accepts a packet of this size; a larger one would end the connection.

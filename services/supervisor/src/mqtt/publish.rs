@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-use rumqttc::{AsyncClient, Event, LastWill, Outgoing, Packet, PublishOptions, PublishProperties, QoS};
+use rumqttc::{AsyncClient, Event, LastWill, Outgoing, Packet, PublishOptions, QoS};
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 use tokio::time::{MissedTickBehavior, interval_at, timeout};
@@ -12,6 +12,7 @@ use tracing::warn;
 use vibrissa_protocol::{Message, QualityOfService, SupervisorPresence, SupervisorState, Topic, decode, encode};
 
 use super::Connection;
+use super::encoded::Encoded;
 use super::identity::client_id;
 use super::link::Side;
 use super::nodes::Attempts;
@@ -42,7 +43,7 @@ pub fn publish(
 ) -> JoinHandle<()> {
     let connection = &Attempts::first(connection);
     let (expired, dropped) = (metrics.setpoints_expired_unsent.clone(), metrics.publications_dropped.clone());
-    let promises = metrics.promises.clone();
+    let (promises, fleet) = (metrics.promises.clone(), connection.fleet.clone());
     let mut proofs = Proofs::new(connection);
     let (topic, offline) = presence(connection, SupervisorPresence::Offline, 1);
     let (mut options, reached) = connection.options(ROLE);
@@ -77,9 +78,9 @@ pub fn publish(
                 break;
             }
             let receipts = u64::from(publication.states_a_commit());
-            let publication = proofs.ask(publication, Instant::now());
-            let Some(options) = options_of(&publication, Instant::now(), flags.retains()) else {
-                if publication.is_retained {
+            let encoded = proofs.ask(Encoded::of(publication, &fleet), Instant::now());
+            let Some(options) = encoded.options(Instant::now(), flags.retains()) else {
+                if encoded.is_retained {
                     dropped.inc();
                     losses.note();
                 } else {
@@ -88,7 +89,7 @@ pub fn publish(
                 promises.receipted(receipts);
                 continue;
             };
-            let Publication { topic, payload, stopwatch, qos, .. } = publication;
+            let Encoded { topic, payload, stopwatch, qos, .. } = encoded;
             if !proofs.fits(&topic, payload.len(), flags.packet_bytes_max.load(Ordering::Relaxed)) {
                 dropped.inc();
                 promises.receipted(receipts);
@@ -285,75 +286,4 @@ fn presence(connection: &Connection, state: SupervisorPresence, seq: u64) -> (St
 /// Retained, if the broker retains messages.
 fn presence_options(retains: bool) -> PublishOptions {
     PublishOptions::at_least_once().retain(retains)
-}
-
-/// MQTT options for a publication at `now`; `None` if it has expired. The remaining time becomes the MQTT message
-/// expiry, except for a retained message: robots that connect later need it. `retains` is whether the broker retains
-/// messages.
-fn options_of(publication: &Publication, now: Instant, retains: bool) -> Option<PublishOptions> {
-    let options = PublishOptions::new(match publication.qos {
-        QualityOfService::AtMostOnce => QoS::AtMostOnce,
-        QualityOfService::AtLeastOnce => QoS::AtLeastOnce,
-    });
-    let options = options.retain(publication.is_retained && retains);
-    let Some(until) = publication.until else { return Some(options) };
-    let left = until.checked_duration_since(now).filter(|left| !left.is_zero())?;
-    if publication.is_retained {
-        return Some(options);
-    }
-    // The expiry is in whole seconds. It is rounded up, because a broker may take 0 for no expiry.
-    let left_s = left.as_secs_f64().ceil() as u32;
-    let properties = PublishProperties { message_expiry_interval: Some(left_s), ..PublishProperties::default() };
-    Some(options.properties(properties))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_publication_keeps_what_is_left_of_its_time_and_does_not_go_out_after_it() {
-        let now = Instant::now();
-        let publication = |until| Publication {
-            topic: "whisker/v1/f/r/setpoint".to_owned(),
-            robot: None,
-            payload: Vec::new(),
-            qos: QualityOfService::AtLeastOnce,
-            is_retained: false,
-            until,
-            stopwatch: None,
-        };
-        let goes_out = |left_ms: u64| {
-            let until = now + Duration::from_millis(left_ms);
-            options_of(&publication(Some(until)), now, true).map(|options| format!("{options:?}"))
-        };
-        for (left_ms, expiry_s) in [(1, 1), (999, 1), (1001, 2), (9_500, 10)] {
-            let options = goes_out(left_ms).expect("not expired yet");
-            assert!(options.contains(&format!("message_expiry_interval: Some({expiry_s})")), "{left_ms}: {options}");
-        }
-        assert_eq!(goes_out(0), None);
-        let late = publication(Some(now));
-        assert!(options_of(&late, now + Duration::from_secs(1), true).is_none());
-        assert!(options_of(&publication(None), now, true).is_some());
-    }
-
-    #[test]
-    fn a_retained_publication_goes_out_only_before_its_deadline_and_does_not_expire_in_the_broker() {
-        let now = Instant::now();
-        let publication = Publication {
-            topic: "whisker/v1/f/r/estimate".to_owned(),
-            robot: None,
-            payload: Vec::new(),
-            qos: QualityOfService::AtLeastOnce,
-            is_retained: true,
-            until: Some(now + Duration::from_secs(5)),
-            stopwatch: None,
-        };
-        let options = format!("{:?}", options_of(&publication, now, true).expect("not too late yet"));
-        assert!(options.contains("retain: true"), "{options}");
-        assert!(!options.contains("Some(5)"), "{options}");
-        assert!(options_of(&publication, now + Duration::from_secs(6), true).is_none());
-        let options = format!("{:?}", options_of(&publication, now, false));
-        assert!(options.contains("retain: false"), "{options}");
-    }
 }

@@ -7,8 +7,8 @@ use super::keys::Key;
 use super::reader::Reader;
 use vibrissa_supervisor::http::HttpOptions;
 use vibrissa_supervisor::http::access::AccessOptions;
-use vibrissa_supervisor::http::access::oidc::OidcOptions;
-use vibrissa_supervisor::http::access::provider::SignInOptions;
+use vibrissa_supervisor::http::access::OidcOptions;
+use vibrissa_supervisor::http::access::SignInOptions;
 use vibrissa_supervisor::http::client_address::Network;
 use vibrissa_supervisor::http::server::Limits;
 

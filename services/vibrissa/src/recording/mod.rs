@@ -18,7 +18,7 @@ pub use lines::Lines;
 use vibrissa_edge::ids::start_seed;
 use vibrissa_edge::recording::Recorded;
 use vibrissa_supervisor::inbox::Incoming;
-use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, LinkState, RecorderState};
+use vibrissa_supervisor::mqtt::{self, BrokerAddress, BrokerLink, Connection, RecorderState};
 
 /// Capacity of the queue of messages to write.
 const WAITING: usize = 10_000;
@@ -43,7 +43,7 @@ pub struct Report {
 /// A fleet whose messages are recorded.
 struct Source {
     fleet: Name,
-    link: LinkState,
+    link: BrokerLink,
     state: Arc<RecorderState>,
 }
 
@@ -81,7 +81,7 @@ pub async fn record(
     let mark = format!("r{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple());
     let boot_id = BootId::new(&mark).context("making a boot id for the connection")?;
     let (sender, mut heard) = mpsc::channel(WAITING);
-    let source = |fleet: &Name| Source { fleet: fleet.clone(), link: LinkState::default(), state: Arc::default() };
+    let source = |fleet: &Name| Source { fleet: fleet.clone(), link: BrokerLink::default(), state: Arc::default() };
     let sources: Vec<Source> = fleets.iter().map(source).collect();
     let begun = Instant::now();
     let recorders: Vec<_> = sources

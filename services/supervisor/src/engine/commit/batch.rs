@@ -7,9 +7,10 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol as protocol;
 
 use crate::engine::commit::checkpoint::{CheckpointQueue, CheckpointRate};
-use crate::engine::commit::journal::{Journal, Part};
+use crate::engine::commit::journal::Journal;
 use crate::engine::commit::transaction::{RobotShare, SealedTransaction};
 use crate::engine::message::{MessageTimes, RawMessage};
+use crate::engine::part::Part;
 use crate::engine::robot::{Durable, KnownRobot, Robots};
 use crate::log_inbox::LogRange;
 use crate::outbox::Publication;

@@ -11,10 +11,10 @@ use crate::metrics::{FleetMetrics, Metrics};
 use vibrissa_store::batch::Owner;
 use vibrissa_store::{Batch, Lease, LossCause, Refused, Rejection, StoreError, StoredRobot, Writer};
 
+use crate::engine::commit::journal::records::{LogRecords, records_of};
 use crate::engine::commit::journal::{self, StoredEntries};
-use crate::engine::commit::recovery::{LogRecords, records_of};
 use crate::engine::commit::transaction::SealedTransaction;
-use crate::kafka::LogReader;
+use crate::log_inbox::LogSource;
 
 /// Writes the transactions of a fleet.
 pub(crate) struct Committer {
@@ -24,7 +24,7 @@ pub(crate) struct Committer {
     program: Metrics,
     metrics: FleetMetrics,
     /// The partitioned log that contacts come from, if there is one.
-    log: Option<LogReader>,
+    log: Option<LogSource>,
 }
 
 /// Result of one write.
@@ -70,7 +70,7 @@ type Loaded = (Option<StoredRobot>, Vec<StoredEntries>, Vec<LogRecords>);
 pub(crate) struct LeaseLost;
 
 impl Committer {
-    pub(crate) fn new(lease: Lease, writer: Writer, program: Metrics, log: Option<LogReader>) -> Self {
+    pub(crate) fn new(lease: Lease, writer: Writer, program: Metrics, log: Option<LogSource>) -> Self {
         let fleet = lease.fleet().clone();
         let metrics = program.of_fleet(&fleet);
         Self { fleet, lease, writer, program, metrics, log }

@@ -18,7 +18,7 @@ use crate::engine::commit::journal::index::JournalIndex;
 use crate::engine::commit::schedule::Schedule;
 use crate::engine::commit::transaction::{SealedTransaction, answers};
 use crate::engine::fleet_metrics;
-use crate::engine::worker::Receipts;
+use crate::engine::worker::publication::Receipts;
 use crate::engine::worker::workers::Workers;
 use crate::metrics::FleetMetrics;
 use crate::outbox::{Losses, Publication};
@@ -288,7 +288,7 @@ impl Pipeline {
             if !is_fresh && !one.states_a_commit() {
                 continue;
             }
-            let one = if one.is_retained { Publication { until: fresh_until, ..one } } else { one };
+            let one = if one.is_retained() { Publication { until: fresh_until, ..one } } else { one };
             // Noted before the robot may answer.
             let Ok(place) = outbox.try_reserve() else { continue };
             self.metrics.promises.receipts_due(u64::from(one.states_a_commit()));

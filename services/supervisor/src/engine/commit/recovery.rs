@@ -1,6 +1,6 @@
 //! Recovery of a fleet: checkpoints are loaded, and the journal is replayed.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use tracing::{error, info};
@@ -9,14 +9,14 @@ use vibrissa_core::robot::event::{Contact, WhiskerStatus};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Message, Name, Received, RobotTopic};
 
-use crate::engine::commit::journal::{Entry, JournalEvent, Part, ROWS_AT_A_TIME, StoredEntries};
+use crate::engine::commit::journal::records::{LogRecords, records_of};
+use crate::engine::commit::journal::{Entry, JournalEvent, ROWS_AT_A_TIME, StoredEntries};
+use crate::engine::part::Part;
 use crate::engine::robot::KnownRobot;
 use crate::engine::worker::Worker;
 use crate::engine::worker::stepper::Stepper;
 use crate::engine::worker::workers::Workers;
-use crate::kafka::LogReader;
-use crate::log_inbox::{LogRange, LogRecord};
-use crate::metrics::FleetMetrics;
+use crate::log_inbox::{LogRange, LogSource};
 use crate::set_aside::Reader;
 use vibrissa_edge::full_name::FullName;
 use vibrissa_store::StoredRobot;
@@ -42,8 +42,7 @@ pub(crate) async fn recover(
     writer: &mut Writer,
     lease: &Lease,
     workers: &mut Workers,
-    log: Option<&LogReader>,
-    metrics: &FleetMetrics,
+    log: Option<&LogSource>,
 ) -> Result<i64, StoreError> {
     let (mut replay, mut last) = (Replay::default(), 0);
     let mut after = -1;
@@ -58,7 +57,7 @@ pub(crate) async fn recover(
                 Err(_) => {
                     let robot = FullName::robot(lease.fleet().as_str(), &stored.robot);
                     error!(%robot, "a stored robot has no valid name and is left out");
-                    metrics.set_aside(Reader::Checkpoint, 1);
+                    workers.count_set_aside(Reader::Checkpoint);
                 }
             }
         }
@@ -84,34 +83,6 @@ pub(crate) async fn recover(
         info!(fleet = %lease.fleet(), entries, seconds, "journal replayed");
     }
     Ok(last)
-}
-
-/// Records of the log by their range.
-pub(crate) type LogRecords = BTreeMap<LogRange, Vec<LogRecord>>;
-
-/// Reads the records that a row of the journal refers to.
-///
-/// # Errors
-/// It refers to a log, and none is configured.
-pub(crate) async fn records_of(
-    row: &StoredEntries,
-    log: Option<&LogReader>,
-    lease: &Lease,
-) -> Result<LogRecords, StoreError> {
-    // Each partition is read once, in rising order. The entries of the engine's workers have the same ranges, and some
-    // of them not all.
-    let mut ranges = BTreeSet::new();
-    for entry in row.entries().map_while(Result::ok) {
-        if let JournalEvent::Log { range, .. } = entry.event {
-            ranges.insert(range);
-        }
-    }
-    let mut records = LogRecords::new();
-    for range in ranges {
-        let Some(log) = log else { return Err(StoreError::NoLog { fleet: lease.fleet().to_string() }) };
-        records.insert(range, log.records(range).await);
-    }
-    Ok(records)
 }
 
 /// Replay of the journal, from the checkpoints to the last commit.

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use vibrissa_protocol::{Name, RobotTopic};
+use vibrissa_protocol::Name;
 
 use crate::engine::message::{MessageTimes, RawMessage};
 use crate::outbox::Publication;
@@ -109,17 +109,13 @@ pub(crate) struct RobotShare {
     robot: Name,
     robot_id: i64,
     owners: Owners,
-    /// Beginning of the robot's topics.
-    topic_prefix: String,
 }
 
 impl RobotShare {
     /// The share of a robot with these whiskers.
-    pub(crate) fn of(fleet: &Name, robot: &Name, robot_id: i64, whisker_ids: &[i64]) -> Self {
+    pub(crate) fn of(robot: &Name, robot_id: i64, whisker_ids: &[i64]) -> Self {
         let whiskers: HashMap<i64, i64> = whisker_ids.iter().map(|&whisker_id| (whisker_id, robot_id)).collect();
-        let topic = RobotTopic::Receipt.of(fleet, robot).to_string();
-        let topic_prefix = topic.strip_suffix(RobotTopic::Receipt.as_str()).unwrap_or(&topic).to_owned();
-        Self { robot: robot.clone(), robot_id, owners: Owners { whiskers, ..Owners::default() }, topic_prefix }
+        Self { robot: robot.clone(), robot_id, owners: Owners { whiskers, ..Owners::default() } }
     }
 
     pub(super) fn robot_id(&self) -> i64 {
@@ -131,7 +127,7 @@ impl RobotShare {
     }
 
     pub(super) fn remove_publications(&self, publications: &mut Vec<Publication>) {
-        publications.retain(|publication| !publication.topic.starts_with(&self.topic_prefix));
+        publications.retain(|publication| publication.robot != self.robot);
     }
 
     pub(super) fn take_messages(&self, messages: &mut Vec<RawMessage>) -> Vec<RawMessage> {

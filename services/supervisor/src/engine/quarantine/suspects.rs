@@ -105,7 +105,7 @@ impl Suspects {
         pipeline: &mut Pipeline,
     ) -> Vec<RawMessage> {
         let whisker_ids = workers.robot(name).map_or(&[][..], |known| &known.whisker_ids);
-        let share = RobotShare::of(self.lease.fleet(), name, robot_id, whisker_ids);
+        let share = RobotShare::of(name, robot_id, whisker_ids);
         let mut messages = transaction.remove_rejected(&share);
         for worker in workers.iter_mut() {
             worker.batch_mut().remove_rows(&share);

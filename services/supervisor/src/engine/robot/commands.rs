@@ -75,7 +75,7 @@ impl Commands {
         until
     }
 
-    /// Judges a state, and remembers it. A message that MQTT delivers twice has the same `seq` again.
+    /// Judges a state, and remembers it. A message that is delivered twice has the same `seq` again.
     pub(crate) fn judge(&mut self, report: &SetpointState, boot: i64, is_under_way: bool) -> Plausibility {
         let is_new = self.answered.is_none_or(|(before, seq)| before != boot || report.seq > seq);
         if is_new {

@@ -7,19 +7,19 @@ use vibrissa_core::robot::Params;
 use vibrissa_edge::actions::{self, Request, Subject};
 
 use super::malformed;
-use crate::engine::actions::{Activation, Problem};
+use crate::calibration_file::Activation;
 use crate::params::with_model;
 
 /// The change of a roll-out.
 #[derive(Debug, Clone)]
-pub(super) enum Change {
+pub(in crate::engine) enum Change {
     Policy(PolicyParams),
     Calibration(Box<Activation>),
 }
 
 impl Change {
     /// Reads a change. The base is the policy in force, whose values stay where the change has none.
-    pub(super) fn read(kind: &str, json: &str, base: &Params) -> Result<Self, Problem> {
+    pub(in crate::engine) fn read(kind: &str, json: &str, base: &Params) -> Result<Self, String> {
         match kind {
             "POLICY" => match actions::request("POLICY", json, Subject::default()) {
                 Ok(Request::Policy(change)) => Ok(Self::Policy(change.over(base.policy))),
@@ -31,7 +31,7 @@ impl Change {
     }
 
     /// The parameters of changed robots.
-    pub(super) fn over(&self, base: &Arc<Params>) -> Result<Arc<Params>, Problem> {
+    pub(in crate::engine) fn over(&self, base: &Arc<Params>) -> Result<Arc<Params>, String> {
         match self {
             Self::Policy(policy) => Ok(Arc::new(Params { policy: *policy, ..(**base).clone() })),
             Self::Calibration(activation) => {

@@ -10,11 +10,11 @@ use super::Rollout;
 pub(in crate::engine) struct Comparison {
     pub(in crate::engine) verdict: Verdict,
     /// Whether it differs from the one before.
-    pub(super) is_new: bool,
+    pub(in crate::engine) is_new: bool,
 }
 
 impl Rollout {
-    pub(super) fn rules(&self) -> Rules {
+    pub(in crate::engine) fn rules(&self) -> Rules {
         Rules { level: self.row.level, robots: self.row.robots as u32 }
     }
 
@@ -50,7 +50,7 @@ fn median(values: &mut [f64]) -> Option<f64> {
 }
 
 /// The result of a look, in words.
-pub(super) fn told(look: Look, rules: Rules, compared: &Compared) -> String {
+pub(in crate::engine) fn told(look: Look, rules: Rules, compared: &Compared) -> String {
     let percent = |error: Option<f64>| error.map_or_else(|| "-".to_owned(), |error| format!("{:.1} %", 100.0 * error));
     format!(
         "median error {} of {} changed robots, {} of {} unchanged ones; chance alone looks so much worse with probability {:.4}, \

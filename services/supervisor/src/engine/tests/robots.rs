@@ -11,7 +11,7 @@ fn receipts_of_many_robots_go_out_in_turn() {
     }
     let mut sent = |most| {
         worker.publish_receipts(most);
-        worker.batch_mut().take_publications().into_iter().map(|one| one.topic).collect::<Vec<_>>()
+        worker.batch_mut().take_publications().into_iter().map(|one| one.robot).collect::<Vec<_>>()
     };
     let (first, second, rest) = (sent(1), sent(4), sent(usize::MAX));
     assert_eq!([first.len(), second.len(), rest.len()], [3, 4, 5], "at least a quarter, at most the limit, all");

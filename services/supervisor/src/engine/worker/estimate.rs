@@ -7,18 +7,21 @@ use vibrissa_edge as edge;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::contract::whisker_condition;
 use vibrissa_edge::interval::length_interval_mm;
-use vibrissa_protocol::{self as protocol, Name, PAYLOAD_MAX_BYTES, RobotTopic, Timestamp, WhiskerCondition, encode};
+use vibrissa_protocol::{self as protocol, Name, PAYLOAD_MAX_BYTES, Timestamp, WhiskerCondition, encode};
 
 use super::Worker;
 use super::stepper::Stepper;
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::estimates::WhiskerState;
+use crate::outbox::{Publication, ToRobot};
 
 /// A robot counts as at least this many whiskers against the limit of whiskers at a time.
 const WHISKERS_MIN: usize = 8;
 /// Range of lengths in the contract, mm; the bounds of an interval are from 0 to [`BOUND_MAX_MM`].
 const LENGTH_MM: (f64, f64) = (1.0, 1000.0);
 const BOUND_MAX_MM: f64 = 2000.0;
+/// Largest size of a whisker in an estimate, bytes of JSON.
+const WHISKER_BYTES_MAX: usize = 1024;
 
 impl Worker {
     /// Adds the estimates that are due to the open batch; they are published after the commit. Stops after `most` whiskers,
@@ -62,9 +65,8 @@ impl Stepper {
             timestamp: Timestamp(wall_clock().0),
             whiskers,
         };
-        let payload = encode_within(&mut estimate, PAYLOAD_MAX_BYTES);
-        let publication = self.publication(&known.name, RobotTopic::Estimate, payload);
-        self.batch.publish(publication);
+        shorten(&mut estimate, PAYLOAD_MAX_BYTES);
+        self.batch.publish(Publication::new(known.name.clone(), ToRobot::Estimate(estimate)));
         true
     }
 }
@@ -92,15 +94,15 @@ fn rounded(value: f64, per_unit: f64) -> f64 {
     (value * per_unit).round() / per_unit
 }
 
-/// Encodes an estimate in at most `most` bytes. The contract allows robots with more whiskers than one message can list:
-/// then whiskers that work as installed are left out, the last ones first.
-fn encode_within(estimate: &mut protocol::Estimate, most: usize) -> Vec<u8> {
-    loop {
-        let payload = encode(estimate);
-        if payload.len() <= most || estimate.whiskers.is_empty() {
-            return payload;
+/// Shortens an estimate to at most `most` bytes of JSON. The contract allows robots with more whiskers than one message
+/// can list: then whiskers that work as installed are left out, the last ones first.
+fn shorten(estimate: &mut protocol::Estimate, most: usize) {
+    while estimate.whiskers.len() * WHISKER_BYTES_MAX > most {
+        let bytes = encode(estimate).len();
+        if bytes <= most {
+            return;
         }
-        let kept = (estimate.whiskers.len() * most / payload.len()).min(estimate.whiskers.len() - 1);
+        let kept = (estimate.whiskers.len() * most / bytes).min(estimate.whiskers.len() - 1);
         estimate.whiskers.sort_by_key(|one| {
             let has_gain = !one.gain.is_empty() || one.reading_gain.is_some();
             matches!(one.condition, WhiskerCondition::Healthy | WhiskerCondition::Learning) && !has_gain
@@ -139,7 +141,8 @@ mod tests {
         let lengths = [(70.0, 0.3), (1.0, 5.0), (1000.0, 0.01), (70.0, 1e5), (69.999_6, 1e-9), (0.5, 0.1)];
         let states: Vec<_> = lengths.map(|(length_mm, sd_mm)| state(length_mm, sd_mm, Condition::Trimmed)).into();
         let mut sent = estimate(&states);
-        let payload = encode_within(&mut sent, PAYLOAD_MAX_BYTES);
+        shorten(&mut sent, PAYLOAD_MAX_BYTES);
+        let payload = encode(&sent);
         let Message::Estimate(read) = decode(&topic, &payload).unwrap() else { panic!("no estimate") };
         assert_eq!(read, sent);
         assert_eq!(read.whiskers.len(), lengths.len());
@@ -166,7 +169,8 @@ mod tests {
             states[trimmed] = state(60.0, 0.3, Condition::Trimmed);
         }
         let mut sent = estimate(&states);
-        let payload = encode_within(&mut sent, PAYLOAD_MAX_BYTES);
+        shorten(&mut sent, PAYLOAD_MAX_BYTES);
+        let payload = encode(&sent);
         assert!((PAYLOAD_MAX_BYTES * 9 / 10..=PAYLOAD_MAX_BYTES).contains(&payload.len()), "{}", payload.len());
         let trimmed = sent.whiskers.iter().filter(|one| one.condition == WhiskerCondition::Trimmed);
         assert_eq!(trimmed.map(|one| one.whisker).collect::<Vec<_>>(), [7, 2999]);

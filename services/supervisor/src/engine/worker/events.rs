@@ -1,13 +1,11 @@
 //! Events for the log, made from the core's effects beside the rows.
 
-use std::collections::BTreeMap;
-
 use vibrissa_core::robot::Compensation;
 use vibrissa_core::robot::effect::{
-    Asked, Command, CommandKey, CommandState, CompensationError, ContactRecord, Decision, Effect, Refinement,
-    TestState, Trim, WhiskerIndex,
+    Asked, Command, CommandKey, CommandState, CompensationError, Decision, Effect, Refinement, TestState, Trim,
+    WhiskerIndex,
 };
-use vibrissa_core::units::{ContactRatio, Megapascal, Micros};
+use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_edge::events::EventKind;
 use vibrissa_edge::ids::{command_id, wide_id};
 use vibrissa_edge::words::Word;
@@ -17,35 +15,17 @@ use super::stepper::Stepper;
 use crate::engine::commit::batch::Source;
 use crate::engine::robot::KnownRobot;
 use crate::events::{
-    CandidatePart, CompensationPart, ConditionPart, ContactPart, ContactsPart, DecisionPart, ErrorPart, EventSink,
-    FaultPart, GonePart, Parts, RefinementPart, SetpointPart, TouchTestPart, TrimPart, event,
+    CandidatePart, CompensationPart, ConditionPart, DecisionPart, ErrorPart, FaultPart, GonePart, Parts,
+    RefinementPart, SetpointPart, TouchTestPart, TrimPart, event,
 };
 use crate::one_of::OneOf;
-
-/// Makes the events of contacts, which only Kafka gets.
-#[derive(Debug)]
-pub(crate) struct ContactEvents {
-    sink: EventSink,
-    /// Contacts of the current message.
-    contacts: Vec<ContactPart>,
-    /// Number of contacts that are left out since the last event of contacts, by the robot's number in the database.
-    left_out: BTreeMap<i64, u64>,
-}
-
-impl ContactEvents {
-    pub(crate) fn new(sink: EventSink) -> Self {
-        Self { sink, contacts: Vec::new(), left_out: BTreeMap::new() }
-    }
-}
 
 impl Stepper {
     /// Adds the events of an effect to the batch.
     pub(super) fn tell(&mut self, known: &KnownRobot, now: Micros, effect: &Effect, source: Option<Source<'_>>) {
         if let Effect::Contact(contact) = effect {
-            if let Some(maker) = self.contact_events.as_mut().filter(|maker| maker.sink.has_contacts)
-                && let Some(source) = source
-            {
-                maker.contacts.extend(contact_part(known, contact, source));
+            if let (Some(maker), Some(source)) = (&mut self.contact_events, source) {
+                maker.take(known, contact, source);
             }
             return;
         }
@@ -61,24 +41,10 @@ impl Stepper {
 
     /// Adds the event of a message's contacts, if there are any.
     pub(super) fn tell_contacts(&mut self, known: &KnownRobot, now: Micros, source: Option<Source<'_>>) {
-        let Some(maker) = &mut self.contact_events else { return };
-        let contacts = std::mem::take(&mut maker.contacts);
-        let Some(source) = source.filter(|_| !contacts.is_empty()) else { return };
-        if maker.sink.room.is_full() {
-            let more = contacts.len() as u64;
-            maker.sink.room.leave_out(more);
-            let left_out = maker.left_out.entry(known.robot_id).or_default();
-            *left_out += more;
-            if *left_out == more {
-                // Written now, because a restart forgets the number.
-                self.add_event(known, now, Told::new(EventKind::ContactsLeftOut, None, Parts::default()));
-            }
-            return;
+        let made = self.contact_events.as_mut().and_then(|maker| maker.make(known, source));
+        if let Some((kind, parts)) = made {
+            self.add_event(known, now, Told::new(kind, None, parts));
         }
-        let left_out = maker.left_out.remove(&known.robot_id);
-        let (boot_id, seq) = (source.message.boot_id.as_str().to_owned(), source.message.seq);
-        let contacts = Some(ContactsPart { boot_id, seq, left_out, contacts });
-        self.add_event(known, now, Told::new(EventKind::Contacts, None, Parts { contacts, ..Parts::default() }));
     }
 
     fn add_event(&mut self, known: &KnownRobot, now: Micros, told: Told) {
@@ -89,7 +55,7 @@ impl Stepper {
             ..event(kind, now.0 as i64, &parts).of_robot(known.robot_id)
         };
         if let Some(maker) = &self.contact_events {
-            maker.sink.room.add(&row);
+            maker.added(&row);
         }
         self.batch.rows_mut().events.push(row);
     }
@@ -240,28 +206,6 @@ fn number_of(known: &KnownRobot, whisker: WhiskerIndex) -> Option<u16> {
 fn test_event(whisker: Option<WhiskerIndex>, test_id: String, state: TestState) -> Told {
     let part = TouchTestPart { test_id, state: Some(OneOf(state)), touches: 0, missed: 0 };
     Told::new(EventKind::TouchTest, whisker, Parts { touch_test: Some(part), ..Parts::default() })
-}
-
-fn contact_part(known: &KnownRobot, contact: &ContactRecord, source: Source<'_>) -> Option<ContactPart> {
-    let sent = source.message.contacts.get(contact.position)?;
-    Some(ContactPart {
-        position: contact.position as i64,
-        array: sent.array.as_str().to_owned(),
-        whisker: sent.whisker,
-        t_us: sent.t_us as i64,
-        place: sent.place().word(),
-        ratio: contact.ratio.map(ContactRatio::a),
-        distance_mm: sent.distance_mm,
-        deflection_mm: sent.deflection_mm,
-        strain: sent.strain,
-        pressure_mpa: sent.pressure_mpa,
-        temperature_c: sent.temperature_c,
-        used: contact.used.word(),
-        residual: contact.residual,
-        length_mm: contact.length.length.mm(),
-        length_sd_mm: contact.length.sd_mm,
-    })
-    .filter(|_| known.robot.whisker(contact.whisker).is_some())
 }
 
 fn trim_part(robot_id: i64, trim: &Trim) -> TrimPart {

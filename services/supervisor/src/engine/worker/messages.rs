@@ -22,6 +22,19 @@ use vibrissa_store::decommission::Registered;
 const OLD_BIRTH: &str = "a birth of a boot that a newer one has replaced";
 
 impl Worker {
+    /// Handles messages that need no row ids from the database, and keeps those with effects.
+    pub(super) fn handle_all(&mut self, messages: &mut Vec<RawMessage>, are_in_log: bool) {
+        self.stepper.batch.set_in_log(are_in_log);
+        for raw in messages.drain(..) {
+            self.stepper.has_stepped = false;
+            self.handle(&raw);
+            if self.stepper.has_stepped {
+                self.stepper.batch.push_message(raw);
+            }
+        }
+        self.stepper.batch.set_in_log(false);
+    }
+
     /// Handles a message that needs no row ids from the database.
     pub(crate) fn handle(&mut self, raw: &RawMessage) {
         if raw.is_clearing() || !self.permits(raw) {

@@ -3,17 +3,19 @@
 //! - [`messages`]: a message is decoded, and checked against the allow list and the limits.
 //! - [`reports`]: contacts, status and setpoint states of a known robot become events.
 //! - [`stepper`]: an event is stepped through the core.
-//! - [`record`], [`rows`]: its effects become rows; [`events`]: and events for other programs.
+//! - [`record`], [`rows`]: its effects become rows; [`events`], [`contact_events`]: and events for other programs.
 //! - [`log`]: lines of the log, which name their subject in full.
-//! - [`publication`]: setpoints, receipts and requests; [`estimate`]: estimates.
+//! - [`publication`]: setpoints, receipts and requests, and the seal of the batch that publishes them; [`estimate`]:
+//!   estimates.
 
 mod announced;
+pub(crate) mod contact_events;
 mod estimate;
-pub(crate) mod events;
+mod events;
 mod hearing;
 mod log;
 mod messages;
-mod publication;
+pub(crate) mod publication;
 mod record;
 mod refusals;
 mod reports;
@@ -27,33 +29,22 @@ use std::hash::RandomState;
 
 use vibrissa_core::robot::{Event, Outcome};
 use vibrissa_core::units::Micros;
-use vibrissa_protocol::{self as protocol, Name, RobotTopic};
+use vibrissa_protocol::{self as protocol, Name};
 
 use crate::black_box::recorder::Whose;
 use crate::engine::allow_list::{AllowList, RefusedRobots};
 use crate::engine::commit::batch::OpenBatch;
-use crate::engine::commit::checkpoint::CheckpointRate;
-use crate::engine::commit::journal::Part;
-use crate::engine::commit::transaction::SealedTransaction;
-use crate::engine::message::RawMessage;
+use crate::engine::part::Part;
 use crate::engine::robot::Robots;
 use crate::engine::robot::seqs::Seqs;
 use crate::inbox::Delayed;
 use crate::log_inbox::LogRange;
+use crate::outbox::Publication;
 
 pub(crate) use hearing::Found;
 
 use announced::Announced;
 use stepper::Stepper;
-
-/// Receipts and waiting checkpoints are part of a transaction.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Receipts {
-    /// Time of sealing.
-    pub(crate) now: Micros,
-    /// Limit of the worker's robots that get receipts.
-    pub(crate) robots_max: usize,
-}
 
 /// Numbers of a decommissioned robot that must not be used twice.
 #[derive(Debug, Default)]
@@ -134,6 +125,10 @@ impl Worker {
         &mut self.robots
     }
 
+    pub(crate) fn stepper(&self) -> &Stepper {
+        &self.stepper
+    }
+
     pub(crate) fn stepper_mut(&mut self) -> &mut Stepper {
         &mut self.stepper
     }
@@ -199,19 +194,6 @@ impl Worker {
     /// Steps one robot; `None` if it is not known.
     pub(crate) fn step_robot(&mut self, name: &Name, now: Micros, event: &Event<'_>) -> Option<Outcome> {
         Some(self.stepper.step(self.robots.get_mut(name)?, now, event, None))
-    }
-
-    /// Handles messages that need no row ids from the database, and keeps those with effects.
-    pub(super) fn handle_all(&mut self, messages: &mut Vec<RawMessage>, are_in_log: bool) {
-        self.stepper.batch.set_in_log(are_in_log);
-        for raw in messages.drain(..) {
-            self.stepper.has_stepped = false;
-            self.handle(&raw);
-            if self.stepper.has_stepped {
-                self.stepper.batch.push_message(raw);
-            }
-        }
-        self.stepper.batch.set_in_log(false);
     }
 
     /// Whether the current tick was interrupted.
@@ -283,9 +265,11 @@ impl Worker {
     }
 
     /// Records a message that was published to a robot.
-    pub(crate) fn published(&mut self, robot: &str, topic: RobotTopic, at: Micros, payload: &[u8]) {
-        if let Some(known) = self.robots.get_mut(robot) {
-            self.stepper.keep_message(known, topic, at, payload);
+    pub(crate) fn published(&mut self, Publication { robot, message, .. }: &Publication, at: Micros) {
+        if let Some(known) = self.robots.get_mut(robot)
+            && self.stepper.has_box(known, at)
+        {
+            self.stepper.keep_message(known, message.topic(), at, &message.encoded());
         }
     }
 
@@ -307,40 +291,5 @@ impl Worker {
     /// Number of the first journal entry that a recovery of this worker's robots needs; `None` if it needs none.
     pub(crate) fn oldest_entry(&mut self) -> Option<i64> {
         self.stepper.batch.checkpoints().oldest(&self.robots).map(|(number, _)| number)
-    }
-
-    pub(super) fn is_receipt_due(&self) -> bool {
-        !self.stepper.receipts_due.is_empty()
-    }
-
-    /// Adds receipts to the open batch, which are published after the commit and state how far the contacts of each
-    /// boot are committed. At most `most` robots, or a quarter of those due if that is more, get theirs now: the broker
-    /// forwards each receipt as a message, and a later receipt covers more contacts.
-    pub(crate) fn publish_receipts(&mut self, most: usize) {
-        let due = &mut self.stepper.receipts_due;
-        let most = most.max(due.len() / 4).min(due.len());
-        let later = due.split_off(most);
-        for name in std::mem::replace(due, later) {
-            let Some(known) = self.robots.get_mut(&name) else { continue };
-            for boot_id in std::mem::take(&mut known.receipts_due) {
-                self.stepper.publish_receipt(known, boot_id.as_str());
-            }
-        }
-    }
-
-    /// Seals the open batch by appending it to those of other workers, with the checkpoints that are due.
-    pub(crate) fn seal_into(
-        &mut self,
-        transaction: &mut SealedTransaction,
-        rate: &mut CheckpointRate,
-        receipts: Option<Receipts>,
-    ) {
-        self.stepper.batch.write_decided_checkpoints(&mut self.robots, rate);
-        if let Some(Receipts { now, robots_max }) = receipts {
-            self.stepper.batch.write_due_checkpoints(&mut self.robots, now, rate);
-            self.publish_receipts(robots_max);
-        }
-        self.stepper.batch.seal_into(transaction);
-        transaction.push_spans(self.stepper.seal_spans());
     }
 }

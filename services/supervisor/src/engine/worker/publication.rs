@@ -1,14 +1,18 @@
-//! Publications: setpoints, receipts, requests.
+//! Publications: setpoints, receipts, requests. They leave with the sealed batch, after its commit.
 
 use std::time::{Duration, Instant};
 
 use vibrissa_core::robot::effect::{Command, TouchTest};
-use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp, encode};
+use vibrissa_core::units::Micros;
+use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp};
 
+use super::Worker;
 use super::stepper::Stepper;
+use crate::engine::commit::checkpoint::CheckpointRate;
+use crate::engine::commit::transaction::SealedTransaction;
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::seqs::Seqs;
-use crate::outbox::{Publication, Stopwatch};
+use crate::outbox::{Publication, Stopwatch, ToRobot};
 use vibrissa_edge as edge;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::contract::setpoint_reason;
@@ -23,6 +27,52 @@ const HELD_MAX: usize = 64;
 pub(super) enum Sent {
     First,
     Again,
+}
+
+/// Receipts and waiting checkpoints are part of a transaction.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Receipts {
+    /// Time of sealing.
+    pub(crate) now: Micros,
+    /// Limit of the worker's robots that get receipts.
+    pub(crate) robots_max: usize,
+}
+
+impl Worker {
+    pub(super) fn is_receipt_due(&self) -> bool {
+        !self.stepper.receipts_due.is_empty()
+    }
+
+    /// Adds receipts to the open batch, which are published after the commit and state how far the contacts of each
+    /// boot are committed. At most `most` robots, or a quarter of those due if that is more, get theirs now: the broker
+    /// forwards each receipt as a message, and a later receipt covers more contacts.
+    pub(crate) fn publish_receipts(&mut self, most: usize) {
+        let due = &mut self.stepper.receipts_due;
+        let most = most.max(due.len() / 4).min(due.len());
+        let later = due.split_off(most);
+        for name in std::mem::replace(due, later) {
+            let Some(known) = self.robots.get_mut(&name) else { continue };
+            for boot_id in std::mem::take(&mut known.receipts_due) {
+                self.stepper.publish_receipt(known, boot_id.as_str());
+            }
+        }
+    }
+
+    /// Seals the open batch by appending it to those of other workers, with the checkpoints that are due.
+    pub(crate) fn seal_into(
+        &mut self,
+        transaction: &mut SealedTransaction,
+        rate: &mut CheckpointRate,
+        receipts: Option<Receipts>,
+    ) {
+        self.stepper.batch.write_decided_checkpoints(&mut self.robots, rate);
+        if let Some(Receipts { now, robots_max }) = receipts {
+            self.stepper.batch.write_due_checkpoints(&mut self.robots, now, rate);
+            self.publish_receipts(robots_max);
+        }
+        self.stepper.batch.seal_into(transaction);
+        transaction.push_spans(self.stepper.seal_spans());
+    }
 }
 
 impl Stepper {
@@ -68,7 +118,7 @@ impl Stepper {
                 None
             }
         };
-        let publication = self.publication(&known.name, RobotTopic::Setpoint, encode(&setpoint));
+        let publication = Publication::new(known.name.clone(), ToRobot::Setpoint(Box::new(setpoint)));
         self.batch.publish_setpoint(Publication { until: Some(until), stopwatch, ..publication });
         if let Some(traces) = &mut self.traces {
             traces.sending(&known.name, command);
@@ -87,8 +137,7 @@ impl Stepper {
     pub(super) fn publish_request(&mut self, robot: &Name, seqs: &mut Seqs, request: RequestKind) {
         let (boot_id, seq) = (self.boot_id.clone(), seqs.next_request());
         let request = protocol::Request { boot_id, seq, request, touch_test: None };
-        let publication = self.publication(robot, RobotTopic::Request, encode(&request));
-        self.batch.publish(publication);
+        self.batch.publish(Publication::new(robot.clone(), ToRobot::Request(request)));
     }
 
     /// Requests a touch test. The broker forgets it when the robot would reject it as expired.
@@ -97,27 +146,14 @@ impl Stepper {
         let sender = (self.boot_id.clone(), known.seqs.next_request());
         let Some(request) = edge::touch_tests::request(&known.robot, test, test_id, sender) else { return };
         let valid_for = Duration::from_micros(self.params.command.time_to_live.0);
-        let publication = self.publication(&known.name, RobotTopic::Request, encode(&request));
+        let publication = Publication::new(known.name.clone(), ToRobot::Request(request));
         self.batch.publish(Publication { until: Some(Instant::now() + valid_for), ..publication });
-    }
-
-    pub(super) fn publication(&self, robot: &Name, kind: RobotTopic, payload: Vec<u8>) -> Publication {
-        Publication {
-            topic: kind.of(&self.fleet, robot).to_string(),
-            robot: Some((robot.clone(), kind)),
-            payload,
-            qos: kind.quality_of_service(),
-            is_retained: kind.is_retained(),
-            until: None,
-            stopwatch: None,
-        }
     }
 
     /// Clears the retained messages of a robot that has left for good: new clients must not take it for a present one.
     pub(super) fn clear_retained(&mut self, robot: &Name) {
         for kind in RobotTopic::ALL.into_iter().filter(|kind| kind.is_retained()) {
-            let publication = self.publication(robot, kind, Vec::new());
-            self.batch.publish(publication);
+            self.batch.publish(Publication::new(robot.clone(), ToRobot::Cleared(kind)));
         }
     }
 
@@ -142,10 +178,8 @@ impl Stepper {
             next: sequence.next(),
             held: sequence.held().iter().copied().take(HELD_MAX).collect(),
         };
-        let publication = self.publication(&known.name, RobotTopic::Receipt, encode(&receipt));
-        let next = receipt.next;
-        known.repeats.receipted(known.boot(boot_id), next, wall_clock());
-        self.batch.publish(publication);
+        known.repeats.receipted(known.boot(boot_id), receipt.next, wall_clock());
+        self.batch.publish(Publication::new(known.name.clone(), ToRobot::Receipt(receipt)));
         self.metrics.receipts_sent.inc();
     }
 }

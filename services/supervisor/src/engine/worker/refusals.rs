@@ -15,6 +15,11 @@ impl Workers {
         }
     }
 
+    /// Number of stored items that could not be read.
+    pub(crate) fn set_aside(&self) -> u64 {
+        self.iter().map(|worker| worker.stepper().set_aside()).sum()
+    }
+
     /// Refusals since they were last written, as rows of at most so many robots.
     pub(crate) fn refusals(&self, robots_max: usize) -> Vec<RefusalRow> {
         let of_each = self.robots().map(|known| known.refusals.rows(known.robot_id).collect::<Vec<_>>());

@@ -12,7 +12,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::{BootId, Name, RobotTopic};
 
-use super::events::ContactEvents;
+use super::contact_events::ContactEvents;
 use super::log;
 use crate::black_box::FleetBoxes;
 use crate::black_box::recorder::Whose;
@@ -21,7 +21,7 @@ use crate::engine::commit::journal::{Entry, JournalEvent};
 use crate::engine::ledger::{self, Account};
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::retention::ContactRetention;
-use crate::engine::rollout::TrialParams;
+use crate::engine::rollout::trial::TrialParams;
 use crate::metrics::FleetMetrics;
 use crate::set_aside::Reader;
 use crate::trace::{OpenTraces, PendingSpans, Step, is_traced};
@@ -69,7 +69,7 @@ pub(crate) struct Stepper {
     pub(super) answered: Option<AnsweredSetpoint>,
     /// Traces of setpoints under way, if there is a collector.
     pub(super) traces: Option<OpenTraces>,
-    /// Events of contacts, if Kafka gets them.
+    /// Events of contacts, if they are wanted.
     pub(super) contact_events: Option<ContactEvents>,
     /// Black boxes, if they are wanted.
     boxes: Option<FleetBoxes>,
@@ -77,6 +77,8 @@ pub(crate) struct Stepper {
     pub(super) account: Account,
     /// Until when nothing could be received, by the last outage.
     deaf_until: Micros,
+    /// Number of stored items that could not be read.
+    set_aside: u64,
     /// Effects of the current step; the allocation is reused.
     effects: Vec<Effect>,
     /// Time of the last warning of each reason.
@@ -102,6 +104,7 @@ impl Stepper {
             boxes: None,
             account: Account::default(),
             deaf_until: Micros::default(),
+            set_aside: 0,
             effects: Vec::new(),
             warned: BTreeMap::new(),
         }
@@ -153,12 +156,19 @@ impl Stepper {
         self.boxes = Some(boxes);
     }
 
-    /// Records a message from or to a robot for its black boxes, before the robot's state contains it.
-    pub(super) fn keep_message(&self, known: &mut KnownRobot, topic: RobotTopic, at: Micros, payload: &[u8]) {
+    /// Whether the messages of a robot are recorded for black boxes. The recorder begins with the first message.
+    pub(super) fn has_box(&self, known: &mut KnownRobot, at: Micros) -> bool {
         if known.recorder.is_none() {
             known.recorder = self.boxes.as_ref().and_then(|boxes| boxes.recorder(known.robot_id, at));
         }
-        if let Some(recorder) = &mut known.recorder {
+        known.recorder.is_some()
+    }
+
+    /// Records a message from or to a robot for its black boxes, before the robot's state contains it.
+    pub(super) fn keep_message(&self, known: &mut KnownRobot, topic: RobotTopic, at: Micros, payload: &[u8]) {
+        if self.has_box(known, at)
+            && let Some(recorder) = &mut known.recorder
+        {
             recorder.message(&known.robot, topic, at, payload);
         }
     }
@@ -266,8 +276,14 @@ impl Stepper {
         }
     }
 
+    /// Number of stored items that could not be read.
+    pub(crate) fn set_aside(&self) -> u64 {
+        self.set_aside
+    }
+
     /// Counts stored items that cannot be read.
-    pub(crate) fn count_set_aside(&self, reader: Reader, count: u64) {
+    pub(crate) fn count_set_aside(&mut self, reader: Reader, count: u64) {
+        self.set_aside += count;
         self.metrics.set_aside(reader, count);
     }
 

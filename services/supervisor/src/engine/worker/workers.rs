@@ -8,16 +8,17 @@ use vibrissa_core::robot::{Event, Outcome, Params};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 
-use super::{Receipts, Worker};
+use super::Worker;
+use super::publication::Receipts;
 use crate::ending::Ending;
 use crate::engine::allow_list::AllowList;
 use crate::engine::commit::checkpoint::CheckpointRate;
-use crate::engine::commit::journal::Part;
 use crate::engine::commit::transaction::SealedTransaction;
 use crate::engine::message::RawMessage;
+use crate::engine::part::{Part, index_of};
 use crate::engine::robot::KnownRobot;
 use crate::engine::robot::retention::ContactRetention;
-use crate::engine::rollout::TrialParams;
+use crate::engine::rollout::trial::TrialParams;
 use crate::inbox::Delayed;
 use crate::outbox::Publication;
 use crate::trace::{PendingSpans, TracedAction};
@@ -175,9 +176,7 @@ impl Workers {
 
     /// Records a message that was published to a robot.
     pub(crate) fn published(&mut self, publication: &Publication, at: Micros) {
-        if let Some((robot, topic)) = &publication.robot {
-            self.of(robot).published(robot.as_str(), *topic, at, &publication.payload);
-        }
+        self.of(&publication.robot).published(publication, at);
     }
 
     /// Ends the open black boxes before their time, because supervision ends.
@@ -383,34 +382,5 @@ impl Workers {
         for traces in self.workers.iter_mut().filter_map(|worker| worker.stepper_mut().traces_mut()) {
             traces.end(ending);
         }
-    }
-}
-
-/// The worker of a robot. Depends only on its name and the number of workers.
-pub(crate) fn index_of(name: &Name, workers: usize) -> usize {
-    // FNV-1a, so that the result is the same in every build.
-    let hash = name
-        .as_str()
-        .bytes()
-        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
-    // The low bits depend on the last letter, the high ones hardly do.
-    let mixed = (hash ^ (hash >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 33;
-    (mixed % workers.max(1) as u64) as usize
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn robots_are_spread_over_all_workers_and_stay_where_they_are() {
-        let mut counts = [0; 4];
-        for number in 0..1000 {
-            let name = Name::robot(&format!("robot-{number:04}")).unwrap();
-            let worker = index_of(&name, counts.len());
-            assert_eq!(worker, index_of(&name, counts.len()));
-            counts[worker] += 1;
-        }
-        assert!(counts.iter().all(|&count| count > 200), "{counts:?}");
     }
 }

@@ -1,198 +1,51 @@
 //! Authentication and authorisation: tokens of this service or of an identity provider, or no token on loopback.
 
+mod caller;
+mod claims;
 pub mod cookies;
 mod fetch;
+mod gate;
 pub(super) mod guests;
 mod id_token;
 mod keys;
 mod known;
 pub mod monitoring;
 pub mod oidc;
+mod options;
 pub mod origin;
 pub mod provider;
 mod refusal;
 pub mod return_page;
+pub(super) mod role;
+mod scope;
 pub mod session;
 mod signature;
 pub mod token;
 mod tokens;
 
-use std::collections::BTreeSet;
 use std::net::IpAddr;
 use std::num::NonZeroU32;
 use std::sync::Arc;
 
-use axum::extract::{MatchedPath, RawPathParams, Request, State};
 use axum::http::request::Parts;
-use axum::http::{HeaderValue, Method, header};
-use axum::middleware::Next;
-use axum::response::{IntoResponse, Response};
+use axum::http::{Method, header};
 use governor::{DefaultKeyedRateLimiter, Quota, RateLimiter};
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
+pub use self::caller::{Authentication, Caller, Credential};
+pub use self::gate::{Gate, check};
 use self::guests::{Guests, client};
 use self::known::{HASHES_MAX, Hash, Known};
 use self::monitoring::Monitors;
-use self::oidc::{Oidc, OidcOptions};
+use self::oidc::Oidc;
+pub use self::options::{AccessOptions, OidcOptions, SignInOptions};
+pub use self::role::Role;
+pub use self::scope::Scope;
 use self::session::SignIn;
 use super::client_address::TrustedProxies;
-use super::document::Need;
 use super::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_edge::fleets::FleetPattern;
 use vibrissa_store::Store;
-use vibrissa_store::list::Filter;
 use vibrissa_store::secret::Secret;
-
-/// Role of a caller; each role includes the rights of those before it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-pub enum Role {
-    /// Reads all data of its fleets.
-    Viewer,
-    /// Acts on whiskers and alarms: approves, holds, sets pressures.
-    Operator,
-    /// Changes policies, calibrations and allow lists.
-    Engineer,
-    /// Has every right.
-    Admin,
-}
-
-impl Role {
-    /// All roles, in ascending order of rights.
-    pub const ALL: [Self; 4] = [Self::Viewer, Self::Operator, Self::Engineer, Self::Admin];
-
-    /// Name of the role in the database and in JSON.
-    #[must_use]
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Viewer => "VIEWER",
-            Self::Operator => "OPERATOR",
-            Self::Engineer => "ENGINEER",
-            Self::Admin => "ADMIN",
-        }
-    }
-
-    /// The role with this name; `None` if the name is unknown.
-    #[must_use]
-    pub fn of_word(word: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|role| role.word() == word)
-    }
-}
-
-/// Fleets that a caller may access.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Scope {
-    /// Every fleet, including future ones.
-    All,
-    /// The fleets of these names and patterns only. A pattern includes future fleets that match it.
-    Only(BTreeSet<FleetPattern>),
-}
-
-impl Scope {
-    /// The fleets of these names and patterns. The pattern `*` is every fleet.
-    #[must_use]
-    pub fn of(fleets: impl IntoIterator<Item = FleetPattern>) -> Self {
-        let fleets: BTreeSet<_> = fleets.into_iter().collect();
-        if fleets.iter().any(FleetPattern::is_all) { Self::All } else { Self::Only(fleets) }
-    }
-
-    /// Whether the scope includes the fleet.
-    #[must_use]
-    pub fn covers(&self, fleet: &str) -> bool {
-        match self {
-            Self::All => true,
-            Self::Only(fleets) => fleets.iter().any(|one| one.matches(fleet)),
-        }
-    }
-
-    /// Whether one name or pattern of the scope includes all fleets that this one matches, also future ones.
-    #[must_use]
-    pub fn includes(&self, fleets: &FleetPattern) -> bool {
-        match self {
-            Self::All => true,
-            Self::Only(own) => own.iter().any(|one| one.includes(fleets)),
-        }
-    }
-
-    /// Limits a list to these fleets by the column of that name; `None` for all fleets.
-    #[must_use]
-    pub fn filter(&self, column: &'static str) -> Option<Filter> {
-        match self {
-            Self::All => None,
-            Self::Only(fleets) => Some(Filter::fleets(column, fleets)),
-        }
-    }
-}
-
-/// How a caller was authenticated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
-#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-pub enum Authentication {
-    /// By a direct request on loopback, without a token.
-    Loopback,
-    /// By the token in the supervisor's token file.
-    TokenFile,
-    /// By a token of the supervisor's database.
-    Token,
-    /// By a token of the identity provider.
-    Oidc,
-    /// By a session of the console, after signing in with the identity provider.
-    Session,
-}
-
-/// An authenticated caller.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Caller {
-    /// Name for people: that of the token or of the person; it need not be unique.
-    pub name: String,
-    /// Name in the audit log: `token:NAME#ID`, `oidc:NAME#SUBJECT`, `token_file`, or `local`. It is unique, because
-    /// idempotency keys, the rate limit and the limit of event streams are per actor.
-    pub actor: String,
-    /// Rights of the caller.
-    pub role: Role,
-    /// Fleets that the caller may access.
-    pub scope: Scope,
-    /// How the caller was authenticated.
-    pub authentication: Authentication,
-    /// Expiry of the caller's token, µs since 1970 UTC; `None` without expiry.
-    pub expires_us: Option<i64>,
-}
-
-impl Caller {
-    /// The caller of a request without a token on loopback: any user of this machine.
-    #[must_use]
-    pub fn local() -> Self {
-        Self::unlimited("local", Authentication::Loopback)
-    }
-
-    /// A caller with every right, whose name is also its actor.
-    fn unlimited(name: &str, authentication: Authentication) -> Self {
-        let (name, actor) = (name.to_owned(), name.to_owned());
-        Self { name, actor, role: Role::Admin, scope: Scope::All, authentication, expires_us: None }
-    }
-}
-
-/// Configured credentials, in addition to the tokens in the database.
-#[derive(Debug, Clone, Default)]
-pub struct AccessOptions {
-    /// Static token with every right.
-    pub token: Option<Secret>,
-    /// Identity provider whose tokens are accepted.
-    pub oidc: Option<OidcOptions>,
-}
-
-/// A caller's credential. An event stream keeps it to identify the caller again.
-#[derive(Debug, Clone)]
-pub enum Credential {
-    /// No credential: a direct request on loopback, where no token is required.
-    Nothing,
-    /// A bearer token.
-    Bearer(Secret),
-    /// The cookie of a session.
-    Session(Secret),
-}
 
 /// Decides who is let in.
 #[derive(Debug, Clone)]
@@ -382,136 +235,12 @@ impl Access {
     }
 }
 
-/// State of the access check.
-#[derive(Debug, Clone)]
-pub struct Gate {
-    /// Database of the tokens.
-    pub store: Store,
-    /// Decides who is let in.
-    pub access: Access,
-    /// Role that each route requires.
-    pub roles: Arc<super::document::Roles>,
-}
-
-/// Lets a request pass if the caller's role allows the route and the caller's scope covers the fleet in the path.
-pub async fn check(State(gate): State<Gate>, params: RawPathParams, request: Request, next: Next) -> Response {
-    let (mut parts, body) = request.into_parts();
-    let path = parts.extensions.get::<MatchedPath>().cloned();
-    let path = path.as_ref().map(MatchedPath::as_str).unwrap_or_default();
-    match admit(&gate, &params, &parts, path).await {
-        Ok((caller, credential)) => {
-            parts.extensions.insert(caller);
-            parts.extensions.insert(credential);
-            next.run(Request::from_parts(parts, body)).await
-        }
-        Err(problem) => {
-            let is_method = problem.kind == Kind::MethodNotAllowed;
-            let mut response = problem.into_response();
-            let allowed = HeaderValue::from_str(&gate.roles.methods(path).join(","));
-            if let (true, Ok(allowed)) = (is_method, allowed) {
-                response.headers_mut().insert(header::ALLOW, allowed);
-            }
-            response
-        }
-    }
-}
-
-async fn admit(
-    gate: &Gate,
-    params: &RawPathParams,
-    request: &Parts,
-    path: &str,
-) -> Result<(Caller, Credential), Problem> {
-    let identified = async {
-        let credential = gate.access.credential(request)?;
-        Ok((gate.access.identify_request(&gate.store, request, &credential).await?, credential))
-    };
-    let (caller, credential) = match identified.await {
-        Ok(identified) => identified,
-        Err(problem) => return Err(gate.access.refused(request, problem)),
-    };
-    gate.access.limit(&caller.actor)?;
-    let needed = match gate.roles.needed(&request.method, path) {
-        Need::Role(role) => role,
-        Need::NoSuchMethod => {
-            return Err(Problem::new(
-                Kind::MethodNotAllowed,
-                "this path does not support the method; see /openapi.json",
-            ));
-        }
-        Need::Undeclared => {
-            tracing::error!(path, "refusing a request: the route declares no role");
-            return Err(Problem::new(Kind::Forbidden, "this route is closed because it declares no role"));
-        }
-    };
-    if caller.role < needed {
-        return Err(Problem::new(
-            Kind::Forbidden,
-            format!("this requires the role {}; your token has {}", needed.word(), caller.role.word()),
-        ));
-    }
-    let fleet = params.iter().find(|(name, _)| *name == "fleet").map(|(_, fleet)| fleet);
-    if let Some(fleet) = fleet.filter(|fleet| !caller.scope.covers(fleet)) {
-        return Err(Problem::new(Kind::Forbidden, format!("your token does not cover the fleet {fleet:?}")));
-    }
-    Ok((caller, credential))
-}
-
 #[cfg(test)]
 mod tests {
-    use axum::Router;
-    use axum::middleware::{from_fn, from_fn_with_state};
-    use axum::routing::{any, get};
-    use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
-    use tokio::net::{TcpListener, TcpStream};
+    use axum::extract::Request;
 
-    use super::super::document;
     use super::*;
     use vibrissa_store::DatabaseAddress;
-
-    #[test]
-    fn a_scope_gives_no_more_than_it_has() {
-        let scope = |fleets: &[&str]| Scope::of(fleets.iter().map(|fleet| FleetPattern::new(fleet).unwrap()));
-        let may_give = |own: &[&str], given| scope(own).includes(&FleetPattern::new(given).unwrap());
-        assert!(may_give(&["hall-*"], "hall-*") && may_give(&["hall-*"], "hall-1*") && may_give(&["hall-*"], "hall-7"));
-        assert!(!may_give(&["hall-*"], "hall*") && !may_give(&["hall-*"], "*") && !may_give(&["hall-1"], "hall-*"));
-        assert!(may_give(&["lab", "h*"], "hall-*") && !may_give(&[], "lab") && may_give(&["*"], "*"));
-        assert_eq!((scope(&["lab", "*"]), scope(&[]).covers("lab")), (Scope::All, false));
-        assert!(scope(&["hall-*"]).covers("hall-9") && !scope(&["hall-*"]).covers("hall-*"));
-    }
-
-    /// Statuses of requests to a router whose document declares `GET /v1/told` only.
-    async fn statuses(requests: &[(&str, &str)]) -> Vec<u16> {
-        let folder = std::env::temp_dir().join(format!("vibrissa-access-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        let store = Store::open(&DatabaseAddress::Sqlite(folder.join("v.sqlite3")), "test").await.unwrap();
-        let mut told = document::base();
-        let item: utoipa::openapi::PathItem =
-            serde_json::from_value(serde_json::json!({ "get": { "responses": {} } })).unwrap();
-        told.paths.paths.insert("/v1/told".to_owned(), item);
-        let roles = Arc::new(document::Roles::of(&mut told));
-        let access = Access::new(&AccessOptions::default(), std::net::Ipv4Addr::LOCALHOST.into());
-        let router = Router::new()
-            .route("/v1/told", get(async || "told").post(async || "not told"))
-            .route("/v1/not-told", any(async || "not told"))
-            .route_layer(from_fn_with_state(Gate { store, access, roles }, check))
-            .layer(from_fn(origin::refuse_other_sites));
-        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
-        let address = listener.local_addr().unwrap();
-        let serving = tokio::spawn(async move { axum::serve(listener, router).await });
-        let mut statuses = Vec::new();
-        for (method, path) in requests {
-            let mut stream = TcpStream::connect(address).await.unwrap();
-            let request = format!("{method} {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
-            stream.write_all(request.as_bytes()).await.unwrap();
-            let mut answer = String::new();
-            stream.read_to_string(&mut answer).await.unwrap();
-            statuses.push(answer.split(' ').nth(1).unwrap().parse().unwrap());
-        }
-        serving.abort();
-        std::fs::remove_dir_all(&folder).unwrap();
-        statuses
-    }
 
     #[tokio::test]
     async fn regress_beyond_the_limit_no_unknown_token_reaches_the_database() {
@@ -529,17 +258,5 @@ mod tests {
         let (refused, limited) = (count(Kind::Unauthenticated), count(Kind::TooManyRequests));
         assert!(refused + limited == 3000 && (1000..2000).contains(&refused), "{refused} and {limited}");
         std::fs::remove_dir_all(&folder).unwrap();
-    }
-
-    #[tokio::test]
-    async fn regress_a_route_or_method_without_a_role_is_closed_to_everybody() {
-        let requests = [
-            ("GET", "/v1/told"),
-            ("HEAD", "/v1/told"),
-            ("POST", "/v1/told"),
-            ("GET", "/v1/not-told"),
-            ("POST", "/v1/not-told"),
-        ];
-        assert_eq!(statuses(&requests).await, [200, 200, 405, 403, 403]);
     }
 }

@@ -8,27 +8,12 @@ use jsonwebtoken::{Algorithm, DecodingKey, Validation, decode, decode_header};
 use serde_json::{Map, Value};
 use vibrissa_edge::fleets::FleetPattern;
 
+use super::claims::{self, subject};
 use super::keys::Keys;
-use super::provider::SignInOptions;
-use super::{Authentication, Caller, Role, Scope, refusal, signature, tokens};
+use super::options::OidcOptions;
+use super::signature::{self, ALGORITHMS};
+use super::{Authentication, Caller, Role, Scope, refusal};
 use crate::http::problem::{Kind, Problem};
-
-/// An accepted OpenID provider.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct OidcOptions {
-    /// Issuer: `iss` of its tokens, compared exactly.
-    pub issuer: String,
-    /// Audience: `aud` of its tokens.
-    pub audience: String,
-    /// URL of its keys; by default discovered from the issuer.
-    pub jwks_url: Option<String>,
-    /// Claim that holds the role.
-    pub role_claim: String,
-    /// Claim that holds the fleets as names and patterns; `*` means all.
-    pub fleets_claim: String,
-    /// How people sign in at the console; `None` if they cannot.
-    pub sign_in: Option<SignInOptions>,
-}
 
 /// A provider with its keys as of the last fetch.
 #[derive(Debug, Clone)]
@@ -36,19 +21,6 @@ pub struct Oidc {
     options: Arc<OidcOptions>,
     keys: Keys,
 }
-
-/// Accepted algorithms: asymmetric ones, whose signatures anybody can verify but only the provider can make.
-pub(super) const ALGORITHMS: [Algorithm; 9] = [
-    Algorithm::RS256,
-    Algorithm::RS384,
-    Algorithm::RS512,
-    Algorithm::PS256,
-    Algorithm::PS384,
-    Algorithm::PS512,
-    Algorithm::ES256,
-    Algorithm::ES384,
-    Algorithm::EdDSA,
-];
 
 /// Clocks may differ by this much.
 pub(super) const LEEWAY: Duration = Duration::from_secs(60);
@@ -115,7 +87,7 @@ impl Oidc {
         validation.leeway = LEEWAY.as_secs();
         let claims =
             decode::<Map<String, Value>>(token, &key, &validation).map(|token| token.claims).map_err(|problem| {
-                let why = refusal::of_token(&problem, tokens::claims(token).as_ref(), &self.options);
+                let why = refusal::of_token(&problem, claims::unverified(token).as_ref(), &self.options);
                 refused(format!("the token is not accepted: {why}"))
             })?;
         if subject(&claims).is_none() {
@@ -153,11 +125,6 @@ impl Oidc {
 
 fn refused(what: String) -> Problem {
     Problem::new(Kind::Unauthenticated, what)
-}
-
-/// The person whom claims are about, by the provider's own name for it. It is compared exactly.
-pub(super) fn subject(claims: &Map<String, Value>) -> Option<&str> {
-    claims.get("sub").and_then(Value::as_str).filter(|subject| !subject.trim().is_empty())
 }
 
 /// Maximum length of a person's name in the audit log, in characters.

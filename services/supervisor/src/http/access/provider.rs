@@ -17,22 +17,11 @@ use openidconnect::{
 
 use super::fetch::{self, Away, Discovery, blocking};
 use super::id_token::{IdToken, MoreClaims, TokenResponse, VerifyingKey};
+use super::options::SignInOptions;
 use vibrissa_protocol::plain;
-use vibrissa_store::secret::Secret;
 
 /// Time for which the endpoints are remembered.
 const FRESH_FOR: Duration = Duration::from_secs(600);
-
-/// How people sign in at the console.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SignInOptions {
-    /// This service's identifier at the provider.
-    pub client_id: String,
-    /// Its secret; `None` for a public client.
-    pub client_secret: Option<Secret>,
-    /// Address at which browsers reach the console, without a slash at the end.
-    pub public_url: String,
-}
 
 /// This service as a client of the provider.
 type Client = openidconnect::Client<

@@ -12,12 +12,14 @@ use openidconnect::{
 use serde::{Deserialize, Serialize};
 use tokio::sync::Mutex;
 
+use super::claims::{self, is_stale};
 use super::fetch::Away;
 use super::id_token::{self, IdToken, TokenResponse};
-use super::oidc::{self, Oidc};
-use super::provider::{Denial, Provider, SignInOptions};
+use super::oidc::Oidc;
+use super::options::SignInOptions;
+use super::provider::{Denial, Provider};
 use super::return_page::ReturnPage;
-use super::tokens::{KEY_BYTES, Tokens, is_stale, open, random_bytes, seal};
+use super::tokens::{KEY_BYTES, Tokens, open, random_bytes, seal};
 use super::{Authentication, Caller};
 use crate::http::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;
@@ -129,7 +131,7 @@ impl SignIn {
         let nonce = Nonce::new(attempt.nonce.clone());
         let subject = self.subject(id_token, told.access_token(), &nonce).await.map_err(invalid)?;
         let claims = self.oidc.verified(told.access_token().secret()).await.map_err(invalid)?;
-        if oidc::subject(&claims) != Some(&subject) {
+        if claims::subject(&claims) != Some(&subject) {
             return Err(Failure::Provider("the tokens are about two different people".to_owned()));
         }
         let caller = self.oidc.allowed(&claims).map_err(invalid)?;
@@ -168,7 +170,7 @@ impl SignIn {
         }
         let claims = self.oidc.verified(&tokens.access_token).await?;
         // An older version has not checked renewals.
-        if oidc::subject(&claims) != tokens.subject().as_deref() {
+        if claims::subject(&claims) != tokens.subject().as_deref() {
             return self.ends(store, &row, "the access token is about another person").await;
         }
         let caller = self.oidc.allowed(&claims)?;
@@ -216,7 +218,7 @@ impl SignIn {
             return Err(another("ID"));
         }
         let claims = self.oidc.verified(told.access_token().secret()).await?;
-        if oidc::subject(&claims) == person.as_deref() { Ok(()) } else { Err(another("access")) }
+        if claims::subject(&claims) == person.as_deref() { Ok(()) } else { Err(another("access")) }
     }
 
     /// Ends a session that the provider does not continue.

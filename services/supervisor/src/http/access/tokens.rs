@@ -1,22 +1,15 @@
 //! The provider's tokens of a session, as they are stored: sealed with a key that only the browser has.
 
-use base64::Engine as _;
-use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use openidconnect::{OAuth2TokenResponse as _, TokenResponse as _};
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
 
+use super::claims;
 use super::id_token::TokenResponse;
-use super::oidc;
 use crate::http::problem::{Kind, Problem};
-use vibrissa_edge::clock::wall_clock;
 
 /// Length of the key, in bytes.
 pub(super) const KEY_BYTES: usize = 32;
-/// Tokens that expire within this time are renewed, s.
-const RENEWED_BEFORE_S: f64 = 20.0;
-
 /// Tokens of a person.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Tokens {
@@ -43,7 +36,7 @@ impl Tokens {
         id_token: Option<String>,
         before: Option<Self>,
     ) -> Self {
-        let first_nonce = before.as_ref().and_then(Self::nonce).or_else(|| nonce_of(id_token.as_ref()?));
+        let first_nonce = before.as_ref().and_then(Self::nonce).or_else(|| claims::nonce(id_token.as_ref()?));
         let (old_refresh_token, old_id_token) =
             before.map(|before| (before.refresh_token, before.id_token)).unwrap_or_default();
         Self {
@@ -56,29 +49,13 @@ impl Tokens {
 
     /// The person who signed in.
     pub(super) fn subject(&self) -> Option<String> {
-        oidc::subject(&claims(self.id_token.as_ref()?)?).map(ToOwned::to_owned)
+        claims::subject(&claims::unverified(self.id_token.as_ref()?)?).map(ToOwned::to_owned)
     }
 
     /// The nonce of the person's first ID token. An earlier version has stored it within that token only.
     pub(super) fn nonce(&self) -> Option<String> {
-        self.first_nonce.clone().or_else(|| nonce_of(self.id_token.as_ref()?))
+        self.first_nonce.clone().or_else(|| claims::nonce(self.id_token.as_ref()?))
     }
-}
-
-fn nonce_of(id_token: &str) -> Option<String> {
-    claims(id_token)?.get("nonce").and_then(Value::as_str).map(ToOwned::to_owned)
-}
-
-/// The claims of a token whose signature is verified elsewhere.
-pub(super) fn claims(token: &str) -> Option<Map<String, Value>> {
-    let claims = URL_SAFE_NO_PAD.decode(token.split('.').nth(1)?).ok()?;
-    serde_json::from_slice(&claims).ok()
-}
-
-/// Whether a token expires soon, by its own claim.
-pub(super) fn is_stale(token: &str) -> bool {
-    let expires_s = claims(token).and_then(|claims| claims.get("exp").and_then(Value::as_f64));
-    expires_s.is_none_or(|expires_s| expires_s - wall_clock().as_s() < RENEWED_BEFORE_S)
 }
 
 /// Bytes that nobody can guess.
@@ -115,6 +92,10 @@ pub(super) fn open(sealed: &[u8], key: &[u8]) -> Option<Tokens> {
 
 #[cfg(test)]
 mod tests {
+    use base64::Engine as _;
+    use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+    use serde_json::Value;
+
     use super::*;
 
     #[test]
@@ -141,16 +122,5 @@ mod tests {
         // As an earlier version has stored it.
         let old = r#"{"access_token":"a","refresh_token":null,"id_token":"e30.eyJub25jZSI6Im0ifQ.x"}"#;
         assert_eq!(serde_json::from_str::<Tokens>(old).unwrap().nonce().as_deref(), Some("m"));
-    }
-
-    #[test]
-    fn a_token_is_renewed_before_it_expires() {
-        let token = |expires_s: f64| {
-            let claims = serde_json::json!({ "exp": expires_s }).to_string();
-            format!("e30.{}.x", URL_SAFE_NO_PAD.encode(claims))
-        };
-        let now_s = wall_clock().as_s();
-        assert!(is_stale(&token(now_s + 10.0)) && is_stale(&token(now_s - 5.0)) && is_stale("not a token"));
-        assert!(!is_stale(&token(now_s + 60.0)));
     }
 }

@@ -28,7 +28,7 @@ fn pauses_differ() {
 
 #[test]
 fn a_link_stands_when_both_connections_do() {
-    let link = LinkState::default();
+    let link = BrokerLink::default();
     assert_eq!(link.problem().as_deref(), Some("not connected to the MQTT broker yet"));
     link.connected(Side::Receiving, &node());
     assert!(link.problem().is_some());
@@ -43,7 +43,7 @@ fn a_link_stands_when_both_connections_do() {
 
 #[test]
 fn an_outage_names_the_problem_of_each_node_and_then_the_node_in_use() {
-    let link = LinkState::default();
+    let link = BrokerLink::default();
     let problem = |host, cause| Problem::new(&BrokerAddress::new(host, 1), cause);
     let (first, second) = (problem("h", Cause::Refused), problem("i", Cause::NoAnswer));
     for _ in 0..3 {
@@ -58,7 +58,7 @@ fn an_outage_names_the_problem_of_each_node_and_then_the_node_in_use() {
 
 #[test]
 fn deafness_lasts_from_the_first_loss_to_the_next_proof_and_is_the_receivers_alone() {
-    let link = LinkState::default();
+    let link = BrokerLink::default();
     assert!(link.deafness().is_some(), "deaf before the first proof");
     link.connected(Side::Publishing, &node());
     assert!(link.deafness().is_some());
@@ -81,7 +81,7 @@ fn a_connection_that_is_closed_alone_is_told_apart_from_a_broker_that_ends() {
     let refused = Problem::new(&BrokerAddress::new("h", 1), Cause::Refused);
     let sides = [Side::Receiving, Side::Publishing];
     for (side, other) in [(sides[0], sides[1]), (sides[1], sides[0])] {
-        let link = LinkState::default();
+        let link = BrokerLink::default();
         assert!(!link.connected(side, &node()) && !link.connected(other, &node()));
         link.broken(side, &closed);
         assert!(link.connected(side, &node()), "the other connection stayed up");
@@ -108,7 +108,7 @@ fn refusal(topic: &str) -> Problem {
 /// The supervisor's own state was accepted every five seconds, which cleared the refusal of a setpoint.
 #[test]
 fn regress_a_refusal_lasts_until_its_own_topic_is_accepted() {
-    let link = LinkState::default();
+    let link = BrokerLink::default();
     link.connected(Side::Receiving, &node());
     link.connected(Side::Publishing, &node());
     let (first, second) = ("whisker/v1/f/r1/setpoint", "whisker/v1/f/r2/setpoint");
@@ -128,7 +128,7 @@ fn regress_a_refusal_lasts_until_its_own_topic_is_accepted() {
 
 #[test]
 fn a_limit_that_ordinary_messages_exceed_is_a_problem_of_the_node_in_use() {
-    let link = LinkState::default();
+    let link = BrokerLink::default();
     link.connected(Side::Receiving, &node());
     link.connected(Side::Publishing, &node());
     let limit = |is_too_low| Some(LowLimit { what: "packets of 100 bytes".to_owned(), is_too_low });

@@ -7,6 +7,7 @@
 
 pub(super) mod index;
 mod place;
+pub(crate) mod records;
 mod stored;
 mod version_2;
 mod version_4;
@@ -19,10 +20,10 @@ use vibrissa_core::robot::event::{Contact, GaugeState, RegulatorState, WhiskerSt
 use vibrissa_core::robot::{Event, Robot};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 use vibrissa_edge::words::Word;
-use vibrissa_protocol::{self as protocol, Name};
+use vibrissa_protocol as protocol;
 
+use crate::engine::part::Part;
 use crate::engine::robot::KnownRobot;
-use crate::engine::worker::workers::index_of;
 use crate::log_inbox::LogRange;
 use vibrissa_store::batch::ContactRow;
 
@@ -86,19 +87,6 @@ pub(crate) enum JournalEvent {
     TickAll {
         part: Part,
     },
-}
-
-/// The robots of one of the engine's workers; the number of workers differs between machines.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, BorshSerialize, BorshDeserialize)]
-pub(crate) struct Part {
-    pub(crate) number: u16,
-    pub(crate) of: u16,
-}
-
-impl Part {
-    pub(crate) fn has(self, robot: &Name) -> bool {
-        index_of(robot, usize::from(self.of)) == usize::from(self.number)
-    }
 }
 
 /// A journalled contact.

@@ -3,7 +3,8 @@
 use borsh::BorshDeserialize;
 use vibrissa_core::units::Micros;
 
-use super::{JournalContact, JournalEvent, JournalStatus, Part};
+use super::{JournalContact, JournalEvent, JournalStatus};
+use crate::engine::part::Part;
 use crate::log_inbox::LogRange;
 
 #[derive(BorshDeserialize)]

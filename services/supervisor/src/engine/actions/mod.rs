@@ -1,8 +1,10 @@
-//! Operators' actions: read, executed in order, and answered in the transaction that contains their effects.
+//! Operators' actions: read, executed in order, and answered in the transaction that contains their effects. Those on
+//! roll-outs are in `rollouts`.
+
+mod rollouts;
 
 use std::sync::Arc;
 
-use serde::Deserialize;
 use tracing::info;
 use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::{ActionProblem, Event, OperatorAction, Outcome, Params, Place};
@@ -265,14 +267,6 @@ impl Execution<'_> {
         let told = event(EventKind::Policy, changed.changed_us, &parts);
         self.workers.record(Record::Policy(Box::new(PolicyRow::new(policy, changed))), Some(told));
     }
-}
-
-/// Parameters of an action that activates a calibration.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Activation {
-    pub(super) calibration_id: i64,
-    pub(super) calibration: CalibrationFile,
 }
 
 /// The event of an action's answer.
