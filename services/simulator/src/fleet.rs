@@ -1,7 +1,7 @@
-//! A fleet over real MQTT. The robots' time is that of [`now_us`], which never jumps: also when the system's clock is set.
+//! A fleet over real MQTT. The robots' time is that of [`now_us`], which runs evenly: also when the system's clock is set.
 
 use std::path::Path;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
 use tokio::sync::{Notify, watch};
@@ -9,7 +9,7 @@ use tokio::task::JoinHandle;
 use tokio::time::{Instant, timeout_at};
 use vibrissa_core::mechanics::ModelError;
 use vibrissa_protocol::{Name, RobotTopic, Topic};
-pub use vibrissa_robot::clock::now_us;
+use vibrissa_robot::clock;
 use vibrissa_robot::contract::{Moment, Now};
 use vibrissa_robot::mqtt::{self, Delivery, Signals};
 pub use vibrissa_robot::mqtt::{Authorities, BadBroker, Broker, password_in};
@@ -20,6 +20,19 @@ use crate::{Outgoing, Robot, RobotConfig, Scenario};
 
 /// Time that robots have to stop cleanly.
 const STOP_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// The time of simulated robots, boards and loads, in microseconds since 1970 UTC: the system's clock at the first call,
+/// continued by the monotonic clock. So differences of two times are durations, whoever sets the system's clock meanwhile.
+#[must_use]
+pub fn now_us() -> u64 {
+    at_us(clock::now())
+}
+
+fn at_us(now: Now) -> u64 {
+    static BEGUN: OnceLock<Now> = OnceLock::new();
+    let begun = BEGUN.get_or_init(|| now);
+    begun.stamp_us + now.at.since(begun.at)
+}
 
 /// Why a fleet cannot start.
 #[derive(Debug, thiserror::Error)]
@@ -222,11 +235,11 @@ impl mqtt::Endpoint for RobotHandle {
     }
 
     fn will(&self, now: Now) -> Vec<u8> {
-        self.with(|robot| robot.will(now.stamp_us))
+        self.with(|robot| robot.will(at_us(now)))
     }
 
     fn connected(&self, now: Now) -> Vec<Outgoing> {
-        self.with(|robot| robot.connected(now.stamp_us))
+        self.with(|robot| robot.connected(at_us(now)))
     }
 
     fn disconnected(&self) {
@@ -235,23 +248,23 @@ impl mqtt::Endpoint for RobotHandle {
 
     fn poll(&self, now: Now) -> (Vec<Outgoing>, Moment) {
         let (outgoing, deadline_us, has_changed) =
-            self.with(|robot| (robot.poll(now.stamp_us), robot.next_deadline(), robot.take_change()));
+            self.with(|robot| (robot.poll(at_us(now)), robot.next_deadline(), robot.take_change()));
         if has_changed {
             self.changed.notify_one();
         }
-        (outgoing, now.at + deadline_us.saturating_sub(now.stamp_us))
+        (outgoing, now.at + deadline_us.saturating_sub(at_us(now)))
     }
 
     fn receive(&self, topic: RobotTopic, payload: &[u8], now: Now) -> Vec<Outgoing> {
-        self.with(|robot| robot.receive(topic, payload, now.stamp_us))
+        self.with(|robot| robot.receive(topic, payload, at_us(now)))
     }
 
     fn receive_request_to_all(&self, payload: &[u8], now: Now) {
-        self.with(|robot| robot.receive_request_to_all(payload, now.stamp_us));
+        self.with(|robot| robot.receive_request_to_all(payload, at_us(now)));
     }
 
     fn farewell(&self, now: Now) -> Vec<Outgoing> {
-        self.with(|robot| robot.farewell(now.stamp_us))
+        self.with(|robot| robot.farewell(at_us(now)))
     }
 
     fn delivery(&self, topic: RobotTopic) -> Delivery {
