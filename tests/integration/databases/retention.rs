@@ -9,7 +9,7 @@ use vibrissa_store::batch::{AlarmClearedRow, AlarmRow, HealthRow, Record, Setpoi
 use vibrissa_store::retention::{Done, Retention};
 use vibrissa_store::series::Span;
 use vibrissa_store::time::Time;
-use vibrissa_store::{Batch, Lease, Store, Writer};
+use vibrissa_store::{Batch, DatabaseAddress, Lease, Store, Writer};
 
 use crate::rows::{self, Numbered};
 use crate::{Fresh, fleet, supervisor};
@@ -287,6 +287,69 @@ async fn old_records_of_sqlite_go_when_they_are_over() {
 #[tokio::test]
 async fn old_records_of_postgres_go_when_they_are_over() {
     old_records_go(Fresh::postgres().await).await;
+}
+
+/// Boots that were seen a day before the oldest contact go, except the newest four of them.
+async fn former_boots_go(database: Fresh) {
+    let (mut writer, lease, numbered) = taken(&database).await;
+    let (robot_id, now_us) = (numbered.robot_id, NOON_US);
+    let boots_at = async |writer: &mut Writer, name: &str, at_us: i64, count: i64| {
+        for number in 0..count {
+            writer.boot(&lease, robot_id, &format!("{name}-{number}"), at_us + number).await.unwrap();
+        }
+    };
+    // "b1" of the rows is from 1970; more than one piece follows it.
+    boots_at(&mut writer, "old", now_us - 40 * DAY_US, 2100).await;
+    let last_old = writer.boot(&lease, numbered.robot_id, "old-2099", 0).await.unwrap();
+    boots_at(&mut writer, "young", now_us - 9 * DAY_US, 6).await;
+    let touched = Numbered { boot: last_old, ..numbered };
+    make(&database.store, now_us - 10 * DAY_US).await;
+    record(&mut writer, &lease, &touched, now_us - 10 * DAY_US, 3).await;
+    let left = async |database: &Fresh| -> Vec<String> {
+        let sql = "SELECT boot_id FROM boots ORDER BY boot";
+        match &database.server {
+            Some(_) => sqlx::query_scalar(sql).fetch_all(&mut link(database).await).await.unwrap(),
+            None => {
+                let DatabaseAddress::Sqlite(path) = &database.address else { panic!("SQLite") };
+                let mut link = sqlx::sqlite::SqliteConnectOptions::new().filename(path).connect().await.unwrap();
+                sqlx::query_scalar(sql).fetch_all(&mut link).await.unwrap()
+            }
+        }
+    };
+    let removed = async |days: u32, now_us: i64| {
+        let (told, _) = look_after(&database.store, days, now_us).await;
+        let rows = |done: &Done| match done {
+            Done::Removed { table: "boots", rows } => *rows,
+            Done::Made { .. } | Done::Indexed { .. } | Done::Dropped { .. } | Done::Removed { .. } => 0,
+        };
+        told.iter().map(rows).sum::<u64>()
+    };
+    assert_eq!(removed(0, now_us).await, 0, "the robot's state was not stored since: the journal may refer to them");
+    writer.commit(&lease, &states_at(&touched, now_us)).await.unwrap();
+    assert_eq!([removed(0, now_us).await, removed(0, now_us).await, removed(0, now_us).await], [2000, 97, 0]);
+    let old = (2096..2100).map(|number| format!("old-{number}"));
+    let young = (0..6).map(|number| format!("young-{number}"));
+    assert_eq!(left(&database).await, old.chain(young).collect::<Vec<_>>(), "the touched one is there");
+    // Once the contacts have gone, those before the newest four go, too.
+    assert_eq!([removed(5, now_us).await, removed(5, now_us).await], [0, 6]);
+    assert_eq!(left(&database).await, ["young-2", "young-3", "young-4", "young-5"]);
+}
+
+/// Checkpoints at this time.
+fn states_at(numbered: &Numbered, at_us: i64) -> Batch {
+    let mut batch = rows::states(numbered);
+    batch.robots.iter_mut().for_each(|robot| robot.updated_us = at_us);
+    batch
+}
+
+#[tokio::test]
+async fn regress_former_boots_go_from_sqlite() {
+    former_boots_go(Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn regress_former_boots_go_from_postgres() {
+    former_boots_go(Fresh::postgres().await).await;
 }
 
 /// Whiskers that a layout has left out go after a day, unless they were touched.

@@ -28,7 +28,7 @@ pub const TABLES: &[(&str, Kept)] = &[
     ("archives", For("one for each fleet")),
     ("arrays", Until("a day after all their whiskers, if none was touched")),
     ("black_boxes", Days("black_box.days")),
-    ("boots", For("the limit of new boots: 1 for each robot and minute")),
+    ("boots", Until("once no contact and no journal refers to them, except the newest 4 of each robot")),
     ("calibrations", BY_PEOPLE),
     ("compensation_candidates", DECISIONS),
     ("compensation_error_bins", DECISIONS),
