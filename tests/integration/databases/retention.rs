@@ -5,7 +5,10 @@ use std::time::{Duration, Instant};
 
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Connection, Executor, Row};
-use vibrissa_store::batch::{AlarmClearedRow, AlarmRow, HealthRow, Record, SetpointRow};
+use vibrissa_store::batch::{
+    AlarmClearedRow, AlarmRow, DecisionRow, ErrorBinRow, ErrorRow, HealthRow, Interval, Record, RefinementRow,
+    SetpointRow,
+};
 use vibrissa_store::retention::{Done, Retention};
 use vibrissa_store::series::Span;
 use vibrissa_store::time::Time;
@@ -350,6 +353,86 @@ async fn regress_former_boots_go_from_sqlite() {
 #[tokio::test]
 async fn regress_former_boots_go_from_postgres() {
     former_boots_go(Fresh::postgres().await).await;
+}
+
+/// Measurements of a compensation in force came every hundred contacts, and stayed for ever.
+async fn old_measurements_go(database: Fresh) {
+    let (mut writer, lease, numbered) = taken(&database).await;
+    let whisker_id = numbered.whisker_ids[0];
+    let one = |mean: f64| Interval { mean, low: mean, high: mean };
+    let of = |number: i64, days: &[i64]| -> Vec<Record> {
+        let compensation_id = numbered.robot_id << 32 | number;
+        let decision = DecisionRow {
+            compensation_id,
+            robot_id: numbered.robot_id,
+            target_whisker_id: whisker_id,
+            target_length_mm: 70.0,
+            target_pressure_mpa: 0.1,
+            decided_us: NOON_US,
+            approval: "AUTOMATIC",
+            candidates: Vec::new(),
+        };
+        let bin = |ratio| ErrorBinRow {
+            ratio,
+            contacts: 9,
+            after_per_mm: 0.004,
+            before_per_mm: 0.003,
+            before_origin: "MEASURED",
+            target_per_mm: 0.0035,
+            target_origin: "MODEL",
+            error: one(0.2),
+        };
+        let measured = |&day: &i64| {
+            let error = ErrorRow {
+                compensation_id,
+                recorded_us: NOON_US + day * DAY_US,
+                contacts: 100,
+                pressure_mpa: 0.05,
+                error: one(0.2),
+                with_gain: None,
+                air_error: None,
+                bins: [0.5, 0.9].map(bin).to_vec(),
+            };
+            let look = RefinementRow {
+                compensation_id,
+                recorded_us: error.recorded_us,
+                contacts: 200,
+                outcome: "HELD_MARGIN",
+                pressure_from_mpa: 0.05,
+                pressure_best_mpa: None,
+                error: one(0.2),
+                error_best: None,
+                error_with_gain: 0.1,
+                error_with_own_gain: 0.1,
+                gain_published: false,
+            };
+            [Record::Error(Box::new(error)), Record::Refinement(Box::new(look))]
+        };
+        std::iter::once(Record::Decision(Box::new(decision))).chain(days.iter().flat_map(measured)).collect()
+    };
+    // One with young measurements, and one whose newest is old.
+    let records = [of(1, &[0, 1, 2, 9]), of(2, &[0, 1])].concat();
+    writer.commit(&lease, &Batch { records, ..Batch::default() }).await.unwrap();
+    let retention = Retention { contacts_days: 0, minutes_days: 0, black_boxes_days: 0, records_days: 5 };
+    for rows in [[8, 4, 4], [0; 3]] {
+        let mut told = Vec::new();
+        database.store.look_after(retention, NOON_US + 10 * DAY_US, &mut |done| told.push(done)).await.unwrap();
+        let tables = ["compensation_error_bins", "compensation_errors", "compensation_refinements"];
+        let removed = tables.into_iter().zip(rows).filter(|(_, rows)| *rows > 0);
+        let removed: Vec<Done> = removed.map(|(table, rows)| Done::Removed { table, rows }).collect();
+        told.retain(|done| matches!(done, Done::Removed { .. }));
+        assert_eq!(told, removed, "the newest of each compensation is kept");
+    }
+}
+
+#[tokio::test]
+async fn regress_old_measurements_of_compensations_in_force_go_from_sqlite() {
+    old_measurements_go(Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn regress_old_measurements_of_compensations_in_force_go_from_postgres() {
+    old_measurements_go(Fresh::postgres().await).await;
 }
 
 /// Whiskers that a layout has left out go after a day, unless they were touched.
