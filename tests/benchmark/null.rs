@@ -8,7 +8,7 @@ use rumqttc::{
 use serde::{Deserialize, Serialize};
 use tokio::time::timeout;
 use vibrissa_protocol::{Name, RobotTopic};
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 
 use crate::child::READY;
 use crate::usage;

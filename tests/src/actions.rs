@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use vibrissa_core::policy::PolicyParams;
 use vibrissa_edge::words::Word as _;
 use vibrissa_protocol::Name;
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_store::Store;
 use vibrissa_store::actions::{Action, Asked, NewAction};
 use vibrissa_supervisor::action_notifier::ActionNotifier;

@@ -15,7 +15,7 @@ use vibrissa_protocol::{
     SetpointState, Status, TestState, Timestamp, TouchTest, TouchTestError, TouchTestKind, TouchTestOutcome,
     WhiskerFacts, WhiskerStatus, encode,
 };
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 
 use crate::observer::{Heard, Observer};
 use crate::wait::{self, PATIENCE};

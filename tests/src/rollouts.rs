@@ -7,7 +7,7 @@ use sqlx::{PgConnection, SqliteConnection};
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::rollout::place;
 use vibrissa_core::units::Megapascal;
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 
 use crate::wait::until;
 use crate::web::{send, try_get};

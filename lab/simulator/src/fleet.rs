@@ -1,4 +1,4 @@
-//! A fleet over real MQTT. The robots' time is that of [`now_us`], which never jumps: also when the system's clock is set.
+//! A fleet over real MQTT.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -9,10 +9,10 @@ use tokio::task::JoinHandle;
 use tokio::time::{Instant, timeout_at};
 use vibrissa_core::mechanics::ModelError;
 use vibrissa_protocol::Name;
-pub use vibrissa_robot::clock::now_us;
 use vibrissa_robot::mqtt;
 pub use vibrissa_robot::mqtt::{Authorities, BadBroker, Broker, password_in};
 
+use crate::clock::now_us;
 use crate::robot_handle::RobotHandle;
 use crate::scenario::BadScenario;
 use crate::state::{StateError, StateFile};

@@ -10,10 +10,10 @@
 //! [`scenario::Misbehaviour`], which changes messages before or after the rules.
 //!
 //! Read in this order: [`scenario`] (input), [`plant`] and [`regulator`] (physics of a whisker), [`robot`] (the
-//! contract), [`fleet`] (the network). [`load`] is separate: a cheap generator of many messages. [`options`] is for
-//! command lines.
+//! contract), [`fleet`] (the network). [`load`] is separate: a cheap generator of many messages.
 
 pub mod board;
+pub mod clock;
 pub mod fleet;
 mod journal;
 mod link;

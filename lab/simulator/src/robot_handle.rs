@@ -7,6 +7,7 @@ use vibrissa_protocol::{Name, RobotTopic, Topic};
 use vibrissa_robot::contract::{Moment, Now};
 use vibrissa_robot::mqtt::{self, Delivery, Signals};
 
+use crate::clock::at_us;
 use crate::scenario::Misbehaviour;
 use crate::{Outgoing, Robot};
 
@@ -58,11 +59,11 @@ impl mqtt::Endpoint for RobotHandle {
     }
 
     fn will(&self, now: Now) -> Vec<u8> {
-        self.with(|robot| robot.will(now.stamp_us))
+        self.with(|robot| robot.will(at_us(now)))
     }
 
     fn connected(&self, now: Now) -> Vec<Outgoing> {
-        self.with(|robot| robot.connected(now.stamp_us))
+        self.with(|robot| robot.connected(at_us(now)))
     }
 
     fn disconnected(&self) {
@@ -71,23 +72,23 @@ impl mqtt::Endpoint for RobotHandle {
 
     fn poll(&self, now: Now) -> (Vec<Outgoing>, Moment) {
         let (outgoing, deadline_us, has_changed) =
-            self.with(|robot| (robot.poll(now.stamp_us), robot.next_deadline(), robot.take_change()));
+            self.with(|robot| (robot.poll(at_us(now)), robot.next_deadline(), robot.take_change()));
         if has_changed {
             self.changed.notify_one();
         }
-        (outgoing, now.at + deadline_us.saturating_sub(now.stamp_us))
+        (outgoing, now.at + deadline_us.saturating_sub(at_us(now)))
     }
 
     fn receive(&self, topic: RobotTopic, payload: &[u8], now: Now) -> Vec<Outgoing> {
-        self.with(|robot| robot.receive(topic, payload, now.stamp_us))
+        self.with(|robot| robot.receive(topic, payload, at_us(now)))
     }
 
     fn receive_request_to_all(&self, payload: &[u8], now: Now) {
-        self.with(|robot| robot.receive_request_to_all(payload, now.stamp_us));
+        self.with(|robot| robot.receive_request_to_all(payload, at_us(now)));
     }
 
     fn farewell(&self, now: Now) -> Vec<Outgoing> {
-        self.with(|robot| robot.farewell(now.stamp_us))
+        self.with(|robot| robot.farewell(at_us(now)))
     }
 
     fn delivery(&self, topic: RobotTopic) -> Delivery {

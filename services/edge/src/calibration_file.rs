@@ -45,9 +45,11 @@ pub struct CalibrationFile {
 /// A calibration with its number in the database: the parameters of an action that activates it.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Activation {
-    pub(crate) calibration_id: i64,
-    pub(crate) calibration: CalibrationFile,
+pub struct Activation {
+    /// Its number in the database.
+    pub calibration_id: i64,
+    /// The calibration.
+    pub calibration: CalibrationFile,
 }
 
 /// Why a calibration file is refused.

@@ -92,6 +92,21 @@ async fn partitions(link: &mut PgConnection, cut: &Cut) -> sqlx::Result<Vec<Part
     Ok(rows.iter().filter_map(partition).collect())
 }
 
+/// A time that no row is older than; none without rows. It is that of the oldest partition with a row, or of the oldest row in
+/// the default partition.
+pub(super) async fn oldest(link: &mut PgConnection, cut: &Cut) -> sqlx::Result<Option<i64>> {
+    let Cut { table, key, .. } = cut;
+    let caught = AssertSqlSafe(format!("SELECT min({key}) FROM {table}_default"));
+    let mut oldest: Option<i64> = sqlx::query_scalar(caught).fetch_one(&mut *link).await?;
+    for one in partitions(link, cut).await? {
+        let any = AssertSqlSafe(format!("SELECT EXISTS (SELECT 1 FROM {})", quoted(&one.name)));
+        if sqlx::query_scalar(any).fetch_one(&mut *link).await? {
+            oldest = Some(oldest.map_or(one.span.from_us, |oldest| oldest.min(one.span.from_us)));
+        }
+    }
+    Ok(oldest)
+}
+
 async fn run(link: &mut PgConnection, sql: String) -> sqlx::Result<u64> {
     sqlx::raw_sql(AssertSqlSafe(sql)).execute(link).await.map(|done| done.rows_affected())
 }

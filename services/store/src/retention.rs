@@ -2,6 +2,7 @@
 
 use sqlx::PgConnection;
 
+mod boots;
 pub(super) mod done;
 mod records;
 pub mod tables;
@@ -85,6 +86,7 @@ impl Store {
         }
         is_more |= self.remove_records(kept_from(now_us, retention.records_days), told).await.map_err(failed(WHAT))?;
         is_more |= self.forget_absent_whiskers(now_us, told).await.map_err(failed(WHAT))?;
+        is_more |= self.forget_boots(now_us, told).await?;
         match &self.pool {
             Either::Sqlite(_) => {
                 let more_rows = self.remove_some([contacts_us, minutes_us], told).await.map_err(failed(WHAT))?;

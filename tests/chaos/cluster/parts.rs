@@ -207,7 +207,7 @@ impl Database<'_> {
 
     /// The server that leads, once the pair is redundant; `None` after this time.
     pub async fn until_redundant(&self, patience: Duration) -> Option<usize> {
-        let since_s = vibrissa_simulator::fleet::now_us() as f64 / 1e6;
+        let since_s = vibrissa_simulator::clock::now_us() as f64 / 1e6;
         let wait = async {
             loop {
                 if self.is_redundant(since_s).await

@@ -21,7 +21,7 @@ pub async fn pass(nodes: &[(String, u16)]) -> bool {
 async fn attempt(nodes: &[(String, u16)]) -> Option<()> {
     let mut clients = Vec::new();
     for (at, (host, port)) in nodes.iter().enumerate() {
-        let id = format!("probe-{at}-{}", vibrissa_simulator::fleet::now_us());
+        let id = format!("probe-{at}-{}", vibrissa_simulator::clock::now_us());
         let mut options = MqttOptions::new(id, (host.clone(), *port));
         options.set_clean_start(true).set_credentials(CLIENT.0, CLIENT.1);
         let (client, mut events) = AsyncClient::builder(options).capacity(16).build();
@@ -30,7 +30,7 @@ async fn attempt(nodes: &[(String, u16)]) -> Option<()> {
         clients.push((client, events));
     }
     for at in 0..clients.len() {
-        let payload = format!("{at}-{}", vibrissa_simulator::fleet::now_us());
+        let payload = format!("{at}-{}", vibrissa_simulator::clock::now_us());
         clients[at].0.try_publish(TOPIC, payload.clone(), PublishOptions::new(QoS::AtMostOnce)).ok()?;
         // The sender first: its client must work for its message to go out.
         let mut order: Vec<usize> = (0..clients.len()).collect();

@@ -245,7 +245,7 @@ impl Striker<'_> {
     /// the broker, and all brokers of Kafka answer. Returns false after [`PATIENCE`].
     pub async fn until_whole(&mut self) -> bool {
         let begun = Instant::now();
-        let begun_s = vibrissa_simulator::fleet::now_us() as f64 / 1e6;
+        let begun_s = vibrissa_simulator::clock::now_us() as f64 / 1e6;
         let mut nodes_again = false;
         loop {
             let is_shared = self.watch.is_shared_evenly();

@@ -8,7 +8,7 @@ use rumqttc::QoS;
 use serde_json::{Value, json};
 use tokio::time::sleep;
 use vibrissa_protocol::{PAYLOAD_MAX_BYTES, RobotTopic, Timestamp};
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_tests::extremes::{FROM_ROBOTS, time_us};
 
 use super::behaviour::Behaviour;

@@ -12,7 +12,7 @@ use tokio::time::sleep;
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 use vibrissa_protocol::{Name, QualityOfService, RobotTopic, Setpoint, Timestamp};
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_tests::extremes::{Context, Messages};
 
 use super::behaviour::Behaviour;

@@ -25,6 +25,7 @@ mod planned_tests;
 mod policy;
 mod purity;
 mod reality;
+mod repeats;
 mod replaced;
 mod retries;
 mod silence;

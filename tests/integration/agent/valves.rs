@@ -12,7 +12,7 @@ use rumqttc::{AsyncClient, Event, MqttOptions, Packet, PublishOptions, QoS};
 use serde_json::Value;
 use tempfile::TempDir;
 use vibrissa_protocol::{BootId, Name, Setpoint, SetpointReason, Timestamp};
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_tests::mosquitto::{Mosquitto, free_port};
 use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::proxy::Proxy;

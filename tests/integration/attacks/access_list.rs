@@ -8,7 +8,7 @@ use nix::unistd::Pid;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 use vibrissa_protocol::{ArrayType, RobotTopic, SetpointOutcome, encode};
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_tests::certificates::write;
 use vibrissa_tests::mosquitto::{Builder, Mosquitto};
 use vibrissa_tests::robot::{HandRobot, array};

@@ -1,7 +1,7 @@
 //! Robots that send wrong times.
 
 use vibrissa_protocol::{Contact, SetpointOutcome};
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_tests::robot::HandRobot;
 use vibrissa_tests::wait::until_true;
 

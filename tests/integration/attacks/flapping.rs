@@ -27,7 +27,7 @@ fn status(robot: &mut HandRobot, regulator: Regulator) -> Vec<u8> {
         gauge: Gauge::Ok,
     };
     let whiskers = (0..WHISKERS).map(whisker).collect();
-    let (boot_id, t_us) = (robot.boot_id.clone(), vibrissa_simulator::fleet::now_us());
+    let (boot_id, t_us) = (robot.boot_id.clone(), vibrissa_simulator::clock::now_us());
     let seq = robot.next_seq(RobotTopic::Status);
     encode(&Status { boot_id, seq, t_us, whiskers, contacts_dropped: None })
 }

@@ -18,7 +18,7 @@ use sqlx::{AssertSqlSafe, ConnectOptions, Connection, Row};
 use tokio::task::JoinSet;
 use tokio::time::{interval, timeout};
 use vibrissa_protocol::{ArrayType, Message, RobotTopic, encode};
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_store::{DatabaseAddress, Store};
 use vibrissa_tests::extremes::{Context, Messages, Without, not_finite, number};
 use vibrissa_tests::mosquitto::{Mosquitto, free_port};

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use tokio::sync::watch;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_store::{DatabaseAddress, Store};
 use vibrissa_supervisor::action_notifier::ActionNotifier;
 use vibrissa_supervisor::http::access::token::{NewToken, create};

@@ -1,6 +1,6 @@
 //! The host's clock is stepped, and a supervisor with another clock takes the fleet over: every contact is recorded.
 
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_tests::robot::HandRobot;
 use vibrissa_tests::wait::until_true;
 

@@ -3,7 +3,7 @@
 use sqlx::ConnectOptions;
 use tempfile::TempDir;
 use vibrissa_protocol::ArrayType;
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::robot::{HandRobot, array};

@@ -5,7 +5,7 @@ use std::net::{Ipv4Addr, SocketAddr};
 use tokio::sync::mpsc;
 use vibrissa_lab::check::{Action, CheckOptions, Help, Progress, Report, check};
 use vibrissa_protocol::SupervisorPresence;
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_simulator::scenario::Change;
 use vibrissa_simulator::{Broker, Fleet, RobotHandle, Scenario};
 use vibrissa_supervisor::mqtt::Relay;

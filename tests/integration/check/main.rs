@@ -18,7 +18,7 @@ use vibrissa_lab::check::{CheckOptions, Help, Timings};
 use vibrissa_protocol::{
     BootId, Name, RobotTopic, Setpoint, SetpointReason, SupervisorPresence, SupervisorState, Timestamp, Topic, encode,
 };
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_simulator::scenario::Misbehaviour;
 use vibrissa_simulator::{Broker, Fleet, RobotHandle, Scenario};
 use vibrissa_supervisor::mqtt::{BrokerAddress, Connection, prepare};

@@ -6,7 +6,7 @@ use vibrissa_lab::check::{CheckOptions, Help, Outcome, Progress, check};
 use vibrissa_protocol::{
     BootId, Connection as Told, ConnectionState, RobotTopic, Rule, SupervisorPresence, Timestamp, encode,
 };
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_simulator::places::Places;
 use vibrissa_simulator::{Broker, Fleet};
 use vibrissa_tests::mosquitto::Mosquitto;

@@ -5,11 +5,14 @@ use std::time::{Duration, Instant};
 
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Connection, Executor, Row};
-use vibrissa_store::batch::{AlarmClearedRow, AlarmRow, HealthRow, Record, SetpointRow};
+use vibrissa_store::batch::{
+    AlarmClearedRow, AlarmRow, DecisionRow, ErrorBinRow, ErrorRow, HealthRow, Interval, Record, RefinementRow,
+    SetpointRow,
+};
 use vibrissa_store::retention::{Done, Retention};
 use vibrissa_store::series::Span;
 use vibrissa_store::time::Time;
-use vibrissa_store::{Batch, Lease, Store, Writer};
+use vibrissa_store::{Batch, DatabaseAddress, Lease, Store, Writer};
 
 use crate::rows::{self, Numbered};
 use crate::{Fresh, fleet, supervisor};
@@ -287,6 +290,149 @@ async fn old_records_of_sqlite_go_when_they_are_over() {
 #[tokio::test]
 async fn old_records_of_postgres_go_when_they_are_over() {
     old_records_go(Fresh::postgres().await).await;
+}
+
+/// Boots that were seen a day before the oldest contact go, except the newest four of them.
+async fn former_boots_go(database: Fresh) {
+    let (mut writer, lease, numbered) = taken(&database).await;
+    let (robot_id, now_us) = (numbered.robot_id, NOON_US);
+    let boots_at = async |writer: &mut Writer, name: &str, at_us: i64, count: i64| {
+        for number in 0..count {
+            writer.boot(&lease, robot_id, &format!("{name}-{number}"), at_us + number).await.unwrap();
+        }
+    };
+    // "b1" of the rows is from 1970; more than one piece follows it.
+    boots_at(&mut writer, "old", now_us - 40 * DAY_US, 2100).await;
+    let last_old = writer.boot(&lease, numbered.robot_id, "old-2099", 0).await.unwrap();
+    boots_at(&mut writer, "young", now_us - 9 * DAY_US, 6).await;
+    let touched = Numbered { boot: last_old, ..numbered };
+    make(&database.store, now_us - 10 * DAY_US).await;
+    record(&mut writer, &lease, &touched, now_us - 10 * DAY_US, 3).await;
+    let left = async |database: &Fresh| -> Vec<String> {
+        let sql = "SELECT boot_id FROM boots ORDER BY boot";
+        match &database.server {
+            Some(_) => sqlx::query_scalar(sql).fetch_all(&mut link(database).await).await.unwrap(),
+            None => {
+                let DatabaseAddress::Sqlite(path) = &database.address else { panic!("SQLite") };
+                let mut link = sqlx::sqlite::SqliteConnectOptions::new().filename(path).connect().await.unwrap();
+                sqlx::query_scalar(sql).fetch_all(&mut link).await.unwrap()
+            }
+        }
+    };
+    let removed = async |days: u32, now_us: i64| {
+        let (told, _) = look_after(&database.store, days, now_us).await;
+        let rows = |done: &Done| match done {
+            Done::Removed { table: "boots", rows } => *rows,
+            Done::Made { .. } | Done::Indexed { .. } | Done::Dropped { .. } | Done::Removed { .. } => 0,
+        };
+        told.iter().map(rows).sum::<u64>()
+    };
+    assert_eq!(removed(0, now_us).await, 0, "the robot's state was not stored since: the journal may refer to them");
+    writer.commit(&lease, &states_at(&touched, now_us)).await.unwrap();
+    assert_eq!([removed(0, now_us).await, removed(0, now_us).await, removed(0, now_us).await], [2000, 97, 0]);
+    let old = (2096..2100).map(|number| format!("old-{number}"));
+    let young = (0..6).map(|number| format!("young-{number}"));
+    assert_eq!(left(&database).await, old.chain(young).collect::<Vec<_>>(), "the touched one is there");
+    // Once the contacts have gone, those before the newest four go, too.
+    assert_eq!([removed(5, now_us).await, removed(5, now_us).await], [0, 6]);
+    assert_eq!(left(&database).await, ["young-2", "young-3", "young-4", "young-5"]);
+}
+
+/// Checkpoints at this time.
+fn states_at(numbered: &Numbered, at_us: i64) -> Batch {
+    let mut batch = rows::states(numbered);
+    batch.robots.iter_mut().for_each(|robot| robot.updated_us = at_us);
+    batch
+}
+
+#[tokio::test]
+async fn regress_former_boots_go_from_sqlite() {
+    former_boots_go(Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn regress_former_boots_go_from_postgres() {
+    former_boots_go(Fresh::postgres().await).await;
+}
+
+/// Measurements of a compensation in force came every hundred contacts, and stayed for ever.
+async fn old_measurements_go(database: Fresh) {
+    let (mut writer, lease, numbered) = taken(&database).await;
+    let whisker_id = numbered.whisker_ids[0];
+    let one = |mean: f64| Interval { mean, low: mean, high: mean };
+    let of = |number: i64, days: &[i64]| -> Vec<Record> {
+        let compensation_id = numbered.robot_id << 32 | number;
+        let decision = DecisionRow {
+            compensation_id,
+            robot_id: numbered.robot_id,
+            target_whisker_id: whisker_id,
+            target_length_mm: 70.0,
+            target_pressure_mpa: 0.1,
+            decided_us: NOON_US,
+            approval: "AUTOMATIC",
+            candidates: Vec::new(),
+        };
+        let bin = |ratio| ErrorBinRow {
+            ratio,
+            contacts: 9,
+            after_per_mm: 0.004,
+            before_per_mm: 0.003,
+            before_origin: "MEASURED",
+            target_per_mm: 0.0035,
+            target_origin: "MODEL",
+            error: one(0.2),
+        };
+        let measured = |&day: &i64| {
+            let error = ErrorRow {
+                compensation_id,
+                recorded_us: NOON_US + day * DAY_US,
+                contacts: 100,
+                pressure_mpa: 0.05,
+                error: one(0.2),
+                with_gain: None,
+                air_error: None,
+                bins: [0.5, 0.9].map(bin).to_vec(),
+            };
+            let look = RefinementRow {
+                compensation_id,
+                recorded_us: error.recorded_us,
+                contacts: 200,
+                outcome: "HELD_MARGIN",
+                pressure_from_mpa: 0.05,
+                pressure_best_mpa: None,
+                error: one(0.2),
+                error_best: None,
+                error_with_gain: 0.1,
+                error_with_own_gain: 0.1,
+                gain_published: false,
+            };
+            [Record::Error(Box::new(error)), Record::Refinement(Box::new(look))]
+        };
+        std::iter::once(Record::Decision(Box::new(decision))).chain(days.iter().flat_map(measured)).collect()
+    };
+    // One with young measurements, and one whose newest is old.
+    let records = [of(1, &[0, 1, 2, 9]), of(2, &[0, 1])].concat();
+    writer.commit(&lease, &Batch { records, ..Batch::default() }).await.unwrap();
+    let retention = Retention { contacts_days: 0, minutes_days: 0, black_boxes_days: 0, records_days: 5 };
+    for rows in [[8, 4, 4], [0; 3]] {
+        let mut told = Vec::new();
+        database.store.look_after(retention, NOON_US + 10 * DAY_US, &mut |done| told.push(done)).await.unwrap();
+        let tables = ["compensation_error_bins", "compensation_errors", "compensation_refinements"];
+        let removed = tables.into_iter().zip(rows).filter(|(_, rows)| *rows > 0);
+        let removed: Vec<Done> = removed.map(|(table, rows)| Done::Removed { table, rows }).collect();
+        told.retain(|done| matches!(done, Done::Removed { .. }));
+        assert_eq!(told, removed, "the newest of each compensation is kept");
+    }
+}
+
+#[tokio::test]
+async fn regress_old_measurements_of_compensations_in_force_go_from_sqlite() {
+    old_measurements_go(Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn regress_old_measurements_of_compensations_in_force_go_from_postgres() {
+    old_measurements_go(Fresh::postgres().await).await;
 }
 
 /// Whiskers that a layout has left out go after a day, unless they were touched.

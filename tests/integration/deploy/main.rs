@@ -4,6 +4,7 @@
 
 mod advisories;
 mod circles;
+mod clocks;
 mod compose;
 mod documents;
 mod guidance;

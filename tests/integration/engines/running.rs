@@ -8,7 +8,7 @@ use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_simulator::scenario::Change;
 use vibrissa_simulator::{Broker, Fleet, Scenario};
 use vibrissa_store::DatabaseAddress;

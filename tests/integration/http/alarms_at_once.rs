@@ -61,7 +61,7 @@ async fn all_shown_are_acknowledged_once_and_each_is_recorded_on_postgres() {
 async fn all_shown_are_shelved_and_unshelved_about_robots_and_whiskers() {
     for served in [Served::sqlite().await, Served::postgres().await] {
         let standing = served.items("/v1/alarms?standing=true&limit=1000").await.len();
-        let until = vibrissa_protocol::Timestamp(vibrissa_simulator::fleet::now_us() + 3_600_000_000).to_string();
+        let until = vibrissa_protocol::Timestamp(vibrissa_simulator::clock::now_us() + 3_600_000_000).to_string();
         let shelf = |until: &str, reason: &str| json!({ "until": until, "reason": reason });
         let path = "/v1/alarms/shelve";
         assert_eq!(post(&served, path, &[], shelf(&until, " ")).await.0, 422);

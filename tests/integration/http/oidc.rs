@@ -9,7 +9,7 @@ use rcgen::KeyPair;
 use serde_json::{Value, json};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpListener;
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::http::access::OidcOptions;
 use vibrissa_tests::jwt::{header, signed};

@@ -173,6 +173,8 @@ async fn regress_people_sign_in_behind(name: &str) {
     let back = ask(proxy.address, "GET", &path, &[("Cookie", attempt.cookie.as_str())]).await.unwrap();
     assert!(back.status == 303 && back.headers["location"].ends_with("/vibrissa/#/robots"), "{back:?}");
     let session = cookie(&back);
+    // Other services of the host do not get it.
+    assert!(back.headers["set-cookie"].contains("; Path=/vibrissa; "), "{back:?}");
     let headers = [("Cookie", session.as_str())];
     assert_eq!(ask(proxy.address, "GET", "/vibrissa/v1/me", &headers).await.unwrap().status, 200);
     // What a problem refers to is found below the path.

@@ -3,7 +3,7 @@
 use sqlx::ConnectOptions;
 use sqlx::postgres::PgConnection;
 use vibrissa_protocol::Name;
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_simulator::scenario::Change;
 use vibrissa_simulator::{Broker, Fleet, Scenario};
 use vibrissa_tests::kafka::Kafka;

@@ -189,7 +189,7 @@ async fn alarms_are_acknowledged_and_shelved_with_who_and_why() {
     assert_eq!(post(&running, &format!("{path}/unshelve"), json!({})).await.0, 409, "the alarm is not shelved");
     let shelf = |until: &str| json!({ "until": until, "reason": "spare part on its way" });
     assert_eq!(post(&running, &format!("{path}/shelve"), shelf("2020-01-01T00:00:00Z")).await.0, 422);
-    let until = vibrissa_protocol::Timestamp(vibrissa_simulator::fleet::now_us() + 3_600_000_000).to_string();
+    let until = vibrissa_protocol::Timestamp(vibrissa_simulator::clock::now_us() + 3_600_000_000).to_string();
     assert_eq!(post(&running, &format!("{path}/shelve"), shelf(&until)).await.0, 200);
     let now = get(&running, &format!("/v1/alarms?kind={}", alarm["kind"].as_str().unwrap())).await;
     let now = &now["items"][0];

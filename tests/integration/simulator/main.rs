@@ -15,7 +15,7 @@ use vibrissa_protocol::{
     BootId, Connection, ConnectionState, Contacts, Message, Name, Receipt, RobotTopic, Setpoint, SetpointOutcome,
     SetpointReason, Timestamp,
 };
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_simulator::{Broker, Fleet, RobotHandle, Scenario};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::observer::{Heard, Observer};

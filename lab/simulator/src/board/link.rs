@@ -16,7 +16,7 @@ use tokio::time::sleep;
 use vibrissa_robot::driver::Lines;
 
 use super::{Board, BoardPlan, Doing};
-use crate::fleet::now_us;
+use crate::clock::now_us;
 use crate::{RobotConfig, Scenario};
 
 /// Pause between two attempts to reach the agent.

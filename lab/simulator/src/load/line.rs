@@ -15,7 +15,7 @@ use super::packet::{self, Inbound, Manner};
 use super::plan::{LoadPlan, Quality};
 use super::robots::Robot;
 use super::texts::Texts;
-use crate::fleet::now_us;
+use crate::clock::now_us;
 
 /// Size of the output buffer up to which messages are added, in bytes.
 const OUT_BYTES: usize = 64 * 1024;

@@ -27,7 +27,8 @@ pub use report::LoadReport;
 
 use vibrissa_robot::mqtt::{BadBroker, address};
 
-use crate::fleet::{Broker, now_us};
+use crate::clock::now_us;
+use crate::fleet::Broker;
 use line::{Common, Line, Task};
 use texts::Texts;
 

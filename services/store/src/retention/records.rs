@@ -9,7 +9,7 @@ use crate::partitions::DAY_US;
 
 /// The oldest rows of tables whose causes are over: `$1` is the time before which they are too old, `$2` the most rows, and
 /// ROW the database's name of a row. Numbers rise in the order of recording, so no index of the time is needed.
-const RECORDS: [(&str, &str); 7] = [
+const RECORDS: [(&str, &str); 10] = [
     (
         "alarms",
         "alarm_id IN (SELECT alarm_id FROM alarms WHERE raised_us < $1 AND cleared_us < $1 \
@@ -34,6 +34,29 @@ const RECORDS: [(&str, &str); 7] = [
         "compensation_responses",
         "ROW IN (SELECT r.ROW FROM compensation_responses r JOIN compensations c ON c.compensation_id = r.compensation_id \
          WHERE c.ended_us < $1 LIMIT $2)",
+    ),
+    // The newest measurement and evaluation of each compensation stay, whose pages show them. The index of each compensation is in
+    // the order of time. Bins go before their measurements, which the database demands.
+    (
+        "compensation_error_bins",
+        "compensation_error_id IN (SELECT e.compensation_error_id FROM compensations c JOIN compensation_errors e \
+         ON e.compensation_id = c.compensation_id AND e.recorded_us < $1 WHERE EXISTS (SELECT 1 FROM compensation_errors n \
+         WHERE n.compensation_id = e.compensation_id AND n.recorded_us > e.recorded_us) AND EXISTS (SELECT 1 \
+         FROM compensation_error_bins b WHERE b.compensation_error_id = e.compensation_error_id) LIMIT $2)",
+    ),
+    (
+        "compensation_errors",
+        "compensation_error_id IN (SELECT e.compensation_error_id FROM compensations c JOIN compensation_errors e \
+         ON e.compensation_id = c.compensation_id AND e.recorded_us < $1 WHERE EXISTS (SELECT 1 FROM compensation_errors n \
+         WHERE n.compensation_id = e.compensation_id AND n.recorded_us > e.recorded_us) AND NOT EXISTS (SELECT 1 \
+         FROM compensation_error_bins b WHERE b.compensation_error_id = e.compensation_error_id) LIMIT $2)",
+    ),
+    (
+        "compensation_refinements",
+        "compensation_refinement_id IN (SELECT e.compensation_refinement_id FROM compensations c \
+         JOIN compensation_refinements e ON e.compensation_id = c.compensation_id AND e.recorded_us < $1 WHERE EXISTS \
+         (SELECT 1 FROM compensation_refinements n WHERE n.compensation_id = e.compensation_id \
+         AND n.recorded_us > e.recorded_us) LIMIT $2)",
     ),
     // Setpoints of compensations in force stay. States go before their setpoints, which the database demands.
     (

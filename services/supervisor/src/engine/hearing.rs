@@ -30,8 +30,8 @@ impl Engine {
         let notice = without.one.map(|robot| {
             let topic = RobotTopic::Factsheet.of(&self.fleet, &robot);
             let notice = format!(
-                "{} robot(s) announced themselves, and no factsheet has arrived: let them publish topics such as {topic} in \
-                 the broker's access list, and check its limit of the size of packets",
+                "{} robot(s) announced themselves, and no factsheet has arrived or was accepted: let them publish topics such \
+                 as {topic} in the broker's access list, check its limit of the size of packets, and correct a refused factsheet",
                 without.count
             );
             if !lacked {

@@ -78,7 +78,7 @@ async fn sign_in(State(app): State<App>, Query(To { to }): Query<To>) -> Result<
     let place = sign_in.authorization_url(&attempt).await?;
     let value = URL_SAFE_NO_PAD.encode(serde_json::to_vec(&attempt).unwrap_or_default());
     // Lax: the provider's page leads back here, from another site.
-    let cookie = cookies::set(&ATTEMPT, &value, sign_in.is_secure(), Some(ATTEMPT_S));
+    let cookie = cookies::set(&ATTEMPT, &value, sign_in.site(), Some(ATTEMPT_S));
     go(&place, [cookie])
 }
 
@@ -99,10 +99,10 @@ async fn callback(
     Query(answer): Query<Answer>,
 ) -> Result<Response, Problem> {
     let sign_in = app.access.sign_in().ok_or_else(|| Problem::not_found("sign-in: no client is configured"))?;
-    let attempt = cookies::value(&headers, &ATTEMPT, sign_in.is_secure());
+    let attempt = cookies::value(&headers, &ATTEMPT, sign_in.site());
     let attempt = attempt.and_then(|value| URL_SAFE_NO_PAD.decode(value).ok());
     let attempt: Option<Attempt> = attempt.and_then(|json| serde_json::from_slice(&json).ok());
-    let over = cookies::clear(&ATTEMPT, sign_in.is_secure());
+    let over = cookies::clear(&ATTEMPT, sign_in.site());
     let failed = |cause: Cause, what: &str| {
         tracing::warn!(cause = cause.word(), what, "sign-in at the console failed");
         go(&format!("/{}?sign_in={}", ReturnPage::default(), cause.word()), [over.clone()])
@@ -127,7 +127,7 @@ async fn callback(
     let action = audited(RecordedKind::SignIn, &begun.caller, request_id);
     app.store.add_session(&begun.row, &action).await?;
     // Strict: requests from other sites come without it. It ends with the browser, or with the session.
-    let session = cookies::set(&SESSION, begun.cookie.reveal(), sign_in.is_secure(), Some(SESSION_S));
+    let session = cookies::set(&SESSION, begun.cookie.reveal(), sign_in.site(), Some(SESSION_S));
     go(&format!("/{}", attempt.to), [over, session])
 }
 
@@ -140,7 +140,7 @@ async fn sign_out(
         app.access.sign_in().ok_or_else(|| Problem::not_found("sign-in: no client is configured"))?;
     cookies::require_own_page(&headers)?;
     let mut place = None;
-    if let Some(cookie) = cookies::value(&headers, &SESSION, sign_in.is_secure()) {
+    if let Some(cookie) = cookies::value(&headers, &SESSION, sign_in.site()) {
         let cookie = Secret::new(cookie);
         let caller = sign_in.caller(&app.store, &cookie).await.ok();
         if let Some((session_id, url)) = sign_in.end(&app.store, &cookie).await {
@@ -150,7 +150,7 @@ async fn sign_out(
         }
     }
     let mut response = (StatusCode::OK, Json(json!({ "end_session_url": place }))).into_response();
-    add(&mut response, &cookies::clear(&SESSION, sign_in.is_secure()))?;
+    add(&mut response, &cookies::clear(&SESSION, sign_in.site()))?;
     Ok(response)
 }
 

@@ -124,9 +124,9 @@ of_fleet! {
     /// Robots, by connection state; `SILENT` are connected, but not heard.
     robots: Gauges = "vibrissa_robots", "Robots, by connection state; SILENT are connected, but not heard.",
         labels::CONNECTION;
-    /// Robots that have announced themselves, and whose factsheets have not arrived for 30 s.
+    /// Robots that have announced themselves, and whose factsheets have not arrived, or were refused, for 30 s.
     robots_without_factsheet: IntGauge = "vibrissa_robots_without_factsheet",
-        "Robots that announced themselves, and whose factsheets have not arrived for 30 s.";
+        "Robots that announced themselves, and whose factsheets have not arrived, or were refused, for 30 s.";
     /// Whiskers, by fault, or by condition if they have no fault.
     whiskers: Gauges = "vibrissa_whiskers",
         "Whiskers, by fault, or by condition if they have no fault.", labels::HEALTH;

@@ -10,7 +10,7 @@ use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::{Name, RobotTopic};
 
-use super::span::{Draft, known, time};
+use super::span::{Draft, known, now, time};
 use vibrissa_edge::ids::wide_id;
 use vibrissa_store::actions::Action;
 
@@ -97,7 +97,7 @@ pub(super) fn processing(step: &Step<'_>, action: Option<&TracedAction>) -> Draf
         Event::Factsheet { boot_id, .. } => (Some(RobotTopic::Factsheet), Some(boot_id), None),
         Event::Operator(_) | Event::PolicyChanged | Event::Tick => (None, None, None),
     };
-    let period = (time(step.now), SystemTime::now());
+    let period = (time(step.now), now());
     let mut draft = match (what, action) {
         (Some(topic), _) => {
             let draft = Draft::new(format!("process {topic}"), SpanKind::Consumer, period);

@@ -1,7 +1,7 @@
 //! Stands in for the module `trace` in a build without the feature `traces`: the same names, and no collector can be
 //! configured. [`Traces`] has no value, so no method of this module ever runs except [`is_traced`].
 
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use axum::extract::Request;
 use axum::http::StatusCode;
@@ -97,7 +97,7 @@ impl OpenTraces {
         match self.0 {}
     }
 
-    pub(crate) fn published(&mut self, _: PendingSpans, _: SystemTime, _: bool) {
+    pub(crate) fn published(&mut self, _: PendingSpans, _: Micros, _: bool) {
         match self.0 {}
     }
 

@@ -13,12 +13,13 @@ use opentelemetry::trace::{SpanKind, Status};
 use uuid::Uuid;
 use vibrissa_core::robot::Robot;
 use vibrissa_core::robot::effect::{Command, CommandState, Condition, Effect, WhiskerIndex};
+use vibrissa_core::units::Micros;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol::{Name, RobotTopic};
 
 use super::Traces;
 use super::content::{self, Step, TracedAction, is_final, known_pressure};
-use super::span::{Draft, SpanIds, time};
+use super::span::{Draft, SpanIds, now, time};
 use crate::ending::Ending;
 use vibrissa_edge::ids::command_uuid;
 use vibrissa_edge::ids::compensation_uuid;
@@ -220,7 +221,7 @@ impl OpenTraces {
 
     /// Exports the spans of a transaction after its commit, which took `took`.
     pub(crate) fn committed(&mut self, pending: &mut PendingSpans, took: Duration) {
-        let done = SystemTime::now();
+        let done = now();
         for (draft, ids) in pending.spans.drain(..) {
             self.traces.emit(draft, ids);
         }
@@ -248,8 +249,9 @@ impl OpenTraces {
         self.pending.sending.push(command_uuid(&self.fleet, name, command.key));
     }
 
-    /// Adds the spans of the publications, handed to the connection at `now`; `all` is false if some could not be.
-    pub(crate) fn published(&mut self, pending: PendingSpans, now: SystemTime, all: bool) {
+    /// Adds the spans of the publications, handed to the connection `at` this time; `all` is false if some could not be.
+    pub(crate) fn published(&mut self, pending: PendingSpans, at: Micros, all: bool) {
+        let now = time(at);
         for id in pending.sending {
             let Some(trace) = self.open.get(&id) else { continue };
             let draft = Draft::new("send setpoint", SpanKind::Producer, (now, now));
@@ -298,8 +300,8 @@ impl OpenTraces {
     }
 
     fn moment(&self, id: Uuid, name: &'static str, ending: Option<&'static str>) {
-        let now = SystemTime::now();
-        let mut draft = Draft::new(name, SpanKind::Internal, (now, now));
+        let at = now();
+        let mut draft = Draft::new(name, SpanKind::Internal, (at, at));
         draft.attributes.extend(ending.map(|ending| KeyValue::new("vibrissa.ending", ending)));
         self.traces.emit(draft, SpanIds::root(id).child());
     }

@@ -1,7 +1,5 @@
 //! Spans of HTTP requests.
 
-use std::time::SystemTime;
-
 use axum::extract::{MatchedPath, Request};
 use axum::http::{HeaderMap, Method, StatusCode};
 use opentelemetry::propagation::TextMapPropagator;
@@ -11,7 +9,7 @@ use opentelemetry_sdk::propagation::TraceContextPropagator;
 use opentelemetry_sdk::trace::{IdGenerator, RandomIdGenerator};
 
 use super::Traces;
-use super::span::{Draft, SpanIds};
+use super::span::{Draft, SpanIds, now};
 
 /// Paths polled by machines, which are never traced.
 const NOT_TOLD: [&str; 3] = ["/livez", "/readyz", "/metrics"];
@@ -34,8 +32,8 @@ impl Traces {
         let route = request.extensions().get::<MatchedPath>().map(MatchedPath::as_str);
         let word = standard(method);
         let name = route.map_or_else(|| word.to_owned(), |route| format!("{word} {route}"));
-        let now = SystemTime::now();
-        let mut draft = Draft::new(name, SpanKind::Server, (now, now))
+        let began = now();
+        let mut draft = Draft::new(name, SpanKind::Server, (began, began))
             .with("http.request.method", word.to_owned())
             .with("url.path", path.to_owned())
             .with("vibrissa.request_id", id.to_owned());
@@ -50,7 +48,7 @@ impl RequestSpan {
     /// Ends the span when the response begins.
     pub(crate) fn answered(self, status: StatusCode) {
         let mut draft = self.draft.with("http.response.status_code", i64::from(status.as_u16()));
-        draft.end = SystemTime::now().max(draft.start);
+        draft.end = now().max(draft.start);
         if status.is_server_error() {
             draft = draft.with("error.type", status.as_u16().to_string());
             draft.status = Status::error("");

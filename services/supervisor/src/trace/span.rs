@@ -8,6 +8,7 @@ use opentelemetry::{KeyValue, Value};
 use opentelemetry_sdk::trace::{IdGenerator, RandomIdGenerator, SpanData, SpanEvents, SpanLinks};
 use uuid::Uuid;
 use vibrissa_core::units::Micros;
+use vibrissa_edge::clock::wall_clock;
 
 use super::Traces;
 
@@ -94,6 +95,11 @@ impl Traces {
             instrumentation_scope: self.0.scope.clone(),
         });
     }
+}
+
+/// The time now by the process's time line, so that no span has the length of a step of the host's clock.
+pub(super) fn now() -> SystemTime {
+    time(wall_clock())
 }
 
 /// Converts a time in µs since 1970.

@@ -8,7 +8,7 @@ use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Row};
 use tempfile::TempDir;
 use vibrissa_lab::demo::scenario;
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_simulator::{Broker, Fleet};
 use vibrissa_tests::mosquitto::free_port;
 use vibrissa_tests::postgres::Postgres;

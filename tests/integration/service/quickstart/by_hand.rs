@@ -7,7 +7,7 @@ use vibrissa_protocol::{
     BootId, ConnectionState, Message, Name, Receipt, Request, RequestKind, RobotTopic, Setpoint, SetpointError,
     SetpointOutcome, SetpointReason, SetpointState, Timestamp,
 };
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::observer::{Heard, Observer};
 
@@ -24,13 +24,17 @@ struct Scene {
 
 impl Scene {
     async fn start() -> Self {
+        Self::with(|port| Script::start(port, 1e6)).await
+    }
+
+    async fn with(start: impl Fn(u16) -> Script) -> Self {
         let broker = Mosquitto::start();
         // Only topics of robots, because the supervisor's own messages may be invalid on purpose.
         let filters = RobotTopic::ALL.into_iter().filter(|topic| topic.is_from_robot());
         let filters: Vec<String> = filters.map(|topic| format!("whisker/v1/f/r/{topic}")).collect();
         let filters: Vec<&str> = filters.iter().map(String::as_str).collect();
         let mut supervisor = Observer::subscribed(broker.port(), "supervisor", &filters).await;
-        let robot = Script::start(broker.port(), 1e6);
+        let robot = start(broker.port());
         let (boot_id, _) = connection(&mut supervisor, ConnectionState::Online).await;
         Self { robot, supervisor, boot_id, broker }
     }
@@ -233,6 +237,25 @@ async fn contacts_come_again_after_pauses_that_double_until_a_receipt_covers_the
         again.push(scene.contacts().await);
     }
     assert!(again.iter().all(|&seq| seq >= 5 && seq != 7 && seq != 8), "{again:?}");
+}
+
+#[tokio::test]
+async fn its_times_run_evenly_and_its_setpoints_are_taken_while_the_clock_is_set() {
+    let mut scene = Scene::with(|port| Script::start_while_the_clock_is_set(port, 1e6)).await;
+    scene.answered(&scene.setpoint(1), &TAKEN).await;
+    let mut times_us = std::collections::BTreeMap::new();
+    while times_us.len() < 40 {
+        let contacts = |heard: Heard| match heard.message {
+            Message::Contacts(contacts) => Some((contacts.seq, contacts.contacts[0].t_us)),
+            _ => None,
+        };
+        times_us.extend([scene.supervisor.expect("contacts", contacts).await]);
+    }
+    let of_one = times_us.iter().zip(times_us.iter().skip(1)).map(|(one, next)| (next.1 - one.1) / (next.0 - one.0));
+    let of_one: Vec<u64> = of_one.collect();
+    assert!(of_one.iter().all(|us| (40_000..1_000_000).contains(us)), "{of_one:?}");
+    let ago_us = now_us().abs_diff(*times_us.values().max().expect("forty"));
+    assert!(ago_us < 10_000_000, "its time is right: {ago_us}");
 }
 
 /// Uses the contract's own times and takes half a minute.

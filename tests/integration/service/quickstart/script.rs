@@ -27,6 +27,18 @@ impl Script {
         Self::run(&lines.replace(json, blocks()[1].trim_end()), broker_port, cut_after_s)
     }
 
+    /// The same on a machine whose clock somebody sets all the time, an hour ahead or back.
+    pub(super) fn start_while_the_clock_is_set(broker_port: u16, cut_after_s: f64) -> Self {
+        const SET: &str = r#"
+import itertools, random, time
+def set_meanwhile(right, hour):  # right at the first call alone
+    sets = itertools.chain([0], (random.choice([-hour, hour]) for _ in itertools.count()))
+    return lambda: right() + next(sets)
+time.time, time.time_ns = set_meanwhile(time.time, 3600), set_meanwhile(time.time_ns, 3600 * 10**9)
+"#;
+        Self::run(&format!("{SET}{}", block()), broker_port, cut_after_s)
+    }
+
     fn run(lines: &str, broker_port: u16, cut_after_s: f64) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("robot.py");

@@ -8,7 +8,7 @@ use vibrissa_protocol::{
 };
 
 use super::Line;
-use crate::fleet::now_us;
+use crate::clock::now_us;
 use crate::load::packet::{self, Inbound, Incoming};
 
 impl Line {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde_json::json;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::scenario::{BadScenario, Change};
-use vibrissa_simulator::{Robot, RobotHandle, fleet::now_us};
+use vibrissa_simulator::{Robot, RobotHandle, clock::now_us};
 use vibrissa_store::{Store, StoreError};
 use vibrissa_supervisor::action_notifier::ActionNotifier;
 use vibrissa_supervisor::http::asking::{Asker, number_of};

@@ -12,7 +12,7 @@ use anyhow::Context;
 use tokio::sync::mpsc;
 use uuid::Uuid;
 use vibrissa_simulator::Fleet;
-use vibrissa_simulator::fleet::now_us;
+use vibrissa_simulator::clock::now_us;
 use vibrissa_store::Store;
 use vibrissa_store::lists::compensations::{COMPENSATIONS, CompensationSummary};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};

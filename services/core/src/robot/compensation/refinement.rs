@@ -11,7 +11,7 @@
 //!
 //! A gain by contact ratio corrects the errors that no single pressure can correct. It goes with each setpoint, and is
 //! published anew, with the same pressure, when the contacts determine it better than the one in force: once for each
-//! doubling of the contacts, whether the gain wanders or not.
+//! doubling of the contacts, or after 200 contacts where the gain has wandered further than a margin.
 //!
 //! A robot that multiplies its readings by one number ([`Objective::Shape`]) has its pressure refined for the shape of the
 //! response, and gets the number anew after each evaluation that changes it.
@@ -152,11 +152,14 @@ impl Robot {
         let gain_error = felt.error(Some(&running.refining.gain));
         let own_gain_error = felt.error_of_own_gain(&params.cubature, objective);
         let moves = outcome == RefinementOutcome::Refined;
-        let gain_better = match running.reading_gain() {
+        // A gain that wanders hastens the evaluations, but each published one is judged by as many contacts as the first.
+        let is_judged = running.refining.since_gain.contacts() >= params.refinement.first_look_contacts;
+        let is_better = match running.reading_gain() {
             None => gain_error > params.refinement.gain_margin.max(1.5 * own_gain_error),
             // One number from all contacts is better than the same from fewer.
             Some(gain) => (felt.gain(objective)[0] / gain).ln().abs() > READING_GAIN_STEP,
         };
+        let gain_better = is_better && is_judged;
         if gain_better && !moves {
             // A gain that wanders faster than this would be published again and again, without effect.
             self.head.compensations[at].refining.due = contacts.saturating_mul(2);

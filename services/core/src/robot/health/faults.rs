@@ -32,7 +32,7 @@ impl Robot {
         whisker.gauge.reported = entry.gauge;
         // While a setpoint is under way its own reports say where it goes.
         if whisker.command.is_none() && !self.is_from_before_setpoint(now, robot_time, index) {
-            self.pressure_told(params, now, index, entry.setpoint);
+            self.pressure_told(params, now, index, entry.setpoint, effects);
         }
         let whisker = &mut self.whiskers[index];
         whisker.watch_leak(params, robot_time, entry);
@@ -55,14 +55,46 @@ impl Robot {
     /// Follows the setpoint that a robot reports, except a stray pressure, which is undone first. At the nominal
     /// pressure the learned state shows at once whether the whisker has changed; at an unexplained pressure a cut would
     /// be taken for the model's error there.
-    fn pressure_told(&mut self, params: &Params, now: Micros, index: WhiskerIndex, setpoint: Megapascal) {
-        if !self.is_stray(params, index, setpoint) {
-            self.whiskers[index].holds = self.held_after(params, now, index, setpoint);
-            self.whiskers[index].pressure_set(setpoint, params);
-        } else if self.whiskers[index].holds != Holds::Stray {
-            self.release(index);
-            self.whiskers[index].holds = Holds::Stray;
+    ///
+    /// A regulator rounds setpoints: a report close to the pressure of a compensation is that pressure. Any other report means
+    /// that the robot has not kept what it took. That counts as a failed try, so that the same setpoint is not sent again and
+    /// again.
+    fn pressure_told(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        index: WhiskerIndex,
+        setpoint: Megapascal,
+        effects: &mut Vec<Effect>,
+    ) {
+        if self.is_stray(params, index, setpoint) {
+            if self.whiskers[index].holds != Holds::Stray {
+                self.release(index);
+                self.whiskers[index].holds = Holds::Stray;
+            }
+            return;
         }
+        let kept = self.whiskers[index].kept_pressure();
+        if kept.is_some_and(|kept| (setpoint.mpa() - kept.mpa()).abs() <= params.health.settled_within_mpa) {
+            self.whiskers[index].holds = Holds::Known;
+            return self.whiskers[index].forgive_tries(params, now);
+        }
+        let was_wanted = self.whiskers[index].desired.is_some();
+        self.whiskers[index].holds = self.held_after(params, now, index, setpoint);
+        let is_restored = !was_wanted && self.whiskers[index].desired.is_some();
+        self.whiskers[index].pressure_set(setpoint, params);
+        if kept.is_some() || is_restored {
+            let counts = !self.has_returned(now);
+            self.not_kept(params, now, index, counts, effects);
+        } else if self.whiskers[index].desired.is_none() {
+            self.whiskers[index].forgive_tries(params, now);
+        }
+    }
+
+    /// Whether a silence of the robot or of this supervisor is over since a moment, or goes on.
+    fn has_returned(&self, now: Micros) -> bool {
+        let returned = self.head.heard_again.max(self.head.listening_since);
+        self.head.silent || now.since(returned) < RETURN_FOR
     }
 
     /// Notices that a robot has vented a whisker by itself, as robots may without a supervisor. The pressure before is restored
@@ -75,12 +107,10 @@ impl Robot {
         if !is_empty(setpoint) || !(has_vented || whisker.holds == Holds::Vented) {
             return Holds::Known;
         }
-        let returned = self.head.heard_again.max(self.head.listening_since);
-        let is_return = self.head.silent || now.since(returned) < RETURN_FOR;
         let is_sound = matches!(whisker.air.regulator, RegulatorState::Ok | RegulatorState::Venting)
             && !whisker.leak.is_leaking()
             && !whisker.given_up;
-        if has_vented && is_return && is_sound && !self.holds(index) {
+        if has_vented && self.has_returned(now) && is_sound && !self.holds(index) {
             self.release(index);
             return Holds::Known;
         }

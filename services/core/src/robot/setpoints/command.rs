@@ -5,6 +5,7 @@ use crate::robot::effect::{Command, CommandKey, CommandState, Effect, EndReason,
 use crate::robot::event::{Link, Rejection, SetpointReport};
 use crate::robot::params::Params;
 use crate::robot::setpoints::tries::Tries;
+use crate::robot::state::rare_state::RareState;
 use crate::robot::state::whisker::{Desired, Holds, InFlight};
 use crate::units::{Megapascal, Micros};
 
@@ -19,10 +20,12 @@ impl Robot {
             return;
         }
         let whisker = &mut self.whiskers[index];
+        // A pressure that was lost is desired again: its tries go on.
+        let is_former = is_same(whisker.air.setpoint, desired.pressure);
         whisker.desired = Some(Box::new(desired));
         if let Some(rare) = whisker.rare.get_mut() {
             rare.not_before = Micros::default();
-            if !rare.tries.is_failing() {
+            if !rare.tries.is_failing() && !is_former {
                 rare.tries = Tries::NONE;
             }
         }
@@ -52,7 +55,7 @@ impl Robot {
         }
         if let Some(flight) = &whisker.command {
             let same = (flight.command.reason == Reason::Operator) == by_hand
-                && (flight.command.pressure.mpa() - desired.pressure.mpa()).abs() < SAME_MPA
+                && is_same(flight.command.pressure, desired.pressure)
                 && flight.command.compensation == desired.compensation;
             if same {
                 let waits = is_ahead(now, flight.resend_at, params.command.resend_after);
@@ -65,12 +68,9 @@ impl Robot {
                 }
                 return;
             }
-        } else if whisker.holds != Holds::Stray
-            && (whisker.air.setpoint.mpa() - desired.pressure.mpa()).abs() < SAME_MPA
-        {
+        } else if whisker.holds != Holds::Stray && is_same(whisker.air.setpoint, desired.pressure) {
             if desired.reason == Reason::Release || by_hand {
                 self.whiskers[index].desired = None;
-                self.whiskers[index].rare.forget_tries();
                 return;
             }
             if self.head.compensations.iter().all(|one| Some(one.id) != desired.compensation || one.settled) {
@@ -191,6 +191,25 @@ impl Robot {
         self.whiskers.get(whisker).map_or(params.command.time_to_live, |one| one.valid_for(params, pressure))
     }
 
+    /// The robot has not kept a setpoint that it took: a failed try. `counts` is false after a silence, which explains it. The
+    /// first time its pressure is restored at once.
+    pub(in crate::robot) fn not_kept(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        index: WhiskerIndex,
+        counts: bool,
+        effects: &mut Vec<Effect>,
+    ) {
+        let before: &RareState = &self.whiskers[index].rare;
+        let (is_first, not_before) = (before.tries == Tries::NONE, before.not_before);
+        self.try_failed(params, now, index, counts, effects);
+        let rare = self.whiskers[index].rare.get_or_insert();
+        if is_first && !rare.tries.is_failing() {
+            rare.not_before = not_before;
+        }
+    }
+
     /// A try has failed; `counts` is false if nobody was heard meanwhile. At the limit the whisker is given up, until the
     /// pause is over.
     fn try_failed(
@@ -304,7 +323,6 @@ impl Robot {
         whisker.pressure_set(flight.command.pressure, params);
         whisker.holds = Holds::Known;
         whisker.air.measure(reached);
-        whisker.rare.forget_tries();
         if flight.command.reason == Reason::Operator {
             // Once, and no more: what the robot does later is its own.
             whisker.desired.take_if(|desired| desired.reason == Reason::Operator);
@@ -395,7 +413,24 @@ impl crate::robot::Whisker {
 
     /// Whether a setpoint has failed that was not taken since.
     pub(in crate::robot) fn has_failed_setpoint(&self) -> bool {
-        self.given_up || self.rare.tries.is_failing() && (self.desired.is_some() || self.command.is_some())
+        let is_unmet = self.desired.as_ref().is_some_and(|desired| !is_same(self.air.setpoint, desired.pressure));
+        self.given_up || self.rare.tries.is_failing() && (is_unmet || self.command.is_some())
+    }
+
+    /// The pressure that was set for a compensation and is in force by the robot's last report.
+    pub(in crate::robot) fn kept_pressure(&self) -> Option<Megapascal> {
+        let wanted = self.desired.as_ref().map(|desired| desired.pressure);
+        wanted.filter(|&pressure| self.command.is_none() && is_same(self.air.setpoint, pressure))
+    }
+
+    /// Forgets failed tries once the robot has kept its setpoint for as long as the longest pause between two: a robot that
+    /// takes a setpoint and leaves it again goes on where it was.
+    pub(in crate::robot) fn forgive_tries(&mut self, params: &Params, now: Micros) {
+        let rare: &RareState = &self.rare;
+        let kept_for = now.since(rare.set_heard.max(rare.not_before));
+        if rare.tries != Tries::NONE && !self.given_up && kept_for >= params.command.retry_after_max {
+            self.rare.forget_tries();
+        }
     }
 
     fn forget_manual(&mut self) {
@@ -405,6 +440,10 @@ impl crate::robot::Whisker {
     fn is_under_way(&self, key: CommandKey) -> bool {
         self.command.as_ref().is_some_and(|flight| flight.command.key == key)
     }
+}
+
+fn is_same(one: Megapascal, other: Megapascal) -> bool {
+    (one.mpa() - other.mpa()).abs() < SAME_MPA
 }
 
 /// Whether a time lies ahead, by no more than it can: else our clock was set back since.

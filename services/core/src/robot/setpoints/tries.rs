@@ -4,6 +4,11 @@
 //! while the robot or the supervisor is deaf says nothing about the robot: it is repeated after growing pauses, and counts only
 //! after many of them. At the limit the whisker is failing: the alarm stands, and others may serve in its place. Single tries
 //! follow after pauses from half a minute to an hour, until the robot takes one.
+//!
+//! A robot that takes a setpoint and then reports another one has not kept it: that is a failed try, too, and after a silence
+//! one that says nothing about the robot. Failed tries are forgotten after an hour in which the robot has kept its setpoint,
+//! with another pressure, a new boot, or an operator's action. So at most 20 setpoints with the same
+//! pressure and gain go to a whisker within an hour.
 
 use crate::optional_parts::OptionalParts;
 use crate::robot::params::CommandParams;

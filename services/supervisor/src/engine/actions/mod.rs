@@ -25,7 +25,7 @@ use crate::events::{ActionPart, CalibrationPart, Parts, PolicyPart, event};
 use crate::metrics::FleetMetrics;
 use crate::params::with_model;
 use crate::trace::TracedAction;
-use vibrissa_edge::calibration_file::CalibrationFile;
+use vibrissa_edge::calibration_file::Activation;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::actions::Action;
 use vibrissa_store::batch::{PolicyChanged, PolicyRow, Record};

@@ -5,7 +5,6 @@
 
 use std::collections::BTreeMap;
 use std::future::pending;
-use std::time::SystemTime;
 
 use tokio::runtime::Handle;
 use tokio::sync::mpsc;
@@ -268,10 +267,9 @@ impl Pipeline {
         let SealedTransaction { mut spans, publications, .. } = transaction;
         workers.spans_committed(&mut spans, committed.took);
         // Taken before publishing, because a robot may answer before `publish` returns.
-        let now = SystemTime::now();
         let at = wall_clock();
         let all = self.publish(publications, |publication| workers.published(publication, at));
-        workers.spans_published(spans, now, all);
+        workers.spans_published(spans, at, all);
     }
 
     /// Publishes; returns false if messages were dropped. Nothing is lost if the broker is unreachable or the lease may

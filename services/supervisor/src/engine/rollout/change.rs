@@ -5,9 +5,9 @@ use std::sync::Arc;
 use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::Params;
 use vibrissa_edge::actions::{self, Request, Subject};
+use vibrissa_edge::calibration_file::Activation;
 
 use super::malformed;
-use crate::calibration_file::Activation;
 use crate::params::with_model;
 
 /// The change of a roll-out.

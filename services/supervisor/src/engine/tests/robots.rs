@@ -106,6 +106,23 @@ fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
     assert!((1000..=1024).contains(&asked), "their factsheets must be requested: {asked}");
 }
 
+/// A robot whose factsheet is refused is told as one whose factsheet has not arrived.
+#[test]
+fn a_refused_factsheet_is_missing_after_half_a_minute() {
+    let mut worker = worker(0);
+    worker.handle(&birth("r1", "b"));
+    let missing = |worker: &mut Worker, seconds: u64| {
+        let mut without = Found::default();
+        let now = std::time::Instant::now() + std::time::Duration::from_secs(seconds);
+        worker.find_without_factsheet(now, &mut without);
+        without.one.map(|name| name.to_string())
+    };
+    let refused = raw_message("r1", RobotTopic::Factsheet, b"{\"boot_id\":\"b\"}".to_vec());
+    assert!(worker.factsheet(&refused).is_none(), "it lacks everything else");
+    assert_eq!(missing(&mut worker, 0), None);
+    assert_eq!(missing(&mut worker, 31).as_deref(), Some("r1"));
+}
+
 /// The log named the index within the robot, without fleet and array.
 #[test]
 fn regress_a_full_name_counts_within_the_array() {

@@ -1,7 +1,7 @@
 //! The workers of a fleet.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use tokio::runtime::Handle;
 use vibrissa_core::robot::{Event, Outcome, Params};
@@ -369,10 +369,10 @@ impl Workers {
     }
 
     /// Adds the spans of the publications; `all` is false if some could not be published.
-    pub(crate) fn spans_published(&mut self, spans: Vec<PendingSpans>, now: SystemTime, all: bool) {
+    pub(crate) fn spans_published(&mut self, spans: Vec<PendingSpans>, at: Micros, all: bool) {
         for (worker, spans) in self.workers.iter_mut().zip(spans) {
             if let Some(traces) = worker.stepper_mut().traces_mut() {
-                traces.published(spans, now, all);
+                traces.published(spans, at, all);
             }
         }
     }

@@ -1,4 +1,5 @@
-//! Cookies of the console. Scripts cannot read them. Over HTTPS their names bind them to this host alone.
+//! Cookies of the console. Scripts cannot read them. Over HTTPS their names bind them to this host alone, and below a path to
+//! that path: other services of the host do not get them, and two supervisors of a host do not share a session.
 
 use axum::http::{HeaderMap, HeaderName, header};
 
@@ -12,36 +13,64 @@ pub struct Cookie {
     same_site: &'static str,
 }
 
+/// Where browsers reach the console.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Site {
+    /// Over HTTPS.
+    is_secure: bool,
+    /// Path of the public address, such as `/vibrissa`; `/` for that of a whole host.
+    path: String,
+}
+
+impl Site {
+    /// The site of a public address.
+    #[must_use]
+    pub fn of(public_url: &str) -> Self {
+        let path = url::Url::parse(public_url).map_or_else(|_| String::new(), |url| url.path().to_owned());
+        let path = path.trim_end_matches('/');
+        Self {
+            is_secure: public_url.starts_with("https://"),
+            path: if path.is_empty() { "/".to_owned() } else { path.to_owned() },
+        }
+    }
+}
+
 /// The session of a person who has signed in.
 pub const SESSION: Cookie = Cookie { name: "vibrissa-session", same_site: "Strict" };
 /// A sign-in that is under way.
 pub const ATTEMPT: Cookie = Cookie { name: "vibrissa-sign-in", same_site: "Lax" };
 
 impl Cookie {
-    fn name(&self, is_secure: bool) -> String {
-        format!("{}{}", if is_secure { "__Host-" } else { "" }, self.name)
+    /// Browsers take `__Host-` only with the path of the whole host.
+    fn name(&self, site: &Site) -> String {
+        let prefix = match (site.is_secure, site.path.as_str()) {
+            (true, "/") => "__Host-",
+            (true, _) => "__Secure-",
+            (false, _) => "",
+        };
+        format!("{prefix}{}", self.name)
     }
 }
 
 /// The value of `Set-Cookie`. Without a lifetime the cookie ends with the browser.
 #[must_use]
-pub fn set(cookie: &Cookie, value: &str, is_secure: bool, lifetime_s: Option<i64>) -> String {
-    let (name, same_site) = (cookie.name(is_secure), cookie.same_site);
-    let secure = if is_secure { "; Secure" } else { "" };
+pub fn set(cookie: &Cookie, value: &str, site: &Site, lifetime_s: Option<i64>) -> String {
+    let (name, path, same_site) = (cookie.name(site), &site.path, cookie.same_site);
+    let secure = if site.is_secure { "; Secure" } else { "" };
     let lifetime = lifetime_s.map_or_else(String::new, |seconds| format!("; Max-Age={seconds}"));
-    format!("{name}={value}; Path=/; HttpOnly; SameSite={same_site}{secure}{lifetime}")
+    format!("{name}={value}; Path={path}; HttpOnly; SameSite={same_site}{secure}{lifetime}")
 }
 
 /// The value of `Set-Cookie` that removes a cookie.
 #[must_use]
-pub fn clear(cookie: &Cookie, is_secure: bool) -> String {
-    set(cookie, "", is_secure, Some(0))
+pub fn clear(cookie: &Cookie, site: &Site) -> String {
+    set(cookie, "", site, Some(0))
 }
 
 /// The value of a request's cookie.
 #[must_use]
-pub fn value(headers: &HeaderMap, cookie: &Cookie, is_secure: bool) -> Option<String> {
-    let name = cookie.name(is_secure);
+pub fn value(headers: &HeaderMap, cookie: &Cookie, site: &Site) -> Option<String> {
+    let name = cookie.name(site);
     let told = headers.get_all(header::COOKIE).iter().filter_map(|told| told.to_str().ok());
     let mut pairs = told.flat_map(|told| told.split(';')).filter_map(|pair| pair.trim().split_once('='));
     pairs.find(|(one, value)| *one == name && !value.is_empty()).map(|(_, value)| value.to_owned())
@@ -75,18 +104,29 @@ mod tests {
     #[test]
     fn a_cookie_is_found_among_others_by_its_whole_name() {
         let told = headers(&[("cookie", "a=1; vibrissa-session=x.y; __Host-vibrissa-session=z; b=")]);
-        assert_eq!(value(&told, &SESSION, false).as_deref(), Some("x.y"));
-        assert_eq!(value(&told, &SESSION, true).as_deref(), Some("z"));
-        assert_eq!(value(&told, &ATTEMPT, false), None);
-        assert_eq!(value(&headers(&[("cookie", "vibrissa-session=")]), &SESSION, false), None);
+        let [plain, secure] = ["http://h", "https://h/"].map(Site::of);
+        assert_eq!(value(&told, &SESSION, &plain).as_deref(), Some("x.y"));
+        assert_eq!(value(&told, &SESSION, &secure).as_deref(), Some("z"));
+        assert_eq!(value(&told, &ATTEMPT, &plain), None);
+        assert_eq!(value(&headers(&[("cookie", "vibrissa-session=")]), &SESSION, &plain), None);
     }
 
     #[test]
     fn over_https_cookies_are_secure_and_bound_to_the_host() {
-        let told = set(&SESSION, "x", true, None);
+        let told = set(&SESSION, "x", &Site::of("https://h"), None);
         assert_eq!(told, "__Host-vibrissa-session=x; Path=/; HttpOnly; SameSite=Strict; Secure");
-        let told = clear(&ATTEMPT, false);
+        let told = clear(&ATTEMPT, &Site::of("http://h:1"));
         assert_eq!(told, "vibrissa-sign-in=; Path=/; HttpOnly; SameSite=Lax; Max-Age=0");
+    }
+
+    #[test]
+    fn regress_below_a_path_cookies_are_bound_to_it() {
+        for public_url in ["https://h/west", "https://h/west/"] {
+            let told = set(&SESSION, "x", &Site::of(public_url), None);
+            assert_eq!(told, "__Secure-vibrissa-session=x; Path=/west; HttpOnly; SameSite=Strict; Secure");
+        }
+        let told = clear(&ATTEMPT, &Site::of("http://h:1/a/b"));
+        assert_eq!(told, "vibrissa-sign-in=; Path=/a/b; HttpOnly; SameSite=Lax; Max-Age=0");
     }
 
     #[test]

@@ -127,7 +127,7 @@ impl Access {
             let cookie = self
                 .sign_in
                 .as_ref()
-                .and_then(|sign_in| cookies::value(&request.headers, &cookies::SESSION, sign_in.is_secure()));
+                .and_then(|sign_in| cookies::value(&request.headers, &cookies::SESSION, sign_in.site()));
             if let Some(cookie) = cookie {
                 if !matches!(request.method, Method::GET | Method::HEAD) {
                     cookies::require_own_page(&request.headers)?;

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use tokio::sync::Mutex;
 
 use super::claims::{self, is_stale};
+use super::cookies::Site;
 use super::fetch::Away;
 use super::id_token::{self, IdToken, TokenResponse};
 use super::oidc::Oidc;
@@ -39,6 +40,7 @@ const RENEWALS: usize = 16;
 pub struct SignIn {
     provider: Provider,
     oidc: Oidc,
+    site: Arc<Site>,
     renewals: Arc<[Mutex<()>; RENEWALS]>,
 }
 
@@ -89,13 +91,14 @@ pub enum Failure {
 impl SignIn {
     pub(super) fn new(issuer: &str, options: &SignInOptions, oidc: Oidc) -> Self {
         let provider = Provider::new(issuer, options);
-        Self { provider, oidc, renewals: Arc::new(std::array::from_fn(|_| Mutex::new(()))) }
+        let site = Arc::new(Site::of(&options.public_url));
+        Self { provider, oidc, site, renewals: Arc::new(std::array::from_fn(|_| Mutex::new(()))) }
     }
 
-    /// Whether browsers reach the console over HTTPS.
+    /// Where browsers reach the console.
     #[must_use]
-    pub fn is_secure(&self) -> bool {
-        self.provider.options().public_url.starts_with("https://")
+    pub fn site(&self) -> &Site {
+        &self.site
     }
 
     /// Where the browser goes for an attempt.
