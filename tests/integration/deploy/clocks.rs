@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::project;
 
 /// Folders with code, and documents with examples that people copy.
-const PLACES: [&str; 7] = ["services", "tests", "boards", "ros2", "python", "dashboards", "docs"];
+const PLACES: [&str; 7] = ["services", "robot", "lab", "tests", "python", "dashboards", "docs"];
 /// Endings of the files that are searched, each with the words that read the wall clock.
 const WORDS: [(&[&str], &[&str]); 3] = [
     (
@@ -26,7 +26,7 @@ const WORDS: [(&[&str], &[&str]); 3] = [
 /// Every place that reads the wall clock: how often, and for what.
 const ALLOWED: [(&str, usize, &str); 8] = [
     ("services/edge/src/clock.rs", 1, "the supervisor's time line begins with it"),
-    ("services/robot/src/clock.rs", 1, "stamps of messages follow it slowly"),
+    ("robot/agent/src/clock.rs", 1, "stamps of messages follow it slowly"),
     ("services/supervisor/src/http/access/id_token.rs", 1, "expiry of an ID token"),
     ("services/supervisor/src/metrics/process.rs", 1, "a test of the stamp of the process's start"),
     ("tests/src/kafka/clients.rs", 1, "stamp of a record"),
