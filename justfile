@@ -16,9 +16,13 @@ test:
 suite name *tests:
     cargo test --locked -p vibrissa-tests --test {{ name }} -- {{ tests }}
 
-# Run the tests of a crate, such as core, core-tests, protocol or store
+# Run the tests of a crate, such as core, core-tests, protocol, store or simulator
 crate name *tests:
     cargo test --locked -p vibrissa-{{ name }} -- {{ tests }}
+
+# Run the tests of the robot's programs
+robot *tests:
+    cargo test --manifest-path robot/Cargo.toml --target-dir target/robot --workspace --exclude vibrissa-robot-python -- {{ tests }}
 
 # Fail servers and attack them for a minute; everything must be recorded once
 chaos *options="--seed 1 --seconds 60":
@@ -35,6 +39,7 @@ compose *options:
 # Format the code
 format:
     cargo fmt
+    cargo fmt --manifest-path robot/Cargo.toml
 
 # Show the lints as tests/run wants them
 lints:

@@ -132,7 +132,8 @@ impl Drawn {
             self.status();
         }
         self.step(&Event::Tick);
-        for (_, command) in self.sent[from..].to_vec() {
+        let sent = self.sent[from..].to_vec();
+        for (_, command) in sent {
             self.answers(&command, habit());
         }
     }

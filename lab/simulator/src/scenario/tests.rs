@@ -55,7 +55,7 @@ fn whiskers_of_other_dimensions_have_the_mechanics_of_their_calibration() {
     assert_eq!((*deviating.geometry(), deviating.calibration().youngs_modulus_mpa), (wide, 0.9));
     assert!((deviating.calibration().c / model.calibration().c - 1.1).abs() < 1e-12);
     let refused = with_calibration(Geometry { d3_large_mm: -1.0, ..built_in }).unwrap_err().to_string();
-    assert!(refused.starts_with("calibration: ") && refused.contains("d3_large_mm"), "{refused}");
+    assert!(refused.starts_with("calibration: ") && refused.contains("D3 must be"), "{refused}");
 }
 
 #[test]
