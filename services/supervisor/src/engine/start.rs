@@ -101,8 +101,8 @@ impl EngineOptions {
         let action_sent = action_notifier.subscribe(lease.fleet());
         let metrics = program.of_fleet(lease.fleet());
         let policy = writer.policy(&lease).await?;
-        let unreadable = policy.iter().filter(|policy| policy.params().is_none()).count() as u64;
-        metrics.set_aside(Reader::Policy, unreadable);
+        let unreadable_policies = policy.iter().filter(|policy| policy.params().is_none()).count() as u64;
+        metrics.set_aside(Reader::Policy, unreadable_policies);
         let params = params::with_policy(self.params, policy.as_ref());
         let (params, unusable) = params::with_calibrations(params, &writer.calibrations(&lease).await?);
         metrics.set_aside(Reader::Calibration, unusable);
@@ -126,7 +126,7 @@ impl EngineOptions {
         let allowed = writer.allowed_robots(&lease, 0).await?;
         let last = recover(&mut writer, &lease, &mut workers, self.log.as_ref()).await?;
         let of_log = self.log.as_ref().map_or(0, LogSource::set_aside);
-        let set_aside = unreadable + unusable + unreadable_rollouts + workers.set_aside() + of_log;
+        let set_aside = unreadable_policies + unusable + unreadable_rollouts + workers.set_aside() + of_log;
         if set_aside > 0 {
             let what = format!("{set_aside} stored items cannot be read and are set aside: see the log");
             readiness.tell_set_aside(lease.fleet(), STORED, what);
