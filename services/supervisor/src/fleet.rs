@@ -24,7 +24,7 @@ use crate::mqtt::{self, BrokerAddress, Connection, FleetBirths, LinkState, Prepa
 use crate::outbox::Losses;
 use crate::readiness::{Readiness, Standing};
 use crate::robots_file::RobotsFile;
-use crate::thread::{Place, Threads};
+use crate::thread::{ThreadSlot, Threads};
 use crate::trace::Traces;
 use vibrissa_store::{Lease, Store, StoreError};
 
@@ -252,7 +252,7 @@ async fn take_up(lease: &Lease, shared: &Shared, events: Option<&EventSink>) -> 
 
 /// Runs the engine until `stop`, or until another supervisor acquires the lease.
 async fn run(
-    (engine, place): (Engine, Place),
+    (engine, place): (Engine, ThreadSlot),
     connection: &Connection,
     metrics: &FleetMetrics,
     mut stop: watch::Receiver<bool>,
