@@ -95,9 +95,10 @@ pub fn arguments(qos: u8, contacts: usize, messages: u64) -> Vec<(&'static str, 
 /// Sends a burst to a subscriber that does nothing. Returns messages per second, processor seconds per million
 /// messages, and the line of JSON.
 async fn null(broker: &Mosquitto, qos: u8, messages: u64) -> anyhow::Result<(f64, f64, serde_json::Value)> {
-    let told = ["null-subscriber", "--port", &broker.port().to_string(), "--fleet", NULL_FLEET].map(str::to_owned);
-    let told = [told.as_slice(), &["--messages".to_owned(), messages.to_string()]].concat();
-    let mut subscriber = Helper::start(&told)?;
+    let helper_arguments =
+        ["null-subscriber", "--port", &broker.port().to_string(), "--fleet", NULL_FLEET].map(str::to_owned);
+    let helper_arguments = [helper_arguments.as_slice(), &["--messages".to_owned(), messages.to_string()]].concat();
+    let mut subscriber = Helper::start(&helper_arguments)?;
     subscriber.ready().await?;
     let mut arguments = arguments(qos, 1, messages);
     arguments.push(("no-receipts", String::new()));

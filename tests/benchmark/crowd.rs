@@ -34,8 +34,8 @@ pub fn print(robots: usize) {
 pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     let robots = bench.pace.crowd_robots;
     bench.say(&format!("{PART}: {} whiskers with {CONTACTS} contacts each", robots * usize::from(WHISKERS)));
-    let told = Helper::start(&["crowd".to_owned(), robots.to_string()])?.ended().await?;
-    let mut line: Value = serde_json::from_str(&told)?;
+    let output = Helper::start(&["crowd".to_owned(), robots.to_string()])?.ended().await?;
+    let mut line: Value = serde_json::from_str(&output)?;
     let of = |name: &str| line[name].as_f64().unwrap_or(f64::NAN);
     let whiskers = of("whiskers");
     let million_gib = of("resident_max_bytes") / whiskers * 1e6 / KIB.powi(3);

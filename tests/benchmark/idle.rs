@@ -20,12 +20,12 @@ pub async fn run(bench: &mut Bench) -> anyhow::Result<()> {
     for store in &stores {
         subjects.push((Subject::start(bench, &broker, store, PART).await?, Vec::new()));
     }
-    let mut told = arguments(0, 1, (ROBOTS * SECONDS) as u64);
-    told.push(("rate", ROBOTS.to_string()));
+    let mut options = arguments(0, 1, (ROBOTS * SECONDS) as u64);
+    options.push(("rate", ROBOTS.to_string()));
     let mut round = 0;
     while bench.has_time_for(round) {
         for (subject, shares) in &mut subjects {
-            let burst = subject.burst(&broker, &told).await?;
+            let burst = subject.burst(&broker, &options).await?;
             let measured = Shares::of(&burst);
             let name = subject.store.name();
             let line = json!({

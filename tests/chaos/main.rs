@@ -84,8 +84,8 @@ struct Arguments {
     #[arg(long)]
     cluster: bool,
     /// With --cluster: the broker. One Mosquitto needs no RMQTT, and has no other node to go to.
-    #[arg(long, value_enum, default_value_t = cluster::Kind::Rmqtt)]
-    broker: cluster::Kind,
+    #[arg(long, value_enum, default_value_t = cluster::BrokerKind::Rmqtt)]
+    broker: cluster::BrokerKind,
     /// With --cluster: strike the broker, each supervisor and the database at the same time, instead of one after the other.
     #[arg(long, requires = "cluster")]
     overlapping: bool,

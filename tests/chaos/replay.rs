@@ -40,10 +40,10 @@ impl Replay {
         options.set_credentials(user, password.to_owned());
         let (client, events) = AsyncClient::builder(options).capacity(1000).build();
         let count = Arc::new(AtomicU64::new(0));
-        let (late, told) = watch::channel(0);
+        let (late, receiver) = watch::channel(0);
         let task =
             tokio::spawn(repeat((client, events), filters, ChaCha8Rng::seed_from_u64(seed), count.clone(), late));
-        Self { count, late: told, task }
+        Self { count, late: receiver, task }
     }
 
     /// Number of setpoints that were published again.

@@ -12,10 +12,10 @@ fn chaos(arguments: &[&str]) -> (i32, Value) {
         .args(arguments)
         .output()
         .expect("a program of ours");
-    let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let (stdout, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     // Visible if the test fails.
-    println!("{said}{told}");
-    let result = told.lines().last().and_then(|line| serde_json::from_str(line).ok());
+    println!("{said}{stdout}");
+    let result = stdout.lines().last().and_then(|line| serde_json::from_str(line).ok());
     (output.status.code().expect("an exit code"), result.expect("a line of JSON"))
 }
 
@@ -45,14 +45,14 @@ fn cluster(arguments: &[&str]) -> Option<(i32, Value)> {
         println!("{}", String::from_utf8_lossy(&output.stderr));
         output = run("mosquitto").expect("a program of ours");
     }
-    let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let (stdout, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     // Visible if the test fails.
-    println!("{said}{told}");
+    println!("{said}{stdout}");
     let code = output.status.code().expect("an exit code");
     if code == 77 {
         return None;
     }
-    let result = told.lines().last().and_then(|line| serde_json::from_str(line).ok());
+    let result = stdout.lines().last().and_then(|line| serde_json::from_str(line).ok());
     Some((code, result.expect("a line of JSON")))
 }
 

@@ -18,11 +18,11 @@ fn property_an_ordinary_contact_allocates_nothing() {
     let (mut crowd, mut buffers) = learned();
     for contacts in [1, 20] {
         for step in 0..1000 {
-            let told = measure(|| {
+            let allocated = measure(|| {
                 crowd.contacts(0, contacts, &mut buffers);
             });
             let is_ordinary = buffers.effects.len() == contacts;
-            assert!(!is_ordinary || told.count_total == 0, "step {step} of {contacts}: {told:?}");
+            assert!(!is_ordinary || allocated.count_total == 0, "step {step} of {contacts}: {allocated:?}");
         }
     }
 }
@@ -31,11 +31,11 @@ fn property_an_ordinary_contact_allocates_nothing() {
 fn property_an_ordinary_status_and_a_tick_allocate_nothing() {
     let (mut crowd, mut buffers) = learned();
     for step in 0..1000 {
-        let told = measure(|| {
+        let allocated = measure(|| {
             crowd.status(0, &mut buffers);
             crowd.tick(0, &mut buffers);
         });
-        assert!(!buffers.effects.is_empty() || told.count_total == 0, "step {step}: {told:?}");
+        assert!(!buffers.effects.is_empty() || allocated.count_total == 0, "step {step}: {allocated:?}");
     }
 }
 

@@ -11,14 +11,14 @@ const ATTEMPTS: usize = 5;
 
 /// Where a server runs: an address, and the namespace that has it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct ServerAddress {
     /// Address to listen at.
     pub host: String,
     /// Namespace; `None` for this machine's own network.
     pub namespace: Option<String>,
 }
 
-impl Place {
+impl ServerAddress {
     /// 127.0.0.1 of this machine.
     #[must_use]
     pub fn here() -> Self {
@@ -105,14 +105,14 @@ impl Network {
 
     /// This machine, as the namespaces reach it.
     #[must_use]
-    pub fn here(&self) -> Place {
-        Place { host: self.outside(), namespace: None }
+    pub fn here(&self) -> ServerAddress {
+        ServerAddress { host: self.outside(), namespace: None }
     }
 
     /// A namespace by its number.
     #[must_use]
-    pub fn place(&self, at: usize) -> Place {
-        Place { host: self.host(at), namespace: Some(self.name(at)) }
+    pub fn place(&self, at: usize) -> ServerAddress {
+        ServerAddress { host: self.host(at), namespace: Some(self.name(at)) }
     }
 
     /// Loses all packets from and to a namespace, or lets them pass again.
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
 
     /// Whether the other side refuses a connection: nobody listens there, but its refusal arrives.
-    fn reaches(from: &Place, to: &str) -> bool {
+    fn reaches(from: &ServerAddress, to: &str) -> bool {
         let connect = from.launch(Launch {
             program: "timeout".into(),
             arguments: ["1", "bash", "-c", &format!("</dev/tcp/{to}/9")].map(str::to_owned).to_vec(),

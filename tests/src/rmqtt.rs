@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use crate::installed::{installed, listens};
 use crate::mosquitto::free_port;
-use crate::network::Place;
+use crate::network::ServerAddress;
 use crate::process::{Launch, Process};
 
 /// Attempts to start: another test may take a port between the check and the start of the nodes.
@@ -44,7 +44,7 @@ impl Rmqtt {
     /// It does not start.
     #[must_use]
     pub fn start(count: usize, rules: &str) -> Option<Self> {
-        Self::start_at(&vec![Place::here(); count], rules)
+        Self::start_at(&vec![ServerAddress::here(); count], rules)
     }
 
     /// Starts one node on 127.0.0.1 whose bridge to Kafka has these settings; `None` if RMQTT is not installed.
@@ -53,7 +53,7 @@ impl Rmqtt {
     /// It does not start.
     #[must_use]
     pub fn start_with_bridge(rules: &str, bridge: &str) -> Option<Self> {
-        Self::start_with(&[Place::here()], &Plugins { rules, bridge: Some(bridge) })
+        Self::start_with(&[ServerAddress::here()], &Plugins { rules, bridge: Some(bridge) })
     }
 
     /// Starts a node at each of these places.
@@ -61,20 +61,24 @@ impl Rmqtt {
     /// # Panics
     /// It does not start.
     #[must_use]
-    pub fn start_at(places: &[Place], rules: &str) -> Option<Self> {
+    pub fn start_at(places: &[ServerAddress], rules: &str) -> Option<Self> {
         Self::start_with(places, &Plugins { rules, bridge: None })
     }
 
-    fn start_with(places: &[Place], plugins: &Plugins<'_>) -> Option<Self> {
+    fn start_with(places: &[ServerAddress], plugins: &Plugins<'_>) -> Option<Self> {
         let program = installed("rmqtt", Some("--if-installed"))?;
         let started = (0..ATTEMPTS).find_map(|_| Self::try_start(&program, places, plugins));
         Some(started.expect("RMQTT starts"))
     }
 
-    fn try_start(program: &Path, places: &[Place], plugins: &Plugins<'_>) -> Option<Self> {
+    fn try_start(program: &Path, places: &[ServerAddress], plugins: &Plugins<'_>) -> Option<Self> {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let node =
-            |place: &Place| Node { host: place.host.clone(), mqtt: free_port(), grpc: free_port(), raft: free_port() };
+        let node = |place: &ServerAddress| Node {
+            host: place.host.clone(),
+            mqtt: free_port(),
+            grpc: free_port(),
+            raft: free_port(),
+        };
         let nodes: Vec<Node> = places.iter().map(node).collect();
         let mut processes = Vec::new();
         for (at, place) in places.iter().enumerate() {

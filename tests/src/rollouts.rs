@@ -26,9 +26,9 @@ pub async fn ask(http: SocketAddr, method: &str, path: &str, body: Value) -> (u1
 /// # Panics
 /// It does not.
 pub async fn done(http: SocketAddr, path: &str, body: Value) -> Value {
-    let (status, told) = ask(http, "POST", path, body).await;
-    assert_eq!(status, 200, "{path}: {told}");
-    told
+    let (status, answer) = ask(http, "POST", path, body).await;
+    assert_eq!(status, 200, "{path}: {answer}");
+    answer
 }
 
 /// The roll-out with its events.
@@ -44,8 +44,8 @@ pub async fn read(http: SocketAddr, id: &Value) -> Value {
 /// The roll-out once its state or stage is as expected.
 pub async fn reaches(http: SocketAddr, id: &Value, field: &str, word: &str) -> Value {
     until(&format!("{field} {word}"), async || {
-        let told = read(http, id).await;
-        Some(told).filter(|told| told["rollout"][field] == word)
+        let detail = read(http, id).await;
+        Some(detail).filter(|detail| detail["rollout"][field] == word)
     })
     .await
 }
@@ -55,8 +55,8 @@ pub async fn reaches(http: SocketAddr, id: &Value, field: &str, word: &str) -> V
 /// # Panics
 /// There are none.
 #[must_use]
-pub fn events(told: &Value) -> Vec<&str> {
-    let events = told["events"].as_array().expect("events");
+pub fn events(detail: &Value) -> Vec<&str> {
+    let events = detail["events"].as_array().expect("events");
     events.iter().rev().map(|event| event["event"].as_str().expect("a word")).collect()
 }
 
@@ -87,9 +87,9 @@ pub async fn uploaded(http: SocketAddr) -> Value {
     };
     let rows: Vec<Value> = [0.02, 0.05, 0.08, 0.12, 0.16, 0.2].into_iter().map(row).collect();
     let body = json!({ "model": "nguyen-2021", "youngs_modulus_mpa": truth.youngs_modulus_mpa, "rows": rows });
-    let (status, told) = ask(http, "POST", "/v1/calibrations", body).await;
-    assert_eq!(status, 201, "{told}");
-    told["calibration_id"].clone()
+    let (status, answer) = ask(http, "POST", "/v1/calibrations", body).await;
+    assert_eq!(status, 201, "{answer}");
+    answer["calibration_id"].clone()
 }
 
 /// A connection to the database of the service.

@@ -64,7 +64,7 @@ pub struct Buffers {
     /// Effects of the last step.
     pub effects: Vec<Effect>,
     message: Vec<Contact<'static>>,
-    told: Vec<WhiskerStatus<'static>>,
+    statuses: Vec<WhiskerStatus<'static>>,
 }
 
 /// Robots with the same number of whiskers, in one array each.
@@ -196,10 +196,10 @@ impl Member {
     }
 
     fn status(&mut self, params: &Params, whiskers: u16, readings: &[Reading], buffers: &mut Buffers) -> Outcome {
-        let Buffers { effects, told, .. } = buffers;
+        let Buffers { effects, statuses, .. } = buffers;
         self.status_us = self.now_us;
-        told.clear();
-        told.extend((0..whiskers).map(|whisker| WhiskerStatus {
+        statuses.clear();
+        statuses.extend((0..whiskers).map(|whisker| WhiskerStatus {
             array: ARRAY,
             whisker,
             pressure: readings[(self.at + usize::from(whisker)) % readings.len()].pressure,
@@ -208,7 +208,7 @@ impl Member {
             gauge: GaugeState::Ok,
         }));
         effects.clear();
-        let event = Event::Status { boot_id: BOOT, robot_time: Micros(self.now_us), whiskers: told };
+        let event = Event::Status { boot_id: BOOT, robot_time: Micros(self.now_us), whiskers: statuses };
         self.robot.step(params, Micros(self.now_us), &event, effects)
     }
 }

@@ -104,55 +104,59 @@ impl World {
     fn receive(&mut self, kind: RobotTopic, payload: &[u8]) {
         let topic = kind.of(self.robot.fleet(), self.robot.name());
         match decode(&topic, payload).expect("the simulator keeps the contract") {
-            Message::Connection(told) => {
-                self.step(&Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) });
+            Message::Connection(connection) => {
+                self.step(&Event::Connection {
+                    boot_id: connection.boot_id.as_str(),
+                    link: edge::link(connection.state),
+                });
             }
-            Message::Factsheet(told) => {
-                let factsheet = edge::factsheet(&told, &["nguyen-2021"]).expect("a known model");
-                self.step(&Event::Factsheet { boot_id: told.boot_id.as_str(), factsheet: &factsheet });
+            Message::Factsheet(sheet) => {
+                let factsheet = edge::factsheet(&sheet, &["nguyen-2021"]).expect("a known model");
+                self.step(&Event::Factsheet { boot_id: sheet.boot_id.as_str(), factsheet: &factsheet });
             }
-            Message::Contacts(told) => {
-                let missed: Vec<_> = told.missed.iter().map(|one| edge::missed(one).expect("in range")).collect();
-                let contacts: Vec<_> = told.contacts.iter().map(|one| edge::contact(one).expect("in range")).collect();
+            Message::Contacts(message) => {
+                let missed: Vec<_> = message.missed.iter().map(|one| edge::missed(one).expect("in range")).collect();
+                let contacts: Vec<_> =
+                    message.contacts.iter().map(|one| edge::contact(one).expect("in range")).collect();
                 self.step(&Event::Contacts {
-                    boot_id: told.boot_id.as_str(),
-                    seq: told.seq,
+                    boot_id: message.boot_id.as_str(),
+                    seq: message.seq,
                     contacts: &contacts,
                     missed: &missed,
                 });
-                self.receipt(&told.boot_id);
+                self.receipt(&message.boot_id);
             }
-            Message::Status(told) => {
-                let whiskers: Vec<_> = told.whiskers.iter().map(|one| edge::status(one).expect("in range")).collect();
-                let robot_time = Micros(told.t_us);
-                self.step(&Event::Status { boot_id: told.boot_id.as_str(), robot_time, whiskers: &whiskers });
+            Message::Status(status) => {
+                let whiskers: Vec<_> = status.whiskers.iter().map(|one| edge::status(one).expect("in range")).collect();
+                let robot_time = Micros(status.t_us);
+                self.step(&Event::Status { boot_id: status.boot_id.as_str(), robot_time, whiskers: &whiskers });
             }
-            Message::SetpointState(told) => self.setpoint_state(&told),
-            Message::TestState(told) => self.test_state(&told),
+            Message::SetpointState(message) => self.setpoint_state(&message),
+            Message::TestState(message) => self.test_state(&message),
             other => panic!("a robot does not send {other:?}"),
         }
     }
 
-    fn setpoint_state(&mut self, told: &protocol::SetpointState) {
+    fn setpoint_state(&mut self, state: &protocol::SetpointState) {
         let Some((command, pressure)) = self
             .core
             .commands_under_way()
-            .find(|command| name_of(command.key) == told.command_id)
+            .find(|command| name_of(command.key) == state.command_id)
             .map(|command| (command.key, command.pressure))
         else {
             return;
         };
-        let report = edge::setpoint_report(told, pressure).expect("in range");
-        let robot_time = Micros(told.t_us);
-        self.step(&Event::Setpoint { boot_id: told.boot_id.as_str(), command, report, robot_time });
+        let report = edge::setpoint_report(state, pressure).expect("in range");
+        let robot_time = Micros(state.t_us);
+        self.step(&Event::Setpoint { boot_id: state.boot_id.as_str(), command, report, robot_time });
     }
 
-    fn test_state(&mut self, told: &protocol::TestState) {
+    fn test_state(&mut self, state: &protocol::TestState) {
         let mut tests = self.core.tests_under_way().map(|(test, _)| test);
-        let Some(test) = tests.find(|test| name_of(*test) == told.test_id) else { return };
+        let Some(test) = tests.find(|test| name_of(*test) == state.test_id) else { return };
         drop(tests);
-        let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
-        self.step(&Event::TouchTest { boot_id, test, report: edge::touch_tests::report(told), robot_time });
+        let (boot_id, robot_time) = (state.boot_id.as_str(), Micros(state.t_us));
+        self.step(&Event::TouchTest { boot_id, test, report: edge::touch_tests::report(state), robot_time });
     }
 
     /// Steps the core and executes its effects.

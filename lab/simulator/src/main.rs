@@ -129,19 +129,19 @@ async fn simulate(arguments: Arguments) -> anyhow::Result<()> {
 mod tests {
     use super::*;
 
-    fn told(given: &[&str]) -> Result<Arguments, String> {
+    fn arguments_of(given: &[&str]) -> Result<Arguments, String> {
         let given = ["vibrissa-simulator"].iter().chain(given).map(OsString::from);
         parsed(given).map_err(|problem| problem.to_string())
     }
 
     #[test]
     fn words_are_taken_in_any_case_and_numbers_with_exponents() {
-        let arguments = told(&["--scenario", "x.toml", "--misbehave", "No-Receipt-Retry"]);
+        let arguments = arguments_of(&["--scenario", "x.toml", "--misbehave", "No-Receipt-Retry"]);
         let listed = arguments.expect_err("no such fault");
         let fault = listed.split_once("the faults are ").expect("the list").1.split(',').next().expect("a fault");
-        let arguments = told(&["--scenario", "x.toml", "--misbehave", &fault.to_uppercase()]).expect("a fault");
+        let arguments = arguments_of(&["--scenario", "x.toml", "--misbehave", &fault.to_uppercase()]).expect("a fault");
         assert_eq!(arguments.misbehave.map(|one| one.to_string()).as_deref(), Some(fault));
-        let arguments = told(&["load", "--rate", "1e-3", "--messages", "1e5", "--status-every-s", "5e-1"]);
+        let arguments = arguments_of(&["load", "--rate", "1e-3", "--messages", "1e5", "--status-every-s", "5e-1"]);
         let Some(Command::Load(plan)) = arguments.expect("a load").command else { panic!("another command") };
         assert_eq!((plan.rate, plan.messages, plan.status_every_s), (Some(1e-3), 100_000, 0.5));
     }
@@ -158,7 +158,7 @@ mod tests {
             (&["load", "--qos", "-1"], "[possible values: 0, 1]"),
             (&["--scenario", "x.toml", "--log", "blah=loud"], "the levels are off, error, warn, info, debug, trace"),
         ] {
-            let problem = told(given).expect_err(range);
+            let problem = arguments_of(given).expect_err(range);
             assert!(problem.contains(range) && !problem.contains("unexpected argument"), "{given:?}: {problem}");
         }
     }

@@ -34,7 +34,7 @@ const TOLD_US: i64 = 2_000_000;
 struct RobotClock {
     at: Moment,
     stamp_us: u64,
-    is_told: bool,
+    is_reported: bool,
 }
 
 /// A difference between the clocks that a person should know of.
@@ -52,7 +52,7 @@ fn signed(us: u64) -> i64 {
 
 impl RobotClock {
     fn new(at: Moment, system_us: u64) -> Self {
-        Self { at, stamp_us: system_us, is_told: false }
+        Self { at, stamp_us: system_us, is_reported: false }
     }
 
     /// Goes on to this moment.
@@ -69,13 +69,13 @@ impl RobotClock {
         } else {
             even_us.saturating_add_signed(ahead_us.clamp(-most_us, most_us))
         };
-        let told = if is_unset {
+        let notice = if is_unset {
             Some(Told::TakenOver(ahead_us))
         } else {
-            (ahead_us.abs() > TOLD_US && !self.is_told).then_some(Told::Following(ahead_us))
+            (ahead_us.abs() > TOLD_US && !self.is_reported).then_some(Told::Following(ahead_us))
         };
-        self.is_told = !is_unset && (self.is_told || told.is_some()) && ahead_us.abs() > TOLD_US / 2;
-        (Now { at: self.at, stamp_us: self.stamp_us, system_us }, told)
+        self.is_reported = !is_unset && (self.is_reported || notice.is_some()) && ahead_us.abs() > TOLD_US / 2;
+        (Now { at: self.at, stamp_us: self.stamp_us, system_us }, notice)
     }
 }
 
@@ -94,13 +94,13 @@ fn moment() -> Moment {
 #[must_use]
 pub fn now() -> Now {
     static CLOCK: Mutex<Option<RobotClock>> = Mutex::new(None);
-    let (now, told) = {
+    let (now, notice) = {
         let mut clock = CLOCK.lock().unwrap_or_else(PoisonError::into_inner);
         // Read under the lock, so that no thread sees an earlier present than another one before it.
         let (at, system_us) = (moment(), system_us());
         clock.get_or_insert_with(|| RobotClock::new(at, system_us)).go_on(at, system_us)
     };
-    match told {
+    match notice {
         Some(Told::Following(ahead_us)) => {
             let (by_s, side) = (ahead_us.abs() / 1_000_000, if ahead_us < 0 { "back" } else { "ahead" });
             tracing::warn!(
@@ -141,19 +141,19 @@ mod tests {
             let system_us = NOW_US.saturating_add_signed(step_s * S.cast_signed()) + passed_us;
             clock.go_on(Moment::of_us(STARTED_US + passed_us), system_us)
         });
-        let (stamps, told): (Vec<Now>, Vec<Option<Told>>) = after.unzip();
-        (stamps.into_iter().map(|now| now.stamp_us).collect(), told.into_iter().flatten().collect())
+        let (stamps, notices): (Vec<Now>, Vec<Option<Told>>) = after.unzip();
+        (stamps.into_iter().map(|now| now.stamp_us).collect(), notices.into_iter().flatten().collect())
     }
 
     #[test]
     fn regress_no_step_of_the_systems_clock_makes_the_stamps_jump_or_go_back() {
         for step_s in [70, -70, -10, 10, 3_600, -3_600, -(NOW_US / S).cast_signed(), 0] {
-            let (stamps, told) = stamps(step_s, 60);
+            let (stamps, notices) = stamps(step_s, 60);
             for pair in stamps.windows(2) {
                 let passed_us = pair[1] - pair[0];
                 assert!(passed_us.abs_diff(S / 10) <= S / 200, "{step_s}: {passed_us} us in 100 ms");
             }
-            assert_eq!(told.len(), usize::from(step_s != 0), "{step_s}: {told:?}");
+            assert_eq!(notices.len(), usize::from(step_s != 0), "{step_s}: {notices:?}");
         }
     }
 
@@ -168,9 +168,9 @@ mod tests {
 
     #[test]
     fn a_clock_that_had_not_been_set_is_taken_over_at_once() {
-        let (stamps, told) = stamps(8 * 3_600, 1);
+        let (stamps, notices) = stamps(8 * 3_600, 1);
         assert_eq!(stamps[0], NOW_US + 8 * 3_600 * S);
-        assert_eq!(told, [Told::TakenOver(8 * 3_600_000_000)]);
+        assert_eq!(notices, [Told::TakenOver(8 * 3_600_000_000)]);
     }
 
     #[test]

@@ -92,27 +92,27 @@ mod tests {
         std::fs::write(&password, "p".repeat(32)).unwrap();
         let set_mode =
             |path: &Path, mode: u32| std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode)).unwrap();
-        let told = |from: &str, to: &str| {
+        let warnings_of = |from: &str, to: &str| {
             let text = EXAMPLE.replacen(from, to, 1);
             exposures(&password, &Config::from_toml_str(&text, &folder).unwrap())
         };
         set_mode(&password, 0o600);
-        assert_eq!(told("x", "x"), [""; 0]);
+        assert_eq!(warnings_of("x", "x"), [""; 0]);
         for (from, to, expected) in [
             ("mqtt://127.0.0.1", "mqtt://broker", "broker.url: contacts and setpoints go to broker:1883 in plain text"),
             ("mqtt://127.0.0.1", "mqtts://broker", ""),
             ("command = [\"python3\", \"driver.py\"]", "tcp = \"127.0.0.1:5\"\ntoken_file = \"password\"", ""),
         ] {
-            let told = told(from, to);
-            assert_eq!(told.len(), usize::from(!expected.is_empty()), "{told:?}");
-            assert!(told.iter().all(|one| one.starts_with(expected)), "{told:?}");
+            let warnings = warnings_of(from, to);
+            assert_eq!(warnings.len(), usize::from(!expected.is_empty()), "{warnings:?}");
+            assert!(warnings.iter().all(|one| one.starts_with(expected)), "{warnings:?}");
         }
         set_mode(&password, 0o644);
-        let readable = told("[broker]", "[broker]\nusername = \"u\"\npassword_file = \"password\"");
+        let readable = warnings_of("[broker]", "[broker]\nusername = \"u\"\npassword_file = \"password\"");
         assert!(readable.len() == 1 && readable[0].contains("everyone on this machine can read"), "{readable:?}");
         set_mode(&password, 0o600);
         set_mode(&folder, 0o777);
-        let replaceable = told("[driver]", "[outbox]\nfile = \"outbox\"\n[driver]");
+        let replaceable = warnings_of("[driver]", "[outbox]\nfile = \"outbox\"\n[driver]");
         assert!(replaceable.len() == 1 && replaceable[0].starts_with("outbox.file: everyone"), "{replaceable:?}");
         std::fs::remove_dir_all(&folder).unwrap();
     }

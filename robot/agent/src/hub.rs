@@ -76,17 +76,17 @@ struct State {
     /// Moment at which the timer works next.
     timer_at: Moment,
     /// Time at which a refused line of the driver was last logged.
-    refusal_told: Option<Instant>,
+    refusal_logged_at: Option<Instant>,
 }
 
 impl State {
     /// Logs a refused line, but not each one: a faulty driver may send thousands a second.
     fn tell_refusal(&mut self, line: &ToDriver) {
         let ToDriver::Error { line, problem, remedy } = line else { return };
-        if self.refusal_told.is_some_and(|at| at.elapsed() < REFUSAL_PAUSE) {
+        if self.refusal_logged_at.is_some_and(|at| at.elapsed() < REFUSAL_PAUSE) {
             return;
         }
-        self.refusal_told = Some(Instant::now());
+        self.refusal_logged_at = Some(Instant::now());
         let refused = self.agent.counts().lines_refused;
         tracing::warn!("line {line} of the driver is refused ({refused} since the start): {problem}: {remedy}");
     }
@@ -192,7 +192,7 @@ impl Hub {
             telling: None,
             store,
             timer_at: Moment::BEFORE_ALL,
-            refusal_told: None,
+            refusal_logged_at: None,
         };
         Ok(Self {
             state: Arc::new(Mutex::new(state)),

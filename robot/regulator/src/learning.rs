@@ -14,7 +14,7 @@ const DRIVE_LEAST_MPA: f32 = 0.005;
 
 /// Whether pulses change the pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Answer {
+pub(crate) enum PulseResponse {
     Unclear,
     Yes,
     No,
@@ -70,7 +70,7 @@ impl Gain {
         drive_mpa: f32,
         change_mpa: f32,
         early: bool,
-    ) -> Answer {
+    ) -> PulseResponse {
         let step = params.sensor_step_mpa;
         let rate = self.per_s * drive_mpa.max(DRIVE_LEAST_MPA);
         let predicted = rate * (pulse_us - self.dead_us).max(0.0) * 1e-6;
@@ -92,9 +92,9 @@ impl Gain {
         // A pulse that was cut short at its aim was answered, even if the air has gone again.
         self.measured_mpa += if early { change_mpa.max(predicted) } else { change_mpa };
         if self.expected_mpa < ANSWER_STEPS * step {
-            return Answer::Unclear;
+            return PulseResponse::Unclear;
         }
-        let answer = if self.measured_mpa > 0.25 * self.expected_mpa { Answer::Yes } else { Answer::No };
+        let answer = if self.measured_mpa > 0.25 * self.expected_mpa { PulseResponse::Yes } else { PulseResponse::No };
         self.expected_mpa = 0.0;
         self.measured_mpa = 0.0;
         answer

@@ -11,7 +11,7 @@ use ros2_client::builtin_interfaces::Time;
 use vibrissa_ros2::bridge::{Bridge, Input, Output, Settings};
 use vibrissa_ros2::log::Limited;
 use vibrissa_ros2::names::topics;
-use vibrissa_ros2::node::{Place, RosNode};
+use vibrissa_ros2::node::{NodeScope, RosNode};
 use vibrissa_ros2::units::Pressures;
 use vibrissa_ros2::words::{LINE_MAX, ToAgent};
 
@@ -59,7 +59,7 @@ fn atmosphere(text: &str) -> Result<f64, String> {
 }
 
 fn is_local(arguments: &Arguments) -> bool {
-    let is = |name: &str, value: &str| std::env::var(name).is_ok_and(|told| told == value);
+    let is = |name: &str, value: &str| std::env::var(name).is_ok_and(|given| given == value);
     arguments.localhost || is("ROS_LOCALHOST_ONLY", "1") || is("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 }
 
@@ -100,7 +100,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     };
     let (inputs, receive) = sync_channel(WAITING_MAX);
     let place =
-        Place { domain: arguments.domain, is_local: is_local(arguments), namespace: arguments.namespace.clone() };
+        NodeScope { domain: arguments.domain, is_local: is_local(arguments), namespace: arguments.namespace.clone() };
     let mut node = RosNode::join(&place, inputs.clone())?;
     let (ended, has_ended) = sync_channel::<()>(1);
     thread::spawn(move || {

@@ -32,7 +32,7 @@ const PUBLISH_WAIT: Duration = Duration::from_millis(20);
 
 /// Where the node is.
 #[derive(Debug, Clone)]
-pub struct Place {
+pub struct NodeScope {
     /// Domain, as of `ROS_DOMAIN_ID`.
     pub domain: u16,
     /// Whether it only reaches programs of this machine.
@@ -79,7 +79,7 @@ impl RosNode {
     ///
     /// # Errors
     /// The namespace is invalid, or the network is not available.
-    pub fn join(place: &Place, inputs: SyncSender<Input>) -> Result<Self, String> {
+    pub fn join(place: &NodeScope, inputs: SyncSender<Input>) -> Result<Self, String> {
         let mut participant = DomainParticipantBuilder::new(place.domain);
         if place.is_local {
             participant = participant.with_only_networks([IpAddr::V4(Ipv4Addr::LOCALHOST)]);

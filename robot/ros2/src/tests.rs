@@ -207,8 +207,8 @@ fn the_factor_on_readings_is_published_and_appears_in_the_report() {
     let mut bridge = bridge(Pressures::Gauge);
     read(&mut bridge, 0.0, 100_000.0);
     let line = |factor: f64| json!({"type": "reading_gain", "array": "left", "whisker": 0, "reading_gain": factor});
-    let told = say(&mut bridge, 0.1, &line(0.887));
-    assert_eq!(told, [Output::ReadingGain(0, Float64 { data: 0.887 })]);
+    let outputs = say(&mut bridge, 0.1, &line(0.887));
+    assert_eq!(outputs, [Output::ReadingGain(0, Float64 { data: 0.887 })]);
     for wrong in [0.0, -1.0, 21.0] {
         assert!(matches!(&say(&mut bridge, 0.1, &line(wrong))[..], [Output::Log(_)]), "{wrong}");
     }

@@ -50,7 +50,7 @@ pub enum Event {
 
 /// Part of the contact in which the strain was measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ContactKind {
     /// At the largest strain.
     Peak,
     /// In the first 0.3 s of a hold.
@@ -75,7 +75,7 @@ pub struct Contact {
     /// Standard deviation of `strain`: noise, drift, and the history of the rubber.
     pub strain_sd: f64,
     /// Part of the contact in which it was measured.
-    pub kind: Kind,
+    pub kind: ContactKind,
     /// The whisker slipped off: the contact was at the tip.
     pub tip: bool,
     /// Change of the deflection from the onset to the measurement.

@@ -3,7 +3,7 @@
 mod stream;
 
 use stream::{FULL, Plan, Random, Score, evaluate, fused, quantile, stream};
-use vibrissa_segmenter::{Contact, Event, Kind, Params, Sample, Segmenter};
+use vibrissa_segmenter::{Contact, ContactKind, Event, Params, Sample, Segmenter};
 
 fn score(rate_hz: f64, two_gauges: bool, motion: bool) -> Score {
     let mut score = Score::default();
@@ -90,7 +90,7 @@ fn a_touch_of_60_ms_is_one_contact() {
         let (segmenter, events) = touch(rate_hz, 0.06, |_, _| {});
         let contacts = contacts(&events);
         assert_eq!(contacts.len(), 1, "{rate_hz} Hz: {events:?}");
-        assert_eq!(contacts[0].kind, Kind::Peak);
+        assert_eq!(contacts[0].kind, ContactKind::Peak);
         assert!((segmenter.rate_hz() / rate_hz - 1.0).abs() < 0.02);
         assert!(contacts[0].onset_us.abs_diff(1_000_000) < 20_000, "{contacts:?}");
     }

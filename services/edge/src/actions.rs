@@ -251,22 +251,22 @@ macro_rules! policy_change {
         impl TryFrom<PolicyParameters> for PolicyChange {
             type Error = ActionError;
 
-            fn try_from(told: PolicyParameters) -> Result<Self, ActionError> {
+            fn try_from(parameters: PolicyParameters) -> Result<Self, ActionError> {
                 let wrong = |name, range| ActionError::Value { name, range };
-                let mode = named(&told.mode).ok_or(wrong("mode", "AUTOMATIC or ADVISE"))?;
-                let objective = told.objective.map(|word| named(&word).ok_or(wrong("objective", "TIP or MEAN")));
-                let longer = told.longer_for_shorter.map(|word| {
+                let mode = named(&parameters.mode).ok_or(wrong("mode", "AUTOMATIC or ADVISE"))?;
+                let objective = parameters.objective.map(|word| named(&word).ok_or(wrong("objective", "TIP or MEAN")));
+                let longer = parameters.longer_for_shorter.map(|word| {
                     named(&word).ok_or(wrong("longer_for_shorter", "NEVER, LAST_RESORT or ALLOWED"))
                 });
-                $(if told.$name.is_some_and(|number| !($min..=$max).contains(&number)) {
+                $(if parameters.$name.is_some_and(|number| !($min..=$max).contains(&number)) {
                     return Err(wrong(stringify!($name), concat!("a number from ", $min, " to ", $max)));
                 })+
                 Ok(Self {
-                    expected_version: told.expected_version,
+                    expected_version: parameters.expected_version,
                     mode,
                     objective: objective.transpose()?,
                     longer_for_shorter: longer.transpose()?,
-                    $($name: told.$name,)+
+                    $($name: parameters.$name,)+
                 })
             }
         }

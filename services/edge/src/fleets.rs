@@ -223,8 +223,8 @@ mod tests {
             assert_eq!(pattern(good).as_str(), good);
         }
         for bad in ["", "a b", "a,b", "a?", "[a]", "%", "é*", "a.*", "*********", &"x".repeat(65)] {
-            let told = FleetPattern::new(bad).unwrap_err().to_string();
-            assert!(told.contains("1 to 8 '*'"), "{told}");
+            let problem = FleetPattern::new(bad).unwrap_err().to_string();
+            assert!(problem.contains("1 to 8 '*'"), "{problem}");
         }
         assert!(pattern("hall").is_name() && !pattern("hall*").is_name());
         assert!(pattern("**").is_all() && !pattern("*a").is_all());

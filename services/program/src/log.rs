@@ -32,13 +32,13 @@ pub fn start(filter: EnvFilter) -> Result<(), TryInitError> {
 
 /// What a place in the code may still log.
 #[derive(Debug)]
-struct Place {
+struct CallSite {
     allowed: f64,
     at: Instant,
     left_out: u64,
 }
 
-impl Place {
+impl CallSite {
     /// Counts a line. `None` if there are too many; else how many were left out before it.
     fn line(&mut self, now: Instant) -> Option<u64> {
         let elapsed_s = now.saturating_duration_since(self.at).as_secs_f64();
@@ -58,7 +58,7 @@ impl Place {
 struct Limited<F> {
     format: F,
     /// As many as there are places in the code.
-    places: Mutex<HashMap<Identifier, Place>>,
+    places: Mutex<HashMap<Identifier, CallSite>>,
 }
 
 impl<F> Limited<F> {
@@ -73,7 +73,7 @@ impl<F> Limited<F> {
         let now = Instant::now();
         let mut places = self.places.lock().unwrap_or_else(PoisonError::into_inner);
         let place = places.entry(event.metadata().callsite());
-        place.or_insert(Place { allowed: BURST, at: now, left_out: 0 }).line(now)
+        place.or_insert(CallSite { allowed: BURST, at: now, left_out: 0 }).line(now)
     }
 }
 
@@ -103,14 +103,14 @@ mod tests {
     #[test]
     fn regress_a_fault_that_repeats_without_end_logs_little() {
         let begun = Instant::now();
-        let mut place = Place { allowed: BURST, at: begun, left_out: 0 };
+        let mut place = CallSite { allowed: BURST, at: begun, left_out: 0 };
         // A minute of 70,000 lines a second.
-        let told: Vec<u64> = (0..4_200_000_u32)
+        let logged: Vec<u64> = (0..4_200_000_u32)
             .filter_map(|number| place.line(begun + Duration::from_micros(u64::from(number) * 14)))
             .collect();
-        assert!((490..=500).contains(&told.len()), "{}", told.len());
-        let left_out: u64 = told.iter().sum::<u64>() + place.left_out;
-        assert_eq!(left_out + told.len() as u64, 4_200_000, "each line is counted");
+        assert!((490..=500).contains(&logged.len()), "{}", logged.len());
+        let left_out: u64 = logged.iter().sum::<u64>() + place.left_out;
+        assert_eq!(left_out + logged.len() as u64, 4_200_000, "each line is counted");
         let later = begun + Duration::from_secs(120);
         assert!(place.line(later).is_some_and(|left_out| left_out > 0), "after the fault the next line tells");
         assert_eq!(place.line(later), Some(0));

@@ -113,8 +113,11 @@ mod tests {
     fn regress_utf_16_without_a_mark_is_named() {
         for text in ["pressure_mpa,strain\r\n", "é,b\r\n"] {
             for unit in [u16::to_le_bytes, u16::to_be_bytes] {
-                let told = text_of(&text.encode_utf16().flat_map(unit).collect::<Vec<u8>>()).unwrap_err();
-                assert!(told.to_string().contains("line 1") && told.to_string().contains("UTF-16"), "{text}: {told}");
+                let problem = text_of(&text.encode_utf16().flat_map(unit).collect::<Vec<u8>>()).unwrap_err();
+                assert!(
+                    problem.to_string().contains("line 1") && problem.to_string().contains("UTF-16"),
+                    "{text}: {problem}"
+                );
             }
         }
         assert!(!text_of(b"\xe9").unwrap_err().to_string().contains("UTF-16"));

@@ -4,9 +4,9 @@ use vibrissa_protocol::plain;
 
 /// Short description of an error, without the database's own text, which may show statements and values.
 pub(crate) fn outline(problem: &sqlx::Error) -> String {
-    if let sqlx::Error::Database(told) = problem {
-        let code = told.code().unwrap_or_default();
-        let is_sqlite = told.try_downcast_ref::<sqlx::sqlite::SqliteError>().is_some();
+    if let sqlx::Error::Database(error) = problem {
+        let code = error.code().unwrap_or_default();
+        let is_sqlite = error.try_downcast_ref::<sqlx::sqlite::SqliteError>().is_some();
         let known = if is_sqlite { of_sqlite(&code) } else { of_sqlstate(&code) };
         return match (known, &*code) {
             (Some(known), _) => format!("{known} (code {code})"),
@@ -45,15 +45,15 @@ pub(crate) fn for_log(problem: &sqlx::Error) -> String {
     let cause = outline(problem);
     #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others have no text of their own")]
     let said = match problem {
-        sqlx::Error::Database(told) => told.message().to_owned(),
+        sqlx::Error::Database(detail) => detail.message().to_owned(),
         sqlx::Error::Io(problem) => plain::io(problem),
-        sqlx::Error::Configuration(told) => plain::text(&told.to_string()),
-        sqlx::Error::Decode(told) => of_value(&told.to_string()),
+        sqlx::Error::Configuration(detail) => plain::text(&detail.to_string()),
+        sqlx::Error::Decode(detail) => of_value(&detail.to_string()),
         sqlx::Error::ColumnDecode { index, source } => {
             format!("column {}: {}", index.trim_matches('"'), of_value(&source.to_string()))
         }
-        sqlx::Error::ColumnNotFound(told) | sqlx::Error::Protocol(told) | sqlx::Error::InvalidArgument(told) => {
-            told.clone()
+        sqlx::Error::ColumnNotFound(detail) | sqlx::Error::Protocol(detail) | sqlx::Error::InvalidArgument(detail) => {
+            detail.clone()
         }
         _ => String::new(),
     };
@@ -79,18 +79,18 @@ pub(crate) fn of_migration(problem: &sqlx::migrate::MigrateError) -> String {
 }
 
 /// Why a stored value cannot be read, without the types of Rust.
-fn of_value(told: &str) -> String {
-    if told.starts_with("mismatched types") {
-        let stored = told.rsplit('`').nth(1).unwrap_or_default();
+fn of_value(text: &str) -> String {
+    if text.starts_with("mismatched types") {
+        let stored = text.rsplit('`').nth(1).unwrap_or_default();
         return format!("it is of the type {stored}");
     }
-    if told.starts_with("unexpected null") { "it is empty".to_owned() } else { plain::data(told) }
+    if text.starts_with("unexpected null") { "it is empty".to_owned() } else { plain::data(text) }
 }
 
 /// Why there is no encrypted connection.
-fn of_tls(told: &str) -> String {
-    let told = plain::text(told);
-    if told.contains(": ") { told } else { format!("{told}: check sslmode and sslrootcert in database.url") }
+fn of_tls(text: &str) -> String {
+    let text = plain::text(text);
+    if text.contains(": ") { text } else { format!("{text}: check sslmode and sslrootcert in database.url") }
 }
 
 /// The cause of an SQLSTATE.
@@ -158,12 +158,12 @@ mod tests {
     #[test]
     fn regress_each_code_of_a_cause_that_people_can_end_has_a_remedy() {
         for code in ["3", "5", "7", "8", "10", "13", "14", "1", "778", "1032", "3850"] {
-            let told = of_sqlite(code).unwrap_or_else(|| panic!("SQLite {code}"));
-            assert!(told.contains(": "), "SQLite {code}: {told}");
+            let text = of_sqlite(code).unwrap_or_else(|| panic!("SQLite {code}"));
+            assert!(text.contains(": "), "SQLite {code}: {text}");
         }
         for code in ["28P01", "3D000", "42501", "42P01", "53100", "53200", "53300", "55P03", "58030", "XX001"] {
-            let told = of_sqlstate(code).unwrap_or_else(|| panic!("SQLSTATE {code}"));
-            assert!(told.contains(": "), "SQLSTATE {code}: {told}");
+            let text = of_sqlstate(code).unwrap_or_else(|| panic!("SQLSTATE {code}"));
+            assert!(text.contains(": "), "SQLSTATE {code}: {text}");
         }
         assert_eq!(
             (of_sqlite("x"), of_sqlite("999"), of_sqlstate("0"), of_sqlstate("99999")),
@@ -182,8 +182,8 @@ mod tests {
             sqlx::Error::Protocol("expecting ParseComplete".to_owned()),
             sqlx::Error::ColumnNotFound("x".to_owned()),
         ] {
-            for told in [outline(&problem), for_log(&problem)] {
-                assert!(told.contains(": ") && !told.contains("os error") && !told.contains("Other"), "{told}");
+            for text in [outline(&problem), for_log(&problem)] {
+                assert!(text.contains(": ") && !text.contains("os error") && !text.contains("Other"), "{text}");
             }
             assert!(!outline(&problem).contains("ParseComplete"));
         }
@@ -198,11 +198,11 @@ mod tests {
             (MISMATCH.into(), "column of_it: it is of the type TEXT"),
             (Box::new(null) as sqlx::error::BoxDynError, "column of_it: it is empty"),
         ] {
-            let told = for_log(&sqlx::Error::ColumnDecode { index: "\"of_it\"".to_owned(), source });
-            assert!(told.contains(part) && !told.contains("Rust") && !told.contains("Option"), "{told}");
+            let text = for_log(&sqlx::Error::ColumnDecode { index: "\"of_it\"".to_owned(), source });
+            assert!(text.contains(part) && !text.contains("Rust") && !text.contains("Option"), "{text}");
         }
-        let told = for_log(&sqlx::Error::Decode(serde_json::from_str::<i64>("x").unwrap_err().into()));
-        assert!(!told.contains("expected value"), "{told}");
+        let text = for_log(&sqlx::Error::Decode(serde_json::from_str::<i64>("x").unwrap_err().into()));
+        assert!(!text.contains("expected value"), "{text}");
     }
 
     #[tokio::test]

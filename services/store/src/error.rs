@@ -225,7 +225,7 @@ impl StoreError {
             | Self::Damaged { .. }
             | Self::Vanished { .. } => "cannot use the database's file; see the log".to_owned(),
             Self::Migrate { .. } => "cannot migrate the database's tables; see the log".to_owned(),
-            Self::NoServer { what, source } => format!("database error: cannot {what}: {}", source.told()),
+            Self::NoServer { what, source } => format!("database error: cannot {what}: {}", source.message()),
             Self::TooNew { .. }
             | Self::TooOld { .. }
             | Self::Incomplete { .. }
@@ -339,10 +339,10 @@ impl StoreError {
 
 /// Whether the same statement may succeed later.
 fn passes(problem: &sqlx::Error) -> bool {
-    if let sqlx::Error::Database(told) = problem {
+    if let sqlx::Error::Database(error) = problem {
         // Connection failures (08), lack of resources (53), shutdown or start (57), serialisation failures (40),
         // locks (55), a server that became read-only (25006).
-        let code = told.code().unwrap_or_default();
+        let code = error.code().unwrap_or_default();
         return ["08", "53", "57", "40", "55", "25006"].iter().any(|class| code.starts_with(class));
     }
     matches!(problem, sqlx::Error::Io(_) | sqlx::Error::PoolTimedOut | sqlx::Error::Protocol(_))

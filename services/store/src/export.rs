@@ -93,8 +93,8 @@ macro_rules! columns {
     };
 }
 
-const fn is_nullable(told: &[&str]) -> bool {
-    !told.is_empty()
+const fn is_nullable(names: &[&str]) -> bool {
+    !names.is_empty()
 }
 
 /// Contacts. `at` is the robot's clock, `received_at` the supervisor's; `used` says what the contact was used for, and

@@ -312,7 +312,7 @@ async fn sqlite_membership(link: &mut SqliteConnection, supervisor: &Supervisor)
     const SQL: &str = "SELECT fleet, epoch, owner, holder FROM leases";
     let rows = sqlx::query(SQL).fetch_all(link).await?;
     let leases = supervisor.fleets.iter().map(|fleet| {
-        let row = rows.iter().find(|row| row.try_get("fleet").is_ok_and(|told: &str| told == fleet.as_str()));
+        let row = rows.iter().find(|row| row.try_get("fleet").is_ok_and(|name: &str| name == fleet.as_str()));
         // Nobody else has the file, so a damaged row must not keep the fleet from being supervised.
         let text = |column| row.and_then(|row: &SqliteRow| row.try_get(column).ok().flatten());
         let owner: Option<String> = text("owner");

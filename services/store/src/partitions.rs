@@ -68,8 +68,8 @@ impl Cut {
 }
 
 /// Parses PostgreSQL's bounds of a partition: `FOR VALUES FROM (MINVALUE) TO ('1795305600000000')`.
-fn bounds(told: &str) -> Option<Span> {
-    let (from, to) = told.strip_prefix("FOR VALUES FROM (")?.strip_suffix(')')?.split_once(") TO (")?;
+fn bounds(clause: &str) -> Option<Span> {
+    let (from, to) = clause.strip_prefix("FOR VALUES FROM (")?.strip_suffix(')')?.split_once(") TO (")?;
     let bound = |text: &str, open: &str, value| match text {
         text if text == open => Some(value),
         text => text.trim_matches('\'').parse().ok(),
@@ -112,12 +112,12 @@ async fn run(link: &mut PgConnection, sql: String) -> sqlx::Result<u64> {
 }
 
 /// Creates the partitions of the present and the next span of every table.
-pub(super) async fn make(link: &mut PgConnection, now_us: i64, told: &mut impl FnMut(Done)) -> sqlx::Result<()> {
+pub(super) async fn make(link: &mut PgConnection, now_us: i64, report: &mut impl FnMut(Done)) -> sqlx::Result<()> {
     for cut in [&CONTACTS, &MINUTES] {
         let this = cut.span_at(now_us);
         for span in [this, cut.span_at(this.to_us)] {
             if is_missing(&partitions(link, cut).await?, span) && make_one(link, cut, span).await? {
-                told(Done::Made { partition: cut.name_of(span) });
+                report(Done::Made { partition: cut.name_of(span) });
             }
         }
     }
@@ -162,7 +162,7 @@ pub(super) async fn look_after(
     link: &mut PgConnection,
     now_us: i64,
     forget_before: [(&Cut, Option<i64>); 2],
-    told: &mut impl FnMut(Done),
+    report: &mut impl FnMut(Done),
 ) -> sqlx::Result<()> {
     let is_ours: bool =
         sqlx::query_scalar("SELECT pg_try_advisory_lock($1)").bind(UPKEEP).fetch_one(&mut *link).await?;
@@ -173,10 +173,10 @@ pub(super) async fn look_after(
     run(link, "SET statement_timeout = 0".to_owned()).await?;
     for (cut, before_us) in forget_before {
         if let Some(before_us) = before_us {
-            drop_before(link, cut, before_us, told).await?;
+            drop_before(link, cut, before_us, report).await?;
         }
         if let Some(lookup) = cut.lookup {
-            index_before(link, cut, lookup, now_us - INDEXED_AFTER_US, told).await?;
+            index_before(link, cut, lookup, now_us - INDEXED_AFTER_US, report).await?;
         }
     }
     sqlx::query("SELECT pg_advisory_unlock($1)").bind(UPKEEP).execute(link).await.map(drop)
@@ -187,7 +187,7 @@ async fn drop_before(
     link: &mut PgConnection,
     cut: &Cut,
     before_us: i64,
-    told: &mut impl FnMut(Done),
+    report: &mut impl FnMut(Done),
 ) -> sqlx::Result<()> {
     for one in partitions(link, cut).await?.into_iter().filter(|one| one.span.to_us <= before_us) {
         let mut tx = link.begin().await?;
@@ -196,7 +196,7 @@ async fn drop_before(
         run(&mut tx, "SET LOCAL lock_timeout = '200ms'".to_owned()).await?;
         run(&mut tx, format!("DROP TABLE {}", quoted(&one.name))).await?;
         tx.commit().await?;
-        told(Done::Dropped { partition: one.name, bytes: one.bytes });
+        report(Done::Dropped { partition: one.name, bytes: one.bytes });
     }
     let (table, key) = (cut.table, cut.key);
     loop {
@@ -208,7 +208,7 @@ async fn drop_before(
         if rows == 0 {
             return Ok(());
         }
-        told(Done::Removed { table, rows });
+        report(Done::Removed { table, rows });
     }
 }
 
@@ -218,7 +218,7 @@ async fn index_before(
     cut: &Cut,
     (who, time): (&'static str, &'static str),
     before_us: i64,
-    told: &mut impl FnMut(Done),
+    report: &mut impl FnMut(Done),
 ) -> sqlx::Result<()> {
     for one in partitions(link, cut).await?.into_iter().filter(|one| one.span.to_us <= before_us) {
         let indices = sqlx::query(
@@ -237,7 +237,7 @@ async fn index_before(
         }
         let index = quoted(&format!("{}_of_whisker", one.name));
         run(link, format!("CREATE INDEX CONCURRENTLY {index} ON {} ({who}, {time})", quoted(&one.name))).await?;
-        told(Done::Indexed { partition: one.name });
+        report(Done::Indexed { partition: one.name });
     }
     Ok(())
 }

@@ -48,13 +48,13 @@ impl Store {
     /// # Errors
     /// The database cannot be written, or a query of a whole table lasts too long. Rows go to the default partition
     /// meanwhile; try again later.
-    pub async fn make_partitions(&self, now_us: i64, told: &mut impl FnMut(Done)) -> Result<(), StoreError> {
+    pub async fn make_partitions(&self, now_us: i64, report: &mut impl FnMut(Done)) -> Result<(), StoreError> {
         const WHAT: &str = "create partitions";
         match &self.pool {
             Either::Sqlite(_) => Ok(()),
             Either::Postgres(pool) => {
                 let mut link = pool.acquire().await.map_err(failed(WHAT))?;
-                partitions::make(&mut link, now_us, told).await.map_err(failed(WHAT))
+                partitions::make(&mut link, now_us, report).await.map_err(failed(WHAT))
             }
         }
     }
@@ -68,7 +68,7 @@ impl Store {
         &self,
         retention: Retention,
         now_us: i64,
-        told: &mut impl FnMut(Done),
+        report: &mut impl FnMut(Done),
     ) -> Result<bool, StoreError> {
         const WHAT: &str = "delete old rows";
         let mut contacts_us = kept_from(now_us, retention.contacts_days);
@@ -80,16 +80,17 @@ impl Store {
         if let Some(before_us) = kept_from(now_us, retention.black_boxes_days) {
             let rows = self.remove_black_boxes(before_us, BOXES).await.map_err(failed(WHAT))?;
             if rows > 0 {
-                told(Done::Removed { table: "black_boxes", rows });
+                report(Done::Removed { table: "black_boxes", rows });
             }
             is_more = rows == BOXES as u64;
         }
-        is_more |= self.remove_records(kept_from(now_us, retention.records_days), told).await.map_err(failed(WHAT))?;
-        is_more |= self.forget_absent_whiskers(now_us, told).await.map_err(failed(WHAT))?;
-        is_more |= self.forget_boots(now_us, told).await?;
+        is_more |=
+            self.remove_records(kept_from(now_us, retention.records_days), report).await.map_err(failed(WHAT))?;
+        is_more |= self.forget_absent_whiskers(now_us, report).await.map_err(failed(WHAT))?;
+        is_more |= self.forget_boots(now_us, report).await?;
         match &self.pool {
             Either::Sqlite(_) => {
-                let more_rows = self.remove_some([contacts_us, minutes_us], told).await.map_err(failed(WHAT))?;
+                let more_rows = self.remove_some([contacts_us, minutes_us], report).await.map_err(failed(WHAT))?;
                 Ok(more_rows || is_more)
             }
             Either::Postgres(_) => {
@@ -98,7 +99,7 @@ impl Store {
                 let link = self.options.connect(WHAT).await?;
                 let Either::Postgres(mut link) = link else { return Ok(is_more) };
                 let before = [(&CONTACTS, contacts_us), (&MINUTES, minutes_us)];
-                let done = partitions::look_after(&mut link, now_us, before, told).await;
+                let done = partitions::look_after(&mut link, now_us, before, report).await;
                 close(link).await;
                 done.map_err(failed(WHAT)).map(|()| is_more)
             }
@@ -107,7 +108,7 @@ impl Store {
 
     /// Deletes the oldest rows of each table. Contacts need no index of their time: their ids rise in the order of
     /// their recording.
-    async fn remove_some(&self, before: [Option<i64>; 2], told: &mut impl FnMut(Done)) -> sqlx::Result<bool> {
+    async fn remove_some(&self, before: [Option<i64>; 2], report: &mut impl FnMut(Done)) -> sqlx::Result<bool> {
         const CONTACTS: &str = "DELETE FROM contacts WHERE contact_id IN (SELECT contact_id FROM \
              (SELECT contact_id, received_us FROM contacts ORDER BY contact_id LIMIT $2) c WHERE received_us < $1)";
         const MINUTES: &str = "DELETE FROM contact_minutes WHERE (whisker_id, start_us) IN \
@@ -118,7 +119,7 @@ impl Store {
             let Some(before_us) = before_us else { continue };
             let rows = sqlx::query(sql).bind(before_us).bind(ROWS).execute(pool).await?.rows_affected();
             if rows > 0 {
-                told(Done::Removed { table, rows });
+                report(Done::Removed { table, rows });
             }
             is_more |= rows == ROWS as u64;
         }
@@ -137,7 +138,7 @@ impl Store {
     ///
     /// # Errors
     /// The database cannot be written.
-    pub async fn forget_announced(&self, now_us: i64, told: &mut impl FnMut(Done)) -> Result<bool, StoreError> {
+    pub async fn forget_announced(&self, now_us: i64, report: &mut impl FnMut(Done)) -> Result<bool, StoreError> {
         const SQL: &str = "DELETE FROM robots WHERE robot_id IN (SELECT robot_id FROM robots r \
              WHERE updated_us < $1 AND model IS NULL AND NOT held \
              AND NOT EXISTS (SELECT 1 FROM boots b WHERE b.robot_id = r.robot_id) \
@@ -151,7 +152,7 @@ impl Store {
             .map(|done| done.rows_affected()))
         .map_err(failed("delete robots that were only announced"))?;
         if rows > 0 {
-            told(Done::Removed { table: "robots", rows });
+            report(Done::Removed { table: "robots", rows });
         }
         Ok(rows == ROBOTS as u64)
     }

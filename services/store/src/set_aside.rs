@@ -44,13 +44,13 @@ impl Unreadable {
     {
         let sqlx::Error::ColumnDecode { index, source } = problem else { return Err(problem) };
         let column = row.columns().first().map(|column| column.name().to_owned()).unwrap_or_default();
-        let problem = format!("column {} {}", index.trim_matches('"'), told(&*source));
+        let problem = format!("column {} {}", index.trim_matches('"'), defect_of(&*source));
         Ok(Self { id: row.try_get(0_usize).ok(), column, problem })
     }
 }
 
 /// Why a value cannot be read.
-fn told(source: &(dyn std::error::Error + 'static)) -> &'static str {
+fn defect_of(source: &(dyn std::error::Error + 'static)) -> &'static str {
     if source.is::<std::str::Utf8Error>() {
         "is no text in UTF-8"
     } else if source.is::<serde_json::Error>() {
@@ -146,12 +146,12 @@ impl SetAside {
         let now = Instant::now();
         let newly: Vec<&String> =
             rows.iter().filter(|(_, met)| now.duration_since(**met) < NAMED).map(|(row, _)| row).collect();
-        let mut told: Vec<String> =
+        let mut texts: Vec<String> =
             newly.iter().take(NAMES_MAX).map(|row| format!("{row}; it is set aside: see the log")).collect();
         if newly.len() > NAMES_MAX {
-            told.push(format!("{} further rows are set aside: see the log", newly.len() - NAMES_MAX));
+            texts.push(format!("{} further rows are set aside: see the log", newly.len() - NAMES_MAX));
         }
-        told
+        texts
     }
 }
 

@@ -58,7 +58,7 @@ pub(super) async fn check(options: &SqliteConnectOptions) -> Result<(), StoreErr
     for pragma in ["PRAGMA quick_check(3)", "PRAGMA integrity_check(3)"] {
         let findings: Vec<String> = match sqlx::query_scalar(pragma).fetch_all(&mut link).await {
             Ok(findings) => findings,
-            Err(sqlx::Error::Database(told)) if told.code().as_deref() == Some(INTERRUPTED) => {
+            Err(sqlx::Error::Database(error)) if error.code().as_deref() == Some(INTERRUPTED) => {
                 info!(database, seconds = CHECK_PATIENCE.as_secs(), "the check of the database's file took too long");
                 break;
             }
@@ -78,10 +78,10 @@ const INTERRUPTED: &str = "9";
 
 /// SQLite's words about a file that it cannot read, if the error is of that kind: CORRUPT or NOTADB.
 pub(super) fn damage(problem: &sqlx::Error) -> Option<String> {
-    let sqlx::Error::Database(told) = problem else { return None };
-    let code: i32 = told.code()?.parse().ok()?;
+    let sqlx::Error::Database(error) = problem else { return None };
+    let code: i32 = error.code()?.parse().ok()?;
     // The lower 8 bits are the kind of an extended code.
-    matches!(code & 0xff, 11 | 26).then(|| told.message().to_owned())
+    matches!(code & 0xff, 11 | 26).then(|| error.message().to_owned())
 }
 
 /// Checks that the tables of the program exist if they have existed; afterwards they must.

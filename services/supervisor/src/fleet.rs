@@ -24,7 +24,7 @@ use crate::mqtt::{self, BrokerAddress, BrokerLink, Connection, FleetBirths, Prep
 use crate::outbox::Losses;
 use crate::readiness::{Readiness, Standing};
 use crate::robots_file::RobotsFile;
-use crate::thread::{Place, Threads};
+use crate::thread::{ThreadSlot, Threads};
 use crate::trace::Traces;
 use vibrissa_store::{Lease, Store, StoreError};
 
@@ -260,7 +260,7 @@ async fn take_up(
 
 /// Runs the engine until `stop`, or until another supervisor acquires the lease.
 async fn run(
-    (engine, place, log): (Engine, Place, Option<LogReader>),
+    (engine, place, log): (Engine, ThreadSlot, Option<LogReader>),
     connection: &Connection,
     metrics: &FleetMetrics,
     mut stop: watch::Receiver<bool>,

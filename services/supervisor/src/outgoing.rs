@@ -9,7 +9,7 @@ use vibrissa_protocol::plain;
 #[must_use]
 pub fn failure(problem: &Error) -> String {
     #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the text of the others is sufficient")]
-    let told = match problem {
+    let text = match problem {
         Error::Timeout(_) => "no answer in time: check its address, the network and firewalls",
         Error::HostNotFound => "no address is known for the host: correct its name, or DNS",
         Error::ConnectionFailed => "no connection: check its address, the network and firewalls",
@@ -37,7 +37,7 @@ pub fn failure(problem: &Error) -> String {
         },
         other => return plain::text(&other.to_string()),
     };
-    told.to_owned()
+    text.to_owned()
 }
 
 /// Why a request has no answer, if that is what this error is about.
@@ -70,9 +70,9 @@ mod tests {
             (Error::Io(io::Error::from_raw_os_error(113)), "no route"),
             (Error::Io(io::Error::other(wrapped)), "it has expired"),
         ] {
-            let told = failure(&problem);
-            assert!(told.contains(part), "{problem:?}: {told}");
-            assert!(told.contains(": ") && !told.contains("os error"), "{problem:?}: {told}");
+            let text = failure(&problem);
+            assert!(text.contains(part), "{problem:?}: {text}");
+            assert!(text.contains(": ") && !text.contains("os error"), "{problem:?}: {text}");
         }
         let own = io::Error::other("the host is private: see webhooks.allowed_hosts");
         assert_eq!(failure(&Error::Io(own)), "the host is private: see webhooks.allowed_hosts");

@@ -48,7 +48,7 @@ impl Occupancy {
 
 /// A place in a thread, until it is dropped.
 #[derive(Debug)]
-pub(crate) struct Place {
+pub(crate) struct ThreadSlot {
     runtime: Handle,
     occupancy: Occupancy,
 }
@@ -67,7 +67,7 @@ impl Threads {
     ///
     /// # Errors
     /// The thread cannot be started.
-    pub(crate) fn place(&self) -> io::Result<Place> {
+    pub(crate) fn place(&self) -> io::Result<ThreadSlot> {
         let mut threads = self.0.threads.lock().unwrap_or_else(PoisonError::into_inner);
         let taken = |thread: &Thread| thread.occupancy.0.load(Ordering::Relaxed);
         let has_free = threads.iter().any(|thread| taken(thread) == 0);
@@ -77,7 +77,7 @@ impl Threads {
         let least = threads.iter().min_by_key(|thread| taken(thread));
         let thread = least.ok_or_else(|| io::Error::other("no thread is allowed"))?;
         thread.occupancy.0.fetch_add(1, Ordering::Relaxed);
-        Ok(Place { runtime: thread.runtime.clone(), occupancy: thread.occupancy.clone() })
+        Ok(ThreadSlot { runtime: thread.runtime.clone(), occupancy: thread.occupancy.clone() })
     }
 }
 
@@ -95,7 +95,7 @@ impl Thread {
     }
 }
 
-impl Place {
+impl ThreadSlot {
     /// Number of those who work in this thread.
     pub(crate) fn occupancy(&self) -> Occupancy {
         self.occupancy.clone()
@@ -117,7 +117,7 @@ impl Place {
     }
 }
 
-impl Drop for Place {
+impl Drop for ThreadSlot {
     fn drop(&mut self) {
         self.occupancy.0.fetch_sub(1, Ordering::Relaxed);
     }
@@ -130,7 +130,7 @@ mod tests {
 
     use super::*;
 
-    async fn thread_of(place: Place) -> ThreadId {
+    async fn thread_of(place: ThreadSlot) -> ThreadId {
         let (_stop, stopping) = watch::channel(false);
         place.spawn(async { current().id() }, stopping).await.unwrap().unwrap()
     }
@@ -150,9 +150,9 @@ mod tests {
     #[tokio::test]
     async fn places_are_shared_only_when_all_threads_have_one() {
         let threads = Threads::new(2);
-        let places: Vec<Place> = (0..3).map(|_| threads.place().unwrap()).collect();
+        let places: Vec<ThreadSlot> = (0..3).map(|_| threads.place().unwrap()).collect();
         assert_eq!(places.iter().map(|place| place.occupancy().is_shared()).collect::<Vec<_>>(), [true, false, true]);
-        let [first, second, third] = <[Place; 3]>::try_from(places).unwrap();
+        let [first, second, third] = <[ThreadSlot; 3]>::try_from(places).unwrap();
         let free = second.occupancy();
         let (first, second) = (thread_of(first).await, thread_of(second).await);
         assert_ne!(first, second);

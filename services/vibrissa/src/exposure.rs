@@ -57,7 +57,7 @@ mod tests {
     use crate::config::{self, Sources};
 
     /// The warnings for a configuration in TOML.
-    fn told(toml: &str) -> Vec<String> {
+    fn warnings_of(toml: &str) -> Vec<String> {
         let sources = Sources { file: Some(("/nowhere/v.toml".into(), toml.to_owned())), ..Sources::default() };
         exposures(&config::read(&sources).config.unwrap())
     }
@@ -74,15 +74,15 @@ mod tests {
 
     #[test]
     fn http_without_a_token_or_beyond_loopback_is_told_with_the_setting() {
-        let open = told("");
+        let open = warnings_of("");
         assert!(
             open.len() == 1 && open[0].contains("127.0.0.1:8080") && open[0].contains("http.token_file"),
             "{open:?}"
         );
         let oidc = "http.oidc_issuer = \"https://i.example\"\nhttp.oidc_audience = \"a\"\n";
-        assert_eq!(told(oidc), [""; 0]);
+        assert_eq!(warnings_of(oidc), [""; 0]);
         for address in ["0.0.0.0:8080", "[::]:8080", "192.0.2.1:80"] {
-            let exposed = told(&format!("{oidc}http.listen = {address:?}"));
+            let exposed = warnings_of(&format!("{oidc}http.listen = {address:?}"));
             assert!(exposed.len() == 1 && exposed[0].starts_with("http.listen: "), "{exposed:?}");
             assert!(exposed[0].contains(address) && exposed[0].contains("TLS"), "{exposed:?}");
         }
@@ -104,12 +104,15 @@ mod tests {
             (0o620, Some("its group can read or change ")),
         ] {
             set_mode(&token, mode);
-            let told = told(&toml);
+            let warnings = warnings_of(&toml);
             match who {
-                None => assert_eq!(told, [""; 0], "{mode:o}"),
+                None => assert_eq!(warnings, [""; 0], "{mode:o}"),
                 Some(who) => {
                     let shown = token.display();
-                    assert_eq!(told, [format!("http.token_file: {who}{shown} (mode {mode:04o}): chmod 600 {shown}")]);
+                    assert_eq!(
+                        warnings,
+                        [format!("http.token_file: {who}{shown} (mode {mode:04o}): chmod 600 {shown}")]
+                    );
                 }
             }
         }

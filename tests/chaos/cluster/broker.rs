@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use nix::sys::signal::Signal;
 use vibrissa_tests::installed::listens;
 use vibrissa_tests::mosquitto::free_port;
-use vibrissa_tests::network::Place;
+use vibrissa_tests::network::ServerAddress;
 use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::rmqtt::Rmqtt;
 
@@ -14,14 +14,14 @@ use super::stage::CLIENT;
 
 /// Which broker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Kind {
+pub enum BrokerKind {
     /// Three nodes of RMQTT.
     Rmqtt,
     /// One Mosquitto: no other node takes over when it fails.
     Mosquitto,
 }
 
-impl Kind {
+impl BrokerKind {
     /// Number of its nodes.
     pub fn nodes(self) -> usize {
         match self {
@@ -47,17 +47,17 @@ pub enum Broker {
 
 impl Broker {
     /// Starts a node at each of these places; `None` if it is not installed.
-    pub fn start(kind: Kind, places: &[Place], folder: &Path) -> Option<Self> {
+    pub fn start(kind: BrokerKind, places: &[ServerAddress], folder: &Path) -> Option<Self> {
         let (user, password) = CLIENT;
         match kind {
-            Kind::Rmqtt => {
+            BrokerKind::Rmqtt => {
                 let rules = format!(
                     "[\"allow\", {{ user = \"{user}\", password = \"{password}\" }}, \"connect\"],\n\
                      [\"allow\", {{ user = \"{user}\" }}, \"pubsub\"],\n[\"deny\", \"all\", \"all\"]"
                 );
                 Some(Self::Rmqtt(Rmqtt::start_at(places, &rules)?))
             }
-            Kind::Mosquitto => Some(mosquitto(places.first()?, folder)),
+            BrokerKind::Mosquitto => Some(mosquitto(places.first()?, folder)),
         }
     }
 
@@ -122,7 +122,7 @@ impl Broker {
 }
 
 /// Mosquitto without an access list; it retains messages only in memory.
-fn mosquitto(place: &Place, folder: &Path) -> Broker {
+fn mosquitto(place: &ServerAddress, folder: &Path) -> Broker {
     let (host, port) = (place.host.clone(), free_port());
     let file = folder.join("mosquitto.conf");
     let settings = format!(

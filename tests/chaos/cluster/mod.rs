@@ -30,7 +30,7 @@ use tokio::time::sleep;
 use vibrissa_tests::oracle::recorded;
 use vibrissa_tests::oracle::robots::Robots;
 
-pub use broker::Kind;
+pub use broker::BrokerKind;
 pub use report::Report;
 
 use crate::plan::Control;
@@ -60,7 +60,7 @@ pub struct Settings {
     pub robots: usize,
     pub rate: f64,
     pub control: Control,
-    pub broker: Kind,
+    pub broker: BrokerKind,
     /// Faults of different parts overlap, instead of one at a time.
     pub overlapping: bool,
     /// Number of brokers of Kafka, through which contacts go; 0 for none.

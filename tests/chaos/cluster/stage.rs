@@ -10,7 +10,7 @@ use vibrissa_tests::patroni::Patroni;
 use vibrissa_tests::process::{Launch, Process};
 
 use super::bridge::{PARTITIONS, TOPIC};
-use super::broker::{Broker, Kind};
+use super::broker::{Broker, BrokerKind};
 use super::parts::{Brokers, Database, KafkaBrokers, Supervisor};
 use super::plan::{Nodes, SUPERVISORS_COUNT};
 use crate::plan::{Control, LEASE_S};
@@ -51,7 +51,7 @@ impl Stage {
     pub async fn set(
         program: &Program,
         control: Control,
-        (kind, nodes): (Kind, Nodes),
+        (kind, nodes): (BrokerKind, Nodes),
         logs: &Path,
     ) -> Result<Self, &'static str> {
         let network = Network::make(KAFKA + nodes.kafka).ok_or("network namespaces on a bridge need root")?;

@@ -59,11 +59,11 @@ impl ByHand {
             air_control: Default::default(),
         };
         let born = self.step(&Event::Connection { boot_id, link: Link::Online });
-        let told = self.step(&Event::Factsheet { boot_id, factsheet: &factsheet });
+        let after_factsheet = self.step(&Event::Factsheet { boot_id, factsheet: &factsheet });
         if born == Outcome::Taken {
             (self.boot_id, self.seq) = (boot_id.to_owned(), 0);
         }
-        [born, told]
+        [born, after_factsheet]
     }
 
     pub(crate) fn step(&mut self, event: &Event<'_>) -> Outcome {

@@ -31,20 +31,20 @@ fn of(world: &World, whisker: usize) -> Option<Erosion> {
 
 #[test]
 fn property_the_rate_of_erosion_is_told_and_its_interval_covers_the_truth() {
-    let (mut told, mut covered) = (0, 0);
+    let (mut reported, mut covered) = (0, 0);
     for seed in 0..10 {
         for (whisker, rate) in RATES_MM.into_iter().enumerate() {
             let world = eroding(200 + seed, whisker, 2000.0);
             let Some(erosion) = of(&world, whisker) else { continue };
-            let told_rate = erosion.mm_per_contact;
-            told += 1;
-            covered += u32::from((told_rate.low..=told_rate.high).contains(&rate));
-            assert!((told_rate.mean / rate - 1.0).abs() < 0.35, "seed {seed}, {rate} mm: {told_rate:?}");
+            let estimated_rate = erosion.mm_per_contact;
+            reported += 1;
+            covered += u32::from((estimated_rate.low..=estimated_rate.high).contains(&rate));
+            assert!((estimated_rate.mean / rate - 1.0).abs() < 0.35, "seed {seed}, {rate} mm: {estimated_rate:?}");
         }
     }
-    println!("{covered} of {told}");
-    assert!(told >= 36, "{told}");
-    assert!(f64::from(covered) >= 0.9 * f64::from(told), "{covered} of {told}");
+    println!("{covered} of {reported}");
+    assert!(reported >= 36, "{reported}");
+    assert!(f64::from(covered) >= 0.9 * f64::from(reported), "{covered} of {reported}");
 }
 
 #[test]
@@ -52,20 +52,20 @@ fn property_the_contacts_left_are_those_after_which_it_is_too_short() {
     let model = Model::nguyen_2021(Formulation::Published);
     let target = Target { length: Millimetre::known(70.0), pressure: Megapascal::known(0.1) };
     let shortest_mm = compensable_range(&model, target, Megapascal::ZERO, Megapascal::EXAMINED_MAX).0.mm();
-    let (mut told, mut covered) = (0, 0);
+    let (mut reported, mut covered) = (0, 0);
     for seed in 0..10 {
         for (whisker, rate) in RATES_MM.into_iter().enumerate() {
             let world = eroding(300 + seed, whisker, 1200.0);
             let Some(erosion) = of(&world, whisker) else { continue };
             let truth = (world.robot.whiskers()[whisker].plant().length_mm() - shortest_mm).max(0.0) / rate;
             let left = erosion.contacts_left;
-            told += 1;
+            reported += 1;
             covered += u32::from(left.low.unwrap() <= truth && left.high.is_none_or(|high| truth <= high));
         }
     }
-    println!("{covered} of {told}");
-    assert!(told >= 30, "{told}");
-    assert!(f64::from(covered) >= 0.9 * f64::from(told), "{covered} of {told}");
+    println!("{covered} of {reported}");
+    assert!(reported >= 30, "{reported}");
+    assert!(f64::from(covered) >= 0.9 * f64::from(reported), "{covered} of {reported}");
 }
 
 #[test]

@@ -80,11 +80,11 @@ fn a_birth_with_its_factsheet_asks_for_nothing() {
 fn a_factsheet_that_says_nothing_new_leaves_nothing_to_be_stored() {
     let mut world = World::new();
     world.asks(10.0, &Event::Connection { boot_id: BOOT, link: Link::Online });
-    let told = Event::Factsheet { boot_id: BOOT, factsheet: &factsheet() };
-    assert_eq!(world.robot.step(&world.params, Micros(10_000_000), &told, &mut Vec::new()), Outcome::Taken);
+    let event = Event::Factsheet { boot_id: BOOT, factsheet: &factsheet() };
+    assert_eq!(world.robot.step(&world.params, Micros(10_000_000), &event, &mut Vec::new()), Outcome::Taken);
     world.robot.take_changed();
     world.robot.take_changed_whiskers(|_| {});
-    assert_eq!(world.robot.step(&world.params, Micros(11_000_000), &told, &mut Vec::new()), Outcome::Duplicate);
+    assert_eq!(world.robot.step(&world.params, Micros(11_000_000), &event, &mut Vec::new()), Outcome::Duplicate);
     assert!(!world.robot.has_changed());
     // Another boot's numbers begin anew, and that is stored.
     world.asks(12.0, &Event::Connection { boot_id: "b2", link: Link::Online });

@@ -84,8 +84,8 @@ fn with_late_statuses() -> Taken {
 }
 
 fn late(robot: &mut Taken, mpa: f64) {
-    let (told, robot_time) = (status(mpa), Micros(robot.now.0 - 8_000_000));
-    robot.step(&Event::Status { boot_id: "b1", robot_time, whiskers: std::slice::from_ref(&told) });
+    let (entry, robot_time) = (status(mpa), Micros(robot.now.0 - 8_000_000));
+    robot.step(&Event::Status { boot_id: "b1", robot_time, whiskers: std::slice::from_ref(&entry) });
 }
 
 #[test]
@@ -131,8 +131,8 @@ fn statuses_of_a_clock_that_was_set_back_are_believed_soon() {
     let mut seconds = 0;
     while robot.setpoint_mpa() != NOMINAL_MPA {
         let back = Micros(robot.now.0 - 300_000_000);
-        let told = status(NOMINAL_MPA);
-        robot.step(&Event::Status { boot_id: "b1", robot_time: back, whiskers: std::slice::from_ref(&told) });
+        let entry = status(NOMINAL_MPA);
+        robot.step(&Event::Status { boot_id: "b1", robot_time: back, whiskers: std::slice::from_ref(&entry) });
         seconds += 1;
         assert!(seconds <= 70, "not believed after {seconds} s");
     }

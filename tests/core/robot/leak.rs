@@ -77,8 +77,8 @@ fn simulated(rng: &mut ChaCha8Rng, full_mpa: f64, rate_per_s: f64, seconds: f64)
         }
         let keep = (-1.0 / (2.0 * per_second)).exp();
         error_mpa = keep * error_mpa + (1.0 - keep * keep).sqrt() * wander.sample(rng);
-        let told_mpa = ((pressure_mpa + error_mpa + noise.sample(rng)) / STEP_MPA).round() * STEP_MPA;
-        readings.push((f64::from(reading) / per_second, told_mpa));
+        let reported_mpa = ((pressure_mpa + error_mpa + noise.sample(rng)) / STEP_MPA).round() * STEP_MPA;
+        readings.push((f64::from(reading) / per_second, reported_mpa));
     }
     readings
 }

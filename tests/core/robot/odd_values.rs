@@ -16,9 +16,9 @@ fn assert_finite(one: &ByHand, what: &str) {
     let view = one.robot.whisker(0).unwrap();
     let numbers = [view.length.length.mm(), view.length.sd_mm];
     assert!(numbers.iter().all(|number| number.is_finite()), "{what}: {numbers:?}");
-    let told = format!("{:?}", one.robot);
-    let odd = ["NaN", "inf,", "inf]", "inf}", "inf)", "inf "].iter().find_map(|odd| told.find(odd));
-    assert!(odd.is_none(), "{what}: {}", &told[odd.unwrap_or(0).saturating_sub(200)..][..300]);
+    let text = format!("{:?}", one.robot);
+    let odd = ["NaN", "inf,", "inf]", "inf}", "inf)", "inf "].iter().find_map(|odd| text.find(odd));
+    assert!(odd.is_none(), "{what}: {}", &text[odd.unwrap_or(0).saturating_sub(200)..][..300]);
     for effect in &one.effects {
         if let Effect::Contact(contact) = effect {
             let numbers = [contact.residual, contact.standardised, Some(contact.length.sd_mm)];

@@ -2,7 +2,7 @@
 
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_evaluation::reality::{
-    Circumstances, Course, Figures, Found, Habit, Nuisance, Nuisances, Place, Plan, Row, Touch, Whisker, evaluate,
+    Circumstances, Course, Figures, Found, Habit, Nuisance, Nuisances, Plan, Row, StatedPlace, Touch, Whisker, evaluate,
 };
 
 fn nuisances(nuisance: Nuisance, strength: f64) -> Nuisances {
@@ -125,8 +125,14 @@ fn property_curvature_habits_and_outliers_are_in_the_readings() {
 #[test]
 fn the_ideal_row_finds_all_cuts_as_soon_as_the_evaluation_of_detection() {
     let row = Row::real(Nuisance::Ideal);
-    let plan =
-        Plan { seed: 1, rows: vec![row], place: Place::Ratio, applies_gain: false, contacts: 60_000, incidents: 14 };
+    let plan = Plan {
+        seed: 1,
+        rows: vec![row],
+        place: StatedPlace::Ratio,
+        applies_gain: false,
+        contacts: 60_000,
+        incidents: 14,
+    };
     let figures = &evaluate(&plan, &|| ())[0];
     assert!(figures.healthy.contacts > 60_000, "the others beside a cut whisker count, too");
     assert_eq!((figures.healthy.trims, figures.healthy.conditions()), (0, 0));
@@ -144,7 +150,7 @@ fn the_ideal_row_finds_all_cuts_as_soon_as_the_evaluation_of_detection() {
 #[test]
 fn figures_do_not_depend_on_the_number_of_threads() {
     let rows = vec![Row::real(Nuisance::Mix), Row::real(Nuisance::Leak)];
-    let plan = Plan { seed: 2, rows, place: Place::Ratio, applies_gain: false, contacts: 6000, incidents: 3 };
+    let plan = Plan { seed: 2, rows, place: StatedPlace::Ratio, applies_gain: false, contacts: 6000, incidents: 3 };
     let with = |threads: usize| -> Vec<Figures> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| evaluate(&plan, &|| ()))
@@ -161,7 +167,7 @@ fn each_row_runs_and_each_word_names_its_row() {
         let plan = Plan {
             seed: 3,
             rows: vec![Row::real(nuisance)],
-            place: Place::Ratio,
+            place: StatedPlace::Ratio,
             applies_gain: false,
             contacts: 600,
             incidents: 1,
@@ -184,7 +190,7 @@ fn property_touch_tests_tell_small_cuts_from_a_wandering_gain() {
         let off = called.iter().filter(|one| one.length.is_some_and(|(off_mm, _)| off_mm.abs() > 1.5)).count();
         (called.len(), off)
     };
-    let ((without, _), (with, off)) = (found(Place::Ratio), found(Place::RatioTests));
+    let ((without, _), (with, off)) = (found(StatedPlace::Ratio), found(StatedPlace::RatioTests));
     assert!(with >= without + 3, "{without} of 12 without tests, {with} with them");
     assert_eq!(off, 0, "a length is wrong");
 }
@@ -204,10 +210,10 @@ fn property_each_place_finds_the_cuts_that_it_can_show() {
         assert_eq!(figures.healthy.trims, 0, "{place:?}");
         figures.found_from_2_mm().ratio().unwrap()
     };
-    for place in [Place::Tip, Place::DistanceTests] {
+    for place in [StatedPlace::Tip, StatedPlace::DistanceTests] {
         assert_eq!(found(place), 1.0, "{place:?}");
     }
-    for place in [Place::Distance, Place::Unknown] {
+    for place in [StatedPlace::Distance, StatedPlace::Unknown] {
         assert_eq!(found(place), 0.0, "{place:?}");
     }
 }

@@ -50,7 +50,7 @@ fn condition(world: &World, index: usize) -> Condition {
     world.core.whisker(index).expect("there").condition
 }
 
-fn told(world: &World, change: impl FnOnce(&mut ArraySheet)) -> Factsheet {
+fn factsheet_with(world: &World, change: impl FnOnce(&mut ArraySheet)) -> Factsheet {
     let whiskers = (0..world.core.whisker_count()).map(|index| world.core.whisker(index).unwrap().sheet.into());
     let kind = world.core.whisker(0).unwrap().kind;
     let mut array = ArraySheet { name: "left".to_owned(), kind, task: Task::Ratio, whiskers: whiskers.collect() };
@@ -136,7 +136,7 @@ fn a_factsheet_with_another_whisker_ends_what_concerns_it_and_nothing_else() {
     let contacts_of = |world: &World, index| world.core.whisker(index).unwrap().contacts;
     let known = contacts_of(&world, 3);
     // Whisker 0 is a new one of 68 mm, and another one comes first: every index moves on by one.
-    let factsheet = told(&world, |array| {
+    let factsheet = factsheet_with(&world, |array| {
         array.whiskers[0].length = Millimetre::known(68.0);
         let mut first = array.whiskers[0].clone();
         first.number = 9;
@@ -179,7 +179,7 @@ fn setpoints_under_way_go_with_their_whiskers_and_those_of_whiskers_that_are_gon
     let kept = world.core.commands_under_way().find(|command| command.whisker == 1).unwrap().key;
     let lost = world.core.commands_under_way().find(|command| command.whisker == 0).unwrap().key;
     world.effects.clear();
-    let factsheet = told(&world, |array| {
+    let factsheet = factsheet_with(&world, |array| {
         array.whiskers.remove(0);
         array.whiskers[0].neighbours.clear();
     });
@@ -200,7 +200,7 @@ fn setpoints_under_way_go_with_their_whiskers_and_those_of_whiskers_that_are_gon
 #[test]
 fn two_that_are_no_neighbours_any_more_do_not_serve_each_other() {
     let mut world = served();
-    let factsheet = told(&world, |array| {
+    let factsheet = factsheet_with(&world, |array| {
         array.whiskers[0].neighbours.clear();
         array.whiskers[1].neighbours = vec![2];
     });
@@ -228,7 +228,7 @@ fn alarms_of_a_whisker_that_is_gone_are_cleared_by_its_name() {
     // Longer than the alarm's on-delay.
     world.silent_for_s(2.0);
     world.effects.clear();
-    let factsheet = told(&world, |array| {
+    let factsheet = factsheet_with(&world, |array| {
         array.whiskers.pop();
         array.whiskers[3].neighbours = vec![2];
     });

@@ -12,11 +12,11 @@ const RAISED: (bool, AlarmKind) = (true, AlarmKind::SetpointFailed);
 const CLEARED: (bool, AlarmKind) = (false, AlarmKind::SetpointFailed);
 
 /// Answer of a robot to a setpoint; `None` if it does not answer.
-type Answer = Option<SetpointReport>;
+type RobotAnswer = Option<SetpointReport>;
 
-const APPLIED: Answer = Some(SetpointReport::Applied(Megapascal::ZERO));
-const NOT_READY: Answer = Some(SetpointReport::Rejected(Rejection::NotReady));
-const TOO_LATE: Answer = Some(SetpointReport::Rejected(Rejection::Expired));
+const APPLIED: RobotAnswer = Some(SetpointReport::Applied(Megapascal::ZERO));
+const NOT_READY: RobotAnswer = Some(SetpointReport::Rejected(Rejection::NotReady));
+const TOO_LATE: RobotAnswer = Some(SetpointReport::Rejected(Rejection::Expired));
 
 /// A robot, and the number of its effects that were looked at.
 struct Trial {
@@ -39,7 +39,7 @@ fn released() -> Trial {
     Trial { one, seen: 0 }
 }
 
-fn answers(one: &mut ByHand, command: &Command, answer: Answer) {
+fn answers(one: &mut ByHand, command: &Command, answer: RobotAnswer) {
     let Some(report) = answer else { return };
     let event = Event::Setpoint { boot_id: "b1", command: command.key, report, robot_time: one.now };
     one.step(&event);
@@ -55,7 +55,7 @@ fn reports(one: &mut ByHand) {
 impl Trial {
     /// Lets seconds pass, in which the robot is heard where `hears` says so, and answers each setpoint. Returns the number of
     /// setpoints.
-    fn pass(&mut self, seconds: u32, hears: impl Fn(u32) -> bool, answer: Answer) -> usize {
+    fn pass(&mut self, seconds: u32, hears: impl Fn(u32) -> bool, answer: RobotAnswer) -> usize {
         let mut count = 0;
         for second in 0..seconds {
             let commands = self.one.commands_from(self.seen);

@@ -52,19 +52,19 @@ impl Plant {
         let mut effects = Vec::new();
         self.robot.step(&self.params, self.now, event, &mut effects);
         #[expect(clippy::wildcard_enum_match_arm, reason = "only alarms matter")]
-        let told = effects.iter().filter_map(|effect| match effect {
+        let changes = effects.iter().filter_map(|effect| match effect {
             Effect::Alarm { whisker, kind } => Some((true, Some(*whisker), *kind)),
             Effect::AlarmCleared { whisker, kind } => Some((false, Some(*whisker), *kind)),
             Effect::RobotAlarm { kind } => Some((true, None, *kind)),
             Effect::RobotAlarmCleared { kind } => Some((false, None, *kind)),
             _ => None,
         });
-        told.collect()
+        changes.collect()
     }
 
     /// For some seconds the robot reports these whiskers each second.
     fn reports(&mut self, seconds: u64, heard: &[u16]) -> Vec<(bool, Option<usize>, AlarmKind)> {
-        let mut told = Vec::new();
+        let mut changes = Vec::new();
         for _ in 0..seconds {
             self.now = Micros(self.now.0 + 1_000_000);
             let pressure = Megapascal::known(0.1);
@@ -73,11 +73,11 @@ impl Plant {
                 |&whisker| WhiskerStatus { array: "left", whisker, pressure, setpoint: pressure, regulator, gauge };
             let whiskers: Vec<_> = heard.iter().map(status).collect();
             if !heard.is_empty() {
-                told.extend(self.step(&Event::Status { boot_id: "b", robot_time: self.now, whiskers: &whiskers }));
+                changes.extend(self.step(&Event::Status { boot_id: "b", robot_time: self.now, whiskers: &whiskers }));
             }
-            told.extend(self.step(&Event::Tick));
+            changes.extend(self.step(&Event::Tick));
         }
-        told
+        changes
     }
 
     fn all(&self) -> Vec<u16> {
@@ -140,10 +140,10 @@ fn alarms_that_an_older_version_raised_for_each_whisker_of_a_silent_robot_become
     head[0] = 7;
     let whiskers = [0, 1].map(|index| silent_alone(index as u16).robot.whisker_to_bytes(index).unwrap());
     plant.robot = Robot::restore(&head, &whiskers).unwrap();
-    let mut told = plant.step(&Event::Tick);
-    told.sort_by_key(|(_, whisker, _)| *whisker);
+    let mut changes = plant.step(&Event::Tick);
+    changes.sort_by_key(|(_, whisker, _)| *whisker);
     assert_eq!(
-        told,
+        changes,
         [(true, None, AlarmKind::RobotSilent), (false, Some(0), STALE), (false, Some(1), STALE)],
         "at the first step"
     );

@@ -43,8 +43,9 @@ fn property_intervals_cover_the_slope_whether_errors_hang_together_or_not() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         let covered = (0..SERIES).filter(|_| {
             let (per_x, count) = (rng.random_range(-0.01..=0.01), rng.random_range(700..=3000));
-            let told = trend(&series(&mut rng, per_x, keep, count), u32::MAX / 2).slope().unwrap().interval().unwrap();
-            (told.low..=told.high).contains(&per_x)
+            let interval =
+                trend(&series(&mut rng, per_x, keep, count), u32::MAX / 2).slope().unwrap().interval().unwrap();
+            (interval.low..=interval.high).contains(&per_x)
         });
         let part = covered.count() as f64 / f64::from(SERIES);
         println!("{keep}: {part}");
@@ -58,8 +59,8 @@ fn property_what_is_long_ago_is_forgotten() {
     let before = series(&mut rng, 0.0, 0.0, 5000);
     let after = series(&mut rng, 0.05, 0.0, 2000);
     let then: Vec<(f64, f64)> = before.into_iter().chain(after.iter().map(|(x, y)| (5000.0 + x, *y))).collect();
-    let told = trend(&then, 64).slope().unwrap().interval().unwrap();
-    assert!(told.low < 0.05 && 0.05 < told.high && told.low > 0.04, "{told:?}");
+    let interval = trend(&then, 64).slope().unwrap().interval().unwrap();
+    assert!(interval.low < 0.05 && 0.05 < interval.high && interval.low > 0.04, "{interval:?}");
     assert!(trend(&then, 64).readings() <= 64 * BLOCKS as u32);
 }
 

@@ -110,7 +110,7 @@ fn property_each_objective_is_answered_as_it_would_be_decided() {
         let asked = world.core.what_if(&params, 0, length).expect("an answer");
         let objectives: Vec<Objective> = asked.by_objective.iter().map(|one| one.0).collect();
         assert_eq!(objectives, [Objective::Tip, Objective::Mean, Objective::Shape]);
-        for (objective, told) in asked.by_objective {
+        for (objective, best) in asked.by_objective {
             scenario.robots[0].applies_gain = objective == Objective::Shape;
             params.policy.objective = objective;
             let mut world = World::new(&scenario, params.clone());
@@ -118,11 +118,11 @@ fn property_each_objective_is_answered_as_it_would_be_decided() {
             let own = world.core.what_if(&params, 0, length).expect("an answer");
             let decision = own.decisions.iter().find(|one| one.target == 0).expect("a decision");
             let chosen = decision.chosen.map(|at| &decision.candidates[at]);
-            assert_eq!(told.map(|one| one.compensator), chosen.map(|one| one.whisker), "seed {seed} {objective:?}");
-            let Some((told, chosen)) = told.zip(chosen) else { continue };
-            assert_eq!((Some(told.pressure), Some(told.predicted_error)), (chosen.pressure, chosen.predicted_error));
-            assert_eq!(told.predicted_error_interval, chosen.predicted_error_interval);
-            assert_eq!(told.reading_gain.is_some(), objective == Objective::Shape);
+            assert_eq!(best.map(|one| one.compensator), chosen.map(|one| one.whisker), "seed {seed} {objective:?}");
+            let Some((best, chosen)) = best.zip(chosen) else { continue };
+            assert_eq!((Some(best.pressure), Some(best.predicted_error)), (chosen.pressure, chosen.predicted_error));
+            assert_eq!(best.predicted_error_interval, chosen.predicted_error_interval);
+            assert_eq!(best.reading_gain.is_some(), objective == Objective::Shape);
         }
     }
 }

@@ -24,7 +24,7 @@ fn block(language: &str) -> &'static str {
 const NOW_US: u64 = 1_795_248_000_000_000;
 
 /// What the supervisor sends at a line of the transcript that begins with `#`.
-fn message(told: &str) -> Option<(RobotTopic, String)> {
+fn message(comment: &str) -> Option<(RobotTopic, String)> {
     let expires_us = NOW_US + 30_000_000;
     let head = r#""boot_id":"s","seq":0"#;
     let order = |version: u64| {
@@ -33,7 +33,7 @@ fn message(told: &str) -> Option<(RobotTopic, String)> {
                    "issued":"2026-11-21T08:00:00.000Z""#
         )
     };
-    match told {
+    match comment {
         "The supervisor sends a setpoint of 0.12 MPa." => Some((
             RobotTopic::Setpoint,
             format!(
@@ -93,12 +93,12 @@ fn the_transcript_is_what_the_agent_says() {
     };
     step(Input::Connected, &mut played);
     for line in block("text").lines() {
-        if let Some(told) = line.strip_prefix("# ") {
+        if let Some(comment) = line.strip_prefix("# ") {
             played.push(line.to_owned());
-            if told == "The driver starts." {
+            if comment == "The driver starts." {
                 step(Input::DriverStarted, &mut played);
             }
-            if let Some((topic, payload)) = message(told) {
+            if let Some((topic, payload)) = message(comment) {
                 step(Input::Message(topic, payload.as_bytes()), &mut played);
             }
         } else if let Some(said) = line.strip_prefix("< ") {

@@ -94,19 +94,19 @@ impl Desk {
     }
 
     /// Executes a block until its output has all these words.
-    async fn until_told(&mut self, commands: &str, words: &[&str]) {
+    async fn until_output(&mut self, commands: &str, words: &[&str]) {
         let mut newest = String::new();
-        let told = tokio::time::timeout(LONG, async {
+        let outcome = tokio::time::timeout(LONG, async {
             until_within(2 * LONG, "the whisker as the document tells it", async || {
                 let (succeeded, said) = self.execute(commands);
-                let is_told = succeeded && words.iter().all(|word| said.contains(word));
+                let has_words = succeeded && words.iter().all(|word| said.contains(word));
                 newest = said;
-                is_told.then_some(())
+                has_words.then_some(())
             })
             .await;
         });
         assert!(
-            told.await.is_ok(),
+            outcome.await.is_ok(),
             "not told: {words:?} in {newest}\n{}{}",
             self.log("supervisor.log"),
             self.log("agent.log")
@@ -146,13 +146,13 @@ async fn a_newcomer_wires_checks_cuts_and_sees_the_compensation() {
                 assert!(succeeded && said.contains(" 0 failed"), "{said}\n{}", desk.log("agent.log"));
             }
             ("sh", "5") if code.contains("whiskers") => {
-                desk.until_told(code, &["desk/first/nose/0", "HEALTHY"]).await;
+                desk.until_output(code, &["desk/first/nose/0", "HEALTHY"]).await;
             }
             ("sh", "7") => {
-                desk.until_told(code, &["TRIMMED", "SELF_COMPENSATION"]).await;
+                desk.until_output(code, &["TRIMMED", "SELF_COMPENSATION"]).await;
                 // The simulated cut leaves 62 mm, for which the pressure is about 0.023 MPa. Right after learning the estimate is
                 // off by up to 1.5 mm.
-                desk.until_told("vibrissa whiskers --json", &["\"length_mm\":6", "\"setpoint_mpa\":0.0"]).await;
+                desk.until_output("vibrissa whiskers --json", &["\"length_mm\":6", "\"setpoint_mpa\":0.0"]).await;
             }
             ("sh", _) => {
                 let (succeeded, said) = desk.execute(code);

@@ -84,8 +84,8 @@ async fn noise_on_a_unix_socket_is_answered_and_good_lines_are_taken() {
         assert!(errors[0].contains("\"line\":1,\"problem\":\"the line is not UTF-8\""), "{errors:?}");
         assert!(errors[2].contains("longer than 65536 bytes"), "{errors:?}");
         // The operator sees the first one, and not each.
-        let told = stage.agent_log().lines().filter(|line| line.contains("of the driver is refused")).count();
-        assert_eq!(told, 1, "{}", stage.agent_log());
+        let refusals = stage.agent_log().lines().filter(|line| line.contains("of the driver is refused")).count();
+        assert_eq!(refusals, 1, "{}", stage.agent_log());
         until_true("two contacts", async || stage.number("SELECT count(*) FROM contacts").await == before + 2).await;
     }
 }
@@ -94,7 +94,7 @@ async fn noise_on_a_unix_socket_is_answered_and_good_lines_are_taken() {
 fn an_agent_that_cannot_start_says_why() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("agent.toml");
-    let told = |text: &str| {
+    let problem_of = |text: &str| {
         std::fs::write(&path, text).unwrap();
         let output = Command::new(agent_program()).arg("--config").arg(&path).output().unwrap();
         assert!(!output.status.success());
@@ -107,7 +107,7 @@ fn an_agent_that_cannot_start_says_why() {
         ("\"outbox\"", "\"no/folder/outbox\"", "outbox.file: cannot lock"),
         ("command = [\"true\"]", "listen = \"10.0.0.1:5\"", "driver.listen: must be a loopback address"),
     ] {
-        let problem = told(&good.replace(from, to));
+        let problem = problem_of(&good.replace(from, to));
         assert!(problem.contains(why), "{why}: {problem}");
     }
     std::fs::write(&path, &good).unwrap();

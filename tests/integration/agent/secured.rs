@@ -73,8 +73,8 @@ impl Bench {
 
     /// Waits for the problem and for contacts that have to wait; afterwards nothing is connected or told twice.
     async fn problem(&self, words: &[&str]) {
-        let has_told = |line: &str| words.iter().all(|word| line.contains(word));
-        until_true(&format!("a problem with {words:?}"), async || self.log().lines().any(has_told)).await;
+        let has_words = |line: &str| words.iter().all(|word| line.contains(word));
+        until_true(&format!("a problem with {words:?}"), async || self.log().lines().any(has_words)).await;
         // The driver is served during the attempts.
         let before = self.felt();
         until_true("contacts without a broker", async || self.felt() > before + 40).await;

@@ -31,12 +31,12 @@ async fn owner(store: &Store) -> (Writer, Lease) {
 
 /// Partitions that are dropped at noon of the tenth day, if contacts are kept for one day.
 async fn dropped(store: &Store) -> usize {
-    let mut told = Vec::new();
+    let mut reports = Vec::new();
     let retention = Retention { contacts_days: 1, minutes_days: 0, black_boxes_days: 0, records_days: 0 };
-    store.look_after(retention, NOON_US + 10 * DAY_US, &mut |done| told.push(done)).await.unwrap();
+    store.look_after(retention, NOON_US + 10 * DAY_US, &mut |done| reports.push(done)).await.unwrap();
     let is_of_contacts =
         |done: &&Done| matches!(done, Done::Dropped { partition, .. } if partition.starts_with("contacts_2026112"));
-    told.iter().filter(is_of_contacts).count()
+    reports.iter().filter(is_of_contacts).count()
 }
 
 #[tokio::test]

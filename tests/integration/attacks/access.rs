@@ -6,13 +6,13 @@ use vibrissa_tests::actions::policy_body;
 use vibrissa_tests::wait::until;
 use vibrissa_tests::web::{open, send};
 
-use crate::started::{Place, ROOT};
+use crate::started::{EmptyDatabase, ROOT};
 
 const OPEN: [&str; 2] = ["--http", "127.0.0.1:0"];
 
 #[tokio::test]
 async fn regress_without_tokens_what_comes_through_a_proxy_is_refused() {
-    let place = Place::sqlite();
+    let place = EmptyDatabase::sqlite();
     let started = place.start(&OPEN);
     assert_eq!(started.get("/v1/fleets", &[]).await.status, 200);
     for (name, value) in [
@@ -35,7 +35,7 @@ async fn regress_without_tokens_what_comes_through_a_proxy_is_refused() {
 
 #[tokio::test]
 async fn a_proxy_may_pass_on_requests_with_tokens() {
-    let place = Place::sqlite();
+    let place = EmptyDatabase::sqlite();
     let started = place.start_closed(&[]);
     let bearer = format!("Bearer {ROOT}");
     let through = [("Authorization", bearer.as_str()), ("Via", "1.1 proxy"), ("X-Forwarded-For", "192.0.2.1")];
@@ -54,7 +54,7 @@ async fn raw_status(http: std::net::SocketAddr, request: &str) -> String {
 
 #[tokio::test]
 async fn regress_another_sites_page_reads_nothing_and_does_not_use_up_the_rate_limit() {
-    let place = Place::sqlite();
+    let place = EmptyDatabase::sqlite();
     let started = place.start(&OPEN);
     let from = |site: &str| format!("GET /v1/fleets HTTP/1.1\r\nSec-Fetch-Site: {site}\r\nSec-Fetch-Mode: no-cors\r\n");
     // More requests than the burst that one caller may send.
@@ -73,7 +73,7 @@ async fn regress_another_sites_page_reads_nothing_and_does_not_use_up_the_rate_l
 
 #[tokio::test]
 async fn regress_one_caller_cannot_take_all_streams() {
-    let place = Place::sqlite();
+    let place = EmptyDatabase::sqlite();
     let (one, other) = (place.token("viewer", &["--all-fleets"]), place.token("viewer", &["--all-fleets"]));
     let started = place.start_closed(&[]);
     let [one, other] = [one, other].map(|token| format!("Bearer {token}"));
@@ -86,9 +86,9 @@ async fn regress_one_caller_cannot_take_all_streams() {
     }
     assert_eq!(stream(&one).await.0, 429);
     let refused = started.get("/v1/events", &[("Authorization", &one)]).await;
-    let told = refused.json();
-    assert_eq!((refused.status, &told["type"]), (429, &json!("/problems/too-many-requests")), "{told}");
-    assert!(told["detail"].as_str().unwrap().contains("10 open streams"), "{told}");
+    let problem = refused.json();
+    assert_eq!((refused.status, &problem["type"]), (429, &json!("/problems/too-many-requests")), "{problem}");
+    assert!(problem["detail"].as_str().unwrap().contains("10 open streams"), "{problem}");
     assert_eq!(refused.headers["retry-after"], "1");
     assert_eq!(stream(&other).await.0, 200, "another token of the same name must have its own limit");
     streams.pop();
@@ -97,7 +97,7 @@ async fn regress_one_caller_cannot_take_all_streams() {
 }
 
 /// Two operators with tokens of the default name, one for each fleet, use the same key.
-async fn tokens_are_actors_of_their_own(place: &Place) {
+async fn tokens_are_actors_of_their_own(place: &EmptyDatabase) {
     let tokens = ["a", "b"].map(|fleet| (fleet, place.token("engineer", &["--fleet", fleet])));
     let started = place.start_closed(&["--fleets", "a,b"]);
     started.owns(&["a", "b"]).await;
@@ -119,10 +119,10 @@ async fn tokens_are_actors_of_their_own(place: &Place) {
 
 #[tokio::test]
 async fn regress_two_tokens_of_one_name_are_two_actors_on_sqlite() {
-    tokens_are_actors_of_their_own(&Place::sqlite()).await;
+    tokens_are_actors_of_their_own(&EmptyDatabase::sqlite()).await;
 }
 
 #[tokio::test]
 async fn regress_two_tokens_of_one_name_are_two_actors_on_postgres() {
-    tokens_are_actors_of_their_own(&Place::postgres().await).await;
+    tokens_are_actors_of_their_own(&EmptyDatabase::postgres().await).await;
 }

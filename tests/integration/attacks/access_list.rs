@@ -119,16 +119,16 @@ async fn tell_time(robot: &mut HandRobot) {
 async fn regress_a_list_that_refuses_receipts_is_named_until_it_allows_them() {
     let mut stage = Stage::without("topic write whisker/v1/+/+/receipt");
     let mut robot = stage.robot().await;
-    let told =
+    let expected =
         words(["rejects publications", "whisker/v1/f/r/receipt", "this user may not do it", "broker's access list"]);
     until_true("a refused receipt", async || {
         robot.touch(0, 5).await;
         stage.refused(RobotTopic::Receipt) > 0
     })
     .await;
-    stage.supervisor.says(false, &told).await;
+    stage.supervisor.says(false, &expected).await;
     stage
-        .steadily(false, &told, "further refused receipts", async || {
+        .steadily(false, &expected, "further refused receipts", async || {
             robot.touch(0, 5).await;
             stage.refused(RobotTopic::Receipt) >= 6
         })
@@ -157,8 +157,8 @@ async fn regress_a_list_that_keeps_receipts_from_robots_is_an_alarm_that_names_t
             stage.alarms().await == ["RECEIPTS_UNHEARD"]
         })
         .await;
-    let told = words(["1 robot(s)", "whisker/v1/f/r/receipt", "broker's access list"]);
-    stage.supervisor.says(true, &told).await;
+    let expected = words(["1 robot(s)", "whisker/v1/f/r/receipt", "broker's access list"]);
+    stage.supervisor.says(true, &expected).await;
     let logged = "the robot sends contacts again that were receipted on this topic";
     assert_eq!(stage.supervisor.logged(logged), 1);
     assert!(stage.supervisor.log().contains("whisker/v1/f/r/receipt"));
@@ -188,11 +188,11 @@ async fn regress_a_list_that_refuses_setpoints_is_named_steadily_and_an_alarm() 
     robot.receipted().await;
     let pressure = json!({ "pressure_mpa": 0.15, "reason": "a test" });
     stage.act("setpoint", &pressure).await;
-    let told =
+    let expected =
         words(["rejects publications", "whisker/v1/f/r/setpoint", "this user may not do it", "broker's access list"]);
-    stage.supervisor.says(false, &told).await;
+    stage.supervisor.says(false, &expected).await;
     stage
-        .steadily(false, &told, "an alarm", async || {
+        .steadily(false, &expected, "an alarm", async || {
             // The robot is heard, so nothing but the setpoint fails.
             tell_time(&mut robot).await;
             stage.alarms().await == ["SETPOINT_FAILED"]
@@ -221,13 +221,13 @@ async fn regress_a_list_that_refuses_factsheets_is_told_as_long_as_the_robot_lac
     let mut stage = Stage::without("pattern write whisker/v1/%u/factsheet");
     let mut robot = stage.robot().await;
     until_true("a refused factsheet", async || stage.refused(RobotTopic::Factsheet) == 1).await;
-    let told = words(["1 robot(s) announced themselves", "whisker/v1/f/r/factsheet", "broker's access list"]);
-    stage.supervisor.says(true, &told).await;
+    let expected = words(["1 robot(s) announced themselves", "whisker/v1/f/r/factsheet", "broker's access list"]);
+    stage.supervisor.says(true, &expected).await;
     assert_eq!(stage.supervisor.metric("vibrissa_robots_without_factsheet", "fleet=\"f\"").await, 1.0);
     assert!(stage.supervisor.logged("whisker/v1/f/r/factsheet") > 0, "{}", stage.supervisor.log());
     let mut statuses = 0;
     stage
-        .steadily(true, &told, "further statuses", async || {
+        .steadily(true, &expected, "further statuses", async || {
             robot.status().await;
             statuses += 1;
             statuses == 50
@@ -247,13 +247,13 @@ async fn regress_a_list_that_refuses_factsheets_is_told_as_long_as_the_robot_lac
 #[tokio::test]
 async fn regress_a_broker_whose_packets_are_too_small_is_named_with_its_setting() {
     let mut stage = Stage::on(&Mosquitto::builder().acl(ACL).line("max_packet_size 2000"));
-    let told = words(["packets of at most 2000 bytes", "Mosquitto: max_packet_size and message_size_limit"]);
-    stage.supervisor.says(false, &told).await;
+    let expected = words(["packets of at most 2000 bytes", "Mosquitto: max_packet_size and message_size_limit"]);
+    stage.supervisor.says(false, &expected).await;
     let mut robot = stage.robot().await;
     robot.settle().await;
     let mut receipts = 0;
     stage
-        .steadily(false, &told, "receipts", async || {
+        .steadily(false, &expected, "receipts", async || {
             robot.touch(0, 2).await;
             robot.receipted().await;
             receipts += 1;

@@ -7,7 +7,7 @@ use vibrissa_protocol::ArrayType;
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
 
-use crate::with_limits::{Kind, Supervised};
+use crate::with_limits::{DatabaseKind, Supervised};
 
 const PATH: &str = "/v1/fleets/f/allowed-robots";
 
@@ -43,13 +43,13 @@ async fn a_file_says_who_is_allowed_and_is_read_again_when_it_changes() {
     };
     write("# robots of the test\nf/honest\ng/stranger\n");
     let argument = format!("--limits-robots-file={}", file.display());
-    let supervised = Supervised::start_in(folder, Kind::Sqlite, &[&argument]).await;
+    let supervised = Supervised::start_in(folder, DatabaseKind::Sqlite, &[&argument]).await;
     let mut honest = HandRobot::born(supervised.port(), "honest", array(ArrayType::Type2, &[70.0])).await;
     let mut stranger = robot(&supervised, "stranger").await;
     is_refused(&supervised, &mut stranger).await;
     assert_eq!(supervised.robots().await, ["honest"]);
-    let told = supervised.ask("GET", PATH, &[], None).await.json();
-    assert_eq!((&told["in_file"], &told["robots"]), (&json!(["honest"]), &Value::Null));
+    let list = supervised.ask("GET", PATH, &[], None).await.json();
+    assert_eq!((&list["in_file"], &list["robots"]), (&json!(["honest"]), &Value::Null));
 
     // An invalid file leaves the list in force.
     write("f/honest\nf/stranger\nnonsense\n");
@@ -66,8 +66,8 @@ async fn a_file_says_who_is_allowed_and_is_read_again_when_it_changes() {
 
     write("f/honest\nf/stranger\n");
     until_true("the file is read again", async || {
-        let told = supervised.ask("GET", PATH, &[], None).await.json();
-        told["in_file"] == json!(["honest", "stranger"])
+        let list = supervised.ask("GET", PATH, &[], None).await.json();
+        list["in_file"] == json!(["honest", "stranger"])
     })
     .await;
     is_taken(&mut stranger).await;
@@ -83,7 +83,7 @@ async fn set(supervised: &Supervised, method: &str, body: &Value) {
     assert_eq!(answer.status, 412, "{}", answer.body);
 }
 
-async fn a_list_is_set_over_http(kind: Kind) {
+async fn a_list_is_set_over_http(kind: DatabaseKind) {
     let supervised = Supervised::start(kind, &[]).await;
     let mut honest = HandRobot::born(supervised.port(), "honest", array(ArrayType::Type2, &[70.0])).await;
     let mut known = HandRobot::born(supervised.port(), "known", array(ArrayType::Type2, &[70.0])).await;
@@ -108,10 +108,10 @@ async fn a_list_is_set_over_http(kind: Kind) {
     until_true("an excluded robot is not there", async || presence("known").await == "OFFLINE").await;
     assert_eq!(presence("honest").await, "ONLINE");
     until_true("who was turned away is shown", async || {
-        let told = supervised.ask("GET", PATH, &[], None).await.json();
+        let list = supervised.ask("GET", PATH, &[], None).await.json();
         let names: Vec<&str> =
-            told["turned_away"].as_array().unwrap().iter().map(|one| one["robot"].as_str().unwrap()).collect();
-        assert_eq!((&told["robots"], &told["reason"]), (&json!(["honest"]), &json!("strangers")));
+            list["turned_away"].as_array().unwrap().iter().map(|one| one["robot"].as_str().unwrap()).collect();
+        assert_eq!((&list["robots"], &list["reason"]), (&json!(["honest"]), &json!("strangers")));
         names.contains(&"stranger") && names.contains(&"known")
     })
     .await;
@@ -123,8 +123,8 @@ async fn a_list_is_set_over_http(kind: Kind) {
     is_taken(&mut known).await;
     until_true("it is there again", async || presence("known").await == "ONLINE").await;
     until_true("the list of refused robots is empty", async || {
-        let told = supervised.ask("GET", PATH, &[], None).await.json();
-        told["turned_away"] == json!([]) && told["robots"].is_null() && told["version"] == 3
+        let list = supervised.ask("GET", PATH, &[], None).await.json();
+        list["turned_away"] == json!([]) && list["robots"].is_null() && list["version"] == 3
     })
     .await;
     let audit = supervised.ask("GET", "/v1/audit", &[], None).await.json();
@@ -134,10 +134,10 @@ async fn a_list_is_set_over_http(kind: Kind) {
 
 #[tokio::test]
 async fn a_list_is_set_over_http_on_sqlite() {
-    a_list_is_set_over_http(Kind::Sqlite).await;
+    a_list_is_set_over_http(DatabaseKind::Sqlite).await;
 }
 
 #[tokio::test]
 async fn a_list_is_set_over_http_on_postgres() {
-    a_list_is_set_over_http(Kind::Postgres).await;
+    a_list_is_set_over_http(DatabaseKind::Postgres).await;
 }

@@ -12,7 +12,7 @@ use vibrissa_tests::postgres::Postgres;
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
 
-use crate::with_limits::{Kind, Supervised};
+use crate::with_limits::{DatabaseKind, Supervised};
 
 const BIRTHS: usize = 3000;
 const SENDERS: usize = 30;
@@ -25,7 +25,7 @@ async fn be_born(broker: Arc<Observer>, sender: usize) {
     }
 }
 
-async fn births_alone_make_no_robots(kind: Kind) {
+async fn births_alone_make_no_robots(kind: DatabaseKind) {
     let supervised = Supervised::start(kind, &[]).await;
     let mut robot = HandRobot::born(supervised.port(), "honest", array(ArrayType::Type2, &[70.0])).await;
     let broker = Arc::new(Observer::subscribed(supervised.port(), "crowd", &["whisker/v1/f/nobody/receipt"]).await);
@@ -46,17 +46,17 @@ async fn births_alone_make_no_robots(kind: Kind) {
 
 #[tokio::test]
 async fn regress_births_alone_make_no_robots_on_sqlite() {
-    births_alone_make_no_robots(Kind::Sqlite).await;
+    births_alone_make_no_robots(DatabaseKind::Sqlite).await;
 }
 
 #[tokio::test]
 async fn regress_births_alone_make_no_robots_on_postgres() {
-    births_alone_make_no_robots(Kind::Postgres).await;
+    births_alone_make_no_robots(DatabaseKind::Postgres).await;
 }
 
 const BOOTS: usize = 200;
 
-async fn a_robot_of_many_boots_keeps_the_last_good_one(kind: Kind) {
+async fn a_robot_of_many_boots_keeps_the_last_good_one(kind: DatabaseKind) {
     let supervised = Supervised::start(kind, &[]).await;
     let mut robot = HandRobot::born(supervised.port(), "r", array(ArrayType::Type2, &[70.0])).await;
     let mut other = HandRobot::born(supervised.port(), "other", array(ArrayType::Type2, &[70.0])).await;
@@ -82,15 +82,15 @@ async fn a_robot_of_many_boots_keeps_the_last_good_one(kind: Kind) {
 
 #[tokio::test]
 async fn regress_a_robot_of_many_boots_keeps_the_last_good_one_on_sqlite() {
-    a_robot_of_many_boots_keeps_the_last_good_one(Kind::Sqlite).await;
+    a_robot_of_many_boots_keeps_the_last_good_one(DatabaseKind::Sqlite).await;
 }
 
 #[tokio::test]
 async fn regress_a_robot_of_many_boots_keeps_the_last_good_one_on_postgres() {
-    a_robot_of_many_boots_keeps_the_last_good_one(Kind::Postgres).await;
+    a_robot_of_many_boots_keeps_the_last_good_one(DatabaseKind::Postgres).await;
 }
 
-async fn factsheets_of_made_up_boots_and_layouts_are_bounded(kind: Kind) {
+async fn factsheets_of_made_up_boots_and_layouts_are_bounded(kind: DatabaseKind) {
     let supervised = Supervised::start(kind, &[]).await;
     let mut robot = HandRobot::born(supervised.port(), "r", array(ArrayType::Type2, &[70.0])).await;
     for number in 0..50 {
@@ -109,17 +109,17 @@ async fn factsheets_of_made_up_boots_and_layouts_are_bounded(kind: Kind) {
 
 #[tokio::test]
 async fn regress_factsheets_of_made_up_boots_and_layouts_are_bounded_on_sqlite() {
-    factsheets_of_made_up_boots_and_layouts_are_bounded(Kind::Sqlite).await;
+    factsheets_of_made_up_boots_and_layouts_are_bounded(DatabaseKind::Sqlite).await;
 }
 
 #[tokio::test]
 async fn regress_factsheets_of_made_up_boots_and_layouts_are_bounded_on_postgres() {
-    factsheets_of_made_up_boots_and_layouts_are_bounded(Kind::Postgres).await;
+    factsheets_of_made_up_boots_and_layouts_are_bounded(DatabaseKind::Postgres).await;
 }
 
 #[tokio::test]
 async fn a_boot_that_was_one_too_many_is_taken_later() {
-    let supervised = Supervised::start(Kind::Sqlite, &[]).await;
+    let supervised = Supervised::start(DatabaseKind::Sqlite, &[]).await;
     let mut robot = HandRobot::born(supervised.port(), "r", array(ArrayType::Type2, &[70.0])).await;
     for number in 0..12 {
         robot.restart();
@@ -145,7 +145,7 @@ async fn a_boot_that_was_one_too_many_is_taken_later() {
 #[tokio::test]
 async fn new_robots_wait_for_room_and_no_more_are_taken_than_there_is_room_for() {
     let limits = ["--limits-new-robots-per-minute=20", "--limits-robots-per-fleet=22"];
-    let supervised = Supervised::start(Kind::Sqlite, &limits).await;
+    let supervised = Supervised::start(DatabaseKind::Sqlite, &limits).await;
     let mut robots = Vec::new();
     for number in 0..21 {
         let name = format!("r{number:02}");
@@ -185,7 +185,7 @@ async fn new_robots_wait_for_room_and_no_more_are_taken_than_there_is_room_for()
 
 #[tokio::test]
 async fn a_decommissioned_robot_leaves_its_place_to_a_new_one() {
-    let supervised = Supervised::start(Kind::Sqlite, &["--limits-robots-per-fleet=1"]).await;
+    let supervised = Supervised::start(DatabaseKind::Sqlite, &["--limits-robots-per-fleet=1"]).await;
     let whiskers = || array(ArrayType::Type2, &[70.0]);
     let mut old = HandRobot::born(supervised.port(), "old", whiskers()).await;
     old.touch(0, 1).await;

@@ -11,7 +11,7 @@ use vibrissa_simulator::load::{LoadPlan, Quality, run};
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
 
-use crate::with_limits::{Kind, Supervised};
+use crate::with_limits::{DatabaseKind, Supervised};
 
 /// Number of robots beside the flooding one.
 const ROBOTS: usize = 40;
@@ -102,7 +102,7 @@ fn flood(port: u16) -> LoadPlan {
     }
 }
 
-async fn others_are_receipted_while_one_robot_floods(kind: Kind) {
+async fn others_are_receipted_while_one_robot_floods(kind: DatabaseKind) {
     let _turn = crate::turn().await;
     let supervised = Supervised::start(kind, &[]).await;
     let mut robots = Vec::new();
@@ -158,10 +158,10 @@ async fn others_are_receipted_while_one_robot_floods(kind: Kind) {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn regress_others_are_receipted_while_one_robot_floods_on_sqlite() {
-    others_are_receipted_while_one_robot_floods(Kind::Sqlite).await;
+    others_are_receipted_while_one_robot_floods(DatabaseKind::Sqlite).await;
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn regress_others_are_receipted_while_one_robot_floods_on_postgres() {
-    others_are_receipted_while_one_robot_floods(Kind::Postgres).await;
+    others_are_receipted_while_one_robot_floods(DatabaseKind::Postgres).await;
 }

@@ -9,7 +9,7 @@ use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
 
 use crate::fair::{quantile, work};
-use crate::with_limits::{Kind, Supervised};
+use crate::with_limits::{DatabaseKind, Supervised};
 
 const WHISKERS: usize = 1000;
 /// Time between two statuses.
@@ -42,7 +42,7 @@ async fn regress_a_status_that_flaps_is_one_alarm_for_each_whisker_and_fills_no_
     const ALARMS: &str = "SELECT CAST(count(*) AS TEXT) FROM alarms WHERE kind = 'LEAK'";
     const CHANGES: &str = "SELECT CAST(count(*) AS TEXT) FROM health_changes";
     const FED: &str = "SELECT CAST(count(*) AS TEXT) FROM events";
-    let supervised = Supervised::start(Kind::Sqlite, &[]).await;
+    let supervised = Supervised::start(DatabaseKind::Sqlite, &[]).await;
     let lasts_s = std::env::var("FLAPPING_S").map_or(LASTS_S, |text| text.parse().unwrap());
     let mut other = HandRobot::born(supervised.port(), "other", array(ArrayType::Type2, &[70.0])).await;
     let (back, mut without) = work(other, Duration::from_secs(lasts_s / 4)).await;

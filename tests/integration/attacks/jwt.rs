@@ -12,7 +12,7 @@ use tokio::net::TcpListener;
 use vibrissa_simulator::clock::now_us;
 use vibrissa_tests::jwt::{header, signed};
 
-use crate::started::{Place, ROOT, Started};
+use crate::started::{EmptyDatabase, ROOT, Started};
 
 /// An identity provider with one key under several ids, each with different members. It counts the requests for its
 /// keys.
@@ -59,7 +59,7 @@ impl Provider {
         Self { issuer, key, asked }
     }
 
-    fn supervise(&self, place: &Place) -> Started {
+    fn supervise(&self, place: &EmptyDatabase) -> Started {
         let keys = format!("{}/keys", self.issuer);
         // The embedded broker needs a password as soon as HTTP needs tokens; here nobody uses it.
         let password = place.folder.path().join("mqtt.password");
@@ -95,31 +95,31 @@ async fn status(started: &Started, token: &str) -> (u16, String) {
 
 #[tokio::test]
 async fn regress_keys_for_something_else_and_critical_extensions_are_refused() {
-    let (provider, place) = (Provider::start().await, Place::sqlite());
+    let (provider, place) = (Provider::start().await, EmptyDatabase::sqlite());
     let started = provider.supervise(&place);
     for kid in ["good", "plain", "verify"] {
-        let (status, told) = status(&started, &provider.token(&header(kid))).await;
-        assert_eq!(status, 200, "{kid}: {told}");
+        let (status, body) = status(&started, &provider.token(&header(kid))).await;
+        assert_eq!(status, 200, "{kid}: {body}");
     }
     for (kid, why) in [("enc", "(use)"), ("derive", "(key_ops)"), ("es384", "(alg)"), ("agreement", "(alg)")] {
-        let (status, told) = status(&started, &provider.token(&header(kid))).await;
-        assert!(status == 401 && told.contains(why), "{kid}: {status} {told}");
+        let (status, body) = status(&started, &provider.token(&header(kid))).await;
+        assert!(status == 401 && body.contains(why), "{kid}: {status} {body}");
     }
     for critical in [vec!["exp2"], vec!["b64"], Vec::new()] {
         let mut header = header("good");
         header["crit"] = json!(critical);
-        let (status, told) = status(&started, &provider.token(&header)).await;
-        assert!(status == 401 && told.contains("extensions"), "{critical:?}: {status} {told}");
+        let (status, body) = status(&started, &provider.token(&header)).await;
+        assert!(status == 401 && body.contains("extensions"), "{critical:?}: {status} {body}");
     }
 }
 
 #[tokio::test]
 async fn unknown_keys_do_not_make_it_ask_the_provider_each_time() {
-    let (provider, place) = (Provider::start().await, Place::sqlite());
+    let (provider, place) = (Provider::start().await, EmptyDatabase::sqlite());
     let started = provider.supervise(&place);
     for number in 0..300 {
-        let (status, told) = status(&started, &provider.token(&header(&format!("k{number}")))).await;
-        assert_eq!(status, 401, "{told}");
+        let (status, body) = status(&started, &provider.token(&header(&format!("k{number}")))).await;
+        assert_eq!(status, 401, "{body}");
     }
     assert_eq!(status(&started, &provider.token(&header("good"))).await.0, 200);
     // At most one request per ten seconds; a slow machine may need that long for the requests above.

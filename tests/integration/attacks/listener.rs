@@ -50,8 +50,8 @@ impl Supervised {
     /// State and text of `/readyz`; None without an answer.
     pub(crate) async fn ready(&self) -> Option<(bool, String)> {
         let (status, body) = try_get(self.address(), "/readyz").await.ok()?;
-        let told: Value = serde_json::from_str(&body).unwrap();
-        assert_eq!(told["ready"] == true, status == 200, "{body}");
+        let answer: Value = serde_json::from_str(&body).unwrap();
+        assert_eq!(answer["ready"] == true, status == 200, "{body}");
         Some((status == 200, body))
     }
 
@@ -59,12 +59,12 @@ impl Supervised {
     pub(crate) async fn says(&self, is_ready: bool, words: &[String]) -> String {
         let mut last = None;
         until(&format!("ready: {is_ready} with {words:?}"), async || {
-            let told = self.ready().await;
-            if told != last {
-                eprintln!("{told:?}");
-                last.clone_from(&told);
+            let readiness = self.ready().await;
+            if readiness != last {
+                eprintln!("{readiness:?}");
+                last.clone_from(&readiness);
             }
-            let (ready, text) = told?;
+            let (ready, text) = readiness?;
             (ready == is_ready && words.iter().all(|word| text.contains(word))).then_some(text)
         })
         .await

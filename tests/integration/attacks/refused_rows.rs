@@ -7,7 +7,8 @@ use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until;
 
 use crate::planted::Admin;
-use crate::stage::{Kind, Stage};
+use crate::stage::Stage;
+use crate::with_limits::DatabaseKind;
 
 /// Other robots must continue within one second; a loaded machine gets one more.
 const OTHERS_GO_ON: Duration = Duration::from_secs(2);
@@ -27,7 +28,7 @@ async fn born(stage: &Stage, name: &str, lengths_mm: &[f64]) -> HandRobot {
 }
 
 /// One of many messages leads to a refused row; only this message is quarantined.
-async fn one_message(kind: Kind) {
+async fn one_message(kind: DatabaseKind) {
     let stage = Stage::start(kind).await;
     let mut admin = Admin::of(&stage).await;
     let (mut good, mut bad) = (born(&stage, "good", &[70.0]).await, born(&stage, "bad", &[70.0]).await);
@@ -67,17 +68,17 @@ async fn one_message(kind: Kind) {
 
 #[tokio::test]
 async fn regress_a_refused_contact_is_put_into_quarantine_alone_on_sqlite() {
-    one_message(Kind::Sqlite).await;
+    one_message(DatabaseKind::Sqlite).await;
 }
 
 #[tokio::test]
 async fn regress_a_refused_contact_is_put_into_quarantine_alone_on_postgres() {
-    one_message(Kind::Postgres).await;
+    one_message(DatabaseKind::Postgres).await;
 }
 
 /// A trigger refuses all rows of one robot, in one table after the other. The other robot continues, and the affected
 /// robot continues once the trigger is removed.
-async fn one_robot(kind: Kind) {
+async fn one_robot(kind: DatabaseKind) {
     let stage = Stage::start(kind).await;
     let mut admin = Admin::of(&stage).await;
     let (mut good, mut bad) = (born(&stage, "good", &[70.0]).await, born(&stage, "bad", &[70.0, 70.0, 70.0]).await);
@@ -128,16 +129,16 @@ async fn one_robot(kind: Kind) {
 
 #[tokio::test]
 async fn regress_a_robot_whose_rows_are_refused_stops_no_other_on_sqlite() {
-    one_robot(Kind::Sqlite).await;
+    one_robot(DatabaseKind::Sqlite).await;
 }
 
 #[tokio::test]
 async fn regress_a_robot_whose_rows_are_refused_stops_no_other_on_postgres() {
-    one_robot(Kind::Postgres).await;
+    one_robot(DatabaseKind::Postgres).await;
 }
 
 /// A factsheet whose rows are refused when ids are assigned, before it has any effect.
-async fn a_factsheet(kind: Kind) {
+async fn a_factsheet(kind: DatabaseKind) {
     let stage = Stage::start(kind).await;
     let mut admin = Admin::of(&stage).await;
     let mut good = born(&stage, "good", &[70.0]).await;
@@ -157,10 +158,10 @@ async fn a_factsheet(kind: Kind) {
 
 #[tokio::test]
 async fn regress_a_factsheet_that_is_refused_is_put_into_quarantine_on_sqlite() {
-    a_factsheet(Kind::Sqlite).await;
+    a_factsheet(DatabaseKind::Sqlite).await;
 }
 
 #[tokio::test]
 async fn regress_a_factsheet_that_is_refused_is_put_into_quarantine_on_postgres() {
-    a_factsheet(Kind::Postgres).await;
+    a_factsheet(DatabaseKind::Postgres).await;
 }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::Value;
 use vibrissa_tests::web::{Answer, ask, open};
 
-use crate::started::{Place, ROOT, Started};
+use crate::started::{EmptyDatabase, ROOT, Started};
 
 const METHODS: [&str; 8] = ["GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE"];
 /// Public paths, which contain no data of fleets.
@@ -47,7 +47,7 @@ async fn asked(started: &Started, method: &str, path: &str, token: Option<&str>)
     ask(started.http, method, path, &headers).await.unwrap()
 }
 
-async fn every_method_of_every_route(place: &Place) {
+async fn every_method_of_every_route(place: &EmptyDatabase) {
     let mut callers = vec![(None, true, None), (Some("ADMIN"), true, Some(ROOT.to_owned()))];
     for role in ["viewer", "operator", "engineer", "admin"] {
         for (covers, fleet) in [(true, "f"), (false, "g")] {
@@ -73,10 +73,10 @@ async fn every_method_of_every_route(place: &Place) {
                     (None, _) => assert_eq!(status, 401, "{what}"),
                     (Some(_), None) => {
                         assert_eq!(status, 405, "{what}");
-                        let told: BTreeSet<&str> = answer.headers["allow"].split(',').collect();
+                        let allowed: BTreeSet<&str> = answer.headers["allow"].split(',').collect();
                         let get = methods.contains_key("GET").then_some("HEAD");
                         let expected: BTreeSet<&str> = methods.keys().map(String::as_str).chain(get).collect();
-                        assert_eq!(told, expected, "{what}");
+                        assert_eq!(allowed, expected, "{what}");
                     }
                     (Some(role), Some(needed)) if rank(role) < rank(needed) => assert_eq!(status, 403, "{what}"),
                     (Some(_), Some(_)) if is_of_fleet && !covers => assert_eq!(status, 403, "{what}"),
@@ -89,17 +89,17 @@ async fn every_method_of_every_route(place: &Place) {
 
 #[tokio::test]
 async fn every_method_of_every_route_lets_in_its_role_only_on_sqlite() {
-    every_method_of_every_route(&Place::sqlite()).await;
+    every_method_of_every_route(&EmptyDatabase::sqlite()).await;
 }
 
 #[tokio::test]
 async fn every_method_of_every_route_lets_in_its_role_only_on_postgres() {
-    every_method_of_every_route(&Place::postgres().await).await;
+    every_method_of_every_route(&EmptyDatabase::postgres().await).await;
 }
 
 #[tokio::test]
 async fn nothing_is_served_beside_the_routes() {
-    let place = Place::sqlite();
+    let place = EmptyDatabase::sqlite();
     let started = place.start_closed(&["--fleets", "f"]);
     for path in PUBLIC {
         assert!(matches!(started.get(path, &[]).await.status, 200 | 503), "{path}");

@@ -11,12 +11,7 @@ use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::wait::until;
 use vibrissa_tests::web::try_get;
 
-/// The database in use.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Kind {
-    Sqlite,
-    Postgres,
-}
+use crate::with_limits::DatabaseKind;
 
 /// A supervisor of fleet `f` with its broker and database.
 pub(crate) struct Stage {
@@ -29,11 +24,11 @@ pub(crate) struct Stage {
 
 impl Stage {
     /// Starts all programs and waits until the supervisor is ready.
-    pub(crate) async fn start(kind: Kind) -> Self {
+    pub(crate) async fn start(kind: DatabaseKind) -> Self {
         let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
         let server = match kind {
-            Kind::Sqlite => None,
-            Kind::Postgres => Some(Postgres::start().await),
+            DatabaseKind::Sqlite => None,
+            DatabaseKind::Postgres => Some(Postgres::start().await),
         };
         let database = match &server {
             Some(server) => Postgres::url(server.port()),

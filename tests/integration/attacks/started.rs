@@ -20,13 +20,13 @@ pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
 pub(crate) const ROOT: &str = "a-token-of-more-than-32-characters-for-the-test";
 
 /// An empty database and a folder for files.
-pub(crate) struct Place {
+pub(crate) struct EmptyDatabase {
     pub(crate) folder: TempDir,
     pub(crate) database_url: String,
     _server: Option<Postgres>,
 }
 
-impl Place {
+impl EmptyDatabase {
     pub(crate) fn sqlite() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let database_url = format!("sqlite:{}", folder.path().join("v.sqlite3").display());
@@ -110,9 +110,9 @@ impl Started {
     pub(crate) async fn owns(&self, fleets: &[&str]) {
         until("the fleets", async || {
             let answer = ask(self.http, "GET", "/readyz", &[]).await.ok()?;
-            let told = answer.json();
+            let body = answer.json();
             let is_owned = |fleet: &&str| {
-                told["fleets"].to_string().contains(fleet) && told["fleets"].to_string().contains("OWNED")
+                body["fleets"].to_string().contains(fleet) && body["fleets"].to_string().contains("OWNED")
             };
             (answer.status == 200 && fleets.iter().all(is_owned)).then_some(())
         })

@@ -4,7 +4,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::Command;
 
-use crate::started::{PROGRAM, Place};
+use crate::started::{EmptyDatabase, PROGRAM};
 
 const SECRET: &str = "hunter2-is-secret";
 
@@ -20,7 +20,7 @@ fn write(path: &Path, content: &str, mode: u32) -> String {
 
 #[tokio::test]
 async fn regress_a_new_database_and_its_copies_are_their_owners_alone() {
-    let place = Place::sqlite();
+    let place = EmptyDatabase::sqlite();
     let started = place.start(&["--http", "127.0.0.1:0"]);
     let database = place.folder.path().join("v.sqlite3");
     let path = |ending: &str| place.folder.path().join(format!("v.sqlite3{ending}"));
@@ -36,14 +36,14 @@ async fn regress_a_new_database_and_its_copies_are_their_owners_alone() {
     // A database file from an earlier version.
     std::fs::set_permissions(&database, std::fs::Permissions::from_mode(0o644)).unwrap();
     let log = place.start(&["--http", "127.0.0.1:0"]).log();
-    let told =
+    let warning =
         format!("database.url: everyone on this machine can read {0} (mode 0644): chmod 600 {0}", database.display());
-    assert!(log.contains(&told), "{log}");
+    assert!(log.contains(&warning), "{log}");
 }
 
 #[tokio::test]
 async fn regress_files_with_secrets_that_others_can_read_are_told_at_the_start() {
-    let place = Place::sqlite();
+    let place = EmptyDatabase::sqlite();
     let token = write(&place.folder.path().join("token"), &"t".repeat(40), 0o644);
     let password = write(&place.folder.path().join("password"), SECRET, 0o644);
     let arguments = ["--http", "127.0.0.1:0", "--http-token-file", &token];
@@ -69,8 +69,8 @@ async fn regress_files_with_secrets_that_others_can_read_are_told_at_the_start()
     };
     let said = launch(&place.folder.path().join("a.sqlite3"));
     for (key, file) in [("http.token_file", &token), ("mqtt.password_file", &password)] {
-        let told = format!("{key}: everyone on this machine can read {file} (mode 0644): chmod 600 {file}");
-        assert!(said.contains(&told), "{told}\n{said}");
+        let warning = format!("{key}: everyone on this machine can read {file} (mode 0644): chmod 600 {file}");
+        assert!(said.contains(&warning), "{warning}\n{said}");
     }
     assert!(!said.contains(SECRET) && !said.contains("tttt"), "{said}");
     for file in [&token, &password] {
@@ -82,7 +82,7 @@ async fn regress_files_with_secrets_that_others_can_read_are_told_at_the_start()
 
 #[test]
 fn regress_plain_text_beyond_loopback_is_told_with_the_setting() {
-    let place = Place::sqlite();
+    let place = EmptyDatabase::sqlite();
     let token = write(&place.folder.path().join("token"), &"t".repeat(40), 0o600);
     // Addresses reserved for documentation (RFC 5737), so this machine has none of them: the program warns and then
     // cannot listen.
@@ -90,11 +90,11 @@ fn regress_plain_text_beyond_loopback_is_told_with_the_setting() {
     let ended = place.command(&["run", "--http", http, "--http-token-file", &token, "--mqtt-url", url]);
     let said = String::from_utf8(ended.stderr).unwrap();
     assert_eq!(ended.status.code(), Some(1), "{said}");
-    for told in [
+    for warning in [
         "http.listen: HTTP on 192.0.2.1:8080 is plain text",
         "plain text, where others can read and change them: use mqtts://",
     ] {
-        assert!(said.contains(told), "{told}\n{said}");
+        assert!(said.contains(warning), "{warning}\n{said}");
     }
 }
 

@@ -30,12 +30,12 @@ async fn every_contact_is_recorded(mut supervised: Supervised) {
         supervised.set_host_clock(ahead_us);
         if supervised.is_shared() || ahead_us == to_1970_us {
             // The database contradicts the host, or the host's clock was never set.
-            let is_told = |told: &str| told.contains("keeps its own time") == (ahead_us != 0);
+            let is_told = |text: &str| text.contains("keeps its own time") == (ahead_us != 0);
             until_true("a reason in /readyz", async || is_told(&supervised.readiness().await)).await;
         } else {
             followed += 1;
-            let told = "following a step of the host's clock";
-            until_true("a step that is followed", async || supervised.logged(told) == followed).await;
+            let message = "following a step of the host's clock";
+            until_true("a step that is followed", async || supervised.logged(message) == followed).await;
         }
         sent += talk(&mut robot).await;
     }

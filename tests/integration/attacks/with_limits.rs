@@ -17,7 +17,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
 
 /// The database in use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum DatabaseKind {
     Sqlite,
     Postgres,
 }
@@ -33,17 +33,17 @@ pub(crate) struct Supervised {
 
 impl Supervised {
     /// Starts everything and waits until the supervisor is ready.
-    pub(crate) async fn start(kind: Kind, arguments: &[&str]) -> Self {
+    pub(crate) async fn start(kind: DatabaseKind, arguments: &[&str]) -> Self {
         Self::start_in(tempfile::tempdir().unwrap(), kind, arguments).await
     }
 
     /// The same with an existing folder, which may contain files.
-    pub(crate) async fn start_in(folder: TempDir, kind: Kind, arguments: &[&str]) -> Self {
+    pub(crate) async fn start_in(folder: TempDir, kind: DatabaseKind, arguments: &[&str]) -> Self {
         // Limits of the shipped configuration.
         let broker = Mosquitto::builder().line("max_inflight_messages 65535").line("max_queued_bytes 67108864").start();
         let postgres = match kind {
-            Kind::Sqlite => None,
-            Kind::Postgres => Some(Postgres::start().await),
+            DatabaseKind::Sqlite => None,
+            DatabaseKind::Postgres => Some(Postgres::start().await),
         };
         let database = match &postgres {
             None => format!("sqlite:{}", folder.path().join("v.sqlite3").display()),

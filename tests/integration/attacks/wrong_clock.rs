@@ -104,15 +104,15 @@ async fn an_owner_that_began_with_a_wrong_clock(ahead_us: i64) {
     let mut a = stage.supervisor("a");
     a.says(false, &words(["OWNED"])).await;
     let way = if ahead_us > 0 { "120.0 s behind" } else { "120.0 s ahead" };
-    let told =
+    let expected =
         words(["most other clocks contradict this supervisor's", "the database's clock is", way, "(NTP)", "OWNED"]);
-    stage.talk_until(&a, false, &told).await;
+    stage.talk_until(&a, false, &expected).await;
     let robots = a.metric("vibrissa_clock_ahead_seconds", "clock=\"robots\"").await;
     assert!((robots + ahead_us as f64 / 1e6).abs() < 1.0, "the robots' clock is {robots} s ahead");
     let mut b = stage.supervisor("b");
     stage.talk_until(&b, true, &words(["OWNED"])).await;
-    let told = words(["most other clocks contradict this supervisor's", "\"holder\":\"b\""]);
-    stage.talk_until(&a, false, &told).await;
+    let expected = words(["most other clocks contradict this supervisor's", "\"holder\":\"b\""]);
+    stage.talk_until(&a, false, &expected).await;
     stage.talk().await;
     stage.everything_is_recorded(&[&a, &b]).await;
     assert_eq!(stage.number("SELECT count(*) FROM epochs").await, 2, "the fleet changes hands once");
@@ -142,8 +142,8 @@ async fn regress_an_owner_whose_host_is_stepped_says_so_and_gives_its_fleet_away
         let (owner, name, other) = if ahead_us > 0 { (&a, "a", &b) } else { (&b, "b", &a) };
         stage.set_clock(name, ahead_us);
         stage.talk_until(other, true, &words(["OWNED"])).await;
-        let told = words(["keeps its own time: the host's clock is", way, "STANDBY"]);
-        stage.talk_until(owner, false, &told).await;
+        let expected = words(["keeps its own time: the host's clock is", way, "STANDBY"]);
+        stage.talk_until(owner, false, &expected).await;
         let host = owner.metric("vibrissa_clock_ahead_seconds", "clock=\"host\"").await;
         assert!((host - ahead_us as f64 / 1e6).abs() < 1.0, "the host's clock is {host} s ahead");
         stage.set_clock(name, 0);

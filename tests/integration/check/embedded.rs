@@ -19,14 +19,14 @@ fn started(arguments: &[&str]) -> Child {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_robot_that_connects_to_its_broker_passes() {
     let mut check = started(&["--mqtt-port", "0", "--json"]);
-    let mut told = BufReader::new(check.stderr.take().unwrap()).lines();
-    let line = told.next_line().await.unwrap().unwrap();
+    let mut lines = BufReader::new(check.stderr.take().unwrap()).lines();
+    let line = lines.next_line().await.unwrap().unwrap();
     let address = line.strip_prefix("vibrissa: MQTT on 127.0.0.1:").unwrap_or_else(|| panic!("{line}"));
     let (port, rest) = address.split_once(';').unwrap();
     assert_eq!(rest, " the robot f/good must connect to this address now");
     let broker = Broker::new("127.0.0.1", port.parse().unwrap());
     let (robot, _) = robot_of(&broker, FLEET, "good", None).await;
-    let reading = tokio::spawn(async move { while let Ok(Some(_)) = told.next_line().await {} });
+    let reading = tokio::spawn(async move { while let Ok(Some(_)) = lines.next_line().await {} });
     let ended = check.wait_with_output().await.unwrap();
     reading.await.unwrap();
     let report: serde_json::Value = serde_json::from_slice(&ended.stdout).unwrap();
@@ -46,10 +46,10 @@ async fn a_robot_that_connects_to_its_broker_passes() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_robot_that_does_not_come_is_named_with_the_address() {
     let ended = started(&["--mqtt-port", "0", "--wait", "300ms"]).wait_with_output().await.unwrap();
-    let told = String::from_utf8(ended.stderr).unwrap();
-    assert_eq!(ended.status.code(), Some(1), "{told}");
-    assert!(told.contains("robot f/good did not connect to the broker 127.0.0.1:"), "{told}");
-    assert!(told.contains("whisker/v1/f/good/connection with ONLINE"), "{told}");
+    let message = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!(ended.status.code(), Some(1), "{message}");
+    assert!(message.contains("robot f/good did not connect to the broker 127.0.0.1:"), "{message}");
+    assert!(message.contains("whisker/v1/f/good/connection with ONLINE"), "{message}");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -57,8 +57,8 @@ async fn a_taken_port_is_told_with_what_to_stop() {
     let other = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
     let port = other.local_addr().unwrap().port().to_string();
     let ended = started(&["--mqtt-port", &port]).wait_with_output().await.unwrap();
-    let told = String::from_utf8(ended.stderr).unwrap();
-    assert_eq!(ended.status.code(), Some(1), "{told}");
-    assert!(told.contains("stop the supervisor of this machine first"), "{told}");
-    assert!(told.contains(&format!("port {port} on 127.0.0.1 is taken")), "{told}");
+    let message = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!(ended.status.code(), Some(1), "{message}");
+    assert!(message.contains("stop the supervisor of this machine first"), "{message}");
+    assert!(message.contains(&format!("port {port} on 127.0.0.1 is taken")), "{message}");
 }

@@ -77,8 +77,8 @@ impl Case {
                 problems.push(format!("exempt from {:?} instead of {exempt:?}", report.rules(Outcome::Exempt)));
             }
         }
-        let told = || format!("{}: {}\n{report}", self.name(), problems.join("; "));
-        (!problems.is_empty()).then(told)
+        let summary = || format!("{}: {}\n{report}", self.name(), problems.join("; "));
+        (!problems.is_empty()).then(summary)
     }
 }
 

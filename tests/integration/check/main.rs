@@ -129,8 +129,8 @@ async fn supervisor(broker: &Mosquitto, state: SupervisorPresence) {
 async fn supervisor_of(fleet: &str, broker: &Mosquitto, state: SupervisorPresence) {
     let observer = Observer::subscribed(broker.port(), &format!("{fleet}-supervisor-{state}"), &[]).await;
     let topic = Topic::SupervisorState { fleet: Name::new(fleet).unwrap() };
-    let told = SupervisorState { boot_id: BootId::new("s1").unwrap(), seq: 0, state, epoch: EPOCH };
-    observer.publish(&topic.to_string(), encode(&told), true).await;
+    let message = SupervisorState { boot_id: BootId::new("s1").unwrap(), seq: 0, state, epoch: EPOCH };
+    observer.publish(&topic.to_string(), encode(&message), true).await;
 }
 
 /// Topic of a robot.

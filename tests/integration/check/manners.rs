@@ -55,8 +55,8 @@ async fn a_robot_that_is_not_there_is_told_so() {
     assert!(why.contains("no message of f/r"), "{why}");
     let observer = Observer::subscribed(broker.port(), "left", &[]).await;
     let (boot_id, state) = (BootId::new("b1").unwrap(), ConnectionState::ConnectionBroken);
-    let told = Told { boot_id, seq: 1, timestamp: Timestamp(0), state };
-    observer.publish(&topic("r", RobotTopic::Connection), encode(&told), true).await;
+    let message = Told { boot_id, seq: 1, timestamp: Timestamp(0), state };
+    observer.publish(&topic("r", RobotTopic::Connection), encode(&message), true).await;
     let why = refusal(&broker).await;
     assert!(why.contains("not connected") && why.contains("CONNECTION_BROKEN"), "{why}");
 }
@@ -87,10 +87,10 @@ async fn an_interrupted_check_withdraws_the_lengths_that_it_told() {
     let fleet = Fleet::start(&scenario, &Broker::new("127.0.0.1", broker.port())).unwrap();
     let robot = fleet.robots()[0].clone();
     until_true("a connected robot", async || robot.with(|robot| robot.is_connected())).await;
-    let told_mm = || robot.with(|robot| [0, 1].map(|index| robot.whiskers()[index].estimated_length_mm()));
+    let lengths_mm = || robot.with(|robot| [0, 1].map(|index| robot.whiskers()[index].estimated_length_mm()));
     // Stops the check as soon as it has told a wrong length.
-    let is_wrong = |told: &Option<f64>| told.is_some_and(|length_mm| length_mm != 70.0);
-    let stop = until_true("a wrong length", async || told_mm().iter().any(is_wrong));
+    let is_wrong = |sent_mm: &Option<f64>| sent_mm.is_some_and(|length_mm| length_mm != 70.0);
+    let stop = until_true("a wrong length", async || lengths_mm().iter().any(is_wrong));
     // The help that this rule needs is there already; the other rules do not wait long for theirs.
     robot.with(|robot| {
         let array = robot.whiskers()[0].array().clone();
@@ -100,7 +100,7 @@ async fn an_interrupted_check_withdraws_the_lengths_that_it_told() {
     (options.timings.help, options.timings.fill) = (Duration::from_secs(2), Duration::from_secs(2));
     let report = check(&connection(&broker, "r"), options, &mut |_: Progress| {}, stop).await.unwrap();
     assert!(report.is_interrupted, "{report}");
-    until_true("no estimates", async || told_mm() == [None; 2]).await;
+    until_true("no estimates", async || lengths_mm() == [None; 2]).await;
     fleet.stop().await;
 }
 

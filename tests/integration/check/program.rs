@@ -77,8 +77,8 @@ async fn the_exit_code_says_whether_a_rule_was_broken() {
     let table = String::from_utf8(failed.stdout).unwrap();
     let broken: Vec<&str> = table.lines().filter(|line| line.contains(" FAIL ")).collect();
     assert!(matches!(broken[..], [line] if line.starts_with("not-retained")), "{table}");
-    let told = String::from_utf8(failed.stderr).unwrap();
-    assert!(told.contains("about") && told.contains("setpoints"), "{told}");
+    let message = String::from_utf8(failed.stderr).unwrap();
+    assert!(message.contains("about") && message.contains("setpoints"), "{message}");
     good.stop().await;
     bad.stop().await;
 }
@@ -90,9 +90,9 @@ async fn a_broker_that_does_not_let_it_write_is_named() {
     // Without a factsheet the check's first message is a request for one.
     let (robot, _) = robot_of(&robots_broker(&broker), FLEET, "r", Some(Misbehaviour::NoFactsheetAtBirth)).await;
     let done = run(&broker, "r", &password, &[]).await;
-    let told = String::from_utf8(done.stderr).unwrap();
-    assert_eq!(done.status.code(), Some(1), "{told}");
-    assert!(told.contains("this user may not do it"), "{told}");
+    let message = String::from_utf8(done.stderr).unwrap();
+    assert_eq!(done.status.code(), Some(1), "{message}");
+    assert!(message.contains("this user may not do it"), "{message}");
     robot.stop().await;
 }
 

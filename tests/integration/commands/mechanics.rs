@@ -31,11 +31,11 @@ fn paper_solve_answers_case_1() {
 fn property_solve_out_of_range_is_an_answer_and_a_cut_into_the_chamber_is_not() {
     let folder = tempfile::tempdir().unwrap();
     let solve = |length_mm: &str| vibrissa(&["solve", "--target-mm", "70", "--length-mm", length_mm], folder.path());
-    for (length_mm, told) in [("55", "55 mm stays more sensitive"), ("82", "82 mm stays less sensitive")] {
+    for (length_mm, statement) in [("55", "55 mm stays more sensitive"), ("82", "82 mm stays less sensitive")] {
         let answer = solve(length_mm);
         assert_eq!(answer.status.code(), Some(3), "{}", err(&answer));
         let text = String::from_utf8(answer.stdout).unwrap();
-        assert!(text.starts_with(&format!("OUT OF RANGE: {told}")) && text.contains("setpoint  "), "{text}");
+        assert!(text.starts_with(&format!("OUT OF RANGE: {statement}")) && text.contains("setpoint  "), "{text}");
     }
     let json = vibrissa(&["solve", "--target-mm", "70", "--length-mm", "55", "--json"], folder.path());
     assert_eq!(json.status.code(), Some(3), "{}", err(&json));

@@ -28,8 +28,8 @@ fn a_number_below_zero_is_answered_with_the_range() {
         (vec!["config", "--policy-predicted-error-max", "-0.01"], 1, "must be from "),
         (vec!["config", "--mqtt-port", "-1"], 1, "must be a whole number from 0 to 65535, not -1"),
     ] {
-        let told = refused(&arguments, code);
-        assert!(told.contains(range) && !told.contains("unexpected argument"), "{arguments:?}: {told}");
+        let message = refused(&arguments, code);
+        assert!(message.contains(range) && !message.contains("unexpected argument"), "{arguments:?}: {message}");
     }
 }
 
@@ -56,12 +56,12 @@ fn closed_words_are_taken_in_any_case_and_a_wrong_one_lists_the_allowed_ones() {
         (vec!["token", "create", "--role", "boss", "--all-fleets"], 2, "VIEWER, OPERATOR, ENGINEER, ADMIN"),
         (vec!["config", "--policy-mode", "manual"], 1, "must be automatic or advise, not \"manual\""),
     ] {
-        let told = refused(&arguments, code);
-        assert!(told.contains(words), "{arguments:?}: {told}");
+        let message = refused(&arguments, code);
+        assert!(message.contains(words), "{arguments:?}: {message}");
     }
     // A condition in lower case passes the parser: the error is that of the connection.
-    let told = refused(&["whiskers", "--condition", "trimmed", "--url", "http://127.0.0.1:1"], 1);
-    assert!(told.contains("http://127.0.0.1:1/v1/whiskers") && told.contains("condition=TRIMMED"), "{told}");
+    let message = refused(&["whiskers", "--condition", "trimmed", "--url", "http://127.0.0.1:1"], 1);
+    assert!(message.contains("http://127.0.0.1:1/v1/whiskers") && message.contains("condition=TRIMMED"), "{message}");
 }
 
 #[test]
@@ -85,11 +85,11 @@ fn fleets_are_names_and_patterns() {
         vec!["whiskers", "--fleet", "a b"],
         vec!["export", "contacts", "--csv", "c.csv", "--fleet", "hall.*"],
     ] {
-        let told = refused(&arguments, 2);
-        assert!(told.contains("neither the name of a fleet nor a pattern"), "{arguments:?}: {told}");
+        let message = refused(&arguments, 2);
+        assert!(message.contains("neither the name of a fleet nor a pattern"), "{arguments:?}: {message}");
     }
-    let told = refused(&["whiskers", "--fleet", "hall-*,lab", "--url", "http://127.0.0.1:1"], 1);
-    assert!(told.contains("http://127.0.0.1:1/v1/whiskers") && told.contains("fleet=hall-*%2Clab"), "{told}");
+    let message = refused(&["whiskers", "--fleet", "hall-*,lab", "--url", "http://127.0.0.1:1"], 1);
+    assert!(message.contains("http://127.0.0.1:1/v1/whiskers") && message.contains("fleet=hall-*%2Clab"), "{message}");
 }
 
 #[test]
@@ -97,9 +97,12 @@ fn an_invalid_log_filter_is_refused_by_every_command_that_logs() {
     let broker = ["--broker", "mqtt://127.0.0.1:1", "--fleet", "f"];
     for command in [vec!["config"], vec!["run"], vec!["record"], vec!["check-robot", "--robot", "r"]] {
         let more: &[&str] = if command.len() == 1 && command[0] != "record" { &[] } else { &broker };
-        let told = refused(&[&command[..], more, &["--log", "blah=5"]].concat(), 1);
-        assert!(told.contains("log (flag --log): is not a log filter: \"5\" in \"blah=5\" is not a level"), "{told}");
-        assert!(told.contains("the levels are off, error, warn, info, debug, trace"), "{told}");
+        let message = refused(&[&command[..], more, &["--log", "blah=5"]].concat(), 1);
+        assert!(
+            message.contains("log (flag --log): is not a log filter: \"5\" in \"blah=5\" is not a level"),
+            "{message}"
+        );
+        assert!(message.contains("the levels are off, error, warn, info, debug, trace"), "{message}");
     }
 }
 
@@ -118,17 +121,17 @@ fn the_help_of_a_command_shows_the_options_that_it_uses() {
         ),
         ("run", &["--http-listen", "--database-url", "--policy-mode", "--mqtt-port"], &[]),
     ] {
-        let told = help(command);
-        let names: Vec<&str> = told.split_whitespace().map(|word| word.trim_end_matches(',')).collect();
+        let text = help(command);
+        let names: Vec<&str> = text.split_whitespace().map(|word| word.trim_end_matches(',')).collect();
         for option in used {
-            assert!(names.contains(option), "{command} lacks {option}:\n{told}");
+            assert!(names.contains(option), "{command} lacks {option}:\n{text}");
         }
         for option in unused {
-            assert!(!names.contains(option), "{command} shows {option}:\n{told}");
+            assert!(!names.contains(option), "{command} shows {option}:\n{text}");
         }
     }
-    let told = help("record");
-    let headings: Vec<&str> = told.lines().filter(|line| line.ends_with(':') && !line.starts_with(' ')).collect();
+    let text = help("record");
+    let headings: Vec<&str> = text.lines().filter(|line| line.ends_with(':') && !line.starts_with(' ')).collect();
     assert_eq!(headings, ["Options:", "General settings:", "MQTT broker:"]);
     assert!(help("run").contains("\nPolicy of compensations:\n"));
 }
@@ -153,9 +156,9 @@ const ESCAPE: char = '\u{1b}';
 #[test]
 fn a_log_in_a_file_has_no_colours() {
     let folder = tempfile::tempdir().unwrap();
-    let told = err(&vibrissa(&LOGGING, folder.path()));
-    assert!(told.contains("WARN") && told.contains("127.0.0.1:1"), "the command must log something: {told}");
-    assert!(!told.contains(ESCAPE), "{told:?}");
+    let log = err(&vibrissa(&LOGGING, folder.path()));
+    assert!(log.contains("WARN") && log.contains("127.0.0.1:1"), "the command must log something: {log}");
+    assert!(!log.contains(ESCAPE), "{log:?}");
 }
 
 #[test]

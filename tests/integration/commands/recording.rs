@@ -17,11 +17,11 @@ fn a_recording_without_a_broker_fails_and_names_the_address_and_the_remedy() {
     for out in ["-", "day.jsonl"] {
         let arguments = ["record", "--broker", &url, "--fleet", "lab", "--for", "500ms", "--out", out];
         let ended = vibrissa(&arguments, folder.path());
-        let told = err(&ended);
-        let last = told.lines().last().unwrap();
-        assert_eq!(ended.status.code(), Some(1), "{told}");
-        assert!(last.starts_with("vibrissa: 0 messages recorded; not recorded: fleet lab: tried "), "{told}");
-        assert!(last.contains(&format!("127.0.0.1:{port}: nothing listens there: start the broker")), "{told}");
+        let message = err(&ended);
+        let last = message.lines().last().unwrap();
+        assert_eq!(ended.status.code(), Some(1), "{message}");
+        assert!(last.starts_with("vibrissa: 0 messages recorded; not recorded: fleet lab: tried "), "{message}");
+        assert!(last.contains(&format!("127.0.0.1:{port}: nothing listens there: start the broker")), "{message}");
         assert!(ended.stdout.is_empty());
     }
     let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
@@ -37,6 +37,6 @@ fn a_server_that_never_answers_is_named_too() {
     let url = format!("mqtt://{address}");
     let ended = vibrissa(&["record", "--broker", &url, "--for", "500ms"], folder.path());
     assert_eq!(ended.status.code(), Some(1), "{}", err(&ended));
-    let told = err(&ended);
-    assert!(told.contains("tried once in ") && told.contains(&format!("MQTT broker {address}: ")), "{told}");
+    let message = err(&ended);
+    assert!(message.contains("tried once in ") && message.contains(&format!("MQTT broker {address}: ")), "{message}");
 }

@@ -55,9 +55,9 @@ async fn every_evaluation_can_be_stopped_and_leaves_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let child = start(&[&["evaluate"], &arguments[..], &["--svg", "figures"]].concat(), folder.path());
         let output = stopped(child, signal).await;
-        let told = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(130), "{told}");
-        assert!(told.contains("vibrissa: stopped: the evaluation is incomplete"), "{told}");
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(130), "{message}");
+        assert!(message.contains("vibrissa: stopped: the evaluation is incomplete"), "{message}");
         assert!(output.stdout.is_empty());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
@@ -67,9 +67,9 @@ async fn every_evaluation_can_be_stopped_and_leaves_nothing() {
 async fn a_replay_that_waits_for_its_input_can_be_stopped() {
     let folder = tempfile::tempdir().unwrap();
     let output = stopped(start(&["replay", "-"], folder.path()), Signal::SIGINT).await;
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(130), "{told}");
-    assert!(told.contains("vibrissa: stopped: the output covers only the part"), "{told}");
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    assert!(message.contains("vibrissa: stopped: the output covers only the part"), "{message}");
 }
 
 #[test]
@@ -81,9 +81,9 @@ fn an_evaluation_tells_its_progress_without_a_terminal() {
         (&["compensation", "--plants", "1"], "compensations"),
         (&["reality", "--rows", "ideal", "--contacts", "1", "--cuts", "1"], "robots"),
     ] {
-        let told = err(&vibrissa(&[&["evaluate"], arguments].concat(), folder.path()));
-        let first = told.lines().next().unwrap_or_default();
+        let progress = err(&vibrissa(&[&["evaluate"], arguments].concat(), folder.path()));
+        let first = progress.lines().next().unwrap_or_default();
         let is_progress = first.starts_with("vibrissa: 0 of ") && first.contains(&format!(" {what} done after "));
-        assert!(is_progress, "{arguments:?}: {told}");
+        assert!(is_progress, "{arguments:?}: {progress}");
     }
 }

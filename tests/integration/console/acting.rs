@@ -85,13 +85,13 @@ async fn a_refusal_is_told_in_the_services_words_and_the_same_request_keeps_its_
     stage.browser.js(&format!("window.answer = {}", json!({ "status": 409, "body": problem }))).await;
     ask(&mut stage, "Hold").await;
     stage.browser.js("document.querySelector('dialog textarea').value = 'a look at it'").await;
-    let told = format!("{DIALOG}.querySelector('[role=alert]').innerText");
+    let alert = format!("{DIALOG}.querySelector('[role=alert]').innerText");
     let send = "document.querySelector('dialog form').requestSubmit()";
     stage.browser.js(send).await;
-    stage.browser.until("the problem is shown", &format!("{told}.includes('the robot is offline')")).await;
-    assert!(stage.browser.js(&told).await.as_str().unwrap().contains("request-7"));
+    stage.browser.until("the problem is shown", &format!("{alert}.includes('the robot is offline')")).await;
+    assert!(stage.browser.js(&alert).await.as_str().unwrap().contains("request-7"));
     stage.browser.js(&format!("{DIALOG}.querySelector('[role=alert]').replaceChildren(); {send}")).await;
-    stage.browser.until("the problem is shown again", &format!("{told}.includes('the robot is offline')")).await;
+    stage.browser.until("the problem is shown again", &format!("{alert}.includes('the robot is offline')")).await;
     stage.browser.js(&format!("document.querySelector('dialog textarea').value = ''; {send}")).await;
     stage.browser.until("another request", "window.sent.length === 3").await;
     let sent = sent(&mut stage).await;

@@ -201,9 +201,9 @@ async fn what_was_refused_of_a_robot_is_on_its_page_with_its_reason_in_words() {
     until_true("the refusal", async || !items(&stage, refusals).await.is_empty()).await;
     stage.open("#/fleets/f/robots/r").await;
     stage.browser.until("the refusal", &format!("!!{row}")).await;
-    let told = text(&mut stage, "tr[data-key='refusal-status-not_json']").await;
+    let text = text(&mut stage, "tr[data-key='refusal-status-not_json']").await;
     for part in ["status", "not_json", "1", "the payload is not JSON", "send all of it"] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(text.contains(part), "{part}: {text}");
     }
     assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
     stage.is_clean();

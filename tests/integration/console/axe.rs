@@ -56,10 +56,10 @@ pub(crate) async fn violations(browser: &mut Browser, script: &str) -> Vec<Strin
     if browser.js("typeof axe").await == "undefined" {
         browser.js(&format!("{script};0")).await;
     }
-    let told = "`${one.id} (${one.impact}): ${one.nodes.slice(0, 3).map((node) => \
+    let finding = "`${one.id} (${one.impact}): ${one.nodes.slice(0, 3).map((node) => \
                 `${node.target.join(' ')} ${node.html.slice(0, 160)} ${node.failureSummary}`).join(' | ')}`";
     let options = "{ resultTypes: ['violations'] }";
-    let asked = format!("axe.run(document, {options}).then(({{ violations }}) => violations.map((one) => {told}))");
+    let asked = format!("axe.run(document, {options}).then(({{ violations }}) => violations.map((one) => {finding}))");
     let found = browser.js(&asked).await;
     found.as_array().unwrap().iter().map(|one| one.as_str().unwrap().to_owned()).collect()
 }

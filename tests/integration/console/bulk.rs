@@ -56,11 +56,11 @@ async fn all_24_robots_shown_are_held_after_a_dry_run_and_their_progress_is_show
     let (mut stage, _robots) = many().await;
     stage.open("#/fleets/f?label=hall%3D2").await;
     press(&mut stage, "Hold all shown").await;
-    let told = words(&mut stage, DIALOG).await;
+    let text = words(&mut stage, DIALOG).await;
     for part in ["Hold 24 robots", "f, many-000", "f, many-023", "Pressures do not change"] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(text.contains(part), "{part}: {text}");
     }
-    assert!(!told.contains("f, r\n"), "robot r has no such label: {told}");
+    assert!(!text.contains("f, r\n"), "robot r has no such label: {text}");
     looks_right(&mut stage, "dialog").await;
     stage.browser.js(&format!("{DIALOG}.querySelector('textarea').value = 'work in hall 2'")).await;
     stage.browser.js(&format!("{DIALOG}.querySelector('form').requestSubmit()")).await;
@@ -88,9 +88,9 @@ async fn all_24_robots_shown_are_held_after_a_dry_run_and_their_progress_is_show
     stage.browser.click("document.querySelector('main tbody a')").await;
     stage.browser.until("the request", "document.querySelector('h1').textContent.startsWith('Action ')").await;
     stage.browser.until("its subjects", "document.querySelectorAll('main tbody tr').length === 3").await;
-    let told = words(&mut stage, "document.querySelector('main')").await;
+    let text = words(&mut stage, "document.querySelector('main')").await;
     for part in ["release many whiskers", "0 of 2 done, 2 refused", "ROBOT_HELD", "label: hall"] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(text.contains(part), "{part}: {text}");
     }
     looks_right(&mut stage, "one").await;
     stage.is_clean();
@@ -100,9 +100,9 @@ async fn all_24_robots_shown_are_held_after_a_dry_run_and_their_progress_is_show
 /// Presses a button of the page that opens a dialog, checks the dry run, fills the dialog in with a script, and confirms.
 async fn confirm(stage: &mut Stage, button: &str, parts: &[&str], script: &str, picture: &str) {
     press(stage, button).await;
-    let told = words(stage, DIALOG).await;
+    let text = words(stage, DIALOG).await;
     for part in parts {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(text.contains(part), "{part}: {text}");
     }
     looks_right(stage, picture).await;
     stage.browser.js(script).await;

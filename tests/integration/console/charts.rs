@@ -133,17 +133,17 @@ async fn the_cursor_tells_the_values_with_the_mouse_and_with_the_keyboard() {
     // Without a cursor the chart names the newest values.
     let lengths = ask(stage.service.http, "GET", &format!("{PATH}/lengths"), &[]).await.unwrap().json();
     let lengths = lengths["items"].as_array().unwrap().clone();
-    let told = |row: &Value| format!("{:.2}\u{a0}mm", row["length_mm"].as_f64().unwrap());
+    let shown_length = |row: &Value| format!("{:.2}\u{a0}mm", row["length_mm"].as_f64().unwrap());
     let value = "document.querySelector('[data-chart=length] b').textContent";
-    assert!(stage.browser.js(value).await.as_str().unwrap().starts_with(&told(lengths.last().unwrap())));
+    assert!(stage.browser.js(value).await.as_str().unwrap().starts_with(&shown_length(lengths.last().unwrap())));
     // Home goes to the first contact, the arrow to the second one; a live text tells time and values.
     stage.browser.js("document.querySelector('[data-chart=length] .plot').focus()").await;
     stage.browser.press("Home").await;
     stage.browser.press("ArrowRight").await;
-    assert!(stage.browser.js(value).await.as_str().unwrap().starts_with(&told(&lengths[1])));
+    assert!(stage.browser.js(value).await.as_str().unwrap().starts_with(&shown_length(&lengths[1])));
     let live = stage.browser.js("document.querySelector('whisker-charts .unseen[aria-live=polite]').textContent").await;
     let live = live.as_str().unwrap();
-    assert!(live.contains("Estimated length") && live.contains(&told(&lengths[1])), "{live}");
+    assert!(live.contains("Estimated length") && live.contains(&shown_length(&lengths[1])), "{live}");
     // All charts show the same moment.
     let moments =
         "new Set([...document.querySelectorAll('whisker-charts .values .at')].map((one) => one.textContent)).size";
@@ -170,7 +170,7 @@ async fn the_cursor_tells_the_values_with_the_mouse_and_with_the_keyboard() {
     stage.browser.click("document.querySelector('.value-tables summary')").await;
     let newest = "document.querySelector('.value-tables tbody tr')?.innerText";
     stage.browser.until("a table", newest).await;
-    assert!(stage.browser.js(newest).await.as_str().unwrap().contains(&told(lengths.last().unwrap())));
+    assert!(stage.browser.js(newest).await.as_str().unwrap().contains(&shown_length(lengths.last().unwrap())));
     assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
     stage.is_clean();
     stage.stop().await;
@@ -213,12 +213,16 @@ async fn events_are_marked_and_lead_to_their_decision_and_alarm() {
     // In an hour the marks of one moment overlap and become one, which tells all its events.
     stage.browser.js("document.querySelector('.lane button').focus()").await;
     stage.browser.press("Enter").await;
-    let told = stage
+    let description = stage
         .browser
         .until("events", "document.querySelector('.told li') && document.querySelector('.told').innerText")
         .await;
     for part in ["trim detected: 70.0", "setpoint ", "hold", "by local"] {
-        assert!(told.as_str().unwrap().contains(part), "{part}: {told}; marks: {}", stage.browser.js(words).await);
+        assert!(
+            description.as_str().unwrap().contains(part),
+            "{part}: {description}; marks: {}",
+            stage.browser.js(words).await
+        );
     }
     let pressed = "document.activeElement.matches('.lane button[aria-pressed=true]')";
     assert_eq!(stage.browser.js(pressed).await, true, "the mark keeps the focus");

@@ -12,11 +12,11 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_lab-under-test");
 const ROBOT: &str = "#/fleets/demo/robots/crawler-1";
 const NAMES: [&str; 6] = ["Cut 5 mm", "Cut 22 mm", "Wear off", "Leak", "Heat by 10 K", "Replace"];
 
-pub(crate) async fn press(browser: &mut Browser, name: &str, told: &str) {
+pub(crate) async fn press(browser: &mut Browser, name: &str, notice: &str) {
     browser.until(name, &button(name)).await;
     browser.js(&format!("{}.focus()", button(name))).await;
     browser.press("Enter").await;
-    browser.until(told, &format!("document.getElementById('notices').innerText.includes('{told}')")).await;
+    browser.until(notice, &format!("document.getElementById('notices').innerText.includes('{notice}')")).await;
 }
 
 pub(crate) fn picture(name: &str, width: u32, scheme: &str) -> Option<std::path::PathBuf> {

@@ -59,8 +59,8 @@ async fn notes_are_added_shown_as_they_were_written_and_removed() {
     stage.browser.size(1280, 844).await;
     stage.open("#/fleets/f/robots/r").await;
     press(&mut stage, "Remove \u{2026}").await;
-    let told = stage.browser.js(&format!("{DIALOG}.innerText")).await.as_str().unwrap().to_owned();
-    assert!(told.contains(texts[1]), "{told}");
+    let dialog = stage.browser.js(&format!("{DIALOG}.innerText")).await.as_str().unwrap().to_owned();
+    assert!(dialog.contains(texts[1]), "{dialog}");
     send(&mut stage).await;
     stage.browser.until("one note", &format!("{NOTES}.length === 1")).await;
     assert_eq!(notes(&stage).await, [stored[1].clone()]);

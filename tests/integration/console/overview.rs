@@ -41,7 +41,7 @@ pub(crate) async fn upload(stage: &mut Stage, model: &str, content: &str) {
 #[tokio::test]
 async fn the_overview_shows_arrays_errors_and_changes_with_links() {
     let mut stage = with_a_compensation().await;
-    let told = ask(stage.service.http, "GET", "/v1/overview", &[]).await.unwrap().json();
+    let overview = ask(stage.service.http, "GET", "/v1/overview", &[]).await.unwrap().json();
     for page in ["#/fleets", "#/fleets/f"] {
         stage.open(page).await;
         let links = "[...document.querySelectorAll('.arrays a')].map((one) => one.getAttribute('href')).sort()";
@@ -52,7 +52,7 @@ async fn the_overview_shows_arrays_errors_and_changes_with_links() {
         let words = "document.querySelector('.arrays a[href$=\"/r\"] .what').textContent";
         assert!(stage.browser.js(words).await.as_str().unwrap().contains("left 0 trimmed"), "{page}");
         let counts = "[...document.querySelectorAll('.changes strong')].map((one) => Number(one.textContent))";
-        let expected = ["trims", "alarms", "setpoints_applied", "whiskers_replaced"].map(|name| told[name].clone());
+        let expected = ["trims", "alarms", "setpoints_applied", "whiskers_replaced"].map(|name| overview[name].clone());
         assert_eq!(stage.browser.js(counts).await, json!(expected), "{page}");
         let measured = "[...document.querySelectorAll('.histogram .many')].map((one) => one.textContent)";
         assert_eq!(stage.browser.js(measured).await, json!(["1"]), "{page}");
@@ -63,8 +63,8 @@ async fn the_overview_shows_arrays_errors_and_changes_with_links() {
     for (name, at) in expected {
         stage.open(targets[at].as_str().unwrap()).await;
         let rows = "document.querySelectorAll('main tbody tr').length";
-        assert_eq!(stage.browser.js(rows).await, told[name], "{name}");
-        assert_ne!(told[name], 0, "{name}");
+        assert_eq!(stage.browser.js(rows).await, overview[name], "{name}");
+        assert_ne!(overview[name], 0, "{name}");
     }
     for at in [1, 3] {
         stage.open(targets[at].as_str().unwrap()).await;
@@ -83,19 +83,19 @@ async fn a_question_what_if_is_in_the_address_and_shows_candidates_and_curve() {
     stage.browser.until("the question", "document.querySelector('h1').textContent === 'What if'").await;
     stage.open(CUT).await;
     let path = "/v1/fleets/f/robots/r/arrays/left/whiskers/0/what-if?length_mm=64";
-    let told = ask(stage.service.http, "GET", path, &[]).await.unwrap().json();
-    let candidates = told["decisions"][0]["candidates"].as_array().unwrap().len();
-    assert!(candidates > 1, "{told}");
+    let answer = ask(stage.service.http, "GET", path, &[]).await.unwrap().json();
+    let candidates = answer["decisions"][0]["candidates"].as_array().unwrap().len();
+    assert!(candidates > 1, "{answer}");
     let rows = "document.querySelectorAll('[id^=part-candidates] + .table tbody tr').length";
     assert_eq!(stage.browser.js(rows).await, json!(candidates));
     // The objectives beside one another; the robot applies no gain, so the paper's is in force.
-    let objectives = told["by_objective"].as_array().unwrap();
-    assert_eq!(objectives.len(), 3, "{told}");
+    let objectives = answer["by_objective"].as_array().unwrap();
+    assert_eq!(objectives.len(), 3, "{answer}");
     let in_force: Vec<_> = objectives.iter().filter(|one| one["in_force"] == true).collect();
-    assert!(in_force.len() == 1 && in_force[0]["objective"] == "TIP", "{told}");
+    assert!(in_force.len() == 1 && in_force[0]["objective"] == "TIP", "{answer}");
     let of = |objective: &str| objectives.iter().find(|one| one["objective"] == objective).unwrap();
-    assert!(of("SHAPE")["predicted_error"].as_f64() < of("MEAN")["predicted_error"].as_f64(), "{told}");
-    assert!(of("SHAPE")["reading_gain"].is_f64() && of("TIP")["reading_gain"].is_null(), "{told}");
+    assert!(of("SHAPE")["predicted_error"].as_f64() < of("MEAN")["predicted_error"].as_f64(), "{answer}");
+    assert!(of("SHAPE")["reading_gain"].is_f64() && of("TIP")["reading_gain"].is_null(), "{answer}");
     let rows = "[...document.querySelectorAll('main table')]\
                 .find((one) => one.caption?.textContent.includes('Objectives of the policy'))?.tBodies[0].rows.length";
     assert_eq!(stage.browser.js(rows).await, json!(3));
@@ -103,10 +103,10 @@ async fn a_question_what_if_is_in_the_address_and_shows_candidates_and_curve() {
     let curve = "document.querySelectorAll('what-if-chart tbody tr').length";
     assert_eq!(stage.browser.js(curve).await, json!(12));
     // A shorter whisker is more sensitive; the compensator comes nearer to the whole one.
-    let at = |name: &str| told["by_ratio"][6][name].as_f64().unwrap();
+    let at = |name: &str| answer["by_ratio"][6][name].as_f64().unwrap();
     let (before, after, compensated) = (at("before_per_mm"), at("after_per_mm"), at("compensated_per_mm"));
-    assert!(after > before, "{told}");
-    assert!((compensated - before).abs() < (after - before).abs(), "{told}");
+    assert!(after > before, "{answer}");
+    assert!((compensated - before).abs() < (after - before).abs(), "{answer}");
     // Another length changes the address. An impossible length leads to an error in plain words.
     let length = "{ const field = document.getElementById('what-if-length_mm'); field.value = '200'; \
                   field.dispatchEvent(new Event('change')); }";

@@ -47,13 +47,13 @@ async fn fetched(stage: &mut Stage, method: &str, path: &str) -> (Value, Value) 
     let script = format!(
         "fetch('{path}', {{ method: '{method}' }}).then(async (answer) => [answer.status, await answer.json().catch(() => null)])"
     );
-    let told = stage.browser.js(&script).await;
-    (told[0].clone(), told[1].clone())
+    let result = stage.browser.js(&script).await;
+    (result[0].clone(), result[1].clone())
 }
 
 async fn cookies(stage: &mut Stage) -> Vec<Value> {
-    let told = stage.browser.call("Network.getCookies", json!({})).await;
-    told["cookies"].as_array().unwrap().iter().filter(|one| one["name"] == "vibrissa-session").cloned().collect()
+    let result = stage.browser.call("Network.getCookies", json!({})).await;
+    result["cookies"].as_array().unwrap().iter().filter(|one| one["name"] == "vibrissa-session").cloned().collect()
 }
 
 #[tokio::test]
@@ -140,8 +140,8 @@ async fn people_sign_in_with_keycloak_and_out_again() {
 
     // Without a role nobody is let in, and the page says why.
     sign_in(&mut stage, "bob").await;
-    let told = "document.querySelector('[role=alert]')?.textContent.includes('no role')";
-    comes(&mut stage, "the reason", told).await;
+    let condition = "document.querySelector('[role=alert]')?.textContent.includes('no role')";
+    comes(&mut stage, "the reason", condition).await;
     stage.picture("sign-in-no-role").await;
 
     // The provider ends the session: the page says so.
@@ -150,8 +150,8 @@ async fn people_sign_in_with_keycloak_and_out_again() {
     sign_in(&mut stage, "ann").await;
     comes(&mut stage, "the user", user).await;
     keycloak.end_all_sessions();
-    let told = "document.querySelector('[role=alert]')?.textContent.includes('session has ended')";
-    comes(&mut stage, "the end of the session", told).await;
+    let condition = "document.querySelector('[role=alert]')?.textContent.includes('session has ended')";
+    comes(&mut stage, "the end of the session", condition).await;
     stage.picture("session-ended").await;
     stage.stop().await;
 }

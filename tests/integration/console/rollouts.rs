@@ -33,8 +33,8 @@ async fn looks_right(stage: &mut Stage, name: &str) {
 }
 
 async fn shows(stage: &mut Stage, words: &str) {
-    let told = format!("document.querySelector('main').innerText.includes({})", json!(words));
-    stage.browser.until(words, &told).await;
+    let condition = format!("document.querySelector('main').innerText.includes({})", json!(words));
+    stage.browser.until(words, &condition).await;
 }
 
 #[tokio::test]

@@ -48,8 +48,8 @@ async fn each_role_sees_its_name_and_which_actions_it_may_not_use() {
     let shown = buttons(&mut stage).await;
     assert!(shown.len() >= 5, "{shown:?}");
     for (name, is_disabled, description) in shown {
-        let told = (is_disabled, description.as_str());
-        assert_eq!(told, (true, "This requires the role operator. Your role is viewer."), "{name}");
+        let state = (is_disabled, description.as_str());
+        assert_eq!(state, (true, "This requires the role operator. Your role is viewer."), "{name}");
     }
     assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
     stage.picture("viewer").await;

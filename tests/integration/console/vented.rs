@@ -55,8 +55,8 @@ async fn regress_a_vented_whisker_that_is_not_held_is_released_beside_its_alarm(
         "[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('Release all vented'))";
     stage.browser.click(all).await;
     stage.browser.until("a dialog", "document.querySelector('dialog[open]')").await;
-    let told = stage.browser.js("document.querySelector('dialog[open]').innerText").await;
-    assert!(told.as_str().unwrap().contains("Release 2 whiskers"), "{told}");
+    let dialog = stage.browser.js("document.querySelector('dialog[open]').innerText").await;
+    assert!(dialog.as_str().unwrap().contains("Release 2 whiskers"), "{dialog}");
     stage.browser.js("document.querySelector('dialog[open] form').requestSubmit()").await;
     for _ in 0..2 {
         let (setpoint, _) = stage.robot.setpoint().await;

@@ -60,11 +60,11 @@ async fn boxes_are_replaced_limited_and_removed(database: &Fresh) {
     }
     assert_eq!(boxes(store).await.len() as i64, BOXES_PER_ROBOT, "the oldest are gone");
 
-    let mut told = Vec::new();
+    let mut reports = Vec::new();
     let retention = Retention { contacts_days: 0, minutes_days: 0, black_boxes_days: 1, records_days: 0 };
     let now_us = 86_400_000_000 + 1_000_000_000 + 10 * 60_000_000;
-    store.look_after(retention, now_us, &mut |done| told.push(done)).await.unwrap();
-    assert_eq!(told, [Done::Removed { table: "black_boxes", rows: 7 }], "those of the minutes 3 to 9");
+    store.look_after(retention, now_us, &mut |done| reports.push(done)).await.unwrap();
+    assert_eq!(reports, [Done::Removed { table: "black_boxes", rows: 7 }], "those of the minutes 3 to 9");
 }
 
 #[tokio::test]

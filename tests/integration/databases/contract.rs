@@ -310,8 +310,9 @@ pub(crate) async fn written_and_read(database: &Fresh, together: usize) -> Value
     let tests_of_actions: Vec<Option<String>> =
         store.all::<ActionRow>(&ACTIONS, Vec::new()).await.unwrap().into_iter().map(|row| row.test_id).collect();
     let lengths = store.lengths("r", "left", 0, 500).await.unwrap();
-    let told = store.events_after(Position::default()).await.unwrap();
-    let told: Vec<_> = told.into_iter().filter_map(|(_, event)| event).collect();
+    let events = store.events_after(Position::default()).await.unwrap();
+    let events = events.into_iter().filter_map(|(_, event)| event);
+    let events: Vec<_> = events.map(|one| json!([one.kind, one.word, one.robot, one.whisker, one.data])).collect();
     let stored = writer.robots(&lease, 0, i64::MAX).await.unwrap().robots;
     let stored = stored.iter().map(|robot| {
         json!([
@@ -340,7 +341,7 @@ pub(crate) async fn written_and_read(database: &Fresh, together: usize) -> Value
         "between": store.contacts_between(("r", "left", 0), 1_795_248_000_000_010, 1_795_248_000_500_019).await.unwrap(),
         "setpoint_states": store.setpoint_states().await.unwrap(),
         "measured": store.measured_contacts().await.unwrap(),
-        "events": told.iter().map(|one| json!([one.kind, one.word, one.robot, one.whisker, one.data])).collect::<Vec<_>>(),
+        "events": events,
         "health": store.health_changes().await.unwrap(),
         "setpoints": store.setpoint_history().await.unwrap(),
         "robots": stored.collect::<Vec<_>>(),

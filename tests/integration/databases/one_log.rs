@@ -82,21 +82,24 @@ async fn waits_on(address: &DatabaseAddress) {
          JOIN events e ON e.event_id = d.event_id ORDER BY e.tx, e.event_id, d.webhook_id";
     assert_eq!(rows!(address, (i64, String, i64, Option<i64>), dead), letters);
     let data = "SELECT data FROM events WHERE audience = 'PEOPLE' AND kind = 'TRIM' ORDER BY tx, event_id";
-    let told: Vec<(i64, f64)> = rows!(address, (String,), data)
+    let reported: Vec<(i64, f64)> = rows!(address, (String,), data)
         .iter()
         .map(|(data,)| data.parse::<Value>().unwrap()["trim"].clone())
         .map(|trim| (trim["trim_id"].as_i64().unwrap(), trim["length_before_mm"].as_f64().unwrap()))
         .collect();
     // SQLite writes 15 digits.
-    let is_same = |told: &(i64, f64), trim: &(i64, f64)| told.0 == trim.0 && (told.1 - trim.1).abs() < 1e-9;
-    assert!(told.len() == trims.len() && told.iter().zip(&trims).all(|(told, trim)| is_same(told, trim)), "{told:?}");
+    let is_same = |reported: &(i64, f64), trim: &(i64, f64)| reported.0 == trim.0 && (reported.1 - trim.1).abs() < 1e-9;
+    assert!(
+        reported.len() == trims.len() && reported.iter().zip(&trims).all(|(reported, trim)| is_same(reported, trim)),
+        "{reported:?}"
+    );
 
     store.follow_events("f", 1).await.unwrap();
     let events = store.waiting_events("f").await.unwrap().events;
-    let told: Vec<Value> = events.iter().map(|event| published(event).parse().unwrap()).collect();
-    let kinds: Vec<&str> = told.iter().map(|event| event["type"].as_str().unwrap()).collect();
+    let documents: Vec<Value> = events.iter().map(|event| published(event).parse().unwrap()).collect();
+    let kinds: Vec<&str> = documents.iter().map(|event| event["type"].as_str().unwrap()).collect();
     assert_eq!(kinds, ["TRIM", "COMPENSATION_BEGUN", "SETPOINT_FAILED", "ALARM_RAISED", "CONTACTS"]);
-    for event in &told {
+    for event in &documents {
         let data = &event["data"];
         assert_eq!(
             (&event["timestamp"], &data["fleet"], &data["robot"]),
@@ -104,9 +107,12 @@ async fn waits_on(address: &DatabaseAddress) {
         );
         assert_eq!((&data["array"], &data["whisker"]), (&json!(array), &json!(whisker)), "{event}");
     }
-    assert_eq!(told[0]["data"]["trim"], json!({ "trim_id": 5, "length_before_mm": 70.0 }));
-    assert_eq!(told[1]["data"]["compensation"]["compensation_id"], 6);
-    assert_eq!((&told[3]["data"]["alarm"]["kind"], &told[4]["data"]["contacts"]), (&json!("LEAK"), &contacts));
+    assert_eq!(documents[0]["data"]["trim"], json!({ "trim_id": 5, "length_before_mm": 70.0 }));
+    assert_eq!(documents[1]["data"]["compensation"]["compensation_id"], 6);
+    assert_eq!(
+        (&documents[3]["data"]["alarm"]["kind"], &documents[4]["data"]["contacts"]),
+        (&json!("LEAK"), &contacts)
+    );
     let sql = "SELECT event_id FROM events WHERE audience <> 'PEOPLE' AND whisker_id = ".to_owned();
     assert_eq!(rows!(address, (i64,), AssertSqlSafe(format!("{sql}{whisker_id}"))).len(), waiting.len());
     // A new event gets a number that no earlier one has had.

@@ -63,14 +63,14 @@ struct Obedient {
     /// The highest (epoch, version) that it has received.
     seen: (u64, u64),
     /// Setpoints by command id.
-    told: BTreeMap<String, Setpoint>,
+    setpoints: BTreeMap<String, Setpoint>,
     pressure_mpa: f64,
 }
 
 impl Obedient {
     async fn born(broker: &Mosquitto) -> Self {
         let robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type2, &[70.0])).await;
-        Self { robot, seen: (0, 0), told: BTreeMap::new(), pressure_mpa: 0.1 }
+        Self { robot, seen: (0, 0), setpoints: BTreeMap::new(), pressure_mpa: 0.1 }
     }
 
     /// Sends contacts and waits until every message is receipted.
@@ -96,8 +96,8 @@ impl Obedient {
             self.robot.answer(setpoint, SetpointOutcome::Rejected, Some(SetpointError::WrongBoot)).await;
             return None;
         }
-        if let Some(told) = self.told.get(&setpoint.command_id) {
-            let (one, other) = (unaddressed(told), unaddressed(setpoint));
+        if let Some(earlier) = self.setpoints.get(&setpoint.command_id) {
+            let (one, other) = (unaddressed(earlier), unaddressed(setpoint));
             assert_eq!(one, other, "two setpoints have the same command id");
             // A repeated setpoint is answered again but not applied again.
             let again = Setpoint { pressure_mpa: self.pressure_mpa, ..setpoint.clone() };
@@ -109,7 +109,7 @@ impl Obedient {
             return Some(SetpointOutcome::Rejected);
         }
         self.seen = (setpoint.epoch, setpoint.version);
-        self.told.insert(setpoint.command_id.clone(), setpoint.clone());
+        self.setpoints.insert(setpoint.command_id.clone(), setpoint.clone());
         self.robot.answer(setpoint, SetpointOutcome::Applied, None).await;
         self.pressure_mpa = setpoint.pressure_mpa;
         self.robot.status().await;

@@ -70,10 +70,10 @@ async fn make(store: &Store, now_us: i64) -> Vec<String> {
 }
 
 async fn look_after(store: &Store, days: u32, now_us: i64) -> (Vec<Done>, bool) {
-    let mut told = Vec::new();
+    let mut reports = Vec::new();
     let retention = Retention { contacts_days: days, minutes_days: 0, black_boxes_days: 0, records_days: 0 };
-    let is_more = store.look_after(retention, now_us, &mut |done| told.push(done)).await.unwrap();
-    (told, is_more)
+    let is_more = store.look_after(retention, now_us, &mut |done| reports.push(done)).await.unwrap();
+    (reports, is_more)
 }
 
 #[tokio::test]
@@ -120,10 +120,10 @@ async fn partitions_that_are_too_old_go_and_those_that_are_over_are_indexed() {
     // Contacts from a supervisor whose clock was wrong.
     record(&mut writer, &lease, &numbered, NOON_US - 300 * DAY_US, 12).await;
     let now_us = NOON_US + 4 * DAY_US;
-    let (told, _) = look_after(&database.store, 2, now_us).await;
+    let (reports, _) = look_after(&database.store, 2, now_us).await;
     // The limit of two days before noon lies in the third partition, which therefore also has rows that are young
     // enough.
-    let dropped: Vec<&str> = told
+    let dropped: Vec<&str> = reports
         .iter()
         .filter_map(|done| match done {
             Done::Dropped { partition, bytes } if *bytes > 0 => Some(partition.as_str()),
@@ -132,12 +132,12 @@ async fn partitions_that_are_too_old_go_and_those_that_are_over_are_indexed() {
         .filter(|name| name.starts_with("contacts_2027"))
         .collect();
     assert_eq!(dropped, ["contacts_20270301", "contacts_20270302"]);
-    assert!(told.contains(&Done::Removed { table: "contacts", rows: 12 }), "{told:?}");
+    assert!(reports.contains(&Done::Removed { table: "contacts", rows: 12 }), "{reports:?}");
     for name in ["contacts_20270303", "contacts_20270304"] {
-        assert!(told.contains(&Done::Indexed { partition: name.to_owned() }), "{name} {told:?}");
+        assert!(reports.contains(&Done::Indexed { partition: name.to_owned() }), "{name} {reports:?}");
     }
     assert!(
-        !told.contains(&Done::Indexed { partition: "contacts_20270305".to_owned() }),
+        !reports.contains(&Done::Indexed { partition: "contacts_20270305".to_owned() }),
         "a partition that is still written must not be indexed"
     );
     let mut link = link(&database).await;
@@ -168,8 +168,8 @@ async fn a_long_query_puts_dropping_off_and_holds_no_commit_up() {
     reader.execute("SELECT count(*) FROM contacts").await.unwrap();
     let retention = Retention { contacts_days: 1, minutes_days: 0, black_boxes_days: 0, records_days: 0 };
     let later_us = NOON_US + 10 * DAY_US;
-    let mut told = Vec::new();
-    let mut tell = |done| told.push(done);
+    let mut reports = Vec::new();
+    let mut tell = |done| reports.push(done);
     let dropping = database.store.look_after(retention, later_us, &mut tell);
     let committing = async {
         let begun = Instant::now();
@@ -182,11 +182,11 @@ async fn a_long_query_puts_dropping_off_and_holds_no_commit_up() {
     let (dropped, ()) = tokio::join!(dropping, committing);
     let problem = dropped.unwrap_err();
     assert!(problem.is_passing() && problem.to_string().contains("lock timeout"), "{problem}");
-    assert!(told.is_empty(), "{told:?}");
+    assert!(reports.is_empty(), "{reports:?}");
     reader.rollback().await.unwrap();
-    let (told, _) = look_after(&database.store, 1, later_us).await;
+    let (reports, _) = look_after(&database.store, 1, later_us).await;
     assert!(
-        told.iter().any(|done| matches!(done, Done::Dropped { partition, .. } if partition == "contacts_20270301"))
+        reports.iter().any(|done| matches!(done, Done::Dropped { partition, .. } if partition == "contacts_20270301"))
     );
 }
 
@@ -198,8 +198,8 @@ async fn old_rows_of_sqlite_go_in_pieces() {
     record(&mut writer, &lease, &numbered, NOON_US + 10 * DAY_US, 300).await;
     let mut pieces = Vec::new();
     loop {
-        let (told, is_more) = look_after(&database.store, 7, NOON_US + 10 * DAY_US).await;
-        pieces.extend(told);
+        let (reports, is_more) = look_after(&database.store, 7, NOON_US + 10 * DAY_US).await;
+        pieces.extend(reports);
         if !is_more {
             break;
         }
@@ -274,12 +274,12 @@ async fn old_records_go(database: Fresh) {
     records.extend([setpoint(1, NOON_US), setpoint(2, NOON_US + 9 * DAY_US)]);
     writer.commit(&lease, &Batch { records, ..Batch::default() }).await.unwrap();
     let retention = Retention { contacts_days: 0, minutes_days: 0, black_boxes_days: 0, records_days: 5 };
-    let mut told = Vec::new();
-    database.store.look_after(retention, NOON_US + 10 * DAY_US, &mut |done| told.push(done)).await.unwrap();
-    told.retain(|done| matches!(done, Done::Removed { .. }));
+    let mut reports = Vec::new();
+    database.store.look_after(retention, NOON_US + 10 * DAY_US, &mut |done| reports.push(done)).await.unwrap();
+    reports.retain(|done| matches!(done, Done::Removed { .. }));
     let removed = |table| Done::Removed { table, rows: 1 };
     let expected = ["alarms", "health_changes", "setpoint_states", "setpoints"].map(removed);
-    assert_eq!(told, expected, "the alarm that stands is kept");
+    assert_eq!(reports, expected, "the alarm that stands is kept");
 }
 
 #[tokio::test]
@@ -450,12 +450,12 @@ async fn unused_whiskers_go(database: Fresh) {
     writer.commit(&lease, &empty).await.unwrap();
     let retention = Retention { contacts_days: 0, minutes_days: 0, black_boxes_days: 0, records_days: 0 };
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
-    let mut told = Vec::new();
+    let mut reports = Vec::new();
     for (later_us, gone) in [(DAY_US / 2, 0), (2 * DAY_US, 1), (2 * DAY_US, 0)] {
-        told.clear();
-        database.store.look_after(retention, now_us + later_us, &mut |done| told.push(done)).await.unwrap();
-        let removed = told.iter().filter(|done| matches!(done, Done::Removed { table: "whiskers", rows: 1 }));
-        assert_eq!(removed.count(), gone, "{told:?}");
+        reports.clear();
+        database.store.look_after(retention, now_us + later_us, &mut |done| reports.push(done)).await.unwrap();
+        let removed = reports.iter().filter(|done| matches!(done, Done::Removed { table: "whiskers", rows: 1 }));
+        assert_eq!(removed.count(), gone, "{reports:?}");
     }
     // The touched one has its number still. SQLite gives the number of the other one, which has no row left, again.
     let again = rows::numbered(&mut writer, &lease, "r").await.whisker_ids;

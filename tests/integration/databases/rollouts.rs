@@ -40,22 +40,22 @@ async fn a_roll_out_advances_or_is_rolled_back_by_the_errors_on_postgres() {
     let worse = &done(http, "/v1/fleets/f/rollouts", body.clone()).await["action_id"];
     let order = in_order(worse, &names);
     errors.write(&order, |at| if at < 5 { 0.5 + 0.01 * at as f64 } else { 0.05 + 0.001 * at as f64 }).await;
-    let told = reaches(http, worse, "state", "ROLLED_BACK").await;
-    assert_eq!(events(&told), ["STARTED", "ROLLED_BACK"], "{told}");
-    let rollout = &told["rollout"];
-    assert_eq!((&rollout["changed_robots"], &rollout["unchanged_robots"]), (&json!(5), &json!(79)), "{told}");
-    assert!((rollout["changed_error"].as_f64().unwrap() - 0.52).abs() < 1e-9, "{told}");
+    let detail = reaches(http, worse, "state", "ROLLED_BACK").await;
+    assert_eq!(events(&detail), ["STARTED", "ROLLED_BACK"], "{detail}");
+    let rollout = &detail["rollout"];
+    assert_eq!((&rollout["changed_robots"], &rollout["unchanged_robots"]), (&json!(5), &json!(79)), "{detail}");
+    assert!((rollout["changed_error"].as_f64().unwrap() - 0.52).abs() < 1e-9, "{detail}");
     assert_eq!(number(&mut link, "SELECT count(*) FROM policies").await, 0);
 
     // Errors that do not depend on the order in which robots are changed.
     let same = |at: usize| 0.05 + 0.001 * (at * 37 % ROBOTS) as f64;
     let equal = &done(http, "/v1/fleets/f/rollouts", body).await["action_id"];
     errors.write(&names, same).await;
-    let told = reaches(http, equal, "stage", "QUARTER").await;
-    assert_eq!(events(&told), ["STARTED", "ADVANCED"], "{told}");
+    let detail = reaches(http, equal, "stage", "QUARTER").await;
+    assert_eq!(events(&detail), ["STARTED", "ADVANCED"], "{detail}");
     errors.write(&names, same).await;
-    let told = reaches(http, equal, "state", "COMPLETED").await;
-    assert_eq!(events(&told), ["STARTED", "ADVANCED", "COMPLETED"], "{told}");
+    let detail = reaches(http, equal, "state", "COMPLETED").await;
+    assert_eq!(events(&detail), ["STARTED", "ADVANCED", "COMPLETED"], "{detail}");
     let in_force = service.store.policy("f").await.unwrap().unwrap();
     assert_eq!((in_force.version, in_force.mode.as_str(), json!(in_force.action_id)), (1, "ADVISE", equal.clone()));
     service.stop().await;

@@ -53,8 +53,8 @@ async fn a_locked_table_is_told_by_the_age_of_the_oldest_commit() {
     robot.touch(1, 1).await;
     until_true("an old message", async || age_s().await.is_some_and(|age| age > 3.0)).await;
     until_true("the problem", async || {
-        let (status, told) = try_get(owner.http, "/readyz").await.unwrap();
-        status == 503 && told.contains("nothing is recorded: ")
+        let (status, body) = try_get(owner.http, "/readyz").await.unwrap();
+        status == 503 && body.contains("nothing is recorded: ")
     })
     .await;
     sqlx::raw_sql("ROLLBACK").execute(&mut link).await.unwrap();

@@ -25,17 +25,17 @@ async fn regress_a_database_in_another_encoding_or_without_its_tables_is_refused
         let create = format!("CREATE DATABASE other ENCODING '{encoding}' LOCALE 'C' TEMPLATE template0");
         link.execute(sqlx::AssertSqlSafe(create)).await.unwrap();
         let url = format!("{}other", Postgres::url(server.port()).strip_suffix(DATABASE).unwrap());
-        let told = prepared(&url).await.unwrap_err();
-        assert!(!told.is_passing());
-        let told = told.to_string();
-        assert!(told.contains(encoding) && told.contains("createdb --encoding=UTF8"), "{told}");
+        let problem = prepared(&url).await.unwrap_err();
+        assert!(!problem.is_passing());
+        let problem = problem.to_string();
+        assert!(problem.contains(encoding) && problem.contains("createdb --encoding=UTF8"), "{problem}");
         link.execute("DROP DATABASE other WITH (FORCE)").await.unwrap();
     }
     let url = Postgres::url(server.port());
     assert!(prepared(&url).await.is_ok());
     link.execute("DROP TABLE setpoints CASCADE").await.unwrap();
-    let told = prepared(&url).await.unwrap_err().to_string();
-    assert!(told.contains("setpoints") && told.contains("pg_restore"), "{told}");
+    let problem = prepared(&url).await.unwrap_err().to_string();
+    assert!(problem.contains("setpoints") && problem.contains("pg_restore"), "{problem}");
 }
 
 /// Starts a supervisor on the database, waits until it is ready or tells of another database, and stops it. True if it

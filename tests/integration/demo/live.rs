@@ -102,9 +102,9 @@ async fn incidents_over_http_are_checked_and_described() {
         let answer = send(demo.http, "POST", "/demo/incidents", headers, Some(body)).await.unwrap();
         (answer.status, answer.json())
     };
-    let (status, told) = cause(&[], &incident("HEAT", json!({ "by_k": 10.0 }))).await;
-    assert_eq!(status, 200, "{told}");
-    assert!(told["told"].as_str().unwrap().contains("crawler-2/nose have 34.0"), "{told}");
+    let (status, happened) = cause(&[], &incident("HEAT", json!({ "by_k": 10.0 }))).await;
+    assert_eq!(status, 200, "{happened}");
+    assert!(happened["told"].as_str().unwrap().contains("crawler-2/nose have 34.0"), "{happened}");
     for (body, expected, field) in [
         (incident("CUT", json!({})), 422, Some("by_mm")),
         (incident("CUT", json!({ "by_mm": -1 })), 422, Some("by_mm")),

@@ -103,8 +103,8 @@ async fn every_route_for_every_role_in_every_fleet() {
         }
     }
     callers.push((Some(Role::Admin), true, Some(ROOT.to_owned())));
-    for (method, path, told) in routes(&served).await {
-        assert_eq!(told, expected(&method, &path), "{method} {path}");
+    for (method, path, declared) in routes(&served).await {
+        assert_eq!(declared, expected(&method, &path), "{method} {path}");
         let is_of_fleet = path.contains("{fleet}");
         let filled = filled(&path);
         for (role, covers, token) in &callers {
@@ -118,7 +118,7 @@ async fn every_route_for_every_role_in_every_fleet() {
             let what = format!("{method} {filled} as {role:?}, covered: {covers}: {status}");
             match role {
                 None => assert_eq!(status, 401, "{what}"),
-                Some(role) if *role < told => assert_eq!(status, 403, "{what}"),
+                Some(role) if *role < declared => assert_eq!(status, 403, "{what}"),
                 Some(_) if is_of_fleet && !covers => assert_eq!(status, 403, "{what}"),
                 Some(_) => assert!(!matches!(status, 401 | 403 | 500), "{what}"),
             }
@@ -129,24 +129,24 @@ async fn every_route_for_every_role_in_every_fleet() {
 #[tokio::test]
 async fn a_caller_learns_name_role_fleets_and_expiry() {
     let open = Served::sqlite().await;
-    let told = open.json("/v1/me").await;
+    let me = open.json("/v1/me").await;
     let local = json!({ "name": "local", "actor": "local", "role": "ADMIN", "fleets": null,
         "authentication": "LOOPBACK", "expires_at": null });
-    assert_eq!(told, local);
+    assert_eq!(me, local);
     let served = closed().await;
     let root = asked(&served, "GET", "/v1/me", Some(ROOT)).await.json();
     assert_eq!([&root["actor"], &root["authentication"]], ["token_file", "TOKEN_FILE"]);
     let viewer = token(&served, Role::Viewer, Some(&["g", "f"]), HOUR_US).await;
-    let told = asked(&served, "GET", "/v1/me", Some(&viewer)).await.json();
+    let me = asked(&served, "GET", "/v1/me", Some(&viewer)).await.json();
     let row = served.store.tokens().await.unwrap().remove(0);
-    assert_eq!(told["name"], row.name);
-    assert_eq!(told["actor"], format!("token:{}#{}", row.name, row.token_id));
-    assert_eq!(told["expires_at"], vibrissa_store::time::Time(row.expires_us).to_string());
-    assert_eq!([&told["role"], &told["authentication"]], ["VIEWER", "TOKEN"]);
-    assert_eq!(told["fleets"], json!(["f", "g"]));
+    assert_eq!(me["name"], row.name);
+    assert_eq!(me["actor"], format!("token:{}#{}", row.name, row.token_id));
+    assert_eq!(me["expires_at"], vibrissa_store::time::Time(row.expires_us).to_string());
+    assert_eq!([&me["role"], &me["authentication"]], ["VIEWER", "TOKEN"]);
+    assert_eq!(me["fleets"], json!(["f", "g"]));
     let endless = token(&served, Role::Viewer, None, 9000 * 365 * 24 * HOUR_US).await;
-    let told = asked(&served, "GET", "/v1/me", Some(&endless)).await.json();
-    assert_eq!([&told["fleets"], &told["expires_at"]], [&Value::Null, &Value::Null]);
+    let me = asked(&served, "GET", "/v1/me", Some(&endless)).await.json();
+    assert_eq!([&me["fleets"], &me["expires_at"]], [&Value::Null, &Value::Null]);
 }
 
 #[tokio::test]
@@ -220,9 +220,9 @@ async fn bodies_are_of_the_right_kind_and_size_and_name_what_is_wrong() {
     let path = "/v1/fleets/f/robots/r1/arrays/left/whiskers/0/setpoint";
     let problem = async |body: Value| {
         let answer = send(served.http, "POST", path, &[], Some(&body)).await.unwrap();
-        let told = answer.json();
+        let answered = answer.json();
         assert_eq!(answer.headers["content-type"], "application/problem+json");
-        (answer.status, told["errors"][0]["field"].as_str().unwrap_or_default().to_owned())
+        (answer.status, answered["errors"][0]["field"].as_str().unwrap_or_default().to_owned())
     };
     assert_eq!(problem(json!({})).await, (422, "pressure_mpa".to_owned()));
     assert_eq!(problem(json!({ "pressure_mpa": "0.1" })).await, (422, "pressure_mpa".to_owned()));

@@ -21,14 +21,14 @@ async fn all_shown_are_acknowledged_once_and_each_is_recorded(served: &Served) {
     let which = json!({ "filter": { "fleet": "h", "kind": "ROBOT_SILENT" } });
     let path = "/v1/alarms/acknowledge";
     // The dry run lists them, and changes nothing.
-    let (status, told) = post(served, path, &[], json!({ "which": which, "dry_run": true })).await;
-    assert_eq!((status, &told["alarms"], &told["more"]), (200, &json!(40), &json!(false)), "{told}");
-    assert_eq!(told["items"].as_array().unwrap().len(), 40);
-    assert!(told["items"][0]["hint"].is_string() && told["action_id"].is_null());
+    let (status, answer) = post(served, path, &[], json!({ "which": which, "dry_run": true })).await;
+    assert_eq!((status, &answer["alarms"], &answer["more"]), (200, &json!(40), &json!(false)), "{answer}");
+    assert_eq!(answer["items"].as_array().unwrap().len(), 40);
+    assert!(answer["items"][0]["hint"].is_string() && answer["action_id"].is_null());
     assert_eq!(in_state(served, "UNACKNOWLEDGED").await, 40);
     // An alarm that was raised after the dry run is left out.
     storm(&served.store, 1, "ROBOT_SILENT", 1).await;
-    let which = json!({ "filter": which["filter"], "up_to_alarm_id": told["newest_alarm_id"] });
+    let which = json!({ "filter": which["filter"], "up_to_alarm_id": answer["newest_alarm_id"] });
     let body = json!({ "which": which, "reason": "a network fault" });
     let key = [("Idempotency-Key", "k1")];
     let (status, done) = post(served, path, &key, body.clone()).await;
@@ -101,8 +101,8 @@ async fn one_request_changes_at_most_a_thousand_alarms_and_says_that_there_are_m
 async fn conditions_that_do_not_exist_are_refused_and_change_nothing() {
     let served = Served::sqlite().await;
     for which in [json!({ "filter": { "robots": "r1" } }), json!({ "fleet": "f" }), json!({ "up_to_alarm_id": -1 })] {
-        let (status, told) = post(&served, "/v1/alarms/acknowledge", &[], json!({ "which": which })).await;
-        assert_eq!(status, 422, "{told}");
+        let (status, answer) = post(&served, "/v1/alarms/acknowledge", &[], json!({ "which": which })).await;
+        assert_eq!(status, 422, "{answer}");
     }
     assert_eq!(served.items("/v1/alarms?state=ACKNOWLEDGED").await, Vec::<Value>::new());
 }

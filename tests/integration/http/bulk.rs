@@ -47,9 +47,9 @@ async fn whiskers_are_listed_and_then_held_once(served: &Served) {
     assert_eq!((status, &again["action_id"]), (200, &begun["action_id"]));
     let (status, _) = post(served, path, &key, json!({ "filter": {} })).await;
     assert_eq!(status, 409, "the key belongs to another request");
-    let told = progress(served, &begun["action_id"]).await;
-    let request = &told["request"];
-    assert_eq!((&request["kind"], &request["fleet"]), (&json!("WHISKERS_HOLD"), &json!("f")), "{told}");
+    let detail = progress(served, &begun["action_id"]).await;
+    let request = &detail["request"];
+    assert_eq!((&request["kind"], &request["fleet"]), (&json!("WHISKERS_HOLD"), &json!("f")), "{detail}");
     assert_eq!((&request["subjects"], &request["pending"]), (&json!(all.len()), &json!(all.len())));
     assert_eq!((&request["parameters"]["which"], &request["reason"]), (&filter, &json!("a look")));
     let parts = served.items(&format!("/v1/audit?parent_id={}", begun["action_id"])).await;
@@ -129,11 +129,11 @@ async fn robots_are_selected_by_label_and_many_waiting_actions_are_too_many() {
     // Twelve whiskers each time, and at most 2000 wait.
     let mut held = 0;
     let status = loop {
-        let (status, told) = post(&served, "/v1/whiskers/rebaseline", &[], json!({})).await;
+        let (status, answer) = post(&served, "/v1/whiskers/rebaseline", &[], json!({})).await;
         if status != 200 {
             break status;
         }
-        assert_eq!(told["subjects"], 12, "{told}");
+        assert_eq!(answer["subjects"], 12, "{answer}");
         held += 12;
         assert!(held <= 2000);
     };
@@ -161,8 +161,8 @@ async fn policies_and_calibrations_are_set_in_the_fleets_that_have_such_robots()
         assert_eq!((parts.len(), &parts[0]["robot"]), (2, &Value::Null));
         let mut bad = body(json!({}));
         bad["policy"]["own_role_cost"] = json!(-1);
-        let (status, told) = post(&served, "/v1/policies", &[], bad).await;
-        assert_eq!((status, &told["errors"][0]["field"]), (422, &json!("policy.own_role_cost")), "{told}");
+        let (status, answer) = post(&served, "/v1/policies", &[], bad).await;
+        assert_eq!((status, &answer["errors"][0]["field"]), (422, &json!("policy.own_role_cost")), "{answer}");
         assert_eq!(post(&served, "/v1/calibrations/7/activate", &[], json!({})).await.0, 404);
     }
 }

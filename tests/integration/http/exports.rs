@@ -16,7 +16,7 @@ fn export(folder: &Path, arguments: &[&str]) -> Output {
     program.arg("export").args(arguments).current_dir(folder).env_remove("RUST_LOG").output().unwrap()
 }
 
-fn told(output: &Output) -> String {
+fn summary(output: &Output) -> String {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout.clone()).unwrap()
 }
@@ -94,7 +94,7 @@ async fn files_have_the_rows_of_the_api(served: &Served) {
         for format in ["parquet", "csv"] {
             let file = format!("{table}.{format}");
             let arguments = [table, "--fleet", "f", &format!("--{format}"), &file, "--database-url", &database];
-            let line = told(&export(folder.path(), &arguments));
+            let line = summary(&export(folder.path(), &arguments));
             assert!(line.starts_with(&format!("{file}: {} rows of {table}", expected.len())), "{line}");
             let content = read(&at(&file));
             let (found, expected) = (sorted(rows(&content)), sorted(expected.clone()));
@@ -103,7 +103,7 @@ async fn files_have_the_rows_of_the_api(served: &Served) {
         }
     }
     let line =
-        told(&export(folder.path(), &["contacts", "--parquet", "contacts.parquet", "--database-url", &database]));
+        summary(&export(folder.path(), &["contacts", "--parquet", "contacts.parquet", "--database-url", &database]));
     let content = read(&at("contacts.parquet"));
     let types = &content["types"];
     assert_eq!([&types["at"], &types["strain"], &types["whisker"]], ["TIMESTAMP WITH TIME ZONE", "DOUBLE", "BIGINT"]);
@@ -138,7 +138,7 @@ fn between(served: &Served, folder: &Path, all: &[Map<String, Value>]) {
     let expected = times.iter().filter(|&&at| (begin..begin + day_us).contains(&at)).count();
     let database = served.database.to_string();
     let arguments = ["contacts", "--from", &from, "--to", &to, "--csv", "day.csv", "--database-url", &database];
-    let line = told(&export(folder, &arguments));
+    let line = summary(&export(folder, &arguments));
     assert!(line.starts_with(&format!("day.csv: {expected} rows")), "{line}");
     let again = export(folder, &arguments);
     assert!(!again.status.success() && String::from_utf8_lossy(&again.stderr).contains("exists already"));
@@ -170,7 +170,7 @@ fn a_recording_becomes_an_mcap_file_with_schemas() {
     ];
     std::fs::write(folder.path().join("lab.jsonl"), lines.join("\n")).unwrap();
     let output = export(folder.path(), &["--mcap", "lab.jsonl", "lab.mcap"]);
-    assert_eq!(told(&output), "lab.mcap: 4 messages converted\n");
+    assert_eq!(summary(&output), "lab.mcap: 4 messages converted\n");
     assert!(String::from_utf8_lossy(&output.stderr).contains("2 lines without a JSON object were left out"));
     let messages = read(&folder.path().join("lab.mcap"));
     let messages = messages.as_array().unwrap();

@@ -179,13 +179,13 @@ async fn live_events_are_those_of_the_halls() {
             acknowledge(&served, fleet).await;
         }
         for events in [&mut by_token, &mut by_query] {
-            let mut told = Vec::new();
-            while told.last() != Some(&json!("hall-2")) {
+            let mut fleets = Vec::new();
+            while fleets.last() != Some(&json!("hall-2")) {
                 let event = events.next().await.unwrap().unwrap();
-                told.push(serde_json::from_str::<Value>(&event.data).unwrap()["data"]["fleet"].clone());
+                fleets.push(serde_json::from_str::<Value>(&event.data).unwrap()["data"]["fleet"].clone());
             }
-            told.dedup();
-            assert_eq!(told, HALLS);
+            fleets.dedup();
+            assert_eq!(fleets, HALLS);
         }
     }
 }

@@ -118,7 +118,8 @@ async fn a_long_list_follows_in_one_answer_and_texts_are_no_formulas() {
     }
     let (columns, rows) = parsed(&served.get("/v1/audit?format=csv&order=ascending&fleet=f").await);
     let at = columns.iter().position(|name| name == "reason").unwrap();
-    let told: Vec<&str> = rows.iter().map(|row| row[at].as_str()).filter(|reason| reason.starts_with("'=")).collect();
+    let reasons: Vec<&str> =
+        rows.iter().map(|row| row[at].as_str()).filter(|reason| reason.starts_with("'=")).collect();
     let expected: Vec<String> = (0..many).map(|number| format!("'={number}+1")).collect();
-    assert_eq!(told, expected);
+    assert_eq!(reasons, expected);
 }

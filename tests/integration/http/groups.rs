@@ -36,7 +36,7 @@ fn check(item: &Value, group: &[&WrittenError]) {
     assert_eq!(item["compensations"], group.len(), "{item}");
     let close = |field: &str, expected: Option<f64>| match (item[field].as_f64(), expected) {
         (Some(a), Some(b)) => assert!((a - b).abs() < 1e-12, "{field} {item}: {b}"),
-        (told, expected) => assert_eq!(told, expected, "{field} {item}"),
+        (actual, expected) => assert_eq!(actual, expected, "{field} {item}"),
     };
     close("error", mean(group.iter().map(|one| one.row.error.mean)));
     close("error_low", mean(group.iter().map(|one| one.row.error.low)));

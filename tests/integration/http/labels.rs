@@ -35,9 +35,10 @@ async fn labels_are_set_filtered_and_removed(served: &Served) {
         ("g/robots/r1", "hall", "2"),
         ("f/robots/r1", "line", "a=b"),
     ] {
-        let (status, told) = put(served, &format!("/v1/fleets/{robot}/labels/{key}"), json!({ "value": value })).await;
-        assert_eq!((status, &told["kind"], &told["state"]), (200, &json!("LABEL_SET"), &json!("DONE")), "{told}");
-        assert_eq!(told["parameters"], json!({ "key": key, "value": value }));
+        let (status, answer) =
+            put(served, &format!("/v1/fleets/{robot}/labels/{key}"), json!({ "value": value })).await;
+        assert_eq!((status, &answer["kind"], &answer["state"]), (200, &json!("LABEL_SET"), &json!("DONE")), "{answer}");
+        assert_eq!(answer["parameters"], json!({ "key": key, "value": value }));
     }
     let known = served.json("/v1/fleets/f/robots/r1").await;
     assert_eq!(known["labels"], json!({ "hall": "2", "line": "a=b" }));
@@ -65,8 +66,8 @@ async fn labels_are_set_filtered_and_removed(served: &Served) {
     let csv = served.get("/v1/robots?format=csv&label=line").await.body;
     assert!(csv.lines().next().unwrap().split(',').any(|name| name == "labels"), "{csv}");
     assert!(csv.contains(r#""{""hall"":""2"",""line"":""a=b""}""#), "{csv}");
-    let (status, told) = remove(served, &format!("{OF_R1}/line")).await;
-    assert_eq!((status, &told["kind"]), (200, &json!("LABEL_REMOVE")), "{told}");
+    let (status, answer) = remove(served, &format!("{OF_R1}/line")).await;
+    assert_eq!((status, &answer["kind"]), (200, &json!("LABEL_REMOVE")), "{answer}");
     assert_eq!(served.json("/v1/fleets/f/robots/r1").await["labels"], json!({ "hall": "2" }));
     assert_eq!(remove(served, &format!("{OF_R1}/line")).await.0, 404);
     assert_eq!(served.items("/v1/audit?kind=LABEL_SET").await.len(), 4);
@@ -87,15 +88,15 @@ async fn labels_are_set_filtered_and_removed_on_postgres() {
 async fn labels_that_are_not_valid_or_too_many_are_refused() {
     let served = Served::to(&AccessOptions::default()).await;
     for (key, value) in [("Hall", "2"), ("hall", ""), ("hall", " 2"), ("hall", "a,b"), ("hall", &"v".repeat(65))] {
-        let (status, told) = put(&served, &format!("{OF_R1}/{key}"), json!({ "value": value })).await;
-        assert_eq!(status, 422, "{key} {value}: {told}");
+        let (status, answer) = put(&served, &format!("{OF_R1}/{key}"), json!({ "value": value })).await;
+        assert_eq!(status, 422, "{key} {value}: {answer}");
     }
     assert_eq!(put(&served, "/v1/fleets/f/robots/none/labels/hall", json!({ "value": "2" })).await.0, 404);
     for number in 0..16 {
         assert_eq!(put(&served, &format!("{OF_R1}/k{number}"), json!({ "value": "x" })).await.0, 200);
     }
-    let (status, told) = put(&served, &format!("{OF_R1}/more"), json!({ "value": "x" })).await;
-    assert_eq!(status, 409, "{told}");
+    let (status, answer) = put(&served, &format!("{OF_R1}/more"), json!({ "value": "x" })).await;
+    assert_eq!(status, 409, "{answer}");
     // A refused request leaves no trace.
     assert_eq!(served.items("/v1/audit?kind=LABEL_SET&limit=1000").await.len(), 16);
     for filter in ["label=", "label=Hall", "label=a%3D", "label=a,b,c,d,e,f,g,h,i"] {

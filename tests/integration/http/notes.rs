@@ -84,8 +84,8 @@ async fn the_number_of_notes_is_limited(served: &Served) {
         }
     });
     let mut counts = BTreeMap::new();
-    for told in join_all(many).await {
-        *counts.entry(told).or_insert(0_i64) += 1;
+    for status in join_all(many).await {
+        *counts.entry(status).or_insert(0_i64) += 1;
     }
     assert_eq!(counts, BTreeMap::from([("done", NOTES_MAX), ("too many", 20)]));
     let full = add(served, OF_R1, "One more").await;

@@ -15,8 +15,8 @@ async fn rows(served: &Served, path: &str) -> usize {
 async fn check(served: &Served, fleet: Option<&str>, from_us: i64) {
     let from = Time(from_us).to_string();
     let fleet_is = fleet.map_or_else(String::new, |fleet| format!("&fleet={fleet}"));
-    let told = served.json(&format!("/v1/overview?from={from}{fleet_is}")).await;
-    assert_eq!(told["from"], from);
+    let overview = served.json(&format!("/v1/overview?from={from}{fleet_is}")).await;
+    assert_eq!(overview["from"], from);
     for (name, list) in [
         ("trims", "/v1/trims?"),
         ("setpoints_applied", "/v1/setpoints?state=APPLIED&"),
@@ -24,7 +24,7 @@ async fn check(served: &Served, fleet: Option<&str>, from_us: i64) {
         ("whiskers_replaced", "/v1/audit?kind=REPLACED&state=DONE&"),
     ] {
         let expected = rows(served, &format!("{list}from={from}{fleet_is}")).await;
-        assert_eq!(told[name], expected, "{name} {told}");
+        assert_eq!(overview[name], expected, "{name} {overview}");
     }
 
     let active = served.items(&format!("/v1/compensations?active=true&limit=1000{fleet_is}")).await;
@@ -34,7 +34,7 @@ async fn check(served: &Served, fleet: Option<&str>, from_us: i64) {
         .filter_map(|one| newest_error(served, one["compensation_id"].as_i64().unwrap()))
         .collect();
     assert!(!measured.is_empty());
-    let bins = told["errors"].as_array().unwrap();
+    let bins = overview["errors"].as_array().unwrap();
     assert_eq!(bins.len(), 11);
     for bin in bins {
         let (from, to) = (bin["error_from"].as_f64().unwrap(), bin["error_to"].as_f64().unwrap_or(f64::INFINITY));
@@ -42,7 +42,7 @@ async fn check(served: &Served, fleet: Option<&str>, from_us: i64) {
         assert_eq!(bin["compensations"], expected, "{bin} {measured:?}");
     }
 
-    let robots = told["robots"].as_array().unwrap();
+    let robots = overview["robots"].as_array().unwrap();
     let listed = served.items(&format!("/v1/robots?sort=attention&limit=24{fleet_is}")).await;
     let names =
         |rows: &[Value]| rows.iter().map(|row| (row["fleet"].clone(), row["robot"].clone())).collect::<Vec<_>>();
@@ -73,8 +73,8 @@ async fn the_overview_counts_what_the_lists_have(served: &Served) {
         }
     }
     // By default the last day counts; the rows are older or lie ahead.
-    let told = served.json("/v1/overview").await;
-    assert!(told["from"].is_string());
+    let overview = served.json("/v1/overview").await;
+    assert!(overview["from"].is_string());
     assert_eq!(served.get("/v1/overview?since=24h").await.status, 422);
 }
 

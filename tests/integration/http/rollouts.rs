@@ -87,10 +87,10 @@ async fn a_roll_out_is_written_read_compared_and_listed(served: &Served) {
         RolloutRow { stage: "QUARTER".to_owned(), looks: 2, compared, updated_us: rows::START_US + 7, ..row(id) };
     assert_eq!(write(later.clone(), event("ADVANCED", "no difference")).await, Some(later.clone()));
     assert_eq!(write(later.clone(), None).await, Some(later.clone()), "numbers without an event");
-    let told = served.json(&format!("/v1/rollouts/{id}")).await;
-    let events: Vec<&Value> = told["events"].as_array().unwrap().iter().map(|one| &one["event"]).collect();
+    let detail = served.json(&format!("/v1/rollouts/{id}")).await;
+    let events: Vec<&Value> = detail["events"].as_array().unwrap().iter().map(|one| &one["event"]).collect();
     assert_eq!(events, [&json!("ADVANCED"), &json!("STARTED")]);
-    let rollout = &told["rollout"];
+    let rollout = &detail["rollout"];
     assert_eq!((&rollout["stage"], &rollout["change"]["mode"]), (&json!("QUARTER"), &json!("ADVISE")));
     assert_eq!((&rollout["probability"], &rollout["changed_error"]), (&json!(0.25), &json!(0.125)));
     assert_eq!(served.items("/v1/rollouts?fleet=k&state=RUNNING").await, std::slice::from_ref(rollout));
@@ -131,8 +131,8 @@ async fn a_roll_out_that_is_not_valid_is_refused() {
         (json!({ "policy": policy, "robots": 3 }), 422, "robots"),
     ] {
         let answer = send(served.http, "POST", "/v1/fleets/f/rollouts", &[], Some(&body)).await.unwrap();
-        let told = answer.json();
-        assert_eq!((answer.status, &told["errors"][0]["field"]), (status, &json!(field)), "{told}");
+        let problem = answer.json();
+        assert_eq!((answer.status, &problem["errors"][0]["field"]), (status, &json!(field)), "{problem}");
     }
     let calibration = json!({ "calibration_id": 7 });
     let answer = send(served.http, "POST", "/v1/fleets/f/rollouts", &[], Some(&calibration)).await.unwrap();

@@ -147,9 +147,9 @@ pub(crate) fn cookie(answer: &Answer) -> String {
 }
 
 /// Place to which a sign-in with these tokens leads.
-async fn led(provider: &Provider, served: &Served, told: impl Fn(&str) -> Value) -> String {
+async fn led(provider: &Provider, served: &Served, answer_for: impl Fn(&str) -> Value) -> String {
     let attempt = Attempt::begin(served, "%23/robots").await;
-    provider.gives(told(&attempt.nonce));
+    provider.gives(answer_for(&attempt.nonce));
     attempt.end(served, "").await.headers["location"].clone()
 }
 
@@ -184,8 +184,8 @@ async fn regress_an_id_token_that_breaks_a_rule_signs_nobody_in() {
         (json!({ "sub": "" }), FAILED),
     ];
     for (changed, place) in &cases {
-        let told = |nonce: &str| tokens(&access, Some(&provider.id_token(nonce, changed)));
-        assert_eq!(led(&provider, &served, told).await, *place, "{changed}");
+        let answer_for = |nonce: &str| tokens(&access, Some(&provider.id_token(nonce, changed)));
+        assert_eq!(led(&provider, &served, answer_for).await, *place, "{changed}");
     }
     assert_eq!(led(&provider, &served, |_| tokens(&access, None)).await, FAILED, "no ID token");
     let forged = |nonce: &str| {
@@ -205,8 +205,8 @@ async fn regress_both_tokens_are_about_the_very_same_person() {
     for (subject, other) in pairs {
         for name in ["ann", "x"] {
             let access = provider.access_token(&json!({ "sub": other, "name": name }));
-            let told = |nonce: &str| tokens(&access, Some(&provider.id_token(nonce, &json!({ "sub": subject }))));
-            assert_eq!(led(&provider, &served, told).await, FAILED, "{subject:?} {other:?} {name}");
+            let answer_for = |nonce: &str| tokens(&access, Some(&provider.id_token(nonce, &json!({ "sub": subject }))));
+            assert_eq!(led(&provider, &served, answer_for).await, FAILED, "{subject:?} {other:?} {name}");
         }
     }
 }
@@ -246,13 +246,13 @@ async fn regress_a_renewal_continues_the_session_of_the_same_person_only() {
     let served = provider.served().await;
     // Tokens that expire within 20 s are renewed at each request.
     let short = json!({ "exp": now_us() / 1_000_000 + 10 });
-    let renewed = async |status: u16, told: &dyn Fn(&str) -> Value| {
+    let renewed = async |status: u16, answer_for: &dyn Fn(&str) -> Value| {
         let attempt = Attempt::begin(&served, "").await;
         let id_token = provider.id_token(&attempt.nonce, &json!({}));
         provider.gives(tokens(&provider.access_token(&short), Some(&id_token)));
         let session = cookie(&attempt.end(&served, "").await);
         assert!(session.starts_with("vibrissa-session="), "{session}");
-        *provider.next.lock().unwrap() = (status, told(&attempt.nonce));
+        *provider.next.lock().unwrap() = (status, answer_for(&attempt.nonce));
         let me = async || ask(served.http, "GET", "/v1/me", &[("Cookie", &session)]).await.unwrap();
         let first = me().await;
         // The provider gives valid tokens of the same person again: a session that has ended stays so.
@@ -262,10 +262,10 @@ async fn regress_a_renewal_continues_the_session_of_the_same_person_only() {
     let access = |changed: Value| provider.access_token(&changed);
     let person = |changed: &Value| tokens(&access(json!({})), Some(&provider.id_token("", changed)));
     let no_nonce = json!({ "nonce": null });
-    for (told, what) in
+    for (answer, what) in
         [(tokens(&access(json!({})), None), "no ID token"), (person(&no_nonce), "an ID token without a nonce")]
     {
-        assert_eq!(renewed(200, &|_| told.clone()).await, (200, 200), "{what}");
+        assert_eq!(renewed(200, &|_| answer.clone()).await, (200, 200), "{what}");
     }
     let same_nonce = |nonce: &str| tokens(&access(json!({})), Some(&provider.id_token(nonce, &json!({}))));
     assert_eq!(renewed(200, &same_nonce).await, (200, 200), "the same nonce");
@@ -281,8 +281,8 @@ async fn regress_a_renewal_continues_the_session_of_the_same_person_only() {
         (person(&json!({ "aud": "other", "nonce": null })), "another audience"),
         (tokens(&access(json!({ "iss": "https://other.example" })), None), "an access token of another issuer"),
     ];
-    for (told, what) in others {
-        assert_eq!(renewed(200, &|_| told.clone()).await, (401, 401), "{what}");
+    for (answer, what) in others {
+        assert_eq!(renewed(200, &|_| answer.clone()).await, (401, 401), "{what}");
     }
     let refused = json!({ "error": "invalid_grant" });
     assert_eq!(renewed(400, &|_| refused.clone()).await, (401, 401), "refused");

@@ -58,9 +58,9 @@ async fn filters_and_console_have_each_word() {
     for (list, words) in lists {
         let start = format!("export const {list} = ");
         let line = module.body.lines().find_map(|line| line.strip_prefix(&start)).expect(list);
-        let told: Value = serde_json::from_str(line.trim_end_matches(';')).unwrap();
+        let declared: Value = serde_json::from_str(line.trim_end_matches(';')).unwrap();
         for word in words {
-            assert!(!told[&word].is_null(), "console/declared.js: {list} needs {word}");
+            assert!(!declared[&word].is_null(), "console/declared.js: {list} needs {word}");
         }
     }
 }
@@ -70,10 +70,13 @@ async fn the_document_declares_each_number_of_the_policy_with_label_unit_and_ran
     let document = Document::of(&Served::sqlite().await).await.0;
     let [body, row] = ["NewPolicy", "Policy"].map(|name| &document["components"]["schemas"][name]);
     for number in PolicyParams::NUMBERS {
-        let told = &body["properties"][number.name];
-        let range = (told["minimum"].as_f64(), told["maximum"].as_f64());
-        assert_eq!(range, (Some(number.min), Some(number.max)), "{told}");
-        assert!(told["x-label"].is_string() && told["x-unit"].is_string() && told["description"].is_string(), "{told}");
+        let property = &body["properties"][number.name];
+        let range = (property["minimum"].as_f64(), property["maximum"].as_f64());
+        assert_eq!(range, (Some(number.min), Some(number.max)), "{property}");
+        assert!(
+            property["x-label"].is_string() && property["x-unit"].is_string() && property["description"].is_string(),
+            "{property}"
+        );
         assert!(body["required"].as_array().unwrap().contains(&json!(number.name)), "{body}");
         assert_eq!(row["properties"][number.name]["type"], "number", "{row}");
     }

@@ -232,10 +232,10 @@ async fn regress_a_codec_of_the_topic_is_read_or_named_with_the_remedy() {
             stored(&program, &kept).await;
             continue;
         }
-        let told = format!("a batch is compressed with {codec}, which is not read: set compression.type");
-        until_true(codec, async || program.log().contains(&told)).await;
+        let problem = format!("a batch is compressed with {codec}, which is not read: set compression.type");
+        until_true(codec, async || program.log().contains(&problem)).await;
         let (_, readyz) = vibrissa_tests::web::try_get(program.http, "/readyz").await.unwrap();
-        assert!(readyz.contains(&told), "{readyz}");
+        assert!(readyz.contains(&problem), "{readyz}");
     }
     let counted = "vibrissa_items_set_aside_total{fleet=\"f\",reader=\"LOG\"";
     assert_eq!(program.metric(counted).await, 20.0);

@@ -113,9 +113,9 @@ async fn contacts_beyond_the_limit_are_left_out_and_told_and_all_else_is_kept() 
     }
     let trims: BTreeSet<i64> =
         program.list("trims").await.iter().map(|trim| trim["trim_id"].as_i64().unwrap()).collect();
-    let told: BTreeSet<i64> =
+    let reported: BTreeSet<i64> =
         events.of_type("TRIM").map(|event| event["data"]["trim"]["trim_id"].as_i64().unwrap()).collect();
-    assert!(!trims.is_empty() && told == trims, "{told:?} of {trims:?}");
+    assert!(!trims.is_empty() && reported == trims, "{reported:?} of {trims:?}");
     assert_eq!(events.of_type("SETPOINT").count(), setpoints);
     assert!(events.of_type("DECISION").count() > 0);
     // In order, with one event of each owner in the only gap, and the number in the next event.
@@ -124,11 +124,11 @@ async fn contacts_beyond_the_limit_are_left_out_and_told_and_all_else_is_kept() 
     assert!(kept.is_sorted_by(|one, next| one < next), "{kept:?}");
     let gap: Vec<usize> = (0..order.len()).filter(|&at| order[at].is_none()).collect();
     assert!(matches!(gap[..], [one, other] if other == one + 1), "{gap:?} of {order:?}");
-    let told: Vec<&Value> =
+    let left_out_events: Vec<&Value> =
         events.of_type("CONTACTS").filter(|event| !event["data"]["contacts"]["left_out"].is_null()).collect();
-    assert_eq!(told.len(), 1, "{told:?}");
-    assert_eq!(told[0]["data"]["contacts"]["left_out"].as_f64(), Some(after_kill));
-    assert_eq!(told[0]["data"]["contacts"]["seq"].as_i64(), order[gap[1] + 1]);
+    assert_eq!(left_out_events.len(), 1, "{left_out_events:?}");
+    assert_eq!(left_out_events[0]["data"]["contacts"]["left_out"].as_f64(), Some(after_kill));
+    assert_eq!(left_out_events[0]["data"]["contacts"]["seq"].as_i64(), order[gap[1] + 1]);
     let log = program.log();
     let lines = |text: &str| log.lines().filter(|line| line.contains(text)).count();
     assert_eq!((lines("contacts are left out"), lines("contacts are published again")), (2, 1), "{log}");

@@ -122,8 +122,8 @@ async fn a_missing_topic_is_named_and_read_once_it_is_there() {
     let Some(kafka) = Kafka::start(1).await else { return };
     let broker = Mosquitto::start();
     let program = program(&kafka, &broker, &[]).await;
-    let told = format!("the log has no topic {MESSAGES:?}");
-    until_true("the missing topic", async || program.log().contains(&told)).await;
+    let problem = format!("the log has no topic {MESSAGES:?}");
+    until_true("the missing topic", async || program.log().contains(&problem)).await;
     assert_eq!(program.metric("vibrissa_kafka_connected{").await, 0.0);
     kafka.create_topic(MESSAGES, 3).await;
     let mut robot = robot(&broker, &program).await;

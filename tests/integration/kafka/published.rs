@@ -92,9 +92,9 @@ async fn a_cut_is_told_from_its_contacts_to_its_setpoint_once_and_as_the_schema_
         assert!(validator.is_valid(event), "{event}: {:?}", validator.iter_errors(event).next().map(|e| e.to_string()));
     }
     let trims = program.list("trims").await;
-    let told: Vec<&Value> = events.of_type("TRIM").collect();
-    assert_eq!((told.len(), trims.len()), (1, 1), "{told:?}");
-    assert_eq!((&told[0]["data"]["array"], &told[0]["data"]["whisker"]), (&"left".into(), &1.into()));
+    let trim_events: Vec<&Value> = events.of_type("TRIM").collect();
+    assert_eq!((trim_events.len(), trims.len()), (1, 1), "{trim_events:?}");
+    assert_eq!((&trim_events[0]["data"]["array"], &trim_events[0]["data"]["whisker"]), (&"left".into(), &1.into()));
     let setpoints = program.list("setpoints").await;
     assert_eq!(events.of_type("SETPOINT").count(), setpoints.len());
     let decided: Vec<&Value> = events.of_type("DECISION").collect();

@@ -168,7 +168,7 @@ async fn a_box_of_a_cut_has_what_was_said_and_its_replay_finds_the_same_cut() {
     let setpoints = effects(&text, "SETPOINT");
     let applied = stage.items("/v1/setpoints").await;
     assert!(
-        applied.iter().any(|told| told["pressure_mpa"] == setpoints[0]["pressure_mpa"]),
+        applied.iter().any(|state| state["pressure_mpa"] == setpoints[0]["pressure_mpa"]),
         "{setpoints:?} {applied:?}"
     );
     assert!(!text.contains("\"assumed\""), "the answers are in the box");

@@ -53,11 +53,11 @@ fn bad_lines_are_told_with_their_number_and_passed_over() {
     let (_folder, path) = file(&lines);
     let output = run(&["replay", path.to_str().unwrap()]);
     assert!(output.status.success());
-    let told = errors(&output);
+    let log = errors(&output);
     let name = path.display();
-    assert!(told.contains(&format!("{name}:2: not a recorded message: only the words true, false and null")), "{told}");
-    assert!(told.contains(&format!("{name}:5: payload must be an object, or a text")), "{told}");
-    assert!(told.contains("3 messages replayed, 2 bad lines"), "{told}");
+    assert!(log.contains(&format!("{name}:2: not a recorded message: only the words true, false and null")), "{log}");
+    assert!(log.contains(&format!("{name}:5: payload must be an object, or a text")), "{log}");
+    assert!(log.contains("3 messages replayed, 2 bad lines"), "{log}");
     // Without its bad lines the recording gives the same output.
     let good: Vec<String> = [birth(0), vec![status(1_000_000, 0)]].concat();
     let (_other, good) = file(&good);
@@ -121,8 +121,8 @@ fn regress_a_factsheet_may_come_before_the_birth_of_its_boot() {
     for (lines, expected) in [(in_order, 2), (reversed, 4)] {
         let (_folder, path) = file(&lines);
         let output = run(&["replay", path.to_str().unwrap()]);
-        let told = String::from_utf8(output.stdout.clone()).unwrap();
-        assert_eq!(effects(&told, "CONTACT").len(), expected, "{told}");
+        let text = String::from_utf8(output.stdout.clone()).unwrap();
+        assert_eq!(effects(&text, "CONTACT").len(), expected, "{text}");
         assert!(!errors(&output).contains("refused"), "{}", errors(&output));
     }
 }
@@ -149,8 +149,8 @@ fn what_was_refused_is_told_at_the_end_by_robot_with_one_policy_and_with_two() {
     for more in [&[][..], &["--policy", other.to_str().unwrap()]] {
         let output = run(&[&["replay", path.to_str().unwrap()], more].concat());
         assert!(output.status.success(), "{output:?}");
-        let told = errors(&output);
-        let refused: Vec<&str> = told.lines().filter(|line| line.contains("refused")).collect();
+        let log = errors(&output);
+        let refused: Vec<&str> = log.lines().filter(|line| line.contains("refused")).collect();
         let expected = [
             "vibrissa: refused of f/r: 3 (duplicate 1, unknown_boot 2)",
             "vibrissa: refused of f/stranger: 2 (unknown_robot 2)",
@@ -165,13 +165,13 @@ fn time_passes_between_messages_and_a_long_silence_takes_no_time() {
     let lines = [birth(0), vec![status(1_000_000, 0), status(40_000_000, 1), status(40_000_000 + hours, 2)]].concat();
     let (_folder, path) = file(&lines);
     let faults = effects(&replay(&path, &[]), "FAULT");
-    let told: Vec<(u64, &Value)> =
+    let changes: Vec<(u64, &Value)> =
         faults.iter().map(|line| (line["received_us"].as_u64().unwrap() - START_US, &line["becomes"])).collect();
     // The fault begins at the first tick (every 0.25 s) after 15 s of silence, and ends with the next status.
     let expected = [(16_250_000, json!("STALE")), (40_000_000, Value::Null), (55_250_000, json!("STALE"))];
-    assert_eq!(told.len(), 4, "{told:?}");
-    for ((at_us, becomes), (expected_us, expected)) in told.iter().zip(&expected) {
-        assert!(at_us.abs_diff(*expected_us) <= 250_000 && *becomes == expected, "{told:?}");
+    assert_eq!(changes.len(), 4, "{changes:?}");
+    for ((at_us, becomes), (expected_us, expected)) in changes.iter().zip(&expected) {
+        assert!(at_us.abs_diff(*expected_us) <= 250_000 && *becomes == expected, "{changes:?}");
     }
 }
 
@@ -181,6 +181,9 @@ fn a_policy_with_other_keys_is_refused_by_name() {
     let other = folder.path().join("other.toml");
     std::fs::write(&other, "fleets = [\"f\"]\n[policy]\nmargin = 1\n").unwrap();
     let output = run(&["replay", path.to_str().unwrap(), "--policy", other.to_str().unwrap()]);
-    let told = errors(&output);
-    assert!(!output.status.success() && told.contains("policy.margin") && told.contains("not a policy key"), "{told}");
+    let message = errors(&output);
+    assert!(
+        !output.status.success() && message.contains("policy.margin") && message.contains("not a policy key"),
+        "{message}"
+    );
 }

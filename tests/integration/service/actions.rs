@@ -120,8 +120,8 @@ async fn what_cannot_be_done_is_refused_with_a_word_and_a_text() {
     ];
     for (action, word) in cases {
         let answer = ask(&running, &action).await;
-        let (told, text) = answer.refusal().unwrap();
-        assert_eq!((answer.state.as_str(), told), ("REFUSED", word), "{answer:?}");
+        let (refusal, text) = answer.refusal().unwrap();
+        assert_eq!((answer.state.as_str(), refusal), ("REFUSED", word), "{answer:?}");
         assert!(text.len() > 10, "{text}");
     }
     robot.connection(vibrissa_protocol::ConnectionState::Offline).await;

@@ -144,10 +144,10 @@ async fn what_happens_is_followed_and_taken_up_again_where_it_was_left() {
     robot.cut(0, 54.0);
     robot.touch(0, 80).await;
     robot.receipted().await;
-    let (trimmed, told) = event(&mut live, "TRIM").await;
-    let told = &told["data"];
-    assert_eq!([&told["fleet"], &told["robot"], &told["array"]], [&json!("f"), &json!("r"), &json!("left")]);
-    assert_eq!((&told["whisker"], trimmed.event.as_str()), (&json!(0), "change"));
+    let (trimmed, data) = event(&mut live, "TRIM").await;
+    let data = &data["data"];
+    assert_eq!([&data["fleet"], &data["robot"], &data["array"]], [&json!("f"), &json!("r"), &json!("left")]);
+    assert_eq!((&data["whisker"], trimmed.event.as_str()), (&json!(0), "change"));
     let (_, decided) = event(&mut live, "DECISION").await;
     let (setpoint, sent) = event(&mut live, "SETPOINT").await;
     let of_decision = &decided["data"]["decision"]["compensation_id"];
@@ -264,9 +264,9 @@ async fn the_command_line_shows_and_does_the_same() {
     let (_, lines, _) = run(&["whiskers", "--json"]).await;
     let rows: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(rows, *get(&running, "/v1/whiskers").await["items"].as_array().unwrap());
-    let (is_done, told, _) =
+    let (is_done, stdout, _) =
         run(&["setpoint", "f/r/left/1", "--pressure-mpa", "0.05", "--reason", "by hand", "--wait", "0"]).await;
-    assert!(is_done && told.contains("SETPOINT DONE"), "{told}");
+    assert!(is_done && stdout.contains("SETPOINT DONE"), "{stdout}");
     assert_eq!(robot.setpoint().await.0.pressure_mpa, 0.05);
     let (is_done, _, problem) = run(&["setpoint", "f/r/left/1", "--pressure-mpa", "0.5"]).await;
     assert!(!is_done && problem.contains("0 to 0.2 MPa"), "{problem}");

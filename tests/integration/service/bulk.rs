@@ -21,7 +21,7 @@ async fn settled(running: &Running, begun: &Value) -> Value {
     until("no pending action", async || {
         let (status, body) = try_get(running.service.http, &path).await.unwrap();
         assert_eq!(status, 200, "{body}");
-        Some(serde_json::from_str::<Value>(&body).unwrap()).filter(|told| told["request"]["pending"] == 0)
+        Some(serde_json::from_str::<Value>(&body).unwrap()).filter(|detail| detail["request"]["pending"] == 0)
     })
     .await
 }
@@ -37,8 +37,8 @@ async fn all_shown_are_held_and_released_and_refusals_have_their_reasons() {
     let known = "SELECT count(*) FROM whiskers WHERE position IS NOT NULL";
     until_true("all whiskers", async || running.database.number(known).await == 6).await;
     let whiskers = post(&running, "/v1/whiskers/hold", json!({ "filter": { "robot": "r0" }, "per_second": 100 })).await;
-    let told = settled(&running, &whiskers).await;
-    assert_eq!((&told["request"]["done"], &told["refusals"]), (&json!(2), &json!([])), "{told}");
+    let detail = settled(&running, &whiskers).await;
+    assert_eq!((&detail["request"]["done"], &detail["refusals"]), (&json!(2), &json!([])), "{detail}");
     let dry = post(&running, "/v1/robots/hold", json!({ "dry_run": true })).await;
     assert_eq!(dry["subjects"], 3);
     let all = post(&running, "/v1/robots/hold", json!({ "digest": dry["digest"], "per_second": 100 })).await;
@@ -46,9 +46,9 @@ async fn all_shown_are_held_and_released_and_refusals_have_their_reasons() {
     assert_eq!(running.database.number("SELECT sum(held) FROM robots").await, 3);
     // A whisker of a held robot cannot be released.
     let release = post(&running, "/v1/whiskers/release", json!({ "filter": { "robot": "r0" } })).await;
-    let told = settled(&running, &release).await;
-    assert_eq!((&told["request"]["refused"], &told["refusals"][0]["subjects"]), (&json!(2), &json!(2)), "{told}");
-    assert!(told["refusals"][0]["problem"].as_str().unwrap().starts_with("ROBOT_HELD: "), "{told}");
+    let detail = settled(&running, &release).await;
+    assert_eq!((&detail["request"]["refused"], &detail["refusals"][0]["subjects"]), (&json!(2), &json!(2)), "{detail}");
+    assert!(detail["refusals"][0]["problem"].as_str().unwrap().starts_with("ROBOT_HELD: "), "{detail}");
     let robots = post(&running, "/v1/robots/release", json!({ "per_second": 100 })).await;
     assert_eq!(settled(&running, &robots).await["request"]["done"], 3);
     let learned = post(&running, "/v1/whiskers/rebaseline", json!({ "per_second": 100 })).await;
@@ -81,9 +81,9 @@ async fn actions_become_due_one_after_another_survive_the_owner_and_stop_on_requ
     assert!(before < 12, "{before}");
     until_true("it goes on", async || running.database.number(done).await > before).await;
     post(&running, &format!("/v1/bulk-actions/{}/stop", begun["action_id"]), json!({})).await;
-    let told = settled(&running, &begun).await;
-    let (done, refused) = (told["request"]["done"].as_i64().unwrap(), told["request"]["refused"].as_i64().unwrap());
-    assert!(done >= 3 && refused >= 1 && done + refused == 12, "{told}");
+    let detail = settled(&running, &begun).await;
+    let (done, refused) = (detail["request"]["done"].as_i64().unwrap(), detail["request"]["refused"].as_i64().unwrap());
+    assert!(done >= 3 && refused >= 1 && done + refused == 12, "{detail}");
     assert_eq!(running.database.number("SELECT sum(held) FROM whiskers").await, done);
     running.service.stop().await;
 }
@@ -103,19 +103,19 @@ async fn the_command_lists_first_and_executes_on_request() {
         (done.status.code(), text(&done.stdout), text(&done.stderr))
     };
     let held = "SELECT sum(held) FROM robots";
-    let (code, told, _) = run(&["hold-robots", "--fleet", "f"]).await;
-    assert_eq!((code, told.as_str()), (Some(0), "f/r\n1 subjects\nnothing was changed: add --execute\n"));
+    let (code, output, _) = run(&["hold-robots", "--fleet", "f"]).await;
+    assert_eq!((code, output.as_str()), (Some(0), "f/r\n1 subjects\nnothing was changed: add --execute\n"));
     assert_eq!(running.database.number(held).await, 0);
-    let (code, told, problem) = run(&["hold-robots", "--fleet", "f", "--execute", "--reason", "a test"]).await;
-    assert_eq!(code, Some(0), "{told} {problem}");
-    assert!(told.ends_with("1 of 1 done, 0 refused, 0 expired\n"), "{told}");
+    let (code, output, problem) = run(&["hold-robots", "--fleet", "f", "--execute", "--reason", "a test"]).await;
+    assert_eq!(code, Some(0), "{output} {problem}");
+    assert!(output.ends_with("1 of 1 done, 0 refused, 0 expired\n"), "{output}");
     assert_eq!(running.database.number(held).await, 1);
-    let (code, told, problem) = run(&["release-whiskers", "--execute"]).await;
-    assert_eq!(code, Some(3), "{told} {problem}");
+    let (code, output, problem) = run(&["release-whiskers", "--execute"]).await;
+    assert_eq!(code, Some(3), "{output} {problem}");
     assert!(problem.contains("2 refused: ROBOT_HELD"), "{problem}");
     let (code, _, problem) = run(&["hold-robots", "--label", "Hall"]).await;
     assert!(code == Some(2) && problem.contains("a key begins with a small letter"), "{problem}");
-    let (code, told, _) = run(&["acknowledge-alarms", "--label", "hall", "--execute"]).await;
-    assert_eq!((code, told.as_str()), (Some(0), "0 alarms\nnothing was to be done\n"));
+    let (code, output, _) = run(&["acknowledge-alarms", "--label", "hall", "--execute"]).await;
+    assert_eq!((code, output.as_str()), (Some(0), "0 alarms\nnothing was to be done\n"));
     running.service.stop().await;
 }

@@ -126,8 +126,8 @@ async fn serve(stream: TcpStream, spans: Arc<Mutex<Vec<Span>>>) {
             if line.is_empty() {
                 break;
             }
-            if let Some(told) = line.strip_prefix("content-length:") {
-                length = told.trim().parse().unwrap();
+            if let Some(value) = line.strip_prefix("content-length:") {
+                length = value.trim().parse().unwrap();
             }
             lines.push(line);
         }

@@ -5,7 +5,7 @@ use std::process::Output;
 
 use tempfile::TempDir;
 use vibrissa::config::Key;
-use vibrissa::config::keys::Kind;
+use vibrissa::config::keys::ValueKind;
 
 use crate::program::PROGRAM;
 
@@ -183,9 +183,9 @@ fn companions(key: Key) -> &'static [&'static str] {
 /// A value in TOML.
 fn toml(key: Key, value: &str) -> String {
     match key.kind() {
-        Kind::Number { .. } | Kind::Whole { .. } => value.to_owned(),
-        Kind::Texts | Kind::Files => format!("[{value:?}]"),
-        Kind::Text | Kind::Secret | Kind::DatabaseUrl | Kind::File => format!("{value:?}"),
+        ValueKind::Number { .. } | ValueKind::Whole { .. } => value.to_owned(),
+        ValueKind::Texts | ValueKind::Files => format!("[{value:?}]"),
+        ValueKind::Text | ValueKind::Secret | ValueKind::DatabaseUrl | ValueKind::File => format!("{value:?}"),
     }
 }
 
@@ -200,14 +200,14 @@ fn for_every_key_flags_win_over_the_environment_over_the_file_over_the_default()
         let holds = |flags: &[&str], variables: &[(&str, &str)], value: &str, from: &str| {
             let shown = shown(folder.path(), &[&file[..], flags, companions(key)].concat(), variables);
             let expected = match key.kind() {
-                Kind::Secret => format!("# {} = \"***\"  # {from}", key.section().1),
+                ValueKind::Secret => format!("# {} = \"***\"  # {from}", key.section().1),
                 _ => format!("{} = {}  # {from}", key.section().1, toml(key, value)),
             };
             assert_eq!(line(&shown, key), expected);
         };
         holds(&[], &[], in_file, "file v.toml");
         holds(&[], &variable, in_environment, &format!("environment {}", key.environment()));
-        if key.kind() == Kind::Secret {
+        if key.kind() == ValueKind::Secret {
             let said = refused(folder.path(), &[&file[..], &[&flag], companions(key)].concat(), &variable);
             assert!(said.contains("is refused on the command line") && !said.contains(in_flag), "{said}");
         } else {
@@ -273,7 +273,7 @@ fn all_problems_are_told_at_once_with_where_each_came_from() {
     );
     let lines: Vec<&str> = said.lines().collect();
     assert_eq!(lines[0], "vibrissa: the configuration has 7 problems:", "{said}");
-    for told in [
+    for expected in [
         "  naem (file v.toml): no such key; did you mean name?",
         "  fleets (flag --fleets): names the fleet a twice",
         "  lease.time_to_live_s (file v.toml): must be from 0.5 to 60.0, not 0.1",
@@ -282,7 +282,7 @@ fn all_problems_are_told_at_once_with_where_each_came_from() {
         "  mqtt.ca_file (environment VIBRISSA_MQTT_CA_FILE): has no effect without mqtt.url",
         "  detection.cold_start_contacts (flag --detection-cold-start-contacts): must be a whole number from 20",
     ] {
-        assert_eq!(lines.iter().filter(|line| line.starts_with(told)).count(), 1, "{told}\n{said}");
+        assert_eq!(lines.iter().filter(|line| line.starts_with(expected)).count(), 1, "{expected}\n{said}");
     }
     assert_eq!(lines.len(), 8, "{said}");
 }
@@ -300,14 +300,14 @@ fn the_service_is_told_the_same_and_does_not_start() {
 #[test]
 fn one_problem_is_one_line() {
     let folder = folder();
-    for (arguments, told) in [
+    for (arguments, expected) in [
         (&["--mqtt-port", "x"][..], "vibrissa: mqtt.port (flag --mqtt-port): must be a whole number"),
         (&["--config", "nowhere.toml"], "vibrissa: file nowhere.toml: the configuration file cannot be read"),
         (&["--lease-time-to-live-s=-1"], "vibrissa: lease.time_to_live_s (flag --lease-time-to-live-s): must be from"),
         (&["--calibration=file0"], "vibrissa: calibrations (flag --calibrations): calibration file file0"),
     ] {
         let said = refused(folder.path(), arguments, &[]);
-        assert!(said.starts_with(told) && said.lines().count() == 1, "{said}");
+        assert!(said.starts_with(expected) && said.lines().count() == 1, "{said}");
     }
 }
 
@@ -319,9 +319,9 @@ fn variables_that_nobody_knows_warn_and_do_not_stop() {
     let ended = vibrissa(folder.path(), &["config"], &environment);
     assert!(ended.status.success());
     let said = text(&ended.stderr);
-    let told =
+    let expected =
         "vibrissa: the environment variable VIBRISSA_FLEET is unknown and ignored; did you mean VIBRISSA_FLEETS?";
-    assert_eq!(said.trim_end(), told);
+    assert_eq!(said.trim_end(), expected);
     assert!(text(&ended.stdout).contains("name = \"from the file\"  # file v.toml"));
 }
 

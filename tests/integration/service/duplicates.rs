@@ -24,7 +24,7 @@ async fn regress_two_robots_with_one_name_are_one_alarm_that_says_so() {
     }
     until_true("the alarm", async || !running.list("alarms?standing=true&kind=DUPLICATE_ROBOT").await.is_empty()).await;
     let standing = running.list("alarms?standing=true").await;
-    let told: Vec<_> = standing.iter().map(|one| (&one["kind"], &one["robot"], &one["array"])).collect();
-    assert_eq!(told, [(&json!("DUPLICATE_ROBOT"), &json!("r"), &json!(null))]);
+    let alarms: Vec<_> = standing.iter().map(|one| (&one["kind"], &one["robot"], &one["array"])).collect();
+    assert_eq!(alarms, [(&json!("DUPLICATE_ROBOT"), &json!("r"), &json!(null))]);
     running.service.stop().await;
 }

@@ -24,7 +24,11 @@ fn estimate(heard: &Heard) -> Option<Estimate> {
 }
 
 /// The robot's next estimate whose first whisker fulfils a condition, and its order.
-async fn told(robot: &mut HandRobot, what: &str, fits: impl Fn(&WhiskerEstimate) -> bool) -> (Estimate, (u64, u64)) {
+async fn until_estimate(
+    robot: &mut HandRobot,
+    what: &str,
+    fits: impl Fn(&WhiskerEstimate) -> bool,
+) -> (Estimate, (u64, u64)) {
     let fitting = |heard: &Heard| estimate(heard).filter(|estimate| fits(&estimate.whiskers[0]));
     let estimate = robot.hear(what, fitting).await;
     let order = (estimate.epoch, estimate.version);
@@ -49,7 +53,7 @@ async fn a_cut_and_its_compensation_change_the_estimate_that_the_broker_retains(
     let broker = Mosquitto::start();
     let running = Running::with(quick(), Some(broker.port())).await;
     let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type2, &[70.0, 65.0])).await;
-    let (first, born) = told(&mut robot, "the first estimate", |_| true).await;
+    let (first, born) = until_estimate(&mut robot, "the first estimate", |_| true).await;
     let lengths: Vec<(u16, f64)> = first.whiskers.iter().map(|one| (one.whisker, one.length_mm)).collect();
     assert_eq!(lengths, [(0, 70.0), (1, 65.0)]);
     assert!(first.whiskers.iter().all(|one| one.condition == WhiskerCondition::Learning && one.gain.is_empty()));
@@ -58,24 +62,26 @@ async fn a_cut_and_its_compensation_change_the_estimate_that_the_broker_retains(
         robot.touch(whisker, LEARNED + 40).await;
     }
     let healthy = |one: &WhiskerEstimate| one.condition == WhiskerCondition::Healthy;
-    let (_, learned) = told(&mut robot, "a healthy whisker", healthy).await;
+    let (_, learned) = until_estimate(&mut robot, "a healthy whisker", healthy).await;
     robot.cut(0, 62.0);
     robot.touch(0, 80).await;
     let (setpoint, _) = robot.setpoint().await;
-    let (cut, shorter) = told(&mut robot, "a trimmed whisker", |one| one.condition == WhiskerCondition::Trimmed).await;
+    let (cut, shorter) =
+        until_estimate(&mut robot, "a trimmed whisker", |one| one.condition == WhiskerCondition::Trimmed).await;
     assert!(contains(&cut.whiskers[0], 62.0) && (cut.whiskers[0].length_mm - 62.0).abs() < 1.0, "{cut:?}");
     assert_eq!((cut.whiskers[0].pressure_mpa, cut.whiskers[0].gain.len()), (0.1, 0), "nothing is applied yet");
     assert!((cut.whiskers[1].length_mm - 65.0).abs() < 0.5, "{cut:?}");
 
     robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
     let (compensated, newest) =
-        told(&mut robot, "the compensation", |one| (one.pressure_mpa - setpoint.pressure_mpa).abs() < 1e-5).await;
-    let told_gain = &compensated.whiskers[0].gain;
-    assert_eq!(told_gain.len(), setpoint.gain.len());
+        until_estimate(&mut robot, "the compensation", |one| (one.pressure_mpa - setpoint.pressure_mpa).abs() < 1e-5)
+            .await;
+    let estimated_gain = &compensated.whiskers[0].gain;
+    assert_eq!(estimated_gain.len(), setpoint.gain.len());
     let same = |((ratio, factor), (asked_ratio, asked)): (&(f64, f64), &(f64, f64))| {
         ratio == asked_ratio && (factor - asked).abs() < 1e-4
     };
-    assert!(!told_gain.is_empty() && told_gain.iter().zip(&setpoint.gain).all(same), "{told_gain:?}");
+    assert!(!estimated_gain.is_empty() && estimated_gain.iter().zip(&setpoint.gain).all(same), "{estimated_gain:?}");
     assert!(born < learned && learned < shorter && shorter < newest, "{born:?} {learned:?} {shorter:?} {newest:?}");
     assert_eq!(retained(broker.port()).await, compensated);
     running.service.stop().await;
@@ -91,11 +97,11 @@ async fn each_birth_and_each_supervisor_brings_an_estimate_that_is_newer_and_as_
     robot.cut(0, 62.0);
     robot.touch(0, 80).await;
     let trimmed = |one: &WhiskerEstimate| one.condition == WhiskerCondition::Trimmed && contains(one, 62.0);
-    let (_, before) = told(&mut robot, "a trimmed whisker", trimmed).await;
+    let (_, before) = until_estimate(&mut robot, "a trimmed whisker", trimmed).await;
 
     // The same boot is born again: nothing has changed.
     robot.birth().await;
-    let (_, born) = told(&mut robot, "the estimate after a birth", trimmed).await;
+    let (_, born) = until_estimate(&mut robot, "the estimate after a birth", trimmed).await;
     assert!(born > before && born.0 == before.0, "{born:?} {before:?}");
 
     broker.kill();

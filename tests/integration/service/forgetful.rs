@@ -172,15 +172,15 @@ async fn a_broker_that_retains_nothing_is_enough_for_contacts_setpoints_estimate
     let running = Running::on(folder, quick(), Some(broker.port())).await;
     all_are_known(&running, &fleet).await;
     // Both robots receive their lengths after the takeover, although nothing is retained.
-    let mut told = std::collections::BTreeSet::new();
-    while told.len() < ROBOTS.len() {
+    let mut payloads = std::collections::BTreeSet::new();
+    while payloads.len() < ROBOTS.len() {
         let estimate = |heard: vibrissa_tests::observer::Heard| match heard.message {
             Message::Estimate(estimate) if estimate.epoch > first => Some((estimate.whiskers.len(), heard.payload)),
             _ => None,
         };
         let (whiskers, payload) = observer.expect("an estimate of the new owner", estimate).await;
         assert_eq!(whiskers, 2);
-        told.insert(payload);
+        payloads.insert(payload);
     }
     assert!(begun.elapsed() < FEW_SECONDS, "{:?}", begun.elapsed());
     a_setpoint_is_applied(&running).await;

@@ -105,19 +105,19 @@ async fn a_compensation_is_told_from_the_contact_to_the_error_and_also_after_a_r
     // Fewer contacts than a refinement needs, after which the measurement of the error would restart.
     robot.touch(0, 150).await;
     robot.receipted().await;
-    let told = until("the error", async || {
-        let told = running.metric(ERROR).await;
-        (told > 0.0).then_some(told)
+    let error = until("the error", async || {
+        let error = running.metric(ERROR).await;
+        (error > 0.0).then_some(error)
     })
     .await;
     let newest = &running.list("compensations").await[0];
-    assert!((newest["measured_error"].as_f64().unwrap() - told).abs() < 1e-9, "{told} {newest}");
+    assert!((newest["measured_error"].as_f64().unwrap() - error).abs() < 1e-9, "{error} {newest}");
     assert_eq!(running.metric("vibrissa_compensations_in_force{case=\"SELF_COMPENSATION\",fleet=\"f\"}").await, 1.0);
     let running = running.again(quick(), None).await;
     let again =
         until("the error once more", async || Some(running.metric(ERROR).await).filter(|&again| again > 0.0)).await;
     // It counts the contacts since the last measurement, too: half as many as those before it.
-    assert!((again - told).abs() < 0.06, "{again} {told}");
+    assert!((again - error).abs() < 0.06, "{again} {error}");
     running.service.stop().await;
 }
 

@@ -235,7 +235,7 @@ async fn what_is_held_beyond_a_gap_survives_a_restart() {
     let receipt = async |robot: &mut HandRobot, next: u64, held: &[(u64, u64)]| {
         robot
             .hear("the receipt", |heard| match &heard.message {
-                Message::Receipt(told) => (told.next == next && told.held == held).then_some(()),
+                Message::Receipt(received) => (received.next == next && received.held == held).then_some(()),
                 _ => None,
             })
             .await;

@@ -48,8 +48,12 @@ async fn changed_robots_follow_the_new_policy_and_the_others_the_old_one_until_i
     }
     let id = &done(http, "/v1/fleets/f/rollouts", json!({ "policy": policy(Mode::Advise), "reason": "try it" })).await
         ["action_id"];
-    let told = read(http, id).await;
-    assert_eq!((&told["rollout"]["stage"], &told["rollout"]["state"]), (&json!("FEW"), &json!("RUNNING")), "{told}");
+    let detail = read(http, id).await;
+    assert_eq!(
+        (&detail["rollout"]["stage"], &detail["rollout"]["state"]),
+        (&json!("FEW"), &json!("RUNNING")),
+        "{detail}"
+    );
     let changed = &in_order(id, &names)[0];
     for robot in &mut robots {
         robot.cut(0, 54.0);
@@ -74,8 +78,11 @@ async fn changed_robots_follow_the_new_policy_and_the_others_the_old_one_until_i
     robot.receipted().await;
     let (setpoint, _) = robot.setpoint().await;
     assert_eq!(setpoint.reason, SetpointReason::ShorterForLonger);
-    let told = read(http, id).await;
-    assert_eq!((events(&told), &told["events"][0]["detail"]), (vec!["STARTED", "ROLLED_BACK"], &json!("not wanted")));
+    let detail = read(http, id).await;
+    assert_eq!(
+        (events(&detail), &detail["events"][0]["detail"]),
+        (vec!["STARTED", "ROLLED_BACK"], &json!("not wanted"))
+    );
     assert_eq!(running.database.number("SELECT count(*) FROM policies").await, 0);
     assert_eq!(running.metric(r#"vibrissa_rollout_events_total{event="ROLLED_BACK",fleet="f"}"#).await, 1.0);
     running.service.stop().await;
@@ -91,15 +98,15 @@ async fn without_a_difference_the_stages_follow_and_the_change_comes_into_force(
     // Errors that do not depend on the order in which robots are changed.
     let same = |at: usize| 0.05 + 0.001 * (at * 37 % 84) as f64;
     errors.write(&names, same).await;
-    let told = reaches(http, id, "stage", "QUARTER").await;
-    assert_eq!(events(&told), ["STARTED", "ADVANCED"], "{told}");
-    assert_eq!(told["events"][0]["actor"], "supervisor");
-    let detail = told["events"][0]["detail"].as_str().unwrap();
+    let rollout = reaches(http, id, "stage", "QUARTER").await;
+    assert_eq!(events(&rollout), ["STARTED", "ADVANCED"], "{rollout}");
+    assert_eq!(rollout["events"][0]["actor"], "supervisor");
+    let detail = rollout["events"][0]["detail"].as_str().unwrap();
     assert!(detail.contains("of 5 changed robots") && detail.contains("of 79 unchanged ones"), "{detail}");
     assert_eq!(running.metric(r#"vibrissa_rollout_stage{fleet="f"}"#).await, 2.0);
     errors.write(&names, same).await;
-    let told = reaches(http, id, "state", "COMPLETED").await;
-    assert_eq!(events(&told), ["STARTED", "ADVANCED", "COMPLETED"], "{told}");
+    let rollout = reaches(http, id, "state", "COMPLETED").await;
+    assert_eq!(events(&rollout), ["STARTED", "ADVANCED", "COMPLETED"], "{rollout}");
     let in_force = running.service.store.policy("f").await.unwrap().unwrap();
     assert_eq!((in_force.version, in_force.mode.as_str(), json!(in_force.action_id)), (1, "ADVISE", id.clone()));
     running.service.stop().await;
@@ -119,12 +126,12 @@ async fn a_worse_change_is_rolled_back_by_the_errors_and_a_paused_one_waits() {
     tokio::time::sleep(std::time::Duration::from_secs(11)).await;
     assert_eq!(read(http, id).await["rollout"]["state"], "PAUSED");
     done(http, &format!("/v1/rollouts/{id}/resume"), json!({})).await;
-    let told = reaches(http, id, "state", "ROLLED_BACK").await;
-    assert_eq!(events(&told), ["STARTED", "PAUSED", "RESUMED", "ROLLED_BACK"], "{told}");
-    let rollout = &told["rollout"];
-    assert!(rollout["probability"].as_f64().unwrap() < 0.05 / 6.0, "{told}");
+    let detail = reaches(http, id, "state", "ROLLED_BACK").await;
+    assert_eq!(events(&detail), ["STARTED", "PAUSED", "RESUMED", "ROLLED_BACK"], "{detail}");
+    let rollout = &detail["rollout"];
+    assert!(rollout["probability"].as_f64().unwrap() < 0.05 / 6.0, "{detail}");
     assert_eq!((&rollout["changed_robots"], &rollout["unchanged_robots"]), (&json!(5), &json!(79)));
-    assert!((rollout["changed_error"].as_f64().unwrap() - 0.52).abs() < 1e-9, "{told}");
+    assert!((rollout["changed_error"].as_f64().unwrap() - 0.52).abs() < 1e-9, "{detail}");
     assert_eq!(running.database.number("SELECT count(*) FROM policies").await, 0);
     let late = ask(http, "POST", &format!("/v1/rollouts/{id}/advance"), json!({})).await;
     assert_eq!(late.0, 409, "{late:?}");
@@ -209,9 +216,9 @@ async fn a_calibration_is_relearned_by_the_changed_robots_alone_until_it_is_in_f
     done(http, &format!("/v1/rollouts/{id}/advance"), json!({})).await;
     assert_eq!(running.database.texts(learning).await, sorted(&names));
     assert_eq!(running.database.number(active).await, 1);
-    let told = read(http, &id).await;
+    let detail = read(http, &id).await;
     assert_eq!(
-        (&told["rollout"]["state"], events(&told)),
+        (&detail["rollout"]["state"], events(&detail)),
         (&json!("COMPLETED"), vec!["STARTED", "ADVANCED", "COMPLETED"])
     );
     running.service.stop().await;

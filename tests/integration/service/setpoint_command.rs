@@ -39,21 +39,21 @@ async fn it_tells_each_state_and_ends_when_the_robot_has_applied_the_pressure() 
     let applied =
         [(SetpointOutcome::Received, None), (SetpointOutcome::Applying, None), (SetpointOutcome::Applied, None)];
     let (ended, ()) = tokio::join!(setpoint(&running, &["--pressure-mpa", "0.05"]), answer(&mut robot, &applied));
-    let (code, told, problem) = ended;
-    assert_eq!(code, Some(0), "{told}{problem}");
-    let lines: Vec<&str> = told.lines().collect();
-    assert!(lines[0].contains("SETPOINT DONE"), "{told}");
-    assert!(lines[1].ends_with(": 0.0500 MPa sent, waiting for the robot"), "{told}");
+    let (code, output, problem) = ended;
+    assert_eq!(code, Some(0), "{output}{problem}");
+    let lines: Vec<&str> = output.lines().collect();
+    assert!(lines[0].contains("SETPOINT DONE"), "{output}");
+    assert!(lines[1].ends_with(": 0.0500 MPa sent, waiting for the robot"), "{output}");
     assert_eq!(lines[2..], ["RECEIVED", "APPLYING", "APPLIED at 0.0500 MPa"]);
     // The whisker holds the pressure already, so the supervisor sends nothing.
-    let (code, told, problem) = setpoint(&running, &["--pressure-mpa", "0.05"]).await;
-    assert_eq!(code, Some(0), "{told}{problem}");
-    assert!(told.contains("no setpoint was necessary"), "{told}");
+    let (code, output, problem) = setpoint(&running, &["--pressure-mpa", "0.05"]).await;
+    assert_eq!(code, Some(0), "{output}{problem}");
+    assert!(output.contains("no setpoint was necessary"), "{output}");
     // The release leads back to the pressure of the factsheet.
     let (ended, ()) = tokio::join!(setpoint(&running, &["--release", "--json"]), answer(&mut robot, &applied));
-    let (code, told, problem) = ended;
-    assert_eq!(code, Some(0), "{told}{problem}");
-    let rows: Vec<Value> = told.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let (code, output, problem) = ended;
+    assert_eq!(code, Some(0), "{output}{problem}");
+    let rows: Vec<Value> = output.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!((&rows[0]["kind"], &rows[0]["state"]), (&"RELEASE".into(), &"DONE".into()));
     assert_eq!((&rows[1]["reason"], &rows[1]["state"]), (&"RELEASE".into(), &"APPLIED".into()));
     assert!(problem.contains("waiting for the robot") && problem.contains("APPLYING"), "{problem}");
@@ -66,20 +66,20 @@ async fn a_pressure_that_the_robot_did_not_take_is_no_success() {
     let mut robot = robot(&running).await;
     let rejected = [(SetpointOutcome::Rejected, Some(SetpointError::OutOfRange))];
     let (ended, ()) = tokio::join!(setpoint(&running, &["--pressure-mpa", "0.06"]), answer(&mut robot, &rejected));
-    let (code, told, problem) = ended;
-    assert_eq!(code, Some(3), "{told}{problem}");
-    assert!(told.contains("\nREJECTED (OUT_OF_RANGE)\n"), "{told}");
+    let (code, output, problem) = ended;
+    assert_eq!(code, Some(3), "{output}{problem}");
+    assert!(output.contains("\nREJECTED (OUT_OF_RANGE)\n"), "{output}");
     assert!(problem.contains("f/r/left/0 has not applied 0.0600 MPa: its setpoint is REJECTED"), "{problem}");
     // The robot takes it, and never reaches it.
     let received = [(SetpointOutcome::Received, None)];
     let waiting = ["--pressure-mpa", "0.07", "--wait", "2"];
     let (ended, ()) = tokio::join!(setpoint(&running, &waiting), answer(&mut robot, &received));
-    let (code, told, problem) = ended;
-    assert_eq!(code, Some(3), "{told}{problem}");
+    let (code, output, problem) = ended;
+    assert_eq!(code, Some(3), "{output}{problem}");
     assert!(problem.contains("its setpoint is RECEIVED after 2 s; follow it at /v1/setpoints/"), "{problem}");
     // A caller that does not want to wait gets the answer of the supervisor alone.
-    let (code, told, problem) = setpoint(&running, &["--pressure-mpa", "0.08", "--wait", "0"]).await;
-    assert_eq!(code, Some(0), "{told}{problem}");
-    assert!(told.contains("SETPOINT DONE") && !told.contains("waiting for the robot"), "{told}");
+    let (code, output, problem) = setpoint(&running, &["--pressure-mpa", "0.08", "--wait", "0"]).await;
+    assert_eq!(code, Some(0), "{output}{problem}");
+    assert!(output.contains("SETPOINT DONE") && !output.contains("waiting for the robot"), "{output}");
     running.service.stop().await;
 }

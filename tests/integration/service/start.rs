@@ -84,8 +84,8 @@ fn a_file_that_is_no_database_is_named_and_left_alone() {
 fn beyond_this_machine_it_does_not_start_where_nobody_could_be_let_in() {
     let (folder, database) = database();
     let exposed = ["--http", "0.0.0.0:0", "--mqtt-port", "0"];
-    let told = refusal(&database, &exposed);
-    assert!(told.contains("vibrissa token create") && told.contains("0.0.0.0:0"), "{told}");
+    let message = refusal(&database, &exposed);
+    assert!(message.contains("vibrissa token create") && message.contains("0.0.0.0:0"), "{message}");
     // It starts with a token from the database or a file; on loopback it needs none.
     let url = format!("sqlite:{}", database.display());
     let create = |role: &str, scope: &[&str]| {
@@ -103,7 +103,7 @@ fn beyond_this_machine_it_does_not_start_where_nobody_could_be_let_in() {
     let listed = String::from_utf8(listed.stdout).unwrap();
     assert!(listed.contains("OPERATOR") && !listed.contains(token.trim()), "{listed}");
     // With a token for HTTP, MQTT must not be open to everyone on this machine.
-    let told = refusal(&database, &exposed);
-    assert!(told.contains("mqtt.password_file") && told.contains("mqtt.url"), "{told}");
+    let message = refusal(&database, &exposed);
+    assert!(message.contains("mqtt.password_file") && message.contains("mqtt.url"), "{message}");
     drop(folder);
 }

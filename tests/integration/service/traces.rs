@@ -105,9 +105,9 @@ async fn from_the_contact_that_raised_the_suspicion_to_applied_it_is_one_trace()
     applied(&mut robot, database, &setpoint).await;
     let now = now_us();
     let trace = collector.trace(&setpoint.command_id).await;
-    let mut told = chain(&trace);
-    told.dedup_by(|one, before| one == "send setpoint" && before == "send setpoint");
-    assert_eq!(told, WHOLE);
+    let mut spans = chain(&trace);
+    spans.dedup_by(|one, before| one == "send setpoint" && before == "send setpoint");
+    assert_eq!(spans, WHOLE);
     assert_in_order(&trace);
 
     // Times of spans agree with the database.
@@ -180,10 +180,10 @@ async fn after_a_restart_the_same_trace_goes_on_and_has_one_root() {
     let running = running.traced_again(Some(broker.port()), to(collector.url())).await;
     answer(&mut robot, &running.database, &setpoint, SetpointOutcome::Applied, "APPLIED").await;
     let trace = collector.trace(&setpoint.command_id).await;
-    let mut told = chain(&trace);
-    told.retain(|name| name != "send setpoint");
+    let mut spans = chain(&trace);
+    spans.retain(|name| name != "send setpoint");
     assert_eq!(
-        told,
+        spans,
         [
             "setpoint SELF_COMPENSATION",
             "process contacts",
@@ -231,13 +231,13 @@ async fn after_the_supervisor_was_killed_the_trace_is_found_under_the_setpoints_
     assert_eq!(again.command_id, setpoint.command_id);
     answer(&mut robot, &database, &again, SetpointOutcome::Applied, "APPLIED").await;
     let trace = collector.trace(&setpoint.command_id).await;
-    let told = chain(&trace);
-    let place = |name: &str| told.iter().position(|one| one == name).unwrap_or_else(|| panic!("no {name}: {told:?}"));
+    let spans = chain(&trace);
+    let place = |name: &str| spans.iter().position(|one| one == name).unwrap_or_else(|| panic!("no {name}: {spans:?}"));
     assert_eq!(place("setpoint SELF_COMPENSATION"), 0);
     assert!(place("process contacts") < place("send setpoint"));
     assert!(place("send setpoint") < place("take up"));
     assert!(place("take up") < place("process setpoint_state APPLIED"));
-    assert!(!told.contains(&"hand over".to_owned()), "{told:?}");
+    assert!(!spans.contains(&"hand over".to_owned()), "{spans:?}");
     assert!(trace[1..].iter().all(|child| child.parent == trace[0].id), "{trace:#?}");
     second.end(Ending::Terminated).await;
 }

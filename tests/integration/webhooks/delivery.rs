@@ -23,8 +23,8 @@ pub(crate) fn is_genuine(secret: &str, request: &Request) -> bool {
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
-    let told = json!({ "secret": secret, "headers": request.headers, "body": request.body });
-    python.stdin.take().unwrap().write_all(told.to_string().as_bytes()).unwrap();
+    let input = json!({ "secret": secret, "headers": request.headers, "body": request.body });
+    python.stdin.take().unwrap().write_all(input.to_string().as_bytes()).unwrap();
     let output = python.wait_with_output().unwrap();
     assert!(output.status.success());
     String::from_utf8(output.stdout).unwrap().trim() == "True"

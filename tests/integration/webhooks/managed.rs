@@ -32,14 +32,14 @@ async fn private_addresses_are_refused_unless_they_are_allowed() {
         "https://user:hunter2@hooks.example/",
         "hooks",
     ] {
-        let (status, told) = create(url).await;
-        assert_eq!((status, &told["errors"][0]["field"]), (422, &json!("url")), "{url}: {told}");
-        assert!(!told.to_string().contains("hunter2"), "{told}");
+        let (status, created) = create(url).await;
+        assert_eq!((status, &created["errors"][0]["field"]), (422, &json!("url")), "{url}: {created}");
+        assert!(!created.to_string().contains("hunter2"), "{created}");
     }
     // A name is checked when it is resolved.
-    let (status, told) = create("http://localhost:1/").await;
-    assert_eq!(status, 201, "{told}");
-    let path = format!("/v1/webhooks/{}/test", told["webhook"]["webhook_id"]);
+    let (status, created) = create("http://localhost:1/").await;
+    assert_eq!(status, 201, "{created}");
+    let path = format!("/v1/webhooks/{}/test", created["webhook"]["webhook_id"]);
     let answer = call(&service, "POST", &path, None).await.json();
     assert_eq!((&answer["delivered"], &answer["status"]), (&json!(false), &Value::Null));
     assert!(answer["problem"].as_str().unwrap().contains("webhooks.allowed_hosts"), "{answer}");

@@ -157,8 +157,8 @@ pub(crate) async fn hook(service: &Service, receiver: &Receiver, more: Value) ->
     body.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
     let answer = call(service, "POST", "/v1/webhooks", Some(body)).await;
     assert_eq!(answer.status, 201, "{}", answer.body);
-    let told = answer.json();
-    (told["webhook"]["webhook_id"].as_i64().unwrap(), told["secret"].as_str().unwrap().to_owned())
+    let created = answer.json();
+    (created["webhook"]["webhook_id"].as_i64().unwrap(), created["secret"].as_str().unwrap().to_owned())
 }
 
 /// The webhook as the API shows it.

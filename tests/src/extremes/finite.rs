@@ -26,11 +26,11 @@ impl Write for Search {
 
 /// Collects the `Debug` output up to the number.
 #[derive(Default)]
-struct Place {
+struct TextBeforeNumber {
     text: String,
 }
 
-impl Write for Place {
+impl Write for TextBeforeNumber {
     fn write_str(&mut self, piece: &str) -> fmt::Result {
         self.text.push_str(piece);
         if NOT_FINITE.contains(&piece) { Err(fmt::Error) } else { Ok(()) }
@@ -45,7 +45,7 @@ pub fn not_finite(value: &impl Debug) -> Option<String> {
     // The write fails on purpose as soon as a number is found.
     let _ = write!(search, "{value:?}");
     search.is_found.then(|| {
-        let mut place = Place::default();
+        let mut place = TextBeforeNumber::default();
         let _ = write!(place, "{value:?}");
         let count = place.text.chars().count();
         place.text.chars().skip(count.saturating_sub(BEFORE)).collect()

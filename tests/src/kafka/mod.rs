@@ -17,7 +17,7 @@ use rskafka::record::Record;
 use tempfile::TempDir;
 
 use crate::mosquitto::free_port;
-use crate::network::Place;
+use crate::network::ServerAddress;
 use crate::process::{Launch, Process};
 use crate::wait::until_within;
 
@@ -66,7 +66,7 @@ impl Kafka {
     /// # Panics
     /// They do not start.
     pub async fn start(count: usize) -> Option<Self> {
-        Self::start_at(&vec![Place::here(); count]).await
+        Self::start_at(&vec![ServerAddress::here(); count]).await
     }
 
     /// Starts one broker that also listens with TLS, and asks there for the credentials of [`USER`]. `identity` is the PEM file
@@ -75,18 +75,18 @@ impl Kafka {
     /// # Panics
     /// It does not start.
     pub async fn start_secured(identity: PathBuf) -> Option<Self> {
-        Self::start_with(&[Place::here()], Some(identity)).await
+        Self::start_with(&[ServerAddress::here()], Some(identity)).await
     }
 
     /// Starts a broker at each of these places.
     ///
     /// # Panics
     /// They do not start.
-    pub async fn start_at(places: &[Place]) -> Option<Self> {
+    pub async fn start_at(places: &[ServerAddress]) -> Option<Self> {
         Self::start_with(places, None).await
     }
 
-    async fn start_with(places: &[Place], identity: Option<PathBuf>) -> Option<Self> {
+    async fn start_with(places: &[ServerAddress], identity: Option<PathBuf>) -> Option<Self> {
         let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("kafka");
         let output = Command::new(script).arg("--if-installed").output().expect("tests/kafka");
         if !output.status.success() {
@@ -95,13 +95,14 @@ impl Kafka {
         }
         let home = PathBuf::from(String::from_utf8(output.stdout).expect("a path").trim());
         let folder = tempfile::tempdir().expect("a folder");
-        let node = |place: &Place| {
+        let node = |place: &ServerAddress| {
             let secured = identity.clone().map(|identity| (free_port(), identity));
             Node { host: place.host.clone(), clients: free_port(), votes: free_port(), secured }
         };
         let nodes: Vec<Node> = places.iter().map(node).collect();
-        let start =
-            |(at, place): (usize, &Place)| Process::start(place.launch(launch(&home, folder.path(), at, &nodes)));
+        let start = |(at, place): (usize, &ServerAddress)| {
+            Process::start(place.launch(launch(&home, folder.path(), at, &nodes)))
+        };
         let brokers = places.iter().enumerate().map(start).collect();
         let started = Self { brokers, nodes, _folder: folder };
         for at in 0..places.len() {

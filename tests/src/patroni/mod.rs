@@ -13,7 +13,7 @@ use tempfile::TempDir;
 use tokio::time::{sleep, timeout};
 
 use crate::mosquitto::free_port;
-use crate::network::{Network, Place};
+use crate::network::{Network, ServerAddress};
 use crate::postgres::{DATABASE, USER, account};
 use crate::process::{Launch, Process};
 use crate::wait::until_within;
@@ -44,7 +44,7 @@ impl Patroni {
     /// # Panics
     /// A program is not installed, or the cluster does not start.
     pub async fn start() -> Self {
-        Self::start_at(&[Place::here(), Place::here()], &Place::here(), true).await
+        Self::start_at(&[ServerAddress::here(), ServerAddress::here()], &ServerAddress::here(), true).await
     }
 
     /// Starts the cluster with node 0 in a network namespace of its own, which [`Self::cut_off`] disconnects; `None` if
@@ -64,7 +64,7 @@ impl Patroni {
     ///
     /// # Panics
     /// As [`Self::start`].
-    pub async fn start_at(nodes: &[Place; 2], etcd_place: &Place, is_synchronous: bool) -> Self {
+    pub async fn start_at(nodes: &[ServerAddress; 2], etcd_place: &ServerAddress, is_synchronous: bool) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         if let Some((uid, gid)) = account() {
             chown(folder.path(), Some(uid), Some(gid)).expect("a folder of ours");
@@ -175,16 +175,16 @@ impl Patroni {
     /// Whether the leader's Patroni has reached etcd since this time, in seconds since 1970: a leader that has missed etcd
     /// gives up only some seconds later.
     pub async fn has_reached_etcd_since(&self, time_s: f64) -> bool {
-        let told = self.ask_patroni("/patroni").await;
-        told["role"] != "replica" && told["dcs_last_seen"].as_f64().is_some_and(|seen| seen > time_s)
+        let member = self.ask_patroni("/patroni").await;
+        member["role"] != "replica" && member["dcs_last_seen"].as_f64().is_some_and(|seen| seen > time_s)
     }
 
     /// Whether Patroni may promote the other node: with `synchronous_mode` only one that it has noted as synchronous, which
     /// happens after PostgreSQL waits for it.
     pub async fn may_promote(&self) -> bool {
-        let told = self.ask_patroni("/cluster").await;
+        let cluster = self.ask_patroni("/cluster").await;
         let role = if self.is_synchronous { "sync_standby" } else { "replica" };
-        told["members"].as_array().is_some_and(|members| members.iter().any(|one| one["role"] == role))
+        cluster["members"].as_array().is_some_and(|members| members.iter().any(|one| one["role"] == role))
     }
 
     /// The answer of the leader's Patroni; null without one.
@@ -259,7 +259,7 @@ pub async fn accepts_writes(server: &PgConnectOptions) -> bool {
     timeout(ANSWER, asked).await.ok().flatten().unwrap_or(false)
 }
 
-fn etcd(folder: &Path, place: &Place, port: u16) -> Process {
+fn etcd(folder: &Path, place: &ServerAddress, port: u16) -> Process {
     let host = &place.host;
     let (client, peer) = (format!("http://{host}:{port}"), format!("http://127.0.0.1:{}", free_port()));
     let arguments = ["--name", "e", "--listen-client-urls", &client, "--advertise-client-urls", &client]

@@ -9,7 +9,7 @@ use nix::unistd::Pid;
 
 use super::TTL_S;
 use crate::mosquitto::free_port;
-use crate::network::Place;
+use crate::network::ServerAddress;
 use crate::postgres::{USER, account, children, path_of};
 use crate::process::{Launch, Process};
 
@@ -28,7 +28,7 @@ pub(super) struct Node {
 
 impl Node {
     /// A node that does not run yet.
-    pub(super) fn new(name: &str, folder: &Path, place: &Place, etcd: &str, is_synchronous: bool) -> Self {
+    pub(super) fn new(name: &str, folder: &Path, place: &ServerAddress, etcd: &str, is_synchronous: bool) -> Self {
         let folder = folder.join(name);
         std::fs::create_dir(&folder).expect("a folder of ours");
         let (port, rest_port) = (free_port(), free_port());
@@ -53,7 +53,7 @@ impl Node {
         Self { host: place.host.clone(), port, rest_port, folder, launch, patroni: None }
     }
 
-    pub(super) fn start(name: &str, folder: &Path, place: &Place, etcd: &str, is_synchronous: bool) -> Self {
+    pub(super) fn start(name: &str, folder: &Path, place: &ServerAddress, etcd: &str, is_synchronous: bool) -> Self {
         let mut node = Self::new(name, folder, place, etcd, is_synchronous);
         node.restart();
         node

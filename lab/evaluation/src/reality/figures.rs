@@ -2,7 +2,7 @@
 
 use super::healthy::Healthy;
 use super::incident::{Compensated, Found};
-use super::{Place, Row};
+use super::{Row, StatedPlace};
 
 /// A cut from this size on counts in [`Figures::found_from_2_mm`], mm.
 const LARGE_MM: f64 = 2.0;
@@ -13,7 +13,7 @@ pub struct Figures {
     /// Row of the table: nuisance and strength.
     pub row: Row,
     /// Kind of place that the robot states with its contacts.
-    pub place: Place,
+    pub place: StatedPlace,
     /// Reports about healthy whiskers.
     pub healthy: Healthy,
     /// The whiskers that were cut or worn.

@@ -134,7 +134,7 @@ pub(super) fn run(row: Row, kind: RobotKind, plan_seed: u64, number: u64, rounds
             healthy.leaks.chambers = 1;
         }
         robot.round();
-        for (at_s, effect) in std::mem::take(&mut robot.told) {
+        for (at_s, effect) in std::mem::take(&mut robot.kept_effects) {
             if is_leak(&effect) {
                 healthy.leaks.raised += 1;
                 healthy.leaks.found = 1;

@@ -162,7 +162,7 @@ impl Trial {
             self.round += 1;
             self.robot.round();
             self.others.contacts += (WHISKERS - self.cases.len()) as u64;
-            for (_, effect) in std::mem::take(&mut self.robot.told) {
+            for (_, effect) in std::mem::take(&mut self.robot.kept_effects) {
                 self.hear(&effect);
             }
             for at in 0..self.cases.len() {

@@ -38,7 +38,7 @@ pub use whisker::{Circumstances, Habit, Touch, Whisker};
 
 /// Kind of place that a robot states with its contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Place {
+pub enum StatedPlace {
     /// The contact ratio to the present length.
     #[default]
     Ratio,
@@ -54,7 +54,7 @@ pub enum Place {
     Unknown,
 }
 
-impl Place {
+impl StatedPlace {
     /// All kinds of places.
     pub const ALL: [Self; 6] =
         [Self::Ratio, Self::RatioTests, Self::Tip, Self::Distance, Self::DistanceTests, Self::Unknown];
@@ -97,7 +97,7 @@ pub struct Plan {
     /// Rows to evaluate.
     pub rows: Vec<Row>,
     /// Kind of place that the robots state with their contacts.
-    pub place: Place,
+    pub place: StatedPlace,
     /// Whether the robots multiply their readings.
     pub applies_gain: bool,
     /// Number of contacts of healthy whiskers in each row.
@@ -116,7 +116,7 @@ enum Trial {
 /// The kind of all robots of a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct RobotKind {
-    place: Place,
+    place: StatedPlace,
     applies_gain: bool,
 }
 
@@ -172,7 +172,7 @@ pub fn evaluate(plan: &Plan, done: &(dyn Fn() + Sync)) -> Vec<Figures> {
 
 /// Runs one row: `contacts` of healthy whiskers, and cuts of each size ten times.
 #[must_use]
-pub fn run(row: Row, place: Place, seed: u64, contacts: u64) -> Figures {
+pub fn run(row: Row, place: StatedPlace, seed: u64, contacts: u64) -> Figures {
     let incidents = 10 * SIZES_MM.len() as u32;
     let plan = Plan { seed, rows: vec![row], place, applies_gain: false, contacts, incidents };
     let mut figures = evaluate(&plan, &|| ());

@@ -13,7 +13,7 @@ use super::air::Air;
 use super::course::Course;
 use super::nuisances::Nuisances;
 use super::whisker::{Circumstances, NOMINAL_MPA, Touch, Whisker};
-use super::{Place, RobotKind};
+use super::{RobotKind, StatedPlace};
 
 /// Number of whiskers of a robot.
 pub(super) const WHISKERS: usize = 6;
@@ -62,7 +62,7 @@ impl Layout {
 
 /// A robot, its truth, and the core's state.
 pub(super) struct Robot {
-    place: Place,
+    place: StatedPlace,
     layout: Layout,
     /// The true whiskers.
     pub(super) whiskers: Vec<Whisker>,
@@ -75,7 +75,7 @@ pub(super) struct Robot {
     /// Parameters of the core.
     pub(super) params: Params,
     /// Effects since they were last taken, except contacts and responses, each with its time since the installation, s.
-    pub(super) told: Vec<(f64, Effect)>,
+    pub(super) kept_effects: Vec<(f64, Effect)>,
     /// Setpoints that are on their way.
     moving: Vec<(usize, CommandKey)>,
     /// Buffers for effects and for the next message, reused to save allocations.
@@ -92,9 +92,9 @@ pub(super) struct Robot {
 
 /// A robot that can do touch tests also does them on a schedule: its habit may leave out the tips for days, and then there is
 /// no silence to notice.
-fn params(place: Place) -> Params {
+fn params(place: StatedPlace) -> Params {
     let mut params = Params::nguyen_2021(Formulation::Published);
-    if place == Place::DistanceTests {
+    if place == StatedPlace::DistanceTests {
         params.touch_tests.every = TESTED_EVERY;
     }
     params
@@ -119,7 +119,7 @@ impl Robot {
             course: Course::new(nuisances, seed),
             core: Core::new(1, Numbers::default()),
             params,
-            told: Vec::new(),
+            kept_effects: Vec::new(),
             moving: Vec::new(),
             effects: Vec::new(),
             message: Vec::new(),
@@ -160,17 +160,17 @@ impl Robot {
     }
 
     /// A contact with a place as the robot can know it.
-    fn contact(&self, number: usize, touch: &Touch, kind: Place, pressure_mpa: f64) -> Contact<'static> {
+    fn contact(&self, number: usize, touch: &Touch, kind: StatedPlace, pressure_mpa: f64) -> Contact<'static> {
         let place = match kind {
-            Place::Ratio | Place::RatioTests => {
+            StatedPlace::Ratio | StatedPlace::RatioTests => {
                 ContactPlace::Ratio { ratio: ContactRatio::known(touch.ratio), sd: None }
             }
-            Place::Tip => ContactPlace::Tip(None),
-            Place::Distance | Place::DistanceTests => {
+            StatedPlace::Tip => ContactPlace::Tip(None),
+            StatedPlace::Distance | StatedPlace::DistanceTests => {
                 let at = Millimetre::known(touch.distance_mm);
                 ContactPlace::Distance(Distance { at, sd_mm: self.whiskers[number].distance_sd_mm() })
             }
-            Place::Unknown => ContactPlace::Unknown,
+            StatedPlace::Unknown => ContactPlace::Unknown,
         };
         let (array, whisker) = self.layout.place(number);
         Contact {
@@ -253,13 +253,13 @@ impl Robot {
         let now = self.now();
         let mut effects = std::mem::take(&mut self.effects);
         self.core.step(&self.params, now, event, &mut effects);
-        let first = self.told.len();
+        let first = self.kept_effects.len();
         let is_kept = |effect: &Effect| !matches!(effect, Effect::Contact(_) | Effect::Response(_));
-        self.told.extend(effects.drain(..).filter(is_kept).map(|effect| (self.at_s, effect)));
+        self.kept_effects.extend(effects.drain(..).filter(is_kept).map(|effect| (self.at_s, effect)));
         self.effects = effects;
-        let told = || self.told[first..].iter().map(|(_, effect)| effect);
-        let commands: Vec<Command> = told().filter_map(command_of).collect();
-        let tests: Vec<TouchTest> = told().filter_map(test_of).collect();
+        let new_effects = || self.kept_effects[first..].iter().map(|(_, effect)| effect);
+        let commands: Vec<Command> = new_effects().filter_map(command_of).collect();
+        let tests: Vec<TouchTest> = new_effects().filter_map(test_of).collect();
         for command in commands {
             self.obey(&command);
         }
@@ -286,7 +286,10 @@ impl Robot {
             let deflection_mm = test.deflections_mm[turn % test.deflections_mm.len()];
             if let Some(touch) = self.whiskers[number].touch_on_request(&at, distance_mm, deflection_mm) {
                 let pressure_mpa = self.air[number].reading_mpa();
-                contacts.push(Contact { is_test: true, ..self.contact(number, &touch, Place::Distance, pressure_mpa) });
+                contacts.push(Contact {
+                    is_test: true,
+                    ..self.contact(number, &touch, StatedPlace::Distance, pressure_mpa)
+                });
             } else {
                 let sd_mm = self.whiskers[number].distance_sd_mm();
                 let at = Distance { at: Millimetre::known(distance_mm), sd_mm };

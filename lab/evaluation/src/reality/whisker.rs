@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 use vibrissa_core::mechanics::{Formulation, Model, Morphology};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 
-use super::Place;
+use super::StatedPlace;
 use super::nuisances::{DEFLECTION_MAX_MM, Nuisances};
 use super::rubber::{Press, Rubber};
 use crate::deviation::{deviating, with_calibration};
@@ -150,22 +150,22 @@ impl Whisker {
 
     /// Makes a contact at a ratio to the present length; `None` on the chamber.
     pub fn touch(&mut self, at: &Circumstances) -> Option<Touch> {
-        self.touch_at(at, Place::Ratio)
+        self.touch_at(at, StatedPlace::Ratio)
     }
 
     /// Makes a contact where the objects of robots stand that know such a place; `None` on the chamber, and where the
     /// whisker does not reach.
     ///
     /// Each contact takes the same number of draws in each row, so that rows differ by their nuisance alone.
-    pub fn touch_at(&mut self, at: &Circumstances, kind: Place) -> Option<Touch> {
+    pub fn touch_at(&mut self, at: &Circumstances, kind: StatedPlace) -> Option<Touch> {
         let [place, force, way, peak, rare]: [f64; 5] = std::array::from_fn(|_| self.contact_stream.random());
         let noise: [f64; 6] = std::array::from_fn(|_| normal(&mut self.noise_stream));
         let within = |(low, high): (f64, f64), share: f64| low + share * (high - low);
         let drawn = within(at.habit.ratios, place);
         let ratio = match kind {
-            Place::Ratio | Place::RatioTests | Place::Unknown => drawn,
-            Place::Tip => 1.0,
-            Place::Distance | Place::DistanceTests => drawn * self.whole_mm / self.length_mm,
+            StatedPlace::Ratio | StatedPlace::RatioTests | StatedPlace::Unknown => drawn,
+            StatedPlace::Tip => 1.0,
+            StatedPlace::Distance | StatedPlace::DistanceTests => drawn * self.whole_mm / self.length_mm,
         };
         let deflection_mm = within(at.habit.deflections_mm, force);
         let peak_mm =
@@ -198,7 +198,7 @@ impl Whisker {
         let off_mm = self.distance_sd_mm() * normal(&mut self.contact_stream);
         let ratio = (distance_mm + off_mm) / self.whole_mm;
         let habit = Habit { ratios: (ratio, ratio), deflections_mm: (deflection_mm, deflection_mm) };
-        let touch = self.touch_at(&Circumstances { habit, ..*at }, Place::Distance)?;
+        let touch = self.touch_at(&Circumstances { habit, ..*at }, StatedPlace::Distance)?;
         Some(Touch { distance_mm, ..touch })
     }
 

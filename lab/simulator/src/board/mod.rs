@@ -233,9 +233,9 @@ impl Board {
             Ok(Line::Valve { array, whisker, open, for_ms }) => self.valve(&array, whisker, open, for_ms, now_us),
             Ok(Line::Test(line)) => match self.places.get(&(line.array.clone(), line.whisker)) {
                 Some(&at) => {
-                    let told = json!({"type": "test_state", "test_id": line.test_id, "state": "RUNNING"});
+                    let answer = json!({"type": "test_state", "test_id": line.test_id, "state": "RUNNING"});
                     self.tests.push_back(Test { line, at, touches: 0 });
-                    vec![Doing::Say(told)]
+                    vec![Doing::Say(answer)]
                 }
                 None => vec![Doing::Say(json!({"type": "test_state", "test_id": line.test_id, "state": "FAILED"}))],
             },

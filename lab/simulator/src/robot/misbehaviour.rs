@@ -165,11 +165,11 @@ impl Robot {
         };
         let before = whisker.seen;
         // The rules are told of an order that gives the answer of the fault.
-        let told = before.filter(|&seen| is_stale(seen)).map(|seen| seen.max(order));
-        let mut seen = told;
+        let stale = before.filter(|&seen| is_stale(seen)).map(|seen| seen.max(order));
+        let mut seen = stale;
         let addressee = Addressee { pressure_max_mpa: whisker.facts().pressure_max_mpa, seen: &mut seen };
         let verdict = self.commands.judge(&read, self.voice.boot_id(), now_us, Some(addressee));
-        whisker.seen = if told.is_none() { before.max(seen) } else { before };
+        whisker.seen = if stale.is_none() { before.max(seen) } else { before };
         verdict
     }
 

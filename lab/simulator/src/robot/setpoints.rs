@@ -2,7 +2,7 @@
 
 use vibrissa_protocol::{BootId, RobotTopic, Setpoint, SetpointError, SetpointOutcome, encode};
 use vibrissa_robot::contract::supervision::pressure_without;
-use vibrissa_robot::contract::{Answer, Moment, Verdict};
+use vibrissa_robot::contract::{CommandAnswer, Moment, Verdict};
 
 use super::misbehaviour::{AT_ONCE_MPA_PER_S, HELD_LESS_MPA};
 use super::whisker::{Applying, OWN_SLEW_MPA_PER_S};
@@ -35,12 +35,12 @@ impl Robot {
         let id = setpoint.command_id.as_str();
         let is_short = self.breaks(Misbehaviour::SaysOnlyTheEnd);
         if !is_short {
-            self.answer(id, Some(at), Answer::plain(SetpointOutcome::Received), now_us, out);
+            self.answer(id, Some(at), CommandAnswer::plain(SetpointOutcome::Received), now_us, out);
         }
         if let Some(replaced) = self.whiskers[at].applying.take()
             && !self.breaks(Misbehaviour::NeverSuperseded)
         {
-            self.answer(&replaced.command_id, Some(at), Answer::plain(SetpointOutcome::Superseded), now_us, out);
+            self.answer(&replaced.command_id, Some(at), CommandAnswer::plain(SetpointOutcome::Superseded), now_us, out);
         }
         let less_mpa = if self.breaks(Misbehaviour::HoldsLess) { HELD_LESS_MPA } else { 0.0 };
         let at_once = self.breaks(Misbehaviour::IgnoresSlew);
@@ -52,16 +52,16 @@ impl Robot {
         let (pressure_mpa, reading_gain) = (setpoint.pressure_mpa, setpoint.reading_gain);
         whisker.applying = Some(Applying { command_id: id.to_owned(), pressure_mpa, reading_gain, fails_at_us });
         if !is_short {
-            self.answer(id, Some(at), Answer::plain(SetpointOutcome::Applying), now_us, out);
+            self.answer(id, Some(at), CommandAnswer::plain(SetpointOutcome::Applying), now_us, out);
         }
     }
 
     fn reject(&mut self, id: &str, at: Option<usize>, error: SetpointError, now_us: u64, out: &mut Vec<Outgoing>) {
-        self.answer(id, at, Answer::rejected(error), now_us, out);
+        self.answer(id, at, CommandAnswer::rejected(error), now_us, out);
     }
 
     /// Publishes and stores the state of a command.
-    fn answer(&mut self, id: &str, at: Option<usize>, answer: Answer, now_us: u64, out: &mut Vec<Outgoing>) {
+    fn answer(&mut self, id: &str, at: Option<usize>, answer: CommandAnswer, now_us: u64, out: &mut Vec<Outgoing>) {
         self.commands.remember(id, answer);
         if !self.connected {
             return;
@@ -81,9 +81,9 @@ impl Robot {
             };
             let answer = if whisker.regulator.is_settled() {
                 whisker.gain.applied(applying.pressure_mpa, applying.reading_gain);
-                Answer::plain(SetpointOutcome::Applied)
+                CommandAnswer::plain(SetpointOutcome::Applied)
             } else if at_us >= applying.fails_at_us && !never_fails {
-                Answer { outcome: SetpointOutcome::Failed, error: Some(whisker.regulator.failure()) }
+                CommandAnswer { outcome: SetpointOutcome::Failed, error: Some(whisker.regulator.failure()) }
             } else {
                 continue;
             };
@@ -106,7 +106,13 @@ impl Robot {
             self.whiskers[at].regulator.set(target_mpa, OWN_SLEW_MPA_PER_S);
             self.whiskers[at].gain.left(target_mpa);
             if let Some(replaced) = self.whiskers[at].applying.take() {
-                self.answer(&replaced.command_id, Some(at), Answer::plain(SetpointOutcome::Superseded), at_us, out);
+                self.answer(
+                    &replaced.command_id,
+                    Some(at),
+                    CommandAnswer::plain(SetpointOutcome::Superseded),
+                    at_us,
+                    out,
+                );
             }
         }
     }

@@ -43,7 +43,7 @@ pub async fn wait_for_robot(
 }
 
 fn is_birth(message: &Message) -> bool {
-    matches!(message, Message::Connection(told) if told.state == ConnectionState::Online)
+    matches!(message, Message::Connection(connection) if connection.state == ConnectionState::Online)
 }
 
 async fn heard(client: &mut TestClient, is_it: impl Fn(&Message) -> bool) -> anyhow::Result<()> {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use vibrissa_protocol::{Rule, Setpoint, SetpointOutcome, WhiskerStatus};
 
 use super::action::{Action, Progress, Spot};
-use super::bench::{Bench, Trial, answers, told};
+use super::bench::{Bench, Trial, answers, state_text};
 use super::setpoints::NEAR_MPA;
 
 /// Rules for which somebody must help.
@@ -101,10 +101,10 @@ impl Bench {
                     None => Ended::Reached,
                 }
             }
-            SetpointOutcome::Failed => Ended::Failed(told(&end)),
-            SetpointOutcome::Rejected => Ended::Refused(told(&end)),
+            SetpointOutcome::Failed => Ended::Failed(state_text(&end)),
+            SetpointOutcome::Rejected => Ended::Refused(state_text(&end)),
             SetpointOutcome::Received | SetpointOutcome::Applying | SetpointOutcome::Superseded => {
-                Ended::Otherwise(told(&end))
+                Ended::Otherwise(state_text(&end))
             }
         })
     }

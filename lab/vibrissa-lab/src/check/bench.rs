@@ -320,7 +320,7 @@ pub(super) fn answers(heard: &Listener, mark: usize, id: &str) -> Vec<SetpointSt
 }
 
 /// An answer as text.
-pub(super) fn told(state: &SetpointState) -> String {
+pub(super) fn state_text(state: &SetpointState) -> String {
     match state.error {
         Some(error) => format!("{} {error}", state.state),
         None => state.state.to_string(),

@@ -158,12 +158,12 @@ impl Divisor {
                 "the robot does not follow estimates, so that it cannot be told which one it uses".into(),
             );
         };
-        let told = format!("{} before estimates that are not newer, {} after", self.two.text(), self.stale.text());
+        let finding = format!("{} before estimates that are not newer, {} after", self.two.text(), self.stale.text());
         match self.stale {
             Touches::None => Judgement::Skip("the whisker was not touched long enough".into()),
             Touches::Scattered => Judgement::Skip("the whisker was not touched at one place".into()),
-            Touches::Ratio(ratio) if is_same(ratio, two) => Judgement::Pass(told),
-            Touches::Ratio(_) | Touches::Distance(_) | Touches::Other => Judgement::Fail(told),
+            Touches::Ratio(ratio) if is_same(ratio, two) => Judgement::Pass(finding),
+            Touches::Ratio(_) | Touches::Distance(_) | Touches::Other => Judgement::Fail(finding),
         }
     }
 }

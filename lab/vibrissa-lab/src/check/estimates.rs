@@ -131,7 +131,7 @@ impl Bench {
     }
 
     async fn tell_estimate(&mut self, estimate: &Estimate) -> anyhow::Result<()> {
-        self.heard.has_told_lengths();
+        self.heard.note_sent_lengths();
         self.say(RobotTopic::Estimate, vibrissa_protocol::encode(estimate), None).await
     }
 

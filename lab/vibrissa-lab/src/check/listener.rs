@@ -44,7 +44,7 @@ pub(super) struct Listener {
     /// Whiskers of which a contact ratio has arrived, by boots.
     with_ratio: BTreeSet<(BootId, Name, u16)>,
     /// Whether the check has told the robot lengths.
-    told_lengths: bool,
+    sent_lengths: bool,
     streams: BTreeMap<(BootId, RobotTopic), Stream>,
     numbered: u64,
     clock: Duration,
@@ -65,7 +65,7 @@ impl Listener {
             is_live: false,
             born: None,
             with_ratio: BTreeSet::new(),
-            told_lengths: false,
+            sent_lengths: false,
             streams: BTreeMap::new(),
             numbered: 0,
             clock,
@@ -79,8 +79,8 @@ impl Listener {
     }
 
     /// The check has told the robot lengths.
-    pub(super) fn has_told_lengths(&mut self) {
-        self.told_lengths = true;
+    pub(super) fn note_sent_lengths(&mut self) {
+        self.sent_lengths = true;
     }
 
     /// Processes a message.
@@ -287,7 +287,7 @@ impl Listener {
                 }
                 // A robot that divides by a length sends distances before the first estimate, and beyond the length.
                 let may_lack_length = contact.distance_mm.is_some() && !contact.tip && stated == Some(PlaceKind::Ratio);
-                let lacks_length = may_lack_length && (self.told_lengths || !self.with_ratio.contains(&key));
+                let lacks_length = may_lack_length && (self.sent_lengths || !self.with_ratio.contains(&key));
                 if let Some(stated) = stated.filter(|_| contact.test_id.is_none() && !lacks_length) {
                     let seen = format!("{place} at {array}/{whisker}, for which the factsheet states {stated}");
                     self.findings.judge(Rule::PlaceAsStated, place == stated.as_str(), seen);

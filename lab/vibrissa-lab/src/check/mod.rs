@@ -186,12 +186,12 @@ pub fn present_epoch() -> u64 {
 
 /// Chooses the epoch, and notes the consequences for the next supervisor.
 fn take_epoch(bench: &mut Bench) {
-    let last = bench.heard.supervisor.as_ref().map(|told| told.epoch);
+    let last = bench.heard.supervisor.as_ref().map(|state| state.epoch);
     // Where nothing is retained there may have been a supervisor: the present time is above its epoch and below the next.
     let unknown = if bench.heard.retains { 0 } else { present_epoch() };
     bench.epoch = bench.options.epoch.or(last).unwrap_or(unknown);
     let epoch = bench.epoch;
-    let told = match last {
+    let note = match last {
         Some(last) if epoch > last => format!(
             "epoch {epoch} was used, above the last supervisor's ({last}): RESTART THE ROBOT before it is supervised, \
              otherwise it refuses every supervisor's setpoints as STALE until their epoch is above {epoch}"
@@ -215,7 +215,7 @@ fn take_epoch(bench: &mut Bench) {
                 .into()
         }
     };
-    bench.heard.findings.note(told);
+    bench.heard.findings.note(note);
     bench.heard.findings.note(
         "contacts of this time, and those that the robot had buffered, were partly receipted and not recorded"
             .to_owned(),
@@ -244,7 +244,7 @@ async fn put_back(bench: &mut Bench) -> Vec<String> {
 }
 
 async fn put_back_pressure(bench: &mut Bench) {
-    let told = match (bench.go_home().await, &bench.trial) {
+    let note = match (bench.go_home().await, &bench.trial) {
         (_, None) => return,
         (Ok(true), Some(trial)) => format!("its setpoint of {:.4} MPa was restored", trial.home_mpa),
         (Ok(false), Some(trial)) => {
@@ -256,7 +256,7 @@ async fn put_back_pressure(bench: &mut Bench) {
             format!("ITS SETPOINT WAS NOT RESTORED ({home_mpa:.4} MPa): {problem}")
         }
     };
-    bench.heard.findings.note(told);
+    bench.heard.findings.note(note);
 }
 
 fn is_factsheet(message: &Message) -> bool {

@@ -215,8 +215,8 @@ impl Bench {
 
 /// Whether a message is a birth of this boot.
 fn is_birth_of(message: &Message, boot: Option<&BootId>) -> bool {
-    matches!(message, Message::Connection(told)
-        if told.state == ConnectionState::Online && boot.is_none_or(|boot| told.boot_id == *boot))
+    matches!(message, Message::Connection(connection)
+        if connection.state == ConnectionState::Online && boot.is_none_or(|boot| connection.boot_id == *boot))
 }
 
 fn mean_gap(times: &[Instant]) -> Option<Duration> {

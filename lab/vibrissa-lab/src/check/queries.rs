@@ -10,7 +10,7 @@ use super::listener::Listener;
 impl Listener {
     /// Epoch of the supervisor that owns the fleet now.
     pub(super) fn supervised(&self) -> Option<u64> {
-        self.supervisor.as_ref().filter(|told| told.state == SupervisorPresence::Online).map(|told| told.epoch)
+        self.supervisor.as_ref().filter(|state| state.state == SupervisorPresence::Online).map(|state| state.epoch)
     }
 
     /// Connection messages since a position in the log, each with its position and the retain flag.

@@ -5,7 +5,7 @@
 
 use vibrissa_protocol::{BootId, RequestKind, RobotTopic, Rule, Setpoint, SetpointError, SetpointOutcome};
 
-use super::bench::{Bench, Trial, told};
+use super::bench::{Bench, Trial, state_text};
 use super::setpoints::SLOW_MPA_PER_S;
 
 /// Highest pressure that the paper's chambers withstand.
@@ -84,7 +84,7 @@ impl Bench {
             None => self.fail(rule, format!("no answer within {limit}")),
             Some(answer) => {
                 let is_right = answer.state == SetpointOutcome::Rejected && answer.error == Some(error);
-                self.judge(rule, is_right, told(&answer));
+                self.judge(rule, is_right, state_text(&answer));
                 if answer.state == SetpointOutcome::Rejected {
                     self.is_away = was_away;
                 } else {

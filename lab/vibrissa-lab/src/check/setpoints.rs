@@ -6,7 +6,7 @@ use anyhow::bail;
 use serde_json::Value;
 use vibrissa_protocol::{RequestKind, RobotTopic, Rule, Setpoint, SetpointError, SetpointOutcome, SetpointState};
 
-use super::bench::{Bench, Trial, answers, told};
+use super::bench::{Bench, Trial, answers, state_text};
 use super::report::seconds;
 
 /// Tolerance between a pressure and its setpoint: regulators of small robots dither by a step of a coarse sensor.
@@ -183,7 +183,7 @@ impl Bench {
         let older_end = answers(&self.heard, mark, &slow.command_id).into_iter().find(|one| one.state.is_final());
         let is_applied = newer_end.as_ref().is_some_and(|one| one.state == SetpointOutcome::Applied);
         self.is_away = !is_applied;
-        let end = |end: Option<SetpointState>| end.map_or("no final state".to_owned(), |end| told(&end));
+        let end = |end: Option<SetpointState>| end.map_or("no final state".to_owned(), |end| state_text(&end));
         let is_superseded = older_end.as_ref().is_some_and(|one| one.state == SetpointOutcome::Superseded);
         let seen = format!("the older one: {}; the newer one: {}", end(older_end), end(newer_end));
         self.judge(Rule::Supersede, is_superseded && is_applied, seen);
@@ -203,7 +203,7 @@ impl Bench {
         self.say(RobotTopic::Setpoint, serde_json::to_vec(&value)?, None).await?;
         let first = self.first_answer(mark, &setpoint.command_id).await?;
         let is_taken = first.as_ref().is_some_and(|one| one.state != SetpointOutcome::Rejected);
-        let shown = first.map_or("no answer".to_owned(), |first| told(&first));
+        let shown = first.map_or("no answer".to_owned(), |first| state_text(&first));
         self.judge(Rule::UnknownFields, is_taken, format!("{shown}, to a setpoint with a field check_note"));
         if is_taken {
             let end = self.final_answer(mark, &setpoint.command_id).await?;
@@ -214,5 +214,5 @@ impl Bench {
 }
 
 fn list(all: &[SetpointState]) -> String {
-    all.iter().map(told).collect::<Vec<_>>().join(", ")
+    all.iter().map(state_text).collect::<Vec<_>>().join(", ")
 }

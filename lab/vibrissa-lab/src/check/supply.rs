@@ -120,13 +120,13 @@ impl Bench {
                 self.skip(&[Rule::FailedWithReason], &format!("the supply was not closed within {limit}"));
                 return;
             }
-            Some(Ended::Refused(told)) => {
-                self.skip(&[Rule::FailedWithReason], &format!("{told}: without supply no setpoint is accepted"));
+            Some(Ended::Refused(outcome)) => {
+                self.skip(&[Rule::FailedWithReason], &format!("{outcome}: without supply no setpoint is accepted"));
                 return;
             }
-            Some(Ended::Failed(told)) => (true, format!("{told}, {without}")),
+            Some(Ended::Failed(outcome)) => (true, format!("{outcome}, {without}")),
             Some(Ended::Claimed(mpa)) => (false, format!("APPLIED at {mpa:.4} MPa, {without}")),
-            Some(Ended::Otherwise(told)) => (false, format!("{told}, {without}")),
+            Some(Ended::Otherwise(outcome)) => (false, format!("{outcome}, {without}")),
             Some(Ended::Open) => (false, format!("no final state within {}, {without}", seconds(self.timings().apply))),
             Some(Ended::Unanswered | Ended::Reached) => (false, format!("no answer, {without}")),
         };

@@ -45,10 +45,10 @@ impl Bench {
         let states = states(&self.heard, mark, &id);
         let is_accepted = states.first().is_some_and(|first| first.state == TouchTestOutcome::Accepted);
         let is_done = states.last().is_some_and(|last| last.state == TouchTestOutcome::Done);
-        let told: Vec<&str> = states.iter().map(|state| state.state.as_str()).collect();
+        let words: Vec<&str> = states.iter().map(|state| state.state.as_str()).collect();
         let seen = format!(
             "{}, with {touches} of 1 touch",
-            if told.is_empty() { "no answer".into() } else { told.join(", ") }
+            if words.is_empty() { "no answer".into() } else { words.join(", ") }
         );
         self.judge(Rule::TestDone, is_accepted && is_done && touches == 1, seen);
         Ok(())

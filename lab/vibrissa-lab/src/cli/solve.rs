@@ -64,7 +64,7 @@ fn examined_pressure(text: &str) -> Result<Megapascal, String> {
 /// # Errors
 /// A whisker is cut into its chamber, or the calibration file is invalid.
 pub fn run(args: &SolveArgs, out: &mut dyn Write) -> Result<ExitCode> {
-    let answer = Answer::new(args)?;
+    let answer = SolutionReport::new(args)?;
     if args.json {
         serde_json::to_writer_pretty(&mut *out, &answer.json()).context("writing the answer")?;
         writeln!(out)?;
@@ -77,7 +77,7 @@ pub fn run(args: &SolveArgs, out: &mut dyn Write) -> Result<ExitCode> {
     })
 }
 
-struct Answer {
+struct SolutionReport {
     model_name: String,
     target: Target,
     compensator: Compensator,
@@ -85,7 +85,7 @@ struct Answer {
     range: (Millimetre, Millimetre),
 }
 
-impl Answer {
+impl SolutionReport {
     fn new(args: &SolveArgs) -> Result<Self> {
         let formulation = args.formulation.into();
         let (model_name, model) = match &args.calibration {

@@ -136,15 +136,15 @@ async fn watch(store: &Store) -> anyhow::Result<()> {
     let bar = ProgressBar::new(compensations as u64 * CONTACTS_TO_MEASURE as u64);
     bar.set_style(ProgressStyle::with_template("{elapsed:>4} {bar:40} {msg}")?);
     let begun = Instant::now();
-    let mut told = 0;
+    let mut printed = 0;
     while begun.elapsed() < PATIENCE {
         tokio::time::sleep(Duration::from_millis(250)).await;
         let lines = report::story(store).await?;
-        for line in lines.iter().skip(told) {
+        for line in lines.iter().skip(printed) {
             let line = format!("{:5.1} s  {line}", begun.elapsed().as_secs_f64());
             if bar.is_hidden() { println!("{line}") } else { bar.println(line) }
         }
-        told = lines.len();
+        printed = lines.len();
         let measured: Vec<i64> = store.measured_contacts().await?;
         let done: i64 = measured.iter().map(|contacts| (*contacts).min(CONTACTS_TO_MEASURE)).sum();
         bar.set_position(done as u64);

@@ -20,12 +20,12 @@ const SAME_MPA: f64 = 1e-4;
 const REMEMBERED: usize = 4;
 
 /// A whisker by array and number.
-pub(super) type Place = (String, u16);
+pub(super) type WhiskerKey = (String, u16);
 
 /// Answers of one boot of one robot.
 #[derive(Debug, Default)]
 pub(super) struct Answers {
-    places: BTreeMap<Place, Chamber>,
+    places: BTreeMap<WhiskerKey, Chamber>,
 }
 
 #[derive(Debug, Default)]
@@ -34,7 +34,7 @@ struct Chamber {
     /// Pressure set by the replay; `None` for the nominal pressure.
     own: Option<Megapascal>,
     /// Pressure set by the recorded setpoints; `None` for the nominal pressure.
-    told: Option<Megapascal>,
+    recorded_pressure: Option<Megapascal>,
     /// The replay's setpoint without a recorded counterpart, and the time at which it is assumed to be applied.
     assumed: Option<(Command, Micros)>,
 }
@@ -48,7 +48,7 @@ struct Link {
 }
 
 /// An answer to a setpoint of the replay.
-pub(super) struct Answer {
+pub(super) struct ReplayAnswer {
     pub key: CommandKey,
     /// The replay's pressure, if it differs from the recorded one.
     pub instead: Option<Megapascal>,
@@ -88,7 +88,7 @@ impl Answers {
 
     /// Notes a setpoint of the replay. It is assumed to be applied once the robot has had time for it, unless a
     /// recorded setpoint appears meanwhile.
-    pub(super) fn commanded(&mut self, place: Place, command: &Command, from: Megapascal, patience: Micros) {
+    pub(super) fn commanded(&mut self, place: WhiskerKey, command: &Command, from: Megapascal, patience: Micros) {
         let way_mpa = (command.pressure.mpa() - from.mpa()).abs();
         let slewing = Micros::from_s(way_mpa / command.slew_mpa_per_s);
         let chamber = self.places.entry(place).or_default();
@@ -100,7 +100,7 @@ impl Answers {
     }
 
     /// The recorded answer for the replay's setpoint, if one is under way.
-    pub(super) fn answer(&mut self, state: &SetpointState, robot: &Robot) -> Option<Answer> {
+    pub(super) fn answer(&mut self, state: &SetpointState, robot: &Robot) -> Option<ReplayAnswer> {
         let mut found = self.places.values_mut().filter_map(|chamber| {
             let at = chamber.recorded.iter().position(|link| link.command_id == state.command_id)?;
             Some((chamber, at))
@@ -113,7 +113,7 @@ impl Answers {
         };
         let recorded = Megapascal::new(link.pressure_mpa).ok();
         if moves {
-            chamber.told = recorded;
+            chamber.recorded_pressure = recorded;
         }
         let command = robot.commands_under_way().find(|command| Some(command.key) == link.key)?;
         if moves {
@@ -121,7 +121,7 @@ impl Answers {
             chamber.assumed = None;
         }
         let is_same = (command.pressure.mpa() - link.pressure_mpa).abs() < SAME_MPA;
-        Some(Answer { key: command.key, instead: (!is_same).then_some(command.pressure) })
+        Some(ReplayAnswer { key: command.key, instead: (!is_same).then_some(command.pressure) })
     }
 
     /// Setpoints that are assumed to be applied by now.
@@ -138,10 +138,10 @@ impl Answers {
     }
 
     /// Pressures of a chamber that differ between recording and replay: (recorded, replayed).
-    pub(super) fn moved(&self, place: &Place, nominal: Megapascal) -> Option<(Megapascal, Megapascal)> {
+    pub(super) fn moved(&self, place: &WhiskerKey, nominal: Megapascal) -> Option<(Megapascal, Megapascal)> {
         let chamber = self.places.get(place)?;
-        let (told, own) = (chamber.told.unwrap_or(nominal), chamber.own.unwrap_or(nominal));
-        ((told.mpa() - own.mpa()).abs() >= SAME_MPA).then_some((told, own))
+        let (recorded, own) = (chamber.recorded_pressure.unwrap_or(nominal), chamber.own.unwrap_or(nominal));
+        ((recorded.mpa() - own.mpa()).abs() >= SAME_MPA).then_some((recorded, own))
     }
 
     /// Forgets all chambers after a restart of the robot: they are where its status says.

@@ -22,7 +22,7 @@ use super::replayer::{Happened, What};
 /// The output cannot be written.
 pub fn write(happened: &Happened<'_>, out: &mut dyn Write) -> io::Result<()> {
     let what = match &happened.what {
-        What::Effect { effect, source, .. } => told(effect, *source, happened.robot.map(|(_, _, robot)| robot)),
+        What::Effect { effect, source, .. } => json_form(effect, *source, happened.robot.map(|(_, _, robot)| robot)),
         What::Refused { reason, problem, topic } => Some(Told::Refused { reason, problem, topic }),
     };
     let Some(what) = what else { return Ok(()) };
@@ -53,7 +53,7 @@ struct Line<'a> {
 
 /// A whisker by its array and number.
 #[derive(Serialize)]
-struct Place<'a> {
+struct WhiskerJson<'a> {
     array: &'a str,
     whisker: u16,
 }
@@ -88,11 +88,11 @@ enum Told<'a> {
     },
     MissedTouch {
         #[serde(flatten)]
-        place: Place<'a>,
+        place: WhiskerJson<'a>,
     },
     TouchTest {
         #[serde(flatten)]
-        place: Place<'a>,
+        place: WhiskerJson<'a>,
         epoch: u64,
         version: u64,
         kind: &'static str,
@@ -101,7 +101,7 @@ enum Told<'a> {
     },
     TestProposed {
         #[serde(flatten)]
-        place: Place<'a>,
+        place: WhiskerJson<'a>,
         epoch: u64,
         version: u64,
         kind: &'static str,
@@ -122,12 +122,12 @@ enum Told<'a> {
     },
     Alarm {
         #[serde(flatten)]
-        place: Place<'a>,
+        place: WhiskerJson<'a>,
         kind: &'static str,
     },
     AlarmCleared {
         #[serde(flatten)]
-        place: Place<'a>,
+        place: WhiskerJson<'a>,
         kind: &'static str,
     },
     RobotAlarm {
@@ -138,7 +138,7 @@ enum Told<'a> {
     },
     Gone {
         #[serde(flatten)]
-        place: Place<'a>,
+        place: WhiskerJson<'a>,
         alarms: Vec<&'static str>,
     },
     Request {
@@ -154,7 +154,7 @@ enum Told<'a> {
 #[derive(Serialize)]
 struct Change<'a> {
     #[serde(flatten)]
-    place: Place<'a>,
+    place: WhiskerJson<'a>,
     was: Option<&'static str>,
     becomes: Option<&'static str>,
 }
@@ -162,7 +162,7 @@ struct Change<'a> {
 #[derive(Serialize)]
 struct ContactLine<'a> {
     #[serde(flatten)]
-    place: Place<'a>,
+    place: WhiskerJson<'a>,
     boot_id: Option<&'a str>,
     seq: Option<u64>,
     position: usize,
@@ -177,7 +177,7 @@ struct ContactLine<'a> {
 struct TrimLine<'a> {
     trim: u32,
     #[serde(flatten)]
-    place: Place<'a>,
+    place: WhiskerJson<'a>,
     length_before_mm: f64,
     length_after_mm: f64,
     length_after_sd_mm: f64,
@@ -188,7 +188,7 @@ struct TrimLine<'a> {
 struct DecisionLine<'a> {
     compensation: u32,
     #[serde(flatten)]
-    target: Place<'a>,
+    target: WhiskerJson<'a>,
     target_length_mm: f64,
     target_pressure_mpa: f64,
     candidates: Vec<CandidateLine>,
@@ -216,7 +216,7 @@ struct SetpointLine<'a> {
     epoch: u64,
     version: u64,
     #[serde(flatten)]
-    place: Place<'a>,
+    place: WhiskerJson<'a>,
     compensation: Option<u32>,
     robot_boot_id: &'a str,
     pressure_mpa: f64,
@@ -286,9 +286,14 @@ struct BinLine {
 }
 
 /// `None` for an effect on a whisker that the robot does not have, which no step produces.
-fn told<'a>(effect: &'a Effect, source: Option<&'a protocol::Contacts>, robot: Option<&'a Robot>) -> Option<Told<'a>> {
+fn json_form<'a>(
+    effect: &'a Effect,
+    source: Option<&'a protocol::Contacts>,
+    robot: Option<&'a Robot>,
+) -> Option<Told<'a>> {
     let robot = robot?;
-    let place = |index: usize| robot.whisker(index).map(|view| Place { array: view.array, whisker: view.sheet.number });
+    let place =
+        |index: usize| robot.whisker(index).map(|view| WhiskerJson { array: view.array, whisker: view.sheet.number });
     Some(match effect {
         Effect::Contact(contact) => Told::Contact(contact_line(contact, place(contact.whisker)?, source)),
         Effect::UnknownWhisker { position } => Told::UnknownWhisker { position: *position },
@@ -324,7 +329,7 @@ fn told<'a>(effect: &'a Effect, source: Option<&'a protocol::Contacts>, robot: O
         Effect::RobotAlarm { kind } => Told::RobotAlarm { kind: kind.word() },
         Effect::RobotAlarmCleared { kind } => Told::RobotAlarmCleared { kind: kind.word() },
         Effect::Gone { array, number, alarms } => Told::Gone {
-            place: Place { array, whisker: *number },
+            place: WhiskerJson { array, whisker: *number },
             alarms: alarms.iter().map(|kind| kind.word()).collect(),
         },
         Effect::MissedTouch { whisker } => Told::MissedTouch { place: place(*whisker)? },
@@ -357,7 +362,7 @@ fn felt_at(source: Option<&protocol::Contacts>, position: usize) -> Option<u64> 
 
 fn contact_line<'a>(
     contact: &ContactRecord,
-    place: Place<'a>,
+    place: WhiskerJson<'a>,
     source: Option<&'a protocol::Contacts>,
 ) -> ContactLine<'a> {
     ContactLine {
@@ -373,7 +378,7 @@ fn contact_line<'a>(
     }
 }
 
-fn trim_line<'a>(trim: &Trim, place: Place<'a>) -> TrimLine<'a> {
+fn trim_line<'a>(trim: &Trim, place: WhiskerJson<'a>) -> TrimLine<'a> {
     TrimLine {
         trim: trim.id,
         place,
@@ -384,7 +389,7 @@ fn trim_line<'a>(trim: &Trim, place: Place<'a>) -> TrimLine<'a> {
     }
 }
 
-fn decision_line<'a>(decision: &Decision, target: Place<'a>, robot: &Robot) -> DecisionLine<'a> {
+fn decision_line<'a>(decision: &Decision, target: WhiskerJson<'a>, robot: &Robot) -> DecisionLine<'a> {
     let line = |(at, one): (usize, &CandidateRecord)| CandidateLine {
         whisker: robot.whisker(one.whisker).map(|view| view.sheet.number),
         compensation_case: one.case.word(),
@@ -409,7 +414,7 @@ fn decision_line<'a>(decision: &Decision, target: Place<'a>, robot: &Robot) -> D
     }
 }
 
-fn setpoint_line<'a>(command: &'a Command, place: Place<'a>) -> SetpointLine<'a> {
+fn setpoint_line<'a>(command: &'a Command, place: WhiskerJson<'a>) -> SetpointLine<'a> {
     SetpointLine {
         epoch: command.key.epoch,
         version: command.key.version,

@@ -1,9 +1,9 @@
 //! Replays recorded traffic through the core, without a broker or a database: shows the decisions that would have been
 //! made, and their reasons.
 //!
-//! Read in this order: [`vibrissa_edge::recording`] (format of a recording), [`vibrissa::recording::lines`] (reading one of any size), [`replayer`]
-//! (messages and time for the core), `answers` (robots' answers to setpoints that were never sent to them), [`told`]
-//! (effects as JSON lines), [`comparison`] (two policies on the same traffic).
+//! Read in this order: [`vibrissa_edge::recording`] (format of a recording), [`vibrissa::recording::lines`] (reading one
+//! of any size), [`replayer`] (messages and time for the core), `answers` (robots' answers to setpoints that were never
+//! sent to them), [`effect_json`] (effects as JSON lines), [`comparison`] (two policies on the same traffic).
 
 mod answers;
 mod recorded_tests;

@@ -29,8 +29,8 @@ impl RecordedTests {
     }
 
     /// The test of the replay to which a recorded answer belongs.
-    pub(super) fn answered(&self, told: &TestState, robot: &Robot) -> Option<CommandKey> {
-        let (_, array, whisker) = self.tests.iter().find(|(test_id, ..)| *test_id == told.test_id)?;
+    pub(super) fn answered(&self, state: &TestState, robot: &Robot) -> Option<CommandKey> {
+        let (_, array, whisker) = self.tests.iter().find(|(test_id, ..)| *test_id == state.test_id)?;
         let index = robot.find(array, *whisker)?;
         robot.tests_under_way().find(|(_, of)| *of == index).map(|(test, _)| test)
     }

@@ -56,8 +56,8 @@ fn sum(reasons: &Reasons) -> u64 {
 }
 
 fn line(whose: &str, reasons: &Reasons) -> String {
-    let reasons_told: Vec<String> = reasons.iter().map(|(reason, count)| format!("{reason} {count}")).collect();
-    format!("refused of {whose}: {} ({})", sum(reasons), reasons_told.join(", "))
+    let reason_counts: Vec<String> = reasons.iter().map(|(reason, count)| format!("{reason} {count}")).collect();
+    format!("refused of {whose}: {} ({})", sum(reasons), reason_counts.join(", "))
 }
 
 #[cfg(test)]

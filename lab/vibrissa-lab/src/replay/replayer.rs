@@ -12,7 +12,7 @@ use vibrissa_edge as edge;
 use vibrissa_edge::black_box::Special;
 use vibrissa_protocol::{self as protocol, Message, Name, RobotTopic, Topic};
 
-use super::answers::{Answer, Answers};
+use super::answers::{Answers, ReplayAnswer};
 use super::recorded_tests::RecordedTests;
 use super::refusals::Refusals;
 use super::status;
@@ -281,25 +281,26 @@ impl Known {
         sink: &mut Sink<'_>,
     ) -> io::Result<Vec<Refused>> {
         match message {
-            Message::Connection(told) => {
-                if self.robot.connection_state().0 != Some(told.boot_id.as_str())
-                    && told.state == protocol::ConnectionState::Online
+            Message::Connection(connection) => {
+                if self.robot.connection_state().0 != Some(connection.boot_id.as_str())
+                    && connection.state == protocol::ConnectionState::Online
                 {
                     self.answers.forget();
                 }
-                let event = Event::Connection { boot_id: told.boot_id.as_str(), link: edge::link(told.state) };
+                let event =
+                    Event::Connection { boot_id: connection.boot_id.as_str(), link: edge::link(connection.state) };
                 self.step(params, step, &event, (None, false), sink)?;
-                let is_its = |early: &mut protocol::Factsheet| early.boot_id == told.boot_id;
-                if told.state == protocol::ConnectionState::Online
+                let is_its = |early: &mut protocol::Factsheet| early.boot_id == connection.boot_id;
+                if connection.state == protocol::ConnectionState::Online
                     && let Some(early) = self.early.take_if(is_its)
                 {
                     return self.factsheet(params, step, &early, sink);
                 }
             }
-            Message::Factsheet(told) => return self.factsheet(params, step, told, sink),
-            Message::Contacts(told) => return self.contacts(params, step, told, sink),
-            Message::Status(told) => {
-                let whiskers: Result<Vec<_>, _> = told.whiskers.iter().map(edge::status).collect();
+            Message::Factsheet(sheet) => return self.factsheet(params, step, sheet, sink),
+            Message::Contacts(contacts) => return self.contacts(params, step, contacts, sink),
+            Message::Status(status) => {
+                let whiskers: Result<Vec<_>, _> = status.whiskers.iter().map(edge::status).collect();
                 let mut whiskers = match whiskers {
                     Ok(whiskers) => whiskers,
                     Err(problem) => return Ok(vec![(problem.label(), problem.to_string())]),
@@ -307,19 +308,19 @@ impl Known {
                 for entry in &mut whiskers {
                     status::correct(entry, &self.robot, &self.answers);
                 }
-                let (boot_id, robot_time) = (told.boot_id.as_str(), Micros(told.t_us));
+                let (boot_id, robot_time) = (status.boot_id.as_str(), Micros(status.t_us));
                 let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
                 if self.step(params, step, &event, (None, false), sink)? == Outcome::BadTime {
                     return Ok(vec![("bad_time", "a status with an implausible time".to_owned())]);
                 }
             }
-            Message::SetpointState(told) => return self.setpoint_state(params, step, told, sink),
-            Message::Setpoint(told) => self.answers.recorded(told, &self.robot),
+            Message::SetpointState(state) => return self.setpoint_state(params, step, state, sink),
+            Message::Setpoint(setpoint) => self.answers.recorded(setpoint, &self.robot),
             Message::Request(protocol::Request { touch_test: Some(test), .. }) => self.tests.recorded(test),
-            Message::TestState(told) => {
-                if let Some(test) = self.tests.answered(told, &self.robot) {
-                    let (report, robot_time) = (edge::touch_tests::report(told), Micros(told.t_us));
-                    let event = Event::TouchTest { boot_id: told.boot_id.as_str(), test, report, robot_time };
+            Message::TestState(state) => {
+                if let Some(test) = self.tests.answered(state, &self.robot) {
+                    let (report, robot_time) = (edge::touch_tests::report(state), Micros(state.t_us));
+                    let event = Event::TouchTest { boot_id: state.boot_id.as_str(), test, report, robot_time };
                     self.step(params, step, &event, (None, false), sink)?;
                 }
             }
@@ -336,19 +337,19 @@ impl Known {
         &mut self,
         params: &Params,
         step: &Step<'_>,
-        told: &protocol::Factsheet,
+        sheet: &protocol::Factsheet,
         sink: &mut Sink<'_>,
     ) -> io::Result<Vec<Refused>> {
         let models: Vec<&str> = params.models.iter().map(|(name, _)| name.as_str()).collect();
-        let factsheet = match edge::factsheet(told, &models) {
+        let factsheet = match edge::factsheet(sheet, &models) {
             Ok(factsheet) => factsheet,
             Err(problem) => return Ok(vec![(problem.label(), problem.to_string())]),
         };
-        let boot_id = told.boot_id.as_str();
+        let boot_id = sheet.boot_id.as_str();
         let event = Event::Factsheet { boot_id, factsheet: &factsheet };
         let outcome = self.step(params, step, &event, (None, false), sink)?;
         if outcome == Outcome::OldBoot && self.robot.sequence(boot_id).is_none() {
-            self.early = Some(told.clone());
+            self.early = Some(sheet.clone());
         }
         Ok(Vec::new())
     }
@@ -357,27 +358,27 @@ impl Known {
         &mut self,
         params: &Params,
         step: &Step<'_>,
-        told: &protocol::Contacts,
+        message: &protocol::Contacts,
         sink: &mut Sink<'_>,
     ) -> io::Result<Vec<Refused>> {
         let mut refused = Vec::new();
-        let mut contacts = Vec::with_capacity(told.contacts.len());
-        for contact in &told.contacts {
+        let mut contacts = Vec::with_capacity(message.contacts.len());
+        for contact in &message.contacts {
             match edge::contact(contact) {
                 Ok(contact) => contacts.push(contact),
                 Err(problem) => refused.push((problem.label(), problem.to_string())),
             }
         }
-        let mut missed = Vec::with_capacity(told.missed.len());
-        for one in &told.missed {
+        let mut missed = Vec::with_capacity(message.missed.len());
+        for one in &message.missed {
             match edge::missed(one) {
                 Ok(one) => missed.push(one),
                 Err(problem) => refused.push((problem.label(), problem.to_string())),
             }
         }
-        let (boot_id, seq) = (told.boot_id.as_str(), told.seq);
+        let (boot_id, seq) = (message.boot_id.as_str(), message.seq);
         let event = Event::Contacts { boot_id, seq, contacts: &contacts, missed: &missed };
-        match self.step(params, step, &event, (Some(told), false), sink)? {
+        match self.step(params, step, &event, (Some(message), false), sink)? {
             Outcome::NotYet(Admission::TooManyGaps) => {
                 refused.push(("too_many_gaps", "contacts cannot be accepted yet".to_owned()));
             }
@@ -395,19 +396,21 @@ impl Known {
         &mut self,
         params: &Params,
         step: &Step<'_>,
-        told: &protocol::SetpointState,
+        state: &protocol::SetpointState,
         sink: &mut Sink<'_>,
     ) -> io::Result<Vec<Refused>> {
-        let Some(Answer { key, instead }) = self.answers.answer(told, &self.robot) else { return Ok(Vec::new()) };
+        let Some(ReplayAnswer { key, instead }) = self.answers.answer(state, &self.robot) else {
+            return Ok(Vec::new());
+        };
         let commanded = self.robot.commands_under_way().find(|command| command.key == key);
         let Some(pressure) = commanded.map(|command| command.pressure) else { return Ok(Vec::new()) };
-        let report = match (edge::setpoint_report(told, pressure), instead) {
+        let report = match (edge::setpoint_report(state, pressure), instead) {
             (Ok(SetpointReport::Applied(_)), Some(pressure)) => SetpointReport::Applied(pressure),
             (Ok(report), _) => report,
             (Err(problem), _) => return Ok(vec![(problem.label(), problem.to_string())]),
         };
-        let robot_time = Micros(told.t_us);
-        let event = Event::Setpoint { boot_id: told.boot_id.as_str(), command: key, report, robot_time };
+        let robot_time = Micros(state.t_us);
+        let event = Event::Setpoint { boot_id: state.boot_id.as_str(), command: key, report, robot_time };
         self.step(params, step, &event, (None, instead.is_some()), sink)?;
         Ok(Vec::new())
     }

@@ -13,8 +13,8 @@ const OF_RECORDED_MPA: f64 = 1e-3;
 pub(super) fn correct(entry: &mut WhiskerStatus<'_>, robot: &Robot, answers: &Answers) {
     let view = robot.find(entry.array, entry.whisker).and_then(|index| robot.whisker(index));
     let Some(nominal) = view.map(|view| view.sheet.pressure) else { return };
-    let Some((told, own)) = answers.moved(&(entry.array.to_owned(), entry.whisker), nominal) else { return };
-    if (entry.setpoint.mpa() - told.mpa()).abs() > OF_RECORDED_MPA {
+    let Some((recorded, own)) = answers.moved(&(entry.array.to_owned(), entry.whisker), nominal) else { return };
+    if (entry.setpoint.mpa() - recorded.mpa()).abs() > OF_RECORDED_MPA {
         return;
     }
     let off_mpa = entry.pressure.mpa() - entry.setpoint.mpa();

@@ -51,7 +51,7 @@ pub(super) struct Chamber {
     pub(super) target_mpa: f64,
     pub(super) slew_mpa_per_s: f64,
     /// Moment at which the driver was last told the pressure.
-    pub(super) told: Moment,
+    pub(super) sent_at: Moment,
     reading: Option<Reading>,
     /// The driver has gone since the newest reading, and may come back soon.
     is_waiting: bool,
@@ -84,7 +84,7 @@ impl Chamber {
             seen,
             target_mpa: facts.pressure_mpa,
             slew_mpa_per_s: limits.own_slew_mpa_per_s,
-            told: Moment::BEFORE_ALL,
+            sent_at: Moment::BEFORE_ALL,
             reading: None,
             is_waiting: false,
             regulator: None,
@@ -123,7 +123,7 @@ impl Chamber {
         self.applying = None;
         self.gain = ReadingGain::new(self.nominal_mpa);
         self.estimate = None;
-        self.told = Moment::BEFORE_ALL;
+        self.sent_at = Moment::BEFORE_ALL;
     }
 
     /// Begins to apply a setpoint.

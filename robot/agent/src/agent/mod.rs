@@ -262,7 +262,7 @@ impl Agent {
             self.batch_until,
             self.supervision.lost_at(),
             there(Some(self.driver.heard + self.limits.driver_silent_us)),
-            there(chambers.clone().map(|one| one.told + self.limits.repeat_us).min()),
+            there(chambers.clone().map(|one| one.sent_at + self.limits.repeat_us).min()),
             chambers.clone().filter_map(Chamber::fails_at).min(),
             chambers.filter_map(|one| one.silent_at(&self.limits)).min(),
             self.under_way.iter().map(|one| one.until).min(),

@@ -6,7 +6,7 @@ use vibrissa_protocol::{
 
 use super::{Agent, Output};
 use crate::contract::supervision::pressure_without;
-use crate::contract::{Addressee, Answer, Moment, Now, TestAnswer, TestVerdict, Tested, Verdict};
+use crate::contract::{Addressee, CommandAnswer, Moment, Now, TestAnswer, TestVerdict, Tested, Verdict};
 use crate::driver::ToDriver;
 use crate::store::Record;
 
@@ -38,14 +38,14 @@ impl Agent {
         let id = setpoint.command_id.as_str();
         match (verdict, at) {
             (Verdict::Take, Some(_)) if !self.driver.is_there => {
-                self.answer(id, at, Answer::rejected(SetpointError::NotReady), now, out);
+                self.answer(id, at, CommandAnswer::rejected(SetpointError::NotReady), now, out);
             }
             (Verdict::Take, Some(at)) => self.take(setpoint, at, now, out),
             (Verdict::Again(answer), _) => self.answer(id, at, answer, now, out),
-            (Verdict::Reject(error), _) => self.answer(id, at, Answer::rejected(error), now, out),
+            (Verdict::Reject(error), _) => self.answer(id, at, CommandAnswer::rejected(error), now, out),
             // Only a setpoint for an existing whisker is accepted.
             (Verdict::Take, None) => {
-                self.answer(id, at, Answer::rejected(SetpointError::UnknownWhisker), now, out);
+                self.answer(id, at, CommandAnswer::rejected(SetpointError::UnknownWhisker), now, out);
             }
         }
     }
@@ -61,21 +61,21 @@ impl Agent {
 
     fn take(&mut self, setpoint: &Setpoint, at: usize, now: Now, out: &mut Vec<Output>) {
         let id = setpoint.command_id.as_str();
-        self.answer(id, Some(at), Answer::plain(SetpointOutcome::Received), now, out);
+        self.answer(id, Some(at), CommandAnswer::plain(SetpointOutcome::Received), now, out);
         self.supersede(at, now, out);
         self.chambers[at].apply(setpoint, now, &self.limits);
         self.tell_pressure(at, now, out);
-        self.answer(id, Some(at), Answer::plain(SetpointOutcome::Applying), now, out);
+        self.answer(id, Some(at), CommandAnswer::plain(SetpointOutcome::Applying), now, out);
     }
 
     fn supersede(&mut self, at: usize, now: Now, out: &mut Vec<Output>) {
         if let Some(replaced) = self.chambers[at].applying.take() {
-            let answer = Answer::plain(SetpointOutcome::Superseded);
+            let answer = CommandAnswer::plain(SetpointOutcome::Superseded);
             self.answer(&replaced.command_id, Some(at), answer, now, out);
         }
     }
 
-    fn answer(&mut self, id: &str, at: Option<usize>, answer: Answer, now: Now, out: &mut Vec<Output>) {
+    fn answer(&mut self, id: &str, at: Option<usize>, answer: CommandAnswer, now: Now, out: &mut Vec<Output>) {
         self.commands.remember(id, answer);
         if !self.connected {
             return;
@@ -88,7 +88,7 @@ impl Agent {
     /// Tells the driver what to hold.
     pub(super) fn tell_pressure(&mut self, at: usize, now: Now, out: &mut Vec<Output>) {
         let chamber = &mut self.chambers[at];
-        chamber.told = now.at;
+        chamber.sent_at = now.at;
         out.push(Output::Tell(chamber.set_pressure()));
         self.tell_gain(at, out);
     }
@@ -106,7 +106,7 @@ impl Agent {
             return;
         }
         for at in 0..self.chambers.len() {
-            if now.at >= self.chambers[at].told + self.limits.repeat_us {
+            if now.at >= self.chambers[at].sent_at + self.limits.repeat_us {
                 self.tell_pressure(at, now, out);
             }
         }
@@ -118,11 +118,11 @@ impl Agent {
             let chamber = &mut self.chambers[at];
             let Some(fails_at) = chamber.fails_at() else { continue };
             let (answer, id) = if chamber.is_settled() {
-                (Answer::plain(SetpointOutcome::Applied), chamber.applied())
+                (CommandAnswer::plain(SetpointOutcome::Applied), chamber.applied())
             } else if now.at >= fails_at {
                 let error = Some(chamber.failure(now, &self.limits));
                 let id = chamber.applying.take().map(|applying| applying.command_id);
-                (Answer { outcome: SetpointOutcome::Failed, error }, id)
+                (CommandAnswer { outcome: SetpointOutcome::Failed, error }, id)
             } else {
                 continue;
             };

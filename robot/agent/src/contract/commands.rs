@@ -13,21 +13,21 @@ pub enum Verdict {
     /// Accept it.
     Take,
     /// It was answered before: repeat the answer, apply nothing.
-    Again(Answer),
+    Again(CommandAnswer),
     /// Reject it.
     Reject(SetpointError),
 }
 
 /// Latest state of a command.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Answer {
+pub struct CommandAnswer {
     /// State of the setpoint.
     pub outcome: SetpointOutcome,
     /// Reason of a rejection or failure.
     pub error: Option<SetpointError>,
 }
 
-impl Answer {
+impl CommandAnswer {
     /// An answer without an error.
     #[must_use]
     pub fn plain(outcome: SetpointOutcome) -> Self {
@@ -53,7 +53,7 @@ pub struct Addressee<'a> {
 /// Answers of one boot.
 #[derive(Debug, Default)]
 pub struct Commands {
-    answers: BTreeMap<String, Answer>,
+    answers: BTreeMap<String, CommandAnswer>,
     order: VecDeque<String>,
 }
 
@@ -91,7 +91,7 @@ impl Commands {
     }
 
     /// Stores the latest state of a command.
-    pub fn remember(&mut self, command_id: &str, answer: Answer) {
+    pub fn remember(&mut self, command_id: &str, answer: CommandAnswer) {
         if self.answers.insert(command_id.to_owned(), answer).is_none() {
             self.order.push_back(command_id.to_owned());
             if self.order.len() > REMEMBERED
@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn the_same_command_again_is_answered_again() {
         let mut commands = Commands::default();
-        let answer = Answer { outcome: SetpointOutcome::Applied, error: None };
+        let answer = CommandAnswer { outcome: SetpointOutcome::Applied, error: None };
         commands.remember("1.1", answer);
         let late = Setpoint { expires_us: 0, ..setpoint(1, 1) };
         let mut seen = Some((9, 9));
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn only_so_many_answers_are_remembered() {
         let mut commands = Commands::default();
-        let answer = Answer { outcome: SetpointOutcome::Applied, error: None };
+        let answer = CommandAnswer { outcome: SetpointOutcome::Applied, error: None };
         (0..REMEMBERED + 10).for_each(|number| commands.remember(&number.to_string(), answer));
         assert_eq!((commands.answers.len(), commands.order.len()), (REMEMBERED, REMEMBERED));
         assert!(!commands.answers.contains_key("0"));

@@ -12,7 +12,7 @@ pub mod touch_tests;
 pub mod voice;
 
 pub use births::Births;
-pub use commands::{Addressee, Answer, Commands, Verdict};
+pub use commands::{Addressee, CommandAnswer, Commands, Verdict};
 pub use estimates::EstimateOrder;
 pub use outbox::Outbox;
 pub use reading_gain::ReadingGain;

@@ -5,7 +5,7 @@ use vibrissa_protocol::{
     OnSupervisorLoss, SetpointState, Status, TestState, Timestamp, TouchTestKind, WhiskerStatus,
 };
 
-use super::commands::Answer;
+use super::commands::CommandAnswer;
 use super::touch_tests::TestAnswer;
 
 /// Properties of a robot that its factsheet states.
@@ -145,7 +145,7 @@ impl Voice {
     pub fn setpoint_state(
         &mut self,
         command_id: &str,
-        answer: Answer,
+        answer: CommandAnswer,
         now_us: u64,
         pressure_mpa: Option<f64>,
     ) -> SetpointState {

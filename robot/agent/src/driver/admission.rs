@@ -39,7 +39,7 @@ pub(super) async fn expect_token(reader: &mut (impl AsyncRead + Unpin), token: &
     let line = timeout(TOKEN_TIMEOUT, first_line(reader)).await;
     let line = line.map_err(|_| refused("the driver has sent no token (driver.token_file) within 5 s"))??;
     let is_right = serde_json::from_slice::<TokenLine<'_>>(&line)
-        .is_ok_and(|told| told.kind == "token" && is_same(told.token.as_bytes(), token.as_bytes()));
+        .is_ok_and(|hello| hello.kind == "token" && is_same(hello.token.as_bytes(), token.as_bytes()));
     if is_right { Ok(()) } else { Err(refused("the driver's first line is not the token of driver.token_file")) }
 }
 
@@ -68,7 +68,7 @@ pub(super) fn is_trusted(uid: u32) -> bool {
 /// Refuses the peer of a loopback connection unless its socket belongs to a trusted user.
 pub(super) fn expect_own_peer(peer: SocketAddr, local: SocketAddr) -> io::Result<()> {
     let table = if peer.is_ipv4() { "/proc/net/tcp" } else { "/proc/net/tcp6" };
-    told(std::fs::read_to_string(table).ok().and_then(|table| owner_in(&table, peer, local)), peer)
+    require_own(std::fs::read_to_string(table).ok().and_then(|table| owner_in(&table, peer, local)), peer)
 }
 
 /// Refuses the server of a loopback connection unless its socket belongs to a trusted user.
@@ -81,10 +81,10 @@ pub(super) fn expect_own_server(server: SocketAddr, local: SocketAddr) -> io::Re
     if listening.peek().is_none() {
         return expect_own_peer(server, local);
     }
-    listening.try_for_each(|uid| told(Some(uid), server))
+    listening.try_for_each(|uid| require_own(Some(uid), server))
 }
 
-fn told(owner: Option<u32>, peer: SocketAddr) -> io::Result<()> {
+fn require_own(owner: Option<u32>, peer: SocketAddr) -> io::Result<()> {
     match owner {
         Some(uid) if is_trusted(uid) => Ok(()),
         Some(uid) => Err(refused(&format!(

@@ -61,13 +61,13 @@ impl Link {
 
 /// A place at which drivers can be reached.
 pub(crate) struct Door {
-    place: Place,
+    endpoint: DriverEndpoint,
     /// The first line of a driver at a TCP port.
     token: Option<Arc<str>>,
-    refusal_told: Mutex<Option<Instant>>,
+    refusal_logged_at: Mutex<Option<Instant>>,
 }
 
-enum Place {
+enum DriverEndpoint {
     Command(Vec<String>),
     Unix(UnixListener),
     Tcp(String),
@@ -78,24 +78,24 @@ enum Place {
 impl Door {
     /// Prepares the way: begins to listen, if the driver comes to the agent.
     pub(crate) async fn open(driver: &DriverConfig) -> io::Result<Self> {
-        let place = match &driver.way {
-            Way::Command(words) => Place::Command(words.clone()),
-            Way::Unix(path) => Place::Unix(listen_at(path)?),
-            Way::Tcp(address) => Place::Tcp(address.clone()),
+        let endpoint = match &driver.way {
+            Way::Command(words) => DriverEndpoint::Command(words.clone()),
+            Way::Unix(path) => DriverEndpoint::Unix(listen_at(path)?),
+            Way::Tcp(address) => DriverEndpoint::Tcp(address.clone()),
             Way::Listen(address) => {
                 let address: SocketAddr = address.parse().map_err(io::Error::other)?;
-                Place::Listen(TcpListener::bind(address).await?)
+                DriverEndpoint::Listen(TcpListener::bind(address).await?)
             }
-            Way::Serial(path, baud) => Place::Serial(path.clone(), *baud),
+            Way::Serial(path, baud) => DriverEndpoint::Serial(path.clone(), *baud),
         };
-        Ok(Self { place, token: driver.token.as_deref().map(Arc::from), refusal_told: Mutex::default() })
+        Ok(Self { endpoint, token: driver.token.as_deref().map(Arc::from), refusal_logged_at: Mutex::default() })
     }
 
     /// The next link to a driver.
     pub(crate) async fn link(&self) -> io::Result<Link> {
-        match &self.place {
-            Place::Command(words) => start(words),
-            Place::Unix(listener) => loop {
+        match &self.endpoint {
+            DriverEndpoint::Command(words) => start(words),
+            DriverEndpoint::Unix(listener) => loop {
                 let stream = listener.accept().await?.0;
                 let uid = stream.peer_cred()?.uid();
                 if is_trusted(uid) {
@@ -104,7 +104,7 @@ impl Door {
                 }
                 self.tell_refusal(&format!("the driver belongs to user {uid}: start it as the agent's user"));
             },
-            Place::Tcp(address) => {
+            DriverEndpoint::Tcp(address) => {
                 let connected = timeout(CONNECT_TIMEOUT, TcpStream::connect(address)).await;
                 let mut stream = connected.map_err(|_| io::Error::from(io::ErrorKind::TimedOut))??;
                 match &self.token {
@@ -114,8 +114,8 @@ impl Door {
                 }
                 of_stream(stream)
             }
-            Place::Listen(listener) => self.first_admitted(listener).await,
-            Place::Serial(path, baud) => serial(path, *baud),
+            DriverEndpoint::Listen(listener) => self.first_admitted(listener).await,
+            DriverEndpoint::Serial(path, baud) => serial(path, *baud),
         }
     }
 
@@ -139,9 +139,9 @@ impl Door {
 
     /// Logs a refused peer, but not each one: anybody on the machine can come again and again.
     fn tell_refusal(&self, problem: &str) {
-        let mut told = self.refusal_told.lock().unwrap_or_else(PoisonError::into_inner);
-        if told.is_none_or(|at| at.elapsed() >= REFUSAL_PAUSE) {
-            *told = Some(Instant::now());
+        let mut last = self.refusal_logged_at.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.is_none_or(|at| at.elapsed() >= REFUSAL_PAUSE) {
+            *last = Some(Instant::now());
             tracing::warn!("a driver is refused: {problem}");
         }
     }
@@ -252,7 +252,7 @@ mod tests {
         let way = Way::Listen("127.0.0.1:0".to_owned());
         let driver = DriverConfig { way, restart: true, token: token.map(str::to_owned), token_file: None };
         let door = Door::open(&driver).await.unwrap();
-        let Place::Listen(listener) = &door.place else { panic!("it listens") };
+        let DriverEndpoint::Listen(listener) = &door.endpoint else { panic!("it listens") };
         let address = listener.local_addr().unwrap();
         (door, address)
     }
@@ -271,8 +271,8 @@ mod tests {
         let mut line = [0; 10];
         link.reader.read_exact(&mut line).await.unwrap();
         assert_eq!(&line, b"first line", "the token is no line");
-        let mut told = Vec::new();
-        assert_eq!(wrong.read_to_end(&mut told).await.unwrap_or(0), 0, "it hears nothing");
+        let mut received = Vec::new();
+        assert_eq!(wrong.read_to_end(&mut received).await.unwrap_or(0), 0, "it hears nothing");
     }
 
     #[tokio::test]

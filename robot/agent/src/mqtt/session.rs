@@ -123,7 +123,7 @@ struct Session<E> {
     failures: usize,
     transport: Transport,
     /// Problems that were logged since the last connection: each is logged once.
-    told: BTreeSet<String>,
+    logged: BTreeSet<String>,
     fleet: Name,
     name: Name,
     connection: Option<Connection>,
@@ -145,7 +145,7 @@ impl<E: Endpoint> Session<E> {
             broker,
             failures: 0,
             transport,
-            told: BTreeSet::new(),
+            logged: BTreeSet::new(),
             fleet,
             name,
             connection: None,
@@ -258,7 +258,7 @@ impl<E: Endpoint> Session<E> {
             }
             Report::Subscribed { refused } => {
                 self.reconnect_pause = RECONNECT_START;
-                self.told.clear();
+                self.logged.clear();
                 self.tell_refused(&refused);
                 let outgoing = self.robot.connected(now());
                 self.send(outgoing).await;
@@ -363,12 +363,12 @@ impl<E: Endpoint> Session<E> {
 
     /// Logs a problem, unless it was logged since the last connection: attempts go on for as long as it lasts.
     fn tell(&mut self, problem: String) {
-        if self.told.contains(&problem) {
+        if self.logged.contains(&problem) {
             return tracing::debug!(robot = self.full_name(), "{problem}");
         }
         tracing::warn!(robot = self.full_name(), "{problem}; trying again until it succeeds");
-        if self.told.len() < TOLD_MAX {
-            self.told.insert(problem);
+        if self.logged.len() < TOLD_MAX {
+            self.logged.insert(problem);
         }
     }
 

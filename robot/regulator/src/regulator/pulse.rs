@@ -1,7 +1,7 @@
 //! Pulses of a valve: their length, the time to settle, and the answer of the pressure.
 
 use super::{Aim, LOW_STEPS, Phase, Regulator};
-use crate::learning::Answer;
+use crate::learning::PulseResponse;
 use crate::{Command, Fault, Way};
 
 impl Regulator {
@@ -94,19 +94,21 @@ impl Regulator {
     }
 
     /// Draws conclusions from pulses towards the setpoint.
-    pub(super) fn answered(&mut self, answer: Answer, mpa: f32, change_mpa: f32) -> Command {
+    pub(super) fn answered(&mut self, answer: PulseResponse, mpa: f32, change_mpa: f32) -> Command {
         if self.way == Way::Fill && change_mpa > 1.5 * self.params.sensor_step_mpa {
             self.supply_dead = false;
             self.tries = 0;
         }
         let low = mpa < LOW_STEPS * self.params.sensor_step_mpa;
         match (answer, self.way) {
-            (Answer::Unclear | Answer::Yes, _) => {}
-            (Answer::No, Way::Vent) if low => self.floor_mpa = mpa,
-            (Answer::No, Way::Vent) => return self.fail(Fault::NoResponse),
-            (Answer::No, Way::Fill) if !low => self.next = Some(Aim::Probe),
-            (Answer::No, Way::Fill) if self.supply_given || self.tries >= 3 => return self.fail(Fault::NoResponse),
-            (Answer::No, Way::Fill) => {
+            (PulseResponse::Unclear | PulseResponse::Yes, _) => {}
+            (PulseResponse::No, Way::Vent) if low => self.floor_mpa = mpa,
+            (PulseResponse::No, Way::Vent) => return self.fail(Fault::NoResponse),
+            (PulseResponse::No, Way::Fill) if !low => self.next = Some(Aim::Probe),
+            (PulseResponse::No, Way::Fill) if self.supply_given || self.tries >= 3 => {
+                return self.fail(Fault::NoResponse);
+            }
+            (PulseResponse::No, Way::Fill) => {
                 self.tries += 1;
                 self.supply_dead = true;
                 self.next = Some(Aim::Purge);

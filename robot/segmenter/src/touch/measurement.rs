@@ -2,7 +2,7 @@
 
 use super::series::{Line, Point, Ring};
 use super::{LEVEL_S, Touch, relative};
-use crate::{Contact, DistanceFusion, Kind, Params};
+use crate::{Contact, ContactKind, DistanceFusion, Params};
 
 /// Spacing of samples above which the median of three lags by a sample that counts. s.
 const MEDIAN_S: f64 = 0.0035;
@@ -16,7 +16,7 @@ struct Measured {
     bins: f64,
     /// Possible change of the strain between two samples at the measurement.
     between: f64,
-    kind: Kind,
+    kind: ContactKind,
 }
 
 impl Touch {
@@ -26,7 +26,7 @@ impl Touch {
         let measured = slip.unwrap_or_else(|| self.measured(period_s));
         let Point { strain, strain_2, .. } = measured.point;
         let noise = self.sd * (1.0 / measured.bins + 0.05).sqrt();
-        let noise = if measured.kind == Kind::Peak { 1.5 * noise } else { noise };
+        let noise = if measured.kind == ContactKind::Peak { 1.5 * noise } else { noise };
         let history = params.history_sd * strain;
         let ratio = strain_2.filter(|_| strain > 0.0).map(|strain_2| {
             let ratio = strain_2 / strain;
@@ -62,11 +62,11 @@ impl Touch {
             (Some(sums), Some(point)) => {
                 let strain_2 = (sums.count_2 > 0.0).then(|| sums.strain_2 / sums.count_2);
                 let point = Point { t_s: sums.t_s / sums.count, strain: sums.mean(), strain_2, ..point };
-                Measured { point, bins: sums.count, between: 0.0, kind: Kind::Plateau }
+                Measured { point, bins: sums.count, between: 0.0, kind: ContactKind::Plateau }
             }
             _ => {
                 let between = 0.5 * self.rise.slope().max(0.0) * period_s;
-                Measured { point: self.peak, bins: 1.0, between, kind: Kind::Peak }
+                Measured { point: self.peak, bins: 1.0, between, kind: ContactKind::Peak }
             }
         }
     }
@@ -128,6 +128,6 @@ impl Touch {
         let at = |line: &Line| if line.count >= 2.0 { line.at(ahead_s) } else { line.y / line.count };
         let between = if line.count >= 2.0 { BETWEEN * line.slope().abs() * period_s } else { 0.1 * level };
         let point = Point { strain: at(&line), strain_2: before.strain_2.map(|_| at(&line_2)), ..before };
-        Some(Measured { point, bins: (bins / 4.0_f64).max(1.0), between, kind: Kind::SlipOff })
+        Some(Measured { point, bins: (bins / 4.0_f64).max(1.0), between, kind: ContactKind::SlipOff })
     }
 }

@@ -1,7 +1,7 @@
 //! Decides on a confirmed suspicion: which kind of change it is, or that the gain has wandered.
 
 use super::detector::{DetectionParams, Detector, Others, Situation, Suspicion, Verdict};
-use super::hypothesis::{ALL, Kind};
+use super::hypothesis::{ALL, HypothesisKind};
 use super::kinds::{Change, Explanation, best};
 use crate::estimation::gain_walk::Wandering;
 use crate::estimation::noise::NoiseScale;
@@ -60,11 +60,11 @@ impl Detector {
         let kind = ALL[usize::from(suspicion.candidate)].kind;
         let impatient = suspicion.contacts_since > PATIENCE.0 * suspicion.contacts_at_alarm + PATIENCE.1;
         match (kind, checks.others) {
-            (Kind::Drifting, _) | (_, Others::Not) => {}
+            (HypothesisKind::Drifting, _) | (_, Others::Not) => {}
             (_, Others::NotYet) if impatient => {}
             (_, Others::NotYet) => return Verdict::Looking,
             (_, Others::Too) => {
-                let felt = if kind == Kind::LessSensitive { kind } else { Kind::Shorter };
+                let felt = if kind == HypothesisKind::LessSensitive { kind } else { HypothesisKind::Shorter };
                 let felt = best(&self.candidates, felt, params.erosion_per_contact_max, suspicion.contacts_since);
                 return felt.map_or(Verdict::Looking, |felt| Verdict::Shared(Change::of(&self.candidates, &felt)));
             }
@@ -80,7 +80,7 @@ impl Detector {
             Some(explained) if unsteady && self.is_little_fall(&explained) => Verdict::Wandered,
             Some(explained) if self.lead(&explained, &wandering) >= 0.0 => {
                 let is_doubtful = unsteady || explained.fit.size.abs() < SMALL_LOSS;
-                if is_tested && is_doubtful && ALL[explained.index].kind == Kind::Shorter {
+                if is_tested && is_doubtful && ALL[explained.index].kind == HypothesisKind::Shorter {
                     return Verdict::Unconfirmed;
                 }
                 Verdict::Changed(Change::of(&self.candidates, &explained))
@@ -94,18 +94,18 @@ impl Detector {
     /// Whether a change is erosion that has taken off less than is reported. It may go on.
     fn is_little_erosion(&self, explained: &Explanation) -> bool {
         let contacts = f64::from(self.candidates.contacts(explained.index));
-        ALL[explained.index].kind == Kind::Eroding && explained.fit.size.abs() * contacts < EROSION_LOSS_MIN
+        ALL[explained.index].kind == HypothesisKind::Eroding && explained.fit.size.abs() * contacts < EROSION_LOSS_MIN
     }
 
     /// Whether a change is a fall of sensitivity that other nuisances explain as well.
     fn is_little_fall(&self, explained: &Explanation) -> bool {
-        ALL[explained.index].kind == Kind::LessSensitive && explained.fit.size.abs() < FALL_MIN
+        ALL[explained.index].kind == HypothesisKind::LessSensitive && explained.fit.size.abs() < FALL_MIN
     }
 
     /// Lead of a change over a wandering gain, beyond the least one for which the change is reported.
     fn lead(&self, explained: &Explanation, wandering: &Wandering) -> f64 {
         let kind = ALL[explained.index].kind;
-        let is_wear = kind == Kind::Eroding && explained.fit.size.abs() > SURELY_EROSION;
+        let is_wear = kind == HypothesisKind::Eroding && explained.fit.size.abs() > SURELY_EROSION;
         let longer = f64::from(self.candidates.contacts(explained.index)) - LONG_AGO_CONTACTS;
         let more = if kind.is_gradual() { 0.0 } else { longer.max(0.0) / CONTACTS_PER_LOG_RATIO };
         explained.fit.gain - wandering.log_ratio - more - if is_wear { EROSION_LOG_RATIO } else { CHANGE_LOG_RATIO }
@@ -113,7 +113,8 @@ impl Detector {
 
     /// Whether a wandering gain clearly explains the contacts better than any change.
     fn wanders(&self, params: &DetectionParams, wandering: &Wandering) -> bool {
-        let kinds = [Kind::Shorter, Kind::LessSensitive, Kind::Eroding, Kind::Drifting];
+        let kinds =
+            [HypothesisKind::Shorter, HypothesisKind::LessSensitive, HypothesisKind::Eroding, HypothesisKind::Drifting];
         let gain = |kind| best(&self.candidates, kind, params.erosion_per_contact_max, 1);
         kinds.into_iter().filter_map(gain).all(|one| wandering.log_ratio - one.fit.gain > WANDERS_LOG_RATIO)
     }
@@ -130,9 +131,9 @@ impl Detector {
         let best_of = |kind| best(&self.candidates, kind, params.erosion_per_contact_max, contacts_since);
         let gain = |one: &Option<Explanation>| one.map_or(0.0, |one| one.fit.gain);
         let larger = |a: Option<Explanation>, b: Option<Explanation>| if gain(&b) > gain(&a) { b } else { a };
-        let step = larger(best_of(Kind::Shorter), best_of(Kind::LessSensitive));
-        let gradual = larger(best_of(Kind::Eroding), best_of(Kind::Drifting));
-        let drifts = gradual.is_some_and(|gradual| ALL[gradual.index].kind == Kind::Drifting);
+        let step = larger(best_of(HypothesisKind::Shorter), best_of(HypothesisKind::LessSensitive));
+        let gradual = larger(best_of(HypothesisKind::Eroding), best_of(HypothesisKind::Drifting));
+        let drifts = gradual.is_some_and(|gradual| ALL[gradual.index].kind == HypothesisKind::Drifting);
         let lead = gain(&step) - gain(&gradual);
         let goes_on = step.map_or(0.0, |step| self.gain_of_going_on(step.index));
         // Erosion must be shown to continue. A drift shows in small deflections, so it must lead by more.

@@ -27,7 +27,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::candidate::{Candidates, Fit};
 use super::continuation::Continuations;
-use super::hypothesis::{ALL, Kind};
+use super::hypothesis::{ALL, HypothesisKind};
 use super::kinds::{Change, best, limits};
 use super::start::Stored;
 use crate::estimation::Innovation;
@@ -217,23 +217,25 @@ impl Detector {
         let kind = ALL[usize::from(suspicion.candidate)].kind;
         let least = suspicion.contacts_since;
         match kind {
-            Kind::Drifting => None,
-            Kind::LessSensitive => best(&self.candidates, kind, 0.0, least).map(|one| one.fit),
-            Kind::Shorter | Kind::Eroding => best(&self.candidates, Kind::Shorter, 0.0, least).map(|one| one.fit),
+            HypothesisKind::Drifting => None,
+            HypothesisKind::LessSensitive => best(&self.candidates, kind, 0.0, least).map(|one| one.fit),
+            HypothesisKind::Shorter | HypothesisKind::Eroding => {
+                best(&self.candidates, HypothesisKind::Shorter, 0.0, least).map(|one| one.fit)
+            }
         }
     }
 
     /// Most likely step of ln length with the same sign as `like`, or `None` if no contact supports one.
     #[must_use]
     pub fn felt(&self, like: f64) -> Option<Fit> {
-        let kind = if like < 0.0 { Kind::Shorter } else { Kind::LessSensitive };
+        let kind = if like < 0.0 { HypothesisKind::Shorter } else { HypothesisKind::LessSensitive };
         best(&self.candidates, kind, 0.0, 1).map(|one| one.fit)
     }
 
     /// The step of [`Self::felt`], as a change.
     #[must_use]
     pub fn felt_change(&self, like: f64) -> Option<Change> {
-        let kind = if like < 0.0 { Kind::Shorter } else { Kind::LessSensitive };
+        let kind = if like < 0.0 { HypothesisKind::Shorter } else { HypothesisKind::LessSensitive };
         best(&self.candidates, kind, 0.0, 1).map(|one| Change::of(&self.candidates, &one))
     }
 
@@ -245,10 +247,10 @@ impl Detector {
     }
 
     fn weighted(&self, eroding: bool) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let looked_for = move |kind: Kind, size: f64| match kind {
+        let looked_for = move |kind: HypothesisKind, size: f64| match kind {
             _ if !eroding => true,
-            Kind::Shorter | Kind::LessSensitive => size.abs() >= LEAST_SHIFT_WHILE_ERODING,
-            Kind::Eroding | Kind::Drifting => false,
+            HypothesisKind::Shorter | HypothesisKind::LessSensitive => size.abs() >= LEAST_SHIFT_WHILE_ERODING,
+            HypothesisKind::Eroding | HypothesisKind::Drifting => false,
         };
         ALL.iter()
             .enumerate()
@@ -320,7 +322,7 @@ impl Detector {
     fn larger(&self, params: &DetectionParams, suspicion: &Suspicion) -> Option<Suspicion> {
         let suspected = usize::from(suspicion.candidate);
         let since = self.candidates.contacts(suspected);
-        let is_drift = ALL[suspected].kind == Kind::Drifting;
+        let is_drift = ALL[suspected].kind == HypothesisKind::Drifting;
         let threshold = (THRESHOLD_SHARE * params.contacts_between_false_alarms).ln();
         let steps = ALL.iter().enumerate().filter(|(_, supposed)| !supposed.kind.is_gradual());
         let larger = steps.filter_map(|(index, supposed)| {
@@ -350,13 +352,13 @@ impl Detector {
         let (all, after) = (self.candidates.evidence(suspected), self.candidates.evidence(later));
         let before = all.before(&after);
         match ALL[suspected].kind {
-            Kind::Drifting => (0.0, self.candidates.log_ratio(later)),
-            Kind::Eroding => {
+            HypothesisKind::Drifting => (0.0, self.candidates.log_ratio(later)),
+            HypothesisKind::Eroding => {
                 let fitted = all.fit((f64::NEG_INFINITY, f64::INFINITY));
                 let earlier = fitted.map_or(0.0, |fit| self.lacks(suspected, fit.size));
                 (earlier, (1.0 - (earlier / step).max(0.0)).powi(2) * self.candidates.log_ratio(later))
             }
-            Kind::Shorter | Kind::LessSensitive => {
+            HypothesisKind::Shorter | HypothesisKind::LessSensitive => {
                 let fitted = before.fit((f64::NEG_INFINITY, f64::INFINITY));
                 let earlier = fitted.map_or(0.0, |fit| self.lacks(suspected, fit.size));
                 let (a, b) = (before.sums().0, after.sums().0);

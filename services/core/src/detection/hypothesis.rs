@@ -4,7 +4,7 @@ use crate::estimation::filter::{BASELINE, LENGTH};
 
 /// Kind of change that a hypothesis assumes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum HypothesisKind {
     /// The length falls at once: a cut. A rise of the whole array's sensitivity looks the same and is separated
     /// later.
     Shorter,
@@ -17,7 +17,7 @@ pub enum Kind {
     Drifting,
 }
 
-impl Kind {
+impl HypothesisKind {
     /// Index of the filter state that changes.
     #[must_use]
     pub fn state(self) -> usize {
@@ -50,7 +50,7 @@ impl Kind {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hypothesis {
     /// Kind of the change.
-    pub kind: Kind,
+    pub kind: HypothesisKind,
     /// Size: change of ln length, of ln length per contact, or of strain per contact.
     pub size: f64,
     /// Prior standard deviation of the size, if the contacts after the start estimate it. 0 if neighbouring
@@ -60,11 +60,11 @@ pub struct Hypothesis {
     pub weight: f64,
 }
 
-const fn hypothesis(kind: Kind, size: f64, weight: f64) -> Hypothesis {
+const fn hypothesis(kind: HypothesisKind, size: f64, weight: f64) -> Hypothesis {
     Hypothesis { kind, size, spread: 0.0, weight }
 }
 
-const fn of_any_size(kind: Kind, size: f64, spread: f64, weight: f64) -> Hypothesis {
+const fn of_any_size(kind: HypothesisKind, size: f64, spread: f64, weight: f64) -> Hypothesis {
     Hypothesis { kind, size, spread, weight }
 }
 
@@ -90,23 +90,23 @@ pub const OF_ANY_SIZE: [usize; 2] = [6, 9];
 /// have most of the weight; 0.25 mm, which is never reported as a trim, has little. All weights sum to one, so that the
 /// threshold follows from the mean number of contacts between false alarms.
 pub const ALL: [Hypothesis; COUNT] = [
-    hypothesis(Kind::Shorter, -0.0036, 0.02),
-    hypothesis(Kind::Shorter, -0.0072, 0.22),
-    hypothesis(Kind::Shorter, -0.0144, 0.12),
-    hypothesis(Kind::Shorter, -0.029, 0.12),
-    hypothesis(Kind::Shorter, -0.068, 0.29),
-    hypothesis(Kind::Shorter, -0.12, 0.07),
-    of_any_size(Kind::Shorter, -0.25, 0.2, 0.04),
-    hypothesis(Kind::LessSensitive, 0.01, 0.02),
-    hypothesis(Kind::LessSensitive, 0.04, 0.02),
-    of_any_size(Kind::LessSensitive, 0.2, 0.15, 0.02),
-    hypothesis(Kind::Eroding, -1e-5, 0.01),
-    hypothesis(Kind::Eroding, -3e-5, 0.01),
-    hypothesis(Kind::Eroding, -1e-4, 0.01),
-    hypothesis(Kind::Drifting, -1e-6, 0.0075),
-    hypothesis(Kind::Drifting, -2e-7, 0.0075),
-    hypothesis(Kind::Drifting, 2e-7, 0.0075),
-    hypothesis(Kind::Drifting, 1e-6, 0.0075),
+    hypothesis(HypothesisKind::Shorter, -0.0036, 0.02),
+    hypothesis(HypothesisKind::Shorter, -0.0072, 0.22),
+    hypothesis(HypothesisKind::Shorter, -0.0144, 0.12),
+    hypothesis(HypothesisKind::Shorter, -0.029, 0.12),
+    hypothesis(HypothesisKind::Shorter, -0.068, 0.29),
+    hypothesis(HypothesisKind::Shorter, -0.12, 0.07),
+    of_any_size(HypothesisKind::Shorter, -0.25, 0.2, 0.04),
+    hypothesis(HypothesisKind::LessSensitive, 0.01, 0.02),
+    hypothesis(HypothesisKind::LessSensitive, 0.04, 0.02),
+    of_any_size(HypothesisKind::LessSensitive, 0.2, 0.15, 0.02),
+    hypothesis(HypothesisKind::Eroding, -1e-5, 0.01),
+    hypothesis(HypothesisKind::Eroding, -3e-5, 0.01),
+    hypothesis(HypothesisKind::Eroding, -1e-4, 0.01),
+    hypothesis(HypothesisKind::Drifting, -1e-6, 0.0075),
+    hypothesis(HypothesisKind::Drifting, -2e-7, 0.0075),
+    hypothesis(HypothesisKind::Drifting, 2e-7, 0.0075),
+    hypothesis(HypothesisKind::Drifting, 1e-6, 0.0075),
 ];
 
 #[cfg(test)]
@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn they_are_in_the_order_that_is_stated() {
         for (index, one) in ALL.iter().enumerate() {
-            assert_eq!(one.kind == Kind::Shorter, index < CUTS, "{one:?}");
+            assert_eq!(one.kind == HypothesisKind::Shorter, index < CUTS, "{one:?}");
             assert_eq!(one.kind.is_gradual(), index >= GRADUAL_FROM, "{one:?}");
             assert_eq!(one.kind.state() == LENGTH, index < OF_LENGTH, "{one:?}");
             assert_eq!(one.spread > 0.0, OF_ANY_SIZE.contains(&index), "{one:?}");

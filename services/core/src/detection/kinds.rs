@@ -6,7 +6,7 @@
 //! contacts of the alarm, whatever the rule.
 
 use super::candidate::{Candidates, Fit};
-use super::hypothesis::{ALL, Kind};
+use super::hypothesis::{ALL, HypothesisKind};
 use super::start::CONTACTS_MAX;
 use crate::estimation::filter::STATES;
 
@@ -14,7 +14,7 @@ use crate::estimation::filter::STATES;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Change {
     /// Kind of the change.
-    pub kind: Kind,
+    pub kind: HypothesisKind,
     /// Size: step of ln length, or slope per contact of ln length or of strain. Negative lengths are losses.
     pub size: f64,
     /// Variance of the size.
@@ -34,12 +34,12 @@ pub(super) struct Explanation {
 
 /// Lower and upper limit of a kind's size, in the unit of
 /// [`Hypothesis::size`](super::hypothesis::Hypothesis::size).
-pub(super) fn limits(kind: Kind, erosion_per_contact_max: f64) -> (f64, f64) {
+pub(super) fn limits(kind: HypothesisKind, erosion_per_contact_max: f64) -> (f64, f64) {
     match kind {
-        Kind::Shorter => (f64::NEG_INFINITY, 0.0),
-        Kind::LessSensitive => (0.0, f64::INFINITY),
-        Kind::Eroding => (-erosion_per_contact_max, 0.0),
-        Kind::Drifting => (f64::NEG_INFINITY, f64::INFINITY),
+        HypothesisKind::Shorter => (f64::NEG_INFINITY, 0.0),
+        HypothesisKind::LessSensitive => (0.0, f64::INFINITY),
+        HypothesisKind::Eroding => (-erosion_per_contact_max, 0.0),
+        HypothesisKind::Drifting => (f64::NEG_INFINITY, f64::INFINITY),
     }
 }
 
@@ -47,7 +47,7 @@ pub(super) fn limits(kind: Kind, erosion_per_contact_max: f64) -> (f64, f64) {
 /// start: a single outlier after the alarm does not explain the alarm.
 pub(super) fn best(
     candidates: &Candidates,
-    kind: Kind,
+    kind: HypothesisKind,
     erosion_per_contact_max: f64,
     contacts_min: u32,
 ) -> Option<Explanation> {

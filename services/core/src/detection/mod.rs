@@ -14,6 +14,6 @@ pub mod start;
 
 pub use candidate::{Candidates, Evidence, Fit};
 pub use detector::{Checks, DetectionParams, Detector, Others, Situation, Verdict};
-pub use hypothesis::Kind;
+pub use hypothesis::HypothesisKind;
 pub use kinds::Change;
 pub use start::Stored;

@@ -68,10 +68,10 @@ mod tests {
     fn what_was_worked_out_is_what_would_be() {
         let cases = CubatureCases::default();
         for (causes, count) in [(0, 400), (1, 400), (7, 16), (9, 400), (12, 127), (14, 401)] {
-            let told = cases.amounts(causes, count);
-            assert_eq!(*told, amounts(causes, count), "{causes} {count}");
-            assert_eq!(told.len(), causes * count as usize);
-            assert_eq!(matches!(told, Cow::Borrowed(_)), USUAL.contains(&causes) && count <= CASES);
+            let found = cases.amounts(causes, count);
+            assert_eq!(*found, amounts(causes, count), "{causes} {count}");
+            assert_eq!(found.len(), causes * count as usize);
+            assert_eq!(matches!(found, Cow::Borrowed(_)), USUAL.contains(&causes) && count <= CASES);
         }
     }
 }

@@ -50,8 +50,8 @@ mod tests {
     fn property_it_is_the_exponential_function() {
         for k in -60_000..60_000 {
             let log = f64::from(k) * 0.011_37;
-            let (told, known) = (exp(&[log; 12])[7], log.exp());
-            assert!((told - known).abs() <= 1e-15 * known, "{log}: {told} {known}");
+            let (result, known) = (exp(&[log; 12])[7], log.exp());
+            assert!((result - known).abs() <= 1e-15 * known, "{log}: {result} {known}");
         }
         assert_eq!(exp(&[0.0; 12]), [1.0; 12]);
     }

@@ -372,8 +372,8 @@ impl LengthFilter {
         let prior =
             [params.offset_level, params.offset_slope, 0.0, params.baseline_strain, params.per_k, params.bend_per_mm];
         let by: [f64; STATES] = std::array::from_fn(|state| {
-            let told = self.covariance.variance(state) < 0.5 * prior[state].powi(2);
-            if told { factor.sqrt() } else { 1.0 }
+            let is_determined = self.covariance.variance(state) < 0.5 * prior[state].powi(2);
+            if is_determined { factor.sqrt() } else { 1.0 }
         });
         self.covariance.scale(&by);
     }

@@ -293,10 +293,10 @@ mod tests {
             let off_by = |own: &OwnCalibration, pressure: f64| {
                 let belief = own.belief(&model, &nominal);
                 let changes = |q: f64| model.family().log_changes(&model, nominal.length, Megapascal::known(q));
-                let told = Belief::change(&belief.predict, &changes(NOMINAL), &changes(pressure));
+                let change = Belief::change(&belief.predict, &changes(NOMINAL), &changes(pressure));
                 let log = |m: &Model, q: f64| m.log_sensitivities(nominal.length, Megapascal::known(q));
                 let deviation = |q: f64, k: usize| log(&plant, q)[k].unwrap() - log(&model, q)[k].unwrap();
-                (0..12).map(|k| (told[k] - deviation(pressure, k) + deviation(NOMINAL, k)).abs()).sum::<f64>() / 12.0
+                (0..12).map(|k| (change[k] - deviation(pressure, k) + deviation(NOMINAL, k)).abs()).sum::<f64>() / 12.0
             };
             let mut own = OwnCalibration::default();
             let before = off_by(&own, 0.03);

@@ -122,9 +122,12 @@ mod tests {
                 };
                 for pressure in [0.02, 0.05, 0.15, 0.2] {
                     for k in [0, 5, 11] {
-                        let told = linear(pressure, k) - linear(0.1, k);
+                        let estimate = linear(pressure, k) - linear(0.1, k);
                         let true_change = deviation(pressure, k) - deviation(0.1, k);
-                        assert!((told - true_change).abs() < 0.015, "{weights:?} {pressure} {k}: {told} {true_change}");
+                        assert!(
+                            (estimate - true_change).abs() < 0.015,
+                            "{weights:?} {pressure} {k}: {estimate} {true_change}"
+                        );
                     }
                 }
             }

@@ -147,7 +147,7 @@ fn keep_entries(list: &str, (name, check): &List, kept: &mut String, refused: &m
                 kept.push_str(entry.get());
                 before = ',';
             }
-            Err(refusal) => refused.push(repair::told(refusal).within(name, index)),
+            Err(refusal) => refused.push(repair::with_remedy(refusal).within(name, index)),
         }
     }
     if before == '[' {

@@ -22,7 +22,7 @@ pub(super) fn marked(value: &str) -> String {
 }
 
 /// A refusal without the marks.
-pub(super) fn told(mut refusal: Refusal) -> Refusal {
+pub(super) fn with_remedy(mut refusal: Refusal) -> Refusal {
     if let Refusal::Malformed { problem, .. } = &mut refusal {
         *problem = problem.replace("string \"\\0", "\"").replace("\\0", "");
     }

@@ -62,9 +62,9 @@ fn regress_what_is_not_json_is_told_without_the_words_of_the_library() {
     for (payload, part) in
         [("", "send all of it"), ("{", "up to the }"), ("nonsense", "true, false and null"), ("{a:1}", "double quotes")]
     {
-        let told = refused("contacts", payload).to_string();
-        assert!(told.starts_with("the payload is not JSON: ") && told.contains(part), "{payload}: {told}");
-        assert!(told.contains(" at line 1 column ") && !told.contains("EOF"), "{payload}: {told}");
+        let text = refused("contacts", payload).to_string();
+        assert!(text.starts_with("the payload is not JSON: ") && text.contains(part), "{payload}: {text}");
+        assert!(text.contains(" at line 1 column ") && !text.contains("EOF"), "{payload}: {text}");
     }
     let entry = refused_after("contacts", CONTACTS, "\"ratio\":", "\"ratio\":NaN,\"x\":").to_string();
     assert!(!entry.contains("expected value"), "{entry}");

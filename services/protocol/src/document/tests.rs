@@ -53,9 +53,9 @@ fn the_files_in_docs_are_what_the_program_writes() {
 #[test]
 fn every_example_is_what_its_schemas_and_the_decoder_accept() {
     for (channel, validators) in Channel::ALL.iter().zip(VALIDATORS.iter()) {
-        let told = DOCUMENT["components"]["messages"][channel.name()]["examples"].as_array().unwrap();
-        assert_eq!(told.len(), channel.examples().len());
-        for example in told {
+        let examples = DOCUMENT["components"]["messages"][channel.name()]["examples"].as_array().unwrap();
+        assert_eq!(examples.len(), channel.examples().len());
+        for example in examples {
             let payload = &example["payload"];
             for validator in validators {
                 validator.validate(payload).unwrap_or_else(|problem| panic!("{}: {problem}", channel.name()));
@@ -92,10 +92,10 @@ fn every_topic_is_a_channel_with_its_message_its_parameters_and_one_operation() 
     let channels = DOCUMENT["channels"].as_object().unwrap();
     assert_eq!(channels.len(), Channel::ALL.len());
     for channel in Channel::ALL {
-        let told = &channels[channel.name()];
-        assert_eq!(told["address"], channel.address());
-        assert_eq!(told["messages"].as_object().unwrap().len(), 1);
-        let parameters = told["parameters"].as_object().unwrap();
+        let entry = &channels[channel.name()];
+        assert_eq!(entry["address"], channel.address());
+        assert_eq!(entry["messages"].as_object().unwrap().len(), 1);
+        let parameters = entry["parameters"].as_object().unwrap();
         assert_eq!(parameters.len(), channel.address().matches('{').count());
         assert!(parameters.keys().all(|name| channel.address().contains(&format!("{{{name}}}"))));
 

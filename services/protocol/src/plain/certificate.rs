@@ -5,7 +5,7 @@ use super::{variant, words};
 /// Defect of a certificate, and its remedy. `debug` is the error's `Debug` output, or its text, which is the same.
 #[must_use]
 pub fn certificate(debug: &str) -> String {
-    let told = match variant(debug) {
+    let text = match variant(debug) {
         "UnsupportedCertVersion" => {
             "it is of X.509 version 1, which cannot name hosts: issue one of version 3 with a subjectAltName (openssl x509 \
              -req needs -extfile for it)"
@@ -70,15 +70,15 @@ pub fn certificate(debug: &str) -> String {
         }
         other => return format!("it breaks a rule of X.509 ({}): issue it anew", words(other)),
     };
-    told.to_owned()
+    text.to_owned()
 }
 
 /// The names of a certificate, as rustls lists them: `a.example, 10.0.0.1` of `DnsName("a.example")`, `IpAddress(10.0.0.1)`;
 /// `None` if there are none.
 #[must_use]
 pub fn host_names(presented: &[String]) -> Option<String> {
-    let name = |told: &String| {
-        let inner = told.split_once('(').and_then(|(_, inner)| inner.strip_suffix(')')).unwrap_or(told);
+    let name = |text: &String| {
+        let inner = text.split_once('(').and_then(|(_, inner)| inner.strip_suffix(')')).unwrap_or(text);
         inner.trim_matches('"').to_owned()
     };
     let names: Vec<String> = presented.iter().map(name).filter(|name| !name.is_empty()).collect();
@@ -105,9 +105,9 @@ mod tests {
             "UnhandledCriticalExtension",
             "BadSignature",
         ] {
-            let told = certificate(debug);
-            assert!(told.contains(": "), "a remedy: {told}");
-            assert!(!told.contains(variant(debug)) && !told.contains("Other"), "{debug}: {told}");
+            let text = certificate(debug);
+            assert!(text.contains(": "), "a remedy: {text}");
+            assert!(!text.contains(variant(debug)) && !text.contains("Other"), "{debug}: {text}");
         }
         assert!(certificate("Other(OtherError(SomethingNew))").contains("(something new)"));
     }

@@ -5,8 +5,8 @@
 #[must_use]
 pub fn json(message: &str) -> String {
     let message = without_position(message);
-    if let Some(told) = syntax(message).or_else(|| number(message)) {
-        return told.to_owned();
+    if let Some(text) = syntax(message).or_else(|| number(message)) {
+        return text.to_owned();
     }
     let (problem, expected) = message.split_once(", expected ").unwrap_or((message, ""));
     let quoted = problem.split('`').nth(1).unwrap_or_default();
@@ -179,7 +179,7 @@ mod tests {
         names: Vec<String>,
     }
 
-    fn told(text: &str) -> String {
+    fn plain_text(text: &str) -> String {
         json(&serde_json::from_str::<Asked>(text).unwrap_err().to_string())
     }
 
@@ -200,7 +200,7 @@ mod tests {
             (r#"{"mode":"ADVISE","names":[null]}"#, "null was given, a text is required"),
             (r#"7"#, "7 was given, an object is required"),
         ] {
-            assert_eq!(told(text), expected, "{text}");
+            assert_eq!(plain_text(text), expected, "{text}");
         }
         assert_eq!(json("the pressure must be at most 0.2 MPa"), "the pressure must be at most 0.2 MPa");
         assert_eq!(in_file("a = 1\nb = x", Some(6..7), "invalid key"), "line 2: invalid key");
@@ -247,9 +247,9 @@ mod tests {
             deep.as_str(),
         ] {
             let raw = serde_json::from_str::<serde_json::Value>(text).unwrap_err().to_string();
-            let (told, position) = (not_json(&raw), raw.find(" at line ").map_or("", |at| &raw[at..]));
+            let (shown, position) = (not_json(&raw), raw.find(" at line ").map_or("", |at| &raw[at..]));
             let word = raw.strip_suffix(position).unwrap();
-            assert!(!told.contains(word) && !position.is_empty() && told.ends_with(position), "{text}: {told}");
+            assert!(!shown.contains(word) && !position.is_empty() && shown.ends_with(position), "{text}: {shown}");
             assert!(!json(&raw).contains(" at line "), "{text}");
         }
     }
@@ -261,8 +261,8 @@ mod tests {
         let float = |text: &str| text.parse::<f64>().unwrap_err().to_string();
         let truth = "x".parse::<bool>().unwrap_err().to_string();
         for raw in [whole("x"), whole(""), whole("300"), signed, float("x"), float(""), truth] {
-            let told = json(&raw);
-            assert!(told != raw && !told.contains("string") && !told.contains("type"), "{raw}: {told}");
+            let shown = json(&raw);
+            assert!(shown != raw && !shown.contains("string") && !shown.contains("type"), "{raw}: {shown}");
         }
         assert_eq!(required("i64"), "a whole number");
     }

@@ -21,18 +21,18 @@ pub fn io(problem: &std::io::Error) -> String {
 
 /// The text of another library, whose own words it may contain: numbers of the operating system, certificates.
 #[must_use]
-pub fn text(told: &str) -> String {
+pub fn text(raw: &str) -> String {
     const CERTIFICATE: &str = "invalid peer certificate: ";
-    if let Some((before, problem)) = told.split_once(CERTIFICATE) {
+    if let Some((before, problem)) = raw.split_once(CERTIFICATE) {
         return format!("{}its certificate cannot be used: {}", without_numbers(before), certificate(problem));
     }
-    without_numbers(told)
+    without_numbers(raw)
 }
 
 /// An error of the crate `url`, by its text.
 #[must_use]
-pub fn url(told: &str) -> String {
-    match told {
+pub fn url(raw: &str) -> String {
+    match raw {
         "relative URL without a base" => "it has no scheme, such as https://".to_owned(),
         "empty host" => "it has no host".to_owned(),
         "invalid port number" => "its port is no number from 0 to 65535".to_owned(),
@@ -43,8 +43,8 @@ pub fn url(told: &str) -> String {
 }
 
 /// The text without the numbers of the operating system: ` (os error 2)`.
-fn without_numbers(told: &str) -> String {
-    let mut parts = told.split(" (os error ");
+fn without_numbers(raw: &str) -> String {
+    let mut parts = raw.split(" (os error ");
     let first = parts.next().unwrap_or_default().to_owned();
     parts.fold(first, |text, part| match part.split_once(')') {
         Some((number, rest)) if number.bytes().all(|one| one.is_ascii_digit()) => text + rest,
@@ -89,19 +89,19 @@ mod tests {
         assert_eq!(io(&missing), "No such file or directory");
         assert_eq!(text("a (os error 2); b (os error 13)"), "a; b");
         assert_eq!(text("a (os error x)"), "a (os error x)");
-        let told = text("connection failed: invalid peer certificate: Other(OtherError(UnsupportedCertVersion))");
+        let shown = text("connection failed: invalid peer certificate: Other(OtherError(UnsupportedCertVersion))");
         assert!(
-            told.starts_with("connection failed: its certificate cannot be used: it is of X.509 version 1"),
-            "{told}"
+            shown.starts_with("connection failed: its certificate cannot be used: it is of X.509 version 1"),
+            "{shown}"
         );
     }
 
     #[test]
     fn addresses_lose_the_words_of_the_library() {
-        for (told, part) in
+        for (raw, part) in
             [("relative URL without a base", "scheme"), ("invalid IPv6 address", "IP"), ("empty host", "no host")]
         {
-            assert!(url(told).contains(part), "{told}");
+            assert!(url(raw).contains(part), "{raw}");
         }
     }
 

@@ -5,7 +5,7 @@ use super::{variant, words};
 /// Why a broker refuses something or ends a connection, and what to do. `debug` is the `Debug` output of the reason code.
 #[must_use]
 pub fn reason_code(debug: &str) -> String {
-    let told = match variant(debug) {
+    let text = match variant(debug) {
         "UnspecifiedError" | "Unspecified" | "Failure" | "ImplementationSpecificError" | "ImplementationSpecific" => {
             "for a reason that it does not tell: look at the broker's log"
         }
@@ -48,7 +48,7 @@ pub fn reason_code(debug: &str) -> String {
         }
         other => return format!("with the reason {}: look at the broker's log", words(other)),
     };
-    told.to_owned()
+    text.to_owned()
 }
 
 #[cfg(test)]
@@ -60,8 +60,8 @@ mod tests {
         for code in
             ["QuotaExceeded", "ServerBusy", "Banned", "QoSNotSupported", "NotAuthorized", "Success(AtLeastOnce)"]
         {
-            let told = reason_code(code);
-            assert!(told.contains(": ") && !told.contains(variant(code)), "{code}: {told}");
+            let text = reason_code(code);
+            assert!(text.contains(": ") && !text.contains(variant(code)), "{code}: {text}");
         }
     }
 }

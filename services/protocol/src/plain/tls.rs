@@ -6,13 +6,13 @@ use super::{certificate, variant, words};
 #[must_use]
 pub fn tls(debug: &str) -> String {
     let inner = |prefix: &str| debug.strip_prefix(prefix).and_then(|rest| rest.strip_suffix(')'));
-    if let Some(told) = inner("AlertReceived(") {
-        return alert(told);
+    if let Some(detail) = inner("AlertReceived(") {
+        return alert(detail);
     }
     if let Some(problem) = inner("InvalidCertificate(") {
         return format!("the certificate cannot be used: {}", certificate(problem));
     }
-    let told = match variant(debug) {
+    let text = match variant(debug) {
         "PeerIncompatible" => {
             "the other side supports no version and no cipher in common: it needs TLS 1.2 or 1.3, with a cipher of ECDHE and \
              AES-GCM or ChaCha20"
@@ -30,13 +30,13 @@ pub fn tls(debug: &str) -> String {
         "FailedToGetRandomBytes" => "this system provides no randomness: repair it",
         other => return format!("TLS reports {}: look at the log of the other side", words(other)),
     };
-    told.to_owned()
+    text.to_owned()
 }
 
 /// What an alert of the other side means, and what to do. `debug` is the alert's `Debug` output.
 #[must_use]
 pub fn alert(debug: &str) -> String {
-    let told = match variant(debug) {
+    let text = match variant(debug) {
         "UnknownCA" => "the other side does not know the authority of our certificate: let one sign it that it trusts",
         "BadCertificate" | "CertificateUnknown" | "UnsupportedCertificate" | "DecryptError" => {
             "the other side finds our certificate unusable: issue one for clients (extendedKeyUsage clientAuth), of X.509 \
@@ -55,7 +55,7 @@ pub fn alert(debug: &str) -> String {
         "InternalError" => "the other side has a fault of its own: look at its log",
         other => return format!("the other side ends TLS ({}): look at its log", words(other)),
     };
-    told.to_owned()
+    text.to_owned()
 }
 
 #[cfg(test)]
@@ -75,8 +75,8 @@ mod tests {
             ("InappropriateMessage { expect_types: [], got_type: Alert }", "correct the port"),
             ("BadMaxFragmentSize", "bad max fragment size"),
         ] {
-            let told = tls(debug);
-            assert!(told.contains(part) && told.contains(": ") && !told.contains(variant(debug)), "{debug}: {told}");
+            let text = tls(debug);
+            assert!(text.contains(part) && text.contains(": ") && !text.contains(variant(debug)), "{debug}: {text}");
         }
     }
 }

@@ -18,7 +18,7 @@ pub(crate) async fn clear_alarms(tx: &mut Tx<'_>, whose: Whose<'_>, cleared_us: 
     const WHOSE: &str = "cleared_us IS NULL AND (whisker_id IN (SELECT w.whisker_id FROM whiskers w \
          JOIN arrays a ON a.array_id = w.array_id WHERE w.robot_id = $1 \
          AND (CAST($3 AS TEXT) IS NULL OR a.\"array\" = $3 AND w.whisker = $4)) OR robot_id = $1 AND CAST($3 AS TEXT) IS NULL)";
-    let told = format!(
+    let insert = format!(
         "INSERT INTO events (recorded_us, version, kind, audience, word, fleet, robot_id, whisker_id, data) \
          SELECT CAST($2 AS BIGINT), {VERSION}, 'ALARM_CLEARED', 'PEOPLE', kind, (SELECT fleet FROM robots WHERE robot_id = $1), \
          CAST($1 AS BIGINT), whisker_id, '{{}}' FROM alarms WHERE {WHOSE} ORDER BY alarm_id"
@@ -29,7 +29,7 @@ pub(crate) async fn clear_alarms(tx: &mut Tx<'_>, whose: Whose<'_>, cleared_us: 
         Whose::Whisker { robot_id, array, whisker } => (robot_id, Some((array, whisker))),
     };
     let (array, whisker) = (place.map(|(array, _)| array), place.map(|(_, whisker)| whisker));
-    for sql in [told, cleared] {
+    for sql in [insert, cleared] {
         on!(&mut *tx, |tx| sqlx::query(AssertSqlSafe(sql))
             .bind(robot_id)
             .bind(cleared_us)

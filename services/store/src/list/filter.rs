@@ -6,7 +6,7 @@ use sqlx::{Database, Encode, QueryBuilder, Sqlite, Type};
 use vibrissa_edge::fleets::FleetPattern;
 use vibrissa_edge::labels::{LabelCondition, LabelConditions};
 
-use super::Kind;
+use super::ColumnKind;
 
 /// A value to compare a column with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,9 +31,11 @@ impl Value {
 
     /// Whether the value has the type of a column.
     #[must_use]
-    pub fn is_a(&self, kind: Kind) -> bool {
+    pub fn is_a(&self, kind: ColumnKind) -> bool {
         match (self, kind) {
-            (Self::Whole(_), Kind::Whole) | (Self::Real(_), Kind::Real) | (Self::Text(_), Kind::Text) => true,
+            (Self::Whole(_), ColumnKind::Whole)
+            | (Self::Real(_), ColumnKind::Real)
+            | (Self::Text(_), ColumnKind::Text) => true,
             (Self::Whole(_) | Self::Real(_) | Self::Text(_) | Self::Flag(_), _) => false,
         }
     }

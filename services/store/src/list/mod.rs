@@ -59,7 +59,7 @@ pub struct Sort {
     /// Name of the column in the query, which is also its name in requests.
     pub column: &'static str,
     /// Type of its values.
-    pub kind: Kind,
+    pub kind: ColumnKind,
     /// Whether the greatest value comes first by default.
     pub descending: bool,
 }
@@ -83,7 +83,7 @@ impl Way {
 
 /// Type of a column's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum ColumnKind {
     /// Values are texts.
     Text,
     /// Values are integers.
@@ -201,9 +201,9 @@ where
     String: for<'r> Decode<'r, R::Database> + Type<R::Database>,
 {
     let value = match sort.kind {
-        Kind::Text => Value::Text(row.try_get(sort.column)?),
-        Kind::Whole => Value::Whole(row.try_get(sort.column)?),
-        Kind::Real => Value::Real(row.try_get(sort.column)?),
+        ColumnKind::Text => Value::Text(row.try_get(sort.column)?),
+        ColumnKind::Whole => Value::Whole(row.try_get(sort.column)?),
+        ColumnKind::Real => Value::Real(row.try_get(sort.column)?),
     };
     Ok(Position { value, id: row.try_get(id)? })
 }

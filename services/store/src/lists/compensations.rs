@@ -301,5 +301,5 @@ pub static RATIO_ERRORS: List = List {
 
 /// Sorts by a column of whole numbers, the lowest first.
 const fn by_order(column: &'static str) -> crate::list::Sort {
-    crate::list::Sort { column, kind: crate::list::Kind::Whole, descending: false }
+    crate::list::Sort { column, kind: crate::list::ColumnKind::Whole, descending: false }
 }

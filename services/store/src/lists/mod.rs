@@ -34,7 +34,7 @@ macro_rules! sorts {
             /// The columns of all sort keys.
             pub const SORTS: &'static [$crate::list::Sort] = &[$($crate::list::Sort {
                 column: $column,
-                kind: $crate::list::Kind::$kind,
+                kind: $crate::list::ColumnKind::$kind,
                 descending: $crate::list::Way::$way.is_descending(),
             },)+];
 

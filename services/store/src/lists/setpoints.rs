@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 use super::sorts;
 use crate::from_row::from_row;
-use crate::list::{Kind, List, Sort};
+use crate::list::{ColumnKind, List, Sort};
 use crate::time::Time;
 
 from_row! {
@@ -98,6 +98,6 @@ pub static SETPOINT_STATES: List = List {
     select: "SELECT setpoint_state_id, command_id, recorded_us AS at, state, error, pressure_mpa FROM setpoint_states",
     details: "",
     keys: &[],
-    sorts: &[Sort { column: "setpoint_state_id", kind: Kind::Whole, descending: false }],
+    sorts: &[Sort { column: "setpoint_state_id", kind: ColumnKind::Whole, descending: false }],
     id: "setpoint_state_id",
 };

@@ -78,8 +78,8 @@ fn membership(
     let members = || rows.iter().filter(|row| !is_lease(row));
     let time_to_live = |owner: Option<&str>| {
         let row = members().find(|row| row.get::<Option<&str>, _>("owner") == owner);
-        let told = row.map_or(0, |row| row.get::<i64, _>("time_to_live_us"));
-        if told > 0 { Duration::from_micros(told as u64) } else { supervisor.time_to_live }
+        let stored_us = row.map_or(0, |row| row.get::<i64, _>("time_to_live_us"));
+        if stored_us > 0 { Duration::from_micros(stored_us as u64) } else { supervisor.time_to_live }
     };
     let leases = rows.iter().filter(|row| is_lease(row)).filter_map(|row| {
         let fleet = Name::new(row.get("fleet")).ok()?;

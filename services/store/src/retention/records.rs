@@ -97,7 +97,7 @@ impl Store {
     pub(super) async fn remove_records(
         &self,
         before_us: Option<i64>,
-        told: &mut impl FnMut(Done),
+        report: &mut impl FnMut(Done),
     ) -> sqlx::Result<bool> {
         let (Some(before_us), mut is_more) = (before_us, false) else { return Ok(false) };
         let row = match &self.pool {
@@ -113,7 +113,7 @@ impl Store {
                 .await
                 .map(|done| done.rows_affected()))?;
             if rows > 0 {
-                told(Done::Removed { table, rows });
+                report(Done::Removed { table, rows });
             }
             is_more |= rows >= ROWS as u64;
         }
@@ -122,7 +122,11 @@ impl Store {
 
     /// Deletes whiskers that are on no layout for a day and were never used, with their changes of health, alarms and hours,
     /// and arrays without whiskers. Returns whether there may be more.
-    pub(super) async fn forget_absent_whiskers(&self, now_us: i64, told: &mut impl FnMut(Done)) -> sqlx::Result<bool> {
+    pub(super) async fn forget_absent_whiskers(
+        &self,
+        now_us: i64,
+        report: &mut impl FnMut(Done),
+    ) -> sqlx::Result<bool> {
         let unused = USES
             .map(|(table, column)| format!("AND NOT EXISTS (SELECT 1 FROM {table} u WHERE u.{column} = w.whisker_id)"));
         let absent = AssertSqlSafe(format!(
@@ -147,7 +151,7 @@ impl Store {
             on!(&mut tx, |tx| sqlx::query(sql).persistent(false).execute(&mut **tx).await.map(drop))?;
         }
         tx.commit().await?;
-        told(Done::Removed { table: "whiskers", rows: whiskers.len() as u64 });
+        report(Done::Removed { table: "whiskers", rows: whiskers.len() as u64 });
         Ok(whiskers.len() as i64 == WHISKERS)
     }
 }

@@ -22,7 +22,7 @@ const SIZES: usize = ROWS_A_STATEMENT.ilog2() as usize + 1;
 /// SQLite gets the rows as `VALUES`. PostgreSQL gets an array for each column, in one statement whatever the number of
 /// rows is.
 pub(crate) struct Statement<R> {
-    kind: Kind,
+    kind: StatementKind,
     conflict: &'static str,
     returning: &'static str,
     columns: OnceLock<Vec<Column>>,
@@ -33,7 +33,7 @@ pub(crate) struct Statement<R> {
 }
 
 /// What a statement does with its rows.
-enum Kind {
+enum StatementKind {
     Insert {
         table: &'static str,
     },
@@ -65,7 +65,7 @@ pub(crate) struct Parent {
 }
 
 impl<R: Row> Statement<R> {
-    const fn new(kind: Kind) -> Self {
+    const fn new(kind: StatementKind) -> Self {
         Self {
             kind,
             conflict: "",
@@ -79,22 +79,22 @@ impl<R: Row> Statement<R> {
 
     /// Inserts the rows.
     pub(crate) const fn insert(table: &'static str) -> Self {
-        Self::new(Kind::Insert { table })
+        Self::new(StatementKind::Insert { table })
     }
 
     /// Inserts the rows below the newest parent with the same keys.
     pub(crate) const fn insert_below(table: &'static str, parent: Parent) -> Self {
-        Self::new(Kind::InsertBelow { table, parent })
+        Self::new(StatementKind::InsertBelow { table, parent })
     }
 
     /// Sets all other columns of the rows with the same first column. `also` is a list of further assignments.
     pub(crate) const fn update(table: &'static str, also: &'static str) -> Self {
-        Self::new(Kind::Update { table, also })
+        Self::new(StatementKind::Update { table, also })
     }
 
     /// Writes the rows into a table as `sql` says.
     pub(crate) const fn custom(table: &'static str, sql: &'static str) -> Self {
-        Self::new(Kind::Custom { table, sql })
+        Self::new(StatementKind::Custom { table, sql })
     }
 
     /// Leaves existing rows unchanged.
@@ -135,10 +135,10 @@ impl<R: Row> Statement<R> {
     /// Text with the rows, their condition, and the table or part of the rows' parents.
     fn text(&self, rows: &str, owned: &str, parents: impl Fn(&Parent) -> &'static str) -> String {
         let text = match &self.kind {
-            Kind::Insert { table } => {
+            StatementKind::Insert { table } => {
                 format!("INSERT INTO {table} ({}) SELECT n.* FROM {rows} WHERE {owned}", self.names())
             }
-            Kind::InsertBelow { table, parent } => {
+            StatementKind::InsertBelow { table, parent } => {
                 let names: Vec<&str> = self.columns().iter().map(|one| one.name).collect();
                 let own: Vec<&str> = names.into_iter().filter(|name| !parent.keys.contains(name)).collect();
                 let (number, [first, second]) = (parent.number, parent.keys);
@@ -150,7 +150,7 @@ impl<R: Row> Statement<R> {
                     own.join(", n."),
                 )
             }
-            Kind::Update { table, also } => {
+            StatementKind::Update { table, also } => {
                 let key = self.columns()[0].name;
                 let values = self.columns()[1..].iter().map(|Column { name, .. }| format!("{name} = n.{name}"));
                 let values: Vec<String> =
@@ -158,7 +158,7 @@ impl<R: Row> Statement<R> {
                 let values = values.join(", ");
                 format!("UPDATE {table} AS t SET {values} FROM {rows} WHERE t.{key} = n.{key} AND {owned}")
             }
-            Kind::Custom { sql, .. } => sql.replace("ROWS", rows).replace("OWNED", owned),
+            StatementKind::Custom { sql, .. } => sql.replace("ROWS", rows).replace("OWNED", owned),
         };
         let returning = if self.returning.is_empty() { "" } else { " RETURNING " };
         text + self.conflict + returning + self.returning
@@ -198,8 +198,10 @@ impl<R: Row> Statement<R> {
     /// Text for SQLite. Rows whose first column is NULL are not written.
     fn sqlite_text(&self, rows: usize) -> String {
         let owned = match &self.kind {
-            Kind::Insert { .. } | Kind::InsertBelow { .. } => format!("n.{} IS NOT NULL", self.columns()[0].name),
-            Kind::Update { .. } | Kind::Custom { .. } => "TRUE".to_owned(),
+            StatementKind::Insert { .. } | StatementKind::InsertBelow { .. } => {
+                format!("n.{} IS NOT NULL", self.columns()[0].name)
+            }
+            StatementKind::Update { .. } | StatementKind::Custom { .. } => "TRUE".to_owned(),
         };
         let row = format!("({})", self.list(", ", |_| "?".to_owned()));
         let rows: Vec<&str> = repeat_n(row.as_str(), rows).collect();
@@ -252,24 +254,24 @@ pub(crate) trait Declared: Sync {
 impl<R: Row> Declared for Statement<R> {
     fn table(&self) -> &'static str {
         match self.kind {
-            Kind::Insert { table } | Kind::InsertBelow { table, .. } => table,
-            Kind::Update { table, .. } | Kind::Custom { table, .. } => table,
+            StatementKind::Insert { table } | StatementKind::InsertBelow { table, .. } => table,
+            StatementKind::Update { table, .. } | StatementKind::Custom { table, .. } => table,
         }
     }
 
     fn inserts(&self) -> bool {
-        matches!(self.kind, Kind::Insert { .. } | Kind::InsertBelow { .. })
+        matches!(self.kind, StatementKind::Insert { .. } | StatementKind::InsertBelow { .. })
     }
 
     fn written(&self) -> Vec<Column> {
         match &self.kind {
-            Kind::Insert { .. } | Kind::Update { .. } => self.columns().to_vec(),
-            Kind::InsertBelow { parent, .. } => {
+            StatementKind::Insert { .. } | StatementKind::Update { .. } => self.columns().to_vec(),
+            StatementKind::InsertBelow { parent, .. } => {
                 let own = self.columns().iter().filter(|column| !parent.keys.contains(&column.name)).copied();
                 [Column { name: parent.number, kind: Type::Bigint }].into_iter().chain(own).collect()
             }
             // Its columns need not be those of the table.
-            Kind::Custom { .. } => Vec::new(),
+            StatementKind::Custom { .. } => Vec::new(),
         }
     }
 }

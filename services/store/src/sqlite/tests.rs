@@ -58,7 +58,7 @@ impl Drop for Folder {
     }
 }
 
-fn told(done: Result<(), StoreError>) -> String {
+fn refusal_of(done: Result<(), StoreError>) -> String {
     let problem = done.expect_err("it must be refused");
     assert!(!problem.is_passing(), "{problem}");
     problem.to_string()
@@ -70,16 +70,16 @@ async fn regress_an_installation_does_not_go_on_with_an_empty_database() {
     assert!(folder.open().await.is_ok());
     let aside = folder.0.join("aside");
     std::fs::rename(folder.file(), &aside).unwrap();
-    let missing = told(folder.open().await);
+    let missing = refusal_of(folder.open().await);
     assert!(missing.contains("restore the newest back-up") && missing.contains("v.sqlite3.lock"), "{missing}");
     std::fs::write(folder.file(), "").unwrap();
-    assert_eq!(told(folder.open().await), missing, "an empty file");
+    assert_eq!(refusal_of(folder.open().await), missing, "an empty file");
     // A database without tables.
     let options = sqlx::sqlite::SqliteConnectOptions::new().filename(folder.file());
     let mut link = sqlx::ConnectOptions::connect(&options).await.unwrap();
     sqlx::query("PRAGMA user_version = 3").execute(&mut link).await.unwrap();
     sqlx::Connection::close(link).await.unwrap();
-    assert_eq!(told(folder.open().await), missing, "no tables");
+    assert_eq!(refusal_of(folder.open().await), missing, "no tables");
     // The remedies: the old file, or the mark's removal.
     std::fs::rename(&aside, folder.file()).unwrap();
     assert!(folder.open().await.is_ok());
@@ -107,8 +107,8 @@ async fn regress_a_damaged_file_is_refused_with_its_remedy() {
     ];
     for (what, change) in changes {
         folder.change(change);
-        let told = told(folder.open().await);
-        assert!(told.contains("is damaged") && told.contains("restore the newest back-up"), "{what}: {told}");
+        let refusal = refusal_of(folder.open().await);
+        assert!(refusal.contains("is damaged") && refusal.contains("restore the newest back-up"), "{what}: {refusal}");
         std::fs::write(folder.file(), &whole).unwrap();
         assert!(folder.open().await.is_ok(), "{what}");
     }

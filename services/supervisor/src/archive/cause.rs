@@ -37,7 +37,7 @@ fn of_store(problem: &Error) -> String {
 /// The library tells these only in the text of a generic error.
 fn of_text(text: &str) -> String {
     let has = |parts: &[&str]| parts.iter().any(|part| text.contains(part));
-    let told = if has(&["os error 28", "No space left"]) {
+    let remedy = if has(&["os error 28", "No space left"]) {
         "the disk is full: free space"
     } else if has(&["os error 13", "os error 30", "Permission denied", "Read-only file system"]) {
         "the folder cannot be written: give this user the right, or mount the disk for writing"
@@ -54,7 +54,7 @@ fn of_text(text: &str) -> String {
     } else {
         return plain::text(text);
     };
-    told.to_owned()
+    remedy.to_owned()
 }
 
 #[cfg(test)]
@@ -71,9 +71,9 @@ mod tests {
             (generic("error sending request: Connection refused (os error 111)"), "nothing listens"),
             (generic("Unable to open file: No space left on device (os error 28)"), "free space"),
         ] {
-            let told = cause(&anyhow::Error::new(problem).context("writing x"));
-            assert!(told.starts_with("writing x: ") && told.contains(part), "{told}");
-            assert!(!told.contains("os error") && !told.contains("Generic") && !told.contains("<Error>"), "{told}");
+            let shown = cause(&anyhow::Error::new(problem).context("writing x"));
+            assert!(shown.starts_with("writing x: ") && shown.contains(part), "{shown}");
+            assert!(!shown.contains("os error") && !shown.contains("Generic") && !shown.contains("<Error>"), "{shown}");
         }
     }
 }

@@ -10,7 +10,7 @@ use vibrissa_edge::recording::Recorded;
 use vibrissa_protocol::RobotTopic;
 
 use super::job::BoxToWrite;
-use super::tape::Kind;
+use super::tape::EntryKind;
 
 /// The lines of a box.
 #[derive(Debug, PartialEq, Eq)]
@@ -42,7 +42,7 @@ pub(super) fn of(one: &BoxToWrite) -> io::Result<Lines> {
         out.write_all(&line)
     };
     let mut entries = one.tape.entries().peekable();
-    if let Some(first) = entries.next_if(|entry| entry.kind == Kind::State)
+    if let Some(first) = entries.next_if(|entry| entry.kind == EntryKind::State)
         && let Ok((head, whiskers)) = borsh::from_slice(first.payload)
     {
         let state = StateBytes { head, whiskers };
@@ -56,7 +56,7 @@ pub(super) fn of(one: &BoxToWrite) -> io::Result<Lines> {
         }
     }
     for entry in entries.filter(|entry| entry.at <= one.ends) {
-        let Kind::Message(kind) = entry.kind else { continue };
+        let EntryKind::Message(kind) = entry.kind else { continue };
         write(&Recorded { received: entry.at, topic: topic(kind), payload: entry.payload.to_vec() }, &mut lines.bytes)?;
         lines.messages += 1;
         lines.last = lines.last.max(entry.at);

@@ -10,7 +10,7 @@ use vibrissa_protocol::{Name, RobotTopic};
 
 use super::job::{BoxToWrite, Job};
 use super::reel::Reel;
-use super::tape::Kind;
+use super::tape::EntryKind;
 use super::{FleetBoxes, Inner};
 
 /// A box with several events ends at the latest this many spans after the first.
@@ -72,7 +72,7 @@ impl Recorder {
     /// before it: ticks alone come too late for that when the supervisor has much to do.
     pub(crate) fn message(&mut self, robot: &Robot, topic: RobotTopic, at: Micros, payload: &[u8]) {
         self.put_due_state(robot, at);
-        self.push(at, Kind::Message(topic), payload);
+        self.push(at, EntryKind::Message(topic), payload);
     }
 
     /// Puts the robot's state on the tape, if it is due.
@@ -87,15 +87,15 @@ impl Recorder {
             && let Some(StateBytes { head, whiskers }) = state
             && let Ok(bytes) = borsh::to_vec(&(head, whiskers))
         {
-            self.push(now, Kind::State, &bytes);
+            self.push(now, EntryKind::State, &bytes);
         }
     }
 
-    fn push(&mut self, at: Micros, kind: Kind, payload: &[u8]) {
+    fn push(&mut self, at: Micros, kind: EntryKind, payload: &[u8]) {
         let limits = self.inner.limits();
         let Some(open) = &mut self.open else { return self.reel.push(at, kind, payload, limits) };
         let fits = self.reel.push_after_event(at, kind, payload, limits);
-        if !fits && kind != Kind::State && at <= open.ends {
+        if !fits && kind != EntryKind::State && at <= open.ends {
             open.left_out += 1;
         }
     }

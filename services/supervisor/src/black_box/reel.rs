@@ -3,7 +3,7 @@
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::RobotTopic;
 
-use super::tape::{Kind, Tape, TapeCopy};
+use super::tape::{EntryKind, Tape, TapeCopy};
 
 /// Part of a robot's memory after which its state is put on the tape again: a busy robot's tape is shorter than a span.
 const STATE_EVERY: usize = 8;
@@ -56,11 +56,11 @@ pub(super) struct Reel {
 }
 
 /// Index in `base`.
-fn base_of(kind: Kind) -> Option<usize> {
+fn base_of(kind: EntryKind) -> Option<usize> {
     match kind {
-        Kind::Message(RobotTopic::Connection) => Some(0),
-        Kind::Message(RobotTopic::Factsheet) => Some(1),
-        Kind::Message(_) | Kind::State => None,
+        EntryKind::Message(RobotTopic::Connection) => Some(0),
+        EntryKind::Message(RobotTopic::Factsheet) => Some(1),
+        EntryKind::Message(_) | EntryKind::State => None,
     }
 }
 
@@ -95,7 +95,7 @@ impl Reel {
     }
 
     /// Appends an entry, and removes the oldest ones beyond the limits.
-    pub(super) fn push(&mut self, at: Micros, kind: Kind, payload: &[u8], limits: Limits) {
+    pub(super) fn push(&mut self, at: Micros, kind: EntryKind, payload: &[u8], limits: Limits) {
         let added = Tape::bytes_of(payload.len());
         let most = limits.before();
         if added > most {
@@ -108,7 +108,7 @@ impl Reel {
 
     /// Appends an entry while a box is being recorded; returns false if there is no space. The messages before and at the
     /// event are worth more than later ones.
-    pub(super) fn push_after_event(&mut self, at: Micros, kind: Kind, payload: &[u8], limits: Limits) -> bool {
+    pub(super) fn push_after_event(&mut self, at: Micros, kind: EntryKind, payload: &[u8], limits: Limits) -> bool {
         let fits = self.tape.bytes() + Tape::bytes_of(payload.len()) <= limits.share;
         if fits {
             self.append(at, kind, payload);
@@ -116,18 +116,18 @@ impl Reel {
         fits
     }
 
-    fn append(&mut self, at: Micros, kind: Kind, payload: &[u8]) {
+    fn append(&mut self, at: Micros, kind: EntryKind, payload: &[u8]) {
         if self.tape.first().is_none() {
             self.from = self.from.max(at);
         }
         self.tape.push(at, kind, payload);
-        self.lacks_state &= kind != Kind::State;
+        self.lacks_state &= kind != EntryKind::State;
         self.since_state += Tape::bytes_of(payload.len());
     }
 
     /// Leaves out an entry that is larger than the memory for it.
-    fn skip(&mut self, at: Micros, kind: Kind, payload: &[u8], limits: Limits) {
-        if kind == Kind::State {
+    fn skip(&mut self, at: Micros, kind: EntryKind, payload: &[u8], limits: Limits) {
+        if kind == EntryKind::State {
             return;
         }
         self.keep_within(0);
@@ -145,10 +145,10 @@ impl Reel {
         let start = self.tape.states().iter().copied().rfind(|at| *at <= horizon);
         while let Some((at, kind)) = self.tape.first() {
             let stays = match (kind, start) {
-                (Kind::State, start) => start.is_none_or(|start| at >= start),
-                (Kind::Message(_), None) => self.states_fit || at >= horizon,
+                (EntryKind::State, start) => start.is_none_or(|start| at >= start),
+                (EntryKind::Message(_), None) => self.states_fit || at >= horizon,
                 // Everything before the state is part of it.
-                (Kind::Message(_), Some(_)) => false,
+                (EntryKind::Message(_), Some(_)) => false,
             };
             if stays {
                 break;
@@ -172,7 +172,7 @@ impl Reel {
 
     /// Removes the messages before the first state, if there is one.
     fn begin_with_state(&mut self) {
-        while !self.tape.states().is_empty() && self.tape.first().is_some_and(|(_, kind)| kind != Kind::State) {
+        while !self.tape.states().is_empty() && self.tape.first().is_some_and(|(_, kind)| kind != EntryKind::State) {
             self.pop();
         }
     }
@@ -224,30 +224,30 @@ mod tests {
     use super::*;
 
     const LIMITS: Limits = Limits { share: 64 * 1024, span: Micros(60_000_000) };
-    const CONTACTS: Kind = Kind::Message(RobotTopic::Contacts);
+    const CONTACTS: EntryKind = EntryKind::Message(RobotTopic::Contacts);
 
     fn seconds(seconds: u64) -> Micros {
         Micros(seconds * 1_000_000)
     }
 
     /// Kinds of the entries, with their times in seconds.
-    fn entries(reel: &Reel) -> Vec<(Kind, u64)> {
+    fn entries(reel: &Reel) -> Vec<(EntryKind, u64)> {
         reel.copy().entries().map(|one| (one.kind, one.at.0 / 1_000_000)).collect()
     }
 
     #[test]
     fn the_tape_of_a_calm_robot_begins_with_the_newest_state_that_is_a_span_old() {
         let mut reel = Reel::new(seconds(0), seconds(0));
-        reel.push(seconds(0), Kind::Message(RobotTopic::Connection), b"birth", LIMITS);
-        reel.push(seconds(0), Kind::Message(RobotTopic::Factsheet), b"sheet", LIMITS);
+        reel.push(seconds(0), EntryKind::Message(RobotTopic::Connection), b"birth", LIMITS);
+        reel.push(seconds(0), EntryKind::Message(RobotTopic::Factsheet), b"sheet", LIMITS);
         for at in 1..=400 {
             reel.push(seconds(at), CONTACTS, &[b' '; 50], LIMITS);
             if reel.is_state_due(seconds(at), LIMITS) && reel.takes_state(seconds(at), 500, LIMITS) {
-                reel.push(seconds(at), Kind::State, &[0; 500], LIMITS);
+                reel.push(seconds(at), EntryKind::State, &[0; 500], LIMITS);
             }
         }
         let (kind, first) = entries(&reel)[0];
-        assert_eq!((kind, first, reel.from()), (Kind::State, 300, seconds(300)), "states at 60, 120, ... 360");
+        assert_eq!((kind, first, reel.from()), (EntryKind::State, 300, seconds(300)), "states at 60, 120, ... 360");
         let base = reel.base().clone().map(|one| String::from_utf8(one.unwrap()).unwrap());
         assert_eq!(base, ["birth", "sheet"], "older than the tape, and kept");
     }
@@ -273,7 +273,7 @@ mod tests {
             let at = Micros(1_000 * at);
             reel.push(at, CONTACTS, &[b' '; 900], LIMITS);
             if reel.is_state_due(at, LIMITS) && reel.takes_state(at, 3000, LIMITS) {
-                reel.push(at, Kind::State, &[0; 3000], LIMITS);
+                reel.push(at, EntryKind::State, &[0; 3000], LIMITS);
             }
             assert!(reel.tape.bytes() <= LIMITS.before());
         }
@@ -289,7 +289,7 @@ mod tests {
     /// Puts a message on the tape as the recorder does, after the robot's state if that is due.
     fn record(reel: &mut Reel, now: Micros, bytes: usize, limits: Limits) {
         if reel.is_state_due(now, limits) && reel.takes_state(now, 12_000, limits) {
-            reel.push(now, Kind::State, &[0; 12_000], limits);
+            reel.push(now, EntryKind::State, &[0; 12_000], limits);
         }
         reel.push(now, CONTACTS, &vec![b' '; bytes], limits);
     }
@@ -315,7 +315,7 @@ mod tests {
             record(&mut reel, now, 100, limits);
             reel.begin_box();
             let first = entries(&reel)[0].0;
-            prop_assert!(first == Kind::State || !reel.has_lost, "{:?}", first);
+            prop_assert!(first == EntryKind::State || !reel.has_lost, "{:?}", first);
         }
     }
 

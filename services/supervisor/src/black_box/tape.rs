@@ -12,14 +12,14 @@ const HEAD: usize = 8 + 1 + 4;
 
 /// Kind of an entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum EntryKind {
     /// A message on this topic.
     Message(RobotTopic),
     /// The robot's state.
     State,
 }
 
-impl Kind {
+impl EntryKind {
     fn number(self) -> u8 {
         match self {
             Self::State => STATE,
@@ -38,7 +38,7 @@ impl Kind {
 pub(super) struct Entry<'t> {
     /// Time by the supervisor's clock.
     pub(super) at: Micros,
-    pub(super) kind: Kind,
+    pub(super) kind: EntryKind,
     pub(super) payload: &'t [u8],
 }
 
@@ -67,29 +67,29 @@ impl Tape {
     }
 
     /// Appends an entry.
-    pub(super) fn push(&mut self, at: Micros, kind: Kind, payload: &[u8]) {
+    pub(super) fn push(&mut self, at: Micros, kind: EntryKind, payload: &[u8]) {
         self.ring.extend(&at.0.to_le_bytes());
         self.ring.push_back(kind.number());
         // Longer messages do not pass the broker.
         self.ring.extend(&(payload.len() as u32).to_le_bytes());
         self.ring.extend(payload);
-        if kind == Kind::State {
+        if kind == EntryKind::State {
             self.states.push_back(at);
         }
     }
 
     /// Time and kind of the first entry.
-    pub(super) fn first(&self) -> Option<(Micros, Kind)> {
-        (!self.ring.is_empty()).then(|| (Micros(u64::from_le_bytes(self.array(0))), Kind::of(self.ring[8])))
+    pub(super) fn first(&self) -> Option<(Micros, EntryKind)> {
+        (!self.ring.is_empty()).then(|| (Micros(u64::from_le_bytes(self.array(0))), EntryKind::of(self.ring[8])))
     }
 
     /// Removes the first entry, and returns its payload if it is of a kind that is wanted.
-    pub(super) fn pop(&mut self, is_wanted: impl Fn(Kind) -> bool) -> Option<(Kind, Vec<u8>)> {
+    pub(super) fn pop(&mut self, is_wanted: impl Fn(EntryKind) -> bool) -> Option<(EntryKind, Vec<u8>)> {
         let (_, kind) = self.first()?;
         let end = HEAD + u32::from_le_bytes(self.array(9)) as usize;
         let payload = is_wanted(kind).then(|| (kind, self.ring.range(HEAD..end).copied().collect()));
         self.ring.drain(..end);
-        if kind == Kind::State {
+        if kind == EntryKind::State {
             self.states.pop_front();
         }
         payload
@@ -127,7 +127,7 @@ impl TapeCopy {
             let (payload, after) = after.split_at_checked(payload)?;
             rest = after;
             let at = Micros(u64::from_le_bytes(head[..8].try_into().ok()?));
-            Some(Entry { at, kind: Kind::of(head[8]), payload })
+            Some(Entry { at, kind: EntryKind::of(head[8]), payload })
         })
     }
 }
@@ -139,9 +139,9 @@ mod tests {
     #[test]
     fn entries_come_back_in_their_order_after_the_ring_has_turned() {
         let mut tape = Tape::default();
-        let contacts = Kind::Message(RobotTopic::Contacts);
+        let contacts = EntryKind::Message(RobotTopic::Contacts);
         for number in 0..1000_u64 {
-            let kind = if number % 100 == 50 { Kind::State } else { contacts };
+            let kind = if number % 100 == 50 { EntryKind::State } else { contacts };
             tape.push(Micros(number), kind, format!("payload {number}").as_bytes());
             while tape.bytes() > 4000 {
                 tape.pop(|_| false);
@@ -156,16 +156,16 @@ mod tests {
             assert_eq!((entry.at.0, entry.payload), (number, format!("payload {number}").as_bytes()));
         }
         assert_eq!(entries.len() as u64, 1000 - first);
-        let states: Vec<u64> = entries.iter().filter(|one| one.kind == Kind::State).map(|one| one.at.0).collect();
+        let states: Vec<u64> = entries.iter().filter(|one| one.kind == EntryKind::State).map(|one| one.at.0).collect();
         assert_eq!(tape.states().iter().map(|at| at.0).collect::<Vec<_>>(), states);
     }
 
     #[test]
     fn every_topic_has_its_number() {
         for topic in RobotTopic::ALL {
-            let kind = Kind::Message(topic);
-            assert_eq!(Kind::of(kind.number()), kind);
+            let kind = EntryKind::Message(topic);
+            assert_eq!(EntryKind::of(kind.number()), kind);
         }
-        assert_eq!(Kind::of(Kind::State.number()), Kind::State);
+        assert_eq!(EntryKind::of(EntryKind::State.number()), EntryKind::State);
     }
 }

@@ -139,8 +139,8 @@ mod tests {
             bytes.chunks(size).for_each(|chunk| {
                 framing.push(chunk, |packet| packets.push(packet));
             });
-            let told: Vec<_> = packets.iter().map(|one| (one.kind(), one.qos(), one.bytes)).collect();
-            assert_eq!(told, [(3, 2, 10), (6, 0, 4), (3, 0, 5)], "in pieces of {size}");
+            let kinds: Vec<_> = packets.iter().map(|one| (one.kind(), one.qos(), one.bytes)).collect();
+            assert_eq!(kinds, [(3, 2, 10), (6, 0, 4), (3, 0, 5)], "in pieces of {size}");
             assert_eq!([packets[0].id, packets[1].id], [0x1234, 0x5678], "in pieces of {size}");
         }
     }

@@ -24,7 +24,7 @@ const BYTES_PER_S: f64 = 33_554_432.0;
 /// Time for which the rate may be exceeded.
 const BURST: Duration = Duration::from_millis(500);
 
-type Answer<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
+type HookFuture<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
 
 /// Checks of connections and publications at the embedded broker.
 #[derive(Debug)]
@@ -51,9 +51,9 @@ impl Gate {
 
     fn admits(&self, connect: &ConnectPacket) -> AuthResult {
         if let Some(known) = self.credentials {
-            let told =
+            let given =
                 hash(connect.username.as_deref().unwrap_or_default(), connect.password.as_deref().unwrap_or(&[]));
-            if !bool::from(told.as_bytes().ct_eq(known.as_bytes())) {
+            if !bool::from(given.as_bytes().ct_eq(known.as_bytes())) {
                 warn!("embedded MQTT broker: a client with a wrong user name or password was refused");
                 return AuthResult::fail(ReasonCode::BadUsernameOrPassword);
             }
@@ -94,21 +94,26 @@ impl AuthProvider for Gate {
         &'a self,
         connect: &'a ConnectPacket,
         _client: SocketAddr,
-    ) -> Answer<'a, mqtt5::Result<AuthResult>> {
+    ) -> HookFuture<'a, mqtt5::Result<AuthResult>> {
         Box::pin(async move { Ok(self.admits(connect)) })
     }
 
-    fn authorize_publish<'a>(&'a self, _client: &str, _user: Option<&'a str>, _topic: &'a str) -> Answer<'a, bool> {
+    fn authorize_publish<'a>(&'a self, _client: &str, _user: Option<&'a str>, _topic: &'a str) -> HookFuture<'a, bool> {
         Box::pin(async { true })
     }
 
-    fn authorize_subscribe<'a>(&'a self, _client: &str, _user: Option<&'a str>, _filter: &'a str) -> Answer<'a, bool> {
+    fn authorize_subscribe<'a>(
+        &'a self,
+        _client: &str,
+        _user: Option<&'a str>,
+        _filter: &'a str,
+    ) -> HookFuture<'a, bool> {
         Box::pin(async { true })
     }
 }
 
 impl BrokerEventHandler for Gate {
-    fn on_client_publish<'a>(&'a self, event: ClientPublishEvent) -> Answer<'a, PublishAction> {
+    fn on_client_publish<'a>(&'a self, event: ClientPublishEvent) -> HookFuture<'a, PublishAction> {
         Box::pin(async move {
             self.pace(event.topic.len() + event.payload.len()).await;
             if event.retain && !self.keeps(&event.topic, event.payload.len()) {
@@ -118,7 +123,7 @@ impl BrokerEventHandler for Gate {
         })
     }
 
-    fn on_retained_set<'a>(&'a self, event: RetainedSetEvent) -> Answer<'a, ()> {
+    fn on_retained_set<'a>(&'a self, event: RetainedSetEvent) -> HookFuture<'a, ()> {
         Box::pin(async move {
             let bytes = if event.cleared { 0 } else { event.payload.len() };
             self.ledger.retain(&event.topic, bytes);

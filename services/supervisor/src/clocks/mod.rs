@@ -116,11 +116,11 @@ impl Clocks {
         let from_here = |of: fn(&ClockReport) -> Option<i64>| {
             database.into_iter().flat_map(move |database| others().filter_map(of).map(move |ahead| ahead + database))
         };
-        let told_robots = from_here(|one| one.robots_ahead_us);
+        let robots_of_others = from_here(|one| one.robots_ahead_us);
         self.readings = Readings {
             host: if is_small { 0 } else { host },
             database,
-            robots: judge::median(own_robots.into_iter().chain(told_robots).collect()),
+            robots: judge::median(own_robots.into_iter().chain(robots_of_others).collect()),
             supervisors: from_here(|one| one.ahead_us).collect(),
         };
         let judgement = Judgement {

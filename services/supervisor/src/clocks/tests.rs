@@ -38,23 +38,23 @@ fn problem(readings: Readings) -> Option<String> {
 
 #[test]
 fn the_reason_names_each_clock_that_disagrees_and_the_remedy() {
-    let told = problem(Readings {
+    let reason = problem(Readings {
         database: Some(120_000_000),
         robots: Some(120_300_000),
         supervisors: vec![120_000_000],
         ..Readings::default()
     });
-    let told = told.expect("a reason");
-    assert!(told.starts_with("most other clocks contradict this supervisor's: "), "{told}");
-    assert!(told.contains("the database's clock is 120.0 s ahead"), "{told}");
-    assert!(told.contains("the median clock of the robots is 120.3 s ahead"), "{told}");
-    assert!(told.contains("(NTP)"), "{told}");
+    let reason = reason.expect("a reason");
+    assert!(reason.starts_with("most other clocks contradict this supervisor's: "), "{reason}");
+    assert!(reason.contains("the database's clock is 120.0 s ahead"), "{reason}");
+    assert!(reason.contains("the median clock of the robots is 120.3 s ahead"), "{reason}");
+    assert!(reason.contains("(NTP)"), "{reason}");
 
-    let told = problem(Readings { database: Some(-2 * HOUR_US), ..Readings::default() }).expect("a reason");
-    assert!(told.contains("no majority") && told.contains("7200.0 s behind"), "{told}");
+    let reason = problem(Readings { database: Some(-2 * HOUR_US), ..Readings::default() }).expect("a reason");
+    assert!(reason.contains("no majority") && reason.contains("7200.0 s behind"), "{reason}");
 
-    let told = problem(Readings { host: -HOUR_US, robots: Some(0), ..Readings::default() }).expect("a reason");
-    assert!(told.contains("keeps its own time: the host's clock is 3600.0 s behind"), "{told}");
+    let reason = problem(Readings { host: -HOUR_US, robots: Some(0), ..Readings::default() }).expect("a reason");
+    assert!(reason.contains("keeps its own time: the host's clock is 3600.0 s behind"), "{reason}");
 }
 
 #[test]

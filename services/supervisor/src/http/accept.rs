@@ -9,8 +9,8 @@ pub(super) fn preferred(headers: &HeaderMap, offered: &[&str]) -> Option<usize> 
     if !headers.contains_key(ACCEPT) {
         return Some(0);
     }
-    let told: Vec<&str> = headers.get_all(ACCEPT).iter().filter_map(|value| value.to_str().ok()).collect();
-    let ranges: Vec<(&str, f64)> = told.iter().flat_map(|value| value.split(',')).filter_map(range).collect();
+    let values: Vec<&str> = headers.get_all(ACCEPT).iter().filter_map(|value| value.to_str().ok()).collect();
+    let ranges: Vec<(&str, f64)> = values.iter().flat_map(|value| value.split(',')).filter_map(range).collect();
     let mut best = (None, 0.0);
     for (at, media_type) in offered.iter().enumerate() {
         let quality = quality(&ranges, media_type);
@@ -25,15 +25,16 @@ pub(super) fn preferred(headers: &HeaderMap, offered: &[&str]) -> Option<usize> 
 fn range(text: &str) -> Option<(&str, f64)> {
     let mut parts = text.split(';').map(str::trim);
     let media_range = parts.next().filter(|media_range| !media_range.is_empty())?;
-    let told = parts.find_map(|part| part.strip_prefix("q=").or_else(|| part.strip_prefix("Q=")));
-    Some((media_range, told.and_then(|told| told.parse().ok()).unwrap_or(1.0)))
+    let weight = parts.find_map(|part| part.strip_prefix("q=").or_else(|| part.strip_prefix("Q=")));
+    Some((media_range, weight.and_then(|weight| weight.parse().ok()).unwrap_or(1.0)))
 }
 
 /// Quality of a media type: that of the most specific range that includes it.
 fn quality(ranges: &[(&str, f64)], media_type: &str) -> f64 {
     let kind = media_type.split('/').next().unwrap_or_default();
-    let of =
-        |wanted: &str| ranges.iter().find(|(told, _)| told.eq_ignore_ascii_case(wanted)).map(|(_, quality)| *quality);
+    let of = |wanted: &str| {
+        ranges.iter().find(|(offered, _)| offered.eq_ignore_ascii_case(wanted)).map(|(_, quality)| *quality)
+    };
     of(media_type).or_else(|| of(&format!("{kind}/*"))).or_else(|| of("*/*")).unwrap_or_default()
 }
 

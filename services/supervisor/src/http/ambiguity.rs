@@ -34,13 +34,13 @@ fn require_one_meaning(target: &Uri, headers: &HeaderMap) -> Result<(), String> 
     if let Some(name) = SINGLE.iter().find(|name| headers.get_all(*name).iter().nth(1).is_some()) {
         return Err(format!("the request has several {name} headers: send one"));
     }
-    let Some(told) = headers.get(header::HOST) else { return Ok(()) };
-    let told = told.to_str().unwrap_or("\u{fffd}");
-    if told.is_empty() && target.authority().is_none() {
+    let Some(value) = headers.get(header::HOST) else { return Ok(()) };
+    let value = value.to_str().unwrap_or("\u{fffd}");
+    if value.is_empty() && target.authority().is_none() {
         return Ok(());
     }
-    let invalid = || format!("the Host header {told:?} is no host name with or without a port");
-    let host = told.parse::<Authority>().ok().and_then(|host| split(&host)).ok_or_else(invalid)?;
+    let invalid = || format!("the Host header {value:?} is no host name with or without a port");
+    let host = value.parse::<Authority>().ok().and_then(|host| split(&host)).ok_or_else(invalid)?;
     let Some(authority) = target.authority() else { return Ok(()) };
     let default = match target.scheme_str() {
         Some("https") => 443,
@@ -50,7 +50,7 @@ fn require_one_meaning(target: &Uri, headers: &HeaderMap) -> Result<(), String> 
     if split(authority).map(with_port) == Some(with_port(host)) {
         return Ok(());
     }
-    Err(format!("the request's target names {authority}, but its Host header {told:?}: send the path only"))
+    Err(format!("the request's target names {authority}, but its Host header {value:?}: send the path only"))
 }
 
 /// Name in small letters, and port. `None` with a user's name or a port that is no number.
@@ -67,9 +67,9 @@ mod tests {
 
     use super::*;
 
-    fn check(target: &str, told: &[(&'static str, &'static str)]) -> Result<(), String> {
+    fn check(target: &str, pairs: &[(&'static str, &'static str)]) -> Result<(), String> {
         let mut headers = HeaderMap::new();
-        for (name, value) in told {
+        for (name, value) in pairs {
             headers.append(*name, HeaderValue::from_static(value));
         }
         require_one_meaning(&target.parse().unwrap(), &headers)
@@ -86,8 +86,8 @@ mod tests {
             let name: &'static str = name.as_str().to_owned().leak();
             for values in [["localhost", "evil.example"], ["localhost", "localhost"]] {
                 let twice = values.map(|value| (name, value));
-                let told = if name == "host" { twice.to_vec() } else { [&[host][..], &twice].concat() };
-                let refused = check("/v1/me", &told).unwrap_err();
+                let pairs = if name == "host" { twice.to_vec() } else { [&[host][..], &twice].concat() };
+                let refused = check("/v1/me", &pairs).unwrap_err();
                 assert!(refused.contains(name), "{refused}");
             }
         }

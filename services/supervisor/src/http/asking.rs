@@ -70,8 +70,8 @@ impl<S: Send + Sync> FromRequestParts<S> for Asker {
         let absent = |_| Problem::new(Kind::Internal, "the request bypassed authentication");
         let Extension(caller) = Extension::<Caller>::from_request_parts(parts, state).await.map_err(absent)?;
         let Extension(RequestId(request_id)) = Extension::from_request_parts(parts, state).await.map_err(absent)?;
-        let told = parts.headers.get("idempotency-key");
-        let key = told.map(|told| told.to_str().ok().filter(|key| is_key(key)).map(ToOwned::to_owned));
+        let header = parts.headers.get("idempotency-key");
+        let key = header.map(|header| header.to_str().ok().filter(|key| is_key(key)).map(ToOwned::to_owned));
         match key {
             Some(None) => Err(Problem::invalid(
                 "Idempotency-Key",
@@ -135,19 +135,19 @@ pub async fn ask(app: &App, fleet: &Name, action: &NewAction) -> Result<Response
     app.action_notifier.notify(fleet);
     let answer = app.action_notifier.answer(&app.store, action_id, PATIENCE).await?;
     let state = answer.as_ref().map_or("PENDING", |answer| answer.state.as_str());
-    if let Some((word, told)) = answer.as_ref().and_then(|answer| answer.refusal()) {
+    if let Some((word, text)) = answer.as_ref().and_then(|answer| answer.refusal()) {
         let kind = match word {
             "UNKNOWN_ROBOT" | "UNKNOWN_WHISKER" => Kind::NotFound,
             "VERSION" => Kind::VersionChanged,
-            "PRESSURE_OUT_OF_RANGE" => return Err(Problem::invalid("pressure_mpa", told)),
+            "PRESSURE_OUT_OF_RANGE" => return Err(Problem::invalid("pressure_mpa", text)),
             "MALFORMED" => Kind::Invalid,
             _ => Kind::Refused,
         };
-        return Err(Problem::new(kind, format!("{told} (action {action_id})")));
+        return Err(Problem::new(kind, format!("{text} (action {action_id})")));
     }
     if state == "EXPIRED" {
-        let told = format!("no supervisor owns the fleet {fleet}: action {action_id} expired without effect");
-        return Err(Problem::new(Kind::NotSupervised, told));
+        let problem = format!("no supervisor owns the fleet {fleet}: action {action_id} expired without effect");
+        return Err(Problem::new(Kind::NotSupervised, problem));
     }
     answered(app, action_id, if state == "PENDING" { StatusCode::ACCEPTED } else { StatusCode::OK }).await
 }

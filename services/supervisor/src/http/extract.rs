@@ -145,17 +145,17 @@ fn nul_in(value: &Value) -> Option<String> {
 
 /// Names the field of a parse error. Serde's path does not contain an unknown or missing field; its message does.
 fn field<E: std::fmt::Display>(problem: serde_path_to_error::Error<E>) -> Problem {
-    let told = problem.inner().to_string();
+    let text = problem.inner().to_string();
     let path = problem.path().to_string();
     let inner =
-        told.split('`').nth(1).filter(|_| told.starts_with("unknown field") || told.starts_with("missing field"));
+        text.split('`').nth(1).filter(|_| text.starts_with("unknown field") || text.starts_with("missing field"));
     let field = match (path.as_str(), inner) {
         ("." | "", Some(inner)) => inner.to_owned(),
         (".", None) => String::new(),
         (path, Some(inner)) if !path.ends_with(inner) => format!("{path}.{inner}"),
         (path, _) => path.to_owned(),
     };
-    Problem::invalid(field, plain::json(&told))
+    Problem::invalid(field, plain::json(&text))
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use super::accept::preferred;
 use super::access::{Caller, Credential};
 use super::csv_rows::{Columns, MEDIA_TYPE};
 use super::page::{LIMIT_MAX, Page};
-use super::places::{Place, fleet_of};
+use super::places::{TakenPlace, fleet_of};
 use super::problem::{Kind, Problem};
 use super::words::FormatWord;
 
@@ -171,7 +171,7 @@ struct Reading<F> {
     selection: Selection,
     change: F,
     #[expect(dead_code, reason = "it frees its place when the stream ends")]
-    place: Place,
+    place: TakenPlace,
 }
 
 impl<F> Reading<F> {

@@ -76,8 +76,8 @@ fn part_with_nul(uri: &Uri) -> Option<&'static str> {
 
 /// Adds the request ID to the answer, and writes the body of a problem or of an empty refusal.
 fn finish(mut response: Response, id: String, base: &str, path: &str) -> Response {
-    let told = response.extensions_mut().remove::<Problem>().or_else(|| bare(response.status()));
-    if let Some(problem) = told {
+    let known = response.extensions_mut().remove::<Problem>().or_else(|| bare(response.status()));
+    if let Some(problem) = known {
         let headers = std::mem::take(response.headers_mut());
         response = problem.told(base, path, id.clone());
         for (name, value) in &headers {

@@ -38,7 +38,7 @@ pub struct Places {
 
 /// A taken place; dropping it frees the place.
 #[derive(Debug)]
-pub struct Place {
+pub struct TakenPlace {
     sharers: Vec<Sharer>,
     taken: Taken,
 }
@@ -70,7 +70,7 @@ impl Places {
     ///
     /// # Errors
     /// The caller, a fleet, or all together have reached the limit.
-    pub fn take<'a>(&self, caller: &str, fleets: impl IntoIterator<Item = &'a str>) -> Result<Place, Problem> {
+    pub fn take<'a>(&self, caller: &str, fleets: impl IntoIterator<Item = &'a str>) -> Result<TakenPlace, Problem> {
         let Self { what, limits: PlaceLimits { total_max, per_fleet_max, per_caller_max }, .. } = *self;
         let mut fleets: Vec<Option<&str>> = fleets.into_iter().map(Some).collect();
         if fleets.is_empty() {
@@ -80,7 +80,7 @@ impl Places {
         let sharers: Vec<Sharer> = std::iter::once(Sharer::Caller(caller.to_owned())).chain(of_fleets).collect();
         let mut taken = lock(&self.taken);
         let count = |sharer: &Sharer| taken.get(sharer).copied().unwrap_or_default();
-        let refused = |told: String| Err(Problem::new(Kind::TooManyRequests, told));
+        let refused = |detail: String| Err(Problem::new(Kind::TooManyRequests, detail));
         if sharers.first().is_some_and(|caller| count(caller) >= per_caller_max) {
             return refused(format!(
                 "{caller} has {per_caller_max} {what}, the limit per caller: end one, or try again later"
@@ -97,11 +97,11 @@ impl Places {
         for sharer in &sharers {
             *taken.entry(sharer.clone()).or_default() += 1;
         }
-        Ok(Place { sharers, taken: self.taken.clone() })
+        Ok(TakenPlace { sharers, taken: self.taken.clone() })
     }
 }
 
-impl Drop for Place {
+impl Drop for TakenPlace {
     fn drop(&mut self) {
         let mut taken = lock(&self.taken);
         for sharer in &self.sharers {
@@ -151,8 +151,8 @@ mod tests {
             Places::new("tests of webhooks", PlaceLimits { total_max: 10, per_fleet_max: 4, per_caller_max: 2 });
         let of_a: Vec<_> = (0..10).filter_map(|caller| places.take(&caller.to_string(), Some("a")).ok()).collect();
         assert_eq!(of_a.len(), 4);
-        let told = places.take("x", Some("a")).unwrap_err().detail;
-        assert!(told.contains("4 tests of webhooks about fleet a"), "{told}");
+        let detail = places.take("x", Some("a")).unwrap_err().detail;
+        assert!(detail.contains("4 tests of webhooks about fleet a"), "{detail}");
         let of_b: Vec<_> = (0..10).filter_map(|caller| places.take(&caller.to_string(), Some("b")).ok()).collect();
         let of_several: Vec<_> = (20..30).filter_map(|caller| places.take(&caller.to_string(), None).ok()).collect();
         assert_eq!((of_b.len(), of_several.len()), (4, 2));
@@ -165,8 +165,8 @@ mod tests {
         let places = Places::new("tests", PlaceLimits { total_max: 10, per_fleet_max: 2, per_caller_max: 10 });
         let of_both = places.take("x", ["a", "b"]).unwrap();
         let _of_a = places.take("y", ["a"]).unwrap();
-        let told = places.take("z", ["b", "a"]).unwrap_err().detail;
-        assert!(told.contains("2 tests about fleet a"), "{told}");
+        let detail = places.take("z", ["b", "a"]).unwrap_err().detail;
+        assert!(detail.contains("2 tests about fleet a"), "{detail}");
         let of_b = places.take("z", ["b"]).unwrap();
         assert!(places.take("z", ["b"]).is_err());
         assert_eq!(places.count(), 3);

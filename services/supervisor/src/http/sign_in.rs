@@ -84,7 +84,7 @@ async fn sign_in(State(app): State<App>, Query(To { to }): Query<To>) -> Result<
 
 /// The provider's answer.
 #[derive(Debug, Deserialize)]
-struct Answer {
+struct CallbackQuery {
     code: Option<String>,
     state: Option<String>,
     iss: Option<String>,
@@ -96,7 +96,7 @@ async fn callback(
     State(app): State<App>,
     axum::Extension(RequestId(request_id)): axum::Extension<RequestId>,
     headers: HeaderMap,
-    Query(answer): Query<Answer>,
+    Query(answer): Query<CallbackQuery>,
 ) -> Result<Response, Problem> {
     let sign_in = app.access.sign_in().ok_or_else(|| Problem::not_found("sign-in: no client is configured"))?;
     let attempt = cookies::value(&headers, &ATTEMPT, sign_in.site());

@@ -2,7 +2,7 @@
 
 use tokio::time::Duration;
 
-use super::places::{Place, PlaceLimits, Places};
+use super::places::{PlaceLimits, Places, TakenPlace};
 use super::problem::Problem;
 
 /// Limits of streams.
@@ -51,7 +51,7 @@ impl Streams {
     ///
     /// # Errors
     /// The caller, the fleet, or all together have reached the limit.
-    pub fn open(&self, actor: &str, fleet: Option<&str>) -> Result<Place, Problem> {
+    pub fn open(&self, actor: &str, fleet: Option<&str>) -> Result<TakenPlace, Problem> {
         self.places.take(actor, fleet)
     }
 }

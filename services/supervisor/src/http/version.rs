@@ -23,8 +23,8 @@ const CODINGS: [&str; 5] = ["gzip", "br", "zstd", "deflate", "compress"];
 /// compresses; so does one with the mark of a coding, as of Apache, Caddy or Jetty.
 pub(super) fn names(headers: &HeaderMap, name: HeaderName, own: &str) -> bool {
     let own = own.trim_matches('"');
-    let told = headers.get_all(name).iter().filter_map(|tags| tags.to_str().ok()).flat_map(|tags| tags.split(','));
-    told.map(|tag| tag.trim()).any(|tag| {
+    let values = headers.get_all(name).iter().filter_map(|tags| tags.to_str().ok()).flat_map(|tags| tags.split(','));
+    values.map(|tag| tag.trim()).any(|tag| {
         let opaque = tag.strip_prefix("W/").unwrap_or(tag).strip_prefix('"').and_then(|tag| tag.strip_suffix('"'));
         tag == "*" || opaque.is_some_and(|opaque| opaque == own || uncoded(opaque) == Some(own))
     })
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn an_unchanged_version_is_not_sent_again() {
-        for (told, status) in [
+        for (tags, status) in [
             (None, 200),
             (Some("\"6\""), 200),
             (Some("7"), 200),
@@ -83,9 +83,9 @@ mod tests {
             (Some("W/7"), 200),
         ] {
             let mut headers = HeaderMap::new();
-            headers.extend(told.map(|told| (header::IF_NONE_MATCH, told.parse().unwrap())));
+            headers.extend(tags.map(|tags| (header::IF_NONE_MATCH, tags.parse().unwrap())));
             let answer = versioned(&headers, 7, &"a policy");
-            assert_eq!(answer.status().as_u16(), status, "{told:?}");
+            assert_eq!(answer.status().as_u16(), status, "{tags:?}");
             assert_eq!(answer.headers()[header::ETAG], "\"7\"");
             assert_eq!(versioned(&headers, 0, &"the configuration").status().as_u16(), 200);
         }

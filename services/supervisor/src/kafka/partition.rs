@@ -26,15 +26,15 @@ pub(super) struct PartitionReader {
 impl PartitionReader {
     /// Reads until the engine is gone.
     pub(super) async fn run(mut self, batches: mpsc::Sender<LogBatch>) {
-        let (mut backoff, mut told) = (Backoff::default(), None);
+        let (mut backoff, mut logged) = (Backoff::default(), None);
         while !batches.is_closed() {
             let before = self.next;
             let Err(problem) = self.connect_and_read(&batches).await else { return };
             self.of.note(self.partition, |state| state.is_connected = false);
             let (text, fleet, topic) = (problem.to_string(), &self.of.fleet, &self.of.name);
-            if told.as_ref() != Some(&text) {
+            if logged.as_ref() != Some(&text) {
                 warn!(problem = %text, %fleet, %topic, partition = self.partition, "cannot read the log, retrying");
-                told = Some(text);
+                logged = Some(text);
             }
             if self.next != before {
                 backoff = Backoff::default();

@@ -59,8 +59,8 @@ pub fn document() -> Result<String> {
         for family in families.iter().filter(is_of) {
             row(&mut text, family).map_err(failed)?;
         }
-        for (told, query) in one.queries {
-            write!(text, "\n{told}:\n\n```promql\n{query}\n```\n").map_err(failed)?;
+        for (title, query) in one.queries {
+            write!(text, "\n{title}:\n\n```promql\n{query}\n```\n").map_err(failed)?;
         }
     }
     match families.iter().find(|family| subject(family.name()).is_none()) {

@@ -80,8 +80,8 @@ mod tests {
     #[test]
     fn a_limit_below_the_largest_message_is_told_with_its_value() {
         assert_eq!(low(&ack(|it| it.max_packet_size = Some(270_336))), None);
-        let told = low(&ack(|it| it.max_packet_size = Some(100_000))).unwrap();
-        assert!(told.what.contains("100000") && told.what.contains("max_packet_size"), "{told:?}");
-        assert!(!told.is_too_low && low(&ack(|it| it.max_packet_size = Some(4096))).unwrap().is_too_low);
+        let problem = low(&ack(|it| it.max_packet_size = Some(100_000))).unwrap();
+        assert!(problem.what.contains("100000") && problem.what.contains("max_packet_size"), "{problem:?}");
+        assert!(!problem.is_too_low && low(&ack(|it| it.max_packet_size = Some(4096))).unwrap().is_too_low);
     }
 }

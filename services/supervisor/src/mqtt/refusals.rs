@@ -49,11 +49,11 @@ impl Refusals {
             let kind = topic.rsplit('/').next().unwrap_or(topic);
             kinds.entry(kind).or_insert((refused.why.as_str(), 0)).1 += 1;
         }
-        let told = |(why, topics): (&str, usize)| match topics {
+        let text = |(why, topics): (&str, usize)| match topics {
             1 => why.to_owned(),
             more => format!("{why}; the same on {} more topics", more - 1),
         };
-        kinds.into_values().map(told).collect()
+        kinds.into_values().map(text).collect()
     }
 }
 

@@ -193,8 +193,8 @@ fn authorities(file: Option<&Path>) -> Result<RootCertStore, PrepareError> {
         let system = rustls_native_certs::load_native_certs();
         store.add_parsable_certificates(system.certs);
         if store.is_empty() {
-            let told = |problem: &rustls_native_certs::Error| plain::text(&problem.to_string());
-            let why = system.errors.first().map_or_else(|| "none found".to_owned(), told);
+            let text_of = |problem: &rustls_native_certs::Error| plain::text(&problem.to_string());
+            let why = system.errors.first().map_or_else(|| "none found".to_owned(), text_of);
             return Err(PrepareError::NoSystemAuthorities(why));
         }
         return Ok(store);

@@ -6,7 +6,7 @@ use tokio::sync::watch;
 use tokio::time::Instant;
 use tracing::{info, warn};
 
-use super::sending::{Answer, Message, PATIENCE};
+use super::sending::{AttemptResult, Message, PATIENCE};
 use super::{Pace, Webhooks};
 use crate::events::published;
 use vibrissa_store::StoreError;
@@ -86,7 +86,7 @@ impl Delivery {
 }
 
 /// What becomes of an event after an attempt.
-fn outcome(job: &Job, answer: &Answer, pace: &Pace) -> Outcome {
+fn outcome(job: &Job, answer: &AttemptResult, pace: &Pace) -> Outcome {
     let Some(problem) = answer.problem() else {
         return Outcome::Delivered { status: answer.status.unwrap_or_default() };
     };

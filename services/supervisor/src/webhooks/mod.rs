@@ -20,7 +20,7 @@ use tracing::warn;
 
 use crate::metrics::Metrics;
 use delivery::{Delivery, HOLD};
-pub use sending::{Answer, Message, Sender};
+pub use sending::{AttemptResult, Message, Sender};
 use target::Hosts;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::{Store, StoreError};

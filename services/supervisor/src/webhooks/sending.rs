@@ -40,14 +40,14 @@ pub struct Message {
 
 /// Result of an attempt.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Answer {
+pub struct AttemptResult {
     /// HTTP status; `None` without an answer.
     pub status: Option<u16>,
     /// Why there was no answer.
     pub failure: Option<String>,
 }
 
-impl Answer {
+impl AttemptResult {
     /// Why the target has not taken the event; `None` if it has.
     #[must_use]
     pub fn problem(&self) -> Option<String> {
@@ -95,14 +95,14 @@ impl Sender {
     }
 
     /// Sends a request and waits for its answer.
-    pub async fn send(&self, message: Message) -> Answer {
+    pub async fn send(&self, message: Message) -> AttemptResult {
         let agent = self.agent.clone();
         let sent = tokio::task::spawn_blocking(move || send(&agent, &message)).await;
-        sent.unwrap_or_else(|problem| Answer { status: None, failure: Some(problem.to_string()) })
+        sent.unwrap_or_else(|problem| AttemptResult { status: None, failure: Some(problem.to_string()) })
     }
 }
 
-fn send(agent: &Agent, message: &Message) -> Answer {
+fn send(agent: &Agent, message: &Message) -> AttemptResult {
     let timestamp_s = wall_clock().0 as i64 / 1_000_000;
     let request = agent
         .post(&message.url)
@@ -111,10 +111,10 @@ fn send(agent: &Agent, message: &Message) -> Answer {
         .header("webhook-timestamp", timestamp_s.to_string())
         .header("webhook-signature", header(&message.secrets, &message.id, timestamp_s, &message.body));
     match request.send(message.body.as_slice()) {
-        Ok(answer) => Answer { status: Some(answer.status().as_u16()), failure: None },
+        Ok(answer) => AttemptResult { status: Some(answer.status().as_u16()), failure: None },
         Err(problem) => {
-            let told: String = outgoing::failure(&problem).chars().take(PROBLEM_CHARS_MAX).collect();
-            Answer { status: None, failure: Some(told.replace('\0', "")) }
+            let text: String = outgoing::failure(&problem).chars().take(PROBLEM_CHARS_MAX).collect();
+            AttemptResult { status: None, failure: Some(text.replace('\0', "")) }
         }
     }
 }

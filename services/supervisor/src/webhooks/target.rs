@@ -163,7 +163,7 @@ mod tests {
             assert!(checked(text, &none).unwrap_err().contains("webhooks.allowed_hosts"), "{text}");
             assert!(checked(text, &some).is_ok(), "{text}");
         }
-        for (text, told) in [
+        for (text, expected) in [
             ("ftp://h/", "must begin with"),
             ("file:///etc/passwd", "must begin with"),
             ("gopher://h:70/1", "must begin with"),
@@ -173,7 +173,7 @@ mod tests {
             ("https://", "is not a URL"),
         ] {
             let problem = checked(text, &some).unwrap_err();
-            assert!(problem.contains(told) && !problem.contains("hunter2"), "{text}: {problem}");
+            assert!(problem.contains(expected) && !problem.contains("hunter2"), "{text}: {problem}");
         }
         assert!(checked(&format!("https://h/{}", "a".repeat(URL_CHARS_MAX)), &none).is_err());
     }

@@ -174,13 +174,14 @@ fn read(url: &Url, mut answer: ureq::http::Response<ureq::Body>) -> anyhow::Resu
     let status = answer.status();
     let body = answer.body_mut().with_config().limit(ANSWER_BYTES_MAX).read_to_vec();
     let body = body.map_err(|problem| anyhow!("reading the answer of {url}: {}", failure(&problem)))?;
-    let told: Value = serde_json::from_slice(&body).with_context(|| format!("{url} answered {status} without JSON"))?;
+    let document: Value =
+        serde_json::from_slice(&body).with_context(|| format!("{url} answered {status} without JSON"))?;
     if status.is_success() {
-        return Ok(told);
+        return Ok(document);
     }
-    let detail = told["detail"].as_str().unwrap_or("no detail");
+    let detail = document["detail"].as_str().unwrap_or("no detail");
     let hint = if status == 401 { "; give a token with --token-file or VIBRISSA_TOKEN" } else { "" };
-    bail!("{status}: {detail}{hint} (request {})", told["request_id"].as_str().unwrap_or("?"))
+    bail!("{status}: {detail}{hint} (request {})", document["request_id"].as_str().unwrap_or("?"))
 }
 
 /// A row's field as text; `-` for null.

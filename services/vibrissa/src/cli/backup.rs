@@ -32,12 +32,12 @@ pub fn run(args: &BackupArgs, out: &mut impl Write) -> anyhow::Result<()> {
              (see docs/operations.md for the commands)"
         );
     };
-    let told = |written: u64, most: u64| {
+    let show_progress = |written: u64, most: u64| {
         eprintln!("vibrissa: {} of at most {} written", mebibytes(written), mebibytes(most));
     };
     let bytes = runtime()?.block_on(async {
         tokio::select! {
-            copied = backup::copy(from, &args.file, told) => Ok(copied?),
+            copied = backup::copy(from, &args.file, show_progress) => Ok(copied?),
             asked = stop::asked() => {
                 asked?;
                 Err(anyhow::Error::from(Stopped("no back-up was made, and no file is left behind")))

@@ -169,8 +169,8 @@ fn follow(args: &BulkArgs, api: &Api, action_id: i64, out: &mut impl Write) -> a
     let deadline = Instant::now() + Duration::from_secs(args.wait);
     let mut last = String::new();
     loop {
-        let told = api.one(&format!("/v1/bulk-actions/{action_id}"))?;
-        let request = &told["request"];
+        let detail = api.one(&format!("/v1/bulk-actions/{action_id}"))?;
+        let request = &detail["request"];
         let [subjects, pending, done, refused, expired] = ["subjects", "pending", "done", "refused", "expired"]
             .map(|field| request[field].as_i64().unwrap_or_default());
         let line = format!("action {action_id}: {done} of {subjects} done, {refused} refused, {expired} expired");
@@ -181,9 +181,9 @@ fn follow(args: &BulkArgs, api: &Api, action_id: i64, out: &mut impl Write) -> a
         last = line;
         if pending == 0 || Instant::now() >= deadline {
             if args.api.json {
-                writeln!(out, "{told}")?;
+                writeln!(out, "{detail}")?;
             }
-            for refusal in told["refusals"].as_array().map_or(&[][..], Vec::as_slice) {
+            for refusal in detail["refusals"].as_array().map_or(&[][..], Vec::as_slice) {
                 eprintln!("vibrissa: {} refused: {}", text(refusal, "subjects"), text(refusal, "problem"));
             }
             if pending > 0 && args.wait > 0 {

@@ -7,7 +7,7 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
 use vibrissa_protocol::plain;
 use vibrissa_protocol::text_file::read_text;
 
-use crate::config::keys::Kind;
+use crate::config::keys::ValueKind;
 use crate::config::{self, Config, Key, Origin, Problem, Problems, Sources, show};
 
 /// Size limit of the configuration file, bytes.
@@ -82,7 +82,7 @@ fn flag(key: Key) -> Arg {
         .help(format!("{}{default} [{}]", key.help(), key.environment()))
         .action(if key.kind().is_list() { ArgAction::Append } else { ArgAction::Set });
     // A secret given as a flag, with or without a value, is answered with a hint to use a file instead.
-    let flag = if key.kind() == Kind::Secret {
+    let flag = if key.kind() == ValueKind::Secret {
         flag.hide(true).num_args(0..=1).default_missing_value("").allow_hyphen_values(true)
     } else {
         flag

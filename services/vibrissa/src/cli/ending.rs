@@ -21,7 +21,7 @@ pub fn exit_code(result: anyhow::Result<ExitCode>) -> ExitCode {
             ExitCode::from(EXIT_CODE)
         }
         Err(problem) => {
-            eprintln!("vibrissa: {}", told_once(&problem));
+            eprintln!("vibrissa: {}", problem_text(&problem));
             ExitCode::FAILURE
         }
     }
@@ -32,7 +32,7 @@ fn is_broken_pipe(problem: &anyhow::Error) -> bool {
 }
 
 /// The text of a cause, in plain words if it is an error of a library.
-fn told(cause: &(dyn std::error::Error + 'static)) -> String {
+fn cause_text(cause: &(dyn std::error::Error + 'static)) -> String {
     if let Some(problem) = cause.downcast_ref::<serde_json::Error>() {
         return plain::data(&problem.to_string());
     }
@@ -40,10 +40,10 @@ fn told(cause: &(dyn std::error::Error + 'static)) -> String {
 }
 
 /// The problem and its causes; a cause that a previous text already includes is omitted.
-fn told_once(problem: &anyhow::Error) -> String {
+fn problem_text(problem: &anyhow::Error) -> String {
     let mut story = String::new();
     for cause in problem.chain() {
-        let text = told(cause);
+        let text = cause_text(cause);
         if !story.contains(&text) {
             let colon = if story.is_empty() { "" } else { ": " };
             story = format!("{story}{colon}{text}");

@@ -120,26 +120,26 @@ mod tests {
     }
 
     fn lines(every: Duration) -> (Lines, Receiver<String>) {
-        let (sender, told) = channel();
-        (Lines::start(40, "cases", every, Box::new(Told(sender))), told)
+        let (sender, receiver) = channel();
+        (Lines::start(40, "cases", every, Box::new(Told(sender))), receiver)
     }
 
     #[test]
     fn lines_follow_the_steps_and_end_with_the_work() {
-        let (lines, told) = lines(Duration::from_millis(1));
-        assert!(told.recv().unwrap().starts_with("vibrissa: 0 of 40 cases done after "));
+        let (lines, receiver) = lines(Duration::from_millis(1));
+        assert!(receiver.recv().unwrap().starts_with("vibrissa: 0 of 40 cases done after "));
         lines.done.fetch_add(7, Ordering::Relaxed);
         // Without a second line this would wait for ever.
-        while !told.recv().unwrap().starts_with("vibrissa: 7 of 40 cases done after ") {}
+        while !receiver.recv().unwrap().starts_with("vibrissa: 7 of 40 cases done after ") {}
         drop(lines);
         // The thread has ended, and its end of the channel with it.
-        assert_eq!(told.iter().find(|line| !line.starts_with("vibrissa: 7 of 40")), None);
+        assert_eq!(receiver.iter().find(|line| !line.starts_with("vibrissa: 7 of 40")), None);
     }
 
     #[test]
     fn the_end_of_the_work_does_not_wait_for_the_next_line() {
-        let (lines, told) = lines(Duration::from_secs(3600));
+        let (lines, receiver) = lines(Duration::from_secs(3600));
         drop(lines);
-        assert_eq!(told.iter().count(), 1);
+        assert_eq!(receiver.iter().count(), 1);
     }
 }

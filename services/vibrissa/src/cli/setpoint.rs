@@ -23,7 +23,7 @@ over. With --wait 0 the exit code is 0 as soon as the supervisor has accepted th
 pub struct SetpointArgs {
     /// Whisker, as FLEET/ROBOT/ARRAY/NUMBER.
     #[arg(value_parser = whisker)]
-    whisker: Place,
+    whisker: WhiskerAddress,
     /// Pressure to hold, MPa: 0 to the whisker's maximum, at most 0.2.
     #[arg(
         long,
@@ -48,7 +48,7 @@ pub struct SetpointArgs {
 
 /// Location of a whisker.
 #[derive(Debug, Clone)]
-struct Place {
+struct WhiskerAddress {
     fleet: Name,
     robot: Name,
     array: Name,
@@ -62,17 +62,17 @@ fn pressure(text: &str) -> Result<f64, String> {
     (0.0..=highest).contains(&mpa).then_some(mpa).ok_or_else(|| format!("must be from 0 to {highest} MPa"))
 }
 
-fn whisker(text: &str) -> Result<Place, String> {
+fn whisker(text: &str) -> Result<WhiskerAddress, String> {
     let parts: Vec<&str> = text.split('/').collect();
     let [fleet, robot, array, whisker] = parts[..] else {
         return Err("must be FLEET/ROBOT/ARRAY/NUMBER".to_owned());
     };
     let name = |text: &str| Name::new(text).map_err(|bad| bad.to_string());
     let whisker = whisker.parse().map_err(|_| format!("{whisker:?} is not a whisker number"))?;
-    Ok(Place { fleet: name(fleet)?, robot: name(robot)?, array: name(array)?, whisker })
+    Ok(WhiskerAddress { fleet: name(fleet)?, robot: name(robot)?, array: name(array)?, whisker })
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for WhiskerAddress {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}/{}/{}/{}", self.fleet, self.robot, self.array, self.whisker)
     }
@@ -90,7 +90,7 @@ const SAME_MPA: f64 = 1e-5;
 /// # Errors
 /// The supervisor does not answer or refuses the request, or the action was not executed in time.
 pub fn run(args: &SetpointArgs, out: &mut impl Write) -> anyhow::Result<ExitCode> {
-    let Place { fleet, robot, array, whisker } = &args.whisker;
+    let WhiskerAddress { fleet, robot, array, whisker } = &args.whisker;
     let base = format!("/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}");
     let api = args.api.open()?;
     let reason = args.reason.as_deref();
@@ -175,7 +175,7 @@ impl Waiting<'_> {
 
     /// The newest setpoints of the whisker, the last one first.
     fn newest(&self) -> anyhow::Result<Vec<Value>> {
-        let Place { fleet, robot, array, whisker } = &self.args.whisker;
+        let WhiskerAddress { fleet, robot, array, whisker } = &self.args.whisker;
         let filters = [
             ("fleet", fleet.to_string()),
             ("robot", robot.to_string()),
@@ -209,14 +209,14 @@ impl Waiting<'_> {
         let place = &self.args.whisker;
         let asked_mpa = number(setpoint, "pressure_mpa", 4);
         self.say(out, &format!("setpoint {command_id}: {asked_mpa} MPa sent, waiting for the robot"))?;
-        let mut told = 0;
+        let mut printed = 0;
         loop {
             let now = self.api.one(&format!("/v1/setpoints/{command_id}"))?;
             let history = now["history"].as_array().map_or(&[][..], Vec::as_slice);
-            for state in history.iter().skip(told).filter(|state| state["state"] != "PENDING") {
-                self.say(out, &told_state(state))?;
+            for state in history.iter().skip(printed).filter(|state| state["state"] != "PENDING") {
+                self.say(out, &state_text(state))?;
             }
-            told = history.len();
+            printed = history.len();
             let state = text(&now, "state");
             if is_final(&state) || self.is_over() {
                 if self.args.api.json {
@@ -245,7 +245,7 @@ fn is_final(state: &str) -> bool {
     !matches!(state, "PENDING" | "RECEIVED" | "APPLYING")
 }
 
-fn told_state(state: &Value) -> String {
+fn state_text(state: &Value) -> String {
     let word = text(state, "state");
     match (state["error"].as_str(), state["pressure_mpa"].as_f64()) {
         (Some(error), _) => format!("{word} ({error})"),
@@ -269,11 +269,11 @@ mod tests {
 
     #[test]
     fn a_state_is_told_with_its_reason_or_pressure() {
-        assert_eq!(told_state(&json!({ "state": "RECEIVED", "error": null, "pressure_mpa": null })), "RECEIVED");
+        assert_eq!(state_text(&json!({ "state": "RECEIVED", "error": null, "pressure_mpa": null })), "RECEIVED");
         assert_eq!(
-            told_state(&json!({ "state": "APPLIED", "error": null, "pressure_mpa": 0.05 })),
+            state_text(&json!({ "state": "APPLIED", "error": null, "pressure_mpa": 0.05 })),
             "APPLIED at 0.0500 MPa"
         );
-        assert_eq!(told_state(&json!({ "state": "REJECTED", "error": "STALE" })), "REJECTED (STALE)");
+        assert_eq!(state_text(&json!({ "state": "REJECTED", "error": "STALE" })), "REJECTED (STALE)");
     }
 }

@@ -114,7 +114,7 @@ mod tests {
         };
         assert_eq!(addresses("kafka://a:9092, b:9093/"), read(&["a:9092", "b:9093"], false));
         assert_eq!(addresses("kafkas://[::1]:9092"), read(&["[::1]:9092"], true));
-        for (bad, told) in [
+        for (bad, expected) in [
             ("a:9092", "must begin with"),
             ("kafka://a", "host and a port"),
             ("kafka://", "host and a port"),
@@ -124,7 +124,7 @@ mod tests {
             ("kafka://u:hunter2@a:1", "kafka.password_file"),
         ] {
             let problem = addresses(bad).unwrap_err();
-            assert!(problem.contains(told) && !problem.contains("hunter2"), "{bad}: {problem}");
+            assert!(problem.contains(expected) && !problem.contains("hunter2"), "{bad}: {problem}");
         }
     }
 }

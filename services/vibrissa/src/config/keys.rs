@@ -11,7 +11,7 @@ use vibrissa_core::policy_numbers;
 
 /// Type and range of a value. Its meaning is checked where it is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Kind {
+pub enum ValueKind {
     /// A text that may be shown.
     Text,
     /// A text that is never shown and is refused on the command line.
@@ -40,7 +40,7 @@ pub enum Kind {
     },
 }
 
-impl Kind {
+impl ValueKind {
     /// Whether it is a list.
     #[must_use]
     pub const fn is_list(self) -> bool {
@@ -52,7 +52,7 @@ impl Kind {
 #[derive(Debug, Clone, Copy)]
 struct Row {
     path: &'static str,
-    kind: Kind,
+    kind: ValueKind,
     /// Default in TOML; `None` for a key that is unset by default.
     default: Option<&'static str>,
     help: &'static str,
@@ -71,7 +71,7 @@ macro_rules! keys {
     ) => {
         keys! {
             $($before)*
-            $($number: concat!("policy.", stringify!($name)), Kind::Number { min: $min, max: $max },
+            $($number: concat!("policy.", stringify!($name)), ValueKind::Number { min: $min, max: $max },
                 Some(stringify!($value)), $doc;)+
             $($after)*
         }
@@ -102,180 +102,181 @@ macro_rules! keys {
 }
 
 policy_numbers! { keys {
-    Name: "name", Kind::Text, None,
+    Name: "name", ValueKind::Text, None,
         "Name of this supervisor, for people; default: the host's name";
-    Fleets: "fleets", Kind::Texts, Some(r#"["fleet"]"#),
+    Fleets: "fleets", ValueKind::Texts, Some(r#"["fleet"]"#),
         "Fleets to supervise; their topics begin with whisker/v1/FLEET/";
-    Calibrations: "calibrations", Kind::Files, Some("[]"),
+    Calibrations: "calibrations", ValueKind::Files, Some("[]"),
         "Calibration files written by `vibrissa-lab calibrate`";
-    Log: "log", Kind::Text, Some(r#""info""#),
+    Log: "log", ValueKind::Text, Some(r#""info""#),
         "Log filter, such as warn or info,vibrissa=debug; RUST_LOG overrides it";
-    Ingest: "ingest", Kind::Text, Some(r#""mqtt""#),
+    Ingest: "ingest", ValueKind::Text, Some(r#""mqtt""#),
         "Where contacts and statuses come from: mqtt, or kafka (see the section [kafka]); all else comes over MQTT";
-    Publish: "publish", Kind::Text, Some(r#""none""#),
+    Publish: "publish", ValueKind::Text, Some(r#""none""#),
         "Events for other programs: none, or kafka (see the section [kafka])";
-    DatabaseUrl: "database.url", Kind::DatabaseUrl, Some(r#""sqlite:vibrissa.sqlite3""#),
+    DatabaseUrl: "database.url", ValueKind::DatabaseUrl, Some(r#""sqlite:vibrissa.sqlite3""#),
         "Database: sqlite:FILE, or postgres://USER@HOST:5432/DATABASE to share fleets with other supervisors; \
         postgres://USER@HOST1:5432,HOST2:5432/DATABASE for servers that fail over";
-    DatabasePasswordFile: "database.password_file", Kind::File, None,
+    DatabasePasswordFile: "database.password_file", ValueKind::File, None,
         "File with the password for PostgreSQL";
-    DatabaseInstallation: "database.installation", Kind::Text, Some(r#""known""#),
+    DatabaseInstallation: "database.installation", ValueKind::Text, Some(r#""known""#),
         "known, or new: supervise fleets although the MQTT broker retains owners of them that the database does not know";
-    LeaseTimeToLiveS: "lease.time_to_live_s", Kind::Number { min: 0.5, max: 60.0 }, Some("2.0"),
+    LeaseTimeToLiveS: "lease.time_to_live_s", ValueKind::Number { min: 0.5, max: 60.0 }, Some("2.0"),
         "Seconds without renewal after which another supervisor may take over a fleet";
-    ContactsKeep: "contacts.keep", Kind::Text, Some(r#""all""#),
+    ContactsKeep: "contacts.keep", ValueKind::Text, Some(r#""all""#),
         "Single contacts to store: all, decisions (those before a detection or decision, and those of compensators) or \
          none; minute and hour aggregates are always stored";
-    ContactsDays: "contacts.days", Kind::Whole { min: 0, max: 36_500 }, Some("30"),
+    ContactsDays: "contacts.days", ValueKind::Whole { min: 0, max: 36_500 }, Some("30"),
         "Days after which single contacts are deleted; 0 keeps all";
-    ArchiveUrl: "archive.url", Kind::Text, None,
+    ArchiveUrl: "archive.url", ValueKind::Text, None,
         "Archive of all contacts as Parquet files: file:///FOLDER or s3://BUCKET/PREFIX; contacts are deleted from the \
          database only when they are archived; default: no archive";
-    ArchiveEveryS: "archive.every_s", Kind::Whole { min: 1, max: 86_400 }, Some("600"),
+    ArchiveEveryS: "archive.every_s", ValueKind::Whole { min: 1, max: 86_400 }, Some("600"),
         "Seconds of contacts in a file of the archive; no file has contacts of two days";
-    ArchiveS3Endpoint: "archive.s3_endpoint", Kind::Text, None,
+    ArchiveS3Endpoint: "archive.s3_endpoint", ValueKind::Text, None,
         "URL of the S3 server, https://HOST; default: that of AWS";
-    ArchiveS3Region: "archive.s3_region", Kind::Text, None,
+    ArchiveS3Region: "archive.s3_region", ValueKind::Text, None,
         "Region of the bucket; default: AWS_REGION of the environment, or us-east-1";
-    ArchiveS3AccessKey: "archive.s3_access_key", Kind::Text, None,
+    ArchiveS3AccessKey: "archive.s3_access_key", ValueKind::Text, None,
         "Identifier of the access key; default: AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY of the environment, or the \
          role of the machine";
-    ArchiveS3SecretKeyFile: "archive.s3_secret_key_file", Kind::File, None,
+    ArchiveS3SecretKeyFile: "archive.s3_secret_key_file", ValueKind::File, None,
         "File with the secret of that access key";
-    RollupsMinutesDays: "rollups.minutes_days", Kind::Whole { min: 0, max: 36_500 }, Some("400"),
+    RollupsMinutesDays: "rollups.minutes_days", ValueKind::Whole { min: 0, max: 36_500 }, Some("400"),
         "Days after which minute aggregates are deleted, 0 keeps all; hour aggregates are always kept";
-    BlackBoxSeconds: "black_box.seconds", Kind::Whole { min: 0, max: 600 }, Some("60"),
+    BlackBoxSeconds: "black_box.seconds", ValueKind::Whole { min: 0, max: 600 }, Some("60"),
         "Seconds before and after a trim, fault or alarm whose messages a black box of the robot has; 0 for no black boxes";
-    BlackBoxMemoryMib: "black_box.memory_mib", Kind::Whole { min: 1, max: 65_536 }, Some("256"),
+    BlackBoxMemoryMib: "black_box.memory_mib", ValueKind::Whole { min: 1, max: 65_536 }, Some("256"),
         "Maximum memory for the messages of all robots in MiB; each robot has the same share, at most 1 MiB";
-    BlackBoxDays: "black_box.days", Kind::Whole { min: 0, max: 36_500 }, Some("90"),
+    BlackBoxDays: "black_box.days", ValueKind::Whole { min: 0, max: 36_500 }, Some("90"),
         "Days after which black boxes are deleted, 0 keeps all; each robot keeps its newest 20";
-    RecordsDays: "records.days", Kind::Whole { min: 0, max: 36_500 }, Some("400"),
+    RecordsDays: "records.days", ValueKind::Whole { min: 0, max: 36_500 }, Some("400"),
         "Days after which finished records are deleted, 0 keeps all: cleared alarms, changes of health, touch tests";
-    LimitsRobotsPerFleet: "limits.robots_per_fleet", Kind::Whole { min: 1, max: 10_000 }, Some("10000"),
+    LimitsRobotsPerFleet: "limits.robots_per_fleet", ValueKind::Whole { min: 1, max: 10_000 }, Some("10000"),
         "Maximum number of robots supervised per fleet; further ones are refused";
-    LimitsNewRobotsPerMinute: "limits.new_robots_per_minute", Kind::Whole { min: 1, max: 10_000 }, Some("3000"),
+    LimitsNewRobotsPerMinute: "limits.new_robots_per_minute", ValueKind::Whole { min: 1, max: 10_000 }, Some("3000"),
         "Maximum number of new robots per fleet and minute; the others are requested again later";
-    LimitsRobotsFile: "limits.robots_file", Kind::File, None,
+    LimitsRobotsFile: "limits.robots_file", ValueKind::File, None,
         "File of allowed robots, one FLEET/ROBOT per line, read again when it changes; a list set over HTTP adds to it";
-    MqttUrl: "mqtt.url", Kind::Text, None,
+    MqttUrl: "mqtt.url", ValueKind::Text, None,
         "External broker, mqtt://HOST:1883 or mqtts://HOST:8883, instead of the embedded one; the nodes of a cluster \
          separated by commas";
-    MqttPort: "mqtt.port", Kind::Whole { min: 0, max: 65_535 }, Some("1883"),
+    MqttPort: "mqtt.port", ValueKind::Whole { min: 0, max: 65_535 }, Some("1883"),
         "Port of the embedded broker on 127.0.0.1; 0 takes any free port";
-    MqttUsername: "mqtt.username", Kind::Text, None,
+    MqttUsername: "mqtt.username", ValueKind::Text, None,
         "User name for the external broker, or of the clients of the embedded one: supervisor, robots and tools";
-    MqttPassword: "mqtt.password", Kind::Secret, None,
+    MqttPassword: "mqtt.password", ValueKind::Secret, None,
         "Password of that user; better kept in a file. It is refused on the command line, which other users \
          can read";
-    MqttPasswordFile: "mqtt.password_file", Kind::File, None,
+    MqttPasswordFile: "mqtt.password_file", ValueKind::File, None,
         "File with the password of that user. The embedded broker needs one as soon as HTTP requires a token";
-    MqttCaFile: "mqtt.ca_file", Kind::File, None,
+    MqttCaFile: "mqtt.ca_file", ValueKind::File, None,
         "CA certificates (PEM) that may sign the broker's certificate; default: the system's";
-    MqttClientCertificateFile: "mqtt.client_certificate_file", Kind::File, None,
+    MqttClientCertificateFile: "mqtt.client_certificate_file", ValueKind::File, None,
         "Client certificate (PEM) of this supervisor, for brokers that require one";
-    MqttClientKeyFile: "mqtt.client_key_file", Kind::File, None,
+    MqttClientKeyFile: "mqtt.client_key_file", ValueKind::File, None,
         "Private key (PEM) of the client certificate";
-    MqttDeafReleaseAfterS: "mqtt.deaf_release_after_s", Kind::Number { min: 1.0, max: 3600.0 }, Some("10.0"),
+    MqttDeafReleaseAfterS: "mqtt.deaf_release_after_s", ValueKind::Number { min: 1.0, max: 3600.0 }, Some("10.0"),
         "Seconds without reception of its robots' topics after which a fleet is handed to another supervisor that \
          receives them, if there is one";
-    HttpListen: "http.listen", Kind::Text, Some(r#""127.0.0.1:8080""#),
+    HttpListen: "http.listen", ValueKind::Text, Some(r#""127.0.0.1:8080""#),
         "Address and port of the HTTP listener; port 0 takes any free port. Beyond loopback a token is required";
-    HttpMonitoringListen: "http.monitoring_listen", Kind::Text, None,
+    HttpMonitoringListen: "http.monitoring_listen", ValueKind::Text, None,
         "Additional listener for /livez, /readyz and /metrics without a token, such as 127.0.0.1:9464; only monitoring \
          should reach it. Without it, /readyz and /metrics require a token beyond loopback";
-    HttpConnectionsMax: "http.connections_max", Kind::Whole { min: 16, max: 1_000_000 }, Some("2048"),
+    HttpConnectionsMax: "http.connections_max", ValueKind::Whole { min: 16, max: 1_000_000 }, Some("2048"),
         "Maximum number of open connections to http.listen; beyond it, the one that has waited longest for a request \
          is closed. The limit of open files must allow them";
-    HttpConnectionsPerAddressMax: "http.connections_per_address_max", Kind::Whole { min: 4, max: 1_000_000 }, Some("512"),
+    HttpConnectionsPerAddressMax: "http.connections_per_address_max", ValueKind::Whole { min: 4, max: 1_000_000 },
+        Some("512"),
         "The same per address of a connection; behind a proxy all clients have the proxy's address";
-    HttpTrustedProxies: "http.trusted_proxies", Kind::Texts, Some("[]"),
+    HttpTrustedProxies: "http.trusted_proxies", ValueKind::Texts, Some("[]"),
         "Addresses or networks of proxies, such as 10.1.0.0/16, whose X-Forwarded-For names the client: limits by address \
          then count clients, not the proxy";
-    HttpTokenFile: "http.token_file", Kind::File, None,
+    HttpTokenFile: "http.token_file", ValueKind::File, None,
         "File with a token of at least 32 characters that has every right, for programs that set up a supervisor";
-    HttpOidcIssuer: "http.oidc_issuer", Kind::Text, None,
+    HttpOidcIssuer: "http.oidc_issuer", ValueKind::Text, None,
         "Issuer of an OpenID provider whose tokens are accepted, https://...";
-    HttpOidcAudience: "http.oidc_audience", Kind::Text, None,
+    HttpOidcAudience: "http.oidc_audience", ValueKind::Text, None,
         "Audience that its tokens must name";
-    HttpOidcJwksUrl: "http.oidc_jwks_url", Kind::Text, None,
+    HttpOidcJwksUrl: "http.oidc_jwks_url", ValueKind::Text, None,
         "URL of its keys; default: discovered from the issuer";
-    HttpOidcRoleClaim: "http.oidc_role_claim", Kind::Text, Some(r#""vibrissa_role""#),
+    HttpOidcRoleClaim: "http.oidc_role_claim", ValueKind::Text, Some(r#""vibrissa_role""#),
         "Claim with the role: viewer, operator, engineer or admin, or a list with one of them";
-    HttpOidcFleetsClaim: "http.oidc_fleets_claim", Kind::Text, Some(r#""vibrissa_fleets""#),
+    HttpOidcFleetsClaim: "http.oidc_fleets_claim", ValueKind::Text, Some(r#""vibrissa_fleets""#),
         "Claim with the fleets: a list of names and patterns such as hall-*, or * for all";
-    HttpOidcClientId: "http.oidc_client_id", Kind::Text, None,
+    HttpOidcClientId: "http.oidc_client_id", ValueKind::Text, None,
         "Identifier of this service at the OpenID provider, for people who sign in at the console; default: no sign-in";
-    HttpOidcClientSecretFile: "http.oidc_client_secret_file", Kind::File, None,
+    HttpOidcClientSecretFile: "http.oidc_client_secret_file", ValueKind::File, None,
         "File with the secret of that client; leave it out for a public client";
-    HttpPublicUrl: "http.public_url", Kind::Text, None,
+    HttpPublicUrl: "http.public_url", ValueKind::Text, None,
         "Address at which browsers reach the console, such as https://vibrissa.example, or https://hall.example/vibrissa \
          behind a proxy with a path; needed for the sign-in";
-    HttpRunbooksUrl: "http.runbooks_url", Kind::Text, None,
+    HttpRunbooksUrl: "http.runbooks_url", ValueKind::Text, None,
         "Address of the runbooks that alarms link to, such as https://wiki.example/runbooks; default: /runbooks of this \
          service";
-    KafkaUrl: "kafka.url", Kind::Text, None,
+    KafkaUrl: "kafka.url", ValueKind::Text, None,
         "Brokers of Apache Kafka, kafka://HOST:9092,HOST:9092, or kafkas://HOST:9093 for TLS";
-    KafkaUsername: "kafka.username", Kind::Text, None,
+    KafkaUsername: "kafka.username", ValueKind::Text, None,
         "User name for the brokers";
-    KafkaPasswordFile: "kafka.password_file", Kind::File, None,
+    KafkaPasswordFile: "kafka.password_file", ValueKind::File, None,
         "File with the password for the brokers";
-    KafkaSasl: "kafka.sasl", Kind::Text, Some(r#""scram-sha-512""#),
+    KafkaSasl: "kafka.sasl", ValueKind::Text, Some(r#""scram-sha-512""#),
         "How the password is proved: scram-sha-512, scram-sha-256 or plain";
-    KafkaCaFile: "kafka.ca_file", Kind::File, None,
+    KafkaCaFile: "kafka.ca_file", ValueKind::File, None,
         "CA certificates (PEM) that may sign the brokers' certificates; default: the system's";
-    KafkaIngestTopic: "kafka.ingest_topic", Kind::Text, Some(r#""vibrissa.messages""#),
+    KafkaIngestTopic: "kafka.ingest_topic", ValueKind::Text, Some(r#""vibrissa.messages""#),
         "Topic of contacts and statuses, with any number of partitions; {fleet} stands for the name of the fleet";
-    KafkaEventsTopic: "kafka.events_topic", Kind::Text, Some(r#""vibrissa.events""#),
+    KafkaEventsTopic: "kafka.events_topic", ValueKind::Text, Some(r#""vibrissa.events""#),
         "Topic of trims, decisions, setpoints, errors and alarms";
-    KafkaContactsTopic: "kafka.contacts_topic", Kind::Text, Some(r#""vibrissa.contacts""#),
+    KafkaContactsTopic: "kafka.contacts_topic", ValueKind::Text, Some(r#""vibrissa.contacts""#),
         "Topic of contacts";
-    KafkaPublishContacts: "kafka.publish_contacts", Kind::Text, Some(r#""all""#),
+    KafkaPublishContacts: "kafka.publish_contacts", ValueKind::Text, Some(r#""all""#),
         "Contacts to publish: all or none";
-    KafkaWaitingMibMax: "kafka.waiting_mib_max", Kind::Whole { min: 1, max: 1_048_576 }, Some("4096"),
+    KafkaWaitingMibMax: "kafka.waiting_mib_max", ValueKind::Whole { min: 1, max: 1_048_576 }, Some("4096"),
         "MiB of a fleet's events that wait for Kafka, in the database; beyond them contacts are left out";
-    WebhooksAllowedHosts: "webhooks.allowed_hosts", Kind::Texts, Some("[]"),
+    WebhooksAllowedHosts: "webhooks.allowed_hosts", ValueKind::Texts, Some("[]"),
         "Hosts that webhooks may reach at private addresses, as in their URLs: names such as hooks.lan, or addresses";
-    MetricsSeries: "metrics.series", Kind::Text, Some(r#""fleets""#),
+    MetricsSeries: "metrics.series", ValueKind::Text, Some(r#""fleets""#),
         "Detail of the Prometheus metrics: fleets (totals) or whiskers (also each robot and whisker: four series per \
          whisker)";
-    TracesOtlpEndpoint: "traces.otlp_endpoint", Kind::Text, None,
+    TracesOtlpEndpoint: "traces.otlp_endpoint", ValueKind::Text, None,
         "Collector for OpenTelemetry traces, http://HOST:4318 (OTLP as protobuf over HTTP); default: no traces";
-    TracesSampleRatio: "traces.sample_ratio", Kind::Number { min: 0.0, max: 1.0 }, Some("0.1"),
+    TracesSampleRatio: "traces.sample_ratio", ValueKind::Number { min: 0.0, max: 1.0 }, Some("0.1"),
         "Share of the read-only HTTP requests that are traced; changes and setpoints are always traced";
-    ModelFormulation: "model.formulation", Kind::Text, Some(r#""published""#),
+    ModelFormulation: "model.formulation", ValueKind::Text, Some(r#""published""#),
         "Interpretation of the paper's equations: published (as printed) or consistent (with its Table 2)";
-    PolicyMode: "policy.mode", Kind::Text, Some(r#""automatic""#),
+    PolicyMode: "policy.mode", ValueKind::Text, Some(r#""automatic""#),
         "Start of compensations: automatic, or advise (an operator approves each); a policy set over HTTP overrides it";
-    PolicyObjective: "policy.objective", Kind::Text, Some(r#""shape""#),
+    PolicyObjective: "policy.objective", ValueKind::Text, Some(r#""shape""#),
         "Objective of the setpoint solver: tip (equal sensitivity at the tip, as in the paper), mean (least mean error \
          over the contact ratios) or shape (air for the shape over the contact ratios, and a gain on the readings for \
          the level: for robots whose factsheet says applies_gain; the others get tip)";
-    PolicyLongerForShorter: "policy.longer_for_shorter", Kind::Text, Some(r#""last-resort""#),
+    PolicyLongerForShorter: "policy.longer_for_shorter", ValueKind::Text, Some(r#""last-resort""#),
         "Whether a longer whisker may compensate for a shorter one: never, last-resort or allowed";
 } {
     DetectionContactsBetweenFalseAlarms:
-        "detection.contacts_between_false_alarms", Kind::Number { min: 1e3, max: 1e12 }, Some("1e6"),
+        "detection.contacts_between_false_alarms", ValueKind::Number { min: 1e3, max: 1e12 }, Some("1e6"),
         "Mean number of contacts of a healthy whisker between false alarms";
     DetectionColdStartContacts:
-        "detection.cold_start_contacts", Kind::Whole { min: 20, max: 100_000 }, Some("150"),
+        "detection.cold_start_contacts", ValueKind::Whole { min: 20, max: 100_000 }, Some("150"),
         "Number of contacts for learning a whisker's offset and noise, before anything is reported";
-    TouchTestsPerHour: "touch_tests.per_hour", Kind::Whole { min: 0, max: 1000 }, Some("30"),
+    TouchTestsPerHour: "touch_tests.per_hour", ValueKind::Whole { min: 0, max: 1000 }, Some("30"),
         "Maximum number of touch tests that are requested from a robot per hour, also those of operators; 0 for none";
-    TouchTestsInARow: "touch_tests.in_a_row", Kind::Whole { min: 1, max: 20 }, Some("3"),
+    TouchTestsInARow: "touch_tests.in_a_row", ValueKind::Whole { min: 1, max: 20 }, Some("3"),
         "Touch tests of a whisker that follow each other without a pause while its length is not decided";
-    TouchTestsRetryAfterS: "touch_tests.retry_after_s", Kind::Number { min: 1.0, max: 86_400.0 }, Some("600.0"),
+    TouchTestsRetryAfterS: "touch_tests.retry_after_s", ValueKind::Number { min: 1.0, max: 86_400.0 }, Some("600.0"),
         "Seconds until the next touch test after one that failed or was rejected, or after a row that decided nothing";
-    TouchTestsContactTimeS: "touch_tests.contact_time_s", Kind::Number { min: 0.1, max: 3600.0 }, Some("10.0"),
+    TouchTestsContactTimeS: "touch_tests.contact_time_s", ValueKind::Number { min: 0.1, max: 3600.0 }, Some("10.0"),
         "Longest time in seconds that a robot may take for each touch of a test; a test that takes longer expires";
     TouchTestsContactsBetweenSuspicions:
-        "touch_tests.contacts_between_suspicions", Kind::Number { min: 1e3, max: 1e12 }, Some("1e5"),
+        "touch_tests.contacts_between_suspicions", ValueKind::Number { min: 1e3, max: 1e12 }, Some("1e5"),
         "Mean number of contacts of a sound whisker with steady habits between suspicions of a lost reach, which request \
          a touch test";
-    TouchTestsAfterPauseS: "touch_tests.after_pause_s", Kind::Number { min: 0.0, max: 31_536_000.0 }, Some("0.0"),
+    TouchTestsAfterPauseS: "touch_tests.after_pause_s", ValueKind::Number { min: 0.0, max: 31_536_000.0 }, Some("0.0"),
         "Seconds without contacts after which a whisker gets a touch test with its next contact; it gets one after each \
          restart of its robot, too. Only whiskers whose contacts state no ratio; 0 for neither";
-    TouchTestsEveryS: "touch_tests.every_s", Kind::Number { min: 0.0, max: 31_536_000.0 }, Some("0.0"),
+    TouchTestsEveryS: "touch_tests.every_s", ValueKind::Number { min: 0.0, max: 31_536_000.0 }, Some("0.0"),
         "Seconds after the last touch test of a whisker until the next one by the schedule. Only whiskers whose contacts \
          state no ratio; 0 for no schedule";
 } }
@@ -338,7 +339,7 @@ impl Key {
 
     /// Type and range of its value.
     #[must_use]
-    pub const fn kind(self) -> Kind {
+    pub const fn kind(self) -> ValueKind {
         self.row().kind
     }
 

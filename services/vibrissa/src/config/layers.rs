@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 use vibrissa_protocol::plain;
 
-use super::keys::{ENVIRONMENT_PREFIX, Key, Kind};
+use super::keys::{ENVIRONMENT_PREFIX, Key, ValueKind};
 use super::problem::{Origin, Problem, did_you_mean};
 
 /// Size limit of a configuration file, in bytes: far above any real one.
@@ -175,17 +175,17 @@ fn flag(flags: &[(Key, Vec<String>)], key: Key) -> Option<Value> {
 }
 
 /// The value that a text stands for. An invalid one stays a text, and is refused as such.
-fn written(kind: Kind, texts: &[String]) -> Value {
+fn written(kind: ValueKind, texts: &[String]) -> Value {
     let text = texts.last().map(String::as_str).unwrap_or_default();
     match kind {
-        Kind::Text | Kind::Secret | Kind::DatabaseUrl | Kind::File => text.into(),
-        Kind::Texts | Kind::Files => {
+        ValueKind::Text | ValueKind::Secret | ValueKind::DatabaseUrl | ValueKind::File => text.into(),
+        ValueKind::Texts | ValueKind::Files => {
             let items = texts.iter().flat_map(|text| text.split(',')).map(str::trim).filter(|text| !text.is_empty());
             // One entry too many refuses the whole list, so the rest can be dropped.
             items.take(LIST_MAX + 1).map(str::to_owned).collect::<Vec<String>>().into()
         }
-        Kind::Number { .. } => text.parse::<f64>().map_or_else(|_| text.into(), Into::into),
-        Kind::Whole { .. } => text.parse::<i64>().map_or_else(|_| text.into(), Into::into),
+        ValueKind::Number { .. } => text.parse::<f64>().map_or_else(|_| text.into(), Into::into),
+        ValueKind::Whole { .. } => text.parse::<i64>().map_or_else(|_| text.into(), Into::into),
     }
 }
 
@@ -194,9 +194,9 @@ fn unknown_variables(variables: &[(String, String)]) -> Vec<String> {
     let is_known = |name: &str| Key::ALL.iter().any(|key| key.environment() == name) || KNOWN_ELSEWHERE.contains(&name);
     let foreign = variables.iter().map(|(name, _)| name.as_str());
     let foreign = foreign.filter(|name| name.starts_with(ENVIRONMENT_PREFIX) && !is_known(name));
-    let told = foreign.map(|name| {
+    let warnings = foreign.map(|name| {
         let meant = did_you_mean(name, Key::ALL.iter().map(|key| key.environment()));
         format!("the environment variable {} is unknown and ignored{meant}", name.escape_debug())
     });
-    told.collect()
+    warnings.collect()
 }

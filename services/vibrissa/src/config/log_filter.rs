@@ -73,8 +73,11 @@ mod tests {
             ("a b=info", "\"a b\" in \"a b=info\" is not the name of a module"),
             ("vibrissa=", "\"\" in \"vibrissa=\" is not a level"),
         ] {
-            let told = log_filter(bad).unwrap_err();
-            assert!(told.contains(part) && told.contains("off, error, warn, info, debug, trace"), "{bad}: {told}");
+            let problem = log_filter(bad).unwrap_err();
+            assert!(
+                problem.contains(part) && problem.contains("off, error, warn, info, debug, trace"),
+                "{bad}: {problem}"
+            );
         }
     }
 }

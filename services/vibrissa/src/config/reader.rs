@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use toml::Value;
 use vibrissa_protocol::plain;
 
-use super::keys::{Key, Kind};
+use super::keys::{Key, ValueKind};
 use super::layers::{LIST_MAX, Layers};
 use super::problem::{Origin, Problem};
 use vibrissa_store::secret::Secret;
@@ -108,7 +108,7 @@ impl Reader {
 
     /// A number in its range.
     pub(super) fn number(&mut self, key: Key) -> Option<f64> {
-        let Kind::Number { min, max } = key.kind() else { return None };
+        let ValueKind::Number { min, max } = key.kind() else { return None };
         self.read(key, |value| {
             let number = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
             let number = number.ok_or_else(|| wrong_type(key, value))?;
@@ -119,7 +119,7 @@ impl Reader {
 
     /// A whole number in its range.
     pub(super) fn whole(&mut self, key: Key) -> Option<u32> {
-        let Kind::Whole { min, max } = key.kind() else { return None };
+        let ValueKind::Whole { min, max } = key.kind() else { return None };
         self.read(key, |value| {
             let number = value.as_integer().ok_or_else(|| wrong_type(key, value))?;
             let allowed = u32::try_from(number).ok().filter(|number| (min..=max).contains(number));
@@ -197,15 +197,15 @@ impl Reader {
 /// Message about a wrong type: the expected and the given one. It does not show a secret's value.
 fn wrong_type(key: Key, value: &Value) -> String {
     let (should, example) = match key.kind() {
-        Kind::Text | Kind::Secret | Kind::DatabaseUrl => ("a text", "\"...\""),
-        Kind::File => ("a file's name", "\"FILE\""),
-        Kind::Texts => ("a list of texts", "[\"a\", \"b\"]"),
-        Kind::Files => ("a list of files' names", "[\"FILE\"]"),
-        Kind::Number { .. } => ("a number", "1.5"),
-        Kind::Whole { .. } => ("a whole number", "10"),
+        ValueKind::Text | ValueKind::Secret | ValueKind::DatabaseUrl => ("a text", "\"...\""),
+        ValueKind::File => ("a file's name", "\"FILE\""),
+        ValueKind::Texts => ("a list of texts", "[\"a\", \"b\"]"),
+        ValueKind::Files => ("a list of files' names", "[\"FILE\"]"),
+        ValueKind::Number { .. } => ("a number", "1.5"),
+        ValueKind::Whole { .. } => ("a whole number", "10"),
     };
     let is = match value {
-        Value::String(text) if matches!(key.kind(), Kind::Number { .. } | Kind::Whole { .. }) => {
+        Value::String(text) if matches!(key.kind(), ValueKind::Number { .. } | ValueKind::Whole { .. }) => {
             let kubernetes = if text.starts_with("tcp://") {
                 " (Kubernetes sets such variables for services: give the service another name, or set enableServiceLinks: false)"
             } else {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use toml::Value;
 
 use super::database::masked;
-use super::keys::{Key, Kind};
+use super::keys::{Key, ValueKind};
 use super::layers::{Layers, Sources};
 use super::reader::MASK;
 
@@ -22,7 +22,7 @@ pub fn effective(sources: &Sources, rust_log: Option<&str>) -> String {
         let line = match (value, key.kind()) {
             (None, _) => format!("# {name} is not set"),
             // Commented out, so that a file made from this output does not use the mask as password.
-            (Some(_), Kind::Secret) => format!("# {name} = \"{MASK}\"  # {origin}"),
+            (Some(_), ValueKind::Secret) => format!("# {name} = \"{MASK}\"  # {origin}"),
             // With mqtt.url, an explicit port would be refused.
             (Some(_), _) if key == Key::MqttPort && !origin.is_explicit() && is_external => {
                 format!("# {name} has no effect with mqtt.url")
@@ -71,11 +71,11 @@ fn document(write: impl Fn(&mut String, Key)) -> String {
     text
 }
 
-fn toml_value(value: &Value, kind: Kind) -> String {
+fn toml_value(value: &Value, kind: ValueKind) -> String {
     // JSON's escapes are valid in TOML, except for one character.
     let quoted = |text: &str| serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007F");
     match value {
-        Value::String(text) if kind == Kind::DatabaseUrl => quoted(&masked(text)),
+        Value::String(text) if kind == ValueKind::DatabaseUrl => quoted(&masked(text)),
         Value::String(text) => quoted(text),
         Value::Array(items) => {
             let items: Vec<String> = items.iter().map(|item| toml_value(item, kind)).collect();

@@ -48,10 +48,10 @@ fn the_defaults_are_a_good_configuration() {
 fn limits_of_touch_tests_reach_the_core() {
     let text = "[touch_tests]\nper_hour = 6\nin_a_row = 2\nretry_after_s = 60\ncontact_time_s = 2.5\n\
                 contacts_between_suspicions = 2e5\nafter_pause_s = 3600\nevery_s = 86400\n";
-    let told = read(&from_file(text)).config.unwrap().params().touch_tests;
-    assert_eq!((told.per_hour, told.in_a_row, told.pause), (6, 2, Micros::from_s(60.0)));
-    assert_eq!((told.contact_time, told.contacts_between_false_alarms), (Micros::from_s(2.5), 2e5));
-    assert_eq!((told.after_pause, told.every), (Micros::from_s(3600.0), Micros::from_s(86_400.0)));
+    let limits = read(&from_file(text)).config.unwrap().params().touch_tests;
+    assert_eq!((limits.per_hour, limits.in_a_row, limits.pause), (6, 2, Micros::from_s(60.0)));
+    assert_eq!((limits.contact_time, limits.contacts_between_false_alarms), (Micros::from_s(2.5), 2e5));
+    assert_eq!((limits.after_pause, limits.every), (Micros::from_s(3600.0), Micros::from_s(86_400.0)));
     let line = one_wrong(&from_file("touch_tests.in_a_row = 0"));
     assert!(line.contains("must be a whole number from 1 to 20, not 0"), "{line}");
 }
@@ -91,7 +91,7 @@ fn every_key_is_shown_and_has_a_default_or_none_by_intent() {
 
 #[test]
 fn a_wrong_type_is_told_with_an_example() {
-    for (text, told) in [
+    for (text, expected) in [
         ("name = 5", "name (file v.toml): must be a text, such as name = \"...\", but is a number"),
         ("name = 1979-05-27", "but is a date or time"),
         ("fleets = \"lab\"", "such as fleets = [\"a\", \"b\"], but is a text"),
@@ -118,7 +118,7 @@ fn a_wrong_type_is_told_with_an_example() {
         ("calibrations = [\"nowhere.toml\"]", "nowhere.toml cannot be read"),
     ] {
         let line = one_wrong(&from_file(text));
-        assert!(line.contains(told) && line.contains("(file v.toml)"), "{text}: {line}");
+        assert!(line.contains(expected) && line.contains("(file v.toml)"), "{text}: {line}");
     }
     let line = one_wrong(&from_environment(&[("VIBRISSA_MQTT_PORT", "x")]));
     assert_eq!(line, "mqtt.port (environment VIBRISSA_MQTT_PORT): must be a whole number, such as 10, not \"x\"");

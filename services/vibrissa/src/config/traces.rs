@@ -64,7 +64,7 @@ mod tests {
 
     #[test]
     fn what_is_no_collectors_address_is_refused_with_what_to_write() {
-        for (text, told) in [
+        for (text, expected) in [
             ("http://b\u{fc}cher.example:4318", "write it in Punycode"),
             ("collector", "is not a URL (it has no scheme, such as https://): write http://HOST:4318"),
             ("localhost:4318", "must begin with http:// or https://"),
@@ -73,7 +73,7 @@ mod tests {
             ("http://h:4318?x=1", "must end with its path"),
         ] {
             let problem = endpoint(text).unwrap_err();
-            assert!(problem.contains(told) && !problem.contains("hunter2"), "{text}: {problem}");
+            assert!(problem.contains(expected) && !problem.contains("hunter2"), "{text}: {problem}");
         }
     }
 }

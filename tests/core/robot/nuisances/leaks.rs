@@ -81,11 +81,11 @@ fn property_a_leak_is_called_once_within_a_minute_and_cleared_once_it_is_repaire
             }
             assert!(is_in_time, "{case}: {delay:?}");
             assert_eq!((alarms.len(), cleared(&rig).len()), (1, 0), "{case}");
-            let told = rig.view(0).leak_per_s;
-            let is_right = told.is_none_or(|told| told.low <= 1.6 * per_s && 0.6 * per_s <= told.high);
+            let estimate = rig.view(0).leak_per_s;
+            let is_right = estimate.is_none_or(|estimate| estimate.low <= 1.6 * per_s && 0.6 * per_s <= estimate.high);
             // Refills that are faster than the statuses tell no rate.
-            let must_be_told = band_mpa / FULL_MPA / per_s > 10.0;
-            assert!(is_right && (told.is_some() || !must_be_told), "{case}: {told:?}");
+            let must_be_reported = band_mpa / FULL_MPA / per_s > 10.0;
+            assert!(is_right && (estimate.is_some() || !must_be_reported), "{case}: {estimate:?}");
             chamber.per_s = 5e-5;
             wait_s(&mut rig, &mut chamber, 900);
             assert_eq!((rig.alarms(LEAK).len(), cleared(&rig).len()), (1, 1), "{case}: repaired");

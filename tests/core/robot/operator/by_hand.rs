@@ -101,7 +101,7 @@ fn a_held_target_is_decided_on_when_it_is_released() {
 }
 
 /// A whisker whose gauge reads differently from the 150th contact on, for which a person says so or not.
-fn glued_anew(told: bool) -> World {
+fn glued_anew(is_reported: bool) -> World {
     let mut scenario = crate::scenario(74, ArrayType::Type2, &[70.0]);
     let change = Change::Temperature { sensitivity_factor: 1.25, temperature_c: 24.0 };
     let mut glued = Planned::at_contact(150, crate::name("left"), 0, change);
@@ -109,7 +109,7 @@ fn glued_anew(told: bool) -> World {
     scenario.robots[0].events.push(glued);
     let mut world = World::new(&scenario, params(Mode::Automatic));
     world.run_until_s(3.0);
-    if told {
+    if is_reported {
         ask(&mut world, OperatorAction::Rebaseline(at(0)));
         assert_eq!(world.core.whisker(0).unwrap().condition, Condition::Learning);
     }

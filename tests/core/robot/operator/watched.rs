@@ -95,7 +95,7 @@ impl Watch {
     fn look(&mut self, world: &World, mode: Mode, context: &str) {
         for (_, effect) in &world.effects[self.seen..] {
             match effect {
-                Effect::Command(command) => self.told(command, context),
+                Effect::Command(command) => self.check_command(command, context),
                 Effect::Resend(command) => {
                     let held = self.robot_held || self.held.contains(&command.whisker);
                     assert!(!held || command.reason == Reason::Operator, "{context}: again to a held one: {command:?}");
@@ -130,14 +130,14 @@ impl Watch {
         }
         self.seen = world.effects.len();
         for index in 0..world.core.whisker_count() {
-            let told: BTreeSet<String> =
+            let reported: BTreeSet<String> =
                 self.standing.iter().filter(|one| one.0 == index).map(|one| one.1.clone()).collect();
             let known: BTreeSet<String> = standing(world, index).iter().map(|kind| format!("{kind:?}")).collect();
-            assert_eq!(told, known, "{context}: whisker {index}");
+            assert_eq!(reported, known, "{context}: whisker {index}");
         }
     }
 
-    fn told(&mut self, command: &Command, context: &str) {
+    fn check_command(&mut self, command: &Command, context: &str) {
         let held = self.robot_held || self.held.contains(&command.whisker);
         assert!(!held || command.reason == Reason::Operator, "{context}: to a held one: {command:?}");
         assert!(held || command.reason != Reason::Operator, "{context}: a manual setpoint holds: {command:?}");

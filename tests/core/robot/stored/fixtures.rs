@@ -60,14 +60,14 @@ impl Fixture {
             }
         }
         std::fs::write(self.path("bin"), bytes).unwrap();
-        let told: String = stores.iter().map(|store| described(&restored(store))).collect();
-        std::fs::write(self.path("txt"), told).unwrap();
+        let text: String = stores.iter().map(|store| described(&restored(store))).collect();
+        std::fs::write(self.path("txt"), text).unwrap();
     }
 }
 
 /// Describes a robot by parts of its state that all versions have.
 fn described(robot: &Robot) -> String {
-    let mut told = format!(
+    let mut text = format!(
         "{:?}, held: {}, {:?}\n",
         robot.connection_state(),
         robot.is_held(),
@@ -75,30 +75,30 @@ fn described(robot: &Robot) -> String {
     );
     for sequence in BOOTS.iter().filter_map(|boot| robot.sequence(boot)) {
         let (boot, next, held, given_up) = (sequence.boot_id(), sequence.next(), sequence.held(), sequence.given_up());
-        told += &format!("sequence {boot}: next {next}, held {held:?}, given up {given_up}\n");
+        text += &format!("sequence {boot}: next {next}, held {held:?}, given up {given_up}\n");
     }
     for one in robot.compensations() {
         let (case, error, gain) = (one.case(), one.predicted_error(), one.gain());
-        told +=
+        text +=
             &format!("compensation {}: {} by {}, {case:?}, error {error}, ", one.id(), one.target(), one.compensator());
-        told += &format!("gain {gain:?}, settled: {}, proposed: {}\n", one.is_settled(), one.is_proposed());
+        text += &format!("gain {gain:?}, settled: {}, proposed: {}\n", one.is_settled(), one.is_proposed());
     }
     for one in robot.commands_under_way() {
         let (key, boot, whisker, pressure) = (one.key, &one.robot_boot_id, one.whisker, one.pressure);
-        told += &format!("setpoint {key:?} of {boot}: whisker {whisker}, {pressure:?}, ");
-        told += &format!("issued {:?}, expires {:?}, {:?}, ", one.issued, one.expires, one.reason);
-        told += &format!("compensation {:?}, gain {:?}\n", one.compensation, one.gain);
+        text += &format!("setpoint {key:?} of {boot}: whisker {whisker}, {pressure:?}, ");
+        text += &format!("issued {:?}, expires {:?}, {:?}, ", one.issued, one.expires, one.reason);
+        text += &format!("compensation {:?}, gain {:?}\n", one.compensation, one.gain);
     }
     for one in (0..robot.whisker_count()).filter_map(|index| robot.whisker(index)) {
         let (number, whole, length) = (one.sheet.number, one.sheet.length, one.length);
-        told += &format!("whisker {}/{number} of {whole:?}, {} contacts, ", one.array, one.contacts);
-        told += &format!("{:?}, sd {} mm, {:?}, noise {}, ", length.length, length.sd_mm, one.offset, one.noise_scale);
-        told += &format!("{:?}, fault {:?}, leak {:?}, ", one.condition, one.fault, one.leak_per_s);
-        told += &format!("pressure {:?}, setpoint {:?}, heard {:?}, ", one.pressure, one.setpoint, one.heard);
-        told += &format!("held: {}, alarms {:?}, ", one.held, one.standing.kinds().collect::<Vec<_>>());
-        told += &format!("touch test {:?}\n", one.touch_test);
+        text += &format!("whisker {}/{number} of {whole:?}, {} contacts, ", one.array, one.contacts);
+        text += &format!("{:?}, sd {} mm, {:?}, noise {}, ", length.length, length.sd_mm, one.offset, one.noise_scale);
+        text += &format!("{:?}, fault {:?}, leak {:?}, ", one.condition, one.fault, one.leak_per_s);
+        text += &format!("pressure {:?}, setpoint {:?}, heard {:?}, ", one.pressure, one.setpoint, one.heard);
+        text += &format!("held: {}, alarms {:?}, ", one.held, one.standing.kinds().collect::<Vec<_>>());
+        text += &format!("touch test {:?}\n", one.touch_test);
     }
-    told
+    text
 }
 
 fn restored(store: &Store) -> Robot {
@@ -164,18 +164,18 @@ fn every_optional_part_of_the_format_is_in_a_fixture_of_the_newest_version() {
 #[test]
 fn golden_robots_are_read_as_the_program_of_their_version_described_them() {
     for fixture in FIXTURES {
-        let (mut told, versions) = (String::new(), (fixture.head, fixture.whiskers));
+        let (mut text, versions) = (String::new(), (fixture.head, fixture.whiskers));
         for store in fixture.stores() {
             assert_eq!(store.head[..2], [fixture.head, 0], "{versions:?}");
             // From version 6 on: 512 more than the version, as a varint. Before, nine flags.
             let marked = [fixture.whiskers | 0x80, 4];
             let is_marked = |bytes: &Vec<u8>| bytes[..2] == marked;
             assert!(store.whiskers.iter().all(|one| is_marked(one) == (fixture.whiskers > 5)), "{versions:?}");
-            told += &described(&restored(&store));
+            text += &described(&restored(&store));
         }
         let described = std::fs::read_to_string(fixture.path("txt")).unwrap();
-        let differs = told.lines().zip(described.lines()).find(|(told, described)| told != described);
-        assert_eq!((differs, told.len()), (None, described.len()), "{versions:?}");
+        let differs = text.lines().zip(described.lines()).find(|(text, described)| text != described);
+        assert_eq!((differs, text.len()), (None, described.len()), "{versions:?}");
     }
 }
 

@@ -115,7 +115,7 @@ pub(super) struct Life {
     /// For [`Mode::Automatic`] and [`Mode::Advise`].
     pub(super) params: [Params; 2],
     /// Events, each with its time and the mode from then on.
-    pub(super) told: Vec<(Micros, Mode, Said)>,
+    pub(super) events: Vec<(Micros, Mode, Said)>,
     pub(super) steps: Vec<Step>,
     /// After each event.
     pub(super) stored: Vec<Store>,
@@ -131,7 +131,7 @@ impl Life {
         let mut robot = Robot::new(1, Numbers::default());
         let mut life = Self {
             params: [Mode::Automatic, Mode::Advise].map(params),
-            told: Vec::new(),
+            events: Vec::new(),
             steps: Vec::new(),
             stored: Vec::new(),
             kinds: BTreeMap::new(),
@@ -157,7 +157,7 @@ impl Life {
             assert_eq!(unmarked, None, "seed {seed}: a change by event {at} is not marked: {said:?}");
             life.written[0] += written;
             life.written[1] += written - store.parts_other_than(&before);
-            life.told.push((plant.now, mode, said));
+            life.events.push((plant.now, mode, said));
             life.steps.push(step);
             life.stored.push(store.clone());
         }
@@ -166,7 +166,7 @@ impl Life {
 
     /// Plays event `at` to a robot.
     pub(super) fn play(&self, robot: &mut Robot, at: usize) -> Step {
-        let (now, mode, said) = &self.told[at];
+        let (now, mode, said) = &self.events[at];
         step(robot, &self.params[usize::from(*mode == Mode::Advise)], *now, said, &mut |_| ())
     }
 
@@ -175,8 +175,8 @@ impl Life {
         let Store { head, whiskers } = &self.stored[from];
         let mut robot = Robot::restore(head, whiskers).unwrap();
         assert_eq!(Store::all_of(&robot), self.stored[from]);
-        for at in from + 1..self.told.len() {
-            let said = &self.told[at].2;
+        for at in from + 1..self.events.len() {
+            let said = &self.events[at].2;
             assert_eq!(self.play(&mut robot, at), self.steps[at], "from {from}, event {at}: {said:?}");
             let differs = Store::all_of(&robot).first_difference(&self.stored[at]);
             assert_eq!(differs, None, "from {from}, event {at}: {said:?}");

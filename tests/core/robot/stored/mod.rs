@@ -70,7 +70,7 @@ fn property_every_change_is_marked_and_what_was_stored_goes_on_as_it_did() {
 fn property_a_tick_with_nothing_to_do_says_what_a_full_look_says() {
     for seed in 100..106 {
         let life = Life::new(seed, 600);
-        for at in (1..life.told.len()).filter(|&at| matches!(life.told[at].2, Said::Tick)) {
+        for at in (1..life.events.len()).filter(|&at| matches!(life.events[at].2, Said::Tick)) {
             let Store { head, whiskers } = &life.stored[at - 1];
             let mut robot = Robot::restore(head, whiskers).unwrap();
             assert_eq!(life.play(&mut robot, at), life.steps[at], "seed {seed}, event {at}");

@@ -17,34 +17,34 @@ fn of_version_4() -> Vec<Vec<Vec<u8>>> {
 }
 
 /// Describes the parts of a robot's state that existed in that version.
-fn told_of(robot: &Robot) -> String {
-    let mut told = format!("{:?}\n", robot.connection_state());
-    BOOTS[..3].iter().for_each(|boot| told += &format!("{:?}\n", robot.sequence(boot)));
-    told += &format!("{:?}\n{:#?}\n", robot.arrays().collect::<Vec<_>>(), robot.compensations());
-    told += &format!("{:#?}\n", robot.commands_under_way().collect::<Vec<_>>());
+fn text_of(robot: &Robot) -> String {
+    let mut text = format!("{:?}\n", robot.connection_state());
+    BOOTS[..3].iter().for_each(|boot| text += &format!("{:?}\n", robot.sequence(boot)));
+    text += &format!("{:?}\n{:#?}\n", robot.arrays().collect::<Vec<_>>(), robot.compensations());
+    text += &format!("{:#?}\n", robot.commands_under_way().collect::<Vec<_>>());
     (0..robot.whisker_count()).for_each(|index| {
         let view = format!("{:#?}\n", robot.whisker(index).unwrap());
         // No touch tests were known then.
-        told += &view.replace("    touch_test: None,\n", "");
+        text += &view.replace("    touch_test: None,\n", "");
     });
-    told
+    text
 }
 
 #[test]
 fn golden_robots_of_version_4_lose_nothing_that_was_learned() {
-    let mut told = String::new();
+    let mut text = String::new();
     for parts in of_version_4() {
         let (head, whiskers) = (&parts[0], &parts[1..]);
         let robot = Robot::restore(head, whiskers).unwrap();
-        told += &told_of(&robot);
+        text += &text_of(&robot);
         let Store { head: now, whiskers: same } = Store::all_of(&robot);
         assert_eq!((head[0], now[0]), (4, 10));
         assert_eq!(same.len(), whiskers.len());
         assert_eq!(Robot::restore(&now, &same).unwrap(), robot);
     }
     let expected = include_str!("../../../data/state-4/robots.txt");
-    let differs = told.lines().zip(expected.lines()).find(|(told, expected)| told != expected);
-    assert_eq!((differs, told.len()), (None, expected.len()));
+    let differs = text.lines().zip(expected.lines()).find(|(text, expected)| text != expected);
+    assert_eq!((differs, text.len()), (None, expected.len()));
 }
 
 #[test]

@@ -98,13 +98,13 @@ async fn grafana_is_told_of_the_one_broken_whisker_and_of_no_healthy_one() {
         sqlx::raw_sql(broken).execute(&mut link).await.unwrap();
         assert_eq!(asked(&mut link, rule).await, ["paint/crawler/left/1"], "{alert}");
         let Some(kind) = shelf else { continue };
-        for (until, told) in [("clock_us() + 1000000000", 0), ("clock_us() - 1", 1)] {
+        for (until, count) in [("clock_us() + 1000000000", 0), ("clock_us() - 1", 1)] {
             let shelve = format!(
                 "INSERT INTO alarm_shelves (whisker_id, kind, shelved_us, until_us, shelved_by, reason) \
                  VALUES (2, '{kind}', 0, {until}, 'somebody', 'known')"
             );
             sqlx::raw_sql(AssertSqlSafe(shelve)).execute(&mut link).await.unwrap();
-            assert_eq!(asked(&mut link, rule).await.len(), told, "{alert}, shelved until {until}");
+            assert_eq!(asked(&mut link, rule).await.len(), count, "{alert}, shelved until {until}");
         }
     }
 }

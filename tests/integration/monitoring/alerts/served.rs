@@ -36,8 +36,8 @@ fn metrics_in(text: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Names of the declared metrics, including the series of histograms.
-fn declared(told: &str) -> BTreeSet<String> {
-    let kinds = told.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split_once(' '));
+fn declared(text: &str) -> BTreeSet<String> {
+    let kinds = text.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split_once(' '));
     let parts = |(name, kind): (&str, &str)| match kind {
         "histogram" => ["_bucket", "_sum", "_count"].iter().map(|part| format!("{name}{part}")).collect(),
         _ => vec![name.to_owned()],
@@ -94,9 +94,10 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
             .unwrap();
     let document: Value = serde_json::from_str(&try_get(service.http, "/openapi.json").await.unwrap().1).unwrap();
     // The metric of errors appears with the first measured error.
-    let told = async || try_get(service.http, "/metrics").await.unwrap().1;
-    until_true("a measured error", async || told().await.contains("vibrissa_compensation_error_worst_ratio{")).await;
-    let known = declared(&told().await);
+    let exposition = async || try_get(service.http, "/metrics").await.unwrap().1;
+    until_true("a measured error", async || exposition().await.contains("vibrissa_compensation_error_worst_ratio{"))
+        .await;
+    let known = declared(&exposition().await);
 
     for rule in rules() {
         let name = rule["alert"].as_str().or(rule["record"].as_str()).unwrap();
@@ -108,8 +109,8 @@ async fn alerts_and_runbooks_ask_for_metrics_and_addresses_that_there_are() {
     for path in files("docs/runbooks") {
         let page = read(&path);
         for metric in code(&page).flat_map(metrics_in) {
-            let is_told = known.contains(metric) || known.contains(&format!("{metric}_bucket"));
-            assert!(is_told, "{path}: {metric}");
+            let is_exported = known.contains(metric) || known.contains(&format!("{metric}_bucket"));
+            assert!(is_exported, "{path}: {metric}");
         }
         let words = page.split(|c: char| c.is_whitespace() || "`\"()".contains(c));
         for address in words.filter(|word| word.starts_with("/v1/")) {

@@ -135,8 +135,8 @@ fn panel_rules(report: &mut Report<'_>, panel: &Value) {
     let mut sources = targets(panel).map(|(_, target)| &target["datasource"]).chain([&panel["datasource"]]);
     let is_known = sources.all(|source| known.iter().any(|known| source["uid"] == **known));
     report.expect("panel-datasource-rule", is_known, title);
-    let is_told = !title.is_empty() && !text(&panel["description"]).is_empty();
-    report.expect("panel-title-description-rule", is_told, title);
+    let is_described = !title.is_empty() && !text(&panel["description"]).is_empty();
+    report.expect("panel-title-description-rule", is_described, title);
     let overrides = list(&panel["fieldConfig"]["overrides"]).flat_map(|one| list(&one["properties"]));
     let units = overrides.filter(|property| property["id"] == "unit").map(|property| &property["value"]);
     for unit in units.chain([&panel["fieldConfig"]["defaults"]["unit"]]) {

@@ -152,9 +152,9 @@ async fn regress_refused_contacts_are_counted_by_robot_and_reason() {
     assert!(refusals.iter().all(|one| one["problem"].as_str().unwrap().starts_with("contacts[0].strain")));
     assert_eq!(running.metric("vibrissa_contacts_refused_total{fleet=\"f\"}").await, 4.0);
     until_true("the notice", async || {
-        let (status, told) = try_get(running.service.http, "/readyz").await.unwrap();
+        let (status, body) = try_get(running.service.http, "/readyz").await.unwrap();
         let part = "messages of robot f/r are refused (contacts, ";
-        status == 200 && told.contains(part) && told.contains("contacts[0].strain")
+        status == 200 && body.contains(part) && body.contains("contacts[0].strain")
     })
     .await;
     running.service.stop().await;

@@ -199,14 +199,14 @@ async fn a_newer_setpoint_supersedes_one_under_way_and_junk_changes_nothing() {
     assert_eq!(scene.robot.complaints().lines().count(), 5, "{}", scene.robot.complaints());
     let second = scene.setpoint(2);
     scene.supervisor.send(RobotTopic::Setpoint, &second).await;
-    let mut told = Vec::new();
+    let mut states = Vec::new();
     for _ in 0..4 {
         let answer = scene.answer().await;
-        told.push((answer.command_id, answer.state));
+        states.push((answer.command_id, answer.state));
     }
     let of = |setpoint: &Setpoint, state| (setpoint.command_id.clone(), state);
     let [received, applying, applied] = TAKEN.map(|state| of(&second, state));
-    assert_eq!(told, [received, of(&first, SetpointOutcome::Superseded), applying, applied]);
+    assert_eq!(states, [received, of(&first, SetpointOutcome::Superseded), applying, applied]);
 }
 
 #[tokio::test]
@@ -270,10 +270,10 @@ async fn it_passes_the_check_of_robots() {
         .output()
         .await
         .unwrap();
-    let told = String::from_utf8_lossy(&checked.stdout);
+    let report = String::from_utf8_lossy(&checked.stdout);
     assert!(
-        checked.status.success() && told.contains(" 0 failed"),
-        "{told}{}",
+        checked.status.success() && report.contains(" 0 failed"),
+        "{report}{}",
         String::from_utf8_lossy(&checked.stderr)
     );
 }

@@ -36,7 +36,7 @@ async fn vibrissa(arguments: &[&str], http: u16) -> Output {
     command.kill_on_drop(true).output().await.unwrap()
 }
 
-fn told(output: &Output) -> String {
+fn stdout_of(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
 }
 
@@ -51,12 +51,12 @@ async fn the_robot_of_a_stopped_supervisor_comes_to_the_check_and_passes() {
     let setpoint = ["setpoint", "f/r/left/0", "--pressure-mpa", "0.09"];
     until_true("an applied setpoint", async || {
         let ended = vibrissa(&setpoint, http).await;
-        ended.status.success() && told(&ended).contains("APPLIED at 0.0900 MPa")
+        ended.status.success() && stdout_of(&ended).contains("APPLIED at 0.0900 MPa")
     })
     .await;
     supervisor.signal(Signal::SIGTERM);
     assert!(supervisor.ended(PATIENCE).await.expect("the supervisor must end").success());
     let port = mqtt.to_string();
     let checked = vibrissa(&["check-robot", "--fleet", "f", "--robot", "r", "--mqtt-port", &port], http).await;
-    assert!(checked.status.success() && told(&checked).contains(" 0 failed"), "{}", told(&checked));
+    assert!(checked.status.success() && stdout_of(&checked).contains(" 0 failed"), "{}", stdout_of(&checked));
 }

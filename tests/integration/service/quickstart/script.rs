@@ -129,6 +129,6 @@ print("all is well")
     let [_, _, estimates] = blocks();
     let script = format!("{BEFORE}{estimates}{AFTER}");
     let ran = std::process::Command::new(python()).args(["-c", &script]).output().unwrap();
-    let (told, complaint) = (String::from_utf8_lossy(&ran.stdout), String::from_utf8_lossy(&ran.stderr));
-    assert_eq!(told.trim(), "all is well", "{complaint}");
+    let (stdout, complaint) = (String::from_utf8_lossy(&ran.stdout), String::from_utf8_lossy(&ran.stderr));
+    assert_eq!(stdout.trim(), "all is well", "{complaint}");
 }

@@ -63,16 +63,16 @@ fn a_robot_divides_by_the_estimated_length_and_sends_distances_before_it_knows_o
     let (estimated, measured) = (contacts(Places::EstimatedRatio), contacts(Places::Distance));
     assert_eq!(estimated.len(), measured.len(), "the same touches");
     let (mut ratios, mut beyond) = (0, 0);
-    for (contact, told) in estimated.iter().zip(&measured) {
-        let distance_mm = told.distance_mm.unwrap();
+    for (contact, measurement) in estimated.iter().zip(&measured) {
+        let distance_mm = measurement.distance_mm.unwrap();
         if contact.whisker != 0 || contact.t_us < START + 30 * S {
-            assert_eq!(contact, told, "no estimate yet");
+            assert_eq!(contact, measurement, "no estimate yet");
         } else if distance_mm <= 60.0 {
             let ratio = contact.ratio.expect("a ratio");
             assert!((ratio - distance_mm / 60.0).abs() < 1e-4 && contact.distance_mm.is_none(), "{contact:?}");
             ratios += 1;
         } else {
-            assert_eq!(contact, told, "beyond the estimated length");
+            assert_eq!(contact, measurement, "beyond the estimated length");
             beyond += 1;
         }
     }

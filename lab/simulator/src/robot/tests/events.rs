@@ -85,16 +85,16 @@ fn of_a_silent_whisker_nothing_is_told_until_its_silence_is_over() {
     bench.run(30.0);
     let (mut contacts, mut entries) = (Vec::new(), Vec::new());
     for message in bench.sent() {
-        if let Message::Contacts(told) = message {
-            contacts.extend(told.contacts.into_iter().map(|one| (one.whisker, one.t_us)));
-        } else if let Message::Status(told) = message {
-            entries.extend(told.whiskers.iter().map(|one| (one.whisker, told.t_us)));
+        if let Message::Contacts(batch) = message {
+            contacts.extend(batch.contacts.into_iter().map(|one| (one.whisker, one.t_us)));
+        } else if let Message::Status(status) = message {
+            entries.extend(status.whiskers.iter().map(|one| (one.whisker, status.t_us)));
         }
     }
-    for told in [contacts, entries] {
+    for times in [contacts, entries] {
         let count = |whisker, from_s: u64| {
             let within = START + from_s * S + 1..START + (from_s + 10) * S;
-            told.iter().filter(|(of, t_us)| *of == whisker && within.contains(t_us)).count()
+            times.iter().filter(|(of, t_us)| *of == whisker && within.contains(t_us)).count()
         };
         assert!(count(0, 0) > 5 && count(0, 10) == 0 && count(0, 20) > 5, "{:?}", [0, 10, 20].map(|at| count(0, at)));
         assert!(count(1, 10) > 5, "the other one goes on");
@@ -165,7 +165,12 @@ fn a_deflection_scale_is_of_an_array() {
     let deflections = |events: Vec<Event>| {
         let mut bench = Bench::with_events(events);
         bench.run(20.0);
-        bench.contacts().into_iter().flat_map(|told| told.contacts).map(|one| one.deflection_mm).collect::<Vec<_>>()
+        bench
+            .contacts()
+            .into_iter()
+            .flat_map(|message| message.contacts)
+            .map(|one| one.deflection_mm)
+            .collect::<Vec<_>>()
     };
     let (scaled, plain) = (deflections(vec![scale]), deflections(Vec::new()));
     assert_eq!(scaled.len(), plain.len());

@@ -47,9 +47,9 @@ fn the_factsheet_says_whether_gains_are_applied() {
     for applies in [false, true] {
         let mut bench = Bench::connected(|scenario| scenario.robots[0].applies_gain = applies);
         let sheets = bench.sent().into_iter();
-        let told =
+        let flags =
             sheets.filter_map(|one| if let Message::Factsheet(sheet) = one { Some(sheet.applies_gain) } else { None });
-        assert_eq!(told.collect::<Vec<_>>(), [applies]);
+        assert_eq!(flags.collect::<Vec<_>>(), [applies]);
     }
 }
 

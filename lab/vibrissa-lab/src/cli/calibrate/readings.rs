@@ -180,8 +180,8 @@ mod tests {
     fn regress_lines_are_counted_whatever_ends_them() {
         let text = "# a comment\n\npressure_mpa,strain\n0.05,0.01\n\n# another\n0.10,0.02\n0.15,oops\n";
         for end in ["\n", "\r\n", "\r"] {
-            let told = lines_of(&text.replace('\n', end)).unwrap_err();
-            assert_eq!(told, "line 8: column strain: \"oops\" is not a number", "{end:?}");
+            let problem = lines_of(&text.replace('\n', end)).unwrap_err();
+            assert_eq!(problem, "line 8: column strain: \"oops\" is not a number", "{end:?}");
             assert_eq!(lines_of(&text.replace("oops", "0.03").replace('\n', end)), Ok(vec![4, 7, 8]), "{end:?}");
         }
     }
@@ -191,8 +191,8 @@ mod tests {
         let table = "sep=,\npressure_mpa,,strain,,\n0.05,,0.01,,\n,,,,\n0.10,,0.02\n,,\n\n";
         assert_eq!(lines_of(table), Ok(vec![3, 5]));
         assert_eq!(lines_of("\"pressure_mpa\",\"strain\"\n\"0.05\",\"0.01\"\n"), Ok(vec![2]));
-        let told = lines_of("pressure_mpa,strain,\n0.05,0.01,7\n").unwrap_err();
-        assert!(told.starts_with("line 2: 3 cells, but the header has 2 columns"), "{told}");
+        let problem = lines_of("pressure_mpa,strain,\n0.05,0.01,7\n").unwrap_err();
+        assert!(problem.starts_with("line 2: 3 cells, but the header has 2 columns"), "{problem}");
         assert!(lines_of("pressure_mpa,strain\n0.05\n").unwrap_err().starts_with("line 2: 1 cells"));
         assert!(lines_of("# only a comment\n").unwrap_err().contains("no header"));
         assert!(lines_of("pressure_mpa,strain\n,,\n").unwrap_err().contains("no rows"));

@@ -314,16 +314,16 @@ mod tests {
     #[test]
     fn table_json_and_figures_tell_the_same_whatever_the_number_of_threads() {
         let folder = std::env::temp_dir().join(format!("vibrissa-evaluate-{}", std::process::id()));
-        let told = |threads: usize, json: bool, svg: Option<PathBuf>| {
+        let output_of = |threads: usize, json: bool, svg: Option<PathBuf>| {
             let args = CompensationArgs { seed: 3, plants: 1, svg, json };
             let mut out = Vec::new();
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| run(&args, &mut out)).unwrap();
             String::from_utf8(out).unwrap()
         };
-        let table = told(1, false, Some(folder.clone()));
-        assert_eq!(table, told(3, false, None));
-        let whole: Value = serde_json::from_str(&told(2, true, None)).unwrap();
+        let table = output_of(1, false, Some(folder.clone()));
+        assert_eq!(table, output_of(3, false, None));
+        let whole: Value = serde_json::from_str(&output_of(2, true, None)).unwrap();
         assert_eq!(whole["trials"].as_array().unwrap().len(), 15);
         for case in whole["cases"].as_array().unwrap() {
             let closed = format!("{:.2}", 100.0 * case["closed"].as_f64().unwrap());

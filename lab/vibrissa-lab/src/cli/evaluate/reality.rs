@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::{Value, json};
-use vibrissa_evaluation::reality::{Figures, Found, Nuisance, Place, Plan, Row, Share, Spread, evaluate};
+use vibrissa_evaluation::reality::{Figures, Found, Nuisance, Plan, Row, Share, Spread, StatedPlace, evaluate};
 
 use crate::figures;
 use vibrissa::cli::progress::Progress;
@@ -30,8 +30,8 @@ pub struct RealityArgs {
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = rows_of)]
     rows: Vec<Rows>,
     /// Place that the robots know of their contacts; `RATIO_TESTS` and `DISTANCE_TESTS` are with touch tests.
-    #[arg(long, default_value = "RATIO", value_parser = one_of(Place::ALL.to_vec(), Place::word))]
-    place: Place,
+    #[arg(long, default_value = "RATIO", value_parser = one_of(StatedPlace::ALL.to_vec(), StatedPlace::word))]
+    place: StatedPlace,
     /// Let the robots multiply their readings: air for the shape, one gain for the level.
     #[arg(long)]
     gains: bool,
@@ -288,19 +288,28 @@ mod tests {
     #[test]
     fn table_json_and_figure_tell_the_same_and_each_column_is_in_the_json() {
         let folder = std::env::temp_dir().join(format!("vibrissa-reality-{}", std::process::id()));
-        let told = |json: bool, svg: Option<PathBuf>| {
+        let output_of = |json: bool, svg: Option<PathBuf>| {
             let rows = vec![rows_of("ideal").unwrap(), rows_of("ar1:2").unwrap()];
             let mut out = Vec::new();
             run(
-                &RealityArgs { seed: 5, contacts: 3000, cuts: 4, rows, place: Place::Ratio, gains: true, json, svg },
+                &RealityArgs {
+                    seed: 5,
+                    contacts: 3000,
+                    cuts: 4,
+                    rows,
+                    place: StatedPlace::Ratio,
+                    gains: true,
+                    json,
+                    svg,
+                },
                 &mut out,
             )
             .unwrap();
             String::from_utf8(out).unwrap()
         };
-        let table = told(false, Some(folder.clone()));
+        let table = output_of(false, Some(folder.clone()));
         assert!(table.lines().all(|line| line.chars().count() <= 150), "{table}");
-        let whole: Value = serde_json::from_str(&told(true, None)).unwrap();
+        let whole: Value = serde_json::from_str(&output_of(true, None)).unwrap();
         let rows = whole["rows"].as_array().unwrap();
         assert_eq!(rows.len(), 2);
         for row in rows {

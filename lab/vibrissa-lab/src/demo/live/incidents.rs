@@ -87,12 +87,12 @@ impl Incidents {
     /// is not accepted.
     pub(super) async fn cause(&self, at: &WhiskerName, incident: Incident, asker: Asker) -> Result<String, Refusal> {
         let opened = self.0.get().ok_or(Refusal::NotYet)?;
-        let told = opened.change(at, incident)?;
+        let text = opened.change(at, incident)?;
         if incident == Incident::Replace {
             tokio::time::sleep(REMOVAL).await;
             opened.report_replaced(at, asker).await?;
         }
-        Ok(told)
+        Ok(text)
     }
 }
 
@@ -109,39 +109,39 @@ impl Opened {
         let (length_mm, temperature_c) = robot.with(facts).ok_or_else(unknown)?;
         robot.with(|robot| {
             let whisker = Some(at.whisker);
-            let (whisker, change, told) = match incident {
+            let (whisker, change, text) = match incident {
                 Incident::Cut { by_mm } => {
                     let length_mm = cut(at, length_mm, by_mm)?;
-                    let told = format!("{at} is cut by {by_mm} mm to {length_mm:.1} mm");
-                    (whisker, Change::Trim { length_mm }, told)
+                    let text = format!("{at} is cut by {by_mm} mm to {length_mm:.1} mm");
+                    (whisker, Change::Trim { length_mm }, text)
                 }
                 Incident::Erode => {
                     let until_length_mm = (length_mm - EROSION_MM).max(LENGTH_MIN_MM);
-                    let told = format!(
+                    let text = format!(
                         "{at} loses {EROSION_MM_PER_CONTACT} mm with each contact, down to {until_length_mm:.1} mm"
                     );
-                    (whisker, Change::Erode { rate_mm_per_contact: EROSION_MM_PER_CONTACT, until_length_mm }, told)
+                    (whisker, Change::Erode { rate_mm_per_contact: EROSION_MM_PER_CONTACT, until_length_mm }, text)
                 }
                 Incident::Leak => {
-                    let told = format!("the chamber of {at} leaks, {LEAK_MPA_PER_S} MPa per second");
-                    (whisker, Change::Leak { rate_mpa_per_s: LEAK_MPA_PER_S }, told)
+                    let text = format!("the chamber of {at} leaks, {LEAK_MPA_PER_S} MPa per second");
+                    (whisker, Change::Leak { rate_mpa_per_s: LEAK_MPA_PER_S }, text)
                 }
                 Incident::Heat { by_k } => {
                     let temperature_c = heated(temperature_c, by_k)?;
                     let sensitivity_factor = 1.0 + SENSITIVITY_PER_K * (temperature_c - NOMINAL_C);
-                    let told = format!(
+                    let text = format!(
                         "the whiskers of {}/{} have {temperature_c:.1} \u{b0}C: each feels {:.1} % more than at \
                          {NOMINAL_C} \u{b0}C, so no cut must be called",
                         at.robot,
                         at.array,
                         100.0 * (sensitivity_factor - 1.0)
                     );
-                    (None, Change::Temperature { sensitivity_factor, temperature_c }, told)
+                    (None, Change::Temperature { sensitivity_factor, temperature_c }, text)
                 }
                 Incident::Replace => (whisker, Change::Replace, format!("{at} is new, and reported as replaced")),
             };
             robot.happen_soon(Some(at.array.clone()), whisker, change, now_us())?;
-            Ok(told)
+            Ok(text)
         })
     }
 
@@ -157,10 +157,10 @@ impl Opened {
                         Some(_) | None => arrays.push((whisker.array().clone(), whisker.number())),
                     }
                 }
-                let told = |(array, last): (Name, u16)| {
+                let entry_of = |(array, last): (Name, u16)| {
                     if last == 0 { format!("{name}/{array}/0") } else { format!("{name}/{array}/0 to {last}") }
                 };
-                arrays.into_iter().map(told).collect::<Vec<_>>()
+                arrays.into_iter().map(entry_of).collect::<Vec<_>>()
             })
         };
         self.robots.iter().flat_map(of_robot).collect::<Vec<_>>().join(", ")
@@ -174,8 +174,8 @@ impl Opened {
         action.robot = Some(at.robot.to_string());
         action.array = Some(at.array.to_string());
         action.whisker = Some(at.whisker.into());
-        let told = |problem: Problem| Refusal::Report(problem.detail);
-        let action_id = number_of(self.store.ask(&action).await?).map_err(told)?;
+        let refusal = |problem: Problem| Refusal::Report(problem.detail);
+        let action_id = number_of(self.store.ask(&action).await?).map_err(refusal)?;
         self.action_notifier.notify(&fleet);
         let answer = self.action_notifier.answer(&self.store, action_id, PATIENCE).await?;
         match answer {

@@ -79,7 +79,7 @@ pub(super) async fn run(service: &Service, fleet: &Fleet, incidents: &Incidents)
                 Some(Ok(Command::Quit)) => return Ok(()),
                 Some(Ok(Command::Cause(whisker, incident))) => {
                     match incidents.cause(&whisker, incident, asker()).await {
-                        Ok(told) => println!("{told}"),
+                        Ok(text) => println!("{text}"),
                         Err(refusal) => println!("not done: {refusal}"),
                     }
                     last = whisker;
@@ -105,22 +105,22 @@ fn asker() -> Asker {
 
 /// Prints events once.
 struct Story {
-    told: usize,
+    printed: usize,
     measured: Vec<i64>,
 }
 
 impl Story {
     /// The events from now on.
     async fn from_now(store: &Store) -> anyhow::Result<Self> {
-        let mut story = Self { told: report::story(store).await?.len(), measured: Vec::new() };
+        let mut story = Self { printed: report::story(store).await?.len(), measured: Vec::new() };
         story.measured(store).await?;
         Ok(story)
     }
 
     async fn tell(&mut self, store: &Store) -> anyhow::Result<()> {
         let lines = report::story(store).await?;
-        lines.iter().skip(self.told).for_each(|line| println!("  {line}"));
-        self.told = self.told.max(lines.len());
+        lines.iter().skip(self.printed).for_each(|line| println!("  {line}"));
+        self.printed = self.printed.max(lines.len());
         self.measured(store).await?.iter().for_each(|line| println!("  {line}"));
         Ok(())
     }

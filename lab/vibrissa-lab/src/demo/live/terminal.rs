@@ -156,8 +156,8 @@ mod tests {
             ("cut 5 whisker 2 now", "\"now\" is too much"),
             ("quit now", "\"now\" is too much"),
         ] {
-            let told = parse(line, &last()).unwrap_err();
-            assert!(told.contains(expected), "{line}: {told}");
+            let problem = parse(line, &last()).unwrap_err();
+            assert!(problem.contains(expected), "{line}: {problem}");
         }
     }
 }

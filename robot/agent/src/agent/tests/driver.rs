@@ -34,7 +34,7 @@ fn a_driver_is_greeted_with_all_it_needs() {
     bench.take();
     bench.step(Input::DriverStarted);
     let lines: Vec<String> =
-        bench.told.iter().map(|line| String::from_utf8(line.line()).unwrap().trim_end().to_owned()).collect();
+        bench.to_driver.iter().map(|line| String::from_utf8(line.line()).unwrap().trim_end().to_owned()).collect();
     assert_eq!(
         lines,
         [
@@ -85,7 +85,7 @@ fn a_silent_driver_is_reported_at_once_and_given_up() {
     assert_eq!(bench.outcomes(), [(SetpointOutcome::Rejected, Some(SetpointError::NotReady))]);
     // It is greeted when it speaks again.
     bench.read(0, 0.1);
-    assert!(matches!(bench.told.first(), Some(ToDriver::Hello { .. })), "{:?}", bench.told);
+    assert!(matches!(bench.to_driver.first(), Some(ToDriver::Hello { .. })), "{:?}", bench.to_driver);
 }
 
 #[test]
@@ -175,7 +175,7 @@ fn regress_a_device_that_echoes_gets_no_more_lines_than_another_one() {
         let mut bench = Bench::new(|_| {});
         bench.step(Input::Connected);
         bench.step(Input::DriverStarted);
-        let (mut told, mut problems) = (0, Vec::new());
+        let (mut sent, mut problems) = (0, Vec::new());
         for tenth in 0..200 {
             bench.run(0.1);
             if speaks && tenth % 3 == 0 {
@@ -184,9 +184,9 @@ fn regress_a_device_that_echoes_gets_no_more_lines_than_another_one() {
             }
             // Each line comes back within the tenth of a second, and so does each answer to it.
             let mut round = 0;
-            while !bench.told.is_empty() && round < 20 {
-                let lines = std::mem::take(&mut bench.told);
-                told += lines.len();
+            while !bench.to_driver.is_empty() && round < 20 {
+                let lines = std::mem::take(&mut bench.to_driver);
+                sent += lines.len();
                 for line in lines {
                     if let ToDriver::Error { problem, .. } = &line {
                         problems.push(problem.clone());
@@ -198,14 +198,14 @@ fn regress_a_device_that_echoes_gets_no_more_lines_than_another_one() {
                 round += 1;
             }
         }
-        (told, problems, bench.agent.counts().lines_echoed)
+        (sent, problems, bench.agent.counts().lines_echoed)
     };
     for speaks in [true, false] {
         let (quiet, _, _) = lines_of(false, speaks);
-        let (told, problems, echoed) = lines_of(true, speaks);
-        assert_eq!((problems.len(), echoed), (1, told as u64), "{problems:?}");
+        let (sent, problems, echoed) = lines_of(true, speaks);
+        assert_eq!((problems.len(), echoed), (1, sent as u64), "{problems:?}");
         assert!(problems[0].contains("own lines back"), "{problems:?}");
-        assert!(told <= quiet + 1, "{told} lines instead of {quiet}");
+        assert!(sent <= quiet + 1, "{sent} lines instead of {quiet}");
     }
 }
 
@@ -227,7 +227,7 @@ fn each_line_to_a_driver_is_recognised_when_it_comes_back() {
 fn a_driver_that_says_hello_all_the_time_is_greeted_five_times_a_second() {
     let mut bench = Bench::running();
     (0..100).for_each(|_| bench.line(r#"{"type":"hello","version":1}"#));
-    let greetings = bench.told.iter().filter(|line| matches!(line, ToDriver::Hello { .. })).count();
+    let greetings = bench.to_driver.iter().filter(|line| matches!(line, ToDriver::Hello { .. })).count();
     assert_eq!(greetings, 5);
 }
 

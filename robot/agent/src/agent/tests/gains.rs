@@ -47,22 +47,22 @@ fn factors(lines: &[ToDriver]) -> Vec<f64> {
 }
 
 /// The factors that the driver was told for the first whisker since the last call.
-fn told(bench: &mut Bench) -> Vec<f64> {
+fn sent_gains(bench: &mut Bench) -> Vec<f64> {
     factors(&bench.take().1)
 }
 
 #[test]
 fn the_driver_is_told_the_gain_when_the_setpoint_is_applied() {
     let mut bench = running(OnSupervisorLoss::Hold);
-    assert_eq!(told(&mut bench), [1.0], "at its start");
+    assert_eq!(sent_gains(&mut bench), [1.0], "at its start");
     order(&mut bench, 1, 0.08, Some(0.887));
-    assert_eq!(told(&mut bench), [1.0], "with the pressure, and not the new one");
+    assert_eq!(sent_gains(&mut bench), [1.0], "with the pressure, and not the new one");
     bench.hold([0.08, 0.1], 0.5);
-    assert_eq!(told(&mut bench), [0.0; 0]);
+    assert_eq!(sent_gains(&mut bench), [0.0; 0]);
     bench.hold([0.08, 0.1], 0.2);
-    assert_eq!(told(&mut bench), [0.887]);
+    assert_eq!(sent_gains(&mut bench), [0.887]);
     bench.hold([0.08, 0.1], 4.05);
-    assert_eq!(told(&mut bench), [0.887; 2], "a lost line does no harm");
+    assert_eq!(sent_gains(&mut bench), [0.887; 2], "a lost line does no harm");
     bench.step(Input::DriverEnded);
     bench.step(Input::DriverStarted);
     let lines: Vec<String> = bench.take().1.iter().map(|one| String::from_utf8(one.line()).unwrap()).collect();
@@ -104,9 +104,9 @@ fn a_pressure_of_the_robots_own_has_the_gain_1() {
         let mut bench = running(rule);
         order(&mut bench, 1, applied_mpa, Some(0.887));
         bench.hold([applied_mpa, 0.1], 59.0);
-        assert_eq!(told(&mut bench).last(), Some(&0.887), "{rule}");
+        assert_eq!(sent_gains(&mut bench).last(), Some(&0.887), "{rule}");
         bench.hold([applied_mpa, 0.1], 5.0);
-        assert_eq!(told(&mut bench).last(), Some(&factor), "{rule} {applied_mpa}");
+        assert_eq!(sent_gains(&mut bench).last(), Some(&factor), "{rule} {applied_mpa}");
     }
 }
 
@@ -115,13 +115,13 @@ fn before_the_first_setpoint_of_a_boot_the_estimates_gain_counts_for_the_pressur
     let mut bench = running(OnSupervisorLoss::Hold);
     bench.take();
     estimate(&mut bench, 1, 0.08, 0.887);
-    assert_eq!(told(&mut bench), [0.0; 0]);
+    assert_eq!(sent_gains(&mut bench), [0.0; 0]);
     estimate(&mut bench, 2, 0.1, 1.7);
-    assert_eq!(told(&mut bench), [1.7]);
+    assert_eq!(sent_gains(&mut bench), [1.7]);
     order(&mut bench, 3, 0.1, Some(1.6));
     bench.hold([0.1, 0.1], 1.0);
     estimate(&mut bench, 4, 0.1, 1.7);
-    assert_eq!(told(&mut bench).last(), Some(&1.6), "the robot knows what it applied");
+    assert_eq!(sent_gains(&mut bench).last(), Some(&1.6), "the robot knows what it applied");
 }
 
 #[test]
@@ -130,5 +130,5 @@ fn a_driver_that_applies_no_gain_hears_of_none() {
     estimate(&mut bench, 1, 0.1, 1.7);
     order(&mut bench, 2, 0.08, Some(0.887));
     bench.hold([0.08, 0.1], 6.0);
-    assert_eq!(told(&mut bench), [0.0; 0]);
+    assert_eq!(sent_gains(&mut bench), [0.0; 0]);
 }

@@ -36,7 +36,7 @@ struct Bench {
     /// Difference of the system's clock since it was set, in microseconds.
     stepped_us: i64,
     messages: Vec<Message>,
-    told: Vec<ToDriver>,
+    to_driver: Vec<ToDriver>,
     records: Vec<Record>,
     restarts: usize,
     reconnects: usize,
@@ -52,7 +52,7 @@ impl Bench {
         let mut config = Config::from_toml_str(EXAMPLE, Path::new("")).unwrap();
         edit(&mut config);
         let (agent, records) = Agent::new(&config, BootId::new(boot).unwrap(), stored, Now::of_us(now_us));
-        Self { agent, now_us, stepped_us: 0, messages: vec![], told: vec![], records, restarts: 0, reconnects: 0 }
+        Self { agent, now_us, stepped_us: 0, messages: vec![], to_driver: vec![], records, restarts: 0, reconnects: 0 }
     }
 
     /// A connected agent whose driver reports its pressures.
@@ -75,7 +75,7 @@ impl Bench {
                     let topic = topic.of(&self.agent.fleet, &self.agent.robot);
                     self.messages.push(decode(&topic, &payload).expect("an agent keeps the contract"));
                 }
-                Output::Tell(line) => self.told.push(line),
+                Output::Tell(line) => self.to_driver.push(line),
                 Output::Store(record) => self.records.push(record),
                 Output::RestartDriver => self.restarts += 1,
                 Output::Reconnect => self.reconnects += 1,
@@ -154,7 +154,7 @@ impl Bench {
 
     /// Forgets what the agent has done, and returns it.
     fn take(&mut self) -> (Vec<Message>, Vec<ToDriver>) {
-        (std::mem::take(&mut self.messages), std::mem::take(&mut self.told))
+        (std::mem::take(&mut self.messages), std::mem::take(&mut self.to_driver))
     }
 
     fn outcomes(&mut self) -> Vec<(SetpointOutcome, Option<SetpointError>)> {
@@ -172,20 +172,21 @@ impl Bench {
 
     /// Pressures that the driver was told for a whisker.
     fn pressures(&self, number: u16) -> Vec<f64> {
-        let told = self.told.iter();
-        told.filter_map(|line| {
-            if let ToDriver::SetPressure { whisker, pressure_mpa, .. } = line {
-                (*whisker == number).then_some(*pressure_mpa)
-            } else {
-                None
-            }
-        })
-        .collect()
+        let lines = self.to_driver.iter();
+        lines
+            .filter_map(|line| {
+                if let ToDriver::SetPressure { whisker, pressure_mpa, .. } = line {
+                    (*whisker == number).then_some(*pressure_mpa)
+                } else {
+                    None
+                }
+            })
+            .collect()
     }
 
     fn problems(&mut self) -> Vec<String> {
-        let told = self.take().1.into_iter();
-        told.filter_map(|line| if let ToDriver::Error { problem, .. } = line { Some(problem) } else { None }).collect()
+        let lines = self.take().1.into_iter();
+        lines.filter_map(|line| if let ToDriver::Error { problem, .. } = line { Some(problem) } else { None }).collect()
     }
 
     /// The state that a restart would find.

@@ -31,7 +31,7 @@ fn births(messages: &[Message]) -> Vec<(String, &'static str)> {
     messages.iter().filter_map(one).collect()
 }
 
-fn told(boot: &str) -> [(String, &'static str); 2] {
+fn introduction(boot: &str) -> [(String, &'static str); 2] {
     [(boot.to_owned(), "birth"), (boot.to_owned(), "factsheet")]
 }
 
@@ -40,7 +40,7 @@ fn messages_of_an_earlier_boot_keep_their_numbers_until_they_are_receipted() {
     let mut bench = Bench::after(|_| {}, "b2", stored(true), START + 60 * S);
     bench.step(Input::Connected);
     let (messages, _) = bench.take();
-    assert_eq!(births(&messages), [told("b1"), told("b2")].concat());
+    assert_eq!(births(&messages), [introduction("b1"), introduction("b2")].concat());
     let sent: Vec<(String, u64)> = messages
         .iter()
         .filter_map(|m| if let Message::Contacts(c) = m { Some((c.boot_id.to_string(), c.seq)) } else { None })
@@ -51,7 +51,7 @@ fn messages_of_an_earlier_boot_keep_their_numbers_until_they_are_receipted() {
     bench.step(Input::Disconnected);
     bench.step(Input::Connected);
     let (messages, _) = bench.take();
-    assert_eq!(births(&messages), told("b2"));
+    assert_eq!(births(&messages), introduction("b2"));
     assert_eq!(bench.agent.messages_kept(), 1);
     bench.receipt("b1", 3);
     assert_eq!(bench.agent.messages_kept(), 0);
@@ -75,14 +75,14 @@ fn a_supervisor_that_misses_an_earlier_boot_is_introduced_to_it_before_another_o
     bench.hold([0.12, 0.1], 6.0);
     bench.take();
     bench.step(Input::Message(RobotTopic::Request, REQUEST));
-    let (messages, told_driver) = bench.take();
+    let (messages, lines) = bench.take();
     assert_eq!((births(&messages).len(), bench.reconnects), (0, 1));
-    assert!(told_driver.iter().any(|line| matches!(line, ToDriver::SetPressure { pressure_mpa: 0.1, whisker: 0, .. })));
+    assert!(lines.iter().any(|line| matches!(line, ToDriver::SetPressure { pressure_mpa: 0.1, whisker: 0, .. })));
     assert_eq!(bench.agent.boot_id().as_str(), "b2-1");
     bench.step(Input::Connected);
     let (messages, _) = bench.take();
     // b2 has an unreceipted message, too: the order is b1, b2, b2-1. Each will has the boot of its birth.
-    assert_eq!(births(&messages), [told("b1"), told("b2"), told("b2-1")].concat());
+    assert_eq!(births(&messages), [introduction("b1"), introduction("b2"), introduction("b2-1")].concat());
     for boot in ["b1", "b2"] {
         bench.receipt(boot, 3);
     }
@@ -97,7 +97,7 @@ fn a_supervisor_that_misses_an_earlier_boot_is_introduced_to_it_before_another_o
 fn an_earlier_boot_is_introduced_only_before_the_present_one() {
     let mut bench = Bench::after(|_| {}, "b2", stored(true), START + 60 * S);
     bench.step(Input::Connected);
-    assert_eq!(births(&bench.take().0), [told("b1"), told("b2")].concat());
+    assert_eq!(births(&bench.take().0), [introduction("b1"), introduction("b2")].concat());
     // Later it would make the present boot an old one, which never comes back.
     bench.step(Input::Disconnected);
     bench.step(Input::Connected);
@@ -107,7 +107,7 @@ fn an_earlier_boot_is_introduced_only_before_the_present_one() {
         random,
     ));
     bench.run(2.0);
-    assert_eq!(births(&bench.take().0), [told("b2"), told("b2")].concat());
+    assert_eq!(births(&bench.take().0), [introduction("b2"), introduction("b2")].concat());
 }
 
 #[test]

@@ -83,7 +83,7 @@ fn without_a_driver_a_setpoint_is_refused() {
     bench.step(Input::Connected);
     bench.order(1, 0.12);
     assert_eq!(bench.outcomes(), [(SetpointOutcome::Rejected, Some(SetpointError::NotReady))]);
-    assert_eq!(bench.told, []);
+    assert_eq!(bench.to_driver, []);
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn a_touch_test_is_given_to_the_driver_and_its_contacts_come_before_its_end() {
         touch_test: Some(test.clone()),
     };
     bench.send(RobotTopic::Request, &request);
-    assert!(matches!(&bench.told[..], [ToDriver::Test { contacts: 2, .. }]), "{:?}", bench.told);
+    assert!(matches!(&bench.to_driver[..], [ToDriver::Test { contacts: 2, .. }]), "{:?}", bench.to_driver);
     bench.line(r#"{"type":"contact","whisker":0,"deflection_mm":1,"strain":0.01,"distance_mm":50,"test_id":"t1"}"#);
     bench.line(r#"{"type":"contact","whisker":0,"touched":false,"distance_mm":50,"test_id":"t1"}"#);
     bench.line(r#"{"type":"contact","whisker":0,"deflection_mm":1,"strain":0.01,"distance_mm":50,"test_id":"t1"}"#);
@@ -158,8 +158,8 @@ fn a_touch_test_is_given_to_the_driver_and_its_contacts_come_before_its_end() {
     bench.line(r#"{"type":"test_state","test_id":"t1","state":"DONE"}"#);
     // A repeated request is answered and not done again.
     bench.send(RobotTopic::Request, &request);
-    let tests = bench.told.iter().filter(|line| matches!(line, ToDriver::Test { .. })).count();
-    let (messages, told) = bench.take();
+    let tests = bench.to_driver.iter().filter(|line| matches!(line, ToDriver::Test { .. })).count();
+    let (messages, lines) = bench.take();
     let seen: Vec<String> = messages
         .iter()
         .filter_map(|message| {
@@ -173,7 +173,7 @@ fn a_touch_test_is_given_to_the_driver_and_its_contacts_come_before_its_end() {
         })
         .collect();
     assert_eq!((tests, &seen[..]), (1, &["ACCEPTED", "RUNNING", "1+1", "DONE", "DONE"].map(str::to_owned)[..]));
-    let problems = told.iter().filter(|line| matches!(line, ToDriver::Error { .. })).count();
+    let problems = lines.iter().filter(|line| matches!(line, ToDriver::Error { .. })).count();
     assert_eq!(problems, 2, "one touch too many, and one of another test");
 }
 

@@ -60,7 +60,7 @@ fn felt(bench: &mut Bench, clock: Clock, more: &str, slips: bool) -> (Vec<Contac
         bench
             .line(&format!(r#"{{"type":"strain","whisker":0,"strain":[{strain}],"every_us":{EVERY_US}{time}{more}}}"#));
         bench.read(0, 0.1);
-        let (messages, told) = bench.take();
+        let (messages, lines) = bench.take();
         for message in messages {
             if let Message::Contacts(message) = message {
                 bench.receipt("b1", message.seq + 1);
@@ -68,7 +68,7 @@ fn felt(bench: &mut Bench, clock: Clock, more: &str, slips: bool) -> (Vec<Contac
             }
         }
         problems.extend(
-            told.into_iter().filter_map(
+            lines.into_iter().filter_map(
                 |line| {
                     if let ToDriver::Error { problem, .. } = line { Some(problem) } else { None }
                 },

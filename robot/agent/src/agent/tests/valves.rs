@@ -32,9 +32,9 @@ impl Air {
             }
             self.bench.step(Input::Tick);
             let reading_mpa = (self.pressure_mpa / STEP_MPA).round() * STEP_MPA;
-            let told = self.bench.told.len();
+            let before = self.bench.to_driver.len();
             self.bench.read(0, reading_mpa);
-            for line in &self.bench.told[told..] {
+            for line in &self.bench.to_driver[before..] {
                 let ToDriver::Valve { whisker: 0, open, for_ms, .. } = line else { continue };
                 assert!((0.0..=1000.0).contains(for_ms), "{line:?}");
                 self.open = Some((*open, self.bench.now_us + (for_ms * 1000.0) as u64));
@@ -83,5 +83,5 @@ fn without_regulate_no_valve_is_opened() {
     let mut bench = Bench::running();
     bench.order(1, 0.05);
     bench.hold([0.1, 0.1], 5.0);
-    assert!(!bench.told.iter().any(|line| matches!(line, ToDriver::Valve { .. })));
+    assert!(!bench.to_driver.iter().any(|line| matches!(line, ToDriver::Valve { .. })));
 }

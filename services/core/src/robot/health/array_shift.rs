@@ -59,7 +59,7 @@ const BEGUN_ANEW: f32 = -2.0;
 
 /// Answer of another whisker to a suspected shift of the array.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Answer {
+enum Testimony {
     Feels(Fit),
     Denies,
     Doubts,
@@ -100,22 +100,22 @@ impl Robot {
             let told = self.whiskers[other].told_since_alarm;
             others += 1;
             let answer = self.whiskers[other].answer(&own);
-            doubts += usize::from(answer == Answer::Doubts);
+            doubts += usize::from(answer == Testimony::Doubts);
             match answer {
-                Answer::Feels(felt) => {
+                Testimony::Feels(felt) => {
                     feel += 1;
                     all.add(&felt);
                 }
-                Answer::Denies => return Others::Not,
-                Answer::Unclear | Answer::Doubts if told == BEGUN_ANEW => others -= 1,
+                Testimony::Denies => return Others::Not,
+                Testimony::Unclear | Testimony::Doubts if told == BEGUN_ANEW => others -= 1,
                 // It can only feel.
-                Answer::Unclear if !self.whiskers[other].can_deny() => silent += 1,
-                Answer::Unclear | Answer::Doubts if told == ABSORBED => {}
-                Answer::Unclear | Answer::Doubts if told == 0.0 => {
+                Testimony::Unclear if !self.whiskers[other].can_deny() => silent += 1,
+                Testimony::Unclear | Testimony::Doubts if told == ABSORBED => {}
+                Testimony::Unclear | Testimony::Doubts if told == 0.0 => {
                     silent += 1;
                     waits |= promised < WAITS_FOR_SILENT;
                 }
-                Answer::Unclear | Answer::Doubts => waits |= promised < WAITS,
+                Testimony::Unclear | Testimony::Doubts => waits |= promised < WAITS,
             }
         }
         all.add(&own);
@@ -219,10 +219,10 @@ fn feels(own: &Fit, other: &Fit) -> bool {
 
 impl Whisker {
     /// Answer to a change that another whisker of its array suspects.
-    fn answer(&self, own: &Fit) -> Answer {
+    fn answer(&self, own: &Fit) -> Testimony {
         let felt = self.detector.felt(own.size);
         if let Some(felt) = felt.filter(|felt| feels(own, felt)) {
-            return Answer::Feels(felt);
+            return Testimony::Feels(felt);
         }
         let shows_another = |felt: &Fit| {
             let sd = (own.variance + felt.variance).sqrt();
@@ -233,11 +233,11 @@ impl Whisker {
         let is_weak = |felt: &Fit| felt.gain < FEELS.min(0.25 * promised);
         let is_another = felt.is_none_or(|felt| is_weak(&felt) || shows_another(&felt));
         if !is_another || !self.can_deny() || promised < DOUBTS {
-            Answer::Unclear
+            Testimony::Unclear
         } else if promised < DENIES {
-            Answer::Doubts
+            Testimony::Doubts
         } else {
-            Answer::Denies
+            Testimony::Denies
         }
     }
 

@@ -1,6 +1,6 @@
 //! Contacts, and the consequences of the detector's verdicts for a whisker.
 
-use crate::detection::{Change, Checks, Kind, Verdict};
+use crate::detection::{Change, Checks, HypothesisKind, Verdict};
 use crate::estimation::LengthEstimate;
 use crate::mechanics::Offset;
 use crate::robot::Robot;
@@ -91,7 +91,7 @@ impl Robot {
 
     fn changed(&mut self, params: &Params, index: WhiskerIndex, change: &Change, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
-        if change.kind != Kind::Drifting
+        if change.kind != HypothesisKind::Drifting
             && whisker.model(params).is_some_and(|model| whisker.is_rest_of_shift(model, change))
         {
             if whisker.condition == Condition::Suspected {
@@ -103,13 +103,13 @@ impl Robot {
         }
         let length_before_mm = whisker.filter.length().length.mm();
         match change.kind {
-            Kind::LessSensitive => {
+            HypothesisKind::LessSensitive => {
                 self.rescale(params, index, change);
                 self.set_condition(index, Condition::SensitivityLoss, effects);
             }
             // Recovery after SENSITIVITY_LOSS looks like a cut.
-            Kind::Shorter if whisker.regains(params, change) => self.rescale(params, index, change),
-            Kind::Shorter => {
+            HypothesisKind::Shorter if whisker.regains(params, change) => self.rescale(params, index, change),
+            HypothesisKind::Shorter => {
                 whisker.jump(change);
                 whisker.doubt_gain(params);
                 if whisker.is_at_nominal_pressure() {
@@ -122,13 +122,13 @@ impl Robot {
                     contacts_since_confirmed: 0,
                 });
             }
-            Kind::Eroding => {
+            HypothesisKind::Eroding => {
                 whisker.jump(change);
                 if whisker.condition != Condition::Eroding {
                     self.set_condition(index, Condition::Eroding, effects);
                 }
             }
-            Kind::Drifting => {
+            HypothesisKind::Drifting => {
                 whisker.jump(change);
                 whisker.drifting = true;
                 whisker.drift_told = true;

@@ -119,12 +119,12 @@ crate::optional_parts::optional_fields!(Clock: ;
 
 impl Clock {
     /// A message was received at `now`, and says that it was `robot_time`; 0 stands for a message without a time.
-    pub(in crate::robot) fn hear(&mut self, now: Micros, robot_time: Micros, told: TimeKind) {
+    pub(in crate::robot) fn hear(&mut self, now: Micros, robot_time: Micros, kind: TimeKind) {
         self.heard = Some(now);
         if robot_time == Micros::default() {
             return;
         }
-        let is_live = told == TimeKind::Live;
+        let is_live = kind == TimeKind::Live;
         let newest_live = self.samples.iter().rev().find(|one| one.is_live);
         let has_recent_live = newest_live.is_some_and(|one| now.since(one.at) < LIVE_FOR);
         if !is_live && has_recent_live && self.live() >= SETTLED {

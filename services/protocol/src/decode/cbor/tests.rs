@@ -124,8 +124,8 @@ fn errors_are_those_of_json_with_the_same_places() {
     for (problem, change) in changes {
         let mut message = golden();
         change(&mut message);
-        let told = refused(&cbor_of(&message)).to_string();
-        assert_eq!(told, problem);
+        let refusal = refused(&cbor_of(&message)).to_string();
+        assert_eq!(refusal, problem);
         let of_json = refused(message.to_string().as_bytes()).to_string();
         assert!(of_json.starts_with(problem), "{of_json}");
     }
@@ -151,8 +151,8 @@ fn what_json_does_not_have_is_refused_with_its_position() {
 #[test]
 fn only_contacts_may_be_in_cbor() {
     let status = Topic::parse("whisker/v1/f/r/status").unwrap();
-    let told = decode(&status, &cbor_of(&golden())).unwrap_err();
-    assert_eq!(told.to_string(), "the payload is not JSON: it begins like CBOR, which is for `contacts` only");
+    let refusal = decode(&status, &cbor_of(&golden())).unwrap_err();
+    assert_eq!(refusal.to_string(), "the payload is not JSON: it begins like CBOR, which is for `contacts` only");
 }
 
 #[test]
@@ -276,8 +276,8 @@ proptest! {
     fn property_any_bytes_are_taken_or_refused_briefly(first in 0xa0..=0xbf_u8, rest in prop::collection::vec(any::<u8>(), 0..200)) {
         let bytes = [vec![first], rest].concat();
         let _ = envelope(&bytes);
-        if let Err(told) = outcome(&bytes) {
-            prop_assert!(told.len() < 1000, "{}", told);
+        if let Err(refusal) = outcome(&bytes) {
+            prop_assert!(refusal.len() < 1000, "{}", refusal);
         }
     }
 }

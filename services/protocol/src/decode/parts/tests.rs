@@ -34,10 +34,10 @@ fn received(payload: &[u8]) -> (Vec<u16>, Vec<Refusal>) {
     (received.message.contacts.iter().map(|one| one.whisker).collect(), received.refused)
 }
 
-fn assert_fifth_alone_refused(payload: &[u8], told: &str) {
+fn assert_fifth_alone_refused(payload: &[u8], expected: &str) {
     let (kept, refused) = received(payload);
-    assert_eq!(kept, [0, 1, 2, 3, 5, 6, 7, 8, 9], "{told}");
-    assert_eq!(refused.iter().map(ToString::to_string).collect::<Vec<_>>(), [told]);
+    assert_eq!(kept, [0, 1, 2, 3, 5, 6, 7, 8, 9], "{expected}");
+    assert_eq!(refused.iter().map(ToString::to_string).collect::<Vec<_>>(), [expected]);
     assert_eq!(decode_contacts(payload, Vec::new()).unwrap_err(), refused[0], "a strict reader refuses the message");
 }
 
@@ -48,7 +48,7 @@ fn regress_one_bad_contact_of_ten_is_refused_alone() {
         assert_fifth_alone_refused(&with_ratio(word.as_bytes()), &number(word));
     }
     assert_fifth_alone_refused(&with_ratio(b""), &number("nothing"));
-    for (value, told) in [
+    for (value, expected) in [
         ("\"x\"", "contacts[4].ratio: \"x\" was given, a number is required"),
         ("[]", "contacts[4].ratio: "),
         ("1.5", "contacts[4].ratio is 1.5, but must be between 0.01 and 1"),
@@ -58,7 +58,7 @@ fn regress_one_bad_contact_of_ten_is_refused_alone() {
     ] {
         let (kept, refused) = received(&with_ratio(value.as_bytes()));
         assert_eq!(kept, [0, 1, 2, 3, 5, 6, 7, 8, 9], "{value}");
-        assert!(refused[0].to_string().starts_with(told), "{value}: {}", refused[0]);
+        assert!(refused[0].to_string().starts_with(expected), "{value}: {}", refused[0]);
     }
     // A required number may not be null, an optional one may.
     let null = ten(CONTACTS, "contacts").to_string().replacen("\"strain\":0.009671", "\"strain\":null", 1);
@@ -95,8 +95,8 @@ fn regress_what_cbor_has_and_json_has_not_spoils_its_own_contact() {
         (b"\x62\xff\xff", "a text that is not UTF-8"),
     ] {
         let payload = [&bytes[..at], value, &bytes[at + 9..]].concat();
-        let told = format!("contacts[4].ratio: \"{shown}\" was given, a number is required");
-        assert_fifth_alone_refused(&payload, &told);
+        let expected = format!("contacts[4].ratio: \"{shown}\" was given, a number is required");
+        assert_fifth_alone_refused(&payload, &expected);
     }
     let null = [&bytes[..at], b"\xf6", &bytes[at + 9..]].concat();
     assert_eq!(received(&null), ((0..10).collect(), Vec::new()), "a place may be null");
@@ -120,14 +120,14 @@ fn regress_whole_numbers_may_have_decimals() {
 
 #[test]
 fn a_wrong_frame_refuses_the_message() {
-    for (from, to, told) in [
+    for (from, to, expected) in [
         (r#""seq":1812"#, r#""seq":NaN"#, "the payload is not JSON"),
         (r#""seq":1812"#, r#""seq":-1"#, "seq: -1 was given, a whole number from 0 on is required"),
         (r#""boot_id":"b7","#, "", "boot_id"),
         (r#""seq":1812"#, r#""seq":1,"seq":2"#, "seq"),
     ] {
         let refusal = receive_contacts(CONTACTS.replacen(from, to, 1).as_bytes(), Vec::new()).unwrap_err().to_string();
-        assert!(refusal.contains(told), "{refusal}");
+        assert!(refusal.contains(expected), "{refusal}");
     }
 }
 

@@ -98,9 +98,9 @@ impl Execution<'_> {
             state, problem, actor = action.actor, "operator action handled"
         );
         let (action_id, done_us) = (action.action_id, wall_clock().0 as i64);
-        let told = answered(action_id, state, done_us);
-        let told = if robot_id == 0 { told } else { told.of_robot(robot_id) };
-        self.workers.record(Record::Answer { action_id, robot_id, state, problem, done_us }, Some(told));
+        let entry = answered(action_id, state, done_us);
+        let entry = if robot_id == 0 { entry } else { entry.of_robot(robot_id) };
+        self.workers.record(Record::Answer { action_id, robot_id, state, problem, done_us }, Some(entry));
         pipeline.answer(action_id);
     }
 
@@ -109,8 +109,8 @@ impl Execution<'_> {
         let problem = "UNREADABLE: the stored request is damaged; request the action again".to_owned();
         self.metrics.actions.count(["UNKNOWN", "REFUSED"]);
         let (state, problem, done_us) = ("REFUSED", Some(problem), wall_clock().0 as i64);
-        let told = answered(action_id, state, done_us);
-        self.workers.record(Record::Answer { action_id, robot_id: 0, state, problem, done_us }, Some(told));
+        let entry = answered(action_id, state, done_us);
+        self.workers.record(Record::Answer { action_id, robot_id: 0, state, problem, done_us }, Some(entry));
         pipeline.answer(action_id);
     }
 
@@ -224,8 +224,8 @@ impl Execution<'_> {
         };
         let part = CalibrationPart { calibration_id: row.calibration_id, model: row.model.clone() };
         let parts = Parts { calibration: Some(part), ..Parts::default() };
-        let told = event(EventKind::Calibration, row.activated_us, &parts);
-        self.workers.record(Record::Activation(Box::new(row)), Some(told));
+        let entry = event(EventKind::Calibration, row.activated_us, &parts);
+        self.workers.record(Record::Activation(Box::new(row)), Some(entry));
         Ok(())
     }
 
@@ -264,8 +264,8 @@ impl Execution<'_> {
             action_id,
         };
         let parts = Parts { policy: Some(PolicyPart { version: changed.version }), ..Parts::default() };
-        let told = event(EventKind::Policy, changed.changed_us, &parts);
-        self.workers.record(Record::Policy(Box::new(PolicyRow::new(policy, changed))), Some(told));
+        let entry = event(EventKind::Policy, changed.changed_us, &parts);
+        self.workers.record(Record::Policy(Box::new(PolicyRow::new(policy, changed))), Some(entry));
     }
 }
 

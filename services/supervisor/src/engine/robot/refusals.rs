@@ -71,8 +71,8 @@ mod tests {
         refusals.count(contacts, &"another", Micros(2));
         refusals.count((RobotTopic::Status, "malformed"), &"x", Micros(3));
         let rows: Vec<RefusalRow> = refusals.rows(7).collect();
-        let told = |row: &RefusalRow| (row.robot_id, row.topic, row.refused, row.refused_us, row.problem.len());
-        assert_eq!(rows.iter().map(told).collect::<Vec<_>>(), [(7, "contacts", 2, 2, 400), (7, "status", 1, 3, 1)]);
+        let fields = |row: &RefusalRow| (row.robot_id, row.topic, row.refused, row.refused_us, row.problem.len());
+        assert_eq!(rows.iter().map(fields).collect::<Vec<_>>(), [(7, "contacts", 2, 2, 400), (7, "status", 1, 3, 1)]);
         refusals.written();
         assert_eq!(refusals.rows(7).count(), 0);
         refusals.count(contacts, &"later", Micros(4));

@@ -6,7 +6,7 @@ use vibrissa_store::batch::Record;
 
 use super::*;
 
-fn told(worker: &mut Worker, counted: impl Fn(&Record) -> bool) -> usize {
+fn record_count(worker: &mut Worker, counted: impl Fn(&Record) -> bool) -> usize {
     worker.batch_mut().rows_mut().records.iter().filter(|record| counted(record)).count()
 }
 
@@ -31,8 +31,8 @@ fn flap_for_ten_minutes(one: (RegulatorState, f64), other: (RegulatorState, f64)
         now = now.after(Micros::from_s(0.25));
         worker.tick(now, &Delayed::new(), usize::MAX);
     }
-    let alarms = told(&mut worker, |record| matches!(record, Record::Alarm(_)));
-    let changes = told(&mut worker, |record| matches!(record, Record::Health(_)));
+    let alarms = record_count(&mut worker, |record| matches!(record, Record::Alarm(_)));
+    let changes = record_count(&mut worker, |record| matches!(record, Record::Health(_)));
     assert_eq!(alarms, usize::from(WHISKERS), "{other:?}");
     assert!(changes <= 6 * usize::from(WHISKERS), "{other:?}: {changes} changes of health");
 }
@@ -116,8 +116,8 @@ fn regress_a_connection_that_flaps_is_charged_and_then_refused_until_the_budget_
         worker.handle(&connection(protocol::ConnectionState::Online, now));
     }
     assert!(worker.metrics().messages_refused.of(["over_budget"]).get() > 10_000);
-    let alarms = told(&mut worker, |record| matches!(record, Record::RobotAlarm(_)));
-    let changes = told(&mut worker, |record| matches!(record, Record::Health(_)));
+    let alarms = record_count(&mut worker, |record| matches!(record, Record::RobotAlarm(_)));
+    let changes = record_count(&mut worker, |record| matches!(record, Record::Health(_)));
     assert!(alarms > 100 && (alarms * 1200 + changes * 300) < 5 << 20, "{alarms} alarms, {changes} changes");
     assert!(refused(&worker, "connection", "over_budget") > 10_000, "on its page");
     let is_online = |worker: &Worker| worker.robots()["r1"].robot.connection_state().1 == Link::Online;

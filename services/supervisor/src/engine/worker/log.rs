@@ -49,7 +49,7 @@ pub(super) fn effect(known: &KnownRobot, effect: &Effect) {
         Effect::Decided(decision) => decided(known, decision),
         Effect::Ended { compensation, reason, .. } => info!(
             robot = %known.full_name(), compensation_id = wide_id(known.robot_id, *compensation),
-            "compensation ended: {}", told(*reason)
+            "compensation ended: {}", label_of(*reason)
         ),
         Effect::Approved { compensation } => info!(
             robot = %known.full_name(), compensation_id = wide_id(known.robot_id, *compensation),
@@ -57,7 +57,7 @@ pub(super) fn effect(known: &KnownRobot, effect: &Effect) {
         ),
         Effect::Command(command) => info!(
             whisker = %name_of(command.whisker), version = command.key.version, "setpoint sent: {:.4} MPa, {}",
-            command.pressure.mpa(), told(command.reason)
+            command.pressure.mpa(), label_of(command.reason)
         ),
         Effect::CommandState { command, whisker, state, rejection, pressure, .. } => {
             let subject = whisker.map_or(known.full_name(), name_of);
@@ -67,10 +67,10 @@ pub(super) fn effect(known: &KnownRobot, effect: &Effect) {
                     whisker = %subject, version, pressure_mpa = pressure.map(|pressure| pressure.mpa()), "setpoint applied"
                 ),
                 CommandState::Rejected | CommandState::Failed | CommandState::Expired => {
-                    warn!(whisker = %subject, version, error, "setpoint {}", told(*state));
+                    warn!(whisker = %subject, version, error, "setpoint {}", label_of(*state));
                 }
                 CommandState::Superseded | CommandState::Abandoned => {
-                    info!(whisker = %subject, version, "setpoint {}", told(*state));
+                    info!(whisker = %subject, version, "setpoint {}", label_of(*state));
                 }
                 CommandState::Pending | CommandState::Received | CommandState::Applying => {}
             }
@@ -80,30 +80,30 @@ pub(super) fn effect(known: &KnownRobot, effect: &Effect) {
             let subject = known.target_of(refinement.compensation).map_or(known.full_name(), name_of);
             info!(
                 whisker = %subject, compensation_id, "setpoint reviewed, {}; error {:.1} %",
-                told(refinement.outcome), 100.0 * refinement.error
+                label_of(refinement.outcome), 100.0 * refinement.error
             );
         }
         Effect::Alarm { whisker, kind } => {
-            warn!(whisker = %name_of(*whisker), alarm = kind.word(), "alarm raised: {}", told(*kind));
+            warn!(whisker = %name_of(*whisker), alarm = kind.word(), "alarm raised: {}", label_of(*kind));
         }
         Effect::AlarmCleared { whisker, kind } => {
-            info!(whisker = %name_of(*whisker), alarm = kind.word(), "alarm cleared: {}", told(*kind));
+            info!(whisker = %name_of(*whisker), alarm = kind.word(), "alarm cleared: {}", label_of(*kind));
         }
         Effect::RobotAlarm { kind } => {
-            warn!(robot = %known.full_name(), alarm = kind.word(), "alarm raised: {}", told(*kind));
+            warn!(robot = %known.full_name(), alarm = kind.word(), "alarm raised: {}", label_of(*kind));
         }
         Effect::RobotAlarmCleared { kind } => {
-            info!(robot = %known.full_name(), alarm = kind.word(), "alarm cleared: {}", told(*kind));
+            info!(robot = %known.full_name(), alarm = kind.word(), "alarm cleared: {}", label_of(*kind));
         }
         Effect::Gone { array, number, alarms } => info!(
             whisker = %known.full_name().whisker(array, *number), alarms = alarms.len(),
             "the factsheet names this whisker no more, its alarms are cleared"
         ),
         Effect::Test(test) => info!(
-            whisker = %name_of(test.whisker), kind = test.kind.word(), "touch test requested: {}", told(test.reason)
+            whisker = %name_of(test.whisker), kind = test.kind.word(), "touch test requested: {}", label_of(test.reason)
         ),
         Effect::TestProposed(test) => info!(
-            whisker = %name_of(test.whisker), kind = test.kind.word(), "touch test proposed: {}", told(test.reason)
+            whisker = %name_of(test.whisker), kind = test.kind.word(), "touch test proposed: {}", label_of(test.reason)
         ),
         Effect::TestState { whisker, state, rejection, .. } => {
             let subject = whisker.map_or(known.full_name(), name_of);
@@ -111,10 +111,10 @@ pub(super) fn effect(known: &KnownRobot, effect: &Effect) {
             match state {
                 TestState::Pending | TestState::Accepted | TestState::Running | TestState::Proposed => {}
                 TestState::Done | TestState::Withdrawn | TestState::Refused | TestState::Abandoned => {
-                    info!(whisker = %subject, "touch test {}", told(*state));
+                    info!(whisker = %subject, "touch test {}", label_of(*state));
                 }
                 TestState::Rejected | TestState::Failed | TestState::Expired => {
-                    warn!(whisker = %subject, error, "touch test {}", told(*state));
+                    warn!(whisker = %subject, error, "touch test {}", label_of(*state));
                 }
             }
         }
@@ -138,7 +138,7 @@ fn decided(known: &KnownRobot, decision: &Decision) {
     let Some(chosen) = decision.chosen.and_then(|at| decision.candidates.get(at)) else {
         return warn!(whisker = %target, candidates = decision.candidates.len(), "no whisker can compensate for it");
     };
-    let (by, case) = (known.full_name_of(chosen.whisker), told(chosen.case));
+    let (by, case) = (known.full_name_of(chosen.whisker), label_of(chosen.case));
     let pressure_mpa = chosen.pressure.map(|pressure| (1e4 * pressure.mpa()).round() / 1e4);
     let error_percent = chosen.predicted_error.map(|error| (1000.0 * error).round() / 10.0);
     let what = if decision.proposed { "compensation proposed, an operator decides" } else { "compensation begins" };
@@ -146,6 +146,6 @@ fn decided(known: &KnownRobot, decision: &Decision) {
 }
 
 /// A value in the plain words of the console.
-fn told<T: Words + Copy>(value: T) -> &'static str {
+fn label_of<T: Words + Copy>(value: T) -> &'static str {
     value.label().unwrap_or_else(|| value.word())
 }

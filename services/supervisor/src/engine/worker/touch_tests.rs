@@ -111,8 +111,8 @@ impl Stepper {
             let part =
                 TouchTestPart { test_id: row.test_id.clone(), state: None, touches: row.touches, missed: row.missed };
             let parts = Parts { touch_test: Some(part), ..Parts::default() };
-            let told = event(EventKind::TouchTest, row.updated_us, &parts).of_robot(row.robot_id);
-            self.batch.rows_mut().events.push(EventRow { whisker_id, ..told });
+            let entry = event(EventKind::TouchTest, row.updated_us, &parts).of_robot(row.robot_id);
+            self.batch.rows_mut().events.push(EventRow { whisker_id, ..entry });
             self.batch.rows_mut().records.push(Record::TouchTestProgress(Box::new(row)));
         }
     }

@@ -85,10 +85,10 @@ pub(super) async fn subject(
     if claims.additional_claims().nbf.is_some_and(|nbf| nbf > wall_clock().as_s() + leeway_s) {
         return Err(refused("it is not valid yet (nbf)".to_owned()));
     }
-    if let Some(told) = claims.access_token_hash() {
+    if let Some(claimed) = claims.access_token_hash() {
         let key = token.signing_key(&verifier).map_err(|problem| refused(problem.to_string()))?;
         let hash = AccessTokenHash::from_token(access_token, algorithm, key);
-        if hash.map_err(|problem| refused(problem.to_string()))? != *told {
+        if hash.map_err(|problem| refused(problem.to_string()))? != *claimed {
             return Err(refused("it belongs to another access token (at_hash)".to_owned()));
         }
     }
@@ -122,8 +122,8 @@ impl VerifyingKey {
 }
 
 /// The algorithm by the name that both libraries write: that of RFC 7518.
-fn algorithm(told: &CoreJwsSigningAlgorithm) -> Option<Algorithm> {
-    serde_json::from_value(serde_json::to_value(told).ok()?).ok()
+fn algorithm(name: &CoreJwsSigningAlgorithm) -> Option<Algorithm> {
+    serde_json::from_value(serde_json::to_value(name).ok()?).ok()
 }
 
 impl JsonWebKey for VerifyingKey {
@@ -153,20 +153,20 @@ impl JsonWebKey for VerifyingKey {
 
     fn verify_signature(
         &self,
-        told: &CoreJwsSigningAlgorithm,
+        signing: &CoreJwsSigningAlgorithm,
         message: &[u8],
         signature: &[u8],
     ) -> Result<(), SignatureVerificationError> {
         let unfit = || SignatureVerificationError::InvalidKey("the key does not fit the algorithm".to_owned());
-        let algorithm = algorithm(told).ok_or_else(unfit)?;
+        let algorithm = algorithm(signing).ok_or_else(unfit)?;
         let key = self.key.as_ref().and_then(|key| DecodingKey::from_jwk(key).ok()).ok_or_else(unfit)?;
         let verifier = signature::verifier(&algorithm, &key).map_err(|_| unfit())?;
         let wrong = |_| SignatureVerificationError::CryptoError("the signature is wrong".to_owned());
         verifier.verify(message, &signature.to_vec()).map_err(wrong)
     }
 
-    fn hash_bytes(&self, bytes: &[u8], told: &CoreJwsSigningAlgorithm) -> Result<Vec<u8>, String> {
-        let hash = match algorithm(told) {
+    fn hash_bytes(&self, bytes: &[u8], signing: &CoreJwsSigningAlgorithm) -> Result<Vec<u8>, String> {
+        let hash = match algorithm(signing) {
             Some(Algorithm::RS256 | Algorithm::PS256 | Algorithm::ES256) => &SHA256,
             Some(Algorithm::RS384 | Algorithm::PS384 | Algorithm::ES384) => &SHA384,
             Some(Algorithm::RS512 | Algorithm::PS512 | Algorithm::EdDSA) => &SHA512,

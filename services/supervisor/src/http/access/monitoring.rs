@@ -73,7 +73,7 @@ impl Monitors {
     ) -> Result<Caller, Problem> {
         let key = match credential {
             Credential::Nothing => return look_up.await,
-            Credential::Bearer(told) | Credential::Session(told) => blake3::hash(told.reveal().as_bytes()),
+            Credential::Bearer(secret) | Credential::Session(secret) => blake3::hash(secret.reveal().as_bytes()),
         };
         let known = self.callers().get(&key).cloned();
         let known = known.filter(|(caller, _)| caller.expires_us.is_none_or(|until| until > wall_clock().0 as i64));

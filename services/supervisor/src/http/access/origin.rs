@@ -75,14 +75,14 @@ mod tests {
 
     use super::*;
 
-    fn headers(told: &[(&'static str, &'static str)]) -> HeaderMap {
-        told.iter().map(|&(name, value)| (HeaderName::from_static(name), HeaderValue::from_static(value))).collect()
+    fn headers(pairs: &[(&'static str, &'static str)]) -> HeaderMap {
+        pairs.iter().map(|&(name, value)| (HeaderName::from_static(name), HeaderValue::from_static(value))).collect()
     }
 
     #[test]
     fn a_request_through_a_proxy_is_refused_without_a_token() {
-        let is_direct = |version, told: &[_]| {
-            let headers = headers(&[&[("host", "localhost:8080")], told].concat());
+        let is_direct = |version, pairs: &[_]| {
+            let headers = headers(&[&[("host", "localhost:8080")], pairs].concat());
             require_direct(version, &headers).is_ok()
         };
         assert!(is_direct(Version::HTTP_11, &[]) && is_direct(Version::HTTP_2, &[("accept", "*/*")]));
@@ -95,13 +95,13 @@ mod tests {
     #[test]
     fn another_sites_page_may_open_a_page_and_nothing_else() {
         let is_let_in = |method: &Method, path: &str, site, mode, destination| {
-            let told = [
+            let given = [
                 ("host", "localhost:8080"),
                 ("sec-fetch-site", site),
                 ("sec-fetch-mode", mode),
                 ("sec-fetch-dest", destination),
             ];
-            require_same_site(method, path, &headers(&told)).is_ok()
+            require_same_site(method, path, &headers(&given)).is_ok()
         };
         for site in ["cross-site", "same-site", "nonsense"] {
             for path in PAGES {

@@ -135,7 +135,7 @@ async fn get_allowed(State(app): State<App>, Path(at): Path<FleetPath>) -> Resul
 /// The version in the caller's `If-Match`, if it is still current.
 async fn expected(app: &App, at: &FleetPath, headers: &HeaderMap) -> Result<i64, Problem> {
     let now = in_force(app, at).await?.map_or(0, |reading| reading.version);
-    let Some(told) = headers.get(header::IF_MATCH) else {
+    let Some(given) = headers.get(header::IF_MATCH) else {
         let tag = etag(now);
         return Err(Problem::new(
             Kind::VersionMissing,
@@ -145,12 +145,12 @@ async fn expected(app: &App, at: &FleetPath, headers: &HeaderMap) -> Result<i64,
     if lists(headers, header::IF_MATCH, now) {
         return Ok(now);
     }
-    let told = told.to_str().unwrap_or_default();
-    Err(changed(now, told))
+    let given = given.to_str().unwrap_or_default();
+    Err(changed(now, given))
 }
 
-fn changed(now: i64, told: &str) -> Problem {
-    Problem::new(Kind::VersionChanged, format!("the list in force is {}, not {told}: read it again", etag(now)))
+fn changed(now: i64, tag: &str) -> Problem {
+    Problem::new(Kind::VersionChanged, format!("the list in force is {}, not {tag}: read it again", etag(now)))
 }
 
 async fn set(

@@ -170,16 +170,16 @@ pub(super) async fn ask_many(app: &App, asker: Asker, request: Request) -> Resul
     if !(1..=PER_S_MAX).contains(&per_s) {
         return Err(Problem::invalid("per_second", format!("must be 1 to {PER_S_MAX}, not {per_s}")));
     }
-    if let Some(told) = options.digest.as_ref().filter(|told| !is_digest(told)) {
-        return Err(Problem::invalid("digest", format!("must be the digest of a dry run, not {told:?}")));
+    if let Some(given) = options.digest.as_ref().filter(|given| !is_digest(given)) {
+        return Err(Problem::invalid("digest", format!("must be the digest of a dry run, not {given:?}")));
     }
     let digest = digest(&subjects);
     let count = subjects.len();
-    let told = |dry_run, action_id, items| {
+    let answer = |dry_run, action_id, items| {
         Ok(Json(Started { dry_run, subjects: count, more, digest: digest.clone(), action_id, items }))
     };
     if options.dry_run {
-        return told(true, None, subjects.into_iter().map(|(subject, _)| subject).collect());
+        return answer(true, None, subjects.into_iter().map(|(subject, _)| subject).collect());
     }
     let mut parameters = json!({ "which": which, "per_second": per_s, "digest": options.digest });
     if let (Value::Object(all), Value::Object(details)) = (&mut parameters, details) {
@@ -191,14 +191,14 @@ pub(super) async fn ask_many(app: &App, asker: Asker, request: Request) -> Resul
     let mut all = asker.action(of_all.word(), &parameters, why);
     all.fleet = only_fleet(&subjects).map(ToOwned::to_owned);
     if let Some(known) = known(app, &all, key.is_some()).await? {
-        return told(false, Some(known), Vec::new());
+        return answer(false, Some(known), Vec::new());
     }
     if options.digest.as_ref().is_some_and(|expected| *expected != digest) {
-        let told = format!("{count} subjects meet the conditions, but not those of the dry run: repeat the dry run");
-        return Err(Problem::new(Kind::VersionChanged, told));
+        let problem = format!("{count} subjects meet the conditions, but not those of the dry run: repeat the dry run");
+        return Err(Problem::new(Kind::VersionChanged, problem));
     }
     if subjects.is_empty() {
-        return told(false, None, Vec::new());
+        return answer(false, None, Vec::new());
     }
     let child = |(at, (subject, parameters)): (usize, &(Subject, Value))| {
         let not_before_us = each.asked_us + at as i64 * 1_000_000 / i64::from(per_s);
@@ -217,8 +217,8 @@ pub(super) async fn ask_many(app: &App, asker: Asker, request: Request) -> Resul
     let asked = match app.store.ask_many(&all, &children).await? {
         BulkAsked::Done(asked) => *asked,
         BulkAsked::TooMany(waiting) => {
-            let told = format!("{waiting} actions wait already, and at most {WAITING_MAX} may: repeat this later");
-            return Err(Problem::new(Kind::TooManyRequests, told));
+            let problem = format!("{waiting} actions wait already, and at most {WAITING_MAX} may: repeat this later");
+            return Err(Problem::new(Kind::TooManyRequests, problem));
         }
     };
     let action_id = number_of(asked)?;
@@ -227,7 +227,7 @@ pub(super) async fn ask_many(app: &App, asker: Asker, request: Request) -> Resul
         app.action_notifier.notify(&fleet);
     }
     app.action_notifier.changed();
-    told(false, Some(action_id), Vec::new())
+    answer(false, Some(action_id), Vec::new())
 }
 
 /// The number of the same request under the same idempotency key. Its subjects may be others by now, for example because

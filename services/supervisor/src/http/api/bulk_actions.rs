@@ -122,8 +122,8 @@ async fn stop_bulk(
     OptionalBody(why): OptionalBody<Why>,
 ) -> Result<Json<BulkDetail>, Problem> {
     let caller = asker.caller.clone();
-    let told = detail(&app, &caller, at.action_id).await?;
-    if is_for_engineers(&told.request.kind) && caller.role < Role::Engineer {
+    let found = detail(&app, &caller, at.action_id).await?;
+    if is_for_engineers(&found.request.kind) && caller.role < Role::Engineer {
         return Err(Problem::new(Kind::Forbidden, "only engineers may stop a change of policies or calibrations"));
     }
     let fleets = app.store.bulk_fleets(at.action_id).await?;
@@ -132,7 +132,7 @@ async fn stop_bulk(
     }
     let mut action =
         asker.action(RecordedKind::BulkStop.word(), &json!({ "action_id": at.action_id }), reason(why.reason)?);
-    action.fleet = told.request.fleet;
+    action.fleet = found.request.fleet;
     let (asked, _) = app.store.stop_bulk(at.action_id, &fleets, &action).await?;
     number_of(asked)?;
     app.action_notifier.changed();

@@ -159,18 +159,18 @@ pub struct CalibrationDetail {
 }
 
 /// Checks uploaded measurements; each problem names its field.
-fn measured(told: &Measurements) -> Result<(Geometry, Vec<Measured>), Problem> {
-    if told.rows.len() > ROWS_MAX {
+fn measured(measurements: &Measurements) -> Result<(Geometry, Vec<Measured>), Problem> {
+    if measurements.rows.len() > ROWS_MAX {
         return Err(Problem::invalid("rows", format!("must have at most {ROWS_MAX} rows")));
     }
-    if !(told.youngs_modulus_mpa > 0.0 && told.youngs_modulus_mpa <= 1000.0) {
+    if !(measurements.youngs_modulus_mpa > 0.0 && measurements.youngs_modulus_mpa <= 1000.0) {
         return Err(Problem::invalid("youngs_modulus_mpa", "must be above 0 and at most 1000"));
     }
     let bad = |row: usize, field: &str, problem: &dyn std::fmt::Display| {
         Problem::invalid(format!("rows[{row}].{field}"), problem.to_string())
     };
-    let mut rows = Vec::with_capacity(told.rows.len());
-    for (at, row) in told.rows.iter().enumerate() {
+    let mut rows = Vec::with_capacity(measurements.rows.len());
+    for (at, row) in measurements.rows.iter().enumerate() {
         rows.push(Measured {
             pressure: Megapascal::new(row.pressure_mpa).map_err(|problem| bad(at, "pressure_mpa", &problem))?,
             axial_strain: row.strain.map(Strain::new).transpose().map_err(|problem| bad(at, "strain", &problem))?,
@@ -181,12 +181,12 @@ fn measured(told: &Measurements) -> Result<(Geometry, Vec<Measured>), Problem> {
                 .map_err(|problem| bad(at, "elongation_mm", &problem))?,
         });
     }
-    Ok((told.geometry.map_or_else(Geometry::nguyen_2021, Into::into), rows))
+    Ok((measurements.geometry.map_or_else(Geometry::nguyen_2021, Into::into), rows))
 }
 
-fn fitted(told: &Measurements) -> Result<(Geometry, Vec<Measured>, Fit), Problem> {
-    let (geometry, rows) = measured(told)?;
-    let fit = fit_calibration(&geometry, told.youngs_modulus_mpa, &rows).map_err(|problem| {
+fn fitted(measurements: &Measurements) -> Result<(Geometry, Vec<Measured>, Fit), Problem> {
+    let (geometry, rows) = measured(measurements)?;
+    let fit = fit_calibration(&geometry, measurements.youngs_modulus_mpa, &rows).map_err(|problem| {
         let field = match problem {
             FitError::StrainNotPositive { row, .. } => format!("rows[{}].strain", row - 1),
             FitError::ElongationNotPositive { row, .. } => format!("rows[{}].elongation_mm", row - 1),
@@ -210,19 +210,29 @@ fn fitted(told: &Measurements) -> Result<(Geometry, Vec<Measured>, Fit), Problem
     responses((status = 201, description = "The calibration is stored", body = CalibrationDetail)),
     extensions(("x-required-role" = json!("ENGINEER")))
 )]
-async fn upload(State(app): State<App>, asker: Asker, Body(told): Body<Measurements>) -> Result<Response, Problem> {
-    let (why, scope) = (reason(told.reason.clone())?, asker.caller.scope.clone());
-    let worked = tokio::task::spawn_blocking(move || fitted(&told).map(|(geometry, _, fit)| (told, geometry, fit)));
-    let (told, geometry, fit) = worked.await.map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))??;
-    let file = CalibrationFile::new(&told.model, &geometry, &fit.calibration);
+async fn upload(
+    State(app): State<App>,
+    asker: Asker,
+    Body(measurements): Body<Measurements>,
+) -> Result<Response, Problem> {
+    let (why, scope) = (reason(measurements.reason.clone())?, asker.caller.scope.clone());
+    let worked = tokio::task::spawn_blocking(move || {
+        fitted(&measurements).map(|(geometry, _, fit)| (measurements, geometry, fit))
+    });
+    let (measurements, geometry, fit) =
+        worked.await.map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))??;
+    let file = CalibrationFile::new(&measurements.model, &geometry, &fit.calibration);
     let new = NewCalibration {
-        model: told.model.to_string(),
-        measurements: text(&told)?,
+        model: measurements.model.to_string(),
+        measurements: text(&measurements)?,
         fit: text(&CalibrationFit::from(&fit))?,
         calibration: text(&file)?,
     };
-    let action =
-        asker.action(RecordedKind::CalibrationUpload.word(), &json!({ "model": told.model, "calibration": file }), why);
+    let action = asker.action(
+        RecordedKind::CalibrationUpload.word(),
+        &json!({ "model": measurements.model, "calibration": file }),
+        why,
+    );
     let (asked, calibration_id) = app.store.add_calibration(&new, &action).await?;
     let id = match (asked, calibration_id) {
         (_, Some(id)) => id,

@@ -87,7 +87,7 @@ async fn list_dead_letters(
     Path(at): Path<WebhookPath>,
 ) -> Result<Json<DeadLetterList>, Problem> {
     found(&app, &caller, &at).await?;
-    let told = |(row, event): (DeadLetterRow, _)| DeadLetter {
+    let letter = |(row, event): (DeadLetterRow, _)| DeadLetter {
         event_id: row.event_id,
         attempts: row.attempts,
         dead_at: Time(row.dead_us),
@@ -96,7 +96,7 @@ async fn list_dead_letters(
         again: row.again,
         event: serde_json::from_str(&published(&event)).unwrap_or_default(),
     };
-    let items = app.store.dead_letters(at.webhook_id).await?.into_iter().map(told).collect();
+    let items = app.store.dead_letters(at.webhook_id).await?.into_iter().map(letter).collect();
     Ok(Json(DeadLetterList { items }))
 }
 

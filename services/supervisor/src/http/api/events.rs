@@ -18,7 +18,7 @@ use crate::http::App;
 use crate::http::access::{Caller, Credential};
 use crate::http::extract::Query;
 use crate::http::fleets::FleetFilter;
-use crate::http::places::{Place, fleet_of};
+use crate::http::places::{TakenPlace, fleet_of};
 use crate::http::problem::{Kind, Problem};
 use vibrissa_store::events::{Position, StoredEvent};
 
@@ -71,7 +71,7 @@ struct Follower {
     stop: watch::Receiver<bool>,
     /// Time at which the stream ends and the client must reconnect.
     ends: Instant,
-    _place: Place,
+    _place: TakenPlace,
 }
 
 /// Whether a stream may go on.
@@ -107,8 +107,8 @@ async fn follow(
     let (changed, stop) = (app.action_notifier.changes(), app.stop.clone());
     let ends = app.store.log_ends().await?;
     let end = ends.map_or(Position::default(), |(_, end)| end);
-    let told = headers.get("last-event-id").map(|told| told.to_str().unwrap_or_default().parse::<Position>());
-    let (position, is_reset_due) = match told {
+    let last_id = headers.get("last-event-id").map(|last_id| last_id.to_str().unwrap_or_default().parse::<Position>());
+    let (position, is_reset_due) = match last_id {
         None => (end, false),
         Some(Err(_)) => return Err(Problem::invalid("Last-Event-ID", "is not an event ID: two numbers with a dot")),
         // The last event must still be stored, or others may be missing too. A position of another database may lie

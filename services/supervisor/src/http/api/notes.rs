@@ -67,8 +67,8 @@ impl NoteBody {
     fn text(&self) -> Result<String, Problem> {
         let text = self.text.replace("\r\n", "\n").trim().to_owned();
         if !(1..=TEXT_CHARS_MAX).contains(&text.chars().count()) {
-            let told = format!("must have 1 to {TEXT_CHARS_MAX} characters, without spaces at its ends");
-            return Err(Problem::invalid("text", told));
+            let problem = format!("must have 1 to {TEXT_CHARS_MAX} characters, without spaces at its ends");
+            return Err(Problem::invalid("text", problem));
         }
         if text.contains(|letter: char| letter.is_control() && !matches!(letter, '\n' | '\t')) {
             return Err(Problem::invalid("text", "must not contain control characters except line breaks and tabs"));

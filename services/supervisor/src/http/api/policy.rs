@@ -153,7 +153,7 @@ async fn put_policy(
 /// The version in the caller's `If-Match`, if it is still current. The engine checks it once more.
 async fn expected(app: &App, at: &FleetPath, headers: &HeaderMap) -> Result<i64, Problem> {
     let now = in_force(app, at).await?.version;
-    let Some(told) = headers.get(header::IF_MATCH) else {
+    let Some(tag) = headers.get(header::IF_MATCH) else {
         return Err(Problem::new(
             Kind::VersionMissing,
             format!("read the policy first, and send its ETag as If-Match: {}", etag(now)),
@@ -162,8 +162,8 @@ async fn expected(app: &App, at: &FleetPath, headers: &HeaderMap) -> Result<i64,
     if lists(headers, header::IF_MATCH, now) {
         return Ok(now);
     }
-    let told = told.to_str().unwrap_or_default();
-    Err(Problem::new(Kind::VersionChanged, format!("the policy in force is {}, not {told}: read it again", etag(now))))
+    let tag = tag.to_str().unwrap_or_default();
+    Err(Problem::new(Kind::VersionChanged, format!("the policy in force is {}, not {tag}: read it again", etag(now))))
 }
 
 list_query! {

@@ -122,19 +122,19 @@ async fn answer(
     peer: SocketAddr,
     under_way: UnderWay,
     router: Router,
-) -> Result<Response<Answer>, Infallible> {
+) -> Result<Response<ResponseBody>, Infallible> {
     request.extensions_mut().insert(ConnectInfo(peer));
     let response = TowerToHyperService::new(router).call(request).await?;
-    Ok(response.map(|body| Answer { body, _under_way: under_way }))
+    Ok(response.map(|body| ResponseBody { body, _under_way: under_way }))
 }
 
 /// Body of an answer. The request counts as under way until the body is dropped.
-struct Answer {
+struct ResponseBody {
     body: Body,
     _under_way: UnderWay,
 }
 
-impl HttpBody for Answer {
+impl HttpBody for ResponseBody {
     type Data = Bytes;
     type Error = BoxError;
 

@@ -11,7 +11,7 @@ use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::time::Instant;
 
-use super::registry::Place;
+use super::registry::Slot;
 
 /// How long a connection may stay open without a byte of a request, whether it is new or waits for the next request.
 pub(super) const IDLE_PATIENCE: Duration = Duration::from_secs(60);
@@ -36,7 +36,7 @@ pub(super) enum Slow {
 /// Phase and deadline of one connection.
 #[derive(Debug)]
 pub(super) struct Progress {
-    place: Place,
+    place: Slot,
     state: Mutex<State>,
 }
 
@@ -63,7 +63,7 @@ enum Phase {
 }
 
 impl Progress {
-    pub(super) fn new(place: Place, since: Instant) -> Arc<Self> {
+    pub(super) fn new(place: Slot, since: Instant) -> Arc<Self> {
         let state = State { phase: Phase::Idle, since, blocked: None, allowance: ANSWER_PATIENCE, had_body: false };
         Arc::new(Self { place, state: Mutex::new(state) })
     }

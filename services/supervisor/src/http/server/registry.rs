@@ -75,7 +75,7 @@ struct Address {
 
 /// Entry of an open connection; dropping it frees the place.
 #[derive(Debug)]
-pub(super) struct Place {
+pub(super) struct Slot {
     registry: Registry,
     number: u64,
 }
@@ -84,7 +84,7 @@ pub(super) struct Place {
 #[derive(Debug)]
 pub(super) struct Admitted {
     /// The connection's entry in the registry.
-    pub(super) place: Place,
+    pub(super) place: Slot,
     /// Resolves when the connection must close to make room for another.
     pub(super) displaced: oneshot::Receiver<()>,
     /// The limit for which another connection was closed.
@@ -121,7 +121,7 @@ impl Registry {
         open.addresses.entry(address).or_default().open += 1;
         open.wait(number);
         metrics.open.set(open.connections.len() as i64);
-        Ok(Admitted { place: Place { registry: self.clone(), number }, displaced, reached })
+        Ok(Admitted { place: Slot { registry: self.clone(), number }, displaced, reached })
     }
 
     /// Closes the connection that has waited longest, whatever the limits are; false if none waits.
@@ -140,7 +140,7 @@ impl Registry {
     }
 }
 
-impl Place {
+impl Slot {
     /// A complete request has arrived: the connection is not closed for another until it is answered.
     pub(super) fn serve(&self) {
         self.registry.open().serve(self.number);
@@ -152,7 +152,7 @@ impl Place {
     }
 }
 
-impl Drop for Place {
+impl Drop for Slot {
     fn drop(&mut self) {
         let mut open = self.registry.open();
         open.remove(self.number);

@@ -17,7 +17,7 @@ impl fmt::Debug for Foreign {
 }
 
 /// What people read about a certificate of their broker.
-fn told(defect: CertificateError) -> String {
+fn remedy_of(defect: CertificateError) -> String {
     let broker: BrokerAddress = "mqtts://localhost".parse().unwrap();
     let error = rustls::Error::InvalidCertificate(defect);
     let wrapped = ConnectionError::Tls(TlsError::Io(io::Error::other(error)));
@@ -49,7 +49,7 @@ fn regress_each_defect_of_a_certificate_has_a_remedy_and_no_words_of_the_library
         (CertificateError::UnknownIssuer, "mqtt.ca_file"),
     ] {
         let name = format!("{defect:?}");
-        let text = told(defect);
+        let text = remedy_of(defect);
         assert!(text.contains(part) && text.matches(": ").count() >= 2, "{name}: {text}");
         let words = ["Other(", "OtherError", "DnsName", "for : ", "UnsupportedCertVersion", "CaUsedAsEndEntity"];
         assert!(!words.iter().any(|word| text.contains(word)), "{name}: {text}");

@@ -9,7 +9,7 @@ fn at(ms: u64) -> Micros {
     Micros(START.0 + 1000 * ms)
 }
 
-fn told(now: Micros, offset_us: i64) -> Micros {
+fn robot_time_at(now: Micros, offset_us: i64) -> Micros {
     Micros(now.0.saturating_add_signed(offset_us))
 }
 
@@ -17,14 +17,14 @@ fn told(now: Micros, offset_us: i64) -> Micros {
 fn hear(clock: &mut Clock, from_ms: u64, messages: u64, offset_us: i64, kind: TimeKind) {
     for message in 0..messages {
         let now = at(from_ms + 500 * message);
-        clock.hear(now, told(now, offset_us), kind);
+        clock.hear(now, robot_time_at(now, offset_us), kind);
     }
 }
 
 /// How far the estimate is ahead of a true offset.
 fn ahead_us(clock: &Clock, now: Micros, offset_us: i64) -> i64 {
     let robot_time = clock.robot_time(now).expect("known");
-    robot_time.0 as i64 - told(now, offset_us).0 as i64
+    robot_time.0 as i64 - robot_time_at(now, offset_us).0 as i64
 }
 
 #[test]
@@ -36,7 +36,7 @@ fn no_single_message_moves_it_wherever_it_comes() {
                 for message in 0..40_u64 {
                     let now = at(700 * message);
                     let offset_us = if message == place { wrong_us } else { 0 };
-                    clock.hear(now, told(now, offset_us), kind);
+                    clock.hear(now, robot_time_at(now, offset_us), kind);
                     if let Some(robot_time) = clock.robot_time(now) {
                         let ahead_us = robot_time.0 as i64 - now.0 as i64;
                         // The first alone is believed within the tolerance.
@@ -56,7 +56,7 @@ fn wrong_messages_in_every_slot_do_not_outweigh_right_ones() {
     for message in 0..2000 {
         let now = at(4_000 + 100 * message);
         let offset_us = if message % 10 == 0 { 0 } else { YEAR_US };
-        clock.hear(now, told(now, offset_us), TimeKind::Live);
+        clock.hear(now, robot_time_at(now, offset_us), TimeKind::Live);
     }
     assert_eq!(ahead_us(&clock, at(300_000), 0), 0);
 }
@@ -67,21 +67,21 @@ fn a_robot_in_1970_is_known_by_its_third_message_and_one_in_time_by_its_first() 
     let since_1970_us = 5_000_000 - START.0 as i64;
     for message in 0..3 {
         assert_eq!(clock.robot_time(at(100)), None, "{message}");
-        clock.hear(at(200 * message), told(at(200 * message), since_1970_us), TimeKind::Recorded);
+        clock.hear(at(200 * message), robot_time_at(at(200 * message), since_1970_us), TimeKind::Recorded);
     }
     assert_eq!(ahead_us(&clock, at(10_000), since_1970_us), 0);
     assert!(clock.plausible(at(10_000)).contains(&Micros(15_000_000)));
 
     let mut clock = Clock::default();
-    clock.hear(at(0), told(at(0), -30_000), TimeKind::Recorded);
+    clock.hear(at(0), robot_time_at(at(0), -30_000), TimeKind::Recorded);
     assert_eq!(ahead_us(&clock, at(60_000), 0), -30_000);
 }
 
 #[test]
 fn a_first_time_that_is_years_off_lets_no_setpoint_out() {
     let mut clock = Clock::default();
-    clock.hear(at(0), told(at(0), YEAR_US), TimeKind::Live);
-    assert!(!clock.plausible(at(0)).contains(&told(at(0), YEAR_US)) && clock.robot_time(at(0)).is_none());
+    clock.hear(at(0), robot_time_at(at(0), YEAR_US), TimeKind::Live);
+    assert!(!clock.plausible(at(0)).contains(&robot_time_at(at(0), YEAR_US)) && clock.robot_time(at(0)).is_none());
     clock.hear(at(10), at(10), TimeKind::Live);
     assert_eq!(ahead_us(&clock, at(20), 0), 0);
 }
@@ -96,13 +96,13 @@ fn a_clock_that_is_stepped_is_followed_within_a_minute_in_either_direction() {
         hear(&mut clock, 0, 60, 0, kind);
         hear(&mut clock, 30_000, 24, step_us, kind);
         assert_eq!(ahead_us(&clock, at(42_000), step_us), 0, "{step_us} {kind:?}");
-        assert!(clock.plausible(at(42_000)).contains(&told(at(42_000), step_us)));
+        assert!(clock.plausible(at(42_000)).contains(&robot_time_at(at(42_000), step_us)));
     }
     // With a status every ten seconds.
     let mut clock = Clock::default();
     for message in 0..20 {
         let now = at(10_000 * message);
-        clock.hear(now, told(now, if message < 16 { 0 } else { 3_600 * SECOND_US }), TimeKind::Live);
+        clock.hear(now, robot_time_at(now, if message < 16 { 0 } else { 3_600 * SECOND_US }), TimeKind::Live);
     }
     assert_eq!(ahead_us(&clock, at(200_000), 3_600 * SECOND_US), 0);
 }
@@ -113,13 +113,13 @@ fn old_contacts_that_are_sent_again_do_not_lower_it_while_statuses_come() {
     hear(&mut clock, 0, 20, 0, TimeKind::Live);
     for ms in (10_000..100_000).step_by(20) {
         // Two minutes old, then a status every ten seconds.
-        clock.hear(at(ms), told(at(ms), -120 * SECOND_US), TimeKind::Recorded);
+        clock.hear(at(ms), robot_time_at(at(ms), -120 * SECOND_US), TimeKind::Recorded);
         if ms % 10_000 == 0 {
             clock.hear(at(ms), at(ms), TimeKind::Live);
         }
         assert_eq!(ahead_us(&clock, at(ms), 0), 0, "{ms}");
     }
-    assert!(clock.plausible(at(100_000)).contains(&told(at(100_000), -120 * SECOND_US)));
+    assert!(clock.plausible(at(100_000)).contains(&robot_time_at(at(100_000), -120 * SECOND_US)));
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn a_drift_of_100_ppm_and_a_delay_are_errors_of_milliseconds() {
         let sent = at(10_000 * message);
         let drift_us = (sent.0 - START.0) as i64 / 10_000;
         let now = Micros(sent.0 + 20_000 + 977 * (message % 7));
-        clock.hear(now, told(sent, drift_us), TimeKind::Live);
+        clock.hear(now, robot_time_at(sent, drift_us), TimeKind::Live);
         if message >= 7 {
             let ahead_us = ahead_us(&clock, now, drift_us);
             assert!((-40_000..=0).contains(&ahead_us), "{ahead_us}");
@@ -167,9 +167,13 @@ fn times_that_cannot_be_are_told_from_those_that_can() {
         (-29 * 86_400 * SECOND_US, true),
         (-YEAR_US, false),
     ] {
-        assert_eq!(clock.plausible(now).contains(&told(now, offset_us)), is_plausible, "{offset_us}");
+        assert_eq!(clock.plausible(now).contains(&robot_time_at(now, offset_us)), is_plausible, "{offset_us}");
         let is_of_older = offset_us <= AHEAD_MAX_US;
-        assert_eq!(clock.plausible_of_older_boot(now).contains(&told(now, offset_us)), is_of_older, "{offset_us}");
+        assert_eq!(
+            clock.plausible_of_older_boot(now).contains(&robot_time_at(now, offset_us)),
+            is_of_older,
+            "{offset_us}"
+        );
     }
     assert!([0, u64::MAX].iter().all(|&time| !clock.plausible(now).contains(&Micros(time))));
 }
@@ -194,7 +198,7 @@ fn property_what_is_stored_is_read_again() {
         assert_eq!(borsh::from_slice::<Clock>(&bytes).unwrap(), clock);
         let kind = if message % 3 == 0 { TimeKind::Live } else { TimeKind::Recorded };
         let offset_us = [0, -YEAR_US, i64::MAX, 7, -1][message as usize % 5];
-        clock.hear(at(1_700 * message), told(at(1_700 * message), offset_us), kind);
+        clock.hear(at(1_700 * message), robot_time_at(at(1_700 * message), offset_us), kind);
     }
     let too_many = [1, 8, 0];
     assert!(borsh::from_slice::<Clock>(&too_many).is_err());

@@ -161,8 +161,8 @@ fn what_is_over_is_closed_after_a_grace_and_once() {
     assert!(!open.close(Micros(START + 63 * SECOND), &mut closed));
     assert!(open.close(Micros(START + 3602 * SECOND), &mut closed));
     assert!(!open.close(Micros(START + 9999 * SECOND), &mut closed));
-    let told: Vec<_> = closed.iter().map(|row| (row.resolution, row.start.0)).collect();
-    assert_eq!(told, [(Resolution::Minute, START), (Resolution::Hour, START)]);
+    let intervals: Vec<_> = closed.iter().map(|row| (row.resolution, row.start.0)).collect();
+    assert_eq!(intervals, [(Resolution::Minute, START), (Resolution::Hour, START)]);
 }
 
 #[test]

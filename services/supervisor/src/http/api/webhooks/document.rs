@@ -188,8 +188,8 @@ impl WebhookBody {
     pub(super) fn settings(&self, app: &App, caller: &Caller) -> Result<WebhookSettings, Problem> {
         let name = self.name.trim();
         if name.is_empty() || name.chars().count() > NAME_CHARS_MAX || name.contains(char::is_control) {
-            let told = format!("must have 1 to {NAME_CHARS_MAX} characters and no control characters");
-            return Err(Problem::invalid("name", told));
+            let problem = format!("must have 1 to {NAME_CHARS_MAX} characters and no control characters");
+            return Err(Problem::invalid("name", problem));
         }
         let url = checked(&self.url, app.webhooks.sender().hosts()).map_err(|what| Problem::invalid("url", what))?;
         let fleets = self.fleets.as_ref();

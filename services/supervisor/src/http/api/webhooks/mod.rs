@@ -56,8 +56,8 @@ pub struct WebhookPath {
 pub(super) async fn found(app: &App, caller: &Caller, at: &WebhookPath) -> Result<WebhookRow, Problem> {
     let row = app.store.webhook(at.webhook_id).await?.filter(|row| is_covered(caller, row.fleets.as_deref()));
     row.ok_or_else(|| {
-        let told = format!("there is no webhook {}, or your token does not cover all its fleets", at.webhook_id);
-        Problem::unknown(told)
+        let problem = format!("there is no webhook {}, or your token does not cover all its fleets", at.webhook_id);
+        Problem::unknown(problem)
     })
 }
 
