@@ -40,7 +40,7 @@ impl std::fmt::Display for Refusal {
 
 impl Refusal {
     /// The reason without the database's own text.
-    fn told(&self) -> String {
+    fn reason(&self) -> String {
         match self {
             Self::Failed(problem) => outline(problem),
             Self::NoAnswer(_) | Self::Standby | Self::ReadOnly | Self::Outdated { .. } => self.to_string(),
@@ -61,21 +61,21 @@ impl std::fmt::Display for NoServer {
 impl std::error::Error for NoServer {}
 
 impl NoServer {
-    fn list(&self, f: &mut impl std::fmt::Write, told: impl Fn(&Refusal) -> String) -> std::fmt::Result {
+    fn list(&self, f: &mut impl std::fmt::Write, text_of: impl Fn(&Refusal) -> String) -> std::fmt::Result {
         f.write_str("no server accepts writes")?;
         let mut mark = ':';
         for (server, refusal) in &self.0 {
-            write!(f, "{mark} {server}: {}", told(refusal))?;
+            write!(f, "{mark} {server}: {}", text_of(refusal))?;
             mark = ';';
         }
         Ok(())
     }
 
     /// The text without the database's own.
-    pub(crate) fn told(&self) -> String {
+    pub(crate) fn message(&self) -> String {
         let mut text = String::new();
         // A string accepts all text.
-        let _ = self.list(&mut text, Refusal::told);
+        let _ = self.list(&mut text, Refusal::reason);
         text
     }
 

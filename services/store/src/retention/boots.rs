@@ -18,7 +18,7 @@ const OLDEST: &str = "SELECT received_us FROM contacts ORDER BY contact_id LIMIT
 impl Store {
     /// Deletes boots to which no contact and no journal refers, some thousand at once, except the newest 4 of each robot.
     /// Returns whether there may be more.
-    pub(super) async fn forget_boots(&self, now_us: i64, told: &mut impl FnMut(Done)) -> Result<bool, StoreError> {
+    pub(super) async fn forget_boots(&self, now_us: i64, report: &mut impl FnMut(Done)) -> Result<bool, StoreError> {
         const WHAT: &str = "delete former boots";
         // A connection of its own, which is closed: SQLite would search all contacts for each boot to check the foreign key.
         let link = self.options.connect(WHAT).await?;
@@ -47,7 +47,7 @@ impl Store {
             }
         };
         if removed > 0 {
-            told(Done::Removed { table: "boots", rows: removed });
+            report(Done::Removed { table: "boots", rows: removed });
         }
         Ok(removed >= ROWS as u64)
     }
