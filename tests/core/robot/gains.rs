@@ -1,9 +1,10 @@
 //! Robots that multiply their readings: a gain serves what air cannot.
 
-use vibrissa_core::mechanics::{Formulation, Objective};
+use vibrissa_core::mechanics::{Formulation, Model, Objective};
 use vibrissa_core::policy::{Case, LongerForShorter};
 use vibrissa_core::robot::effect::{AlarmKind, Command, CompensationError, Condition, Decision, Effect};
 use vibrissa_core::robot::{Event, OperatorAction, Outcome, Params, Place, Scope};
+use vibrissa_core::units::{Megapascal, Millimetre};
 use vibrissa_evaluation::World;
 use vibrissa_protocol::{AirControl, ArrayType, Task};
 use vibrissa_simulator::Scenario;
@@ -137,6 +138,35 @@ fn a_robot_without_air_and_gain_is_not_compensated() {
     let decision = decided(Some(AirControl::None), false);
     assert_eq!(decision.chosen, None);
     assert!(decision.candidates.iter().all(|one| one.refused.is_some()), "{decision:?}");
+}
+
+/// Setpoints for a whisker of 70 mm that is cut to 65 mm, whose gauge has this range.
+fn with_range(strain_max: Option<f64>) -> Vec<Command> {
+    let mut scenario = super::scenario(75, ArrayType::Type2, &[70.0]);
+    scenario.robots[0].applies_gain = true;
+    scenario.robots[0].arrays[0].whiskers[0].strain_max = strain_max;
+    scenario.robots[0].events.push(Planned::at_contact(800, super::name("left"), 0, Change::Trim { length_mm: 65.0 }));
+    commands(&run(&scenario, Objective::Shape, 26.0))
+}
+
+/// Strains of a shorter whisker are larger. At a lower pressure they stay within the range of the gauge.
+#[test]
+fn a_gauge_that_strains_would_leave_gets_a_lower_pressure_and_any_other_the_same() {
+    let free = with_range(None);
+    assert_eq!(with_range(Some(0.4)), free, "to the last bit");
+    // The whole whisker's strain at the nearest and strongest contact of the simulation.
+    let model = Model::nguyen_2021(Formulation::Published);
+    let [nearest, ..] = model.log_sensitivities(Millimetre::known(70.0), Megapascal::known(NOMINAL_MPA));
+    let whole = 6.0 * nearest.expect("no chamber").exp();
+    let pressures = |sent: &[Command]| sent[0].pressure.mpa();
+    let limited = with_range(Some(1.05 * whole));
+    assert!(pressures(&limited) < pressures(&free) - 0.005, "{limited:?} {free:?}");
+    let largest = |mpa: f64| {
+        let [nearest, ..] = model.log_sensitivities(Millimetre::known(65.0), Megapascal::known(mpa));
+        6.0 * nearest.expect("no chamber").exp()
+    };
+    let (before, after) = (largest(pressures(&free)), largest(pressures(&limited)));
+    assert!(before > 1.08 * whole && after < 1.08 * whole, "{before} {after} {whole}");
 }
 
 /// A whisker of 70 mm, cut to 65 mm and served, whose chamber then leaks faster than it can be filled.

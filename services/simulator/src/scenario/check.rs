@@ -7,6 +7,7 @@ use vibrissa_protocol::{ARRAYS_MAX, CONTACTS_MAX, WHISKERS_MAX};
 
 use super::event::Target;
 use super::{ArrayScenario, Change, Event, RobotScenario, Scenario, WhiskerScenario};
+use crate::plant::FULL_SCALE_STRAIN;
 
 /// Why a scenario is invalid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -136,6 +137,7 @@ impl WhiskerScenario {
                 within(format!("{place} rubber.{name}"), factor, 0.5..=1.5)?;
             }
         }
+        within(format!("{place} strain_max"), self.strain_max.unwrap_or(FULL_SCALE_STRAIN), 1e-6..=FULL_SCALE_STRAIN)?;
         within(format!("{place} pressure_max_mpa"), self.pressure_max_mpa, 0.0..=0.2)?;
         within(format!("{place} pressure_mpa"), self.pressure_mpa, 0.0..=self.pressure_max_mpa)
     }

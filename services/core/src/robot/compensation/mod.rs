@@ -536,7 +536,7 @@ impl Whisker {
             offset: if is_self { self.filter.offset() } else { self.whole_offset() },
             own: belief.predict,
             objective,
-            weights: self.usual_ratios(),
+            usual: self.usual_contacts(),
         }
     }
 }

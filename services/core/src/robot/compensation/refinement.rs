@@ -20,11 +20,11 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::estimation::uncertainty::{Curve, Uncertain, mean_error, moments};
 use crate::estimation::{Belief, Carried, ResponseBins, Visit};
-use crate::mechanics::{CONTACT_RATIOS, Compensator, Objective, Setpoint, least_error};
+use crate::mechanics::{CONTACT_RATIOS, Compensator, EVEN_WEIGHTS, Objective, Setpoint, least_error};
 use crate::policy::Case;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
-use crate::robot::compensation::responses::{LevelFrom, MeasuredResponses, reading_gain, sum};
+use crate::robot::compensation::responses::{LevelFrom, MeasuredResponses, over, reading_gain, sum};
 use crate::robot::effect::{Condition, Effect, Fault, Reason, Refinement, RefinementOutcome};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Desired;
@@ -260,7 +260,7 @@ impl Robot {
         let [before, target] =
             [crate::robot::compensation::responses::BEFORE, crate::robot::compensation::responses::TARGET]
                 .map(|response| felt.per_mm(response));
-        let best = *least_error(model, compensator, &deviation, (before, target), objective, &felt.weights)?.setpoint();
+        let best = *least_error(model, compensator, &deviation, (before, target), objective, &felt.usual)?.setpoint();
         let to = changes(best.pressure);
         let mut known = felt.known;
         let there = sum(
@@ -274,14 +274,19 @@ impl Robot {
         let causes = belief.causes(&from, &to);
         both.moves(&causes, &[3]);
         // With an objective that uses the gain, each pressure comes with its own.
+        let weights = match objective {
+            Objective::Tip | Objective::Mean => &EVEN_WEIGHTS,
+            Objective::Shape => &felt.usual.weights,
+        };
+        let weights = over(&known, weights);
         let gain_at = |response: &Curve| match objective {
             Objective::Tip | Objective::Mean => [1.0; CONTACT_RATIOS.len()],
-            Objective::Shape => reading_gain(response, &target, &known, &felt.weights),
+            Objective::Shape => reading_gain(response, &target, &weights),
         };
         let [by_gain_here, by_gain_there] = [after, there].map(|response| gain_at(&response).map(f64::ln));
         let cases = both.cases(&params.cubature, |[here, before, target, there]| {
             let (here, there) = (sum(here, &by_gain_here), sum(there, &by_gain_there));
-            (mean_error(&here, before, target, &known), mean_error(&there, before, target, &known))
+            (mean_error(&here, before, target, &weights), mean_error(&there, before, target, &weights))
         });
         let (error, sd) = moments(&cases.iter().map(|case| case.1).collect::<Vec<_>>());
         let (gained, _) = moments(&cases.iter().map(|case| case.0 - case.1).collect::<Vec<_>>());
