@@ -4,7 +4,7 @@ use vibrissa_core::mechanics::{Formulation, Model, Objective};
 use vibrissa_core::policy::{Case, LongerForShorter};
 use vibrissa_core::robot::effect::{AlarmKind, Command, CompensationError, Condition, Decision, Effect};
 use vibrissa_core::robot::{Event, OperatorAction, Outcome, Params, Place, Scope};
-use vibrissa_core::units::{Megapascal, Millimetre};
+use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 use vibrissa_evaluation::World;
 use vibrissa_protocol::{AirControl, ArrayType, Task};
 use vibrissa_simulator::Scenario;
@@ -96,6 +96,37 @@ fn the_error_of_the_air_alone_is_told_only_where_a_gain_is_applied() {
         assert!(errors.iter().all(|error| error.air_alone.is_some() == applies_gain), "{errors:?}");
         let last = errors.last().expect("one");
         assert!(last.air_alone.is_none_or(|(air, _)| air > 3.0 * last.mean), "{last:?}");
+    }
+}
+
+/// Its readings before the compensation were those of a cut whisker, not of a whole one.
+#[test]
+fn regress_a_cut_whisker_that_loses_sensitivity_before_it_is_served_was_shorter_before() {
+    let mut scenario = stiffening(true);
+    scenario.calibration_error = 0.0;
+    scenario.robots[0].events.push(Planned::at_contact(400, super::name("left"), 0, Change::Trim { length_mm: 62.0 }));
+    scenario.robots[0].events[0].at_s = Some(20.0);
+    let mut params = Params::nguyen_2021(Formulation::Consistent);
+    params.policy.predicted_error_max = 0.0;
+    let mut world = World::new(&scenario, params);
+    world.run_until_s(18.0);
+    assert_eq!(world.core.whisker(0).expect("there").condition, Condition::Trimmed);
+    world.run_until_s(32.0);
+    assert_eq!(world.core.whisker(0).expect("there").condition, Condition::SensitivityLoss);
+    assert_eq!(world.core.compensations().len(), 0, "no error is small enough");
+    world.params.policy.predicted_error_max = 0.5;
+    world.step(&Event::PolicyChanged);
+    world.run_until_s(60.0);
+    let error: CompensationError = world
+        .picked(|effect| if let Effect::Error(error) = effect { Some((**error).clone()) } else { None })
+        .pop()
+        .expect("a measured error");
+    let model = Model::nguyen_2021(Formulation::Consistent);
+    let morphology = model.morphology(Megapascal::known(NOMINAL_MPA));
+    for bin in &error.bins {
+        let ratio = ContactRatio::known(bin.ratio);
+        let cut = model.sensitivity_per_mm(ratio, Millimetre::known(62.0), &morphology).expect("no chamber");
+        assert!((bin.before_per_mm / (KEPT * cut) - 1.0).abs() < 0.05, "{bin:?}: {}", KEPT * cut);
     }
 }
 

@@ -37,8 +37,8 @@ pub struct Compensation {
     pub(in crate::robot) length: Millimetre,
     pub(in crate::robot) pressure_before: Megapascal,
     pub(in crate::robot) pressure: Megapascal,
-    /// The compensator's own response before, for a neighbour or for a whisker of full length that has lost sensitivity; its
-    /// model serves for the trimmed one itself.
+    /// The compensator's own response before, for a neighbour against the model at whole length, for a whisker that has lost
+    /// sensitivity at `length`; its model serves for the trimmed one itself.
     pub(in crate::robot) before: Option<ResponseBins>,
     /// Its response at the setpoint, against the model at `length`.
     pub(in crate::robot) after: ResponseBins,
@@ -52,6 +52,11 @@ pub struct Compensation {
 }
 
 impl Compensation {
+    /// Length of the model that `before` is against.
+    pub(in crate::robot) fn length_before(&self, compensator: &Whisker) -> Millimetre {
+        if self.target == self.compensator { self.length } else { compensator.sheet.length }
+    }
+
     /// Number on this robot.
     #[must_use]
     pub fn id(&self) -> u32 {
@@ -439,7 +444,11 @@ impl Robot {
             length: one.filter.length().length,
             pressure_before: one.sheet.pressure,
             pressure: setpoint.pressure,
-            before: (!is_self || has_lost).then(|| one.present_whole()),
+            before: match (is_self, has_lost) {
+                (true, false) => None,
+                (true, true) => Some(one.whole_now()),
+                (false, _) => Some(one.present_whole()),
+            },
             after: ResponseBins::default(),
             settled: false,
             length_sd_mm: one.filter.length().sd_mm,

@@ -133,7 +133,7 @@ impl Robot {
         let target_mean = sum(&log(target_model, target.sheet.length, target.sheet.pressure), &whole.by_ratio());
         let (before_mean, before) = if let Some(before) = &running.before {
             let before = Smooth::through(before);
-            (sum(&log(model, one.sheet.length, running.pressure_before), &before.by_ratio()), Some(before))
+            (sum(&log(model, running.length_before(one), running.pressure_before), &before.by_ratio()), Some(before))
         } else {
             // Between its cut and its setpoint the whisker had too few contacts for a measured response: the model at
             // the estimated length, with the deviation that it had while whole.
