@@ -140,8 +140,17 @@ pub fn run(trial: &Trial, setting: Setting) -> Option<Reading> {
     let index = world.core.compensations().first()?.compensator();
     let open = error(&world, &truth, None)?;
     let (mut looks, mut pressures) = ([open; LOOKS.len()], Vec::new());
+    let used = |world: &World| world.core.whisker(index).map_or(0, |whisker| whisker.contacts);
+    let used_before = used(&world);
     for (look, contacts) in looks.iter_mut().zip(LOOKS) {
-        hold(&mut world, index, now_s + f64::from(contacts) / CONTACTS_PER_SECOND, &mut pressures);
+        // Contacts while the pressure moves or dithers far are not used. The message with the last contact may have others, too.
+        while used(&world) < used_before + u64::from(contacts) && world.seconds() < end_s {
+            let next_s = world.seconds() + 0.1;
+            hold(&mut world, index, next_s, &mut pressures);
+        }
+        let message_s = scenario.behaviour.contacts_per_message as f64 / CONTACTS_PER_SECOND;
+        let next_s = world.seconds() + message_s;
+        hold(&mut world, index, next_s, &mut pressures);
         *look = error(&world, &truth, Some(&pressures))?;
     }
     hold(&mut world, index, end_s, &mut pressures);

@@ -1,7 +1,7 @@
 //! The closed loop: responses measured at a setpoint are compared with the target, and the setpoint is refined.
 //!
-//! A setpoint is evaluated after 200 contacts at a pressure, and then whenever their number has doubled: the more there
-//! are, the less a further evaluation can add. A whisker whose gain wanders is evaluated again when that
+//! A setpoint is evaluated after 300 and 800 contacts at a pressure, and then whenever their number has doubled: the more
+//! there are, the less a further evaluation can add. A whisker whose gain wanders is evaluated again when that
 //! may exceed the margin of the published gain. An evaluation teaches the whisker's own calibration, finds the pressure
 //! with the least mean of Eq. 35 and moves there, if
 //! - the gain in mean error exceeds a margin (below it the present pressure is as good as any),
@@ -39,7 +39,8 @@ const KEEPS_PRESSURE: u8 = u8::MAX;
 /// Parameters of the refinement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RefinementParams {
-    /// The first evaluation comes after this many contacts at a pressure; each further one after twice as many.
+    /// The first evaluation comes after this many contacts at a pressure, the second one after 8/3 of them, and each further
+    /// one after twice as many.
     pub first_look_contacts: u32,
     /// Moves of pressure in one compensation.
     pub steps_max: u8,
@@ -60,7 +61,7 @@ pub struct RefinementParams {
 impl Default for RefinementParams {
     fn default() -> Self {
         Self {
-            first_look_contacts: 200,
+            first_look_contacts: 300,
             steps_max: 3,
             margin: 0.005,
             dither_mpa: 0.0012,
@@ -68,6 +69,17 @@ impl Default for RefinementParams {
             gain_margin: 0.01,
             erosion_step_mm: 0.4,
             erosion_contacts_min: 40,
+        }
+    }
+}
+
+impl RefinementParams {
+    /// Contacts at a pressure after which the evaluation after this one is due.
+    fn next_look(&self, contacts: u32) -> u32 {
+        if contacts / 2 < self.first_look_contacts {
+            contacts.saturating_mul(8) / 3
+        } else {
+            contacts.saturating_mul(2)
         }
     }
 }
@@ -167,7 +179,7 @@ impl Robot {
         }
         let off = (params.refinement.gain_margin / one.walks.rate()).powi(2) as u32;
         let wandered = contacts.saturating_add(off.max(params.refinement.first_look_contacts));
-        self.head.compensations[at].refining.due = contacts.saturating_mul(2).min(wandered);
+        self.head.compensations[at].refining.due = params.refinement.next_look(contacts).min(wandered);
         if !has_lost {
             // With another gauge the change would be taken for one by the pressure.
             self.remember(at);
@@ -195,7 +207,7 @@ impl Robot {
         };
         if gain_better && !moves {
             // A gain that wanders faster than this would be published again and again, without effect.
-            self.head.compensations[at].refining.due = contacts.saturating_mul(2);
+            self.head.compensations[at].refining.due = params.refinement.next_look(contacts);
         }
         let running = &self.head.compensations[at];
         let record = Refinement {
