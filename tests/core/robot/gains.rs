@@ -2,7 +2,7 @@
 
 use vibrissa_core::mechanics::{Formulation, Model, Objective};
 use vibrissa_core::policy::{Case, LongerForShorter};
-use vibrissa_core::robot::effect::{AlarmKind, Command, CompensationError, Condition, Decision, Effect};
+use vibrissa_core::robot::effect::{AlarmKind, Command, CompensationError, Condition, Decision, Effect, Fault};
 use vibrissa_core::robot::{Event, OperatorAction, Outcome, Params, Place, Scope};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 use vibrissa_evaluation::World;
@@ -237,12 +237,103 @@ fn a_cut_whisker_whose_chamber_leaks_is_served_by_a_gain_on_the_empty_chamber() 
 }
 
 #[test]
-fn a_leaking_whisker_without_gains_or_valves_is_not_served() {
-    for (applies_gain, air_control) in [(false, None), (true, Some(AirControl::None))] {
-        let world = leaking(applies_gain, air_control);
-        assert!(world.core.compensations().is_empty(), "{applies_gain} {air_control:?}");
-        assert!(commands(&world).iter().all(|command| command.pressure.mpa() > 0.0));
+fn a_leaking_whisker_without_gains_is_not_served() {
+    let world = leaking(false, None);
+    assert!(world.core.compensations().is_empty());
+    assert!(commands(&world).iter().all(|command| command.pressure.mpa() > 0.0));
+}
+
+/// It cannot vent, but its chamber has emptied, and the gain for that serves.
+#[test]
+fn a_leaking_whisker_without_valves_is_served_at_the_pressure_that_is_left() {
+    let world = leaking(true, Some(AirControl::None));
+    let [one] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    assert!(one.is_settled() && one.pressure().mpa() < 0.004, "{one:?}");
+    assert!(one.reading_gain().expect("one number") > 1.0, "{one:?}");
+}
+
+/// A slow leak is filled again and again: the pressure is held, and the compensation goes on as it is.
+#[test]
+fn a_compensator_that_holds_its_pressure_in_spite_of_a_leak_serves_on() {
+    let mut scenario = faulty(&[(1500, Change::Leak { rate_mpa_per_s: 0.002 })]);
+    scenario.robots[0].events.push(Planned::at_contact(400, super::name("left"), 0, Change::Trim { length_mm: 65.0 }));
+    let mut world = World::new(&scenario, Params::nguyen_2021(Formulation::Published));
+    world.run_until_s(28.0);
+    let before = world.core.compensations()[0].clone();
+    world.run_until_s(120.0);
+    assert_eq!(world.core.whisker(0).expect("there").fault, Some(Fault::Leak));
+    let [one] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    assert_eq!((one.id(), one.pressure()), (before.id(), before.pressure()));
+    assert!(error(&world).mean < 0.08, "{:?}", error(&world));
+}
+
+/// Last measured error.
+fn error(world: &World) -> CompensationError {
+    world
+        .picked(|effect| if let Effect::Error(error) = effect { Some((**error).clone()) } else { None })
+        .pop()
+        .expect("a measured error")
+}
+
+/// A whisker of 70 mm of a robot that applies gains, with changes after so many of its contacts.
+fn faulty(changes: &[(u64, Change)]) -> Scenario {
+    let mut scenario = super::scenario(76, ArrayType::Type2, &[70.0]);
+    scenario.robots[0].applies_gain = true;
+    let events = changes.iter().map(|&(contact, change)| Planned::at_contact(contact, super::name("left"), 0, change));
+    scenario.robots[0].events.extend(events);
+    scenario
+}
+
+fn true_mpa(world: &World) -> f64 {
+    world.robot.whiskers()[0].regulator().pressure_mpa()
+}
+
+#[test]
+fn a_compensator_whose_regulator_breaks_is_served_by_a_gain_at_the_pressure_that_it_has() {
+    let changes = [(400, Change::Trim { length_mm: 65.0 }), (1500, Change::ValvesBroken), (6000, Change::ValvesOk)];
+    let mut world = World::new(&faulty(&changes), Params::nguyen_2021(Formulation::Published));
+    world.run_until_s(28.0);
+    let before = world.core.compensations()[0].clone();
+    world.run_until_s(110.0);
+    assert_eq!(world.core.whisker(0).expect("there").fault, Some(Fault::Regulator));
+    let [one] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    assert!(one.id() > before.id() && one.is_settled(), "{one:?}");
+    assert!((one.pressure().mpa() - true_mpa(&world)).abs() < 0.002, "{one:?} {}", true_mpa(&world));
+    assert!(error(&world).mean < 0.1, "{:?}", error(&world));
+    let (broken_id, sent) = (one.id(), commands(&world).len());
+    assert!(sent < 12, "{sent}");
+    // The repair shows in the regulator's report, and air serves again.
+    world.run_until_s(180.0);
+    let [repaired] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    assert!(repaired.id() > broken_id && repaired.is_settled(), "{repaired:?}");
+    assert!(commands(&world).len() - sent < 12);
+}
+
+/// With broken valves even a small leak empties the chamber: the gain follows.
+#[test]
+fn the_gain_follows_a_pressure_that_drifts_with_few_setpoints() {
+    let changes = [
+        (400, Change::Trim { length_mm: 65.0 }),
+        (1500, Change::ValvesBroken),
+        (2000, Change::Leak { rate_mpa_per_s: 0.0005 }),
+    ];
+    let mut world = World::new(&faulty(&changes), Params::nguyen_2021(Formulation::Published));
+    world.run_until_s(40.0);
+    let (from_mpa, sent) = (true_mpa(&world), commands(&world).len());
+    let mut most_off_mpa = 0.0_f64;
+    while world.seconds() < 260.0 {
+        world.run_until_s(world.seconds() + 1.0);
+        let held = world.core.compensations().first().map(|one| one.pressure().mpa()).unwrap_or(f64::NAN);
+        most_off_mpa = most_off_mpa.max((held - true_mpa(&world)).abs());
     }
+    assert!(true_mpa(&world) < 0.001, "{}", true_mpa(&world));
+    assert!(most_off_mpa < 0.007, "{most_off_mpa}");
+    let followed = commands(&world).len() - sent;
+    assert!(f64::from(followed as u32) < from_mpa / 0.004 + 12.0, "{followed} setpoints from {from_mpa}");
+    let [one] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    assert!(one.is_settled() && one.reading_gain().expect("one number") > 1.0, "{one:?}");
+    let (by_air, _) = error(&world).air_alone.expect("the error without the gain");
+    assert!(error(&world).mean < 0.5 * by_air, "{:?}", error(&world));
 }
 
 #[test]

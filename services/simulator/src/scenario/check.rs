@@ -208,7 +208,13 @@ impl Change {
                 length(field("until_length_mm"), until_length_mm)
             }
             Self::Leak { rate_mpa_per_s } => within(field("rate_mpa_per_s"), rate_mpa_per_s, 0.0..=10.0),
-            Self::GaugeOpen | Self::GaugeShort | Self::GaugeOk | Self::Replace | Self::Restart => Ok(()),
+            Self::ValvesBroken
+            | Self::ValvesOk
+            | Self::GaugeOpen
+            | Self::GaugeShort
+            | Self::GaugeOk
+            | Self::Replace
+            | Self::Restart => Ok(()),
             Self::BaselineDrift { strain_per_contact, until_strain } => {
                 within(field("strain_per_contact"), strain_per_contact, -0.01..=0.01)?;
                 within(field("until_strain"), until_strain, -0.5..=0.5)?;

@@ -17,7 +17,7 @@ use crate::robot::Robot;
 use crate::robot::compensation::prediction::cases_for_each;
 use crate::robot::compensation::refinement::Refining;
 use crate::robot::effect::{CandidateRecord, Condition, Decision, Effect, EndReason, Fault, Reason, WhiskerIndex};
-use crate::robot::event::{AirControl, ArrayKind, RegulatorState, Task};
+use crate::robot::event::{AirControl, ArrayKind, Task};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
 use crate::units::{Megapascal, Millimetre};
@@ -166,22 +166,24 @@ impl Robot {
 
     /// Decides anew about all arrays.
     pub(in crate::robot) fn decide(&mut self, params: &Params, effects: &mut Vec<Effect>) {
-        self.end_broken(effects);
+        self.end_broken(params, effects);
         for array in 0..self.head.arrays.len() {
             self.decide_array(params, array as u16, effects);
         }
     }
 
     /// Ends the compensations that cannot go on.
-    fn end_broken(&mut self, effects: &mut Vec<Effect>) {
+    fn end_broken(&mut self, params: &Params, effects: &mut Vec<Effect>) {
         let mut over = Vec::new();
         for one in &self.head.compensations {
             let (target, compensator) = (&self.whiskers[one.target()], &self.whiskers[one.compensator()]);
             // A held target is not decided on: what serves it is better than nothing until it is.
             if target.undecided && !self.holds(one.target()) {
                 over.push((one.id, EndReason::TargetTrimmedAgain));
-            } else if compensator.is_unfit_to_go_on(one) {
+            } else if compensator.is_unfit_to_go_on(params, one) {
                 over.push((one.id, EndReason::CompensatorBroken));
+            } else if self.may_have_air_again(one) && !self.is_fixed(params, one) {
+                over.push((one.id, EndReason::Reassigned));
             }
         }
         for (id, reason) in over {
@@ -268,16 +270,31 @@ impl Robot {
             && params.policy.objective_for(self.head.applies_gain) == Objective::Shape
     }
 
-    /// The only pressure at which a gain serves a whisker whose chamber leaks: that of the room. None if it is not leaking, or
-    /// if its robot cannot vent it or multiply its readings. A leak that the supervisor alone suspects, at a pressure that the
-    /// regulator holds, is no reason to empty the chamber.
-    fn pressure_of_leaking(&self, params: &Params, index: WhiskerIndex) -> Option<Megapascal> {
+    /// The only pressure at which a gain serves a whisker whose chamber leaks or whose regulator is broken. None if it has
+    /// neither fault, or if its robot does not multiply its readings.
+    ///
+    /// - A leaking chamber that holds its setpoint, because it is filled again and again: that setpoint.
+    /// - One that does not: the pressure of the room, which is sure. The measured one if the robot cannot vent.
+    /// - A broken regulator: the measured pressure, at which the robot can report APPLIED without any air.
+    pub(in crate::robot) fn pressure_it_has(&self, params: &Params, index: WhiskerIndex) -> Option<Megapascal> {
         let one = &self.whiskers[index];
-        let serves = one.fault == Some(Fault::Leak)
-            && (one.air.regulator == RegulatorState::Leak || one.air.unheld_since.is_some())
+        let pressure = match one.fault {
+            Some(Fault::Leak) if one.holds_setpoint(params) => Some(one.air.setpoint),
+            Some(Fault::Leak) if self.head.air_control != AirControl::None => Some(Megapascal::ZERO),
+            Some(Fault::Leak | Fault::Regulator) => one.air.measured(),
+            Some(Fault::Stale | Fault::Gauge(_) | Fault::SupplyLow) | None => None,
+        };
+        pressure.filter(|_| params.policy.objective_for(self.head.applies_gain) == Objective::Shape)
+    }
+
+    /// Whether a gain alone serves, and the fault that was the reason is gone. An empty chamber shows no leak, so an operator
+    /// decides about it.
+    fn may_have_air_again(&self, one: &Compensation) -> bool {
+        one.refining.keeps_pressure()
+            && one.pressure > Megapascal::ZERO
+            && self.whiskers[one.compensator()].fault.is_none()
             && self.head.air_control != AirControl::None
-            && params.policy.objective_for(self.head.applies_gain) == Objective::Shape;
-        serves.then_some(Megapascal::ZERO)
+            && !self.holds(one.compensator())
     }
 
     /// Whether decisions leave it as it is: its target is held, or it runs where compensations must be approved, and is
@@ -329,8 +346,9 @@ impl Robot {
         let is_self = target == compensator;
         let by_gain = is_self && self.is_served_by_gain(params, compensator);
         let objective = params.policy.objective_for(self.head.applies_gain);
-        let only = self.pressure_of_leaking(params, compensator).or(by_gain.then_some(one.sheet.pressure));
-        let reason = one.ineligible(is_self, by_gain, only.is_some()).or(held);
+        let faulty_at = self.pressure_it_has(params, compensator);
+        let only = faulty_at.or(by_gain.then_some(one.sheet.pressure));
+        let reason = one.ineligible(is_self, by_gain, faulty_at.is_some()).or(held);
         let (fit, proposal) = match (reason, broken.model(params), one.model(params)) {
             (None, Some(target_model), Some(model)) => {
                 let belief = one.belief(model);
@@ -429,7 +447,7 @@ impl Robot {
         let is_self = chosen.target == chosen.compensator;
         let one = &self.whiskers[chosen.compensator];
         let has_lost = one.condition == Condition::SensitivityLoss;
-        let leaks = one.fault == Some(Fault::Leak);
+        let keeps_pressure = self.pressure_it_has(params, chosen.compensator).is_some();
         let mut carried = one.carried(params, &setpoint);
         if has_lost {
             carried.shift(one.whole_lag(one.filter.offset()));
@@ -452,7 +470,7 @@ impl Robot {
             after: ResponseBins::default(),
             settled: false,
             length_sd_mm: one.filter.length().sd_mm,
-            refining: if leaks { Refining::of_gain(gain, carried) } else { Refining::new(gain, carried) },
+            refining: if keeps_pressure { Refining::of_gain(gain, carried) } else { Refining::new(gain, carried) },
             proposed: params.policy.mode == Mode::Advise,
         };
         self.whiskers[chosen.target].unserved = false;
@@ -486,11 +504,11 @@ fn choose(params: &Params, targets: &[usize], asked: &[CandidateProposal<'_>]) -
 
 impl Whisker {
     /// Reason why it cannot be a candidate, if there is one. A trimmed whisker may still serve itself.
-    fn ineligible(&self, for_itself: bool, by_gain: bool, serves_leaking: bool) -> Option<Ineligible> {
+    fn ineligible(&self, for_itself: bool, by_gain: bool, serves_faulty: bool) -> Option<Ineligible> {
         match self.fault {
             Some(Fault::Stale) => return Some(Ineligible::Stale),
             Some(Fault::Gauge(_)) => return Some(Ineligible::GaugeFault),
-            Some(Fault::Leak) if serves_leaking => {}
+            Some(Fault::Leak | Fault::Regulator) if serves_faulty => {}
             Some(Fault::Leak | Fault::Regulator | Fault::SupplyLow) => return Some(Ineligible::Leaking),
             None => {}
         }
@@ -511,7 +529,7 @@ impl Whisker {
 
     /// Whether it can no longer serve. Silence alone ends nothing: the pressure is still in the chamber. A cut whisker
     /// that compensates for itself goes on when it erodes or loses sensitivity: it is still cut.
-    fn is_unfit_to_go_on(&self, serving: &Compensation) -> bool {
+    fn is_unfit_to_go_on(&self, params: &Params, serving: &Compensation) -> bool {
         let broken = match self.condition {
             Condition::Trimmed | Condition::Eroding | Condition::SensitivityLoss => {
                 serving.case != Case::SelfCompensation
@@ -519,9 +537,9 @@ impl Whisker {
             Condition::Learning | Condition::Healthy | Condition::Suspected => false,
         };
         let faulty = match self.fault {
-            Some(Fault::Gauge(_) | Fault::Regulator) => true,
-            // An empty chamber has no pressure to lose.
-            Some(Fault::Leak) => !serving.refining.keeps_pressure(),
+            Some(Fault::Gauge(_)) => true,
+            Some(Fault::Leak) if self.holds_setpoint(params) && serving.reading_gain().is_some() => false,
+            Some(Fault::Leak | Fault::Regulator) => !serving.refining.keeps_pressure(),
             Some(Fault::Stale | Fault::SupplyLow) | None => false,
         };
         broken || faulty
