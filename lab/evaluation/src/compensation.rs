@@ -15,7 +15,7 @@ pub mod weakened;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use vibrissa_core::mechanics::{CONTACT_RATIOS, EVEN_WEIGHTS, ErrorProfile, Formulation, Objective, Offset};
+use vibrissa_core::mechanics::{CONTACT_RATIOS, ErrorProfile, Formulation, Objective, Offset, UsualContacts};
 use vibrissa_core::policy::{Fitness, propose};
 use vibrissa_core::robot::Params;
 use vibrissa_core::robot::effect::{CandidateRecord, Command, Effect, Refinement};
@@ -225,7 +225,7 @@ fn mean_setpoint_mpa(trial: &Trial, world: &World, index: usize, target_offset: 
         offset: one.offset,
         own: Default::default(),
         objective: Objective::Mean,
-        weights: EVEN_WEIGHTS,
+        usual: UsualContacts::UNKNOWN,
     };
     let proposal = propose(&world.params.policy, model, target, target_offset, &fitness, trial.case == Case::Itself);
     proposal.setpoint.map(|setpoint| setpoint.pressure.mpa())

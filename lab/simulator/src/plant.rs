@@ -19,7 +19,7 @@ use crate::scenario::{Noise, Rubber, TrueFormulation};
 pub const RATIO_MIN: f64 = 0.45;
 /// Smallest and largest deflection of a contact, in mm.
 pub const DEFLECTION_MM: (f64, f64) = (0.2, 6.0);
-/// Largest strain that the gauge's amplifier can read, in m/m.
+/// Largest strain that the gauge's amplifier can read, in m/m, unless the scenario states another one.
 pub const FULL_SCALE_STRAIN: f64 = 0.5;
 /// Initial temperature, in degrees Celsius.
 pub const TEMPERATURE_C: f64 = 24.0;
@@ -38,6 +38,8 @@ pub struct Plant {
     changes: Vec<LengthChange>,
     erosion: Option<Erosion>,
     gauge: GaugeCondition,
+    /// Largest strain that the gauge's amplifier reads, in m/m.
+    full_scale_strain: f64,
     baseline: Baseline,
     deflection_factor: f64,
     sensitivity_factor: f64,
@@ -148,6 +150,7 @@ impl Plant {
             changes: Vec::new(),
             erosion: None,
             gauge: GaugeCondition::Ok,
+            full_scale_strain: FULL_SCALE_STRAIN,
             baseline: Baseline::default(),
             deflection_factor: 1.0,
             sensitivity_factor: 1.0,
@@ -158,6 +161,11 @@ impl Plant {
             noise_stream: streams.noise,
             test_stream: streams.test,
         })
+    }
+
+    /// The same plant with an amplifier that ends at this strain, in m/m.
+    pub(crate) fn with_full_scale(self, full_scale_strain: f64) -> Self {
+        Self { full_scale_strain, ..self }
     }
 
     /// Makes a contact at a random ratio of the present length while the chamber has the given true pressure.
@@ -209,7 +217,7 @@ impl Plant {
         let reading = Reading {
             ratio: rounded(ratio + touch.ratio_error, 1e4).clamp(0.01, 1.0),
             deflection_mm: rounded(deflection_mm, 1e4).clamp(0.01, 1000.0),
-            strain: rounded(self.gauge.reads(strain, self.noise.strain_floor * errors[1]), 1e8),
+            strain: rounded(self.gauge.reads(strain, self.noise.strain_floor * errors[1], self.full_scale_strain), 1e8),
             temperature_c: self.temperature_c,
         };
         Ok(Some((reading, touch)))
@@ -252,7 +260,7 @@ impl Plant {
         let reading = Reading {
             ratio: rounded(ratio, 1e4).clamp(0.01, 1.0),
             deflection_mm: rounded(deflection_mm, 1e4).clamp(0.01, 1000.0),
-            strain: rounded(self.gauge.reads(strain, self.noise.strain_floor * errors[1]), 1e8),
+            strain: rounded(self.gauge.reads(strain, self.noise.strain_floor * errors[1], self.full_scale_strain), 1e8),
             temperature_c: self.temperature_c,
         };
         Ok(Some((reading, touch)))
@@ -411,12 +419,12 @@ impl Baseline {
 
 impl GaugeCondition {
     /// Strain that the gauge reads for a true strain.
-    fn reads(self, strain: f64, noise: f64) -> f64 {
+    fn reads(self, strain: f64, noise: f64, full_scale_strain: f64) -> f64 {
         let limit = match self {
-            Self::Ok => FULL_SCALE_STRAIN,
-            Self::Open => return FULL_SCALE_STRAIN,
+            Self::Ok => full_scale_strain,
+            Self::Open => return full_scale_strain,
             Self::Short => return noise,
-            Self::Saturated { limit_strain } => limit_strain.min(FULL_SCALE_STRAIN),
+            Self::Saturated { limit_strain } => limit_strain.min(full_scale_strain),
         };
         strain.clamp(-limit, limit)
     }

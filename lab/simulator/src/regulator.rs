@@ -51,6 +51,8 @@ pub struct Regulator {
     settled_ticks: u32,
     struggling_ticks: u32,
     lost_mpa_per_s: f64,
+    /// Its valves open no more.
+    is_broken: bool,
     noise: ChaCha8Rng,
 }
 
@@ -67,6 +69,7 @@ impl Regulator {
             settled_ticks: SETTLED_TICKS,
             struggling_ticks: 0,
             lost_mpa_per_s: 0.0,
+            is_broken: false,
             noise,
         }
     }
@@ -85,6 +88,16 @@ impl Regulator {
         self.settled_ticks = 0;
     }
 
+    /// Breaks its valves, or repairs them.
+    pub(crate) fn set_broken(&mut self, is_broken: bool) {
+        self.is_broken = is_broken;
+    }
+
+    /// Whether its valves are broken.
+    pub(crate) fn is_broken(&self) -> bool {
+        self.is_broken
+    }
+
     /// Time after which a new target counts as failed, in microseconds: the time for the pressure change at the
     /// commanded rate, or at the valves' rate if that is slower, plus a margin to settle.
     #[must_use]
@@ -100,7 +113,8 @@ impl Regulator {
         self.reference_mpa += (self.target_mpa - self.reference_mpa).clamp(-step_mpa, step_mpa);
 
         let behind_mpa = self.reference_mpa - self.reading_mpa;
-        let (fill, vent) = (behind_mpa > DEADBAND_MPA, behind_mpa < -DEADBAND_MPA);
+        let fill = behind_mpa > DEADBAND_MPA && !self.is_broken;
+        let vent = behind_mpa < -DEADBAND_MPA && !self.is_broken;
         let filled_mpa = if fill { (FILL_PER_S * (supply_mpa - self.pressure_mpa) * TICK_S).max(0.0) } else { 0.0 };
         let vented_mpa = if vent { VENT_PER_S * self.pressure_mpa * TICK_S } else { 0.0 };
         let lost_mpa = leak_mpa_per_s * TICK_S;
@@ -125,7 +139,9 @@ impl Regulator {
     #[must_use]
     pub fn condition(&self) -> Condition {
         let below_mpa = self.target_mpa - self.reading_mpa;
-        if self.supply_mpa < self.target_mpa + SUPPLY_MARGIN_MPA && below_mpa > SETTLED_WITHIN_MPA {
+        if self.is_broken {
+            Condition::Fault
+        } else if self.supply_mpa < self.target_mpa + SUPPLY_MARGIN_MPA && below_mpa > SETTLED_WITHIN_MPA {
             Condition::SupplyLow
         } else if self.struggling_ticks >= STRUGGLING_TICKS || self.lost_mpa_per_s > LEAK_MPA_PER_S {
             Condition::Leak

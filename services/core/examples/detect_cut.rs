@@ -69,6 +69,7 @@ fn factsheet(length: Millimetre, pressure: Megapascal) -> Factsheet {
         length,
         pressure,
         pressure_max: Megapascal::EXAMINED_MAX,
+        strain_max: None,
         neighbours: Vec::new(),
     };
     let array =

@@ -114,6 +114,7 @@ fn whisker_sheet(whisker: &protocol::WhiskerFacts, known: &[&str]) -> Result<Whi
         length: Millimetre::new(whisker.length_mm)?,
         pressure: Megapascal::new(whisker.pressure_mpa)?,
         pressure_max: Megapascal::new(whisker.pressure_max_mpa)?,
+        strain_max: whisker.strain_max,
         neighbours: whisker.neighbours.clone(),
     })
 }

@@ -70,6 +70,8 @@ pub(crate) const PLACE_MM: Range = range!(between -100000 and 100000 " mm");
 /// Strain, in m/m. A dead gauge reads 0; other values below a thousandth of the best amplifiers' resolution are
 /// invalid.
 pub(crate) const STRAIN: Range = range!(zero or magnitude 1e-9 to 1 " (m/m)");
+/// Largest strain that a gauge reads, in m/m.
+pub(crate) const STRAIN_MAX: Range = range!(above 0 to 1 " (m/m)");
 /// Gauge pressure, in MPa.
 pub(crate) const PRESSURE_MPA: Range = range!(between 0 and 1 " MPa");
 /// Temperature, in degrees Celsius.

@@ -131,6 +131,8 @@ rules! {
         "Contacts are of whiskers in the factsheet.";
     StrainAsMeasured = "strain-as-measured", "contacts", Every, Talking,
         "The strain of a contact is as measured, without the reading_gain by which the robot multiplies its readings.";
+    StrainWithinGauge = "strain-within-gauge", "contacts", Every, Talking,
+        "The strain of a contact is at most the strain_max that the factsheet states for its whisker, if it states one.";
     PlaceAsStated = "place-as-stated", "contacts", Every, Talking,
         "Contacts have the place that the factsheet states for their whisker; those of a touch test have its own.";
     ContactsResent = "contacts-resent", "contacts", Receipts, Talking,

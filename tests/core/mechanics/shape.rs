@@ -1,8 +1,8 @@
 //! Air for the shape, gain for the level: [`Objective::Shape`].
 
 use vibrissa_core::mechanics::{
-    CONTACT_RATIOS, Compensator, EVEN_WEIGHTS, Formulation, Model, Objective, Offset, RatioWeights, Setpoint, Solution,
-    solve_setpoint, solve_setpoint_as_felt,
+    ByRatio, CONTACT_RATIOS, Compensator, EVEN_WEIGHTS, Formulation, Model, Objective, Offset, RatioWeights, Setpoint,
+    Solution, UsualContacts, compensation_error, solve_setpoint, solve_setpoint_as_felt,
 };
 use vibrissa_core::units::{ContactRatio, Megapascal};
 
@@ -86,15 +86,93 @@ fn moments(weights: &RatioWeights, logs: &[f64; CONTACT_RATIOS.len()]) -> (f64, 
 const NEAR_THE_TIP: RatioWeights = [0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 2.0, 5.0, 2.0, 0.1, 0.1];
 
 fn weighted(model: &Model, length_mm: f64, target_mm: f64, weights: &RatioWeights) -> Setpoint {
+    usual(model, length_mm, target_mm, &UsualContacts { weights: *weights, ..UsualContacts::UNKNOWN })
+}
+
+fn usual(model: &Model, length_mm: f64, target_mm: f64, usual: &UsualContacts) -> Setpoint {
     let straight = |_: Megapascal| [0.0; CONTACT_RATIOS.len()];
     *solve_setpoint_as_felt(
         (model, target(target_mm, 0.1), &straight),
         (model, compensator(length_mm, 0.1), &straight),
         Objective::Shape,
-        weights,
+        usual,
     )
     .unwrap()
     .setpoint()
+}
+
+/// Sensitivities at all contact ratios, 1/mm.
+fn per_mm(model: &Model, length_mm: f64, q: Megapascal) -> [f64; CONTACT_RATIOS.len()] {
+    CONTACT_RATIOS
+        .map(|a| model.sensitivity_per_mm(ContactRatio::new(a).unwrap(), mm(length_mm), &model.morphology(q)).unwrap())
+}
+
+/// Eq. 35 by its definition, each contact ratio with its weight.
+#[test]
+fn brute_force_the_predicted_error_has_the_weights_of_the_contacts() {
+    let model = Model::nguyen_2021(Formulation::Published);
+    for (length_mm, target_mm) in [(65.0, 70.0), (55.0, 70.0), (70.0, 65.0)] {
+        for weights in [EVEN_WEIGHTS, NEAR_THE_TIP] {
+            let ours = weighted(&model, length_mm, target_mm, &weights);
+            let [after, before] = [ours.pressure, mpa(0.1)].map(|q| per_mm(&model, length_mm, q));
+            let target = per_mm(&model, target_mm, mpa(0.1));
+            let error = |k: usize| compensation_error(ours.reading_gain * after[k], before[k], target[k]).unwrap();
+            let sum: f64 = (0..CONTACT_RATIOS.len()).map(|k| weights[k] * error(k)).sum();
+            let expected = sum / weights.iter().sum::<f64>();
+            assert!((ours.error.mean - expected).abs() < 1e-12, "{length_mm} for {target_mm}: {ours:?} {expected}");
+        }
+    }
+}
+
+/// Strains of the target's usual largest deflection reach the end of the gauge's range at 0.45 and are below it elsewhere.
+#[test]
+fn brute_force_the_best_shape_within_the_range_of_the_gauge() {
+    const STEPS: u32 = 20_000;
+    let model = Model::nguyen_2021(Formulation::Published);
+    let all: ByRatio = [Some(()); CONTACT_RATIOS.len()].map(|_| Some(0.0));
+    let near_the_tip: ByRatio = std::array::from_fn(|k| (CONTACT_RATIOS[k] > 0.75).then_some(0.0));
+    let mut limited = 0;
+    for (length_mm, target_mm) in [(69.0, 70.0), (65.0, 70.0), (60.0, 70.0), (55.0, 70.0), (70.0, 65.0)] {
+        let target = per_mm(&model, target_mm, mpa(0.1));
+        for touched in [all, near_the_tip] {
+            // The range ends at this share of the target's own largest sensitivity where the robot touches.
+            for share in [0.9, 1.0, 1.05, 1.2, 2.0] {
+                let largest =
+                    (0..target.len()).filter(|&k| touched[k].is_some()).map(|k| target[k]).fold(0.0, f64::max);
+                let per_mm_max = touched.map(|one| one.map(|_| share * largest));
+                let fits = |q: f64| {
+                    let after = per_mm(&model, length_mm, mpa(q));
+                    let limit = |k: usize| Some(per_mm_max[k]?.max(target[k]));
+                    (0..after.len()).all(|k| limit(k).is_none_or(|limit| after[k] <= limit * (1.0 + 1e-9)))
+                };
+                let variance = |q: f64| moments(&EVEN_WEIGHTS, &logs(&model, length_mm, target_mm, mpa(q))).1;
+                let grid = (0..=STEPS).map(|k| 0.2 * f64::from(k) / f64::from(STEPS)).filter(|&q| fits(q));
+                let best = grid.min_by(|a, b| variance(*a).total_cmp(&variance(*b))).unwrap_or(0.0);
+                let ours = usual(&model, length_mm, target_mm, &UsualContacts { weights: EVEN_WEIGHTS, per_mm_max });
+                let name = format!("{length_mm} for {target_mm}, {share}: {} and {best}", ours.pressure.mpa());
+                assert!((ours.pressure.mpa() - best).abs() <= 0.2 / f64::from(STEPS), "{name}");
+                assert!(fits(ours.pressure.mpa()) || best == 0.0, "{name}");
+                let free = weighted(&model, length_mm, target_mm, &EVEN_WEIGHTS);
+                assert!(
+                    ours.pressure.mpa() <= free.pressure.mpa() + 1e-9,
+                    "more air is taken away, never less: {name}"
+                );
+                limited += u32::from(ours.pressure != free.pressure);
+            }
+        }
+    }
+    assert!(limited > 10, "{limited}");
+}
+
+#[test]
+fn without_a_range_of_the_gauge_the_pressure_is_the_same_to_the_last_bit() {
+    let model = Model::nguyen_2021(Formulation::Published);
+    let wide = UsualContacts { per_mm_max: [Some(1.0); CONTACT_RATIOS.len()], ..UsualContacts::UNKNOWN };
+    for (length_mm, target_mm) in [(65.0, 70.0), (55.0, 70.0), (70.0, 65.0)] {
+        let free = shape(&model, length_mm, target_mm);
+        assert_eq!(usual(&model, length_mm, target_mm, &UsualContacts::UNKNOWN), free);
+        assert_eq!(usual(&model, length_mm, target_mm, &wide), free);
+    }
 }
 
 /// Where the robot touches, the reading is better for it.

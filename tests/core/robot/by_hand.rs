@@ -48,6 +48,7 @@ impl ByHand {
             length: Millimetre::known(length_mm),
             pressure: Megapascal::known(0.1),
             pressure_max: Megapascal::EXAMINED_MAX,
+            strain_max: None,
             neighbours: Vec::new(),
         };
         let array =

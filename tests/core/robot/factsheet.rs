@@ -17,6 +17,7 @@ fn factsheet() -> Factsheet {
         length: Millimetre::known(70.0),
         pressure: Megapascal::known(0.0),
         pressure_max: Megapascal::known(0.2),
+        strain_max: None,
         neighbours: Vec::new(),
     };
     Factsheet {

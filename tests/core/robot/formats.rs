@@ -51,6 +51,11 @@ const WHISKERS_13: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-13-1.bin"),
     include_bytes!("../../data/formats/whisker-13-2.bin"),
 ];
+const WHISKERS_14: [&[u8]; 3] = [
+    include_bytes!("../../data/formats/whisker-14-0.bin"),
+    include_bytes!("../../data/formats/whisker-14-1.bin"),
+    include_bytes!("../../data/formats/whisker-14-2.bin"),
+];
 const WHISKERS_6: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-6-0.bin"),
     include_bytes!("../../data/formats/whisker-6-1.bin"),
@@ -62,19 +67,29 @@ fn restored(whiskers: [&[u8]; 3]) -> Result<Robot, RestoreError> {
 }
 
 #[test]
-fn golden_whiskers_of_older_versions_are_read_and_become_version_13() {
+fn golden_whiskers_of_older_versions_are_read_and_become_version_14() {
     let robot = restored(WHISKERS_5).unwrap();
     if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        for index in 0..WHISKERS_13.len() {
+        for index in 0..WHISKERS_14.len() {
             let bytes = robot.whisker_to_bytes(index).unwrap();
-            std::fs::write(format!("../data/formats/whisker-13-{index}.bin"), bytes).unwrap();
+            std::fs::write(format!("../data/formats/whisker-14-{index}.bin"), bytes).unwrap();
         }
     }
-    for older in [WHISKERS_6, WHISKERS_7, WHISKERS_8, WHISKERS_9, WHISKERS_10, WHISKERS_11, WHISKERS_12, WHISKERS_13] {
+    for older in [
+        WHISKERS_6,
+        WHISKERS_7,
+        WHISKERS_8,
+        WHISKERS_9,
+        WHISKERS_10,
+        WHISKERS_11,
+        WHISKERS_12,
+        WHISKERS_13,
+        WHISKERS_14,
+    ] {
         assert_eq!(robot, restored(older).unwrap());
     }
     assert_eq!(robot.to_bytes().unwrap(), ROBOT_10);
-    for (index, bytes) in WHISKERS_13.into_iter().enumerate() {
+    for (index, bytes) in WHISKERS_14.into_iter().enumerate() {
         assert_eq!(robot.whisker_to_bytes(index).unwrap(), bytes, "whisker {index}");
     }
     // A trimmed whisker in the middle of its compensation.
@@ -99,9 +114,9 @@ fn golden_robots_of_older_versions_become_version_10() {
 #[test]
 fn regress_bytes_of_a_later_version_are_told_from_damaged_ones() {
     let of_whisker = |by: u8| {
-        let mut later = WHISKERS_13[0].to_vec();
+        let mut later = WHISKERS_14[0].to_vec();
         later[0] += by;
-        restored([&later, WHISKERS_13[1], WHISKERS_13[2]]).err()
+        restored([&later, WHISKERS_14[1], WHISKERS_14[2]]).err()
     };
     assert_eq!([of_whisker(1), of_whisker(100)], [Some(RestoreError::Newer); 2]);
     assert_eq!(of_whisker(101), Some(RestoreError::Whisker(0)), "no program had so many versions");

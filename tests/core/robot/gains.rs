@@ -1,9 +1,10 @@
 //! Robots that multiply their readings: a gain serves what air cannot.
 
-use vibrissa_core::mechanics::{Formulation, Objective};
+use vibrissa_core::mechanics::{Formulation, Model, Objective};
 use vibrissa_core::policy::{Case, LongerForShorter};
-use vibrissa_core::robot::effect::{AlarmKind, Command, CompensationError, Condition, Decision, Effect};
+use vibrissa_core::robot::effect::{AlarmKind, Command, CompensationError, Condition, Decision, Effect, Fault};
 use vibrissa_core::robot::{Event, OperatorAction, Outcome, Params, Place, Scope};
+use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 use vibrissa_evaluation::World;
 use vibrissa_protocol::{AirControl, ArrayType, Task};
 use vibrissa_simulator::Scenario;
@@ -98,6 +99,37 @@ fn the_error_of_the_air_alone_is_told_only_where_a_gain_is_applied() {
     }
 }
 
+/// Its readings before the compensation were those of a cut whisker, not of a whole one.
+#[test]
+fn regress_a_cut_whisker_that_loses_sensitivity_before_it_is_served_was_shorter_before() {
+    let mut scenario = stiffening(true);
+    scenario.calibration_error = 0.0;
+    scenario.robots[0].events.push(Planned::at_contact(400, super::name("left"), 0, Change::Trim { length_mm: 62.0 }));
+    scenario.robots[0].events[0].at_s = Some(20.0);
+    let mut params = Params::nguyen_2021(Formulation::Consistent);
+    params.policy.predicted_error_max = 0.0;
+    let mut world = World::new(&scenario, params);
+    world.run_until_s(18.0);
+    assert_eq!(world.core.whisker(0).expect("there").condition, Condition::Trimmed);
+    world.run_until_s(32.0);
+    assert_eq!(world.core.whisker(0).expect("there").condition, Condition::SensitivityLoss);
+    assert_eq!(world.core.compensations().len(), 0, "no error is small enough");
+    world.params.policy.predicted_error_max = 0.5;
+    world.step(&Event::PolicyChanged);
+    world.run_until_s(60.0);
+    let error: CompensationError = world
+        .picked(|effect| if let Effect::Error(error) = effect { Some((**error).clone()) } else { None })
+        .pop()
+        .expect("a measured error");
+    let model = Model::nguyen_2021(Formulation::Consistent);
+    let morphology = model.morphology(Megapascal::known(NOMINAL_MPA));
+    for bin in &error.bins {
+        let ratio = ContactRatio::known(bin.ratio);
+        let cut = model.sensitivity_per_mm(ratio, Millimetre::known(62.0), &morphology).expect("no chamber");
+        assert!((bin.before_per_mm / (KEPT * cut) - 1.0).abs() < 0.05, "{bin:?}: {}", KEPT * cut);
+    }
+}
+
 /// The decision for a cut whisker of 66 mm with a longer neighbour, which must lower or raise its pressure.
 fn decided(air_control: Option<AirControl>, applies_gain: bool) -> Decision {
     let mut scenario = super::scenario(73, ArrayType::Type1, &[66.0, 70.0]);
@@ -139,6 +171,35 @@ fn a_robot_without_air_and_gain_is_not_compensated() {
     assert!(decision.candidates.iter().all(|one| one.refused.is_some()), "{decision:?}");
 }
 
+/// Setpoints for a whisker of 70 mm that is cut to 65 mm, whose gauge has this range.
+fn with_range(strain_max: Option<f64>) -> Vec<Command> {
+    let mut scenario = super::scenario(75, ArrayType::Type2, &[70.0]);
+    scenario.robots[0].applies_gain = true;
+    scenario.robots[0].arrays[0].whiskers[0].strain_max = strain_max;
+    scenario.robots[0].events.push(Planned::at_contact(800, super::name("left"), 0, Change::Trim { length_mm: 65.0 }));
+    commands(&run(&scenario, Objective::Shape, 26.0))
+}
+
+/// Strains of a shorter whisker are larger. At a lower pressure they stay within the range of the gauge.
+#[test]
+fn a_gauge_that_strains_would_leave_gets_a_lower_pressure_and_any_other_the_same() {
+    let free = with_range(None);
+    assert_eq!(with_range(Some(0.4)), free, "to the last bit");
+    // The whole whisker's strain at the nearest and strongest contact of the simulation.
+    let model = Model::nguyen_2021(Formulation::Published);
+    let [nearest, ..] = model.log_sensitivities(Millimetre::known(70.0), Megapascal::known(NOMINAL_MPA));
+    let whole = 6.0 * nearest.expect("no chamber").exp();
+    let pressures = |sent: &[Command]| sent[0].pressure.mpa();
+    let limited = with_range(Some(1.05 * whole));
+    assert!(pressures(&limited) < pressures(&free) - 0.005, "{limited:?} {free:?}");
+    let largest = |mpa: f64| {
+        let [nearest, ..] = model.log_sensitivities(Millimetre::known(65.0), Megapascal::known(mpa));
+        6.0 * nearest.expect("no chamber").exp()
+    };
+    let (before, after) = (largest(pressures(&free)), largest(pressures(&limited)));
+    assert!(before > 1.08 * whole && after < 1.08 * whole, "{before} {after} {whole}");
+}
+
 /// A whisker of 70 mm, cut to 65 mm and served, whose chamber then leaks faster than it can be filled.
 fn leaking(applies_gain: bool, air_control: Option<AirControl>) -> World {
     let mut scenario = super::scenario(74, ArrayType::Type2, &[70.0]);
@@ -176,12 +237,103 @@ fn a_cut_whisker_whose_chamber_leaks_is_served_by_a_gain_on_the_empty_chamber() 
 }
 
 #[test]
-fn a_leaking_whisker_without_gains_or_valves_is_not_served() {
-    for (applies_gain, air_control) in [(false, None), (true, Some(AirControl::None))] {
-        let world = leaking(applies_gain, air_control);
-        assert!(world.core.compensations().is_empty(), "{applies_gain} {air_control:?}");
-        assert!(commands(&world).iter().all(|command| command.pressure.mpa() > 0.0));
+fn a_leaking_whisker_without_gains_is_not_served() {
+    let world = leaking(false, None);
+    assert!(world.core.compensations().is_empty());
+    assert!(commands(&world).iter().all(|command| command.pressure.mpa() > 0.0));
+}
+
+/// It cannot vent, but its chamber has emptied, and the gain for that serves.
+#[test]
+fn a_leaking_whisker_without_valves_is_served_at_the_pressure_that_is_left() {
+    let world = leaking(true, Some(AirControl::None));
+    let [one] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    assert!(one.is_settled() && one.pressure().mpa() < 0.004, "{one:?}");
+    assert!(one.reading_gain().expect("one number") > 1.0, "{one:?}");
+}
+
+/// A slow leak is filled again and again: the pressure is held, and the compensation goes on as it is.
+#[test]
+fn a_compensator_that_holds_its_pressure_in_spite_of_a_leak_serves_on() {
+    let mut scenario = faulty(&[(1500, Change::Leak { rate_mpa_per_s: 0.002 })]);
+    scenario.robots[0].events.push(Planned::at_contact(400, super::name("left"), 0, Change::Trim { length_mm: 65.0 }));
+    let mut world = World::new(&scenario, Params::nguyen_2021(Formulation::Published));
+    world.run_until_s(28.0);
+    let before = world.core.compensations()[0].clone();
+    world.run_until_s(120.0);
+    assert_eq!(world.core.whisker(0).expect("there").fault, Some(Fault::Leak));
+    let [one] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    assert_eq!((one.id(), one.pressure()), (before.id(), before.pressure()));
+    assert!(error(&world).mean < 0.08, "{:?}", error(&world));
+}
+
+/// Last measured error.
+fn error(world: &World) -> CompensationError {
+    world
+        .picked(|effect| if let Effect::Error(error) = effect { Some((**error).clone()) } else { None })
+        .pop()
+        .expect("a measured error")
+}
+
+/// A whisker of 70 mm of a robot that applies gains, with changes after so many of its contacts.
+fn faulty(changes: &[(u64, Change)]) -> Scenario {
+    let mut scenario = super::scenario(76, ArrayType::Type2, &[70.0]);
+    scenario.robots[0].applies_gain = true;
+    let events = changes.iter().map(|&(contact, change)| Planned::at_contact(contact, super::name("left"), 0, change));
+    scenario.robots[0].events.extend(events);
+    scenario
+}
+
+fn true_mpa(world: &World) -> f64 {
+    world.robot.whiskers()[0].regulator().pressure_mpa()
+}
+
+#[test]
+fn a_compensator_whose_regulator_breaks_is_served_by_a_gain_at_the_pressure_that_it_has() {
+    let changes = [(400, Change::Trim { length_mm: 65.0 }), (1500, Change::ValvesBroken), (6000, Change::ValvesOk)];
+    let mut world = World::new(&faulty(&changes), Params::nguyen_2021(Formulation::Published));
+    world.run_until_s(28.0);
+    let before = world.core.compensations()[0].clone();
+    world.run_until_s(110.0);
+    assert_eq!(world.core.whisker(0).expect("there").fault, Some(Fault::Regulator));
+    let [one] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    assert!(one.id() > before.id() && one.is_settled(), "{one:?}");
+    assert!((one.pressure().mpa() - true_mpa(&world)).abs() < 0.002, "{one:?} {}", true_mpa(&world));
+    assert!(error(&world).mean < 0.1, "{:?}", error(&world));
+    let (broken_id, sent) = (one.id(), commands(&world).len());
+    assert!(sent < 12, "{sent}");
+    // The repair shows in the regulator's report, and air serves again.
+    world.run_until_s(180.0);
+    let [repaired] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    assert!(repaired.id() > broken_id && repaired.is_settled(), "{repaired:?}");
+    assert!(commands(&world).len() - sent < 12);
+}
+
+/// With broken valves even a small leak empties the chamber: the gain follows.
+#[test]
+fn the_gain_follows_a_pressure_that_drifts_with_few_setpoints() {
+    let changes = [
+        (400, Change::Trim { length_mm: 65.0 }),
+        (1500, Change::ValvesBroken),
+        (2000, Change::Leak { rate_mpa_per_s: 0.0005 }),
+    ];
+    let mut world = World::new(&faulty(&changes), Params::nguyen_2021(Formulation::Published));
+    world.run_until_s(40.0);
+    let (from_mpa, sent) = (true_mpa(&world), commands(&world).len());
+    let mut most_off_mpa = 0.0_f64;
+    while world.seconds() < 260.0 {
+        world.run_until_s(world.seconds() + 1.0);
+        let held = world.core.compensations().first().map(|one| one.pressure().mpa()).unwrap_or(f64::NAN);
+        most_off_mpa = most_off_mpa.max((held - true_mpa(&world)).abs());
     }
+    assert!(true_mpa(&world) < 0.001, "{}", true_mpa(&world));
+    assert!(most_off_mpa < 0.007, "{most_off_mpa}");
+    let followed = commands(&world).len() - sent;
+    assert!(f64::from(followed as u32) < from_mpa / 0.004 + 12.0, "{followed} setpoints from {from_mpa}");
+    let [one] = world.core.compensations() else { panic!("{:?}", world.core.compensations()) };
+    assert!(one.is_settled() && one.reading_gain().expect("one number") > 1.0, "{one:?}");
+    let (by_air, _) = error(&world).air_alone.expect("the error without the gain");
+    assert!(error(&world).mean < 0.5 * by_air, "{:?}", error(&world));
 }
 
 #[test]

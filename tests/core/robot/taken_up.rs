@@ -31,6 +31,7 @@ impl Taken {
             length: Millimetre::known(70.0),
             pressure: Megapascal::known(NOMINAL_MPA),
             pressure_max: Megapascal::known(0.2),
+            strain_max: None,
             neighbours: Vec::new(),
         };
         let array =

@@ -27,6 +27,7 @@ fn known(epoch: u64) -> Robot {
         length: Millimetre::new(70.0).unwrap(),
         pressure: Megapascal::new(0.1).unwrap(),
         pressure_max: Megapascal::new(0.2).unwrap(),
+        strain_max: None,
         neighbours: vec![1 - number],
     };
     let array = ArraySheet {

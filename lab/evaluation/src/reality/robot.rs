@@ -340,6 +340,7 @@ fn factsheet(layout: Layout, RobotKind { place, applies_gain }: RobotKind) -> Fa
             length: Millimetre::known(layout.whole_mm(number as u64)),
             pressure: Megapascal::known(NOMINAL_MPA),
             pressure_max: Megapascal::EXAMINED_MAX,
+            strain_max: None,
             neighbours: (0..WHISKERS as u16).filter(is_neighbour).collect(),
         }
     };

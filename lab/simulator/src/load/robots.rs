@@ -167,6 +167,7 @@ fn whisker_facts(number: u16, count: u16) -> WhiskerFacts {
         pressure_max_mpa,
         neighbours: neighbours.into_iter().flatten().collect(),
         place: None,
+        strain_max: None,
     }
 }
 

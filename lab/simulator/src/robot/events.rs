@@ -67,6 +67,8 @@ impl Robot {
             Change::Trim { .. }
             | Change::Erode { .. }
             | Change::Leak { .. }
+            | Change::ValvesBroken
+            | Change::ValvesOk
             | Change::GaugeOpen
             | Change::GaugeShort
             | Change::GaugeSaturated { .. }
@@ -92,6 +94,8 @@ impl Robot {
                 whisker.plant.erode(at_us, rate_mm_per_contact, until_length_mm);
             }
             Change::Leak { rate_mpa_per_s } => whisker.leak_mpa_per_s = rate_mpa_per_s,
+            Change::ValvesBroken => whisker.regulator.set_broken(true),
+            Change::ValvesOk => whisker.regulator.set_broken(false),
             Change::GaugeOpen => whisker.plant.set_gauge(GaugeCondition::Open),
             Change::GaugeShort => whisker.plant.set_gauge(GaugeCondition::Short),
             Change::GaugeSaturated { limit_strain } => {

@@ -91,6 +91,10 @@ impl Robot {
         if self.breaks(Misbehaviour::RatioAboveOne) && is_fifth {
             contact.ratio = Some(1.2);
         }
+        let strain_max = at.and_then(|&at| self.whiskers[at].facts().strain_max);
+        if let Some(strain_max) = strain_max.filter(|_| self.breaks(Misbehaviour::StrainBeyondGauge) && is_fifth) {
+            contact.strain = 1.5 * strain_max;
+        }
         if self.breaks(Misbehaviour::AnotherPlace) && is_fifth {
             (contact.distance_mm, contact.ratio) = (contact.ratio.map(|ratio| 70.0 * ratio), None);
         }

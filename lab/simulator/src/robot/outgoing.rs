@@ -137,5 +137,6 @@ fn whisker_facts(whisker: &WhiskerScenario) -> WhiskerFacts {
         pressure_max_mpa: whisker.pressure_max_mpa,
         neighbours: whisker.neighbours.clone(),
         place: None,
+        strain_max: whisker.strain_max,
     }
 }

@@ -32,6 +32,8 @@ struct WhiskerState {
     whisker: u16,
     pressure_mpa: f64,
     leak_mpa_per_s: f64,
+    #[serde(default)]
+    valves_broken: bool,
     silent_until_us: u64,
     /// Number of events by contact count that are still to come.
     events_left: usize,
@@ -46,6 +48,7 @@ impl Robot {
             whisker: whisker.number(),
             pressure_mpa: whisker.regulator.pressure_mpa(),
             leak_mpa_per_s: whisker.leak_mpa_per_s,
+            valves_broken: whisker.regulator.is_broken(),
             silent_until_us: whisker.silent_until_us,
             events_left: whisker.events.len(),
             plant: whisker.plant.state(),
@@ -110,6 +113,7 @@ impl super::Whisker {
         self.plant.take_up(&state.plant)?;
         self.leak_mpa_per_s = state.leak_mpa_per_s;
         self.silent_until_us = state.silent_until_us;
+        self.regulator.set_broken(state.valves_broken);
         self.regulator.find(state.pressure_mpa);
         self.restart();
         Ok(())

@@ -7,7 +7,7 @@ use vibrissa_protocol::{Gauge, Name, Regulator as Condition, WhiskerStatus};
 use vibrissa_robot::contract::ReadingGain;
 
 use super::RobotConfig;
-use crate::plant::{LengthChange, Plant, Streams, Truth};
+use crate::plant::{FULL_SCALE_STRAIN, LengthChange, Plant, Streams, Truth};
 use crate::random::{Purpose, stream};
 use crate::regulator::Regulator;
 use crate::scenario::{ArrayScenario, Change, WhiskerScenario};
@@ -74,7 +74,8 @@ impl Whisker {
                 facts.rubber.map_or(Truth::Within(config.calibration_error), Truth::Known),
                 config.noise.clone(),
                 streams,
-            )?,
+            )?
+            .with_full_scale(facts.strain_max.unwrap_or(FULL_SCALE_STRAIN)),
             regulator: Regulator::new(facts.pressure_mpa, stream(Purpose::Regulator)),
             facts: facts.clone(),
             leak_mpa_per_s: 0.0,

@@ -7,6 +7,7 @@ use vibrissa_protocol::{ARRAYS_MAX, CONTACTS_MAX, WHISKERS_MAX};
 
 use super::event::Target;
 use super::{ArrayScenario, Change, Event, RobotScenario, Scenario, WhiskerScenario};
+use crate::plant::FULL_SCALE_STRAIN;
 
 /// Why a scenario is invalid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -137,6 +138,7 @@ impl WhiskerScenario {
                 within(format!("{place} rubber.{name}"), factor, 0.5..=1.5)?;
             }
         }
+        within(format!("{place} strain_max"), self.strain_max.unwrap_or(FULL_SCALE_STRAIN), 1e-6..=FULL_SCALE_STRAIN)?;
         within(format!("{place} pressure_max_mpa"), self.pressure_max_mpa, 0.0..=0.2)?;
         within(format!("{place} pressure_mpa"), self.pressure_mpa, 0.0..=self.pressure_max_mpa)
     }
@@ -207,7 +209,13 @@ impl Change {
                 length(field("until_length_mm"), until_length_mm)
             }
             Self::Leak { rate_mpa_per_s } => within(field("rate_mpa_per_s"), rate_mpa_per_s, 0.0..=10.0),
-            Self::GaugeOpen | Self::GaugeShort | Self::GaugeOk | Self::Replace | Self::Restart => Ok(()),
+            Self::ValvesBroken
+            | Self::ValvesOk
+            | Self::GaugeOpen
+            | Self::GaugeShort
+            | Self::GaugeOk
+            | Self::Replace
+            | Self::Restart => Ok(()),
             Self::BaselineDrift { strain_per_contact, until_strain } => {
                 within(field("strain_per_contact"), strain_per_contact, -0.01..=0.01)?;
                 within(field("until_strain"), until_strain, -0.5..=0.5)?;

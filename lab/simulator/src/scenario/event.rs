@@ -48,6 +48,12 @@ pub enum Change {
         /// Loss without refills, in MPa/s.
         rate_mpa_per_s: f64,
     },
+    /// To a whisker: the valves of its chamber open no more, and its regulator reports FAULT.
+    #[serde(rename = "VALVES_BROKEN")]
+    ValvesBroken,
+    /// To a whisker: its valves work again.
+    #[serde(rename = "VALVES_OK")]
+    ValvesOk,
     /// To a whisker: the gauge's circuit breaks; it reads full scale.
     #[serde(rename = "GAUGE_OPEN")]
     GaugeOpen,
@@ -188,6 +194,8 @@ impl Change {
             Self::Trim { .. }
             | Self::Erode { .. }
             | Self::Leak { .. }
+            | Self::ValvesBroken
+            | Self::ValvesOk
             | Self::GaugeOpen
             | Self::GaugeShort
             | Self::GaugeSaturated { .. }

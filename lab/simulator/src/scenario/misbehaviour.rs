@@ -74,6 +74,8 @@ misbehaviours! {
     RatioAboveOne = "ratio-above-one", Some(Rule::ContactsInRange);
     /// Every fifth contact is of a whisker that does not exist.
     UnknownWhiskerTouched = "unknown-whisker-touched", Some(Rule::ContactsOnFactsheet);
+    /// Every fifth contact has one and a half times the `strain_max` of its whisker. For whiskers with a `strain_max`.
+    StrainBeyondGauge = "strain-beyond-gauge", Some(Rule::StrainWithinGauge);
     /// Every fifth contact has a distance in place of the contact ratio that the factsheet states.
     AnotherPlace = "another-place", Some(Rule::PlaceAsStated);
     /// Contacts have the strain times `reading_gain`. For robots with `applies_gain`.

@@ -169,6 +169,8 @@ pub struct WhiskerScenario {
     pub pressure_max_mpa: f64,
     /// Numbers of whiskers of the same array that can compensate for this one.
     pub neighbours: Vec<u16>,
+    /// Largest strain that the gauge reads, in m/m, as the factsheet then states it; a simulated amplifier ends at 0.5.
+    pub strain_max: Option<f64>,
     /// True rubber of the whisker; random within the scenario's `calibration_error` if absent.
     pub rubber: Option<Rubber>,
 }
@@ -216,6 +218,7 @@ impl Default for WhiskerScenario {
             pressure_mpa: 0.1,
             pressure_max_mpa: 0.2,
             neighbours: Vec::new(),
+            strain_max: None,
             rubber: None,
         }
     }

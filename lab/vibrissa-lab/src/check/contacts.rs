@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use vibrissa_protocol::{BootId, Rule};
+use vibrissa_protocol::{BootId, Factsheet, Rule};
 
 use super::bench::Bench;
 use super::listener::Listener;
@@ -30,12 +30,24 @@ impl Bench {
         let Some(boot) = self.until(limit, |heard| heard.boot.clone().filter(|_| heard.ledger.len() > 0)).await? else {
             let why = format!("no contacts arrived within {}: touch a whisker during the check", seconds(limit));
             self.skip(
-                &[Rule::ContactsInRange, Rule::ContactsOnFactsheet, Rule::PlaceAsStated, Rule::ContactsResent],
+                &[
+                    Rule::ContactsInRange,
+                    Rule::ContactsOnFactsheet,
+                    Rule::StrainWithinGauge,
+                    Rule::PlaceAsStated,
+                    Rule::ContactsResent,
+                ],
                 &why,
             );
             self.skip(&AGAIN, &why);
             return Ok(());
         };
+        let states_range = |factsheet: &Factsheet| {
+            factsheet.arrays.iter().flat_map(|array| &array.whiskers).any(|one| one.strain_max.is_some())
+        };
+        if !self.heard.factsheet.as_ref().is_some_and(states_range) {
+            self.exempt(&[Rule::StrainWithinGauge], "the factsheet states no strain_max");
+        }
         if self.heard.ledger.at_least_once > 0 {
             let why = "contacts come with quality of service 1: this robot leaves retransmission to MQTT";
             self.skip(&[Rule::ContactsResent], why);

@@ -279,7 +279,12 @@ impl Listener {
                 let seen =
                     if is_known { "all are on it".to_owned() } else { format!("{array}/{whisker} is not on it") };
                 self.findings.judge(Rule::ContactsOnFactsheet, is_known, seen);
-                let stated = facts(factsheet, (array, whisker)).map(|one| one.place.unwrap_or(PlaceKind::Ratio));
+                let on_factsheet = facts(factsheet, (array, whisker));
+                if let Some(strain_max) = on_factsheet.and_then(|one| one.strain_max) {
+                    let seen = format!("{:.6} at {array}/{whisker}, whose strain_max is {strain_max}", contact.strain);
+                    self.findings.judge(Rule::StrainWithinGauge, contact.strain.abs() <= strain_max, seen);
+                }
+                let stated = on_factsheet.map(|one| one.place.unwrap_or(PlaceKind::Ratio));
                 let place = contact.place().word();
                 let key = (message.boot_id.clone(), array.clone(), whisker);
                 if contact.ratio.is_some() {

@@ -203,6 +203,9 @@ impl FileWhisker {
         within(key("length_mm"), self.length_mm, 1.0..=1000.0)?;
         within(key("pressure_max_mpa"), self.pressure_max_mpa, 0.0..=0.2)?;
         within(key("pressure_mpa"), self.pressure_mpa, 0.0..=self.pressure_max_mpa)?;
+        if let Some(strain_max) = self.strain_max {
+            within(key("strain_max"), strain_max, 1e-6..=1.0)?;
+        }
         if !(1..=64).contains(&self.model.chars().count()) || self.model.chars().any(char::is_control) {
             return Err(unfitting(key("model"), "must have 1 to 64 characters, none of them a control character"));
         }
@@ -221,6 +224,7 @@ impl FileWhisker {
             pressure_max_mpa: self.pressure_max_mpa,
             neighbours: self.neighbours,
             place: self.place,
+            strain_max: self.strain_max,
         })
     }
 }

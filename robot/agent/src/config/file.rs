@@ -183,6 +183,7 @@ pub(super) struct FileWhisker {
     pub(super) pressure_max_mpa: f64,
     #[serde(default)]
     pub(super) neighbours: Vec<u16>,
+    pub(super) strain_max: Option<f64>,
     pub(super) place: Option<PlaceKind>,
 }
 

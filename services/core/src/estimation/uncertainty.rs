@@ -6,7 +6,7 @@
 
 use super::cubature::{CASES, CubatureCases};
 use super::exponential::exp;
-use crate::mechanics::{CONTACT_RATIOS, ErrorProfile};
+use crate::mechanics::{CONTACT_RATIOS, ErrorProfile, RatioWeights};
 
 /// A value at each of [`CONTACT_RATIOS`].
 pub type Curve = [f64; CONTACT_RATIOS.len()];
@@ -67,11 +67,11 @@ impl<const N: usize> Uncertain<N> {
     }
 }
 
-/// Mean of Eq. 35 from ln s after and before, and of the target, over the contact ratios that are `known`.
+/// Mean of Eq. 35 from ln s after and before, and of the target, over the contact ratios by their weights.
 #[must_use]
-pub fn mean_error(after: &Curve, before: &Curve, target: &Curve, known: &[bool; CONTACT_RATIOS.len()]) -> f64 {
+pub fn mean_error(after: &Curve, before: &Curve, target: &Curve, weights: &RatioWeights) -> f64 {
     let against_target = |logs: &Curve| exp(&std::array::from_fn(|k| logs[k] - target[k]));
-    ErrorProfile::mean_against_target(&against_target(after), &against_target(before), known)
+    ErrorProfile::mean_against_target(&against_target(after), &against_target(before), weights)
 }
 
 /// Mean and standard deviation of the values.
@@ -93,6 +93,7 @@ pub fn interval95(mut values: Vec<f64>) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::EVEN_WEIGHTS;
 
     #[test]
     fn cases_have_the_stated_moments_and_correlations() {
@@ -115,10 +116,11 @@ mod tests {
     fn a_perfect_match_that_is_uncertain_has_an_error() {
         let flat = |value: f64| [value; CONTACT_RATIOS.len()];
         let mut one = Uncertain { mean: [flat(0.0), flat(0.2), flat(0.0)], causes: Vec::new() };
-        assert_eq!(mean_error(&one.mean[0], &one.mean[1], &one.mean[2], &[true; 12]), 0.0);
+        assert_eq!(mean_error(&one.mean[0], &one.mean[1], &one.mean[2], &EVEN_WEIGHTS), 0.0);
         one.moves(&[flat(0.02)], &[0]);
-        let cases = one
-            .cases(&CubatureCases::default(), |[after, before, target]| mean_error(after, before, target, &[true; 12]));
+        let cases = one.cases(&CubatureCases::default(), |[after, before, target]| {
+            mean_error(after, before, target, &EVEN_WEIGHTS)
+        });
         let (mean, _) = moments(&cases);
         assert!((mean - 0.8 * 0.02 / (0.2_f64.exp() - 1.0)).abs() < 0.01, "{mean}");
     }

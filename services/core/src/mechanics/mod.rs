@@ -43,7 +43,8 @@ pub use model::{Formulation, Model};
 pub use model_error::ModelError;
 pub use morphology::Morphology;
 pub use profile::{
-    ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, ErrorProfile, GainProfile, Offset, RatioWeights, compensation_error,
+    ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, ErrorProfile, GainProfile, Offset, RatioWeights, UsualContacts,
+    compensation_error,
 };
 pub use range::compensable_range;
 pub use sensitivity::{ContactOnChamber, Response};

@@ -18,6 +18,20 @@ pub type RatioWeights = [f64; CONTACT_RATIOS.len()];
 /// All contact ratios count alike.
 pub const EVEN_WEIGHTS: RatioWeights = [1.0; CONTACT_RATIOS.len()];
 
+/// The contacts that a robot usually makes with a whisker.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UsualContacts {
+    /// Share of each contact ratio.
+    pub weights: RatioWeights,
+    /// Sensitivity up to which the gauge can read the largest deflection at each contact ratio, 1/mm; `None` without a limit.
+    pub per_mm_max: ByRatio,
+}
+
+impl UsualContacts {
+    /// Nothing is known of them.
+    pub const UNKNOWN: Self = Self { weights: EVEN_WEIGHTS, per_mm_max: [None; CONTACT_RATIOS.len()] };
+}
+
 /// Deviation of a real whisker from its model, as a straight line over the contact ratio a:
 /// `ln s_real = ln s_model + level + slope * (a - 0.725)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
@@ -64,7 +78,7 @@ pub struct ErrorProfile {
     pub by_ratio: [f64; CONTACT_RATIOS.len()],
     /// Whether each contact ratio counts in the mean.
     pub used: [bool; CONTACT_RATIOS.len()],
-    /// Mean error of the used contact ratios, as a ratio.
+    /// Mean error of the used contact ratios, as a ratio. They count alike, or by their weights.
     pub mean: f64,
 }
 
@@ -81,6 +95,12 @@ impl ErrorProfile {
     /// Computes the profile from sensitivities, or strains at one deflection, in one unit.
     #[must_use]
     pub fn new(after: &ByRatio, before: &ByRatio, target: &ByRatio) -> Self {
+        Self::weighted(after, before, target, &EVEN_WEIGHTS)
+    }
+
+    /// The profile with the mean by weights.
+    #[must_use]
+    pub fn weighted(after: &ByRatio, before: &ByRatio, target: &ByRatio, weights: &RatioWeights) -> Self {
         let errors: ByRatio = std::array::from_fn(|k| match (after[k], before[k], target[k]) {
             (Some(after), Some(before), Some(target)) if distinct(before, target) => {
                 compensation_error(after, before, target)
@@ -88,24 +108,27 @@ impl ErrorProfile {
             _ => None,
         });
         let used = errors.map(|error| error.is_some());
-        let count = used.iter().filter(|used| **used).count();
-        let mean = errors.iter().flatten().sum::<f64>() / count.max(1) as f64;
+        let mean = weighted_mean(errors.iter().zip(weights).filter_map(|(error, weight)| Some((*weight, (*error)?))));
         Self { by_ratio: fill(&errors, 0.0), used, mean }
     }
 
-    /// Only the mean of eq. 35, from sensitivities relative to the target's, over the contact ratios that are
-    /// `known`. Cheaper than a profile where hundreds of means are needed.
+    /// Only the mean of eq. 35, from sensitivities relative to the target's. Contact ratios with the weight 0 are left out.
+    /// Cheaper than a profile where hundreds of means are needed.
     #[must_use]
     pub fn mean_against_target(
         after: &[f64; CONTACT_RATIOS.len()],
         before: &[f64; CONTACT_RATIOS.len()],
-        known: &[bool; CONTACT_RATIOS.len()],
+        weights: &RatioWeights,
     ) -> f64 {
-        let used = (0..CONTACT_RATIOS.len()).filter(|&k| known[k] && distinct(before[k], 1.0));
-        let errors = used.filter_map(|k| compensation_error(after[k], before[k], 1.0));
-        let (sum, count) = errors.fold((0.0, 0_u32), |(sum, count), error| (sum + error, count + 1));
-        sum / f64::from(count.max(1))
+        let used = (0..CONTACT_RATIOS.len()).filter(|&k| weights[k] > 0.0 && distinct(before[k], 1.0));
+        weighted_mean(used.filter_map(|k| Some((weights[k], compensation_error(after[k], before[k], 1.0)?))))
     }
+}
+
+/// Mean of pairs of weight and value; 0 without any weight.
+pub(super) fn weighted_mean(weighed: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (sum, weights) = weighed.fold((0.0, 0.0), |(sum, all), (weight, value)| (sum + weight * value, all + weight));
+    if weights > 0.0 { sum / weights } else { 0.0 }
 }
 
 /// Whether the difference is large enough to divide by in eq. 35.

@@ -4,7 +4,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::length::CutIntoChamber;
 use super::model::Model;
-use super::profile::{self, ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, ErrorProfile, GainProfile, Offset, RatioWeights};
+use super::profile::{self, ByRatio, CONTACT_RATIOS, ErrorProfile, GainProfile, Offset, UsualContacts, weighted_mean};
 use super::root;
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
@@ -128,7 +128,7 @@ pub fn solve_setpoint(
         (target_model, target, &straight(target_offset)),
         (compensator_model, compensator, &straight(compensator_offset)),
         objective,
-        &EVEN_WEIGHTS,
+        &UsualContacts::UNKNOWN,
     )
 }
 
@@ -150,8 +150,9 @@ impl<F: Fn(Megapascal) -> [f64; CONTACT_RATIOS.len()]> Deviation for F {
     }
 }
 
-/// [`solve_setpoint`] for whiskers whose deviation from the model depends on the pressure. The weights apply to the mean and
-/// the variance of [`Objective::Shape`].
+/// [`solve_setpoint`] for whiskers whose deviation from the model depends on the pressure. The usual contacts apply to
+/// [`Objective::Shape`]: their weights to the mean, the variance and the predicted error, and their highest sensitivities as a
+/// limit of the pressure. The limit is no lower than the target's sensitivity.
 ///
 /// # Errors
 /// One of the two whiskers is cut into its chamber.
@@ -159,7 +160,7 @@ pub fn solve_setpoint_as_felt(
     (target_model, target, target_deviation): (&Model, Target, &dyn Deviation),
     (model, compensator, deviation): (&Model, Compensator, &dyn Deviation),
     objective: Objective,
-    weights: &RatioWeights,
+    usual: &UsualContacts,
 ) -> Result<Solution, CutIntoChamber> {
     target_model.check_length(target.length)?;
     model.check_length(compensator.length)?;
@@ -174,7 +175,7 @@ pub fn solve_setpoint_as_felt(
         model,
         compensator,
         deviation,
-        weights,
+        usual,
         before: after(model, compensator.length, deviation, compensator.pressure),
         target: target_per_mm,
         wanted_log: log_at_tip(target_model, target.length, target.pressure) + at_target[TIP],
@@ -187,8 +188,8 @@ pub fn solve_setpoint_as_felt(
 }
 
 /// Best pressure for [`Objective::Mean`] or [`Objective::Shape`], against measured responses before the compensation and
-/// of the target. [`Objective::Tip`] is taken as the former: a refinement reduces the mean of eq. 35. The weights apply to
-/// [`Objective::Shape`].
+/// of the target. [`Objective::Tip`] is taken as the former: a refinement reduces the mean of eq. 35. The usual contacts apply
+/// to [`Objective::Shape`], as in [`solve_setpoint_as_felt`].
 ///
 /// `None` if the compensator is cut into its chamber, or if the target's response at the tip is unknown.
 #[must_use]
@@ -198,11 +199,11 @@ pub fn least_error(
     deviation: &dyn Deviation,
     (before, target): (ByRatio, ByRatio),
     objective: Objective,
-    weights: &RatioWeights,
+    usual: &UsualContacts,
 ) -> Option<Solution> {
     model.check_length(compensator.length).ok()?;
     let wanted_log = target[TIP]?.ln();
-    let question = Question { model, compensator, deviation, weights, before, target, wanted_log };
+    let question = Question { model, compensator, deviation, usual, before, target, wanted_log };
     Some(match objective {
         Objective::Tip | Objective::Mean => question.solve_mean(),
         Objective::Shape => question.solve_shape(),
@@ -217,7 +218,7 @@ struct Question<'a> {
     model: &'a Model,
     compensator: Compensator,
     deviation: &'a dyn Deviation,
-    weights: &'a RatioWeights,
+    usual: &'a UsualContacts,
     before: ByRatio,
     target: ByRatio,
     /// Log sensitivity of the target at its tip.
@@ -271,41 +272,51 @@ impl Question<'_> {
             weighed.iter().map(|&(k, target, weight)| weight * (after[k].unwrap_or(target) - target).abs()).sum()
         };
         let least_mpa = root::least(low_mpa, high_mpa, MEAN_CELLS, MEAN_TOLERANCE_MPA, total_error);
-        self.within(least_mpa, self.setpoint(least_mpa))
+        within((low_mpa, high_mpa), least_mpa, self.setpoint(least_mpa))
     }
 
     fn solve_shape(&self) -> Solution {
-        let (low_mpa, high_mpa) = self.range_mpa();
+        let (low_mpa, highest_mpa) = self.range_mpa();
+        let high_mpa = self.highest_readable_mpa(low_mpa, highest_mpa);
         let at_high = self.after(high_mpa);
         let used: Vec<usize> =
             (0..CONTACT_RATIOS.len()).filter(|&k| self.target[k].is_some() && at_high[k].is_some()).collect();
         // Mean and variance of ln(target / compensator).
         let shape = |pressure_mpa: f64| {
             let after = self.after(pressure_mpa);
-            let log = |k: usize| Some((self.weights[k], (self.target[k]? / after[k]?).ln()));
+            let log = |k: usize| Some((self.usual.weights[k], (self.target[k]? / after[k]?).ln()));
             let logs: Vec<(f64, f64)> = used.iter().filter_map(|&k| log(k)).collect();
-            let mean = weighted_mean(&logs);
-            let squares: Vec<(f64, f64)> = logs.iter().map(|(weight, log)| (*weight, (log - mean).powi(2))).collect();
-            (mean, weighted_mean(&squares))
+            let mean = weighted_mean(logs.iter().copied());
+            (mean, weighted_mean(logs.iter().map(|(weight, log)| (*weight, (log - mean).powi(2)))))
         };
         let setpoint = |pressure_mpa: f64| self.setpoint_with(pressure_mpa, shape(pressure_mpa).0.exp());
-        if low_mpa == high_mpa {
+        if low_mpa == highest_mpa {
             return Solution::InRange(setpoint(low_mpa));
         }
         let least_mpa =
             root::least(low_mpa, high_mpa, MEAN_CELLS, SHAPE_TOLERANCE_MPA, |pressure_mpa| shape(pressure_mpa).1);
-        self.within(least_mpa, setpoint(least_mpa))
+        within((low_mpa, high_mpa), least_mpa, setpoint(least_mpa))
     }
 
-    /// A minimum at an end of the range counts as out of range.
-    fn within(&self, pressure_mpa: f64, setpoint: Setpoint) -> Solution {
-        let (low_mpa, high_mpa) = self.range_mpa();
-        if pressure_mpa == low_mpa {
-            Solution::NeedsBelow(setpoint)
-        } else if pressure_mpa == high_mpa {
-            Solution::NeedsAbove(setpoint)
-        } else {
-            Solution::InRange(setpoint)
+    /// Highest pressure from which down the gauge reads the largest usual strains, or as much as the target's gauge had to. The
+    /// sensitivity rises with the pressure. The lowest pressure if none will do.
+    fn highest_readable_mpa(&self, low_mpa: f64, high_mpa: f64) -> f64 {
+        let limits: ByRatio = std::array::from_fn(|k| Some(self.usual.per_mm_max[k]?.max(self.target[k]?)));
+        let excess = |pressure_mpa: f64| {
+            let after = self.after(pressure_mpa);
+            let logs = (0..CONTACT_RATIOS.len()).filter_map(|k| Some((after[k]? / limits[k]?).ln()));
+            logs.fold(f64::NEG_INFINITY, f64::max)
+        };
+        if limits == [None; CONTACT_RATIOS.len()] || excess(high_mpa) <= 0.0 {
+            return high_mpa;
+        }
+        let cell_mpa = (high_mpa - low_mpa) / f64::from(MEAN_CELLS);
+        let grid = (0..=MEAN_CELLS).map(|k| low_mpa + cell_mpa * f64::from(k)).map(|mpa| (mpa, excess(mpa)));
+        let points: Vec<(f64, f64)> = grid.collect();
+        match points.iter().position(|(_, excess)| *excess > 0.0) {
+            None => high_mpa,
+            Some(0) => low_mpa,
+            Some(above) => root::root(points[above - 1], points[above], PRESSURE_TOLERANCE_MPA, excess),
         }
     }
 
@@ -325,7 +336,7 @@ impl Question<'_> {
     fn setpoint_with(&self, pressure_mpa: f64, reading_gain: f64) -> Setpoint {
         let read = self.after(pressure_mpa).map(|after| Some(reading_gain * after?));
         Setpoint {
-            error: ErrorProfile::new(&read, &self.before, &self.target),
+            error: ErrorProfile::weighted(&read, &self.before, &self.target, &self.usual.weights),
             reading_gain,
             gain: GainProfile { by_ratio: [reading_gain; CONTACT_RATIOS.len()] },
             ..self.setpoint(pressure_mpa)
@@ -333,11 +344,15 @@ impl Question<'_> {
     }
 }
 
-/// Mean of pairs of weight and value; 0 without any weight.
-fn weighted_mean(weighed: &[(f64, f64)]) -> f64 {
-    let (sum, weights) =
-        weighed.iter().fold((0.0, 0.0), |(sum, all), (weight, value)| (sum + weight * value, all + weight));
-    if weights > 0.0 { sum / weights } else { 0.0 }
+/// A minimum at an end of the range counts as out of range.
+fn within((low_mpa, high_mpa): (f64, f64), pressure_mpa: f64, setpoint: Setpoint) -> Solution {
+    if pressure_mpa == low_mpa {
+        Solution::NeedsBelow(setpoint)
+    } else if pressure_mpa == high_mpa {
+        Solution::NeedsAbove(setpoint)
+    } else {
+        Solution::InRange(setpoint)
+    }
 }
 
 /// ln s(1, La, Q) of a whisker that is not cut into its chamber.

@@ -7,8 +7,8 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use super::params::{LongerForShorter, PolicyParams};
 use crate::estimation::{Belief, Weights};
 use crate::mechanics::{
-    CONTACT_RATIOS, Compensator, Deviation, Family, LogChanges, Model, Objective, Offset, RatioWeights, Setpoint,
-    Solution, Target, solve_setpoint_as_felt,
+    CONTACT_RATIOS, Compensator, Deviation, Family, LogChanges, Model, Objective, Offset, Setpoint, Solution, Target,
+    UsualContacts, solve_setpoint_as_felt,
 };
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
@@ -92,8 +92,8 @@ pub struct Fitness<'a> {
     pub own: Weights,
     /// The policy's objective for its robot.
     pub objective: Objective,
-    /// Share of each contact ratio in the robot's contacts.
-    pub weights: RatioWeights,
+    /// The robot's usual contacts.
+    pub usual: UsualContacts,
 }
 
 /// Result for one candidate.
@@ -141,7 +141,7 @@ pub fn propose(
         (target_model, target, &|_: Megapascal| at_target),
         (compensator.model, asked, &AsFelt::new(compensator)),
         compensator.objective,
-        &compensator.weights,
+        &compensator.usual,
     );
     match solved {
         Err(_) => Proposal { case, setpoint: None, refused: Some(Refused::CutIntoChamber) },

@@ -170,6 +170,8 @@ pub struct WhiskerSheet {
     pub pressure: Megapascal,
     /// Highest pressure that the robot allows.
     pub pressure_max: Megapascal,
+    /// Largest strain that the gauge reads, m/m; `None` if the factsheet does not state it.
+    pub strain_max: Option<f64>,
     /// Numbers of its neighbours in the array.
     pub neighbours: Vec<u16>,
 }

@@ -153,7 +153,8 @@ pub struct MeasurementParams {
 /// Parameters of the refinement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RefinementParams {
-    /// The first evaluation comes after this many contacts at a pressure; each further one after twice as many.
+    /// The first evaluation comes after this many contacts at a pressure, the second one after 8/3 of them, and each further
+    /// one after twice as many.
     pub first_look_contacts: u32,
     /// Moves of pressure in one compensation.
     pub steps_max: u8,
@@ -241,7 +242,7 @@ impl Default for MeasurementParams {
 impl Default for RefinementParams {
     fn default() -> Self {
         Self {
-            first_look_contacts: 200,
+            first_look_contacts: 300,
             steps_max: 3,
             margin: 0.005,
             dither_mpa: 0.0012,
@@ -249,6 +250,17 @@ impl Default for RefinementParams {
             gain_margin: 0.01,
             erosion_step_mm: 0.4,
             erosion_contacts_min: 40,
+        }
+    }
+}
+
+impl RefinementParams {
+    /// Contacts at a pressure after which the evaluation after this one is due.
+    pub(in crate::robot) fn next_look(&self, contacts: u32) -> u32 {
+        if contacts / 2 < self.first_look_contacts {
+            contacts.saturating_mul(8) / 3
+        } else {
+            contacts.saturating_mul(2)
         }
     }
 }

@@ -8,7 +8,7 @@ pub const CONNECTION_WILL: &str =
 /// Two whiskers that can compensate for each other.
 pub const FACTSHEET: &str = r#"{"boot_id":"b7","seq":0,"timestamp":"2026-11-21T08:00:00.000Z","model":"crawler-2","on_supervisor_loss":"HOLD","arrays":[{"array":"left","type":"TYPE_1","whiskers":[{"whisker":0,"x_mm":0.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":70.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[1]},{"whisker":1,"x_mm":25.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":65.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[0]}]}]}"#;
 /// A robot that multiplies its readings by `reading_gain`.
-pub const FACTSHEET_GAIN: &str = r#"{"boot_id":"b7","seq":0,"timestamp":"2026-11-21T08:00:00.000Z","model":"crawler-3","on_supervisor_loss":"NOMINAL","arrays":[{"array":"nose","type":"TYPE_1","whiskers":[{"whisker":0,"x_mm":0.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":70.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[]}]}],"applies_gain":true}"#;
+pub const FACTSHEET_GAIN: &str = r#"{"boot_id":"b7","seq":0,"timestamp":"2026-11-21T08:00:00.000Z","model":"crawler-3","on_supervisor_loss":"NOMINAL","arrays":[{"array":"nose","type":"TYPE_1","whiskers":[{"whisker":0,"x_mm":0.0,"y_mm":0.0,"model":"nguyen-2021","length_mm":70.0,"pressure_mpa":0.1,"pressure_max_mpa":0.2,"neighbours":[],"strain_max":0.02}]}],"applies_gain":true}"#;
 /// A message with one contact.
 pub const CONTACTS: &str = r#"{"boot_id":"b7","seq":1812,"contacts":[{"array":"left","whisker":0,"t_us":1795248000123456,"ratio":0.85,"deflection_mm":2.4,"strain":0.009671,"pressure_mpa":0.1002,"temperature_c":24.1}]}"#;
 /// A chamber at its setpoint.

@@ -3,7 +3,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::check::{LENGTH_MM, PLACE_MM, PRESSURE_MPA};
+use crate::check::{LENGTH_MM, PLACE_MM, PRESSURE_MPA, STRAIN_MAX};
 use crate::name::short_text;
 use crate::{
     ARRAYS_MAX, AirControl, ArrayType, BootId, Name, OnSupervisorLoss, PlaceKind, Refusal, Task, Timestamp,
@@ -95,6 +95,11 @@ pub struct WhiskerFacts {
     /// Place of contacts that the robot can provide for this whisker; `RATIO` if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<PlaceKind>,
+    /// Largest strain that the whisker's gauge reads, in m/m; absent if it is not known. With `applies_gain` the supervisor
+    /// chooses pressures at which the usual contacts stay below it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "documents", schemars(transform = STRAIN_MAX.in_schema()))]
+    pub strain_max: Option<f64>,
 }
 
 impl Checked for Factsheet {
@@ -141,6 +146,9 @@ impl WhiskerFacts {
                 value: self.pressure_mpa,
                 allowed: "at most pressure_max_mpa",
             });
+        }
+        if let Some(strain_max) = self.strain_max {
+            STRAIN_MAX.check("strain_max", strain_max)?;
         }
         check::count("neighbours", self.neighbours.len(), WHISKERS_MAX)
     }

@@ -118,6 +118,7 @@ fn factsheet() -> Factsheet {
         length: Millimetre::known(WHOLE_MM),
         pressure: Megapascal::known(PRESSURE_MPA),
         pressure_max: Megapascal::known(0.2),
+        strain_max: None,
         neighbours: [number.checked_sub(1), Some(number + 1).filter(|&right| right < WHISKERS)]
             .into_iter()
             .flatten()

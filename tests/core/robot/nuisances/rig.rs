@@ -149,6 +149,7 @@ impl Rig {
             length: Millimetre::known(WHOLE_MM),
             pressure: Megapascal::known(0.1),
             pressure_max: Megapascal::EXAMINED_MAX,
+            strain_max: None,
             neighbours: Vec::new(),
         };
         let whiskers = (0..rig.whiskers.len() as u16).map(sheet).collect();

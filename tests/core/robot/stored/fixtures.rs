@@ -22,15 +22,16 @@ struct Fixture {
 
 /// The newest first.
 const FIXTURES: &[Fixture] = &[
-    Fixture { head: 10, whiskers: 13, becomes: 0x076b_ff5a_3bc6_a9cc },
-    Fixture { head: 10, whiskers: 12, becomes: 0x95fe_b952_7453_07cd },
-    Fixture { head: 9, whiskers: 11, becomes: 0x2145_c66a_58ec_3e64 },
-    Fixture { head: 8, whiskers: 10, becomes: 0x9888_8ac3_c138_0290 },
-    Fixture { head: 8, whiskers: 9, becomes: 0x87a6_bfac_d6ad_d0c2 },
-    Fixture { head: 7, whiskers: 8, becomes: 0xce27_4a31_1323_db74 },
-    Fixture { head: 6, whiskers: 7, becomes: 0x680a_bd32_212c_6ab7 },
-    Fixture { head: 5, whiskers: 6, becomes: 0xdf8a_749b_2905_b470 },
-    Fixture { head: 5, whiskers: 5, becomes: 0x546a_2084_6758_8696 },
+    Fixture { head: 10, whiskers: 14, becomes: 0xe554_907b_87b7_d4d4 },
+    Fixture { head: 10, whiskers: 13, becomes: 0x89c2_31c7_465d_4817 },
+    Fixture { head: 10, whiskers: 12, becomes: 0x80cb_c622_1bba_9e42 },
+    Fixture { head: 9, whiskers: 11, becomes: 0xed13_9bc0_7a92_1493 },
+    Fixture { head: 8, whiskers: 10, becomes: 0xac33_3e12_1882_4509 },
+    Fixture { head: 8, whiskers: 9, becomes: 0x61bc_3cd2_724e_2ea3 },
+    Fixture { head: 7, whiskers: 8, becomes: 0x8d92_238b_3716_ec61 },
+    Fixture { head: 6, whiskers: 7, becomes: 0x7294_6c4c_f1a0_1147 },
+    Fixture { head: 5, whiskers: 6, becomes: 0x9046_3a70_139d_a928 },
+    Fixture { head: 5, whiskers: 5, becomes: 0x4091_a256_c232_2f98 },
 ];
 
 impl Fixture {

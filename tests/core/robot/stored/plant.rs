@@ -291,7 +291,7 @@ pub(super) fn params(mode: Mode) -> Params {
 }
 
 pub(super) const LAYOUTS: usize = 4;
-/// A layout with whiskers for themselves, distances, tests over the tip, and no air.
+/// A layout with whiskers for themselves, distances, tests over the tip, gauges of a known range, and no air.
 pub(super) const OF_OTHER_KINDS: usize = LAYOUTS;
 
 /// Layout 0; with other neighbours; with another whisker in the place of one; and without the last whisker.
@@ -305,6 +305,7 @@ pub(super) fn factsheet(layout: usize) -> Factsheet {
         length: Millimetre::known(if layout == 2 { 69.0 } else { [70.0, 68.0, 66.0, 70.0][usize::from(number)] }),
         pressure: Megapascal::known(0.1),
         pressure_max: Megapascal::EXAMINED_MAX,
+        strain_max: (layout == OF_OTHER_KINDS).then_some(0.02),
         neighbours: (0..whiskers)
             .filter(|other| other.abs_diff(number) == 1 || (layout == 1 && other.abs_diff(number) == 3))
             .collect(),

@@ -109,10 +109,11 @@ fn first() -> Place<'static> {
     Place { array: ARRAY, whisker: 0 }
 }
 
-/// Whiskers for themselves that compare readings at distances, no air, and only tests over the tip.
+/// Whiskers for themselves that compare readings at distances, no air, gauges of a known range, and only tests over the tip.
 fn of_other_kinds() -> Store {
     let mut one = Script::born(OF_OTHER_KINDS, Mode::Automatic);
     one.step(&Event::Operator(&OperatorAction::TouchTest(first())));
+    (0..3).for_each(|_| one.touched(1.0, |ratio| ContactPlace::Ratio { ratio, sd: None }, |strain| strain));
     one.stored()
 }
 

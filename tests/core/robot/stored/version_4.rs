@@ -24,8 +24,8 @@ fn text_of(robot: &Robot) -> String {
     text += &format!("{:#?}\n", robot.commands_under_way().collect::<Vec<_>>());
     (0..robot.whisker_count()).for_each(|index| {
         let view = format!("{:#?}\n", robot.whisker(index).unwrap());
-        // No touch tests were known then.
-        text += &view.replace("    touch_test: None,\n", "");
+        // No touch tests and no ranges of gauges were known then.
+        text += &view.replace("    touch_test: None,\n", "").replace("        strain_max: None,\n", "");
     });
     text
 }

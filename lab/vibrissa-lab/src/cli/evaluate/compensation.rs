@@ -107,6 +107,7 @@ fn rows(readings: &[Option<Reading>]) -> Vec<(String, ReadingSummary)> {
             Setting::NoAir => "self, no air: gain alone",
             Setting::Distance => "self, DISTANCE with tests",
             Setting::Tip => "self, TIP",
+            Setting::Unknown => "self, UNKNOWN with tests",
         };
         rows.push((name.to_owned(), reading::summary(reading::of_setting(setting, readings))));
     }

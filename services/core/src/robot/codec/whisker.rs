@@ -15,7 +15,7 @@ use crate::robot::state::whisker::{Air, DecisionBasis, Holds, Whisker};
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 13;
+const VERSION: u32 = 14;
 /// Bytes of a version up to this one are taken for those of a newer program; beyond it they are damaged.
 const NEWEST_VERSION: u32 = VERSION + 100;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
@@ -24,7 +24,7 @@ const FIRST_MARKED: u32 = 6;
 pub(super) const FLAGS: [&str; 9] =
     ["given_up", "drifting", "drift_told", "undecided", "unserved", "shift_told", "held", "fault", "whole is unknown"];
 /// Names of the parts that few whiskers have, in stored order.
-pub(super) const PARTS: [&str; 14] = [
+pub(super) const PARTS: [&str; 15] = [
     "pending_trim",
     "whole_offset",
     "own",
@@ -39,6 +39,7 @@ pub(super) const PARTS: [&str; 14] = [
     "set_at",
     "flapping",
     "vents",
+    "gauge_range",
 ];
 /// Names of the flags of [`Air`], in stored order.
 pub(super) const AIR_FLAGS: [&str; 4] = ["measured", "moved", "learned_at", "unheld_since"];
@@ -88,6 +89,7 @@ impl Whisker {
             self.rare.set_at != Micros::default(),
             self.rare.flapping.is_some(),
             self.rare.vents.is_some(),
+            self.sheet.strain_max.is_some(),
         ]
     }
 }
@@ -116,7 +118,7 @@ impl BorshSerialize for Whisker {
         self.rare.unsteady.iter().try_for_each(|one| one.serialize(writer))?;
         self.desired.iter().try_for_each(|one| one.serialize(writer))?;
         self.command.iter().try_for_each(|one| one.serialize(writer))?;
-        let [.., refused, waits, _, _, set, _, _] = self.has_parts();
+        let [.., refused, waits, _, _, set, _, _, _] = self.has_parts();
         if refused {
             write_numbers(&self.refused_servers, writer)?;
         }
@@ -129,7 +131,9 @@ impl BorshSerialize for Whisker {
             (self.rare.set_at, self.rare.set_heard).serialize(writer)?;
         }
         self.rare.flapping.iter().try_for_each(|one| one.serialize(writer))?;
-        self.rare.vents.iter().try_for_each(|one| one.serialize(writer))
+        self.rare.vents.iter().try_for_each(|one| one.serialize(writer))?;
+        let range = self.sheet.strain_max.map(|strain_max| (strain_max, self.rare.largest_deflection_mm));
+        range.iter().try_for_each(|one| one.serialize(writer))
     }
 }
 
@@ -164,6 +168,8 @@ impl BorshDeserialize for Whisker {
             flapping,
             // Not before version 13.
             vents,
+            // Not before version 14.
+            gauge_range,
         ] = has;
         let array =
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
@@ -220,6 +226,7 @@ impl BorshDeserialize for Whisker {
                 set_heard: Micros::default(),
                 flapping: None,
                 vents: None,
+                largest_deflection_mm: 0.0,
             }),
             desired: of(desired, reader)?,
             command: of(command, reader)?,
@@ -248,6 +255,11 @@ impl BorshDeserialize for Whisker {
             read.rare.get_or_insert().vents = of(true, reader)?;
         } else if version < 13 && holds == Holds::Vented {
             read.rare.get_or_insert().vents = Some(Flapping::steady(Some(Vent)));
+        }
+        if gauge_range {
+            let (strain_max, largest_deflection_mm) = BorshDeserialize::deserialize_reader(reader)?;
+            read.sheet.strain_max = Some(strain_max);
+            read.rare.get_or_insert().largest_deflection_mm = largest_deflection_mm;
         }
         Ok(read)
     }

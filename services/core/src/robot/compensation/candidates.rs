@@ -4,8 +4,9 @@ use crate::estimation::Belief;
 use crate::mechanics::{Model, Objective};
 use crate::policy::{Case, Fitness, Ineligible, Proposal, Refused, propose};
 use crate::robot::Robot;
+use crate::robot::compensation::Compensation;
 use crate::robot::effect::{CandidateRecord, Condition, Fault, WhiskerIndex};
-use crate::robot::event::{AirControl, ArrayKind, RegulatorState, Task};
+use crate::robot::event::{AirControl, ArrayKind, Task};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
 use crate::units::Megapascal;
@@ -67,8 +68,9 @@ impl Robot {
         let is_self = target == compensator;
         let by_gain = is_self && self.is_served_by_gain(params, compensator);
         let objective = params.policy.objective_for(self.head.applies_gain);
-        let only = self.pressure_of_leaking(params, compensator).or(by_gain.then_some(one.sheet.pressure));
-        let reason = one.ineligible(is_self, by_gain, only.is_some()).or(held);
+        let faulty_at = self.pressure_it_has(params, compensator);
+        let only = faulty_at.or(by_gain.then_some(one.sheet.pressure));
+        let reason = one.ineligible(is_self, by_gain, faulty_at.is_some()).or(held);
         let (fit, proposal) = match (reason, broken.model(params), one.model(params)) {
             (None, Some(target_model), Some(model)) => {
                 let belief = one.belief(model);
@@ -96,16 +98,31 @@ impl Robot {
             && params.policy.objective_for(self.head.applies_gain) == Objective::Shape
     }
 
-    /// The only pressure at which a gain serves a whisker whose chamber leaks: that of the room. None if it is not leaking, or
-    /// if its robot cannot vent it or multiply its readings. A leak that the supervisor alone suspects, at a pressure that the
-    /// regulator holds, is no reason to empty the chamber.
-    fn pressure_of_leaking(&self, params: &Params, index: WhiskerIndex) -> Option<Megapascal> {
+    /// The only pressure at which a gain serves a whisker whose chamber leaks or whose regulator is broken. None if it has
+    /// neither fault, or if its robot does not multiply its readings.
+    ///
+    /// - A leaking chamber that holds its setpoint, because it is filled again and again: that setpoint.
+    /// - One that does not: the pressure of the room, which is sure. The measured one if the robot cannot vent.
+    /// - A broken regulator: the measured pressure, at which the robot can report APPLIED without any air.
+    pub(in crate::robot) fn pressure_it_has(&self, params: &Params, index: WhiskerIndex) -> Option<Megapascal> {
         let one = &self.whiskers[index];
-        let serves = one.fault == Some(Fault::Leak)
-            && (one.air.regulator == RegulatorState::Leak || one.air.unheld_since.is_some())
+        let pressure = match one.fault {
+            Some(Fault::Leak) if one.holds_setpoint(params) => Some(one.air.setpoint),
+            Some(Fault::Leak) if self.head.air_control != AirControl::None => Some(Megapascal::ZERO),
+            Some(Fault::Leak | Fault::Regulator) => one.air.measured(),
+            Some(Fault::Stale | Fault::Gauge(_) | Fault::SupplyLow) | None => None,
+        };
+        pressure.filter(|_| params.policy.objective_for(self.head.applies_gain) == Objective::Shape)
+    }
+
+    /// Whether a gain alone serves, and the fault that was the reason is gone. An empty chamber shows no leak, so an operator
+    /// decides about it.
+    pub(super) fn may_have_air_again(&self, one: &Compensation) -> bool {
+        one.refining.keeps_pressure()
+            && one.pressure > Megapascal::ZERO
+            && self.whiskers[one.compensator()].fault.is_none()
             && self.head.air_control != AirControl::None
-            && params.policy.objective_for(self.head.applies_gain) == Objective::Shape;
-        serves.then_some(Megapascal::ZERO)
+            && !self.holds(one.compensator())
     }
 
     pub(super) fn record(
@@ -153,11 +170,11 @@ impl Robot {
 
 impl Whisker {
     /// Reason why it cannot be a candidate, if there is one. A trimmed whisker may still serve itself.
-    pub(super) fn ineligible(&self, for_itself: bool, by_gain: bool, serves_leaking: bool) -> Option<Ineligible> {
+    pub(super) fn ineligible(&self, for_itself: bool, by_gain: bool, serves_faulty: bool) -> Option<Ineligible> {
         match self.fault {
             Some(Fault::Stale) => return Some(Ineligible::Stale),
             Some(Fault::Gauge(_)) => return Some(Ineligible::GaugeFault),
-            Some(Fault::Leak) if serves_leaking => {}
+            Some(Fault::Leak | Fault::Regulator) if serves_faulty => {}
             Some(Fault::Leak | Fault::Regulator | Fault::SupplyLow) => return Some(Ineligible::Leaking),
             None => {}
         }
@@ -194,7 +211,7 @@ impl Whisker {
             offset: if is_self { self.filter.offset() } else { self.whole_offset() },
             own: belief.predict,
             objective,
-            weights: self.usual_ratios(),
+            usual: self.usual_contacts(),
         }
     }
 }

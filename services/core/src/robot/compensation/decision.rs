@@ -31,22 +31,24 @@ impl Robot {
 
     /// Decides anew about all arrays.
     pub(in crate::robot) fn decide(&mut self, params: &Params, effects: &mut Vec<Effect>) {
-        self.end_broken(effects);
+        self.end_broken(params, effects);
         for array in 0..self.head.arrays.len() {
             self.decide_array(params, array as u16, effects);
         }
     }
 
     /// Ends the compensations that cannot go on.
-    fn end_broken(&mut self, effects: &mut Vec<Effect>) {
+    fn end_broken(&mut self, params: &Params, effects: &mut Vec<Effect>) {
         let mut over = Vec::new();
         for one in &self.head.compensations {
             let (target, compensator) = (&self.whiskers[one.target()], &self.whiskers[one.compensator()]);
             // A held target is not decided on: what serves it is better than nothing until it is.
             if target.undecided && !self.holds(one.target()) {
                 over.push((one.id, EndReason::TargetTrimmedAgain));
-            } else if compensator.is_unfit_to_go_on(one) {
+            } else if compensator.is_unfit_to_go_on(params, one) {
                 over.push((one.id, EndReason::CompensatorBroken));
+            } else if self.may_have_air_again(one) && !self.is_fixed(params, one) {
+                over.push((one.id, EndReason::Reassigned));
             }
         }
         for (id, reason) in over {
@@ -173,7 +175,7 @@ impl Robot {
         let is_self = chosen.target == chosen.compensator;
         let one = &self.whiskers[chosen.compensator];
         let has_lost = one.condition == Condition::SensitivityLoss;
-        let leaks = one.fault == Some(Fault::Leak);
+        let keeps_pressure = self.pressure_it_has(params, chosen.compensator).is_some();
         let mut carried = one.carried(params, &setpoint);
         if has_lost {
             carried.shift(one.whole_lag(one.filter.offset()));
@@ -188,11 +190,15 @@ impl Robot {
             length: one.filter.length().length,
             pressure_before: one.sheet.pressure,
             pressure: setpoint.pressure,
-            before: (!is_self || has_lost).then(|| one.present_whole()),
+            before: match (is_self, has_lost) {
+                (true, false) => None,
+                (true, true) => Some(one.whole_now()),
+                (false, _) => Some(one.present_whole()),
+            },
             after: ResponseBins::default(),
             settled: false,
             length_sd_mm: one.filter.length().sd_mm,
-            refining: if leaks { Refining::of_gain(gain, carried) } else { Refining::new(gain, carried) },
+            refining: if keeps_pressure { Refining::of_gain(gain, carried) } else { Refining::new(gain, carried) },
             proposed: params.policy.mode == Mode::Advise,
         };
         self.whiskers[chosen.target].unserved = false;
@@ -227,7 +233,7 @@ fn choose(params: &Params, targets: &[usize], asked: &[CandidateProposal<'_>]) -
 impl Whisker {
     /// Whether it can no longer serve. Silence alone ends nothing: the pressure is still in the chamber. A cut whisker
     /// that compensates for itself goes on when it erodes or loses sensitivity: it is still cut.
-    fn is_unfit_to_go_on(&self, serving: &Compensation) -> bool {
+    fn is_unfit_to_go_on(&self, params: &Params, serving: &Compensation) -> bool {
         let broken = match self.condition {
             Condition::Trimmed | Condition::Eroding | Condition::SensitivityLoss => {
                 serving.case != Case::SelfCompensation
@@ -235,9 +241,9 @@ impl Whisker {
             Condition::Learning | Condition::Healthy | Condition::Suspected => false,
         };
         let faulty = match self.fault {
-            Some(Fault::Gauge(_) | Fault::Regulator) => true,
-            // An empty chamber has no pressure to lose.
-            Some(Fault::Leak) => !serving.refining.keeps_pressure(),
+            Some(Fault::Gauge(_)) => true,
+            Some(Fault::Leak) if self.holds_setpoint(params) && serving.reading_gain().is_some() => false,
+            Some(Fault::Leak | Fault::Regulator) => !serving.refining.keeps_pressure(),
             Some(Fault::Stale | Fault::SupplyLow) | None => false,
         };
         broken || faulty

@@ -147,8 +147,7 @@ impl Robot {
         let one: &Whisker = &self.whiskers[running.compensator()];
         Some(Reference {
             model: one.model(params)?,
-            // A measured response is against the model at whole length.
-            length: if running.before.is_some() { one.sheet.length } else { running.length },
+            length: running.length_before(one),
             pressure: running.pressure_before,
             bins: running.before.as_ref(),
             offset: one.whole_offset(),

@@ -16,6 +16,7 @@ use crate::policy::Case;
 use crate::robot::Robot;
 use crate::robot::compensation::refinement::Refining;
 use crate::robot::effect::WhiskerIndex;
+use crate::robot::state::whisker::Whisker;
 use crate::units::{Megapascal, Millimetre};
 
 /// A compensation in force.
@@ -30,8 +31,8 @@ pub struct Compensation {
     pub(in crate::robot) length: Millimetre,
     pub(in crate::robot) pressure_before: Megapascal,
     pub(in crate::robot) pressure: Megapascal,
-    /// The compensator's own response before, for a neighbour or for a whisker of full length that has lost sensitivity; its
-    /// model serves for the trimmed one itself.
+    /// The compensator's own response before, for a neighbour against the model at whole length, for a whisker that has lost
+    /// sensitivity at `length`; its model serves for the trimmed one itself.
     pub(in crate::robot) before: Option<ResponseBins>,
     /// Its response at the setpoint, against the model at `length`.
     pub(in crate::robot) after: ResponseBins,
@@ -45,6 +46,11 @@ pub struct Compensation {
 }
 
 impl Compensation {
+    /// Length of the model that `before` is against.
+    pub(in crate::robot) fn length_before(&self, compensator: &Whisker) -> Millimetre {
+        if self.target == self.compensator { self.length } else { compensator.sheet.length }
+    }
+
     /// Number on this robot.
     #[must_use]
     pub fn id(&self) -> u32 {

@@ -7,11 +7,11 @@
 use crate::estimation::cubature::CASES;
 use crate::estimation::uncertainty::{Curve, Uncertain, interval95, mean_error};
 use crate::estimation::{Belief, Smooth};
-use crate::mechanics::{CONTACT_RATIOS, Offset, Setpoint};
+use crate::mechanics::{CONTACT_RATIOS, EVEN_WEIGHTS, Objective, Offset, Setpoint};
 use crate::policy::Fitness;
 use crate::robot::Robot;
 use crate::robot::compensation::error_measurement::UNNOTICED_SHIFT_SD;
-use crate::robot::compensation::responses::{AFTER, BEFORE, TARGET, by_length, curve, log_curve, sum};
+use crate::robot::compensation::responses::{AFTER, BEFORE, TARGET, by_length, curve, log_curve, over, sum};
 use crate::robot::effect::WhiskerIndex;
 use crate::robot::params::Params;
 use crate::units::Megapascal;
@@ -72,7 +72,12 @@ impl Robot {
         if one.noise.is_lasting(&params.noise) {
             responses.moves(&[[UNNOTICED_SHIFT_SD; CONTACT_RATIOS.len()]], &[AFTER, BEFORE]);
         }
-        let of = |[after, before, target]: &[Curve; 3]| mean_error(after, before, target, &known);
+        let weights = match fitness.objective {
+            Objective::Tip | Objective::Mean => &EVEN_WEIGHTS,
+            Objective::Shape => &fitness.usual.weights,
+        };
+        let weights = over(&known, weights);
+        let of = |[after, before, target]: &[Curve; 3]| mean_error(after, before, target, &weights);
         let errors = responses.some_cases(&params.cubature, cases, of);
         let (low, high) = interval95(errors);
         Some((low.min(setpoint.error.mean), high.max(setpoint.error.mean)))

@@ -1,7 +1,7 @@
 //! The closed loop: responses measured at a setpoint are compared with the target, and the setpoint is refined.
 //!
-//! A setpoint is evaluated after 200 contacts at a pressure, and then whenever their number has doubled: the more there
-//! are, the less a further evaluation can add. A whisker whose gain wanders is evaluated again when that
+//! A setpoint is evaluated after 300 and 800 contacts at a pressure, and then whenever their number has doubled: the more
+//! there are, the less a further evaluation can add. A whisker whose gain wanders is evaluated again when that
 //! may exceed the margin of the published gain. An evaluation teaches the whisker's own calibration, finds the pressure
 //! with the least mean of Eq. 35 and moves there, if
 //! - the gain in mean error exceeds a margin (below it the present pressure is as good as any),
@@ -20,12 +20,12 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::estimation::uncertainty::{Curve, Uncertain, mean_error, moments};
 use crate::estimation::{Belief, Carried, ResponseBins, Visit};
-use crate::mechanics::{CONTACT_RATIOS, Compensator, Objective, Setpoint, least_error};
+use crate::mechanics::{CONTACT_RATIOS, Compensator, EVEN_WEIGHTS, Objective, Setpoint, least_error};
 use crate::policy::Case;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
-use crate::robot::compensation::responses::{LevelFrom, MeasuredResponses, reading_gain, sum};
-use crate::robot::effect::{Condition, Effect, Fault, Reason, Refinement, RefinementOutcome};
+use crate::robot::compensation::responses::{LevelFrom, MeasuredResponses, over, reading_gain, sum};
+use crate::robot::effect::{Condition, Effect, Fault, Reason, Refinement, RefinementOutcome, WhiskerIndex};
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Desired;
 use crate::units::Megapascal;
@@ -33,8 +33,9 @@ use crate::units::Megapascal;
 /// A reading gain is published anew if it has changed by more than this, log sensitivity: contacts tell no less.
 const READING_GAIN_STEP: f64 = 0.001;
 
-/// Number of steps that leaves none.
-const KEEPS_PRESSURE: u8 = u8::MAX;
+/// Number of steps that leaves none, and from which on a pressure is followed instead: each time counts, up to the largest
+/// number. A chamber of 0.2 MPa empties in 50 of them.
+const KEEPS_PRESSURE: u8 = 192;
 
 /// Progress of the refinement of a compensation.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
@@ -61,14 +62,14 @@ impl Refining {
         Self { steps: 0, due: 0, carried, gain, since_gain: ResponseBins::default() }
     }
 
-    /// The chamber leaks: only the gain is refined.
+    /// The chamber leaks, or its regulator is broken: only the gain is refined.
     pub(in crate::robot) fn of_gain(gain: Curve, carried: Carried) -> Self {
         Self { steps: KEEPS_PRESSURE, ..Self::new(gain, carried) }
     }
 
-    /// Whether the pressure stays as it is, because the chamber leaks or leaked when this was decided.
+    /// Whether the pressure is the one that the chamber has, because of a fault when this was decided.
     pub(in crate::robot) fn keeps_pressure(&self) -> bool {
-        self.steps == KEEPS_PRESSURE
+        self.steps >= KEEPS_PRESSURE
     }
 
     /// The same steps and gain, without any contacts at the present pressure.
@@ -113,16 +114,13 @@ impl Robot {
         let contacts = running.after.contacts();
         let due = running.refining.due.max(params.refinement.first_look_contacts);
         let one = &self.whiskers[running.compensator()];
-        // A cut whisker that has lost sensitivity goes on with another gain; its pressure stays.
+        // A cut whisker that has lost sensitivity goes on with another gain; its pressure stays. That of a leaking one, too.
         let has_lost = one.condition == Condition::SensitivityLoss;
+        let holds_pressure = has_lost || one.fault.is_some();
         // A suspicion is for the detector to settle first.
         let calm = match one.condition {
             Condition::Healthy | Condition::Trimmed | Condition::SensitivityLoss => {
-                let is_sound = match one.fault {
-                    Some(Fault::Leak) => running.refining.keeps_pressure(),
-                    other => other.is_none(),
-                };
-                is_sound && one.rare.pending_trim.is_none()
+                matches!(one.fault, None | Some(Fault::Leak | Fault::Regulator)) && one.rare.pending_trim.is_none()
             }
             Condition::Learning | Condition::Suspected | Condition::Eroding => false,
         };
@@ -131,7 +129,7 @@ impl Robot {
         }
         let off = (params.refinement.gain_margin / one.walks.rate()).powi(2) as u32;
         let wandered = contacts.saturating_add(off.max(params.refinement.first_look_contacts));
-        self.head.compensations[at].refining.due = contacts.saturating_mul(2).min(wandered);
+        self.head.compensations[at].refining.due = params.refinement.next_look(contacts).min(wandered);
         if !has_lost {
             // With another gauge the change would be taken for one by the pressure.
             self.remember(at);
@@ -144,7 +142,7 @@ impl Robot {
         };
         let look = self.look(params, running, &felt);
         let found = outcome(params, running, look.as_ref());
-        let stays = has_lost && found == RefinementOutcome::Refined;
+        let stays = holds_pressure && found == RefinementOutcome::Refined;
         let outcome = if stays { RefinementOutcome::HeldUncertain } else { found };
         let objective = running.objective();
         let in_force = running.reading_gain().map(|_| &running.refining.gain);
@@ -162,7 +160,7 @@ impl Robot {
         let gain_better = is_better && is_judged;
         if gain_better && !moves {
             // A gain that wanders faster than this would be published again and again, without effect.
-            self.head.compensations[at].refining.due = contacts.saturating_mul(2);
+            self.head.compensations[at].refining.due = params.refinement.next_look(contacts);
         }
         let running = &self.head.compensations[at];
         let record = Refinement {
@@ -181,7 +179,14 @@ impl Robot {
         effects.push(Effect::Refined(Box::new(record)));
         match &look {
             Some(look) if moves => self.move_to(at, look),
-            Some(_) | None if gain_better => self.publish_gain(at, felt.gain(objective)),
+            // A robot reports APPLIED only near the pressure that it has.
+            Some(_) | None if gain_better => {
+                let gain = felt.gain(objective);
+                let compensator = self.head.compensations[at].compensator();
+                if !self.follow_pressure(params, compensator, 0.0) {
+                    self.publish_gain(at, gain);
+                }
+            }
             Some(_) | None => {}
         }
     }
@@ -201,8 +206,50 @@ impl Robot {
         });
     }
 
+    /// Follows a pressure that drifts by more than so much, because the chamber leaks or its regulator is broken: a new setpoint
+    /// with the pressure that it has, and the gain for it. Returns whether there is one.
+    pub(in crate::robot) fn follow_pressure(&mut self, params: &Params, index: WhiskerIndex, within_mpa: f64) -> bool {
+        let is_its = |one: &Compensation| one.compensator() == index && !one.proposed && one.refining.keeps_pressure();
+        let Some(at) = self.head.compensations.iter().position(is_its) else { return false };
+        let Some(pressure) = self.pressure_it_has(params, index) else { return false };
+        let running = &self.head.compensations[at];
+        let way_mpa = (pressure.mpa() - running.pressure.mpa()).abs();
+        if way_mpa <= within_mpa
+            || running.refining.steps == u8::MAX
+            || self.whiskers[index].command.is_some()
+            || self.holds(index)
+        {
+            return false;
+        }
+        let carried = &running.refining.carried;
+        let felt = self.measured_responses(params, running, carried, &running.after, LevelFrom::Filter);
+        let look = felt.and_then(|felt| self.look_between(params, running, &felt, (pressure, pressure)));
+        if let Some(look) = &look {
+            self.move_to(at, look);
+        }
+        look.is_some()
+    }
+
     /// The best pressure within the compensation's limits, by the present knowledge of the compensator.
     fn look(&self, params: &Params, running: &Compensation, felt: &MeasuredResponses) -> Option<Look> {
+        let (pressure_min, highest) = self.whiskers[running.compensator()].pressures(self.head.air_control);
+        let limit = highest.mpa().min(Megapascal::EXAMINED_MAX.mpa());
+        let highest = match running.case {
+            // Lower than before, or the strain would grow beyond what the cut did.
+            Case::SelfCompensation => limit.min(running.pressure_before.mpa()),
+            Case::ShorterForLonger | Case::LongerForShorter => limit,
+        };
+        self.look_between(params, running, felt, (pressure_min, Megapascal::known(highest)))
+    }
+
+    /// The best pressure between two.
+    fn look_between(
+        &self,
+        params: &Params,
+        running: &Compensation,
+        felt: &MeasuredResponses,
+        (pressure_min, pressure_max): (Megapascal, Megapascal),
+    ) -> Option<Look> {
         let one = &self.whiskers[running.compensator()];
         let (model, objective) = (one.model(params)?, running.objective());
         let (belief, family) = (one.belief(model), model.family());
@@ -211,23 +258,12 @@ impl Robot {
         let held = felt.held;
         let deviation =
             |pressure: Megapascal| sum(&held.by_ratio(), &Belief::change(&belief.predict, &from, &changes(pressure)));
-        let (pressure_min, highest) = one.pressures(self.head.air_control);
-        let limit = highest.mpa().min(Megapascal::EXAMINED_MAX.mpa());
-        let highest = match running.case {
-            // Lower than before, or the strain would grow beyond what the cut did.
-            Case::SelfCompensation => limit.min(running.pressure_before.mpa()),
-            Case::ShorterForLonger | Case::LongerForShorter => limit,
-        };
-        let compensator = Compensator {
-            length: running.length,
-            pressure: running.pressure_before,
-            pressure_min,
-            pressure_max: Megapascal::known(highest),
-        };
+        let compensator =
+            Compensator { length: running.length, pressure: running.pressure_before, pressure_min, pressure_max };
         let [before, target] =
             [crate::robot::compensation::responses::BEFORE, crate::robot::compensation::responses::TARGET]
                 .map(|response| felt.per_mm(response));
-        let best = *least_error(model, compensator, &deviation, (before, target), objective, &felt.weights)?.setpoint();
+        let best = *least_error(model, compensator, &deviation, (before, target), objective, &felt.usual)?.setpoint();
         let to = changes(best.pressure);
         let mut known = felt.known;
         let there = sum(
@@ -241,14 +277,19 @@ impl Robot {
         let causes = belief.causes(&from, &to);
         both.moves(&causes, &[3]);
         // With an objective that uses the gain, each pressure comes with its own.
+        let weights = match objective {
+            Objective::Tip | Objective::Mean => &EVEN_WEIGHTS,
+            Objective::Shape => &felt.usual.weights,
+        };
+        let weights = over(&known, weights);
         let gain_at = |response: &Curve| match objective {
             Objective::Tip | Objective::Mean => [1.0; CONTACT_RATIOS.len()],
-            Objective::Shape => reading_gain(response, &target, &known, &felt.weights),
+            Objective::Shape => reading_gain(response, &target, &weights),
         };
         let [by_gain_here, by_gain_there] = [after, there].map(|response| gain_at(&response).map(f64::ln));
         let cases = both.cases(&params.cubature, |[here, before, target, there]| {
             let (here, there) = (sum(here, &by_gain_here), sum(there, &by_gain_there));
-            (mean_error(&here, before, target, &known), mean_error(&there, before, target, &known))
+            (mean_error(&here, before, target, &weights), mean_error(&there, before, target, &weights))
         });
         let (error, sd) = moments(&cases.iter().map(|case| case.1).collect::<Vec<_>>());
         let (gained, _) = moments(&cases.iter().map(|case| case.0 - case.1).collect::<Vec<_>>());
@@ -266,7 +307,7 @@ impl Robot {
         running.pressure = look.best.pressure;
         running.refining.carried = look.carried;
         running.after = ResponseBins::default();
-        running.refining.steps += 1;
+        running.refining.steps = running.refining.steps.saturating_add(1);
         running.refining.due = 0;
         self.publish_gain(at, look.gain);
     }

@@ -2,7 +2,9 @@
 
 use crate::estimation::uncertainty::{Curve, Uncertain, interval95, mean_error, moments};
 use crate::estimation::{Belief, Carried, CubatureCases, Nominal, OwnCalibration, ResponseBins, Smooth};
-use crate::mechanics::{ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, Model, Objective, Offset, RatioWeights, Setpoint};
+use crate::mechanics::{
+    ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, Model, Objective, Offset, RatioWeights, Setpoint, UsualContacts,
+};
 use crate::policy::READING_GAINS;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
@@ -19,6 +21,8 @@ const TOLD_SD: f64 = 0.05;
 
 /// Contacts from which the distribution of a whisker's contact ratios is known.
 const LEARNED_RATIOS_CONTACTS: u32 = 100;
+/// Contact ratios with a smaller share of the contacts are not usual.
+const USUAL_SHARE: f64 = 0.01;
 /// Part of the weights that does not depend on the robot's contacts.
 const EVEN_SHARE: f64 = 0.2;
 
@@ -43,8 +47,8 @@ pub(in crate::robot) struct MeasuredResponses {
     pub held: Smooth,
     /// Where all three are known: the contact lies beyond each chamber.
     pub known: [bool; CONTACT_RATIOS.len()],
-    /// Share of each contact ratio in the compensator's contacts.
-    pub weights: RatioWeights,
+    /// Usual contacts of the compensator.
+    pub usual: UsualContacts,
 }
 
 impl MeasuredResponses {
@@ -62,7 +66,7 @@ impl MeasuredResponses {
     /// above than below: the standard deviation is large enough that the mean and 1.96 of it hold 97.5 of 100 cases.
     /// Contact ratios about which the contacts tell nothing are left out: robots may touch one part of a whisker alone.
     pub(in crate::robot) fn expected_error(&self, even: &CubatureCases) -> (f64, f64) {
-        let told = self.told();
+        let told = over(&self.told(), &EVEN_WEIGHTS);
         let errors = self.responses.cases(even, |[after, before, target]| mean_error(after, before, target, &told));
         let (mean, sd) = moments(&errors);
         let (_, high) = interval95(errors);
@@ -80,7 +84,8 @@ impl MeasuredResponses {
     }
 
     fn error_of(&self, log_gain: Curve) -> impl Fn(&[Curve; 3]) -> f64 {
-        move |[after, before, target]| mean_error(&sum(after, &log_gain), before, target, &self.known)
+        let known = over(&self.known, &EVEN_WEIGHTS);
+        move |[after, before, target]| mean_error(&sum(after, &log_gain), before, target, &known)
     }
 
     /// The remaining gain: target / compensator, by contact ratio or as one number.
@@ -88,7 +93,7 @@ impl MeasuredResponses {
         let [after, _, target] = &self.responses.mean;
         match objective {
             Objective::Tip | Objective::Mean => std::array::from_fn(|k| (target[k] - after[k]).exp()),
-            Objective::Shape => reading_gain(after, target, &self.told(), &self.weights),
+            Objective::Shape => reading_gain(after, target, &over(&self.told(), &self.usual.weights)),
         }
     }
 
@@ -128,7 +133,7 @@ impl Robot {
         let target_mean = sum(&log(target_model, target.sheet.length, target.sheet.pressure), &whole.by_ratio());
         let (before_mean, before) = if let Some(before) = &running.before {
             let before = Smooth::through(before);
-            (sum(&log(model, one.sheet.length, running.pressure_before), &before.by_ratio()), Some(before))
+            (sum(&log(model, running.length_before(one), running.pressure_before), &before.by_ratio()), Some(before))
         } else {
             // Between its cut and its setpoint the whisker had too few contacts for a measured response: the model at
             // the estimated length, with the deviation that it had while whole.
@@ -162,7 +167,7 @@ impl Robot {
                 }
             }
         }
-        Some(MeasuredResponses { responses, held, known, weights: one.usual_ratios() })
+        Some(MeasuredResponses { responses, held, known, usual: one.usual_contacts() })
     }
 }
 
@@ -202,14 +207,14 @@ impl Robot {
     }
 }
 
-/// The one factor that brings a response closest to the target over these contact ratios, in log sensitivity.
-pub(in crate::robot) fn reading_gain(
-    after: &Curve,
-    target: &Curve,
-    over: &[bool; CONTACT_RATIOS.len()],
-    weights: &RatioWeights,
-) -> Curve {
-    let used = || (0..CONTACT_RATIOS.len()).filter(|&k| over[k]);
+/// The weights of some contact ratios; 0 for the others.
+pub(in crate::robot) fn over(ratios: &[bool; CONTACT_RATIOS.len()], weights: &RatioWeights) -> RatioWeights {
+    std::array::from_fn(|k| if ratios[k] { weights[k] } else { 0.0 })
+}
+
+/// The one factor that brings a response closest to the target, in log sensitivity.
+pub(in crate::robot) fn reading_gain(after: &Curve, target: &Curve, weights: &RatioWeights) -> Curve {
+    let used = || (0..CONTACT_RATIOS.len()).filter(|&k| weights[k] > 0.0);
     let all: f64 = used().map(|k| weights[k]).sum();
     let gain = (used().map(|k| weights[k] * (target[k] - after[k])).sum::<f64>() / all.max(f64::MIN_POSITIVE)).exp();
     [gain.clamp(*READING_GAINS.start(), *READING_GAINS.end()); CONTACT_RATIOS.len()]
@@ -253,13 +258,27 @@ impl Whisker {
 
     /// Share of each contact ratio in the contacts of its whole time. A fifth is spread evenly: habits change, and the best
     /// shape over a short part of a whisker would move much air for nothing elsewhere.
-    pub(in crate::robot) fn usual_ratios(&self) -> RatioWeights {
+    fn usual_ratios(&self) -> RatioWeights {
         let contacts = self.whole.contacts();
         if contacts < LEARNED_RATIOS_CONTACTS {
             return EVEN_WEIGHTS;
         }
         let share = |k: usize| f64::from(self.whole.bin(k).contacts()) / f64::from(contacts);
         std::array::from_fn(|k| (1.0 - EVEN_SHARE) * share(k) + EVEN_SHARE / CONTACT_RATIOS.len() as f64)
+    }
+
+    /// Its usual contacts. With a stated range of the gauge, the largest usual deflection limits the sensitivity at each contact
+    /// ratio that is touched, or at all while the distribution of the ratios is not known.
+    pub(in crate::robot) fn usual_contacts(&self) -> UsualContacts {
+        let contacts = self.whole.contacts();
+        let least = (USUAL_SHARE * f64::from(contacts)) as u32;
+        let is_touched = |k: usize| contacts < LEARNED_RATIOS_CONTACTS || self.whole.bin(k).contacts() > least;
+        let largest_mm = f64::from(self.rare.largest_deflection_mm);
+        let per_mm_max = self.sheet.strain_max.filter(|_| largest_mm > 0.0).map(|strain_max| strain_max / largest_mm);
+        UsualContacts {
+            weights: self.usual_ratios(),
+            per_mm_max: std::array::from_fn(|k| per_mm_max.filter(|_| is_touched(k))),
+        }
     }
 
     /// Belief about its own calibration.

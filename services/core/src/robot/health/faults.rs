@@ -38,6 +38,7 @@ impl Robot {
         whisker.watch_leak(params, robot_time, entry);
         whisker.watch_pressure(params, now);
         self.refresh_fault(params, now, index, effects);
+        self.follow_pressure(params, index, params.health.settled_within_mpa);
     }
 
     /// Whether a status was sent before the robot reported its last setpoint, and arrived after that report: brokers and
@@ -196,6 +197,13 @@ impl Whisker {
         } else {
             self.air.unheld_since.get_or_insert(now);
         }
+    }
+
+    /// Whether the last measured pressure is near the setpoint that its robot holds.
+    pub(in crate::robot) fn holds_setpoint(&self, params: &Params) -> bool {
+        let off_by_mpa = |measured: Megapascal| (measured.mpa() - self.air.setpoint.mpa()).abs();
+        self.air.unheld_since.is_none()
+            && self.air.measured().is_none_or(|measured| off_by_mpa(measured) <= params.health.held_within_mpa)
     }
 
     /// Whether it was heard once, and then not for too long a time in which it could be heard.

@@ -303,10 +303,13 @@ impl Robot {
                 effects.push(state_of(&flight.command, Some(index), CommandState::Failed));
                 whisker.command = None;
                 self.try_failed(params, now, index, true, effects);
-                if self.whiskers[index].rare.tries.is_failing() {
+                let is_faulty = self.pressure_it_has(params, index).is_some();
+                if self.whiskers[index].rare.tries.is_failing() && !is_faulty {
                     // It was taken, and the pressure was not reached again and again.
                     self.give_up_for_good(index, effects);
                 }
+                // A pressure that nobody can hold has drifted meanwhile.
+                self.follow_pressure(params, index, 0.0);
             }
             SetpointReport::Superseded => {
                 effects.push(state_of(&flight.command, Some(index), CommandState::Superseded));

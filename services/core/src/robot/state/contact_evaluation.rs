@@ -14,6 +14,9 @@ use crate::robot::state::place::Placed;
 use crate::robot::state::whisker::Whisker;
 use crate::units::{ContactRatio, Megapascal, Micros};
 
+/// Factor on the largest usual deflection with each contact: half is forgotten after 700.
+const FORGETS_DEFLECTION: f32 = 0.999;
+
 /// Result of one contact.
 pub(in crate::robot) struct ContactResult {
     /// Contact ratio; `None` if the place is not known.
@@ -66,6 +69,7 @@ impl Whisker {
             Ok(placed) => placed,
             Err(used) => return ContactResult::unused(used),
         };
+        self.learn_deflection(contact.deflection.mm());
         let morphology = model.morphology(contact.pressure);
         let stated_sd = placed.ratio_sd.unwrap_or(params.noise.ratio);
         let expected = self.spread.expected(placed.ratio, stated_sd);
@@ -91,6 +95,16 @@ impl Whisker {
                 self.take(params, &placed, &seen, checks)
             }
         }
+    }
+
+    /// Follows the largest usual deflection if the factsheet states the range of the gauge. Readings at the end of that range
+    /// count, too.
+    fn learn_deflection(&mut self, deflection_mm: f64) {
+        if self.sheet.strain_max.is_none() {
+            return;
+        }
+        let largest_mm = &mut self.rare.get_or_insert().largest_deflection_mm;
+        *largest_mm = (*largest_mm * FORGETS_DEFLECTION).max(deflection_mm as f32);
     }
 
     /// Takes in a stated contact ratio, and what the contact tells of its error.

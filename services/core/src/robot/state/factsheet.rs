@@ -32,6 +32,8 @@ pub struct Sheet {
     pub pressure: Megapascal,
     /// Highest pressure that the robot allows.
     pub pressure_max: Megapascal,
+    /// Largest strain that the gauge reads, m/m; `None` if the factsheet does not state it. Stored as a part of the whisker.
+    pub strain_max: Option<f64>,
 }
 
 impl From<&WhiskerSheet> for Sheet {
@@ -45,6 +47,7 @@ impl From<&WhiskerSheet> for Sheet {
             length: told.length,
             pressure: told.pressure,
             pressure_max: told.pressure_max,
+            strain_max: told.strain_max,
         }
     }
 }
@@ -59,13 +62,14 @@ impl From<&Sheet> for WhiskerSheet {
             length: kept.length,
             pressure: kept.pressure,
             pressure_max: kept.pressure_max,
+            strain_max: kept.strain_max,
             neighbours: kept.neighbours.to_vec(),
         }
     }
 }
 
 impl Sheet {
-    /// Whether it can be the same whisker at the same place; its neighbours may differ.
+    /// Whether it can be the same whisker at the same place; its neighbours and the range of its gauge may differ.
     pub(in crate::robot) fn is_same_whisker(&self, told: &WhiskerSheet) -> bool {
         let place = (self.number, self.x_mm, self.y_mm) == (told.number, told.x_mm, told.y_mm);
         let pressures = (self.pressure, self.pressure_max) == (told.pressure, told.pressure_max);
@@ -74,7 +78,7 @@ impl Sheet {
 
     /// Whether a factsheet has the same data.
     pub(in crate::robot) fn is_as_told(&self, told: &WhiskerSheet) -> bool {
-        self.is_same_whisker(told) && self.neighbours[..] == told.neighbours[..]
+        self.is_same_whisker(told) && self.neighbours[..] == told.neighbours[..] && self.strain_max == told.strain_max
     }
 }
 
@@ -128,6 +132,7 @@ impl BorshDeserialize for Sheet {
         let mpa = |mpa| Megapascal::new(mpa).map_err(|_| encoding::invalid("a pressure out of range"));
         let length = Millimetre::new(length).map_err(|_| encoding::invalid("a length out of range"))?;
         let (pressure, pressure_max) = (mpa(pressure)?, mpa(pressure_max)?);
-        Ok(Self { number, neighbours, x_mm, y_mm, model: Arc::new(name), length, pressure, pressure_max })
+        let model = Arc::new(name);
+        Ok(Self { number, neighbours, x_mm, y_mm, model, length, pressure, pressure_max, strain_max: None })
     }
 }

@@ -67,6 +67,8 @@ pub(in crate::robot) struct RareState {
     pub flapping: Option<Flapping<Fault>>,
     /// Vents by the robot without a setpoint, until they are long ago.
     pub vents: Option<Flapping<Vent>>,
+    /// Largest usual deflection of its contacts, mm; 0 if the factsheet states no range of the gauge.
+    pub largest_deflection_mm: f32,
 }
 
 static NONE: RareState = RareState {
@@ -83,6 +85,7 @@ static NONE: RareState = RareState {
     set_heard: Micros(0),
     flapping: None,
     vents: None,
+    largest_deflection_mm: 0.0,
 };
 
 /// The rare state of a whisker. It reads as [`NONE`] until something is put into it.

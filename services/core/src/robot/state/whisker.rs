@@ -254,10 +254,14 @@ impl Whisker {
 
     /// Its response while whole, at its present level.
     pub(in crate::robot) fn present_whole(&self) -> ResponseBins {
+        if self.is_at_nominal_pressure() { self.whole_now() } else { self.whole.clone() }
+    }
+
+    /// Its response while whole with its present offset, against the model at its present length and nominal pressure: that of
+    /// a whisker that has lost sensitivity, cut or not.
+    pub(in crate::robot) fn whole_now(&self) -> ResponseBins {
         let mut whole = self.whole.clone();
-        if self.is_at_nominal_pressure() {
-            whole.shift(self.whole_lag(self.filter.offset()));
-        }
+        whole.shift(self.whole_lag(self.filter.offset()));
         whole
     }
 

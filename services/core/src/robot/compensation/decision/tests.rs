@@ -3,7 +3,7 @@
 use super::*;
 use crate::estimation::LengthFilter;
 use crate::estimation::filter::{LENGTH, STATES};
-use crate::mechanics::{EVEN_WEIGHTS, Formulation, Objective};
+use crate::mechanics::{Formulation, Objective, UsualContacts};
 use crate::policy::{Fitness, LongerForShorter, propose};
 use crate::robot::Numbers;
 use crate::robot::event::{ArrayKind, ArraySheet, Factsheet, TouchTests, WhiskerSheet};
@@ -41,6 +41,7 @@ fn robot(params: &Params, kind: ArrayKind, lengths_mm: &[f64], neighbours: impl 
         length: Millimetre::known(length_mm),
         pressure: Megapascal::known(0.1),
         pressure_max: Megapascal::known(0.2),
+        strain_max: None,
         neighbours: neighbours(index),
     };
     let whiskers = lengths_mm.iter().enumerate().map(sheet).collect();
@@ -148,7 +149,7 @@ fn cost(params: &Params, robot: &Robot, target: usize, compensator: usize) -> Op
         offset: one.filter.offset(),
         own: one.belief(model).predict,
         objective: Objective::Tip,
-        weights: EVEN_WEIGHTS,
+        usual: UsualContacts::UNKNOWN,
     };
     let proposal = propose(&params.policy, model, broken.target(), broken.filter.offset(), &fitness, is_self);
     Some(params.policy.cost(proposal.case, proposal.predicted_error()?, false))
@@ -174,7 +175,7 @@ fn check_against_all(params: &Params, robot: &mut Robot) -> usize {
     let count = robot.whiskers.len();
     let mut before = robot.clone();
     // Those that cannot go on are ended first.
-    before.end_broken(&mut Vec::new());
+    before.end_broken(params, &mut Vec::new());
     let targets: Vec<usize> =
         (0..count).filter(|&index| robot.whiskers[index].condition == Condition::Trimmed).collect();
     let table: Vec<Vec<Option<f64>>> =
