@@ -154,15 +154,17 @@ pub fn run(trial: &Trial, setting: Setting) -> Option<Reading> {
     let open = error(&world, &truth, None)?;
     let (mut looks, mut pressures) = ([open; LOOKS.len()], Vec::new());
     let used = |world: &World| world.core.whisker(index).map_or(0, |whisker| whisker.contacts);
-    let used_before = used(&world);
+    let mut counted = 0;
     for (look, contacts) in looks.iter_mut().zip(LOOKS) {
-        // Contacts while the pressure moves or dithers far are not used. The message with the last contact may have others, too.
-        while used(&world) < used_before + u64::from(contacts) && world.seconds() < end_s {
+        // Contacts that the core counts: used ones, while no setpoint is on its way.
+        while counted < u64::from(contacts) && world.seconds() < end_s {
+            let (used_before, was_settled) = (used(&world), is_settled(&world));
             let next_s = world.seconds() + 0.1;
             hold(&mut world, index, next_s, &mut pressures);
+            counted += if was_settled && is_settled(&world) { used(&world) - used_before } else { 0 };
         }
-        let message_s = scenario.behaviour.contacts_per_message as f64 / CONTACTS_PER_SECOND;
-        let next_s = world.seconds() + message_s;
+        // The message with the last of them may have others, too, and the gain for them is on its way.
+        let next_s = world.seconds() + 0.5;
         hold(&mut world, index, next_s, &mut pressures);
         *look = error(&world, &truth, Some(&pressures))?;
     }
