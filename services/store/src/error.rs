@@ -214,7 +214,7 @@ impl StoreError {
     /// The error without the database's own text, which may show statements and values: for clients and `/readyz`.
     /// The log has the full text.
     #[must_use]
-    pub fn told(&self) -> String {
+    pub fn message(&self) -> String {
         match self {
             Self::Query { what, source } => format!("database error: cannot {what}: {}", outline(source)),
             Self::Open { source, .. } => format!("cannot open the database: {}", outline(source)),

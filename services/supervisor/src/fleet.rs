@@ -251,7 +251,7 @@ async fn take_up(
             Err(problem) => {
                 shared.metrics.database_failed();
                 error!(%problem, fleet = %lease.fleet(), "cannot load the fleet, retrying");
-                shared.readiness.set_of(lease.fleet(), TAKING_UP, Some(problem.told()));
+                shared.readiness.set_of(lease.fleet(), TAKING_UP, Some(problem.message()));
                 backoff.wait().await;
             }
         }

@@ -31,7 +31,7 @@ impl FormerOwners<'_> {
     /// Waits while the broker retains an owner of the fleet whom the database does not know.
     pub(crate) async fn await_known(&self) {
         let fleet = &self.connection.fleet;
-        let told = |problem| self.readiness.set_of(fleet, self.part, Some(problem));
+        let message = |problem| self.readiness.set_of(fleet, self.part, Some(problem));
         let mut is_logged = false;
         loop {
             match self.unknown_epoch().await {
@@ -41,11 +41,11 @@ impl FormerOwners<'_> {
                     if !std::mem::replace(&mut is_logged, true) {
                         error!(%fleet, "{problem}");
                     }
-                    told(problem);
+                    message(problem);
                 }
                 Err(problem) => {
                     self.metrics.database_failed();
-                    told(problem.told());
+                    message(problem.message());
                 }
             }
             tokio::time::sleep(LOOK_PAUSE).await;

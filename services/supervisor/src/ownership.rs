@@ -108,7 +108,7 @@ impl Ownership {
             }
             self.outage.note(turn.as_ref().err());
             let pause = *turn.as_ref().unwrap_or(&self.pause());
-            self.shared.readiness.set(PART, turn.err().map(|problem| problem.told()));
+            self.shared.readiness.set(PART, turn.err().map(|problem| problem.message()));
             tokio::select! {
                 () = sleep(pause) => {}
                 () = stopped(&mut stop) => break,

@@ -155,8 +155,8 @@ impl Parts {
     /// The database has not answered for too long, and has not refused anything either.
     fn database_problem(&self, now: Instant) -> Option<String> {
         let silent = now.saturating_duration_since(self.answered?);
-        let told = |silent: Duration| format!("the database has not answered for {} s", silent.as_secs());
-        (silent > PATIENCE).then(|| told(silent))
+        let problem = |silent: Duration| format!("the database has not answered for {} s", silent.as_secs());
+        (silent > PATIENCE).then(|| problem(silent))
     }
 }
 
@@ -204,7 +204,7 @@ mod tests {
         let now = Instant::now();
         let parts = Parts { answered: Some(now), ..Parts::default() };
         assert_eq!(parts.database_problem(now + PATIENCE), None);
-        let told = parts.database_problem(now + PATIENCE * 2).unwrap();
-        assert_eq!(told, "the database has not answered for 20 s");
+        let problem = parts.database_problem(now + PATIENCE * 2).unwrap();
+        assert_eq!(problem, "the database has not answered for 20 s");
     }
 }

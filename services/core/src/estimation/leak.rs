@@ -256,9 +256,9 @@ impl LeakWatch {
             // readings.
             self.closed = Pool::default();
         }
-        let told = fitted.filter(|rate| refilled <= rate.high.max(0.0) && (!is_refilled || rate.low > 0.0));
+        let accepted = fitted.filter(|rate| refilled <= rate.high.max(0.0) && (!is_refilled || rate.low > 0.0));
         self.rate =
-            told.map_or(Rate::NONE, |rate| Rate { mean: rate.mean as f32, half: (rate.high - rate.mean) as f32 });
+            accepted.map_or(Rate::NONE, |rate| Rate { mean: rate.mean as f32, half: (rate.high - rate.mean) as f32 });
     }
 
     fn seems_to_leak(&self, params: &LeakParams) -> bool {
@@ -302,7 +302,7 @@ impl LeakWatch {
         if let Some(open) = &self.open {
             pool.add(params.sensor_step_mpa, open);
         }
-        pool.told()
+        pool.interval()
     }
 }
 

@@ -67,7 +67,7 @@ impl Pool {
         }
     }
 
-    pub(super) fn told(&self) -> Option<Interval> {
+    pub(super) fn interval(&self) -> Option<Interval> {
         self.rate().filter(|_| f64::from(self.seconds) >= LEAST_S)
     }
 

@@ -73,9 +73,9 @@ impl Roles {
         let mut roles: BTreeMap<String, BTreeMap<String, Role>> = BTreeMap::new();
         for (path, item) in &mut document.paths.paths {
             for (method, operation) in operations(item) {
-                let told = operation.extensions.as_ref().and_then(|extensions| extensions.get(ROLE));
-                let told = told.and_then(Value::as_str).and_then(Role::of_word);
-                let role = match (told, &method) {
+                let declared = operation.extensions.as_ref().and_then(|extensions| extensions.get(ROLE));
+                let declared = declared.and_then(Value::as_str).and_then(Role::of_word);
+                let role = match (declared, &method) {
                     (Some(role), _) => role,
                     (None, &Method::GET) => Role::Viewer,
                     (None, _) => panic!("{method} {path} does not declare x-required-role"),

@@ -14,7 +14,7 @@ use super::problem::{Kind, Problem};
 use crate::readiness::Readiness;
 
 /// The routes that reveal more than whether the process runs.
-pub(super) fn told() -> Router<App> {
+pub(super) fn routes() -> Router<App> {
     Router::new().route("/readyz", get(readyz)).route("/metrics", get(metrics))
 }
 

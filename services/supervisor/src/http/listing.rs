@@ -39,17 +39,17 @@ impl<S: Send + Sync> FromRequestParts<S> for Listing {
         let Extension(caller) = Extension::from_request_parts(parts, state).await.map_err(absent)?;
         let Extension(credential) = Extension::from_request_parts(parts, state).await.map_err(absent)?;
         // The query is checked by its own extractor.
-        let told = |name: &str| told(&parts.uri, name);
-        let is_csv = match told("format").as_deref() {
+        let parameter_of = |name: &str| parameter_of(&parts.uri, name);
+        let is_csv = match parameter_of("format").as_deref() {
             Some(format) => format == FormatWord::Csv.to_string(),
             None => preferred(&parts.headers, &["application/json", "text/csv"]) == Some(1),
         };
-        Ok(Self { is_csv, is_limited: told("limit").is_some(), uri: parts.uri.clone(), caller, credential })
+        Ok(Self { is_csv, is_limited: parameter_of("limit").is_some(), uri: parts.uri.clone(), caller, credential })
     }
 }
 
 /// A parameter of a query.
-fn told(uri: &Uri, name: &str) -> Option<String> {
+fn parameter_of(uri: &Uri, name: &str) -> Option<String> {
     let mut pairs = url::form_urlencoded::parse(uri.query().unwrap_or_default().as_bytes());
     pairs.find(|(key, _)| key == name).map(|(_, value)| value.into_owned())
 }
@@ -180,8 +180,8 @@ impl<F> Reading<F> {
     async fn check(&self, credential: &Credential, check_at: &mut Instant) -> anyhow::Result<()> {
         anyhow::ensure!(!*self.app.stop.borrow(), "the service stops");
         if Instant::now() >= *check_at {
-            let told = self.app.access.identify(&self.app.store, credential).await;
-            told.map_err(|problem| anyhow::anyhow!("{}", problem.detail))?;
+            let identity = self.app.access.identify(&self.app.store, credential).await;
+            identity.map_err(|problem| anyhow::anyhow!("{}", problem.detail))?;
             *check_at = Instant::now() + self.app.streams.options().check_every;
         }
         Ok(())

@@ -330,7 +330,7 @@ pub fn router(app: App) -> (Router, Document) {
     let served = Bytes::from(document.to_json().unwrap_or_default());
     let router = Router::new()
         .merge(api.route_layer(from_fn_with_state(gate.clone(), access::check)))
-        .merge(health::told().route_layer(from_fn_with_state(gate, access::monitoring::check)))
+        .merge(health::routes().route_layer(from_fn_with_state(gate, access::monitoring::check)))
         .route(
             "/openapi.json",
             get(async move || ([(header::CONTENT_TYPE, "application/json")], served).into_response()),
@@ -347,7 +347,7 @@ pub fn router(app: App) -> (Router, Document) {
 
 /// The routes of the monitoring listener, without tokens.
 fn monitoring(app: App) -> Router {
-    let router = health::told().route("/livez", get(health::livez)).with_state(app.clone());
+    let router = health::routes().route("/livez", get(health::livez)).with_state(app.clone());
     around(router, &app)
 }
 

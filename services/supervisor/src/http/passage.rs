@@ -79,7 +79,7 @@ fn finish(mut response: Response, id: String, base: &str, path: &str) -> Respons
     let known = response.extensions_mut().remove::<Problem>().or_else(|| bare(response.status()));
     if let Some(problem) = known {
         let headers = std::mem::take(response.headers_mut());
-        response = problem.told(base, path, id.clone());
+        response = problem.respond(base, path, id.clone());
         for (name, value) in &headers {
             if *name != header::CONTENT_LENGTH && *name != header::CONTENT_TYPE {
                 response.headers_mut().insert(name, value.clone());

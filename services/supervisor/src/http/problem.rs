@@ -151,7 +151,7 @@ impl Problem {
 
     /// The response, once the request ID is known. `base` is the path below which browsers reach this service, or empty.
     #[must_use]
-    pub fn told(self, base: &str, path: &str, request_id: String) -> Response {
+    pub fn respond(self, base: &str, path: &str, request_id: String) -> Response {
         let kind = self.kind;
         let body = ProblemBody {
             type_uri: format!("{base}/problems/{}", kind.name()),
@@ -172,8 +172,8 @@ impl Problem {
     #[must_use]
     pub fn invalid(field: impl Into<String>, detail: impl Into<String>) -> Self {
         let (field, detail) = (field.into(), detail.into());
-        let told = if field.is_empty() { detail.clone() } else { format!("{field}: {detail}") };
-        Self { errors: vec![FieldError { field, detail }], ..Self::new(Kind::Invalid, told) }
+        let text = if field.is_empty() { detail.clone() } else { format!("{field}: {detail}") };
+        Self { errors: vec![FieldError { field, detail }], ..Self::new(Kind::Invalid, text) }
     }
 
     /// The same problem with its fields inside another one.
@@ -220,7 +220,7 @@ impl From<StoreError> for Problem {
     fn from(problem: StoreError) -> Self {
         // Inside the request's span, so that the log entry has its ID. Only the log gets the database's own message.
         tracing::error!(%problem, "database query failed");
-        Self::new(Kind::Unavailable, format!("{}; see the log entry with this request_id", problem.told()))
+        Self::new(Kind::Unavailable, format!("{}; see the log entry with this request_id", problem.message()))
     }
 }
 

@@ -15,7 +15,7 @@ pub(super) fn cause(problem: &Error) -> String {
     if let Some((_, defect)) = text.split_once("invalid peer certificate: ") {
         return plain::certificate(defect);
     }
-    let told = if has(&["Unimplemented compression: Lz4"]) {
+    let remedy = if has(&["Unimplemented compression: Lz4"]) {
         "a batch is compressed with lz4, which is not read: set compression.type of the topic or the bridge to gzip or snappy"
     } else if has(&["Unimplemented compression: Zstd"]) {
         "a batch is compressed with zstd, which is not read: set compression.type of the topic or the bridge to gzip or snappy"
@@ -42,7 +42,7 @@ pub(super) fn cause(problem: &Error) -> String {
     } else {
         return plain::text(&text);
     };
-    told.to_owned()
+    remedy.to_owned()
 }
 
 /// Why TLS cannot be used.
@@ -55,7 +55,7 @@ fn of_protocol(problem: &ProtocolError) -> String {
         clippy::wildcard_enum_match_arm,
         reason = "a hundred codes: the others are about what this program does not do"
     )]
-    let told = match problem {
+    let remedy = match problem {
         ProtocolError::TopicAuthorizationFailed => {
             "this user may not use the topic: allow reading and writing in its ACL"
         }
@@ -88,7 +88,7 @@ fn of_protocol(problem: &ProtocolError) -> String {
         ProtocolError::ThrottlingQuotaExceeded => "a quota is used up: raise the quota of this user",
         other => return format!("the brokers refuse it ({}): look at their log", plain::name(&format!("{other:?}"))),
     };
-    told.to_owned()
+    remedy.to_owned()
 }
 
 #[cfg(test)]
@@ -104,14 +104,14 @@ mod tests {
             ProtocolError::MessageTooLarge,
             ProtocolError::FencedLeaderEpoch,
         ] {
-            let told = of_protocol(&code);
-            assert!(told.contains(": ") && !told.contains(&format!("{code:?}")), "{told}");
+            let shown = of_protocol(&code);
+            assert!(shown.contains(": ") && !shown.contains(&format!("{code:?}")), "{shown}");
         }
         assert!(of_protocol(&ProtocolError::FencedLeaderEpoch).contains("(fenced leader epoch)"));
         let refused = "all retries failed: error connecting to broker \"b:1\": Connection refused (os error 111)";
         for (text, part) in [(refused, "start the brokers"), ("early eof", "TLS"), ("x (os error 5)", "x")] {
-            let told = cause(&Error::InvalidResponse(text.to_owned()));
-            assert!(told.contains(part) && !told.contains("os error"), "{told}");
+            let shown = cause(&Error::InvalidResponse(text.to_owned()));
+            assert!(shown.contains(part) && !shown.contains("os error"), "{shown}");
         }
     }
 }

@@ -95,11 +95,11 @@ impl LogReader {
     pub(crate) async fn run(self, mut from: NextOffsets, batches: mpsc::Sender<LogBatch>) {
         self.topic.metrics.log_ingest.set(1);
         let (log, mut tasks) = (Arc::new(SharedLog::new(self.topic.connector.clone())), JoinSet::new());
-        let (mut known, mut backoff, mut told) = (0, Backoff::default(), None);
+        let (mut known, mut backoff, mut logged) = (0, Backoff::default(), None);
         loop {
             match self.count(&log).await {
                 Ok(count) => {
-                    (backoff, told) = (Backoff::default(), None);
+                    (backoff, logged) = (Backoff::default(), None);
                     // Known before one of them answers: the log is not connected until all do.
                     for partition in known..count {
                         self.topic.note(partition, |_| ());
@@ -119,12 +119,12 @@ impl LogReader {
                 }
                 Err(problem) => {
                     let text = problem.to_string();
-                    if told.as_ref() != Some(&text) {
+                    if logged.as_ref() != Some(&text) {
                         warn!(
                             problem = %text, fleet = %self.topic.fleet, topic = %self.topic.name,
                             "cannot learn the partitions of the log, retrying"
                         );
-                        told = Some(text);
+                        logged = Some(text);
                     }
                     tokio::select! {
                         () = batches.closed() => return,

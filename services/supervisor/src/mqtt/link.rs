@@ -179,7 +179,7 @@ impl BrokerLink {
             .iter()
             .filter(|(node, limit)| limit.is_too_low && states.iter().any(|state| state.node() == Some(*node)));
         let limits = limits.map(|(node, limit)| format!("MQTT broker {node}: {}", limit.what));
-        states.into_iter().flat_map(State::problems).chain(link.refusals.told(Instant::now())).chain(limits).collect()
+        states.into_iter().flat_map(State::problems).chain(link.refusals.texts(Instant::now())).chain(limits).collect()
     }
 
     /// Notes that the broker has refused a publication on a topic. Only the first refusal is logged.

@@ -43,7 +43,7 @@ impl Refusals {
     }
 
     /// The reasons, one for each kind of topic.
-    pub(super) fn told(&self, now: Instant) -> Vec<String> {
+    pub(super) fn texts(&self, now: Instant) -> Vec<String> {
         let mut kinds: BTreeMap<&str, (&str, usize)> = BTreeMap::new();
         for (topic, refused) in self.0.iter().filter(|(_, refused)| is_kept(refused, now)) {
             let kind = topic.rsplit('/').next().unwrap_or(topic);
@@ -73,7 +73,7 @@ mod tests {
         for _ in 0..24 {
             refusals.refused("whisker/v1/f/r/setpoint", "no", now);
             now += pause;
-            assert_eq!(refusals.told(now), ["no"]);
+            assert_eq!(refusals.texts(now), ["no"]);
         }
     }
 
@@ -83,8 +83,8 @@ mod tests {
         for robot in 0..1000 {
             refusals.refused(&format!("whisker/v1/f/r{robot}/receipt"), "no", now);
         }
-        assert_eq!(refusals.told(now), [format!("no; the same on {} more topics", TOPICS_MAX - 1)]);
-        assert!(refusals.told(now + KEPT).is_empty());
+        assert_eq!(refusals.texts(now), [format!("no; the same on {} more topics", TOPICS_MAX - 1)]);
+        assert!(refusals.texts(now + KEPT).is_empty());
         assert!(refusals.refused("whisker/v1/f/r/setpoint", "no", now + KEPT) && refusals.0.len() == 1);
         assert!(!refusals.refused("whisker/v1/f/r/setpoint", "no", now + KEPT), "known already");
         assert!(refusals.accepted("whisker/v1/f/r/setpoint") && !refusals.has("whisker/v1/f/r/setpoint"));

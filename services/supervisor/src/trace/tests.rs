@@ -35,7 +35,7 @@ fn kept() -> (Traces, Kept) {
 }
 
 /// Names of the spans exported so far.
-fn told(traces: &Traces, kept: &Kept) -> Vec<String> {
+fn exported(traces: &Traces, kept: &Kept) -> Vec<String> {
     traces.0.processor.force_flush().unwrap();
     kept.0.lock().unwrap().iter().map(|span| span.name.to_string()).collect()
 }
@@ -75,9 +75,9 @@ fn nothing_is_told_that_is_not_committed() {
     let (traces, kept) = kept();
     let mut open_traces = OpenTraces::new(traces.clone(), Name::new("f").unwrap());
     step(&mut open_traces, command());
-    assert_eq!(told(&traces, &kept), [""; 0]);
+    assert_eq!(exported(&traces, &kept), [""; 0]);
     open_traces.end(Ending::LeaseLost);
-    assert_eq!(told(&traces, &kept), [""; 0]);
+    assert_eq!(exported(&traces, &kept), [""; 0]);
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn a_setpoint_that_is_given_away_has_no_root_yet() {
     step(&mut open_traces, command());
     commit(&mut open_traces);
     open_traces.end(Ending::LeaseLost);
-    assert_eq!(told(&traces, &kept), ["tick", "commit", "hand over"]);
+    assert_eq!(exported(&traces, &kept), ["tick", "commit", "hand over"]);
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn a_setpoint_that_expires_is_an_error_and_its_trace_is_over() {
     );
     commit(&mut open_traces);
     open_traces.end(Ending::Stopped);
-    assert_eq!(told(&traces, &kept), ["tick", "commit", "tick", "commit", "setpoint REFINEMENT"]);
+    assert_eq!(exported(&traces, &kept), ["tick", "commit", "tick", "commit", "setpoint REFINEMENT"]);
     let spans = kept.0.lock().unwrap();
     let root = spans.last().unwrap();
     assert_eq!(root.status, Status::error("EXPIRED"));
@@ -126,5 +126,5 @@ fn beyond_its_bound_the_queue_drops_and_counts() {
         traces.emit(span::Draft::new("x", opentelemetry::trace::SpanKind::Internal, (now, now)), root.child());
     }
     assert_eq!(traces.0.dropped.get(), 10);
-    assert_eq!(told(&traces, &kept).len(), QUEUE_SPANS);
+    assert_eq!(exported(&traces, &kept).len(), QUEUE_SPANS);
 }

@@ -66,8 +66,9 @@ impl MeasuredResponses {
     /// above than below: the standard deviation is large enough that the mean and 1.96 of it hold 97.5 of 100 cases.
     /// Contact ratios about which the contacts tell nothing are left out: robots may touch one part of a whisker alone.
     pub(in crate::robot) fn expected_error(&self, even: &CubatureCases) -> (f64, f64) {
-        let told = over(&self.told(), &EVEN_WEIGHTS);
-        let errors = self.responses.cases(even, |[after, before, target]| mean_error(after, before, target, &told));
+        let certain_ratios = over(&self.certain_ratios(), &EVEN_WEIGHTS);
+        let errors =
+            self.responses.cases(even, |[after, before, target]| mean_error(after, before, target, &certain_ratios));
         let (mean, sd) = moments(&errors);
         let (_, high) = interval95(errors);
         (mean, sd.max((high - mean) / NORMAL_975))
@@ -75,12 +76,12 @@ impl MeasuredResponses {
 
     /// The contact ratios at which the contacts tell the compensator's response relative to the target; all known ones if
     /// they tell it nowhere.
-    fn told(&self) -> [bool; CONTACT_RATIOS.len()] {
+    fn certain_ratios(&self) -> [bool; CONTACT_RATIOS.len()] {
         let variance = |k: usize| {
             self.responses.causes.iter().map(|cause| (cause[AFTER][k] - cause[TARGET][k]).powi(2)).sum::<f64>()
         };
-        let told = std::array::from_fn(|k| self.known[k] && variance(k) <= TOLD_SD.powi(2));
-        if told.contains(&true) { told } else { self.known }
+        let certain_ratios = std::array::from_fn(|k| self.known[k] && variance(k) <= TOLD_SD.powi(2));
+        if certain_ratios.contains(&true) { certain_ratios } else { self.known }
     }
 
     fn error_of(&self, log_gain: Curve) -> impl Fn(&[Curve; 3]) -> f64 {
@@ -93,7 +94,7 @@ impl MeasuredResponses {
         let [after, _, target] = &self.responses.mean;
         match objective {
             Objective::Tip | Objective::Mean => std::array::from_fn(|k| (target[k] - after[k]).exp()),
-            Objective::Shape => reading_gain(after, target, &over(&self.told(), &self.usual.weights)),
+            Objective::Shape => reading_gain(after, target, &over(&self.certain_ratios(), &self.usual.weights)),
         }
     }
 

@@ -97,7 +97,7 @@ impl Robot {
         let (mut others, mut silent, mut feel) = (0_usize, 0, 0);
         let (mut doubts, mut waits, mut all) = (0, false, Pooled::default());
         for other in self.witnesses_of(index) {
-            let told = self.whiskers[other].told_since_alarm;
+            let reported = self.whiskers[other].told_since_alarm;
             others += 1;
             let answer = self.whiskers[other].answer(&own);
             doubts += usize::from(answer == Testimony::Doubts);
@@ -107,11 +107,11 @@ impl Robot {
                     all.add(&felt);
                 }
                 Testimony::Denies => return Others::Not,
-                Testimony::Unclear | Testimony::Doubts if told == BEGUN_ANEW => others -= 1,
+                Testimony::Unclear | Testimony::Doubts if reported == BEGUN_ANEW => others -= 1,
                 // It can only feel.
                 Testimony::Unclear if !self.whiskers[other].can_deny() => silent += 1,
-                Testimony::Unclear | Testimony::Doubts if told == ABSORBED => {}
-                Testimony::Unclear | Testimony::Doubts if told == 0.0 => {
+                Testimony::Unclear | Testimony::Doubts if reported == ABSORBED => {}
+                Testimony::Unclear | Testimony::Doubts if reported == 0.0 => {
                     silent += 1;
                     waits |= promised < WAITS_FOR_SILENT;
                 }

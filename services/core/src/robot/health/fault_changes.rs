@@ -28,7 +28,7 @@ impl Whisker {
         }
         let mut flapping = known.unwrap_or_else(|| Flapping::steady(self.fault.filter(|&fault| fault != Fault::Stale)));
         flapping.observe(params, now, present);
-        (flapping.told, Some(flapping).filter(|flapping| !flapping.is_over(params, now)))
+        (flapping.reported, Some(flapping).filter(|flapping| !flapping.is_over(params, now)))
     }
 
     /// The fault, other than silence, whose alarm stands.

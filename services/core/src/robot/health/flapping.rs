@@ -87,7 +87,7 @@ pub(in crate::robot) struct Flapping<T> {
     changed: Micros,
     changes: Changes,
     /// The whisker's fault: the present one, or the worst one while it is latched.
-    pub(super) told: Option<T>,
+    pub(super) reported: Option<T>,
     /// The fault whose alarm stands.
     pub(super) alarm: Option<T>,
 }
@@ -96,15 +96,15 @@ impl<T> OptionalParts<5> for Flapping<T> {
     const NAMES: [&'static str; 5] = ["present", "quick changes", "slow changes", "told", "alarm"];
 
     fn has(&self) -> [bool; 5] {
-        let Self { present, changed: _, changes: Changes { quick, slow }, told, alarm } = self;
-        [present.is_some(), *quick > 0, *slow > 0, told.is_some(), alarm.is_some()]
+        let Self { present, changed: _, changes: Changes { quick, slow }, reported, alarm } = self;
+        [present.is_some(), *quick > 0, *slow > 0, reported.is_some(), alarm.is_some()]
     }
 }
 
 impl<T: Flips> Flapping<T> {
     /// A fault, or none, that has not changed for long.
     pub(in crate::robot) fn steady(fault: Option<T>) -> Self {
-        Self { present: fault, changed: Micros(0), changes: Changes::default(), told: fault, alarm: fault }
+        Self { present: fault, changed: Micros(0), changes: Changes::default(), reported: fault, alarm: fault }
     }
 
     /// Takes the newest evidence in.
@@ -122,21 +122,21 @@ impl<T: Flips> Flapping<T> {
         }
         let unchanged_for = now.since(self.changed);
         let is_latched = self.changes.quick.max(self.changes.slow) >= params.latch_changes;
-        self.told = if is_latched { worst(self.told, present) } else { present };
-        self.alarm = match (self.alarm, self.told) {
+        self.reported = if is_latched { worst(self.reported, present) } else { present };
+        self.alarm = match (self.alarm, self.reported) {
             (None, Some(_)) if self.changes.quick <= 1 && unchanged_for < params.alarm_on_delay => None,
-            (Some(alarm), told)
-                if worst(Some(alarm), told) == Some(alarm) && unchanged_for < params.alarm_off_delay =>
+            (Some(alarm), reported)
+                if worst(Some(alarm), reported) == Some(alarm) && unchanged_for < params.alarm_off_delay =>
             {
                 Some(alarm)
             }
-            (_, told) => told,
+            (_, reported) => reported,
         };
     }
 
     /// Whether nothing follows from it any more.
     pub(super) fn is_over(&self, params: &FlappingParams, now: Micros) -> bool {
-        now.since(self.changed) >= params.forgotten_after && self.told == self.present && self.alarm == self.present
+        now.since(self.changed) >= params.forgotten_after && self.reported == self.present && self.alarm == self.present
     }
 
     /// When time alone changes something.

@@ -37,17 +37,17 @@ pub struct Sheet {
 }
 
 impl From<&WhiskerSheet> for Sheet {
-    fn from(told: &WhiskerSheet) -> Self {
+    fn from(sheet: &WhiskerSheet) -> Self {
         Self {
-            number: told.number,
-            neighbours: SmallVec::from_slice(&told.neighbours),
-            x_mm: told.x_mm,
-            y_mm: told.y_mm,
-            model: Arc::new(told.model.clone()),
-            length: told.length,
-            pressure: told.pressure,
-            pressure_max: told.pressure_max,
-            strain_max: told.strain_max,
+            number: sheet.number,
+            neighbours: SmallVec::from_slice(&sheet.neighbours),
+            x_mm: sheet.x_mm,
+            y_mm: sheet.y_mm,
+            model: Arc::new(sheet.model.clone()),
+            length: sheet.length,
+            pressure: sheet.pressure,
+            pressure_max: sheet.pressure_max,
+            strain_max: sheet.strain_max,
         }
     }
 }
@@ -70,15 +70,17 @@ impl From<&Sheet> for WhiskerSheet {
 
 impl Sheet {
     /// Whether it can be the same whisker at the same place; its neighbours and the range of its gauge may differ.
-    pub(in crate::robot) fn is_same_whisker(&self, told: &WhiskerSheet) -> bool {
-        let place = (self.number, self.x_mm, self.y_mm) == (told.number, told.x_mm, told.y_mm);
-        let pressures = (self.pressure, self.pressure_max) == (told.pressure, told.pressure_max);
-        place && *self.model == told.model && self.length == told.length && pressures
+    pub(in crate::robot) fn is_same_whisker(&self, sheet: &WhiskerSheet) -> bool {
+        let place = (self.number, self.x_mm, self.y_mm) == (sheet.number, sheet.x_mm, sheet.y_mm);
+        let pressures = (self.pressure, self.pressure_max) == (sheet.pressure, sheet.pressure_max);
+        place && *self.model == sheet.model && self.length == sheet.length && pressures
     }
 
     /// Whether a factsheet has the same data.
-    pub(in crate::robot) fn is_as_told(&self, told: &WhiskerSheet) -> bool {
-        self.is_same_whisker(told) && self.neighbours[..] == told.neighbours[..] && self.strain_max == told.strain_max
+    pub(in crate::robot) fn is_as_told(&self, sheet: &WhiskerSheet) -> bool {
+        self.is_same_whisker(sheet)
+            && self.neighbours[..] == sheet.neighbours[..]
+            && self.strain_max == sheet.strain_max
     }
 }
 

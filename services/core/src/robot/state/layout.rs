@@ -36,14 +36,14 @@ impl Robot {
     /// Whether a factsheet has the present layout.
     #[must_use]
     pub fn is_as_known(&self, factsheet: &Factsheet) -> bool {
-        let told = || factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (&array.name, one)));
+        let sheets = || factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (&array.name, one)));
         let arrays = self.head.arrays.iter().map(|array| (array.name.as_str(), array.kind, array.task));
         self.head.touch_tests == factsheet.touch_tests
             && self.head.applies_gain == factsheet.applies_gain
             && self.head.air_control == factsheet.air_control
             && arrays.eq(factsheet.arrays.iter().map(|array| (array.name.as_str(), array.kind, array.task)))
-            && self.whiskers.len() == told().count()
-            && self.whiskers.iter().zip(told()).all(|(one, (array, sheet))| {
+            && self.whiskers.len() == sheets().count()
+            && self.whiskers.iter().zip(sheets()).all(|(one, (array, sheet))| {
                 self.head.arrays[usize::from(one.array)].name == **array && one.sheet.is_as_told(sheet)
             })
     }
@@ -91,18 +91,18 @@ impl Robot {
     fn moves(&self, factsheet: &Factsheet) -> Moves {
         let sheets =
             factsheet.arrays.iter().flat_map(|array| array.whiskers.iter().map(|one| (array.name.as_str(), one)));
-        let told: BTreeMap<(&str, u16), (WhiskerIndex, &WhiskerSheet)> =
+        let by_name: BTreeMap<(&str, u16), (WhiskerIndex, &WhiskerSheet)> =
             sheets.enumerate().map(|(index, (array, sheet))| ((array, sheet.number), (index, sheet))).collect();
         let fate = |one: &Whisker| {
             let name = self.head.arrays[usize::from(one.array)].name.as_str();
-            match told.get(&(name, one.sheet.number)) {
+            match by_name.get(&(name, one.sheet.number)) {
                 None => Fate::Gone,
                 Some(&(index, sheet)) if one.sheet.is_same_whisker(sheet) => Fate::Stays(index),
                 Some(&(index, _)) => Fate::Replaced(index),
             }
         };
         let to: Vec<Fate> = self.whiskers.iter().map(fate).collect();
-        let mut from = vec![None; told.len()];
+        let mut from = vec![None; by_name.len()];
         for (old, fate) in to.iter().enumerate() {
             if let Some(new) = fate.index() {
                 from[new] = Some(old);

@@ -14,7 +14,7 @@ use vibrissa_store::rollouts::{Compared, RolloutChange, RolloutEvent, RolloutRow
 
 use super::{Execution, Problem};
 use crate::engine::rollout::change::Change;
-use crate::engine::rollout::compare::{Comparison, told};
+use crate::engine::rollout::compare::{Comparison, summary};
 use crate::engine::rollout::{Order, Rollout, malformed};
 use crate::events::{Parts, RolloutPart, event};
 
@@ -106,8 +106,8 @@ impl Execution<'_> {
                 if is_new {
                     open.row.updated_us = wall_clock().0 as i64;
                     let row = open.row.clone();
-                    let told = event_of(&row);
-                    self.workers.record(Record::Rollout(Box::new(RolloutChange { row, event: None })), Some(told));
+                    let event = event_of(&row);
+                    self.workers.record(Record::Rollout(Box::new(RolloutChange { row, event: None })), Some(event));
                 }
                 return;
             }
@@ -115,12 +115,12 @@ impl Execution<'_> {
         };
         open.row.looks = i64::from(look.looks);
         open.row.compared.probability = Some(look.probability);
-        let (stage, told) = (open.stage(), told(look, open.rules(), &open.row.compared));
+        let (stage, note) = (open.stage(), summary(look, open.rules(), &open.row.compared));
         match verdict {
             Verdict::Wait => {}
-            Verdict::Continue(_) => self.note(("LOOKED", SUPERVISOR, told), "RUNNING"),
-            Verdict::Advance(_) => self.enter(stage.next(), Some(look), ("ADVANCED", SUPERVISOR, told)),
-            Verdict::RollBack(_) => self.roll_back(("ROLLED_BACK", SUPERVISOR, told)),
+            Verdict::Continue(_) => self.note(("LOOKED", SUPERVISOR, note), "RUNNING"),
+            Verdict::Advance(_) => self.enter(stage.next(), Some(look), ("ADVANCED", SUPERVISOR, note)),
+            Verdict::RollBack(_) => self.roll_back(("ROLLED_BACK", SUPERVISOR, note)),
         }
     }
 
@@ -133,8 +133,8 @@ impl Execution<'_> {
         info!(fleet = %self.fleet, rollout = open.row.rollout_id, event, actor, detail, "roll-out");
         let event = RolloutEvent { event: event.to_owned(), actor: actor.to_owned(), detail };
         let change = RolloutChange { row: open.row.clone(), event: Some(event) };
-        let told = event_of(&change.row);
-        self.workers.record(Record::Rollout(Box::new(change)), Some(told));
+        let event = event_of(&change.row);
+        self.workers.record(Record::Rollout(Box::new(change)), Some(event));
     }
 
     /// Enters a stage: more robots change. In the last one the change comes into force, and the roll-out ends.

@@ -188,7 +188,7 @@ impl Committer {
         }
         self.program.database_failed();
         error!(%problem, fleet = %self.fleet, "{so}, retrying");
-        self.metrics.promises.failed(format!("{so}: {}", problem.told()));
+        self.metrics.promises.failed(format!("{so}: {}", problem.message()));
         outage.since.get_or_insert_with(Instant::now);
         tokio::select! {
             () = outage.backoff.wait() => {}

@@ -151,8 +151,8 @@ impl Suspects {
         error!(%robot, topic, seq, cause, code, "message put into quarantine");
         let part = QuarantinePart { robot: row.robot.clone(), topic, cause };
         let parts = Parts { quarantine: Some(part), ..Parts::default() };
-        let told = event(EventKind::Quarantined, row.quarantined_us, &parts);
-        workers.record(Record::Quarantined(Box::new(row)), Some(told));
+        let entry = event(EventKind::Quarantined, row.quarantined_us, &parts);
+        workers.record(Record::Quarantined(Box::new(row)), Some(entry));
         pipeline.commit_now();
     }
 

@@ -42,7 +42,7 @@ pub(crate) struct WhiskerState {
 #[derive(Debug)]
 pub(crate) struct Estimates {
     /// The last published estimate, by whisker.
-    told: Vec<WhiskerState>,
+    sent: Vec<WhiskerState>,
     told_at: Option<Instant>,
     due: Due,
 }
@@ -61,7 +61,7 @@ enum Due {
 impl Default for Estimates {
     /// A robot to which this supervisor has published no estimate.
     fn default() -> Self {
-        Self { told: Vec::new(), told_at: None, due: Due::Always }
+        Self { sent: Vec::new(), told_at: None, due: Due::Always }
     }
 }
 
@@ -79,39 +79,39 @@ impl Estimates {
     /// Makes a comparison due if a contact has changed a length enough. Called for each contact.
     #[inline]
     pub(crate) fn contact(&mut self, whisker: usize, length: &LengthEstimate) {
-        if self.told.get(whisker).is_some_and(|told| has_changed(&told.length, length)) {
+        if self.sent.get(whisker).is_some_and(|sent| has_changed(&sent.length, length)) {
             self.compare();
         }
     }
 
     /// Whether an estimate may be due now.
     pub(crate) fn is_due(&self, now: Instant) -> bool {
-        let pause = INTERVAL.mul_f64((self.told.len() as f64 / WHISKERS_PER_INTERVAL as f64).max(1.0));
+        let pause = INTERVAL.mul_f64((self.sent.len() as f64 / WHISKERS_PER_INTERVAL as f64).max(1.0));
         self.due > Due::No && self.told_at.is_none_or(|told_at| now >= told_at + pause)
     }
 
     /// The whiskers as the robot must be told now; `None` if it knows all this already.
     pub(crate) fn next(&mut self, now: Instant, robot: &Robot) -> Option<&[WhiskerState]> {
-        let told = std::mem::take(&mut self.told);
-        let states = (0..robot.whisker_count()).filter_map(|at| state(robot, at, told.get(at)));
-        let news = self.news(now, &told, states);
+        let sent = std::mem::take(&mut self.sent);
+        let states = (0..robot.whisker_count()).filter_map(|at| state(robot, at, sent.get(at)));
+        let news = self.news(now, &sent, states);
         let is_news = news.is_some();
-        self.told = news.unwrap_or(told);
-        is_news.then_some(&self.told[..])
+        self.sent = news.unwrap_or(sent);
+        is_news.then_some(&self.sent[..])
     }
 
     /// The present states, if the robot must be told them.
     fn news(
         &mut self,
         now: Instant,
-        told: &[WhiskerState],
+        sent: &[WhiskerState],
         states: impl Iterator<Item = WhiskerState> + Clone,
     ) -> Option<Vec<WhiskerState>> {
         // A robot without a factsheet gets its estimate later.
         states.clone().next()?;
         let due = std::mem::replace(&mut self.due, Due::No);
-        let mut left = told.iter();
-        let is_known = |new: WhiskerState| left.next().is_some_and(|told| !new.differs_from(told));
+        let mut left = sent.iter();
+        let is_known = |new: WhiskerState| left.next().is_some_and(|sent| !new.differs_from(sent));
         if due < Due::Always && states.clone().all(is_known) && left.next().is_none() {
             return None;
         }
@@ -121,35 +121,35 @@ impl Estimates {
 }
 
 impl WhiskerState {
-    fn differs_from(&self, told: &Self) -> bool {
-        let has_other_gain = match (&self.gain, &told.gain) {
+    fn differs_from(&self, sent: &Self) -> bool {
+        let has_other_gain = match (&self.gain, &sent.gain) {
             (None, None) => false,
-            (Some(new), Some(told)) => new.iter().zip(told.iter()).any(|(new, told)| (new - told).abs() > SAME_GAIN),
+            (Some(new), Some(sent)) => new.iter().zip(sent.iter()).any(|(new, sent)| (new - sent).abs() > SAME_GAIN),
             (Some(_), None) | (None, Some(_)) => true,
         };
-        has_changed(&told.length, &self.length)
-            || self.condition != told.condition
-            || (self.pressure_mpa - told.pressure_mpa).abs() > SAME_MPA
+        has_changed(&sent.length, &self.length)
+            || self.condition != sent.condition
+            || (self.pressure_mpa - sent.pressure_mpa).abs() > SAME_MPA
             || has_other_gain
     }
 }
 
 /// Whether a length has changed by half its 95 % interval or by [`CHANGE_MM`], or has become more or less certain.
-fn has_changed(told: &LengthEstimate, now: &LengthEstimate) -> bool {
-    let most_mm = (Z95 * told.sd_mm.min(now.sd_mm)).clamp(CHANGE_MIN_MM, CHANGE_MM);
-    (now.length.mm() - told.length.mm()).abs() > most_mm
-        || now.sd_mm > SD_RATIO * told.sd_mm
-        || told.sd_mm > SD_RATIO * now.sd_mm
+fn has_changed(sent: &LengthEstimate, now: &LengthEstimate) -> bool {
+    let most_mm = (Z95 * sent.sd_mm.min(now.sd_mm)).clamp(CHANGE_MIN_MM, CHANGE_MM);
+    (now.length.mm() - sent.length.mm()).abs() > most_mm
+        || now.sd_mm > SD_RATIO * sent.sd_mm
+        || sent.sd_mm > SD_RATIO * now.sd_mm
 }
 
 /// The present state of a whisker. While a new setpoint of a compensation is on its way, the gain that the robot was told
 /// stays in force.
-fn state(robot: &Robot, at: usize, told: Option<&WhiskerState>) -> Option<WhiskerState> {
+fn state(robot: &Robot, at: usize, sent: Option<&WhiskerState>) -> Option<WhiskerState> {
     let view = robot.whisker(at)?;
     let serves = robot.compensations().iter().find(|one| one.compensator() == at && !one.is_proposed());
     let gain = serves.and_then(|one| match one.is_settled() {
         true => Some(Box::new(*one.gain())),
-        false => told.and_then(|told| told.gain.clone()),
+        false => sent.and_then(|sent| sent.gain.clone()),
     });
     let (length, condition, pressure_mpa) = (view.length, view.condition, view.setpoint.mpa());
     Some(WhiskerState { length, condition, pressure_mpa, gain })
@@ -169,17 +169,17 @@ mod tests {
     impl Estimates {
         /// Whether a robot with these whiskers is told of them.
         fn tells(&mut self, now: Instant, states: &[WhiskerState]) -> bool {
-            let told = std::mem::take(&mut self.told);
-            let news = self.news(now, &told, states.iter().cloned());
+            let sent = std::mem::take(&mut self.sent);
+            let news = self.news(now, &sent, states.iter().cloned());
             let is_news = news.is_some();
-            self.told = news.unwrap_or(told);
-            assert!(!is_news || self.told == states, "told something else");
+            self.sent = news.unwrap_or(sent);
+            assert!(!is_news || self.sent == states, "told something else");
             is_news
         }
     }
 
     /// The estimates of a robot that was told these whiskers at `now`.
-    fn told(now: Instant, whiskers: &[WhiskerState]) -> Estimates {
+    fn after_sending(now: Instant, whiskers: &[WhiskerState]) -> Estimates {
         let mut estimates = Estimates::default();
         assert!(estimates.tells(now, whiskers));
         estimates
@@ -189,7 +189,7 @@ mod tests {
     fn a_robot_is_told_first_and_then_only_what_has_changed() {
         let now = Instant::now();
         let whole = [whisker(70.0, 0.3), whisker(65.0, 0.3)];
-        let mut estimates = told(now, &whole);
+        let mut estimates = after_sending(now, &whole);
         assert!(!estimates.is_due(now + INTERVAL), "nothing has happened");
         estimates.compare();
         assert!(estimates.is_due(now + INTERVAL));
@@ -206,7 +206,7 @@ mod tests {
             ("gain", |one| one.gain = Some(Box::new([1.01; CONTACT_RATIOS.len()]))),
         ];
         for (name, change) in changes {
-            let mut estimates = told(now, &whole);
+            let mut estimates = after_sending(now, &whole);
             let mut changed = whole.to_vec();
             change(&mut changed[1]);
             estimates.compare();
@@ -214,7 +214,7 @@ mod tests {
             estimates.compare();
             assert!(!estimates.tells(now + 2 * INTERVAL, &changed), "{name}: once");
         }
-        let mut estimates = told(now, &whole);
+        let mut estimates = after_sending(now, &whole);
         estimates.compare();
         assert!(estimates.tells(now + INTERVAL, &whole[..1]), "fewer whiskers");
         estimates.compare();
@@ -237,7 +237,7 @@ mod tests {
             (70.0, 0.61, 0.3, true),
         ] {
             let now = Instant::now();
-            let mut estimates = told(now, &[whisker(70.0, told_sd_mm)]);
+            let mut estimates = after_sending(now, &[whisker(70.0, told_sd_mm)]);
             estimates.contact(0, &whisker(length_mm, sd_mm).length);
             assert_eq!(estimates.is_due(now + INTERVAL), is_due, "{length_mm} {sd_mm}");
         }
@@ -248,7 +248,7 @@ mod tests {
         let start = Instant::now();
         for (whiskers, told_most) in [(6, 61), (1000, 7)] {
             let mut states: Vec<WhiskerState> = (0..whiskers).map(|_| whisker(70.0, 0.3)).collect();
-            let mut estimates = told(start, &states);
+            let mut estimates = after_sending(start, &states);
             let mut count = 1;
             // A minute of contacts, 100 a second.
             for contact in 1..=6000_u32 {

@@ -50,7 +50,7 @@ fn median(values: &mut [f64]) -> Option<f64> {
 }
 
 /// The result of a look, in words.
-pub(in crate::engine) fn told(look: Look, rules: Rules, compared: &Compared) -> String {
+pub(in crate::engine) fn summary(look: Look, rules: Rules, compared: &Compared) -> String {
     let percent = |error: Option<f64>| error.map_or_else(|| "-".to_owned(), |error| format!("{:.1} %", 100.0 * error));
     format!(
         "median error {} of {} changed robots, {} of {} unchanged ones; chance alone looks so much worse with probability {:.4}, \

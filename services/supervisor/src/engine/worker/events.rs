@@ -30,8 +30,8 @@ impl Stepper {
             return;
         }
         let id = |key| command_id(&self.fleet, &known.name, key);
-        let Some(told) = told(known, effect, id) else { return };
-        self.add_event(known, now, told);
+        let Some(published_event) = published_event(known, effect, id) else { return };
+        self.add_event(known, now, published_event);
         if let Effect::Decided(decision) = effect
             && let Some(begun) = begun(known, decision)
         {
@@ -47,8 +47,8 @@ impl Stepper {
         }
     }
 
-    fn add_event(&mut self, known: &KnownRobot, now: Micros, told: Told) {
-        let Told { kind, word, whisker, parts } = told;
+    fn add_event(&mut self, known: &KnownRobot, now: Micros, published_event: Told) {
+        let Told { kind, word, whisker, parts } = published_event;
         let row = EventRow {
             word,
             whisker_id: whisker.map(|whisker| known.whisker_id(whisker)),
@@ -81,7 +81,7 @@ impl Told {
 }
 
 /// The event of an effect; `None` for one that is no event.
-fn told(known: &KnownRobot, effect: &Effect, id: impl Fn(CommandKey) -> String) -> Option<Told> {
+fn published_event(known: &KnownRobot, effect: &Effect, id: impl Fn(CommandKey) -> String) -> Option<Told> {
     let (robot_id, none) = (known.robot_id, Parts::default);
     Some(match effect {
         Effect::Trim(trim) => {

@@ -103,10 +103,10 @@ impl Workers {
         const NAMES_MAX: usize = 10;
         let names: Vec<&str> =
             self.workers.iter().flat_map(|worker| worker.of_newer_program()).map(Name::as_str).collect();
-        let told = names.iter().take(NAMES_MAX).copied().collect::<Vec<_>>().join(", ");
+        let list = names.iter().take(NAMES_MAX).copied().collect::<Vec<_>>().join(", ");
         (!names.is_empty()).then(|| {
             format!(
-                "a newer vibrissa has written the state of {} robots ({told}), which are not supervised: start the newer program",
+                "a newer vibrissa has written the state of {} robots ({list}), which are not supervised: start the newer program",
                 names.len()
             )
         })

@@ -71,8 +71,8 @@ pub fn clear(cookie: &Cookie, site: &Site) -> String {
 #[must_use]
 pub fn value(headers: &HeaderMap, cookie: &Cookie, site: &Site) -> Option<String> {
     let name = cookie.name(site);
-    let told = headers.get_all(header::COOKIE).iter().filter_map(|told| told.to_str().ok());
-    let mut pairs = told.flat_map(|told| told.split(';')).filter_map(|pair| pair.trim().split_once('='));
+    let line = headers.get_all(header::COOKIE).iter().filter_map(|line| line.to_str().ok());
+    let mut pairs = line.flat_map(|line| line.split(';')).filter_map(|pair| pair.trim().split_once('='));
     pairs.find(|(one, value)| *one == name && !value.is_empty()).map(|(_, value)| value.to_owned())
 }
 
@@ -97,41 +97,41 @@ mod tests {
 
     use super::*;
 
-    fn headers(told: &[(&'static str, &'static str)]) -> HeaderMap {
-        told.iter().map(|&(name, value)| (HeaderName::from_static(name), HeaderValue::from_static(value))).collect()
+    fn headers(pairs: &[(&'static str, &'static str)]) -> HeaderMap {
+        pairs.iter().map(|&(name, value)| (HeaderName::from_static(name), HeaderValue::from_static(value))).collect()
     }
 
     #[test]
     fn a_cookie_is_found_among_others_by_its_whole_name() {
-        let told = headers(&[("cookie", "a=1; vibrissa-session=x.y; __Host-vibrissa-session=z; b=")]);
+        let given = headers(&[("cookie", "a=1; vibrissa-session=x.y; __Host-vibrissa-session=z; b=")]);
         let [plain, secure] = ["http://h", "https://h/"].map(Site::of);
-        assert_eq!(value(&told, &SESSION, &plain).as_deref(), Some("x.y"));
-        assert_eq!(value(&told, &SESSION, &secure).as_deref(), Some("z"));
-        assert_eq!(value(&told, &ATTEMPT, &plain), None);
+        assert_eq!(value(&given, &SESSION, &plain).as_deref(), Some("x.y"));
+        assert_eq!(value(&given, &SESSION, &secure).as_deref(), Some("z"));
+        assert_eq!(value(&given, &ATTEMPT, &plain), None);
         assert_eq!(value(&headers(&[("cookie", "vibrissa-session=")]), &SESSION, &plain), None);
     }
 
     #[test]
     fn over_https_cookies_are_secure_and_bound_to_the_host() {
-        let told = set(&SESSION, "x", &Site::of("https://h"), None);
-        assert_eq!(told, "__Host-vibrissa-session=x; Path=/; HttpOnly; SameSite=Strict; Secure");
-        let told = clear(&ATTEMPT, &Site::of("http://h:1"));
-        assert_eq!(told, "vibrissa-sign-in=; Path=/; HttpOnly; SameSite=Lax; Max-Age=0");
+        let cookie = set(&SESSION, "x", &Site::of("https://h"), None);
+        assert_eq!(cookie, "__Host-vibrissa-session=x; Path=/; HttpOnly; SameSite=Strict; Secure");
+        let cookie = clear(&ATTEMPT, &Site::of("http://h:1"));
+        assert_eq!(cookie, "vibrissa-sign-in=; Path=/; HttpOnly; SameSite=Lax; Max-Age=0");
     }
 
     #[test]
     fn regress_below_a_path_cookies_are_bound_to_it() {
         for public_url in ["https://h/west", "https://h/west/"] {
-            let told = set(&SESSION, "x", &Site::of(public_url), None);
-            assert_eq!(told, "__Secure-vibrissa-session=x; Path=/west; HttpOnly; SameSite=Strict; Secure");
+            let line = set(&SESSION, "x", &Site::of(public_url), None);
+            assert_eq!(line, "__Secure-vibrissa-session=x; Path=/west; HttpOnly; SameSite=Strict; Secure");
         }
-        let told = clear(&ATTEMPT, &Site::of("http://h:1/a/b"));
-        assert_eq!(told, "vibrissa-sign-in=; Path=/a/b; HttpOnly; SameSite=Lax; Max-Age=0");
+        let line = clear(&ATTEMPT, &Site::of("http://h:1/a/b"));
+        assert_eq!(line, "vibrissa-sign-in=; Path=/a/b; HttpOnly; SameSite=Lax; Max-Age=0");
     }
 
     #[test]
     fn a_change_must_come_from_an_own_page() {
-        let is_own = |told: &[_]| require_own_page(&headers(&[&[("host", "h:1")], told].concat())).is_ok();
+        let is_own = |pairs: &[_]| require_own_page(&headers(&[&[("host", "h:1")], pairs].concat())).is_ok();
         assert!(is_own(&[("sec-fetch-site", "same-origin")]) && is_own(&[("origin", "https://h:1")]));
         assert!(!is_own(&[]) && !is_own(&[("sec-fetch-site", "none")]) && !is_own(&[("origin", "https://h:2")]));
     }

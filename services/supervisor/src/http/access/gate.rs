@@ -106,11 +106,11 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("vibrissa-access-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let store = Store::open(&DatabaseAddress::Sqlite(folder.join("v.sqlite3")), "test").await.unwrap();
-        let mut told = document::base();
+        let mut document = document::base();
         let item: utoipa::openapi::PathItem =
             serde_json::from_value(serde_json::json!({ "get": { "responses": {} } })).unwrap();
-        told.paths.paths.insert("/v1/told".to_owned(), item);
-        let roles = Arc::new(Roles::of(&mut told));
+        document.paths.paths.insert("/v1/told".to_owned(), item);
+        let roles = Arc::new(Roles::of(&mut document));
         let access = Access::new(&AccessOptions::default(), std::net::Ipv4Addr::LOCALHOST.into());
         let router = Router::new()
             .route("/v1/told", get(async || "told").post(async || "not told"))

@@ -123,7 +123,7 @@ impl Access {
 
     /// Reads a request's credential.
     fn credential(&self, request: &Parts) -> Result<Credential, Problem> {
-        let Some(told) = request.headers.get(header::AUTHORIZATION) else {
+        let Some(value) = request.headers.get(header::AUTHORIZATION) else {
             let cookie = self
                 .sign_in
                 .as_ref()
@@ -140,7 +140,7 @@ impl Access {
                 Err(Problem::new(Kind::Unauthenticated, "send a token: Authorization: Bearer vbr_..."))
             };
         };
-        let bearer = told.to_str().ok().and_then(|told| told.split_once(' '));
+        let bearer = value.to_str().ok().and_then(|value| value.split_once(' '));
         let bearer = bearer.filter(|(scheme, _)| scheme.eq_ignore_ascii_case("bearer")).map(|(_, token)| token.trim());
         let Some(bearer) = bearer else {
             return Err(Problem::new(Kind::Unauthenticated, "the header must be Authorization: Bearer TOKEN"));

@@ -147,9 +147,9 @@ mod tests {
     use super::*;
 
     /// The subject in a person's name in the audit log.
-    fn told(actor: &str) -> &str {
-        let told = actor.strip_prefix("oidc:").unwrap();
-        told.split_once('#').map_or(told, |(_, subject)| subject)
+    fn subject_of(actor: &str) -> &str {
+        let subject_of = actor.strip_prefix("oidc:").unwrap();
+        subject_of.split_once('#').map_or(subject_of, |(_, subject)| subject)
     }
 
     #[test]
@@ -165,7 +165,7 @@ mod tests {
         #[test]
         fn property_an_actor_tells_the_subject(name in "[ab#]{0,4}", subject in "[ab#]{1,4}") {
             let actor = actor(&name, &subject);
-            prop_assert_eq!(told(&actor), subject);
+            prop_assert_eq!(subject_of(&actor), subject);
         }
     }
 }

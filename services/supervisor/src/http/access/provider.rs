@@ -62,11 +62,11 @@ impl From<Away> for Denial {
 impl From<RequestTokenError<Away, StandardErrorResponse<CoreErrorResponseType>>> for Denial {
     fn from(problem: RequestTokenError<Away, StandardErrorResponse<CoreErrorResponseType>>) -> Self {
         match problem {
-            RequestTokenError::ServerResponse(told) if *told.error() == CoreErrorResponseType::InvalidGrant => {
-                Self::Refused(told.to_string())
+            RequestTokenError::ServerResponse(answer) if *answer.error() == CoreErrorResponseType::InvalidGrant => {
+                Self::Refused(answer.to_string())
             }
             // About this client, not about the person: a wrong secret must end no session.
-            RequestTokenError::ServerResponse(told) => Self::Away(told.to_string()),
+            RequestTokenError::ServerResponse(answer) => Self::Away(answer.to_string()),
             RequestTokenError::Request(away) => away.into(),
             RequestTokenError::Parse(problem, _) => {
                 let (place, what) = (problem.path().to_string(), plain::json(&problem.inner().to_string()));
@@ -105,9 +105,9 @@ impl Provider {
         let issuer = self.issuer.clone();
         let endpoints = blocking(move || fetch::discover(&issuer)).await?;
         if endpoints.issuer.as_deref() != Some(&*self.issuer) {
-            let told = endpoints.issuer.unwrap_or_default();
+            let stated_issuer = endpoints.issuer.unwrap_or_default();
             return Err(Away(format!(
-                "it calls itself {told:?}, but http.oidc_issuer is {:?}: both must be equal to the last character",
+                "it calls itself {stated_issuer:?}, but http.oidc_issuer is {:?}: both must be equal to the last character",
                 self.issuer
             )));
         }
@@ -186,8 +186,8 @@ impl Provider {
 }
 
 /// An endpoint, if it is an address that a browser or this service may open.
-fn web(name: &str, told: Option<String>) -> Result<String, Away> {
-    let told = told.ok_or_else(|| Away(format!("it publishes no {name}")))?;
-    let is_web = url::Url::parse(&told).is_ok_and(|url| matches!(url.scheme(), "https" | "http"));
-    if is_web { Ok(told) } else { Err(Away(format!("its {name} is no address of the web: {told:?}"))) }
+fn web(name: &str, address: Option<String>) -> Result<String, Away> {
+    let address = address.ok_or_else(|| Away(format!("it publishes no {name}")))?;
+    let is_web = url::Url::parse(&address).is_ok_and(|url| matches!(url.scheme(), "https" | "http"));
+    if is_web { Ok(address) } else { Err(Away(format!("its {name} is no address of the web: {address:?}"))) }
 }

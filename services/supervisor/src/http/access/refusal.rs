@@ -20,7 +20,7 @@ pub(super) fn algorithms() -> String {
 pub(super) fn of_header(problem: &Error) -> String {
     #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the others are about damage")]
     match problem.kind() {
-        ErrorKind::Json(told) if told.to_string().contains("unknown variant") => {
+        ErrorKind::Json(cause) if cause.to_string().contains("unknown variant") => {
             format!("its algorithm (alg) is not accepted: let the provider sign with one of {}", algorithms())
         }
         _ => DAMAGED.to_owned(),
@@ -29,7 +29,8 @@ pub(super) fn of_header(problem: &Error) -> String {
 
 /// Why an access token with these claims is refused.
 pub(super) fn of_token(problem: &Error, claims: Option<&Map<String, Value>>, options: &OidcOptions) -> String {
-    let told = |claim: &str| claims.and_then(|claims| claims.get(claim)).map_or("missing".to_owned(), Value::to_string);
+    let claimed =
+        |claim: &str| claims.and_then(|claims| claims.get(claim)).map_or("missing".to_owned(), Value::to_string);
     #[expect(
         clippy::wildcard_enum_match_arm,
         reason = "the library's errors: the others are about keys and algorithms"
@@ -37,12 +38,12 @@ pub(super) fn of_token(problem: &Error, claims: Option<&Map<String, Value>>, opt
     match problem.kind() {
         ErrorKind::InvalidIssuer => format!(
             "its issuer (iss) is {}, and http.oidc_issuer is {:?}: both must be equal to the last character",
-            told("iss"),
+            claimed("iss"),
             options.issuer
         ),
         ErrorKind::InvalidAudience => format!(
             "its audience (aud) is {}, and http.oidc_audience is {:?}: let the provider name it, or correct the setting",
-            told("aud"),
+            claimed("aud"),
             options.audience
         ),
         ErrorKind::ExpiredSignature => {
@@ -55,7 +56,7 @@ pub(super) fn of_token(problem: &Error, claims: Option<&Map<String, Value>>, opt
             format!("it lacks the claim {claim}: let the provider add it")
         }
         ErrorKind::InvalidClaimFormat(claim) => {
-            format!("its claim {claim} has a wrong type, {}: let the provider correct it", told(claim))
+            format!("its claim {claim} has a wrong type, {}: let the provider correct it", claimed(claim))
         }
         ErrorKind::InvalidSignature => FORGED.to_owned(),
         ErrorKind::InvalidToken | ErrorKind::Base64(_) | ErrorKind::Json(_) | ErrorKind::Utf8(_) => DAMAGED.to_owned(),
@@ -75,14 +76,14 @@ pub(super) fn of_id_token(problem: &ClaimsVerificationError) -> String {
         ClaimsVerificationError::Expired(_) => {
             "it has expired (exp): correct the clock of this host or of the provider".to_owned()
         }
-        ClaimsVerificationError::InvalidIssuer(told) => {
+        ClaimsVerificationError::InvalidIssuer(detail) => {
             format!(
                 "its issuer (iss) is not http.oidc_issuer: {}; both must be equal to the last character",
-                quoted(told)
+                quoted(detail)
             )
         }
-        ClaimsVerificationError::InvalidAudience(told) => {
-            format!("its audience (aud) is not http.oidc_client_id: it {}", quoted(told))
+        ClaimsVerificationError::InvalidAudience(detail) => {
+            format!("its audience (aud) is not http.oidc_client_id: it {}", quoted(detail))
         }
         ClaimsVerificationError::InvalidNonce(_) => "it belongs to another attempt (nonce): sign in again".to_owned(),
         ClaimsVerificationError::SignatureVerification(SignatureVerificationError::CryptoError(_)) => FORGED.to_owned(),
@@ -131,9 +132,9 @@ mod tests {
             (ErrorKind::InvalidKeyFormat, ["signature", "key"]),
         ] {
             let name = format!("{kind:?}");
-            let told = of_token(&kind.into(), Some(claims), &options());
-            assert!(parts.iter().all(|part| told.contains(part)) && told.contains(": "), "{name}: {told}");
-            assert!(!told.contains(name.split('(').next().unwrap()), "{name}: {told}");
+            let text = of_token(&kind.into(), Some(claims), &options());
+            assert!(parts.iter().all(|part| text.contains(part)) && text.contains(": "), "{name}: {text}");
+            assert!(!text.contains(name.split('(').next().unwrap()), "{name}: {text}");
         }
         let missing = of_token(&ErrorKind::InvalidIssuer.into(), None, &options());
         assert!(missing.starts_with("its issuer (iss) is missing"), "{missing}");
@@ -142,8 +143,8 @@ mod tests {
     #[test]
     fn regress_each_refusal_of_a_header_and_of_an_id_token_has_a_remedy() {
         // {"alg":"none"}
-        let told = of_header(&jsonwebtoken::decode_header("eyJhbGciOiJub25lIn0.e30.").unwrap_err());
-        assert!(told.contains("(alg)") && told.contains("RS256") && !told.contains("HS256"), "{told}");
+        let text = of_header(&jsonwebtoken::decode_header("eyJhbGciOiJub25lIn0.e30.").unwrap_err());
+        assert!(text.contains("(alg)") && text.contains("RS256") && !text.contains("HS256"), "{text}");
         assert_eq!(of_header(&jsonwebtoken::decode_header("x.y.z").unwrap_err()), DAMAGED);
         let unsigned = ClaimsVerificationError::SignatureVerification(SignatureVerificationError::NoSignature);
         for (problem, part) in [
@@ -155,8 +156,8 @@ mod tests {
             (ClaimsVerificationError::InvalidNonce("nonce mismatch".to_owned()), "sign in again"),
             (unsigned, "RS256"),
         ] {
-            let told = of_id_token(&problem);
-            assert!(told.contains(part) && told.contains(": "), "{problem:?}: {told}");
+            let text = of_id_token(&problem);
+            assert!(text.contains(part) && text.contains(": "), "{problem:?}: {text}");
         }
     }
 }

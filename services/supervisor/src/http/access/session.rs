@@ -123,17 +123,17 @@ impl SignIn {
     /// The provider refuses the code, its tokens are not valid, or they carry no role.
     pub async fn begin(&self, attempt: &Attempt, code: String) -> Result<Begun, Failure> {
         let verifier = PkceCodeVerifier::new(attempt.verifier.clone());
-        let told = self.provider.redeem(code, verifier).await.map_err(|denial| match denial {
+        let answer = self.provider.redeem(code, verifier).await.map_err(|denial| match denial {
             Denial::Refused(what) | Denial::Away(what) => Failure::Provider(what),
         })?;
         let invalid = |problem: Problem| {
             let failure = if problem.kind == Kind::Forbidden { Failure::NoRole } else { Failure::Provider };
             failure(problem.detail)
         };
-        let id_token = told.id_token().ok_or_else(|| Failure::Provider("no ID token".to_owned()))?;
+        let id_token = answer.id_token().ok_or_else(|| Failure::Provider("no ID token".to_owned()))?;
         let nonce = Nonce::new(attempt.nonce.clone());
-        let subject = self.subject(id_token, told.access_token(), &nonce).await.map_err(invalid)?;
-        let claims = self.oidc.verified(told.access_token().secret()).await.map_err(invalid)?;
+        let subject = self.subject(id_token, answer.access_token(), &nonce).await.map_err(invalid)?;
+        let claims = self.oidc.verified(answer.access_token().secret()).await.map_err(invalid)?;
         if claims::subject(&claims) != Some(&subject) {
             return Err(Failure::Provider("the tokens are about two different people".to_owned()));
         }
@@ -144,7 +144,7 @@ impl SignIn {
         let row = SessionRow {
             session_id: blake3::hash(&bytes[..ID_BYTES]).as_bytes().to_vec(),
             actor: caller.actor.clone(),
-            sealed: seal(&Tokens::of(&told, None), &bytes[ID_BYTES..]).map_err(failed)?,
+            sealed: seal(&Tokens::of(&answer, None), &bytes[ID_BYTES..]).map_err(failed)?,
             created_us: now_us,
             expires_us: now_us + SESSION_S * 1_000_000,
         };
@@ -188,14 +188,14 @@ impl SignIn {
         if !is_stale(&tokens.access_token) {
             return Ok(tokens);
         }
-        let told = match self.provider.renew(tokens.refresh_token.clone()).await {
-            Ok(told) => told,
+        let answer = match self.provider.renew(tokens.refresh_token.clone()).await {
+            Ok(answer) => answer,
             Err(Denial::Refused(what)) => return self.ends(store, row, &what).await,
             Err(Denial::Away(what)) => return Err(away(&what)),
         };
-        match self.is_of_the_same_person(&tokens, &told).await {
+        match self.is_of_the_same_person(&tokens, &answer).await {
             Ok(()) => {
-                let new = Tokens::of(&told, Some(tokens));
+                let new = Tokens::of(&answer, Some(tokens));
                 store.reseal_session(&row.session_id, &seal(&new, key)?).await?;
                 Ok(new)
             }
@@ -205,9 +205,11 @@ impl SignIn {
     }
 
     /// Whether the tokens of a renewal are about the person who signed in (OpenID Connect Core 1.0, 12.2).
-    async fn is_of_the_same_person(&self, before: &Tokens, told: &TokenResponse) -> Result<(), Problem> {
-        let nonce = |told: Option<&Nonce>| match told {
-            Some(told) if Some(told.secret()) != before.nonce().as_ref() => Err("its nonce is another one".to_owned()),
+    async fn is_of_the_same_person(&self, before: &Tokens, answer: &TokenResponse) -> Result<(), Problem> {
+        let nonce = |answer: Option<&Nonce>| match answer {
+            Some(answer) if Some(answer.secret()) != before.nonce().as_ref() => {
+                Err("its nonce is another one".to_owned())
+            }
             Some(_) | None => Ok(()),
         };
         let another = |which: &str| {
@@ -215,12 +217,12 @@ impl SignIn {
         };
         let person = before.subject();
         // The provider need not repeat the ID token.
-        if let Some(id_token) = told.id_token()
-            && Some(self.subject(id_token, told.access_token(), nonce).await?) != person
+        if let Some(id_token) = answer.id_token()
+            && Some(self.subject(id_token, answer.access_token(), nonce).await?) != person
         {
             return Err(another("ID"));
         }
-        let claims = self.oidc.verified(told.access_token().secret()).await?;
+        let claims = self.oidc.verified(answer.access_token().secret()).await?;
         if claims::subject(&claims) == person.as_deref() { Ok(()) } else { Err(another("access")) }
     }
 

@@ -24,10 +24,10 @@ pub(super) struct Tokens {
 
 impl Tokens {
     /// The provider's tokens. It may keep the refresh token, and need not repeat the ID token.
-    pub(super) fn of(told: &TokenResponse, before: Option<Self>) -> Self {
-        let access_token = told.access_token().secret().clone();
-        let refresh_token = told.refresh_token().map(|token| token.secret().clone());
-        Self::renewed(access_token, refresh_token, told.id_token().map(ToString::to_string), before)
+    pub(super) fn of(answer: &TokenResponse, before: Option<Self>) -> Self {
+        let access_token = answer.access_token().secret().clone();
+        let refresh_token = answer.refresh_token().map(|token| token.secret().clone());
+        Self::renewed(access_token, refresh_token, answer.id_token().map(ToString::to_string), before)
     }
 
     fn renewed(

@@ -56,8 +56,8 @@ fn words<T: Words + Copy>() -> Value {
 }
 
 fn told_of<T: Words + Copy>(values: impl IntoIterator<Item = T>) -> Value {
-    let told = |one: T| one.severity().map_or(json!(one.label()), |severity| json!([one.label(), severity.as_str()]));
-    values.into_iter().map(|one| (one.word().to_owned(), told(one))).collect()
+    let entry = |one: T| one.severity().map_or(json!(one.label()), |severity| json!([one.label(), severity.as_str()]));
+    values.into_iter().map(|one| (one.word().to_owned(), entry(one))).collect()
 }
 
 /// Only the labels, of an enum of which some values have a severity.
@@ -77,9 +77,9 @@ mod tests {
             let (name, words) = line.trim_end_matches(';').split_once(" = ").unwrap();
             let words: BTreeMap<String, Value> = serde_json::from_str(words).unwrap();
             let is_marked = words.values().next().unwrap().is_array();
-            for (word, told) in &words {
-                assert_eq!(told.is_array(), is_marked, "{name} in edge/src/words: severity of {word}");
-                let label = if is_marked { &told[0] } else { told };
+            for (word, entry) in &words {
+                assert_eq!(entry.is_array(), is_marked, "{name} in edge/src/words: severity of {word}");
+                let label = if is_marked { &entry[0] } else { entry };
                 assert!(label.is_string(), "{name} in edge/src/words: {word} needs a label");
             }
         }

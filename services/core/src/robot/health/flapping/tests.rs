@@ -32,8 +32,8 @@ fn regress_a_fault_that_flaps_for_ten_minutes_is_one_alarm_and_a_few_changes() {
             let steps = (600.0 / step_s) as usize;
             let all = history([LEAK, other].into_iter().cycle().take(steps), step_s);
             assert!(raised(all.iter().map(|one| one.alarm)) <= most, "{other:?}, {step_s} s");
-            assert!(all[steps / 2..].iter().all(|one| one.alarm.is_some() && one.told == one.alarm));
-            let changes = all.windows(2).filter(|two| two[0].told != two[1].told).count();
+            assert!(all[steps / 2..].iter().all(|one| one.alarm.is_some() && one.reported == one.alarm));
+            let changes = all.windows(2).filter(|two| two[0].reported != two[1].reported).count();
             assert!(changes < latch, "{other:?}, {step_s} s: {changes} changes");
         }
     }
@@ -50,7 +50,7 @@ fn day(is_leaking: impl FnMut(u64) -> bool) -> (usize, usize) {
     let all = history((0..86_400).step_by(10).map(is_leaking).map(|is| LEAK.filter(|_| is)), 10.0);
     let changes =
         |of: fn(&Flapping<Fault>) -> Option<Fault>| all.windows(2).filter(|two| of(&two[0]) != of(&two[1])).count();
-    (changes(|one| one.told), changes(|one| one.alarm))
+    (changes(|one| one.reported), changes(|one| one.alarm))
 }
 
 #[test]
@@ -95,7 +95,7 @@ fn the_stored_byte_has_both_numbers() {
 fn a_lasting_fault_is_raised_within_the_on_delay_and_a_short_one_is_not() {
     let short = history([LEAK, LEAK, None].into_iter().chain([None; 40]), 0.4);
     assert!(short.iter().all(|one| one.alarm.is_none()));
-    assert_eq!(short[1].told, LEAK, "it counts at once");
+    assert_eq!(short[1].reported, LEAK, "it counts at once");
     let lasting = history([LEAK; 10].into_iter(), 0.4);
     let alarms: Vec<bool> = lasting.iter().map(|one| one.alarm == LEAK).collect();
     assert_eq!(alarms, [false, false, false, true, true, true, true, true, true, true]);
@@ -106,7 +106,7 @@ fn a_lasting_fault_is_raised_within_the_on_delay_and_a_short_one_is_not() {
 #[test]
 fn a_repaired_fault_ends_at_once_and_its_alarm_after_the_off_delay() {
     let all = history([LEAK; 60].into_iter().chain([None; 30]), 1.0);
-    assert_eq!((all[59].told, all[60].told), (LEAK, None));
+    assert_eq!((all[59].reported, all[60].reported), (LEAK, None));
     assert_eq!((all[74].alarm, all[75].alarm), (LEAK, None));
 }
 
@@ -121,7 +121,7 @@ fn brute_force_a_fault_counts_at_once_and_everything_is_as_present_once_it_is_st
             let mut present: Vec<Option<Fault>> = sequence.clone().collect();
             let all = history(present.iter().copied(), step_s);
             for (one, &present) in all.iter().zip(&present) {
-                assert_eq!(worst(one.told, present), one.told, "{present:?} counts at once: {one:?}");
+                assert_eq!(worst(one.reported, present), one.reported, "{present:?} counts at once: {one:?}");
             }
             // As long as one change that follows another quickly: as many as latch it.
             let last = present[6];
@@ -129,7 +129,7 @@ fn brute_force_a_fault_counts_at_once_and_everything_is_as_present_once_it_is_st
             present.extend(std::iter::repeat_n(last, if step_s < 1.0 { 0 } else { steady_steps }));
             let end = history(present.iter().copied(), step_s).pop().expect("steps");
             if step_s >= 1.0 {
-                assert_eq!((end.told, end.alarm), (last, last), "{code} at {step_s} s");
+                assert_eq!((end.reported, end.alarm), (last, last), "{code} at {step_s} s");
                 let then = START.after(Micros::from_s(present.len() as f64 * step_s)).after(params.forgotten_after);
                 assert!(end.is_over(&params, then));
             }
