@@ -113,7 +113,7 @@ fn scenario_of(fleet: &str, name: &str, fault: Option<Misbehaviour>) -> Scenario
         [[robots.arrays]]
         array = "left"
         type = "TYPE_1"
-        whiskers = [{{ whisker = 0, neighbours = [1], strain_max = 0.05 }}, {{ whisker = 1, strain_max = 0.05 }}]
+        whiskers = [{{ whisker = 0, neighbours = [1], strain_max = 0.2 }}, {{ whisker = 1, strain_max = 0.2 }}]
         "#
     );
     let mut scenario = Scenario::from_toml_str(&text).unwrap();
