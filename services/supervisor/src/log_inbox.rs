@@ -71,7 +71,7 @@ pub struct LogRange {
 /// Records of a partition that were read together, in order.
 #[derive(Debug, Clone)]
 pub struct LogBatch {
-    /// The records.
+    /// Partition and offsets of the records.
     pub range: LogRange,
     /// The messages among the records.
     pub records: Vec<LogRecord>,
@@ -95,12 +95,12 @@ pub struct LogRecord {
     pub payload: Bytes,
 }
 
-/// What the engine asks of the log while it recovers robots.
+/// Requests of the engine to the log while it recovers robots.
 #[derive(Debug)]
 pub enum Recall {
     /// The messages of records that were read before. Ranges of a partition in rising order are read together.
     Records(LogRange, oneshot::Sender<Vec<LogRecord>>),
-    /// No more are wanted now: what was read ahead can be forgotten.
+    /// No more are wanted now: the log may forget records that it has read ahead.
     Done,
 }
 

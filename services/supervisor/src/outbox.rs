@@ -56,7 +56,7 @@ impl ToRobot {
 pub struct Publication {
     /// The robot that gets it.
     pub robot: Name,
-    /// The message.
+    /// The message, not encoded yet.
     pub message: ToRobot,
     /// Deadline for sending, after which the transport drops the message. Robots get it by then, too, unless it is
     /// retained.

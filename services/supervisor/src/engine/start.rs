@@ -202,7 +202,7 @@ impl EngineOptions {
 }
 
 /// The roll-out that the last owner left running or paused. One that this program cannot read stays as it is: its robots get
-/// what is in force in the fleet, and the result has 1 as the number of unreadable ones.
+/// the parameters in force in the fleet, and the result has 1 as the number of unreadable ones.
 async fn open_rollout(
     writer: &mut Writer,
     lease: &Lease,

@@ -16,7 +16,7 @@ pub struct Cookie {
 /// Where browsers reach the console.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Site {
-    /// Over HTTPS.
+    /// Whether browsers use HTTPS.
     is_secure: bool,
     /// Path of the public address, such as `/vibrissa`; `/` for that of a whole host.
     path: String,
