@@ -70,21 +70,20 @@ impl Lines {
     fn start(steps: u64, what: &'static str, every: Duration, mut out: Box<dyn Write + Send>) -> Self {
         let done = Arc::new(AtomicU64::new(0));
         let (end, ended) = channel::<()>();
-        let thread = {
-            let done = done.clone();
-            let begun = Instant::now();
-            std::thread::spawn(move || {
-                loop {
-                    let (steps_done, seconds) = (done.load(Ordering::Relaxed), begun.elapsed().as_secs());
-                    let line = format!("vibrissa: {steps_done} of {steps} {what} done after {seconds} s\n");
-                    // A closed standard error is no reason to stop the work.
-                    let _ = out.write_all(line.as_bytes());
-                    if ended.recv_timeout(every) != Err(RecvTimeoutError::Timeout) {
-                        return;
-                    }
-                }
-            })
+        let counted = done.clone();
+        let begun = Instant::now();
+        let mut write = move || {
+            let (steps_done, seconds) = (counted.load(Ordering::Relaxed), begun.elapsed().as_secs());
+            let line = format!("vibrissa: {steps_done} of {steps} {what} done after {seconds} s\n");
+            // A closed standard error is no reason to stop the work.
+            let _ = out.write_all(line.as_bytes());
         };
+        write();
+        let thread = std::thread::spawn(move || {
+            while ended.recv_timeout(every) == Err(RecvTimeoutError::Timeout) {
+                write();
+            }
+        });
         Self { done, end: Some(end), thread: Some(thread) }
     }
 }
