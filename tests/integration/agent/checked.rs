@@ -89,6 +89,7 @@ async fn assisted() -> Report {
     let driver = driver.replace("\"board\",", "\"board\", \"--touch-ratio\", \"0.7\",");
     let text = configuration(relay.address().port(), &driver)
         .replace("robot = \"r\"", "robot = \"r\"\napplies_gain = true\non_supervisor_loss = \"NOMINAL\"")
+        .replace("place = \"RATIO\"", "place = \"RATIO\", strain_max = 0.5")
         .replace("[outbox]", "[outbox]\nmessages = 200")
         .replace("[supervisor]", "[supervisor]\nlost_after_s = 20.0");
     let agent = agent(folder.path(), &text);
