@@ -10,8 +10,9 @@ use std::process::Command;
 use serde_json::Value;
 use vibrissa::config::Key;
 
-/// Path of the program.
-const PROGRAM: &str = env!("CARGO_BIN_EXE_vibrissa-under-test");
+/// Each program of the runbooks, with its beginning in a command.
+const PROGRAMS: [(&str, &str); 2] =
+    [("vibrissa ", env!("CARGO_BIN_EXE_vibrissa-under-test")), ("vibrissa-lab ", env!("CARGO_BIN_EXE_lab-under-test"))];
 
 fn project() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
@@ -158,17 +159,18 @@ fn code(page: &str) -> impl Iterator<Item = &str> {
 
 #[test]
 fn every_command_of_the_runbooks_is_one_of_the_programs() {
-    let help = |arguments: &[&str]| {
-        let ended = Command::new(PROGRAM).args(arguments).arg("--help").output().unwrap();
-        assert!(ended.status.success(), "vibrissa {arguments:?}");
+    let help = |program: &str, arguments: &[&str]| {
+        let ended = Command::new(program).args(arguments).arg("--help").output().unwrap();
+        assert!(ended.status.success(), "{program} {arguments:?}");
         String::from_utf8(ended.stdout).unwrap()
     };
     let mut commands = 0;
     for path in runbooks() {
         let page = read(&path);
-        for command in code(&page).filter_map(|code| code.strip_prefix("vibrissa ")) {
+        let of = |code| PROGRAMS.iter().find_map(|(begin, program)| Some((*program, str::strip_prefix(code, *begin)?)));
+        for (program, command) in code(&page).filter_map(of) {
             let mut words = command.split_whitespace().peekable();
-            let known = help(words.next_if(|word| !word.starts_with('-')).as_slice());
+            let known = help(program, words.next_if(|word| !word.starts_with('-')).as_slice());
             for flag in words.filter_map(|word| word.strip_prefix("--")) {
                 let is_alias = Key::ALL.iter().any(|key| key.flag_alias() == Some(flag));
                 assert!(is_alias || known.contains(&format!("--{flag}")), "{path}: {command}: unknown flag --{flag}");
