@@ -262,6 +262,30 @@ fn grafana_opens_on_a_dashboard_and_reads_with_a_role_of_its_own() {
     assert!(secrets(role).iter().any(|one| its_password == format!("/run/secrets/{one}")), "{its_password}");
 }
 
+/// Without this a build fails only where somebody makes images.
+#[test]
+fn the_context_of_the_images_has_all_crates_and_copied_files() {
+    let ignored = std::fs::read_to_string(project().join(".dockerignore")).unwrap();
+    let sent: Vec<&str> = ignored.lines().filter_map(|line| line.strip_prefix('!')).collect();
+    let mut needed: Vec<String> = Vec::new();
+    for workspace in ["", "robot/"] {
+        let manifest = std::fs::read_to_string(project().join(format!("{workspace}Cargo.toml"))).unwrap();
+        let manifest: toml::Table = manifest.parse().unwrap();
+        let members = manifest["workspace"]["members"].as_array().unwrap().iter();
+        needed.extend(members.map(|member| format!("{workspace}{}", member.as_str().unwrap())));
+        needed.extend(["Cargo.toml", "Cargo.lock"].map(|file| format!("{workspace}{file}")));
+    }
+    let image = std::fs::read_to_string(project().join("Dockerfile")).unwrap();
+    let copied =
+        image.lines().filter_map(|line| line.strip_prefix("COPY ")).filter(|words| !words.starts_with("--from"));
+    needed.extend(copied.map(|words| words.split(' ').next().unwrap().to_owned()).filter(|path| path != "."));
+    assert!(needed.len() > 18, "{needed:?}");
+    for path in needed {
+        let is_sent = sent.iter().any(|one| path == *one || path.starts_with(&format!("{one}/")));
+        assert!(is_sent, ".dockerignore leaves out {path}");
+    }
+}
+
 #[test]
 fn each_image_builds_its_own_programs_and_is_named_at_the_top() {
     let image = std::fs::read_to_string(project().join("Dockerfile")).unwrap().replace("\\\n", " ");
