@@ -48,7 +48,7 @@ pub struct CalibrationFile {
 pub struct Activation {
     /// Its number in the database.
     pub calibration_id: i64,
-    /// The calibration.
+    /// Its numbers and its name.
     pub calibration: CalibrationFile,
 }
 

@@ -17,7 +17,7 @@ const NOMINAL_MPA: f64 = 0.1;
 /// A report this close to a setpoint is that setpoint.
 const SETTLED_MPA: f64 = 0.004;
 
-/// What a robot does with a setpoint.
+/// Behaviour of a robot towards a setpoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Habit {
     /// It gives no answer.
@@ -121,7 +121,7 @@ impl Drawn {
         self.step(&Event::Setpoint { boot_id: &boot_id, command: command.key, report, robot_time });
     }
 
-    /// One second: the answers to what was sent meanwhile, a status if it is heard, and a tick.
+    /// One second: the answers to setpoints that were sent meanwhile, a status if it is heard, and a tick.
     fn second(&mut self, is_heard: bool, mut habit: impl FnMut() -> Habit) {
         let from = self.sent.len();
         self.now = self.now.after(Micros::from_s(1.0));

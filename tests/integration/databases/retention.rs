@@ -355,7 +355,7 @@ async fn regress_former_boots_go_from_postgres() {
     former_boots_go(Fresh::postgres().await).await;
 }
 
-/// Measurements of a compensation in force came every hundred contacts, and stayed for ever.
+/// Measurements of a compensation in force come every hundred contacts. They had no retention.
 async fn old_measurements_go(database: Fresh) {
     let (mut writer, lease, numbered) = taken(&database).await;
     let whisker_id = numbered.whisker_ids[0];

@@ -8,7 +8,7 @@ use crate::structure::{code, rust_files};
 
 /// Transports and their libraries. No path of the engine or of its ports has one of these names.
 const TRANSPORTS: [&str; 8] = ["mqtt", "kafka", "http", "rumqttc", "mqtt5", "rskafka", "axum", "hyper"];
-/// What reads a metric, or a state that metrics show.
+/// Calls that read a metric, or a state that metrics show.
 const READS: [&str; 3] = [".get()", ".age(", ".ages("];
 
 /// Files of these modules of the supervisor.

@@ -1,4 +1,4 @@
-//! The whisker that the helper touches while the robot is told other lengths of it.
+//! The whisker that the helper touches while the check sends estimates with other lengths.
 
 use vibrissa_protocol::{Factsheet, PlaceKind};
 

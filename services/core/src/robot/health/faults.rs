@@ -57,9 +57,9 @@ impl Robot {
     /// pressure the learned state shows at once whether the whisker has changed; at an unexplained pressure a cut would
     /// be taken for the model's error there.
     ///
-    /// A regulator rounds setpoints: a report close to the pressure of a compensation is that pressure. Any other report means
-    /// that the robot has not kept what it took. That counts as a failed try, so that the same setpoint is not sent again and
-    /// again.
+    /// A regulator rounds setpoints: a report close to the pressure of a compensation is that pressure. Any other report
+    /// means that the robot has not kept the setpoint that it took. That counts as a failed try, so that the same setpoint
+    /// is not sent again and again.
     fn pressure_told(
         &mut self,
         params: &Params,

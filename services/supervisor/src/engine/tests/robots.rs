@@ -106,7 +106,7 @@ fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
     assert!((1000..=1024).contains(&asked), "their factsheets must be requested: {asked}");
 }
 
-/// A robot whose factsheet is refused is told as one whose factsheet has not arrived.
+/// A robot whose factsheet is refused has none, like one whose factsheet has not arrived.
 #[test]
 fn a_refused_factsheet_is_missing_after_half_a_minute() {
     let mut worker = worker(0);
