@@ -7,6 +7,7 @@ use anyhow::Context;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
+use vibrissa_program::log_filter::log_filter;
 use vibrissa_program::options::{decimal, lenient};
 use vibrissa_simulator::board::{self, BoardPlan};
 use vibrissa_simulator::load::{self, LoadPlan};
@@ -43,7 +44,7 @@ struct Arguments {
     misbehave: Option<Misbehaviour>,
     /// Log filter, such as info or vibrissa_simulator=debug
     #[arg(long, env = "VIBRISSA_LOG", default_value = "info", value_parser = log_filter)]
-    log: EnvFilter,
+    log: String,
 }
 
 /// Other commands.
@@ -54,12 +55,6 @@ enum Command {
     Load(LoadPlan),
     /// Simulate the board of one robot: its gauges and valves behind the interface of drivers, for `vibrissa-robot`
     Board(BoardPlan),
-}
-
-/// Takes a log filter.
-fn log_filter(text: &str) -> Result<EnvFilter, String> {
-    EnvFilter::try_new(text)
-        .map_err(|problem| format!("{problem}; the levels are off, error, warn, info, debug, trace"))
 }
 
 /// Parses a command line.
@@ -99,7 +94,7 @@ fn main() -> anyhow::Result<()> {
 
 async fn simulate(arguments: Arguments) -> anyhow::Result<()> {
     let broker = arguments.broker()?;
-    vibrissa_program::log::start(arguments.log)?;
+    vibrissa_program::log::start(EnvFilter::new(arguments.log))?;
     let scenario = arguments.scenario.as_ref().context("--scenario is missing")?;
     let path = scenario.display();
     let text = std::fs::read_to_string(scenario).with_context(|| format!("cannot read {path}"))?;

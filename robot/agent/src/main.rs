@@ -8,6 +8,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 use tracing_subscriber::EnvFilter;
 use vibrissa_program::log;
+use vibrissa_program::log_filter::log_filter;
 use vibrissa_robot::{Config, exposure, hub};
 
 /// The agent of one robot with soft whiskers: keeps the MQTT contract for a driver that speaks lines of JSON.
@@ -22,17 +23,12 @@ struct Arguments {
     check: bool,
     /// Log filter, such as info or vibrissa_robot=debug
     #[arg(long, env = "VIBRISSA_LOG", default_value = "info", value_parser = log_filter)]
-    log: EnvFilter,
-}
-
-fn log_filter(text: &str) -> Result<EnvFilter, String> {
-    EnvFilter::try_new(text)
-        .map_err(|problem| format!("{problem}; the levels are off, error, warn, info, debug, trace"))
+    log: String,
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let logged = log::start(arguments.log).map_err(anyhow::Error::from);
+    let logged = log::start(EnvFilter::new(arguments.log)).map_err(anyhow::Error::from);
     match logged.and_then(|()| started(&arguments.config, arguments.check)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {

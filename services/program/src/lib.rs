@@ -2,4 +2,5 @@
 
 pub mod files;
 pub mod log;
+pub mod log_filter;
 pub mod options;

@@ -13,7 +13,7 @@ pub(super) struct Encoded {
     pub(super) topic: String,
     pub(super) payload: Vec<u8>,
     pub(super) qos: QualityOfService,
-    /// Whether it is a receipt, which states what is committed.
+    /// Whether it is a receipt: a statement of commits.
     pub(super) is_receipt: bool,
     pub(super) is_retained: bool,
     /// Deadline for sending.

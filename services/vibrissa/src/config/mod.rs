@@ -15,7 +15,6 @@ mod archive;
 mod database;
 mod http;
 mod kafka;
-mod log_filter;
 mod mqtt;
 mod policy;
 mod reader;
@@ -31,6 +30,7 @@ use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::robot::Params;
 use vibrissa_core::robot::params::TouchTestParams;
+use vibrissa_program::log_filter::log_filter;
 use vibrissa_protocol::Name;
 
 pub use keys::Key;
@@ -137,7 +137,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let fleets = fleets(reader);
     let formulation = reader.word::<FormulationArg>(Key::ModelFormulation).map(Formulation::from);
     let models = models(reader, formulation.unwrap_or_default());
-    let log = reader.parsed(Key::Log, log_filter::log_filter);
+    let log = reader.parsed(Key::Log, log_filter);
     let database = database::database(reader);
     let installation = reader.word::<InstallationArg>(Key::DatabaseInstallation);
     let lease = reader.number(Key::LeaseTimeToLiveS);

@@ -10,7 +10,7 @@ const LEVELS: [&str; 6] = ["off", "error", "warn", "info", "debug", "trace"];
 ///
 /// # Errors
 /// A part is invalid.
-pub(super) fn log_filter(text: &str) -> Result<String, String> {
+pub fn log_filter(text: &str) -> Result<String, String> {
     // Filters of spans, such as target[span{field=value}]=level, may have commas and equal signs in their brackets.
     let text = if text.contains('[') {
         text.to_owned()
