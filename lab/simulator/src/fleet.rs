@@ -8,6 +8,7 @@ use tokio::sync::{Notify, watch};
 use tokio::task::JoinHandle;
 use tokio::time::{Instant, timeout_at};
 use vibrissa_core::mechanics::ModelError;
+use vibrissa_program::task;
 use vibrissa_protocol::Name;
 use vibrissa_robot::mqtt;
 pub use vibrissa_robot::mqtt::{Authorities, BadBroker, Broker, password_in};
@@ -94,7 +95,7 @@ impl Fleet {
             Some(file) => {
                 // Before a robot publishes anything, since its new boot must not occur again.
                 file.write(&robots)?;
-                let task = tokio::spawn(file.clone().keep(robots.clone(), changed));
+                let task = task::spawn(file.clone().keep(robots.clone(), changed));
                 Some((file, task))
             }
         };
@@ -102,7 +103,7 @@ impl Fleet {
             .iter()
             .map(|robot| {
                 let signals = robot.signals.clone();
-                tokio::spawn(mqtt::run(robot.clone(), broker.clone(), transport.clone(), signals, stopping.clone()))
+                task::spawn(mqtt::run(robot.clone(), broker.clone(), transport.clone(), signals, stopping.clone()))
             })
             .collect();
         Ok(Self { robots, stop, tasks, keeper })

@@ -5,7 +5,7 @@
 //! expire wrongly after a jump. Durations do not depend on either.
 
 use std::sync::{Mutex, PoisonError};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::UNIX_EPOCH;
 
 use rustix::time::{ClockId, clock_gettime};
 
@@ -80,7 +80,7 @@ impl RobotClock {
 }
 
 fn system_us() -> u64 {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let since = vibrissa_program::clock::system_time().duration_since(UNIX_EPOCH).unwrap_or_default();
     u64::try_from(since.as_micros()).unwrap_or(u64::MAX)
 }
 

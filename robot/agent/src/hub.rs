@@ -11,6 +11,8 @@ use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::sync::{Notify, mpsc, watch};
 use tokio::time::{Instant, sleep, timeout};
+use vibrissa_program::random;
+use vibrissa_program::task;
 use vibrissa_protocol::{BootId, Name, RobotTopic};
 
 use crate::clock::now;
@@ -56,9 +58,6 @@ pub enum CannotStart {
     /// The way to the driver cannot be prepared.
     #[error("driver: {0}")]
     Driver(std::io::Error),
-    /// The system has no random numbers for a boot id.
-    #[error("cannot draw a boot id: {0}")]
-    Random(String),
 }
 
 /// The store, with its health.
@@ -118,7 +117,7 @@ pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<
     // The session ends last: it carries the last messages.
     let (stop_session, session_stopping) = watch::channel(false);
     let session = mqtt::run(hub.clone(), config.broker.clone(), transport, hub.signals.clone(), session_stopping);
-    let mut session = tokio::spawn(session);
+    let mut session = task::spawn(session);
     let may_restart = config.driver.restart || !matches!(config.driver.way, Way::Command(_));
     tokio::select! {
         _ = stopping.changed() => {}
@@ -159,14 +158,8 @@ fn tell_damage(path: &Path, Damage { lines, torn_bytes, aside }: &Damage) {
 }
 
 /// A boot id that was never used before.
-fn boot_id() -> Result<BootId, CannotStart> {
-    let random = (random()?, random()?);
-    let text = format!("{:016x}{:016x}", random.0, random.1);
-    BootId::new(&text).map_err(|why| CannotStart::Random(why.to_string()))
-}
-
-fn random() -> Result<u64, CannotStart> {
-    getrandom::u64().map_err(|why| CannotStart::Random(why.to_string()))
+fn boot_id() -> BootId {
+    BootId::new(&random::hex()).expect("a short text of hexadecimal digits")
 }
 
 impl Hub {
@@ -180,7 +173,7 @@ impl Hub {
             tell_damage(path, &damage);
             (file, stored) = (Some(opened), found);
         }
-        let (agent, records) = Agent::new(config, boot_id()?, stored, now());
+        let (agent, records) = Agent::new(config, boot_id(), stored, now());
         if let Some(file) = &mut file {
             file.replace(records)?;
         }
@@ -294,7 +287,7 @@ impl Hub {
 
     async fn sync(&self) {
         let Some(file) = self.lock().store.as_mut().and_then(Store::unsynced) else { return };
-        let synced = tokio::task::spawn_blocking(move || file.and_then(|file| file.sync_data())).await;
+        let synced = task::blocking(move || file.and_then(|file| file.sync_data())).await;
         match synced {
             Ok(Ok(())) => {}
             Ok(Err(problem)) => tracing::error!(%problem, "cannot synchronise the outbox with the disk"),
@@ -446,8 +439,7 @@ impl Endpoint for Hub {
     }
 
     fn receive_request_to_all(&self, payload: &[u8], _: Now) {
-        // Without random numbers, all robots answer at once: they are drawn at the start, too.
-        self.step(Input::RequestToAll(payload, random().unwrap_or_default()));
+        self.step(Input::RequestToAll(payload, u64::from_ne_bytes(random::bytes())));
     }
 
     fn farewell(&self, now: Now) -> Vec<Outgoing> {

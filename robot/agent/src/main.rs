@@ -9,6 +9,7 @@ use tokio::sync::watch;
 use tracing_subscriber::EnvFilter;
 use vibrissa_program::log;
 use vibrissa_program::log_filter::log_filter;
+use vibrissa_program::task;
 use vibrissa_robot::{Config, exposure, hub};
 
 /// The agent of one robot with soft whiskers: keeps the MQTT contract for a driver that speaks lines of JSON.
@@ -54,7 +55,7 @@ fn started(path: &std::path::Path, is_check: bool) -> anyhow::Result<()> {
         // Installed before anything starts, so that no signal is missed.
         let mut terminated = signal(SignalKind::terminate())?;
         let (stop, stopping) = watch::channel(false);
-        let running = tokio::spawn(hub::run(config, stopping));
+        let running = task::spawn(hub::run(config, stopping));
         tokio::pin!(running);
         tokio::select! {
             ended = &mut running => return Ok(ended??),

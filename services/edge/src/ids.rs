@@ -4,8 +4,6 @@ use uuid::Uuid;
 use vibrissa_core::robot::effect::CommandKey;
 use vibrissa_protocol::Name;
 
-use crate::clock::wall_clock;
-
 /// Namespace of the identifiers of setpoints, which are derived from fleet, robot, epoch and version: a setpoint that
 /// is sent again, by whichever supervisor, has the same identifier.
 const COMMAND_NAMESPACE: Uuid = Uuid::from_u128(0x6f1d_6c0e_41b0_5d83_9a1e_7769_6272_6973);
@@ -32,12 +30,4 @@ pub fn compensation_uuid(fleet: &Name, robot: &Name, number: u32) -> Uuid {
 /// lower.
 pub fn wide_id(robot_id: i64, number: u32) -> i64 {
     (robot_id << 32) | i64::from(number)
-}
-
-/// Bytes that differ at each start of a program: time, process number, and a random UUID of the kernel.
-pub fn start_seed() -> Vec<u8> {
-    let mut seed = wall_clock().0.to_le_bytes().to_vec();
-    seed.extend(std::process::id().to_le_bytes());
-    seed.extend(std::fs::read("/proc/sys/kernel/random/uuid").unwrap_or_default());
-    seed
 }

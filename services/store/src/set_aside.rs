@@ -3,9 +3,10 @@
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use sqlx::{Column as _, ColumnIndex, Decode, FromRow, Row, Type};
+use tokio::time::Instant;
 use tracing::error;
 
 /// Time for which a row is named after a query has met it.

@@ -8,6 +8,7 @@ use tokio::time::{Duration, Instant, timeout_at};
 use tracing::{error, info, warn};
 use vibrissa_core::robot::Params;
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_program::task;
 use vibrissa_protocol::{BootId, Name};
 
 use crate::action_notifier::ActionNotifier;
@@ -97,7 +98,7 @@ impl Fleet {
         shared.readiness.set_of(lease.fleet(), TAKING_UP, Some("loading its robots".to_owned()));
         shared.readiness.stands(lease.fleet(), Standing::Owned { epoch: lease.epoch() });
         let link = Arc::new(OnceLock::new());
-        let task = tokio::spawn(supervise(lease.clone(), shared.clone(), link.clone(), stopping));
+        let task = task::spawn(supervise(lease.clone(), shared.clone(), link.clone(), stopping));
         Self { lease, link, stop, task }
     }
 
@@ -160,7 +161,7 @@ async fn supervise(lease: Lease, shared: Shared, heard: Arc<OnceLock<BrokerLink>
         let archiving = shared
             .archive
             .as_ref()
-            .map(|archive| tokio::spawn(archive.clone().run(lease.clone(), shared.store.clone(), metrics.clone())));
+            .map(|archive| task::spawn(archive.clone().run(lease.clone(), shared.store.clone(), metrics.clone())));
         // Dropped at the end of supervision: what is not published yet waits in the log of events.
         let _publishing = match (&shared.kafka, events) {
             (Some(kafka), Some(sink)) => kafka.publish(&shared.store, &fleet, &metrics, sink),
@@ -275,10 +276,10 @@ async fn run(
     let working = async move {
         // Ends with the engine.
         let mut beside = JoinSet::new();
-        beside.spawn(receiving);
+        task::spawn_in(&mut beside, receiving);
         let batches = log.zip(engine.log_from()).map(|(log, from)| {
             let (sender, batches) = mpsc::channel(LOG_BATCHES);
-            beside.spawn(log.run(from, sender));
+            task::spawn_in(&mut beside, log.run(from, sender));
             batches
         });
         engine.run((inbox, batches), outbox, losses).await

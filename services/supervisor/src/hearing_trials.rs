@@ -11,6 +11,7 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use tokio::time::sleep;
 use tracing::{info, warn};
+use vibrissa_program::task;
 use vibrissa_protocol::{BootId, Name};
 
 use crate::fleet::Shared;
@@ -49,7 +50,7 @@ impl Trial {
         let boot_id = BootId::new(&shared.supervisor).ok()?;
         let connection = Connection::new(shared.broker.clone(), shared.prepared.clone(), fleet.clone(), boot_id);
         let (show, shown) = watch::channel(None);
-        let task = tokio::spawn(async move {
+        let task = task::spawn(async move {
             loop {
                 let tried = try_hearing(&connection).await;
                 // The trial was dropped.

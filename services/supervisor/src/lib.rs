@@ -1,6 +1,6 @@
 //! The service of the supervisor: contacts in over MQTT, pressure setpoints out, everything recorded.
 //!
-//! Read in this order: [`service`] starts all tasks. `ownership` and `fleet` take fleets by leases. [`mqtt`] and
+//! Read in this order: [`service`] starts all tasks, [`supervision`] those without HTTP. `ownership` and `fleet` take fleets by leases. [`mqtt`] and
 //! [`broker`] carry messages. [`inbox`], [`log_inbox`], [`link_state`] and [`outbox`] are the ports of [`engine`],
 //! which knows no transport: it steps the core with the events that [`vibrissa_edge`] makes of messages, and commits
 //! the effects to [`vibrissa_store`]. `black_box` keeps robots' messages around events. [`http`] serves people,
@@ -20,6 +20,7 @@ mod ownership;
 pub mod promises;
 pub mod readiness;
 mod sharing;
+pub mod supervision;
 mod thread;
 mod upkeep;
 

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
 use prometheus::Histogram;
+use tokio::time::Instant;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Name, RobotTopic, encode};
 

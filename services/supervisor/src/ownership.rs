@@ -6,6 +6,7 @@ use tokio::sync::watch;
 use tokio::task::{AbortHandle, JoinSet};
 use tokio::time::{Duration, Instant, sleep};
 use tracing::{error, info, warn};
+use vibrissa_program::task;
 use vibrissa_protocol::Name;
 
 use crate::clocks::Clocks;
@@ -254,7 +255,7 @@ impl Ownership {
         metrics.lease_held.set(0);
         metrics.lease_changes.count([LOST]);
         let mut writer = self.shared.store.writer();
-        let task = self.ending.spawn(async move {
+        let task = task::spawn_in(&mut self.ending, async move {
             let lease = fleet.stop().await;
             if let Err(problem) = writer.release(&lease).await {
                 warn!(%problem, "cannot release the lease, it will expire");

@@ -2,9 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::Serialize;
+use tokio::time::Instant;
+use vibrissa_program::task;
 use vibrissa_protocol::Name;
 
 use crate::mqtt::{BrokerLink, NodesInUse};
@@ -91,7 +93,7 @@ impl Readiness {
     pub(crate) fn tell_set_aside(&self, fleet: &Name, part: &'static str, what: String) {
         self.notice_of(fleet, part, Some(what));
         let (readiness, fleet) = (self.clone(), fleet.clone());
-        tokio::spawn(async move {
+        task::spawn(async move {
             tokio::time::sleep(SET_ASIDE_TOLD).await;
             readiness.notice_of(&fleet, part, None);
         });

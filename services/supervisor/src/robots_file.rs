@@ -9,6 +9,7 @@ use std::time::SystemTime;
 use tokio::sync::watch;
 use tokio::time::{Duration, timeout};
 use tracing::{info, warn};
+use vibrissa_program::task;
 use vibrissa_protocol::text_file::read_text;
 use vibrissa_protocol::{Name, plain};
 
@@ -99,7 +100,7 @@ pub(crate) fn follow(
 ) -> Result<watch::Receiver<Arc<RobotsFile>>, String> {
     let (first, stamp) = RobotsFile::read_with_stamp(&path)?;
     let (sender, receiver) = watch::channel(Arc::new(first));
-    tokio::spawn(async move {
+    task::spawn(async move {
         let (mut last, mut is_missing) = (stamp, false);
         while timeout(LOOK_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
             let stamp = match std::fs::metadata(&path) {

@@ -6,40 +6,35 @@ use std::sync::Arc;
 
 use anyhow::Context;
 use tokio::sync::watch;
-use tokio::task::{JoinHandle, JoinSet};
+use tokio::task::JoinHandle;
 use tokio::time::{Duration, timeout};
-use tracing::{error, warn};
-use uuid::Uuid;
+use tracing::warn;
 use vibrissa_core::robot::Params;
+use vibrissa_program::task;
 use vibrissa_protocol::Name;
 
 use crate::action_notifier::ActionNotifier;
 use crate::archive::Archive;
 pub use crate::archive_options::ArchiveOptions;
 pub use crate::black_box::BlackBoxOptions;
-use crate::black_box::BlackBoxes;
 use crate::broker::{Broker, MqttAccess};
-use crate::clocks::{HoldBack, RobotClocks};
 use crate::engine::{ContactRetention, Limits};
-use crate::fleet::Shared;
 use crate::http::access::{Access, AccessOptions};
 use crate::http::{App, FurtherRoutes, HttpOptions, Serving};
 use crate::kafka::Kafka;
 pub use crate::kafka_options::KafkaOptions;
 use crate::metrics::Metrics;
-use crate::mqtt::{self, BrokerAddress, FleetBirths};
-use crate::ownership::Ownership;
+use crate::mqtt::BrokerAddress;
 use crate::readiness::Readiness;
 use crate::replication;
 use crate::robots_file;
-use crate::thread::Threads;
+use crate::supervision::{Beside, Supervision, SupervisionOptions};
 use crate::trace::{TraceOptions, Traces};
 use crate::upkeep;
 use crate::webhooks::{WebhookOptions, Webhooks};
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_edge::ids::start_seed;
 use vibrissa_store::retention::Retention;
-use vibrissa_store::{DatabaseAddress, Store, Supervisor};
+use vibrissa_store::{DatabaseAddress, Store};
 
 /// Time limit for an orderly end of everything except the fleets.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
@@ -128,11 +123,9 @@ pub struct Service {
     traces: Option<Traces>,
     embedded: Option<Broker>,
     stop: watch::Sender<bool>,
-    ownership: JoinHandle<()>,
+    supervision: Supervision,
     webhooks: JoinHandle<()>,
     http_task: JoinHandle<()>,
-    /// Tasks that use the database beside the fleets and HTTP.
-    database_tasks: JoinSet<()>,
 }
 
 impl Service {
@@ -183,7 +176,8 @@ impl Service {
                 (Some(embedded), BrokerAddress { credentials, ..address })
             }
         };
-        let prepared = mqtt::prepare(&broker)?;
+        // The embedded broker retains only what this process has said.
+        let is_new_installation = options.is_new_installation || embedded.is_some();
         let archive = options.history.archive.as_ref().map(Archive::open).transpose().context("archive.url")?;
         let archived = if archive.is_some() { options.fleets.clone() } else { Vec::new() };
         let database = if store.is_shared() { "postgresql" } else { "sqlite" };
@@ -193,43 +187,24 @@ impl Service {
         let (stop, stopped) = watch::channel(false);
         let follow = |path| robots_file::follow(path, stopped.clone()).map_err(anyhow::Error::msg);
         let robots_file = options.limits.robots_file.map(follow).transpose().context("limits.robots_file")?;
-        let readiness = Readiness::default();
-        readiness.tells_rows(store.set_aside().clone());
-        let action_notifier = ActionNotifier::default();
         let params = Arc::new(options.params);
-        let hold_back = HoldBack::default();
-        let mut database_tasks = JoinSet::new();
-        let shared = Shared {
-            store: store.clone(),
-            broker: broker.clone(),
-            prepared,
-            // The embedded broker retains only what this process has said.
-            is_new_installation: options.is_new_installation || embedded.is_some(),
-            births: FleetBirths::default(),
-            metrics: metrics.clone(),
-            readiness: readiness.clone(),
-            action_notifier: action_notifier.clone(),
-            traces: traces.clone(),
-            params: params.clone(),
-            keep: options.history.keep,
-            archive,
-            limits: options.limits.limits,
-            kafka: Kafka::new(&options.kafka)?,
-            boxes: BlackBoxes::start(options.black_boxes, store.writer(), &mut database_tasks),
-            robot_clocks: RobotClocks::default(),
-            hold_back: hold_back.clone(),
-            robots_file: robots_file.clone(),
-            threads: Threads::of_all_cores(),
-            supervisor: format!("s{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple()).into(),
-        };
-        let supervisor = Supervisor {
-            id: shared.supervisor.clone(),
+        let supervision = SupervisionOptions {
             name: options.name,
             fleets: options.fleets,
-            time_to_live: options.lease_time_to_live,
+            is_new_installation,
+            lease_time_to_live: options.lease_time_to_live,
+            keep: options.history.keep,
+            black_boxes: options.black_boxes,
+            limits: options.limits.limits,
+            params: params.clone(),
         };
-        let webhooks = Webhooks::new(&options.webhooks, store.clone(), metrics.clone(), shared.supervisor.clone());
-        let ownership = Ownership::new(supervisor, shared, is_prepared);
+        let (traced, kafka) = (traces.clone(), Kafka::new(&options.kafka)?);
+        let beside = Beside { archive, kafka, traces: traced, robots_file: robots_file.clone() };
+        let (database, broker_of) = ((store.clone(), is_prepared), (broker.clone(), metrics.clone()));
+        let mut supervision = Supervision::start_with(supervision, database, broker_of, beside, stopped.clone())?;
+        let (readiness, action_notifier) = (supervision.readiness.clone(), supervision.action_notifier.clone());
+        let supervisor = supervision.supervisor.clone();
+        let webhooks = Webhooks::new(&options.webhooks, store.clone(), metrics.clone(), supervisor);
         let app = App::new(
             store.clone(),
             metrics.clone(),
@@ -245,19 +220,13 @@ impl Service {
         .delivering(webhooks.clone());
         let Serving { address: http, monitoring, task: http_task } =
             crate::http::serve(&options.http, app, stopped.clone()).await?;
-        database_tasks.spawn(action_notifier.clone().watch(store.clone(), stopped.clone()));
-        database_tasks.spawn(forget_events(store.clone(), stopped.clone()));
-        let retention = options.history.retention;
-        database_tasks.spawn(upkeep::run(
-            store.clone(),
-            (retention, hold_back),
-            archived,
-            metrics.clone(),
-            stopped.clone(),
-        ));
-        database_tasks.spawn(replication::watch(store.clone(), metrics.clone(), stopped.clone()));
-        let webhooks = tokio::spawn(webhooks.run(stopped.clone()));
-        let ownership = tokio::spawn(ownership.run(stopped));
+        let (retention, hold_back) = (options.history.retention, supervision.hold_back.clone());
+        let tasks = &mut supervision.database_tasks;
+        task::spawn_in(tasks, forget_events(store.clone(), stopped.clone()));
+        let upkeep = upkeep::run(store.clone(), (retention, hold_back), archived, metrics.clone(), stopped.clone());
+        task::spawn_in(tasks, upkeep);
+        task::spawn_in(tasks, replication::watch(store.clone(), metrics.clone(), stopped.clone()));
+        let webhooks = task::spawn(webhooks.run(stopped));
         Ok(Self {
             broker,
             http,
@@ -269,19 +238,17 @@ impl Service {
             traces,
             embedded,
             stop,
-            ownership,
+            supervision,
             webhooks,
             http_task,
-            database_tasks,
         })
     }
 
     /// Stops in order: the fleets finish and release their leases, then everything else ends.
     pub async fn stop(self) {
         let _ = self.stop.send(true);
-        if let Err(problem) = self.ownership.await {
-            error!(%problem, "ownership task failed, leases were not released");
-        }
+        // Before the database is closed, because closing it lets another supervisor write.
+        self.supervision.ended().await;
         // Open requests may hold it up with their queries.
         let mut http_task = self.http_task;
         if timeout(STOP_PATIENCE, &mut http_task).await.is_err() {
@@ -291,12 +258,6 @@ impl Service {
         let mut webhooks = self.webhooks;
         if timeout(STOP_PATIENCE, &mut webhooks).await.is_err() {
             webhooks.abort();
-        }
-        // They end before the database is closed, because closing it lets another supervisor write.
-        let mut database_tasks = self.database_tasks;
-        let ended = async { while database_tasks.join_next().await.is_some() {} };
-        if timeout(STOP_PATIENCE, ended).await.is_err() {
-            database_tasks.shutdown().await;
         }
         let _ = timeout(STOP_PATIENCE, self.store.close()).await;
         if let Some(traces) = self.traces {

@@ -7,13 +7,13 @@
 
 use std::future::Future;
 use std::io;
-use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use tokio::runtime::{Builder, Handle};
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
+use vibrissa_program::{process, task};
 
 use crate::ending::stopped;
 
@@ -56,7 +56,7 @@ pub(crate) struct ThreadSlot {
 impl Threads {
     /// As many threads as there are cores, each started when it is needed.
     pub(crate) fn of_all_cores() -> Self {
-        Self::new(std::thread::available_parallelism().map_or(1, NonZero::get))
+        Self::new(task::cores())
     }
 
     fn new(most: usize) -> Self {
@@ -68,6 +68,11 @@ impl Threads {
     /// # Errors
     /// The thread cannot be started.
     pub(crate) fn place(&self) -> io::Result<ThreadSlot> {
+        if process::simulated().is_some() {
+            // One thread has the whole simulation.
+            let occupancy = Occupancy(Arc::new(AtomicUsize::new(2)));
+            return Ok(ThreadSlot { runtime: Handle::current(), occupancy });
+        }
         let mut threads = self.0.threads.lock().unwrap_or_else(PoisonError::into_inner);
         let taken = |thread: &Thread| thread.occupancy.0.load(Ordering::Relaxed);
         let has_free = threads.iter().any(|thread| taken(thread) == 0);
@@ -107,7 +112,8 @@ impl ThreadSlot {
         work: impl Future<Output = T> + Send + 'static,
         mut stop: watch::Receiver<bool>,
     ) -> JoinHandle<Option<T>> {
-        self.runtime.clone().spawn(async move {
+        let runtime = self.runtime.clone();
+        task::spawn_on(&runtime, async move {
             let _place = self;
             tokio::select! {
                 ended = work => Some(ended),

@@ -1,6 +1,6 @@
 //! The robots' own record of a run, and its comparison with the database: nothing lost, nothing twice, nothing stale.
 
-pub mod ledger;
-pub mod obedience;
+pub use vibrissa_simulation::oracle::{ledger, obedience};
+
 pub mod recorded;
 pub mod robots;

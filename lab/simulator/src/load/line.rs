@@ -9,6 +9,7 @@ use std::time::Duration;
 use tokio::net::TcpStream;
 use tokio::time::{Instant, sleep_until};
 use vibrissa_core::mechanics::ModelError;
+use vibrissa_program::task;
 use vibrissa_protocol::{BootId, ConnectionState, QualityOfService, RobotTopic, Topic, decode_contacts, encode_cbor};
 
 use super::packet::{self, Inbound, Manner};
@@ -187,7 +188,7 @@ impl Line {
             if task.schedule.is_none() {
                 // A blocking sleep: an await would wake up for each acknowledgement and interrupt a broker on the
                 // same core.
-                std::thread::sleep(PAUSE);
+                task::block_for(PAUSE);
             }
             let next_us = task.due_at_us().map_or(self.round_at_us, |at_us| at_us.min(self.round_at_us));
             self.wait(Duration::from_micros(next_us.saturating_sub(now_us)), is_unwritten).await?;

@@ -1,9 +1,10 @@
 //! Test bench of a robot: receives its messages, plays its supervisor, and waits for its reactions.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::bail;
 use serde::Serialize;
+use tokio::time::Instant;
 use vibrissa_protocol::{
     BootId, Message, Name, QualityOfService, Receipt, Request, RequestKind, RobotTopic, Rule, Setpoint,
     SetpointOutcome, SetpointReason, SetpointState, SupervisorRequest, SupervisorRequestKind, Timestamp, Topic,

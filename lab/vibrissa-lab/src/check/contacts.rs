@@ -1,7 +1,8 @@
 //! Tests of contacts and receipts: which messages are sent again, when, and in which order.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use vibrissa_protocol::{BootId, Factsheet, Rule};
 
 use super::bench::Bench;

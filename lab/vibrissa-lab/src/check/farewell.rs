@@ -1,8 +1,9 @@
 //! The end of the robot's program in good order, and its next start.
 
 use std::collections::BTreeSet;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use vibrissa_protocol::{BootId, Connection, ConnectionState, Rule};
 
 use super::action::Action;

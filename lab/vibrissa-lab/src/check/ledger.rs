@@ -1,9 +1,10 @@
 //! Record of the contacts messages: which arrived, how often, in which order, and which are receipted.
 
 use std::collections::BTreeMap;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bytes::Bytes;
+use tokio::time::Instant;
 use vibrissa_protocol::{BootId, Rule};
 
 use super::report::Findings;

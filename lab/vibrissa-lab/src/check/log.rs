@@ -1,7 +1,6 @@
 //! Messages received from a robot, and their parts.
 
-use std::time::Instant;
-
+use tokio::time::Instant;
 use vibrissa_protocol::{Factsheet, Gauge, Message, Name, Regulator, Status, WhiskerFacts};
 
 /// A valid message.

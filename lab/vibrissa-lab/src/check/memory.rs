@@ -1,7 +1,6 @@
 //! Tests of a full memory: contacts are not receipted until the robot drops the oldest.
 
-use std::time::Instant;
-
+use tokio::time::Instant;
 use vibrissa_protocol::{BootId, Rule};
 
 use super::action::Action;

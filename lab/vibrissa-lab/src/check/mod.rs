@@ -40,9 +40,8 @@ mod timings;
 mod touch_tests;
 mod touched;
 
-use std::time::Instant;
-
 use anyhow::Context;
+use tokio::time::Instant;
 use vibrissa_protocol::{Message, Name, RobotTopic, Topic};
 
 pub use action::{Action, Progress, Spot};

@@ -1,8 +1,9 @@
 //! The beginning of a check: retained messages, the period of statuses, requests, and the choice of the whisker.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{Context, bail};
+use tokio::time::Instant;
 use vibrissa_protocol::{BootId, ConnectionState, Message, RequestKind, Rule};
 
 use super::bench::{Bench, Trial};

@@ -1,7 +1,6 @@
 //! Queries on the messages received from a robot.
 
-use std::time::Instant;
-
+use tokio::time::Instant;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_protocol::{Connection, Message, Name, Status, SupervisorPresence, WhiskerStatus};
 

@@ -1,9 +1,10 @@
 //! Valid setpoints: accepted, applied, superseded, repeated.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::bail;
 use serde_json::Value;
+use tokio::time::Instant;
 use vibrissa_protocol::{RequestKind, RobotTopic, Rule, Setpoint, SetpointError, SetpointOutcome, SetpointState};
 
 use super::bench::{Bench, Trial, answers, state_text};

@@ -1,7 +1,8 @@
 //! The loss of the supervisor: the check says nothing on the robot's own topics, only to the whole fleet.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use vibrissa_protocol::{OnSupervisorLoss, Rule, WhiskerStatus};
 
 use super::assisted::{Ended, Told};

@@ -4,8 +4,9 @@
 //! from the supply reaches it. Each setpoint is sent right after a status: a robot that reports changes does so before its
 //! next regular one. No status is requested meanwhile, because the answer could be taken for such a report.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use vibrissa_protocol::{Rule, Setpoint, Status};
 
 use super::action::Action;

@@ -10,7 +10,6 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use clap::Args;
 use tokio::signal::unix::{SignalKind, signal};
-use uuid::Uuid;
 use vibrissa_protocol::{BootId, Name};
 
 use super::assistant::Helper;
@@ -19,7 +18,7 @@ use vibrissa::cli::config::BrokerOrPortArgs;
 use vibrissa::cli::record::duration;
 use vibrissa::cli::serve::{log, runtime};
 use vibrissa::cli::stop::Stopped;
-use vibrissa_edge::ids::start_seed;
+use vibrissa_program::random;
 use vibrissa_supervisor::broker::{Broker, BrokerError};
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, Relay};
 
@@ -221,7 +220,7 @@ async fn checked(
     wait: Option<Duration>,
     helper: &Helper,
 ) -> anyhow::Result<Report> {
-    let mark = format!("c{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple());
+    let mark = format!("c{}", random::hex());
     let boot_id = BootId::new(&mark).context("creating the boot ID of the connection")?;
     let connection = Connection::new(broker.clone(), mqtt::prepare(broker)?, options.fleet.clone(), boot_id);
     let mut terminate = signal(SignalKind::terminate()).context("waiting for SIGTERM")?;

@@ -7,7 +7,7 @@ use std::os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 use tokio::io::{AsyncRead, AsyncWrite};
@@ -15,7 +15,8 @@ use tokio::net::unix::pipe;
 use tokio::net::{TcpListener, TcpStream, UnixListener};
 use tokio::process::{Child, Command};
 use tokio::task::JoinSet;
-use tokio::time::timeout;
+use tokio::time::{Instant, timeout};
+use vibrissa_program::task;
 
 use super::admission::{expect_own_peer, expect_own_server, expect_token, is_trusted};
 use crate::config::{DriverConfig, Way};
@@ -126,7 +127,7 @@ impl Door {
             tokio::select! {
                 accepted = listener.accept(), if waiting.len() < WAITING_MAX => {
                     let (stream, peer) = accepted?;
-                    waiting.spawn(admitted(stream, peer, self.token.clone()));
+                    task::spawn_in(&mut waiting, admitted(stream, peer, self.token.clone()));
                 }
                 Some(ended) = waiting.join_next() => match ended {
                     Ok(Ok(stream)) => return of_stream(stream),

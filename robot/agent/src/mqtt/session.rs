@@ -10,6 +10,7 @@ use rumqttc::{
 };
 use tokio::sync::{Notify, mpsc, watch};
 use tokio::time::{Instant, sleep_until, timeout};
+use vibrissa_program::task;
 use vibrissa_protocol::{Name, PAYLOAD_MAX_BYTES, QualityOfService, RobotTopic, Topic};
 
 use super::broker::{Broker, address};
@@ -242,7 +243,7 @@ impl<E: Endpoint> Session<E> {
         let (client, event_loop) = AsyncClient::builder(options).capacity(REQUESTS).build();
         let (sender, reports) = mpsc::channel(REPORTS);
         let question = (client.clone(), self.topic(RobotTopic::Receipt));
-        let poller = tokio::spawn(poll(event_loop, question, attempt, sender));
+        let poller = task::spawn(poll(event_loop, question, attempt, sender));
         self.connection = Some(Connection { client, reports, poller });
     }
 

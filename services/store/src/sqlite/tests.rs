@@ -10,7 +10,7 @@ struct Folder(PathBuf);
 
 impl Folder {
     fn new() -> Self {
-        let name = uuid::Uuid::new_v5(&uuid::Uuid::NAMESPACE_OID, &vibrissa_edge::ids::start_seed());
+        let name = vibrissa_program::random::hex();
         let folder = std::env::temp_dir().join(format!("vibrissa-sqlite-{name}"));
         std::fs::create_dir_all(&folder).unwrap();
         Self(folder)

@@ -10,8 +10,8 @@ use object_store::buffered::BufWriter;
 use object_store::local::LocalFileSystem;
 use object_store::path::Path;
 use object_store::{BackoffConfig, ObjectStore, RetryConfig};
-use tokio::task::spawn_blocking;
 use url::Url;
+use vibrissa_program::task;
 use vibrissa_store::secret::Secret;
 
 use crate::archive_options::{ArchiveOptions, S3Options};
@@ -64,7 +64,7 @@ impl Objects {
             std::fs::File::open(&file)?.sync_all()?;
             file.ancestors().skip(1).take(3).try_for_each(|folder| std::fs::File::open(folder)?.sync_all())
         };
-        spawn_blocking(sync).await?.with_context(|| format!("cannot sync {path}"))
+        task::blocking(sync).await?.with_context(|| format!("cannot sync {path}"))
     }
 }
 

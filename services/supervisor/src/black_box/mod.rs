@@ -19,6 +19,7 @@ use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinSet;
 use tokio::time::{Duration, timeout};
 use vibrissa_core::units::Micros;
+use vibrissa_program::task;
 use vibrissa_store::Lease;
 
 use job::Job;
@@ -66,7 +67,7 @@ impl BlackBoxes {
             return Self::default();
         }
         let (jobs, waiting) = mpsc::channel(WAITING_MAX);
-        tasks.spawn(writer::run(waiting, writer));
+        task::spawn_in(tasks, writer::run(waiting, writer));
         Self(Some(Arc::new(Inner {
             span: Micros(u64::from(options.seconds) * 1_000_000),
             memory_bytes: options.memory_mib as usize * 1024 * 1024,

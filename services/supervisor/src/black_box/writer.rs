@@ -1,10 +1,10 @@
 //! Writes boxes to the database, one after the other.
 
 use tokio::sync::mpsc;
-use tokio::task::spawn_blocking;
 use tokio::time::{Duration, Instant, sleep};
 use tracing::warn;
 use vibrissa_edge::full_name::FullName;
+use vibrissa_program::task;
 use vibrissa_store::black_boxes::NewBlackBox;
 use vibrissa_store::{StoreError, Writer};
 
@@ -30,7 +30,7 @@ pub(super) async fn run(mut jobs: mpsc::Receiver<Job>, mut writer: Writer) {
 async fn write(one: BoxToWrite, writer: &mut Writer) {
     let (lease, lost, name) = (one.lease.clone(), one.lost.clone(), one.robot.clone());
     let robot = FullName::robot(lease.fleet().as_str(), name.as_str());
-    let row = match spawn_blocking(move || row(&one)).await {
+    let row = match task::blocking(move || row(&one)).await {
         Ok(Ok(row)) => row,
         Ok(Err(problem)) => {
             lost.inc();

@@ -19,6 +19,7 @@ use tokio::sync::{broadcast, mpsc, watch};
 use tokio::task::JoinSet;
 use tokio::time::{interval, sleep};
 use tracing::{debug, warn};
+use vibrissa_program::task;
 
 use super::framing::Framing;
 use super::gate::Gate;
@@ -58,7 +59,7 @@ impl Front {
         let front = Arc::new(self);
         let connections_max = connections_max(descriptors::raise_limit());
         let mut connections = JoinSet::new();
-        connections.spawn(front.clone().sweep());
+        task::spawn_in(&mut connections, front.clone().sweep());
         loop {
             let accepted = tokio::select! {
                 accepted = listener.accept() => accepted,
@@ -70,7 +71,7 @@ impl Front {
                     warn!(%peer, connections_max, "embedded MQTT broker: too many connections, one was refused");
                 }
                 Ok((client, peer)) => {
-                    connections.spawn(front.clone().serve(client, peer));
+                    task::spawn_in(&mut connections, front.clone().serve(client, peer));
                 }
                 Err(problem) => {
                     warn!(%problem, "embedded MQTT broker: cannot accept a connection, trying again in 0.1 s");
@@ -120,7 +121,7 @@ impl Front {
                 self.shutdown.subscribe(),
             );
             // A task of its own: it ends by itself when its stream does, and must not be dropped before.
-            tokio::spawn(async move {
+            task::spawn(async move {
                 if let Err(problem) = handler.run().await {
                     debug!(%problem, %peer, "embedded MQTT broker: a client has gone");
                 }

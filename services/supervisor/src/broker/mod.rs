@@ -24,6 +24,7 @@ use mqtt5::broker::{ResourceLimits, ResourceMonitor};
 use tokio::net::TcpListener;
 use tokio::sync::{broadcast, watch};
 use tokio::task::JoinHandle;
+use vibrissa_program::task;
 use vibrissa_protocol::plain;
 
 use crate::mqtt::Credentials;
@@ -123,7 +124,7 @@ impl Broker {
         })?;
         let address = listener.local_addr().map_err(|problem| BrokerError::Start(problem.to_string()))?;
         let (stop, stopped) = watch::channel(false);
-        let task = tokio::spawn(front(credentials).run(listener, stopped));
+        let task = task::spawn(front(credentials).run(listener, stopped));
         Ok(Self { address, stop, task })
     }
 

@@ -5,6 +5,7 @@ use std::time::Duration;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
 use tokio::time::timeout;
+use vibrissa_program::task;
 use vibrissa_store::secret::Secret;
 
 use super::*;
@@ -146,7 +147,7 @@ async fn regress_a_subscriber_that_reads_and_never_acknowledges_is_disconnected(
     let broker = Broker::start(0).await.unwrap();
     let (mut silent, _) = connected(&broker, "silent", None).await;
     silent.write_all(&packet(0x82, &[&[0, 1, 0][..], &text(b"t/#"), &[1]].concat())).await.unwrap();
-    let reading = tokio::spawn(async move { read_to_end(&mut silent).await });
+    let reading = task::spawn(async move { read_to_end(&mut silent).await });
     let (mut sender, _) = connected(&broker, "sender", None).await;
     for id in 1..=40 {
         sender.write_all(&large(0x32, id)).await.unwrap();

@@ -13,7 +13,8 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 use tracing::{info, warn};
-use vibrissa_edge::clock::{host_ahead_us, step, wall_clock};
+use vibrissa_edge::clock::wall_clock;
+use vibrissa_program::clock::{host_ahead_us, step};
 use vibrissa_store::{ClockReport, Membership};
 
 use crate::metrics::Metrics;

@@ -2,7 +2,9 @@
 //!
 //! The receiving connection asks all robots once it is up. That request, or an answer to it, may be lost.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use tokio::time::Instant;
 
 use crate::births::BirthCause;
 

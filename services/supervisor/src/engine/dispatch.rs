@@ -1,8 +1,7 @@
 //! Distribution of messages to the workers. A message that needs row ids from the database first is handled alone, in
 //! its turn; all others are handled by the workers in parallel.
 
-use std::time::Instant;
-
+use tokio::time::Instant;
 use tracing::error;
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 

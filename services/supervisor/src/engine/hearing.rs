@@ -1,7 +1,8 @@
 //! Receipts that robots do not hear, and factsheets that do not arrive.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use tracing::warn;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::RobotTopic;

@@ -262,7 +262,7 @@ impl Engine {
         }
         let has_unannounced = self.workers.take_unannounced();
         let has_unheard = || self.workers.robots().any(|known| !known.is_heard && !known.is_excluded);
-        if let Some(cause) = self.birth_watch.due(Instant::now().into_std(), has_unannounced, has_unheard) {
+        if let Some(cause) = self.birth_watch.due(Instant::now(), has_unannounced, has_unheard) {
             inbox.want_births(cause);
         }
     }
@@ -350,7 +350,7 @@ impl Engine {
             self.workers.repeat_estimates();
         }
         if self.pipeline.outbox_filling().is_none_or(|(waiting, most)| waiting < most / 2) {
-            self.workers.publish_estimates(Instant::now().into_std());
+            self.workers.publish_estimates(Instant::now());
             self.pipeline.stepped(0, &self.workers);
         }
     }

@@ -8,6 +8,7 @@ use tokio::time::Instant;
 use tracing::{error, info};
 use vibrissa_core::robot::Params;
 use vibrissa_core::robot::effect::AlarmKind;
+use vibrissa_program::task;
 use vibrissa_protocol::{BootId, Name};
 
 use super::actions::ParamsInForce;
@@ -86,7 +87,7 @@ const NEWER: &str = "newer program";
 
 /// One worker per core.
 fn worker_count() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from).min(WORKERS_MAX)
+    task::cores().min(WORKERS_MAX)
 }
 
 impl EngineOptions {

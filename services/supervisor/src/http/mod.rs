@@ -58,6 +58,7 @@ use tokio::task::JoinHandle;
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
 use vibrissa_core::robot::Params;
+use vibrissa_program::task;
 use vibrissa_protocol::plain;
 
 use crate::action_notifier::ActionNotifier;
@@ -294,7 +295,7 @@ pub async fn serve(options: &HttpOptions, app: App, stop: watch::Receiver<bool>)
     let (router, _) = router(app);
     let server = Server { name: "main", listener, router, limits, metrics, stop };
     let (monitoring, monitored) = monitored.unzip();
-    let task = tokio::spawn(async move {
+    let task = task::spawn(async move {
         // Both must be awaited: a dropped server closes its connections.
         tokio::join!(server.run(), async {
             if let Some(server) = monitored {

@@ -1,14 +1,15 @@
 //! Middleware for every request: request ID, log span and time limit. It also writes the body of every problem.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderName, HeaderValue, StatusCode, Uri, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use tokio::time::Instant;
 use tracing::Instrument;
-use uuid::Uuid;
+use vibrissa_program::random;
 
 use super::problem::{Kind, Problem};
 use crate::metrics::HttpMetrics;
@@ -39,7 +40,7 @@ pub async fn passage(
         .get(&REQUEST_ID)
         .and_then(|id| id.to_str().ok())
         .filter(|id| !id.is_empty() && id.len() <= ID_LENGTH_MAX && id.bytes().all(|byte| byte.is_ascii_graphic()))
-        .map_or_else(|| Uuid::new_v4().to_string(), ToOwned::to_owned);
+        .map_or_else(random::hex, ToOwned::to_owned);
     request.extensions_mut().insert(RequestId(id.clone()));
     let traced = traces.and_then(|traces| traces.request(&request, &id));
     let path = request.uri().path().to_owned();

@@ -1,9 +1,10 @@
 //! The receiving end of the inbox, and shedding of messages.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bytes::Bytes;
+use tokio::time::Instant;
 use tracing::warn;
 use vibrissa_core::units::Micros;
 use vibrissa_edge::full_name::FullName;

@@ -17,6 +17,7 @@ use std::sync::atomic::{AtomicBool, AtomicI64};
 
 use tokio::sync::Notify;
 use tokio::task::JoinHandle;
+use vibrissa_program::task;
 use vibrissa_protocol::Name;
 use vibrissa_store::Store;
 
@@ -83,7 +84,7 @@ impl Kafka {
             metrics: metrics.clone(),
             room: sink.room,
         };
-        Some(Task(tokio::spawn(publisher.run(sink.committed))))
+        Some(Task(task::spawn(publisher.run(sink.committed))))
     }
 }
 

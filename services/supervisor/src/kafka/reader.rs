@@ -9,6 +9,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinSet;
 use tokio::time::sleep;
 use tracing::{error, warn};
+use vibrissa_program::task;
 
 use super::again::Again;
 use super::client::{KafkaError, SharedLog};
@@ -36,7 +37,7 @@ impl LogReader {
         let topic = self.topic.counting_anew();
         let (recalls, wanted) = mpsc::channel(1);
         let source = LogSource::new(topic.name.clone(), topic.link.clone(), recalls, topic.set_aside.clone());
-        tokio::spawn(Self { topic }.answer(wanted));
+        task::spawn(Self { topic }.answer(wanted));
         source
     }
 
@@ -107,7 +108,7 @@ impl LogReader {
                     for partition in known..count {
                         let next = from.remove(&partition);
                         let reader = PartitionReader { of: self.topic.clone(), log: log.clone(), partition, next };
-                        tasks.spawn(reader.run(batches.clone()));
+                        task::spawn_in(&mut tasks, reader.run(batches.clone()));
                     }
                     known = known.max(count);
                     tokio::select! {

@@ -2,8 +2,9 @@
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_protocol::{Name, SupervisorRequest, SupervisorRequestKind, Timestamp, Topic, encode};
 

@@ -6,7 +6,9 @@
 //! broker that allows few unacknowledged messages and therefore waits for each read. So a trial decides: turns with and
 //! without pauses alternate, because robots that wait for receipts send in waves, and a single turn says little.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use tokio::time::Instant;
 
 /// Pause between two reads.
 pub(super) const PAUSE: Duration = Duration::from_micros(500);

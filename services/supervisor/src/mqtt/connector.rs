@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use tokio::net::{TcpStream, lookup_host};
+use vibrissa_program::process::{self, Stream};
 use vibrissa_protocol::plain;
 
 use super::address::BrokerAddress;
@@ -44,8 +45,14 @@ pub(super) async fn connect(
     port: u16,
     limits: Limits,
     reached: Arc<AtomicBool>,
-) -> io::Result<TcpStream> {
+) -> io::Result<Box<dyn Stream>> {
     reached.store(false, Ordering::Relaxed);
+    if let Some(process) = process::simulated() {
+        let connected = tokio::time::timeout(limits.address, process.connect(&host, port)).await;
+        let stream = connected.unwrap_or_else(|_| Err(io::ErrorKind::TimedOut.into()))?;
+        reached.store(true, Ordering::Relaxed);
+        return Ok(stream);
+    }
     let unknown = |why: String| io::Error::other(LookupError(why));
     let addresses = lookup_host((host.as_str(), port)).await.map_err(|problem| unknown(plain::io(&problem)))?;
     let mut last = unknown("it has no address".to_owned());
@@ -55,7 +62,7 @@ pub(super) async fn connect(
                 // Setpoints and acknowledgements are small and urgent.
                 stream.set_nodelay(true)?;
                 reached.store(true, Ordering::Relaxed);
-                return Ok(stream);
+                return Ok(Box::new(stream));
             }
             Ok(Err(problem)) => last = problem,
             Err(_) => last = io::ErrorKind::TimedOut.into(),

@@ -1,8 +1,7 @@
 //! A publication of the engine as MQTT sends it.
 
-use std::time::Instant;
-
 use rumqttc::{PublishOptions, PublishProperties, QoS};
+use tokio::time::Instant;
 use vibrissa_protocol::{Name, QualityOfService};
 
 use crate::outbox::{Publication, Stopwatch};

@@ -8,8 +8,9 @@
 //! missing probe therefore means deafness at once only at low traffic. At high traffic it is sent again, and a filter
 //! counts as lost if nothing arrives through it for longer than a queue can explain.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use vibrissa_protocol::{Name, RobotTopic};
 
 use super::identity::random_hex;

@@ -3,6 +3,7 @@
 //! A broker ends a connection when another client connects with its client id. So nobody else may know an id: it has
 //! 128 random bits, and only its prefix is ever published or logged.
 
+use vibrissa_program::random;
 use vibrissa_protocol::Name;
 
 /// 128 random bits in hexadecimal.
@@ -10,11 +11,7 @@ use vibrissa_protocol::Name;
 /// # Panics
 /// The system has no random numbers; hash tables could not be created either.
 pub(super) fn random_hex() -> String {
-    let mut bits = [0; 16];
-    if let Err(problem) = getrandom::fill(&mut bits) {
-        panic!("no randomness from the system: {problem}");
-    }
-    format!("{:032x}", u128::from_ne_bytes(bits))
+    random::hex()
 }
 
 /// Prefix of all client ids of a fleet's connections with this role. It is not secret.

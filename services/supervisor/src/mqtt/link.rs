@@ -1,12 +1,13 @@
 //! State of the two connections to the broker, the reason of an outage, and the pauses between attempts.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::Serialize;
+use tokio::time::Instant;
 use tracing::{info, warn};
+use vibrissa_program::random;
 
 use super::address::Node;
 use super::problem::Problem;
@@ -333,9 +334,7 @@ impl Backoff {
     pub(super) fn pause(&mut self) -> Duration {
         let due = self.next;
         self.next = (due * 2).min(Self::MAX);
-        // The standard library seeds its hasher at random.
-        let random = RandomState::new().build_hasher().finish() % 1024;
-        due / 2 + due / 2 * u32::try_from(random).unwrap_or(0) / 1024
+        due.mul_f64(0.5 + random::fraction() / 2.0)
     }
 }
 

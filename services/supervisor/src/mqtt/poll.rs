@@ -86,7 +86,7 @@ impl Poller {
             tokio::select! {
                 biased;
                 event = &mut next => return Ok(event),
-                () = sleep_until(hearing.due().into()) => judge(hearing)?,
+                () = sleep_until(hearing.due()) => judge(hearing)?,
             }
         }
     }

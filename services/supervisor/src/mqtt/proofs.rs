@@ -3,9 +3,11 @@
 //!
 //! The broker answers publications of QoS 1 only. Receipts have QoS 0, so one of them now and then gets QoS 1.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rumqttc::{PubAck, PubAckReason, PublishNotice, PublishResult};
+use tokio::time::Instant;
+use vibrissa_program::task;
 use vibrissa_protocol::{QualityOfService, plain};
 
 use super::Connection;
@@ -61,7 +63,7 @@ impl Proofs {
     /// Follows a publication until the broker has answered it.
     pub(super) fn judge(&self, topic: String, notice: PublishNotice) {
         let proofs = Self { link: self.link.clone(), broker: self.broker.clone(), receipt_due: self.receipt_due };
-        tokio::spawn(async move {
+        task::spawn(async move {
             // Without an answer the connection has broken.
             let Ok(PublishResult::Qos1(ack)) = notice.wait_async().await else { return };
             if is_failure(&ack) {

@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rumqttc::{AsyncClient, Event, LastWill, Outgoing, Packet, PublishOptions, QoS};
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
+use tokio::time::Instant;
 use tokio::time::{MissedTickBehavior, interval_at, timeout};
 use tracing::warn;
+use vibrissa_program::task;
 use vibrissa_protocol::{Message, QualityOfService, SupervisorPresence, SupervisorState, Topic, decode, encode};
 
 use super::Connection;
@@ -55,8 +57,8 @@ pub fn publish(
     let signals = Signals { connected, losses: losses.clone(), flags: Arc::default() };
     let flags = signals.flags.clone();
     let keeping_up = keep_up(connection.clone(), metrics.clone(), client.clone(), poller, signals);
-    let mut polling = tokio::spawn(keeping_up);
-    tokio::spawn(async move {
+    let mut polling = task::spawn(keeping_up);
+    task::spawn(async move {
         let mut repeats = interval_at(tokio::time::Instant::now() + PRESENCE_INTERVAL, PRESENCE_INTERVAL);
         repeats.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {

@@ -2,11 +2,12 @@
 
 use std::convert::Infallible;
 use std::sync::{MutexGuard, PoisonError};
-use std::time::Instant;
 
 use rumqttc::{AsyncClient, ClientError, Event, Packet, PublishOptions, PublishProperties};
 use tokio::sync::watch;
 use tokio::task::yield_now;
+use tokio::time::Instant;
+use vibrissa_program::task;
 use vibrissa_protocol::{RobotTopic, plain};
 
 use super::births::{BirthRequests, Pace};
@@ -121,7 +122,7 @@ impl Receiver {
                     if !self.connection.occupancy.is_shared() && coalescing.pauses(now, messages) {
                         // Blocks the thread, because in an asynchronous sleep each arriving message would wake the
                         // runtime.
-                        std::thread::sleep(PAUSE);
+                        task::block_for(PAUSE);
                     }
                     let judge = |hearing: &mut Hearing| {
                         judge(&client, hearing, &self.connection, |topics| {

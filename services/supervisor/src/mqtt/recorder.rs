@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rumqttc::{AsyncClient, Event, Packet, QoS, SubscribeFilterInput, SubscribeReasonCode};
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
+use vibrissa_program::task;
 
 use super::Connection;
 use super::hearing::is_probe_on;
@@ -48,7 +49,7 @@ impl RecorderState {
 /// Receives all messages of the connection's fleet until the task is aborted, and reconnects after failures. `state`
 /// follows the connection. A slow receiver makes the broker wait.
 pub fn record(connection: Connection, sender: mpsc::Sender<Incoming>, state: Arc<RecorderState>) -> JoinHandle<()> {
-    tokio::spawn(async move {
+    task::spawn(async move {
         let (mut connection, mut attempts) = (Attempts::first(&connection), Attempts::new());
         loop {
             state.attempts.fetch_add(1, Ordering::Relaxed);

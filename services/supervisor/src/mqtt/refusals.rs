@@ -1,7 +1,9 @@
 //! Topics on which the broker has refused the last publication.
 
 use std::collections::BTreeMap;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use tokio::time::Instant;
 
 /// Limit of the topics that are remembered: they contain names of robots.
 const TOPICS_MAX: usize = 64;

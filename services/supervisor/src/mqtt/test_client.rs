@@ -2,7 +2,7 @@
 //!
 //! It is not reconnected after a failure, because the test must know that messages were missed.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bytes::Bytes;
 use rumqttc::{
@@ -10,6 +10,8 @@ use rumqttc::{
 };
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
+use tokio::time::Instant;
+use vibrissa_program::task;
 use vibrissa_protocol::{QualityOfService, plain};
 
 use super::address::BrokerAddress;
@@ -100,7 +102,7 @@ impl TestClient {
         }
         // Unbounded: a robot sends little, and the test keeps all of it anyway.
         let (sender, received) = mpsc::unbounded_channel();
-        Ok(Self { client, received, polling: tokio::spawn(poll(connection.broker.clone(), poller, sender)), retains })
+        Ok(Self { client, received, polling: task::spawn(poll(connection.broker.clone(), poller, sender)), retains })
     }
 
     /// Whether the broker retains messages.

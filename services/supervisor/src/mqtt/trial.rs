@@ -1,9 +1,9 @@
 //! A connection that proves that this supervisor can hear a fleet, and then ends.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rumqttc::{AsyncClient, Event, Packet, RetainForwardRule};
-use tokio::time::timeout;
+use tokio::time::{Instant, timeout};
 use vibrissa_protocol::plain;
 
 use super::Connection;

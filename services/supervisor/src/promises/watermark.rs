@@ -1,6 +1,6 @@
 //! The age of the oldest of many items that enter and leave in about the same order, without a list of them.
 
-use std::time::Instant;
+use tokio::time::Instant;
 
 /// Counts the items that have entered and left. A mark is the number of items at a moment: once as many have left, a new
 /// mark is made. So the age is never greater than that of the oldest item, and at most one turn of the items behind it.

@@ -24,6 +24,7 @@ use opentelemetry_sdk::Resource;
 use opentelemetry_sdk::trace::{BatchConfigBuilder, BatchSpanProcessor, SpanData, SpanExporter, SpanProcessor};
 use prometheus::IntCounter;
 use tracing::warn;
+use vibrissa_program::task;
 
 pub(crate) use content::{Step, TracedAction, is_traced};
 pub(crate) use lifecycle::{OpenTraces, PendingSpans};
@@ -120,8 +121,7 @@ impl Traces {
     /// Exports the queue within two seconds; later spans are not sent.
     pub async fn stop(&self) {
         let traces = self.clone();
-        let stopped =
-            tokio::task::spawn_blocking(move || traces.0.processor.shutdown_with_timeout(STOP_PATIENCE)).await;
+        let stopped = task::blocking(move || traces.0.processor.shutdown_with_timeout(STOP_PATIENCE)).await;
         if !matches!(stopped, Ok(Ok(()))) {
             warn!(spans = self.0.queued.load(Ordering::Acquire), "stopped, last traces not exported");
         }

@@ -5,6 +5,7 @@ use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::Instant;
 use tracing::{info, warn};
+use vibrissa_program::random;
 
 use super::sending::{AttemptResult, Message, PATIENCE};
 use super::{Pace, Webhooks};
@@ -102,10 +103,7 @@ fn outcome(job: &Job, answer: &AttemptResult, pace: &Pace) -> Outcome {
 
 /// Between half the pause and the pause, so that targets behind one broken server are not all tried at once.
 fn jittered(pause: Duration) -> Duration {
-    let mut byte = [0];
-    // Without randomness the pause stays whole.
-    let share = getrandom::fill(&mut byte).map_or(1.0, |()| 0.5 + f64::from(byte[0]) / 510.0);
-    pause.mul_f64(share)
+    pause.mul_f64(0.5 + random::fraction() / 2.0)
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use tokio::time::{Instant, timeout};
 use tracing::warn;
+use vibrissa_program::task;
 
 use crate::metrics::Metrics;
 use delivery::{Delivery, HOLD};
@@ -114,7 +115,7 @@ impl Webhooks {
                 for webhook_id in self.store.due_webhooks(&self.holder, HOLD).await? {
                     tasks.entry(webhook_id).or_insert_with(|| {
                         let delivery = Delivery::new(&self, webhook_id);
-                        tokio::spawn(delivery.run(stop.clone()))
+                        task::spawn(delivery.run(stop.clone()))
                     });
                 }
                 if is_due(&mut measured, MEASURE_EVERY) {

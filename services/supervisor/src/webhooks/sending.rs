@@ -10,6 +10,7 @@ use ureq::http::Uri;
 use ureq::tls::{Certificate, RootCerts, TlsConfig};
 use ureq::unversioned::resolver::{DefaultResolver, ResolvedSocketAddrs, Resolver};
 use ureq::unversioned::transport::{DefaultConnector, NextTimeout};
+use vibrissa_program::task;
 
 use super::signature::header;
 use super::target::{Hosts, is_public, refusal};
@@ -97,7 +98,7 @@ impl Sender {
     /// Sends a request and waits for its answer.
     pub async fn send(&self, message: Message) -> AttemptResult {
         let agent = self.agent.clone();
-        let sent = tokio::task::spawn_blocking(move || send(&agent, &message)).await;
+        let sent = task::blocking(move || send(&agent, &message)).await;
         sent.unwrap_or_else(|problem| AttemptResult { status: None, failure: Some(problem.to_string()) })
     }
 }

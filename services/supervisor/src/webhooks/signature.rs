@@ -4,6 +4,7 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use ring::hmac;
+use vibrissa_program::random;
 
 /// Length of a secret, in bytes.
 const SECRET_BYTES: usize = 32;
@@ -11,13 +12,9 @@ const SECRET_BYTES: usize = 32;
 const PREFIX: &str = "whsec_";
 
 /// A new secret.
-///
-/// # Errors
-/// The system provides no randomness.
-pub fn new_secret() -> Result<Vec<u8>, String> {
-    let mut secret = vec![0; SECRET_BYTES];
-    getrandom::fill(&mut secret).map_err(|problem| format!("the system provides no randomness: {problem}"))?;
-    Ok(secret)
+#[must_use]
+pub fn new_secret() -> Vec<u8> {
+    random::bytes::<SECRET_BYTES>().into()
 }
 
 /// A secret as it is shown once.
@@ -51,7 +48,7 @@ mod tests {
 
     #[test]
     fn secrets_differ_and_both_of_a_rotation_sign() {
-        let secrets = [new_secret().unwrap(), new_secret().unwrap()];
+        let secrets = [new_secret(), new_secret()];
         assert_ne!(secrets[0], secrets[1]);
         assert!(shown(&secrets[0]).starts_with("whsec_"));
         let both = header(&secrets, "a", 1, b"b");

@@ -7,6 +7,7 @@ use anyhow::{Context as _, anyhow, bail};
 use clap::Args;
 use serde_json::Value;
 use url::Url;
+use vibrissa_program::random;
 use vibrissa_store::secret::Secret;
 
 use crate::config::address::web_url;
@@ -127,7 +128,7 @@ impl Api {
             .agent
             .post(url.as_str())
             .header("Content-Type", "application/json")
-            .header("Idempotency-Key", uuid::Uuid::new_v4().to_string());
+            .header("Idempotency-Key", random::hex());
         if let Some(authorization) = &self.authorization {
             request = request.header("Authorization", authorization);
         }
@@ -146,7 +147,7 @@ impl Api {
             .agent
             .delete(url.as_str())
             .header("Content-Type", "application/json")
-            .header("Idempotency-Key", uuid::Uuid::new_v4().to_string());
+            .header("Idempotency-Key", random::hex());
         if let Some(authorization) = &self.authorization {
             request = request.header("Authorization", authorization);
         }

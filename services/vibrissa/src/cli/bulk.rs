@@ -2,14 +2,16 @@
 
 use std::io::Write;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
+use tokio::time::Instant;
 use vibrissa_core::robot::effect::Condition;
 use vibrissa_edge::fleets::FleetSelection;
 use vibrissa_edge::labels::LabelConditions;
 use vibrissa_edge::words::Word;
+use vibrissa_program::task;
 use vibrissa_protocol::Name;
 
 use super::ANSWER_IS_NO;
@@ -192,6 +194,6 @@ fn follow(args: &BulkArgs, api: &Api, action_id: i64, out: &mut impl Write) -> a
             let is_done = done == subjects || (args.wait == 0 && refused + expired == 0);
             return Ok(if is_done { ExitCode::SUCCESS } else { ExitCode::from(ANSWER_IS_NO) });
         }
-        std::thread::sleep(POLLED_EVERY);
+        task::block_for(POLLED_EVERY);
     }
 }

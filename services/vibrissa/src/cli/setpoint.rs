@@ -2,12 +2,14 @@
 
 use std::io::Write;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::bail;
 use clap::Args;
 use serde_json::{Value, json};
+use tokio::time::Instant;
 use vibrissa_core::units::Megapascal;
+use vibrissa_program::task;
 use vibrissa_protocol::Name;
 
 use super::ANSWER_IS_NO;
@@ -167,7 +169,7 @@ impl Waiting<'_> {
     /// The action when it is no longer pending, or at the end of the time.
     fn answered(&self, mut action: Value) -> anyhow::Result<Value> {
         while action["state"] == "PENDING" && !self.is_over() {
-            std::thread::sleep(POLLED_EVERY);
+            task::block_for(POLLED_EVERY);
             action = self.api.one(&format!("/v1/actions/{}", text(&action, "action_id")))?;
         }
         Ok(action)
@@ -236,7 +238,7 @@ impl Waiting<'_> {
                 eprintln!("vibrissa: whisker {place} has not applied {asked_mpa} MPa: {why}");
                 return Ok(ExitCode::from(ANSWER_IS_NO));
             }
-            std::thread::sleep(POLLED_EVERY);
+            task::block_for(POLLED_EVERY);
         }
     }
 }

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use anyhow::Context;
 use tokio::signal::unix::{Signal, SignalKind, signal};
+use vibrissa_program::task;
 
 /// Exit code of a stopped command: that of shells for Ctrl-C.
 pub const EXIT_CODE: u8 = 130;
@@ -36,7 +37,7 @@ pub fn watch(left: &'static str) -> anyhow::Result<()> {
     std::thread::spawn(move || {
         runtime.block_on(either(interrupt, terminate));
         ASKED.store(true, Ordering::Relaxed);
-        std::thread::sleep(GRACE);
+        task::block_for(GRACE);
         let _written = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
         // A progress bar does not end its line.
         let line = if stderr().is_terminal() { "\n" } else { "" };

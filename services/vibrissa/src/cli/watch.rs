@@ -4,6 +4,7 @@ use std::io::{IsTerminal, Write, stdout};
 use std::time::Duration;
 
 use clap::Args;
+use vibrissa_program::task;
 
 /// Clears a terminal and goes to its first line.
 const CLEAR: &str = "\x1b[2J\x1b[H";
@@ -34,7 +35,7 @@ impl WatchArgs {
         let Some(seconds) = self.watch else { return Ok(()) };
         loop {
             out.flush()?;
-            std::thread::sleep(Duration::from_secs(seconds.into()));
+            task::block_for(Duration::from_secs(seconds.into()));
             text.clear();
             let failed = list(&mut text).err();
             if stdout().is_terminal() {

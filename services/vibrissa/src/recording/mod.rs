@@ -5,18 +5,17 @@ pub mod lines;
 use std::io::{self, Write};
 use std::pin::pin;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{Context, bail};
 use tokio::sync::mpsc;
-use tokio::time::{MissedTickBehavior, interval};
+use tokio::time::{Instant, MissedTickBehavior, interval};
 use tracing::warn;
-use uuid::Uuid;
 use vibrissa_protocol::{BootId, Name};
 
 pub use lines::Lines;
-use vibrissa_edge::ids::start_seed;
 use vibrissa_edge::recording::Recorded;
+use vibrissa_program::random;
 use vibrissa_supervisor::inbox::Incoming;
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, BrokerLink, Connection, RecorderState};
 
@@ -78,7 +77,7 @@ pub async fn record(
     stop: impl Future<Output = ()>,
 ) -> anyhow::Result<Report> {
     let prepared = mqtt::prepare(broker)?;
-    let mark = format!("r{}", Uuid::new_v5(&Uuid::NAMESPACE_OID, &start_seed()).simple());
+    let mark = format!("r{}", random::hex());
     let boot_id = BootId::new(&mark).context("making a boot id for the connection")?;
     let (sender, mut heard) = mpsc::channel(WAITING);
     let source = |fleet: &Name| Source { fleet: fleet.clone(), link: BrokerLink::default(), state: Arc::default() };

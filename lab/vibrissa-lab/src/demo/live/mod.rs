@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use anyhow::Context;
 use tokio::sync::mpsc;
-use uuid::Uuid;
+use vibrissa_program::random;
 use vibrissa_simulator::Fleet;
 use vibrissa_simulator::clock::now_us;
 use vibrissa_store::Store;
@@ -100,7 +100,7 @@ async fn next(lines: &mut Option<mpsc::Receiver<String>>) -> Option<String> {
 
 /// The person at the terminal, for the audit log.
 fn asker() -> Asker {
-    Asker { caller: Caller::local(), request_id: Uuid::new_v4().to_string(), idempotency_key: None }
+    Asker { caller: Caller::local(), request_id: random::hex(), idempotency_key: None }
 }
 
 /// Prints events once.

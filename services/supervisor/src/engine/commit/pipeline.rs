@@ -10,6 +10,7 @@ use tokio::runtime::Handle;
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
+use vibrissa_program::task;
 
 use crate::engine::commit::checkpoint::{CheckpointRate, due_after};
 use crate::engine::commit::committer::{Committed, Committer, LeaseLost, Written};
@@ -216,7 +217,7 @@ impl Pipeline {
         let rows = transaction.rows.contacts.len() + transaction.rows.whiskers.len();
         let write = committer.write(transaction);
         // A small transaction is written in this thread, which avoids waking another.
-        self.writing = Some(if rows <= SMALL { tokio::spawn(write) } else { self.background.spawn(write) });
+        self.writing = Some(if rows <= SMALL { task::spawn(write) } else { task::spawn_on(&self.background, write) });
     }
 
     /// Seals the open batches of all workers, with the checkpoints that are due.
@@ -281,7 +282,7 @@ impl Pipeline {
     pub(crate) fn publish(&self, publications: Vec<Publication>, mut note: impl FnMut(&Publication)) -> bool {
         let Some(outbox) = &self.outbox else { return true };
         let mut dropped = publications.len();
-        let (is_fresh, fresh_until) = (self.lease.is_fresh(), self.lease.fresh_until().map(Instant::into_std));
+        let (is_fresh, fresh_until) = (self.lease.is_fresh(), self.lease.fresh_until());
         for one in publications {
             if !is_fresh && !one.states_a_commit() {
                 continue;

@@ -1,8 +1,8 @@
 //! Recovery of a fleet: checkpoints are loaded, and the journal is replayed.
 
 use std::collections::BTreeMap;
-use std::time::Instant;
 
+use tokio::time::Instant;
 use tracing::{error, info};
 use vibrissa_core::robot::Event;
 use vibrissa_core::robot::event::{Contact, WhiskerStatus};

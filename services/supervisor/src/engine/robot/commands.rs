@@ -3,8 +3,9 @@
 //! None of this is stored. The age of a setpoint of an earlier supervisor counts from its time of issue.
 
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use uuid::Uuid;
 use vibrissa_core::robot::effect::{Command, CommandKey};
 use vibrissa_core::units::Micros;

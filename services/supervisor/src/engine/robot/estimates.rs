@@ -2,8 +2,9 @@
 //!
 //! None of this is stored: the estimate is published again after each takeover.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use vibrissa_core::estimation::LengthEstimate;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::Robot;

@@ -1,6 +1,8 @@
 //! Rate limits that keep a robot, or a client that invents names, from filling the database.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use tokio::time::Instant;
 
 /// Number of new boots, and of new layouts, that a robot may have at once.
 pub(crate) const BOOTS_AT_ONCE: u32 = 10;

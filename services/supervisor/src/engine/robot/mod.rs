@@ -13,10 +13,9 @@ pub(crate) mod retention;
 pub mod rollup;
 pub(crate) mod seqs;
 
-use std::time::Instant;
-
 use indexmap::IndexMap;
 use smallvec::SmallVec;
+use tokio::time::Instant;
 use tracing::error;
 use vibrissa_core::policy::Case;
 use vibrissa_core::robot::event::Factsheet;

@@ -113,7 +113,7 @@ fn a_refused_factsheet_is_missing_after_half_a_minute() {
     worker.handle(&birth("r1", "b"));
     let missing = |worker: &mut Worker, seconds: u64| {
         let mut without = Found::default();
-        let now = std::time::Instant::now() + std::time::Duration::from_secs(seconds);
+        let now = tokio::time::Instant::now() + std::time::Duration::from_secs(seconds);
         worker.find_without_factsheet(now, &mut without);
         without.one.map(|name| name.to_string())
     };
@@ -141,7 +141,8 @@ fn regress_a_full_name_counts_within_the_array() {
 /// A broker ended the connection of a robot for its large factsheet, again and again. Each end began the time anew.
 #[test]
 fn regress_a_missing_factsheet_is_told_although_the_connection_breaks_again_and_again() {
-    use std::time::{Duration, Instant};
+    use std::time::Duration;
+    use tokio::time::Instant;
     let (mut worker, begin) = (worker(2), Instant::now());
     let missing = |worker: &mut Worker, seconds: u64| {
         let mut without = Found::default();

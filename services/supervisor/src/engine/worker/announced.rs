@@ -3,10 +3,11 @@
 //! They are not in the database, because every client that may publish can invent names. The supervisor requests the
 //! factsheet, which makes the robot known.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bytes::Bytes;
 use indexmap::IndexMap;
+use tokio::time::Instant;
 use vibrissa_core::robot::effect::Effect;
 use vibrissa_core::robot::event::Link;
 use vibrissa_core::robot::{Event, Numbers, Robot};

@@ -1,7 +1,6 @@
 //! Publication of estimates: the present lengths of a robot's whiskers.
 
-use std::time::Instant;
-
+use tokio::time::Instant;
 use vibrissa_core::robot::event::Link;
 use vibrissa_edge as edge;
 use vibrissa_edge::clock::wall_clock;

@@ -1,7 +1,8 @@
 //! Whether robots hear this supervisor, and whether their factsheets arrive.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use tracing::warn;
 use vibrissa_core::robot::effect::{AlarmKind, Effect};
 use vibrissa_core::robot::event::Link;

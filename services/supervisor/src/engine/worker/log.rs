@@ -1,8 +1,7 @@
 //! Lines of the log about robots and whiskers, in the words of the console. Each names its subject in full, so that it can be
 //! found over REST: see [`FullName`](vibrissa_edge::full_name::FullName).
 
-use std::time::Instant;
-
+use tokio::time::Instant;
 use tracing::{info, warn};
 use vibrissa_core::robot::effect::{CommandState, Decision, Effect, TestState};
 use vibrissa_core::robot::event::Link;

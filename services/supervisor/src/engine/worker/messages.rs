@@ -1,8 +1,8 @@
 //! Handling of messages in a worker: decoded, checked against allow list and limits, and passed on.
 
 use std::fmt::Display;
-use std::time::Instant;
 
+use tokio::time::Instant;
 use tracing::{info, warn};
 use vibrissa_core::robot::event::Link;
 use vibrissa_core::robot::{Event, Outcome};

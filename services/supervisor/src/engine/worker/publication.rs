@@ -1,7 +1,8 @@
 //! Publications: setpoints, receipts, requests. They leave with the sealed batch, after its commit.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use vibrissa_core::robot::effect::{Command, TouchTest};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp};

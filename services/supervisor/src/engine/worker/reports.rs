@@ -1,8 +1,8 @@
 //! Reports of a known robot: factsheet, status, contacts and setpoint states become events of the core.
 
 use std::fmt::Display;
-use std::time::Instant;
 
+use tokio::time::Instant;
 use tracing::{debug, warn};
 use vibrissa_core::robot::effect::CommandKey;
 use vibrissa_core::robot::event::Factsheet;

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use tracing::warn;
 use vibrissa_core::robot::effect::{Command, CommandKey, Effect, Reason};
 use vibrissa_core::robot::event::Link;

@@ -1,11 +1,13 @@
 //! The workers of a fleet.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use tokio::runtime::Handle;
+use tokio::time::Instant;
 use vibrissa_core::robot::{Event, Outcome, Params};
 use vibrissa_core::units::Micros;
+use vibrissa_program::task;
 use vibrissa_protocol::Name;
 
 use super::Worker;
@@ -162,7 +164,7 @@ impl Workers {
         let mut tasks = Vec::with_capacity(self.workers.len());
         for (mut worker, messages) in self.workers.drain(..).zip(messages) {
             let mut messages = std::mem::take(messages);
-            tasks.push(background.spawn(async move {
+            tasks.push(task::spawn_on(background, async move {
                 worker.handle_all(&mut messages, are_in_log);
                 worker
             }));

@@ -5,6 +5,7 @@ use std::time::Duration;
 use openidconnect::{HttpRequest, HttpResponse};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use vibrissa_program::task;
 use vibrissa_protocol::plain;
 
 use crate::outgoing::failure;
@@ -71,5 +72,5 @@ fn read(url: &str, answer: ureq::http::Response<ureq::Body>) -> Result<HttpRespo
 pub(super) async fn blocking<T: Send + 'static, E: From<Away> + Send + 'static>(
     work: impl FnOnce() -> Result<T, E> + Send + 'static,
 ) -> Result<T, E> {
-    tokio::task::spawn_blocking(work).await.unwrap_or_else(|problem| Err(Away(problem.to_string()).into()))
+    task::blocking(work).await.unwrap_or_else(|problem| Err(Away(problem.to_string()).into()))
 }

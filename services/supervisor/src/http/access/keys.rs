@@ -2,11 +2,13 @@
 //! known does not wait for the provider. Callers with unknown keys share a fetch, and cannot repeat it at will.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use jsonwebtoken::jwk::{AlgorithmParameters, EllipticCurve, Jwk, JwkSet, KeyAlgorithm, KeyOperations, PublicKeyUse};
 use jsonwebtoken::{Algorithm, DecodingKey};
 use tokio::sync::watch;
+use tokio::time::Instant;
+use vibrissa_program::task;
 
 use super::fetch::{self, Away, blocking};
 use crate::http::problem::{Kind, Problem};
@@ -120,7 +122,7 @@ impl Keys {
         state.fetching = Some(fetching.clone());
         let (source, state) = (self.source.clone(), self.state.clone());
         // A separate task, so that callers who disconnect do not cancel the fetch.
-        tokio::spawn(async move {
+        task::spawn(async move {
             let fetched = blocking(move || source.fetch()).await;
             let mut state = lock(&state);
             match fetched {

@@ -3,7 +3,7 @@
 
 use std::str::FromStr as _;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use openidconnect::core::{
     CoreAuthDisplay, CoreAuthPrompt, CoreErrorResponseType, CoreGenderClaim, CoreJweContentEncryptionAlgorithm,
@@ -14,6 +14,7 @@ use openidconnect::{
     EndpointSet, IssuerUrl, JsonWebKeySet, LogoutRequest, Nonce, PkceCodeChallenge, PkceCodeVerifier,
     PostLogoutRedirectUrl, RedirectUrl, RefreshToken, RequestTokenError, Scope, StandardErrorResponse, TokenUrl,
 };
+use tokio::time::Instant;
 
 use super::fetch::{self, Away, Discovery, blocking};
 use super::id_token::{IdToken, MoreClaims, TokenResponse, VerifyingKey};

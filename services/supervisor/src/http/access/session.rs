@@ -20,10 +20,11 @@ use super::oidc::Oidc;
 use super::options::SignInOptions;
 use super::provider::{Denial, Provider};
 use super::return_page::ReturnPage;
-use super::tokens::{KEY_BYTES, Tokens, open, random_bytes, seal};
+use super::tokens::{KEY_BYTES, Tokens, open, seal};
 use super::{Authentication, Caller};
 use crate::http::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_program::random;
 use vibrissa_store::Store;
 use vibrissa_store::secret::Secret;
 use vibrissa_store::sessions::SessionRow;
@@ -139,7 +140,7 @@ impl SignIn {
         }
         let caller = self.oidc.allowed(&claims).map_err(invalid)?;
         let failed = |problem: Problem| Failure::Provider(problem.detail);
-        let bytes = random_bytes(ID_BYTES + KEY_BYTES).map_err(failed)?;
+        let bytes = random::bytes::<{ ID_BYTES + KEY_BYTES }>();
         let now_us = wall_clock().0 as i64;
         let row = SessionRow {
             session_id: blake3::hash(&bytes[..ID_BYTES]).as_bytes().to_vec(),

@@ -4,6 +4,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use subtle::ConstantTimeEq as _;
 use vibrissa_edge::fleets::FleetPattern;
+use vibrissa_program::random;
 
 use super::{Authentication, Caller, Role, Scope};
 use vibrissa_store::tokens::TokenRow;
@@ -33,11 +34,9 @@ pub struct NewToken {
 /// Creates a token and returns it. Only its hash is stored, so it cannot be shown again.
 ///
 /// # Errors
-/// The system provides no randomness, or the database cannot be written.
+/// The database cannot be written.
 pub async fn create(store: &Store, new: &NewToken, now_us: i64) -> anyhow::Result<(String, TokenRow)> {
-    let (mut id, mut secret) = ([0; ID_BYTES], [0; SECRET_BYTES]);
-    getrandom::fill(&mut id).map_err(|problem| anyhow::anyhow!("the system provides no randomness: {problem}"))?;
-    getrandom::fill(&mut secret).map_err(|problem| anyhow::anyhow!("the system provides no randomness: {problem}"))?;
+    let (id, secret) = (random::bytes::<ID_BYTES>(), random::bytes::<SECRET_BYTES>());
     let fleets = match &new.scope {
         Scope::All => None,
         Scope::Only(fleets) => Some(fleets.iter().map(FleetPattern::as_str).collect::<Vec<_>>().join(",")),

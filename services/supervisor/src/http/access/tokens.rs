@@ -3,6 +3,7 @@
 use openidconnect::{OAuth2TokenResponse as _, TokenResponse as _};
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
 use serde::{Deserialize, Serialize};
+use vibrissa_program::random;
 
 use super::claims;
 use super::id_token::TokenResponse;
@@ -58,14 +59,6 @@ impl Tokens {
     }
 }
 
-/// Bytes that nobody can guess.
-pub(super) fn random_bytes(length: usize) -> Result<Vec<u8>, Problem> {
-    let mut bytes = vec![0; length];
-    getrandom::fill(&mut bytes)
-        .map_err(|problem| Problem::new(Kind::Internal, format!("the system provides no randomness: {problem}")))?;
-    Ok(bytes)
-}
-
 fn cipher(key: &[u8]) -> Option<LessSafeKey> {
     UnboundKey::new(&CHACHA20_POLY1305, key).ok().map(LessSafeKey::new)
 }
@@ -73,7 +66,7 @@ fn cipher(key: &[u8]) -> Option<LessSafeKey> {
 /// Encrypts tokens: a random nonce, then the sealed JSON.
 pub(super) fn seal(tokens: &Tokens, key: &[u8]) -> Result<Vec<u8>, Problem> {
     let internal = || Problem::new(Kind::Internal, "cannot encrypt the session");
-    let nonce: [u8; NONCE_LEN] = random_bytes(NONCE_LEN)?.try_into().map_err(|_| internal())?;
+    let nonce: [u8; NONCE_LEN] = random::bytes();
     let mut sealed = serde_json::to_vec(tokens).map_err(|_| internal())?;
     let cipher = cipher(key).ok_or_else(internal)?;
     let nonced = Nonce::assume_unique_for_key(nonce);

@@ -11,6 +11,7 @@ use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_edge::black_box::About;
+use vibrissa_program::task;
 use vibrissa_protocol::Name;
 
 use crate::http::App;
@@ -111,7 +112,7 @@ async fn get_black_box_recording(
     let found = found.filter(|one| caller.scope.covers(&one.fleet));
     let found = found.ok_or_else(|| not_found(id))?;
     let name = format!("attachment; filename=\"black-box-{id}-{}-{}.jsonl\"", found.fleet, found.robot);
-    let lines = tokio::task::spawn_blocking(move || lines_of(id, &found)).await;
+    let lines = task::blocking(move || lines_of(id, &found)).await;
     let lines = lines.map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))?;
     let lines = lines.map_err(|problem| Problem::new(Kind::Internal, format!("cannot unpack it: {problem}")))?;
     let headers = [

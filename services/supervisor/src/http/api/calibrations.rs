@@ -10,6 +10,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_core::mechanics::{CalibrationRow as Measured, Fit, FitError, Geometry, Parameter, fit_calibration};
 use vibrissa_core::units::{Megapascal, Millimetre, Strain};
+use vibrissa_program::task;
 use vibrissa_protocol::Name;
 
 use crate::http::App;
@@ -216,9 +217,7 @@ async fn upload(
     Body(measurements): Body<Measurements>,
 ) -> Result<Response, Problem> {
     let (why, scope) = (reason(measurements.reason.clone())?, asker.caller.scope.clone());
-    let worked = tokio::task::spawn_blocking(move || {
-        fitted(&measurements).map(|(geometry, _, fit)| (measurements, geometry, fit))
-    });
+    let worked = task::blocking(move || fitted(&measurements).map(|(geometry, _, fit)| (measurements, geometry, fit)));
     let (measurements, geometry, fit) =
         worked.await.map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))??;
     let file = CalibrationFile::new(&measurements.model, &geometry, &fit.calibration);

@@ -11,6 +11,7 @@ use vibrissa_core::robot::effect::{CandidateRecord, Decision};
 use vibrissa_core::robot::{Params, Planned, Robot, Served, WhatIf, one_number};
 use vibrissa_core::units::{ContactRatio, Millimetre};
 use vibrissa_edge::words::Word;
+use vibrissa_program::task;
 
 use super::model::per_mm;
 use super::paths::WhiskerPath;
@@ -276,7 +277,7 @@ async fn get_what_if(
     let Some(index) = robot.find(at.array.as_str(), at.whisker) else { return Err(at.unknown(&app.store).await) };
     // Assigning compensators in a large array takes a while.
     let (params, robot_id) = (app.params_of(at.fleet.as_str()).await?, stored.robot_id);
-    let answered = tokio::task::spawn_blocking(move || {
+    let answered = task::blocking(move || {
         let answer = robot.what_if(&params, index, length)?;
         let curve = by_ratio(&robot, &params, index, length, &answer);
         let in_force = params.policy.objective_for(robot.applies_gain());

@@ -18,6 +18,7 @@ use tokio::sync::watch;
 use tokio::task::{JoinSet, yield_now};
 use tokio::time::{Instant, sleep};
 use tracing::{debug, warn};
+use vibrissa_program::task;
 
 use self::progress::Slow;
 use self::registry::{Limit, Registry};
@@ -71,7 +72,7 @@ impl Server {
                         }
                         let served = connection::serve(stream, peer, admitted, router.clone(), stop.clone());
                         let metrics = metrics.clone();
-                        connections.spawn(async move {
+                        task::spawn_in(&mut connections, async move {
                             if let Some(slow) = served.await {
                                 metrics.closed(word(slow));
                                 debug!(%peer, reason = word(slow), "closed a connection");

@@ -1,5 +1,6 @@
 //! Tests of both ends of the inbox.
 
+use vibrissa_program::task;
 use vibrissa_protocol::Name;
 
 use super::*;
@@ -193,7 +194,7 @@ fn messages_that_share_an_allocation_are_few_or_small() {
 #[tokio::test]
 async fn whoever_waits_is_woken_by_a_message_and_by_the_end() {
     let (mut intake, mut inbox) = bounded(SMALL, counted());
-    let waiting = tokio::spawn(async move {
+    let waiting = task::spawn(async move {
         let first = inbox.recv().await.map(|incoming| incoming.payload.len());
         (first, inbox.recv().await.is_none())
     });

@@ -13,6 +13,7 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::{JoinHandle, JoinSet};
+use vibrissa_program::task;
 
 pub use tap::Trouble;
 use tap::{Sight, Tap};
@@ -103,7 +104,7 @@ impl Relay {
     pub async fn start(listen: SocketAddr, server: (String, u16)) -> std::io::Result<Self> {
         let listener = TcpListener::bind(listen).await?;
         let (address, record) = (listener.local_addr()?, RelayRecord::default());
-        let listening = tokio::spawn(serve(listener, server, record.clone()));
+        let listening = task::spawn(serve(listener, server, record.clone()));
         Ok(Self { address, record, listening })
     }
 
@@ -137,7 +138,7 @@ async fn serve(listener: TcpListener, server: (String, u16), record: RelayRecord
                     continue;
                 };
                 if connections.len() < CONNECTIONS_MAX {
-                    connections.spawn(join(client, server.clone(), record.clone()));
+                    task::spawn_in(&mut connections, join(client, server.clone(), record.clone()));
                 }
             }
             Some(_) = connections.join_next() => {}

@@ -5,6 +5,7 @@ use std::sync::mpsc;
 use futures_util::future::join_all;
 use serde_json::{Value, json};
 use tokio::time::timeout;
+use vibrissa_program::task;
 
 use super::*;
 
@@ -113,7 +114,7 @@ async fn old_keys_serve_while_new_ones_are_fetched_and_very_old_ones_do_not() {
         provider.answer.send(()).unwrap();
         assert!(provider.is_known("k1").await);
         let keys = provider.keys.clone();
-        let mut asking = tokio::spawn(async move { keys.key(Some("k1"), Algorithm::ES256).await.is_ok() });
+        let mut asking = task::spawn(async move { keys.key(Some("k1"), Algorithm::ES256).await.is_ok() });
         for _ in 0..2 {
             // The first fetch, and the one due because the keys are old.
             provider.asked.recv_timeout(LONG).unwrap();

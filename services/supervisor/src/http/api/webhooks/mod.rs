@@ -116,10 +116,6 @@ fn unset(set: Set, name: &str, webhook_id: i64) -> Problem {
     }
 }
 
-fn secret() -> Result<Vec<u8>, Problem> {
-    new_secret().map_err(|what| Problem::new(Kind::Internal, what))
-}
-
 /// All webhooks, each with its queue and its last answer.
 #[utoipa::path(
     get, path = "/v1/webhooks", tag = "webhooks",
@@ -152,7 +148,7 @@ async fn create_webhook(
 ) -> Result<Response, Problem> {
     let caller = asker.caller.clone();
     let (settings, why) = (body.settings(&app, &caller)?, reason(body.reason)?);
-    let secret = secret()?;
+    let secret = new_secret();
     let action = audited(asker, RecordedKind::WebhookCreate, (None, &settings), why);
     let (row, secret) = match app.store.add_webhook(&settings, &secret, &action).await? {
         Set::Done(webhook_id) => (app.store.webhook(webhook_id).await?, Some(shown(&secret))),
@@ -269,7 +265,7 @@ async fn renew_secret(
     if overlap_s > OVERLAP_S_MAX {
         return Err(Problem::invalid("overlap_s", format!("must be at most {OVERLAP_S_MAX} (a week)")));
     }
-    let secret = secret()?;
+    let secret = new_secret();
     let of = (Some(at.webhook_id), &settings_of(&row));
     let action = audited(asker, RecordedKind::WebhookSecret, of, reason(body.reason)?);
     let until_us = wall_clock().0 as i64 + i64::from(overlap_s) * 1_000_000;

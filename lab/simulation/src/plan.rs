@@ -1,0 +1,248 @@
+//! A run as data: the size of the world, and its faults with their times. Everything is drawn from the seed.
+
+use std::fmt;
+use std::time::Duration;
+
+use rand::seq::{IndexedRandom as _, SliceRandom as _};
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+/// Time without faults at the beginning, in which supervisors take the fleets and robots connect.
+const CALM: Duration = Duration::from_secs(10);
+
+/// A kind of fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    /// A supervisor is killed at one of its await points, and started again later.
+    SupervisorKilled,
+    /// A supervisor ends in order, and is started again later.
+    SupervisorStopped,
+    /// A supervisor stands still, and goes on later.
+    SupervisorFrozen,
+    /// The host's clock of a supervisor is stepped, and later set right.
+    HostClockStepped,
+    /// Nothing goes from a supervisor to the broker.
+    ToBrokerCut,
+    /// Nothing goes from the broker to a supervisor.
+    FromBrokerCut,
+    /// The connections of a supervisor to the broker are reset.
+    BrokerLinkReset,
+    /// The broker forgets the subscriptions of a supervisor.
+    SubscriptionsForgotten,
+    /// The broker restarts with its memory.
+    BrokerRestarted,
+    /// The broker restarts without its memory.
+    BrokerReplaced,
+    /// The broker accepts bytes and answers nothing.
+    BrokerFrozen,
+    /// The broker delivers messages twice.
+    Repetitions,
+    /// The broker's deliveries take longer, and overtake those of other clients.
+    SlowBroker,
+    /// A robot's connection breaks.
+    RobotCut,
+    /// A robot cannot connect.
+    RobotAway,
+    /// Requests of a supervisor do not reach the store.
+    ToStoreCut,
+    /// The store's answers do not reach a supervisor.
+    FromStoreCut,
+    /// The store does what a supervisor asks, and the answers are lost at once.
+    AnswersLost,
+    /// The store is slow for all.
+    StoreSlow,
+    /// The store is away for all.
+    StoreAway,
+    /// The store's clock is stepped for good.
+    StoreClockStepped,
+    /// The store gets a new leader, which lacks the last commits.
+    StoreFailover,
+    /// An operator holds a whisker, and resumes it later.
+    OperatorHolds,
+}
+
+impl Kind {
+    /// All kinds.
+    pub const ALL: [Self; 23] = [
+        Self::SupervisorKilled,
+        Self::SupervisorStopped,
+        Self::SupervisorFrozen,
+        Self::HostClockStepped,
+        Self::ToBrokerCut,
+        Self::FromBrokerCut,
+        Self::BrokerLinkReset,
+        Self::SubscriptionsForgotten,
+        Self::BrokerRestarted,
+        Self::BrokerReplaced,
+        Self::BrokerFrozen,
+        Self::Repetitions,
+        Self::SlowBroker,
+        Self::RobotCut,
+        Self::RobotAway,
+        Self::ToStoreCut,
+        Self::FromStoreCut,
+        Self::AnswersLost,
+        Self::StoreSlow,
+        Self::StoreAway,
+        Self::StoreClockStepped,
+        Self::StoreFailover,
+        Self::OperatorHolds,
+    ];
+
+    /// Its name in outputs.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::SupervisorKilled => "supervisor killed",
+            Self::SupervisorStopped => "supervisor stopped",
+            Self::SupervisorFrozen => "supervisor frozen",
+            Self::HostClockStepped => "host's clock stepped",
+            Self::ToBrokerCut => "way to the broker cut",
+            Self::FromBrokerCut => "way from the broker cut",
+            Self::BrokerLinkReset => "connections to the broker reset",
+            Self::SubscriptionsForgotten => "subscriptions forgotten",
+            Self::BrokerRestarted => "broker restarted",
+            Self::BrokerReplaced => "broker replaced",
+            Self::BrokerFrozen => "broker frozen",
+            Self::Repetitions => "messages repeated",
+            Self::SlowBroker => "messages late",
+            Self::RobotCut => "robot's connection cut",
+            Self::RobotAway => "robot away",
+            Self::ToStoreCut => "way to the store cut",
+            Self::FromStoreCut => "way from the store cut",
+            Self::AnswersLost => "store's answers lost",
+            Self::StoreSlow => "store slow",
+            Self::StoreAway => "store away",
+            Self::StoreClockStepped => "store's clock stepped",
+            Self::StoreFailover => "store's last commits lost",
+            Self::OperatorHolds => "operator holds a whisker",
+        }
+    }
+
+    /// Range of its duration, ms.
+    const fn lasts_ms(self) -> std::ops::Range<u64> {
+        match self {
+            Self::SupervisorKilled | Self::SupervisorStopped => 100..6_000,
+            Self::SupervisorFrozen | Self::ToStoreCut | Self::FromStoreCut => 50..5_000,
+            Self::HostClockStepped => 500..8_000,
+            Self::ToBrokerCut | Self::FromBrokerCut | Self::RobotAway => 100..20_000,
+            Self::BrokerLinkReset | Self::SubscriptionsForgotten | Self::RobotCut | Self::StoreClockStepped => 1..2,
+            Self::BrokerRestarted | Self::BrokerReplaced | Self::BrokerFrozen => 50..8_000,
+            Self::Repetitions | Self::SlowBroker => 500..10_000,
+            Self::AnswersLost | Self::StoreAway | Self::StoreSlow => 20..6_000,
+            Self::StoreFailover => 20..1_000,
+            Self::OperatorHolds => 1_000..20_000,
+        }
+    }
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.as_str())
+    }
+}
+
+/// A fault at its time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Strike {
+    /// From the start of the run.
+    pub at: Duration,
+    /// Its kind.
+    pub kind: Kind,
+    /// How long it lasts.
+    pub lasts: Duration,
+    /// Number of the robot or supervisor that it strikes, modulo their number.
+    pub victim: usize,
+    /// Its measure: polls until a kill, size of a step, length of a delay; each fault takes its own range of it.
+    pub measure: u64,
+}
+
+impl fmt::Display for Strike {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (at_s, lasts_s) = (self.at.as_secs_f64(), self.lasts.as_secs_f64());
+        write!(f, "{at_s:9.3} s  {} ({lasts_s:.3} s, victim {}, measure {})", self.kind, self.victim, self.measure)
+    }
+}
+
+/// The world of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Seed of everything that the plan leaves open.
+    pub seed: u64,
+    /// Number of supervisors.
+    pub supervisors: usize,
+    /// Number of fleets.
+    pub fleets: usize,
+    /// Number of robots.
+    pub robots: usize,
+    /// Contacts of each whisker per second.
+    pub contacts_per_second: f64,
+    /// Time in which faults begin.
+    pub length: Duration,
+    /// The faults, in the order of their times.
+    pub strikes: Vec<Strike>,
+}
+
+/// Sizes of the worlds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sizes {
+    /// Most supervisors.
+    pub supervisors: usize,
+    /// Most robots.
+    pub robots: usize,
+    /// Time in which faults begin.
+    pub length: Duration,
+    /// Whether each world has these sizes; otherwise they are drawn.
+    pub are_fixed: bool,
+}
+
+impl Default for Sizes {
+    fn default() -> Self {
+        Self { supervisors: 3, robots: 20, length: Duration::from_secs(120), are_fixed: false }
+    }
+}
+
+impl Plan {
+    /// Draws a plan: which kinds of faults occur, how often, and when.
+    #[must_use]
+    pub fn draw(seed: u64, sizes: Sizes) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let supervisors = if sizes.are_fixed { sizes.supervisors } else { random.random_range(1..=sizes.supervisors) };
+        let robots = if sizes.are_fixed { sizes.robots } else { random.random_range(1..=sizes.robots) };
+        let mut kinds: Vec<Kind> = Kind::ALL.into_iter().filter(|_| random.random_bool(0.5)).collect();
+        kinds.shuffle(&mut random);
+        // From a fault in ten seconds to five in a second.
+        let mean = Duration::from_secs_f64(0.2 * 50.0_f64.powf(random.random::<f64>()));
+        let mut strikes = Vec::new();
+        let mut at = CALM;
+        loop {
+            at += mean.mul_f64(-(1.0 - random.random::<f64>()).ln());
+            if at >= CALM + sizes.length {
+                break;
+            }
+            let Some(&kind) = kinds.choose(&mut random) else { break };
+            strikes.push(Strike {
+                at,
+                kind,
+                lasts: Duration::from_millis(random.random_range(kind.lasts_ms())),
+                victim: random.random_range(0..1_000),
+                measure: random.random(),
+            });
+        }
+        Self {
+            seed,
+            supervisors,
+            fleets: random.random_range(1..=supervisors),
+            robots,
+            contacts_per_second: 0.2 * 20.0_f64.powf(random.random::<f64>()),
+            length: CALM + sizes.length,
+            strikes,
+        }
+    }
+
+    /// The plan without some of its faults.
+    #[must_use]
+    pub fn with(&self, strikes: Vec<Strike>) -> Self {
+        Self { strikes, ..self.clone() }
+    }
+}
