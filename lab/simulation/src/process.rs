@@ -79,7 +79,13 @@ impl Process {
     pub fn new(seed: u64, host: Arc<HostClock>, route: Route) -> Arc<Self> {
         let life = Life { state: State::Running, polls_left: None, waiting: Vec::new(), tasks: Vec::new() };
         let line = TimeLine::from(host.now_us());
-        Arc::new(Self { host, line, random: Mutex::new(ChaCha8Rng::seed_from_u64(seed)), life: Mutex::new(life), route })
+        Arc::new(Self {
+            host,
+            line,
+            random: Mutex::new(ChaCha8Rng::seed_from_u64(seed)),
+            life: Mutex::new(life),
+            route,
+        })
     }
 
     /// Runs `work` in this process. The tasks that it starts belong to the process.

@@ -144,7 +144,9 @@ impl SimulatedRobot {
         let mut robot = self.robot();
         let level = topic.rsplit(|byte| *byte == b'/').next().unwrap_or_default();
         let of_robot = topic.windows(robot.name().as_str().len() + 2).any(|part| {
-            part.first() == Some(&b'/') && part.last() == Some(&b'/') && &part[1..part.len() - 1] == robot.name().as_str().as_bytes()
+            part.first() == Some(&b'/')
+                && part.last() == Some(&b'/')
+                && &part[1..part.len() - 1] == robot.name().as_str().as_bytes()
         });
         match RobotTopic::ALL.into_iter().find(|kind| kind.as_str().as_bytes() == level).filter(|_| of_robot) {
             Some(kind) => robot.receive(kind, payload, now_us),
