@@ -6,3 +6,4 @@ pub mod oracle;
 pub mod plan;
 pub mod process;
 pub mod robots;
+pub mod store;

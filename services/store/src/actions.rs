@@ -10,6 +10,7 @@ use vibrissa_edge::clock::wall_clock;
 
 use super::database::{Tx, on};
 use super::from_row::from_row;
+use super::model::Model;
 use super::set_aside::Tried;
 use super::{Lease, Store, StoreError, Writer, failed};
 
@@ -166,6 +167,9 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn fleets_with_work(&self, now_us: i64) -> Result<Vec<FleetWork>, StoreError> {
+        if let Some(model) = &self.model {
+            return model.query("read the fleets with pending actions", |model| Ok(model.fleets_with_work())).await;
+        }
         const SQL: &str = "SELECT fleet, max(pending) > 0 AS has_actions, max(version) AS allowed_version FROM (\
              SELECT fleet, 1 AS pending, CAST(0 AS BIGINT) AS version FROM actions \
              WHERE state = 'PENDING' AND not_before_us <= $1 AND fleet IS NOT NULL \
@@ -193,6 +197,9 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn action(&self, action_id: i64) -> Result<Option<Action>, StoreError> {
+        if let Some(model) = &self.model {
+            return model.query("read an action", |model| Ok(model.action(action_id))).await;
+        }
         let sql = format!("SELECT {COLUMNS} FROM actions WHERE action_id = $1");
         on!(&self.pool, |pool| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(action_id).fetch_optional(pool).await)
             .map_err(failed("read an action"))
@@ -228,8 +235,9 @@ impl Writer {
              ORDER BY action_id LIMIT {most}"
         );
         let (fleet, now_us) = (lease.fleet().as_str(), wall_clock().0 as i64);
+        let model = |model: &mut dyn Model| Ok(model.pending(lease, most).into_iter().map(Tried::Read).collect());
         let rows: Vec<Tried<Action>> = self
-            .attempt(WHAT, PATIENCE, async |link| {
+            .attempt(WHAT, PATIENCE, model, async |link| {
                 on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql))
                     .bind(fleet)
                     .bind(now_us)

@@ -20,10 +20,15 @@ impl Writer {
         const WHAT: &str = "read the standing alarms";
         const SQL: &str = "SELECT a.robot_id FROM alarms a JOIN robots r ON r.robot_id = a.robot_id \
              WHERE a.kind = $2 AND a.cleared_us IS NULL AND fleet = $1";
-        self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_scalar(SQL).bind(lease.fleet().as_str()).bind(kind).fetch_all(link).await)
-                .map_err(failed(WHAT))
-        })
+        self.attempt(
+            WHAT,
+            PATIENCE,
+            |model| Ok(model.robots_with_alarm(lease, kind)),
+            async |link| {
+                on!(link, |link| sqlx::query_scalar(SQL).bind(lease.fleet().as_str()).bind(kind).fetch_all(link).await)
+                    .map_err(failed(WHAT))
+            },
+        )
         .await
     }
 }

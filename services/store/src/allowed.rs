@@ -7,6 +7,7 @@ use vibrissa_protocol::Name;
 use super::actions::{Asked, NewAction, record_done};
 use super::database::on;
 use super::from_row::from_row;
+use super::model::Model;
 use super::set_aside::{SetAside, Tried};
 use super::{Lease, Store, StoreError, Writer, failed};
 
@@ -71,6 +72,10 @@ where
 }
 
 impl StoredList {
+    fn of(read: AllowedReading) -> Self {
+        Self { version: read.version, names: read.robots.clone(), read: Tried::Read(read) }
+    }
+
     fn reading(self, set_aside: &SetAside) -> AllowedReading {
         let Self { read, version, names: robots } = self;
         let damaged =
@@ -167,8 +172,9 @@ impl Writer {
     pub async fn allowed_robots(&mut self, lease: &Lease, after: i64) -> Result<Option<AllowedReading>, StoreError> {
         const WHAT: &str = "read the list of allowed robots";
         let fleet = lease.fleet().as_str();
+        let model = |model: &mut dyn Model| Ok(model.allowed_robots(lease, after).map(StoredList::of));
         let stored: Option<StoredList> = self
-            .attempt(WHAT, PATIENCE, async |link| {
+            .attempt(WHAT, PATIENCE, model, async |link| {
                 on!(link, |link| sqlx::query_as(NEWEST).bind(fleet).bind(after).fetch_optional(link).await)
                     .map_err(failed(WHAT))
             })
@@ -185,7 +191,8 @@ impl Writer {
         const INSERT: &str =
             "INSERT INTO turned_away (fleet, robot, tries, first_us, last_us) VALUES ($1, $2, $3, $4, $5)";
         let fleet = lease.fleet().as_str();
-        self.attempt(WHAT, PATIENCE, async |link| {
+        let model = |model: &mut dyn Model| lease.hold_in(model).map(|model| model.write_turned_away(lease, rows));
+        self.attempt(WHAT, PATIENCE, model, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
             on!(&mut tx, |tx| sqlx::query("DELETE FROM turned_away WHERE fleet = $1")

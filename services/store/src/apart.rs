@@ -10,11 +10,13 @@
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use tokio::time::Instant;
 
 use super::batch::{Batch, JournalRow, Owner, Owners, Parts, Record, Rows};
 use super::database::{Either, Link, Tx, on};
+use super::model::{Model, atomically};
 use super::{Lease, Rejection, StoreError, Writer, commit, events, failed, log_position, records};
 
 /// Time limit for one attempt.
@@ -46,15 +48,21 @@ impl Writer {
         refused: &mut Vec<Refused>,
     ) -> Result<(), StoreError> {
         let ids = Sought::of(batch);
-        let owners = self.attempt("find the owners of rows", PATIENCE, async |link| ids.find(link).await).await?;
+        let ids_in_model = |model: &mut dyn Model| Ok(model.owners(&ids.whiskers, &ids.actions, &ids.commands));
+        let owners =
+            self.attempt("find the owners of rows", PATIENCE, ids_in_model, async |link| ids.find(link).await).await?;
         let parts = Parts::of(std::mem::take(batch), &owners, split_journal);
-        let written = self.attempt("commit", PATIENCE, async |link| write(link, lease, &parts, refused).await).await;
+        let (asked, noted) = (Instant::now(), Mutex::new(&mut *refused));
+        let model = |model: &mut dyn Model| write_model(model, lease, &parts, (asked, &noted));
+        let written = async |link: &mut Link| write(link, lease, &parts, &noted).await;
+        let written = self.attempt("commit", PATIENCE, model, written).await;
         let left_out: HashSet<Owner> = match &written {
-            Ok(()) => refused.iter().map(|one| one.owner).collect(),
+            Ok(_) => refused.iter().map(|one| one.owner).collect(),
             Err(_) => HashSet::new(),
         };
         *batch = parts.without(&left_out);
-        written
+        lease.committed(written?);
+        Ok(())
     }
 }
 
@@ -62,16 +70,15 @@ async fn write(
     link: &mut Link,
     lease: &Lease,
     parts: &Parts<'_>,
-    refused: &mut Vec<Refused>,
-) -> Result<(), StoreError> {
+    noted: &Noted<'_>,
+) -> Result<Option<Instant>, StoreError> {
     let asked = Instant::now();
     let mut tx = link.begin().await.map_err(failed("begin a transaction"))?;
     if !lease.begin(&mut tx).await? {
         tx.rollback().await.map_err(failed("roll back"))?;
-        lease.committed(None);
-        return Ok(());
+        return Ok(None);
     }
-    refused.clear();
+    let mut refused = Vec::new();
     // Ranges of owners that remain to be tried; the first range is the last element.
     let mut waiting = Vec::from([Range { start: 0, end: parts.len() }]);
     while let Some(range) = waiting.pop() {
@@ -97,29 +104,65 @@ async fn write(
     }
     log_position::write(&mut tx, lease, &parts.rest().log).await?;
     commit::write_done(&mut tx, lease, parts.rest(), refused.is_empty()).await?;
+    note(noted, refused);
     tx.commit().await.map_err(failed("commit"))?;
-    lease.committed(Some(asked));
-    Ok(())
+    Ok(Some(asked))
+}
+
+/// As [`write`], into a model, one robot after the other; `asked` is the moment before its query.
+fn write_model(
+    model: &mut dyn Model,
+    lease: &Lease,
+    parts: &Parts<'_>,
+    (asked, noted): (Instant, &Noted<'_>),
+) -> Result<Option<Instant>, StoreError> {
+    atomically(model, |model| {
+        if !lease.begin_in(model)? {
+            return Ok(None);
+        }
+        let mut refused = Vec::new();
+        for at in 0..parts.len() {
+            let written = atomically(model, |model| {
+                model.write(lease, &parts.rows(at..at + 1))?;
+                if let Some(row) = journal_of(parts, at..at + 1) {
+                    model.write_journal(lease, &row, true)?;
+                }
+                Ok(())
+            });
+            let Err(problem) = written else { continue };
+            let Some(rejection) = problem.rejection() else { return Err(problem) };
+            refused.push(Refused { owner: parts.owner(at), rejection });
+        }
+        commit::end_model(model, lease, parts.rest(), refused.is_empty());
+        note(noted, refused);
+        Ok(Some(asked))
+    })
+}
+
+/// Owners whose rows the newest attempt has left out. They are noted before the end of its transaction, whose answer may be
+/// lost.
+type Noted<'r> = Mutex<&'r mut Vec<Refused>>;
+
+fn note(noted: &Noted<'_>, refused: Vec<Refused>) {
+    **noted.lock().unwrap_or_else(PoisonError::into_inner) = refused;
+}
+
+/// The row of the journal with the entries of a range of owners; `None` without any.
+fn journal_of(parts: &Parts<'_>, range: Range<usize>) -> Option<JournalRow> {
+    let (number, entries) = (parts.journal_number()?, parts.journal(range));
+    (!entries.is_empty()).then_some(JournalRow { number, entries })
 }
 
 async fn savepoint(tx: &mut Tx<'_>, sql: &'static str) -> Result<(), StoreError> {
     on!(tx, |tx| sqlx::raw_sql(sql).execute(&mut **tx).await.map(drop)).map_err(failed("set a savepoint"))
 }
 
-async fn write_range(
-    tx: &mut Tx<'_>,
-    lease: &Lease,
-    parts: &Parts<'_>,
-    range: std::ops::Range<usize>,
-) -> Result<(), StoreError> {
+async fn write_range(tx: &mut Tx<'_>, lease: &Lease, parts: &Parts<'_>, range: Range<usize>) -> Result<(), StoreError> {
     let rows: Rows<'_> = parts.rows(range.clone());
     commit::write_contacts(tx, rows.contacts).await?;
     records::write(tx, lease.fleet().as_str(), &rows).await?;
-    if let Some(number) = parts.journal_number() {
-        let entries = parts.journal(range);
-        if !entries.is_empty() {
-            append_journal(tx, lease, &JournalRow { number, entries }).await?;
-        }
+    if let Some(row) = journal_of(parts, range) {
+        append_journal(tx, lease, &row).await?;
     }
     events::write::write(tx, lease.fleet().as_str(), rows.events).await.map_err(failed("write events"))
 }

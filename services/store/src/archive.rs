@@ -10,6 +10,7 @@ use sqlx::{Postgres, Row as _, Sqlite};
 use super::database::{Either, Tx, on};
 use super::export::{CONTACTS, Cell, cell};
 use super::from_row::from_row;
+use super::model::{Model, none};
 use super::partitions::DAY_US;
 use super::set_aside::Tried;
 use super::{Lease, Store, StoreError, Writer, failed};
@@ -79,9 +80,15 @@ impl Writer {
     pub async fn archive_floor(&mut self, fleet: &Name) -> Result<i64, StoreError> {
         const WHAT: &str = "read the archive's horizon";
         const SQL: &str = "SELECT coalesce(max(written_to_us), 0) FROM archive_horizons WHERE fleet = $1";
-        self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_scalar(SQL).bind(fleet.as_str()).fetch_one(link).await).map_err(failed(WHAT))
-        })
+        self.attempt(
+            WHAT,
+            PATIENCE,
+            |model| Ok(model.archive_floor(fleet)),
+            async |link| {
+                on!(link, |link| sqlx::query_scalar(SQL).bind(fleet.as_str()).fetch_one(link).await)
+                    .map_err(failed(WHAT))
+            },
+        )
         .await
     }
 
@@ -95,7 +102,8 @@ impl Writer {
         const SQL: &str = "INSERT INTO archive_horizons (fleet, written_to_us) VALUES ($1, $2) \
              ON CONFLICT (fleet) DO UPDATE SET written_to_us = excluded.written_to_us \
              WHERE archive_horizons.written_to_us < excluded.written_to_us";
-        self.attempt(WHAT, PATIENCE, async |link| {
+        let model = |model: &mut dyn Model| lease.hold_in(model).map(|model| model.state_horizon(lease, written_to_us));
+        self.attempt(WHAT, PATIENCE, model, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
             on!(&mut tx, |tx| sqlx::query(SQL)
@@ -117,7 +125,7 @@ impl Writer {
     pub async fn plan_archive(&mut self, lease: &Lease, every_us: i64) -> Result<Option<Span>, StoreError> {
         const WHAT: &str = "plan a file of the archive";
         const SQL: &str = "UPDATE archives SET planned_to_us = $2 WHERE fleet = $1";
-        self.attempt(WHAT, PATIENCE, async |link| {
+        self.attempt(WHAT, PATIENCE, none, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
             let fleet = lease.fleet().as_str();
@@ -142,7 +150,7 @@ impl Writer {
     /// The database cannot be read, or the lease is lost.
     pub async fn is_archive_planned(&mut self, lease: &Lease, span: Span) -> Result<bool, StoreError> {
         const WHAT: &str = "check the plan of the archive";
-        self.attempt(WHAT, PATIENCE, async |link| {
+        self.attempt(WHAT, PATIENCE, none, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
             let at = position(&mut tx, lease.fleet().as_str()).await.map_err(failed(WHAT))?;
@@ -163,7 +171,7 @@ impl Writer {
         // Ids rise in the order of recording, so the next files need not look at rows before the first later one.
         const NEXT: &str = "UPDATE archives SET next_contact_id = coalesce((SELECT min(contact_id) FROM contacts \
              WHERE contact_id >= next_contact_id AND received_us >= $2), next_contact_id) WHERE fleet = $1";
-        self.attempt(WHAT, PATIENCE, async |link| {
+        self.attempt(WHAT, PATIENCE, none, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
             let fleet = lease.fleet().as_str();

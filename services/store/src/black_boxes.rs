@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use super::database::{Either, on};
 use super::from_row::from_row;
+use super::model::Model;
 use super::{Lease, Store, StoreError, Writer, failed};
 
 /// Number of boxes of a robot that are stored; the oldest are deleted first.
@@ -84,7 +85,8 @@ impl Writer {
              left_out = excluded.left_out, has_state = excluded.has_state, bytes = excluded.bytes, body = excluded.body";
         const LIMIT: &str = "DELETE FROM black_boxes WHERE robot_id = $1 AND event_us <= \
              (SELECT event_us FROM black_boxes WHERE robot_id = $1 ORDER BY event_us DESC LIMIT 1 OFFSET $2)";
-        self.attempt(WHAT, PATIENCE, async |link| {
+        let model = |model: &mut dyn Model| Ok(lease.hold_in(model)?.write_black_box(lease, one)?);
+        self.attempt(WHAT, PATIENCE, model, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             on!(&mut tx, |tx| sqlx::query(WRITE)
                 .bind(one.robot_id)
@@ -125,7 +127,8 @@ impl Writer {
     pub async fn end_black_boxes(&mut self, lease: &Lease) -> Result<(), StoreError> {
         const SQL: &str = "UPDATE black_boxes SET state = 'PARTIAL' WHERE state = 'RECORDING' AND robot_id IN \
              (SELECT robot_id FROM robots WHERE fleet = $1)";
-        self.attempt(WHAT, PATIENCE, async |link| {
+        let model = |model: &mut dyn Model| lease.hold_in(model).map(|model| model.end_black_boxes(lease));
+        self.attempt(WHAT, PATIENCE, model, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
             on!(&mut tx, |tx| sqlx::query(SQL).bind(lease.fleet().as_str()).execute(&mut **tx).await.map(drop))

@@ -3,6 +3,7 @@
 use super::actions::{Asked, NewAction, record_done};
 use super::database::{Tx, on};
 use super::from_row::from_row;
+use super::model::Model;
 use super::set_aside::Tried;
 use super::{Lease, Store, StoreError, Writer, failed};
 use tokio::time::Duration;
@@ -108,8 +109,9 @@ impl Writer {
     pub async fn calibrations(&mut self, lease: &Lease) -> Result<Vec<ActiveCalibration>, StoreError> {
         const WHAT: &str = "read the active calibrations";
         let fleet = lease.fleet().as_str();
+        let model = |model: &mut dyn Model| Ok(model.calibrations(lease).into_iter().map(Tried::Read).collect());
         let rows: Vec<Tried<ActiveCalibration>> = self
-            .attempt(WHAT, PATIENCE, async |link| {
+            .attempt(WHAT, PATIENCE, model, async |link| {
                 on!(link, |link| sqlx::query_as(ACTIVE).bind(fleet).fetch_all(link).await).map_err(failed(WHAT))
             })
             .await?;

@@ -4,27 +4,54 @@ use tokio::time::Instant;
 
 use super::batch::{ContactRow, JournalRow};
 use super::database::{Either, Link, Tx, on};
+use super::model::{Model, atomically};
 use super::postgres::whole::Whole;
 use super::tables::{CONTACTS, InFleet, JOURNAL, JOURNAL_UNFENCED};
 use super::{Batch, Lease, StoreError, events, failed, log_position, postgres, records};
 use crate::fault::{self, Fault};
 
-/// Writes a batch in one transaction. If an earlier attempt was committed and only its answer was lost, nothing is
-/// written.
-pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
+/// Writes a batch in one transaction. Returns the moment before its query; `None` if an earlier attempt was committed and
+/// only its answer was lost: then nothing is written.
+pub(super) async fn write(link: &mut Link, lease: &Lease, batch: &Batch) -> Result<Option<Instant>, StoreError> {
     let asked = Instant::now();
     if let Either::Postgres(link) = link
         && !fault::is(Fault::NoFence)
         && let Some(whole) = Whole::of(lease, batch)
         && whole.write(link).await?
     {
-        lease.committed(Some(asked));
-        return Ok(());
+        return Ok(Some(asked));
     }
     let asked = Instant::now();
     let is_new = write_in_steps(link, lease, batch).await?;
-    lease.committed(is_new.then_some(asked));
-    Ok(())
+    Ok(is_new.then_some(asked))
+}
+
+/// As [`write`], into a model; `asked` is the moment before its query.
+pub(super) fn write_model(
+    model: &mut dyn Model,
+    lease: &Lease,
+    batch: &Batch,
+    asked: Instant,
+) -> Result<Option<Instant>, StoreError> {
+    atomically(model, |model| {
+        if !lease.begin_in(model)? {
+            return Ok(None);
+        }
+        model.write(lease, &batch.rows())?;
+        if let Some(row) = &batch.journal {
+            model.write_journal(lease, row, false)?;
+        }
+        end_model(model, lease, batch, true);
+        Ok(Some(asked))
+    })
+}
+
+/// Writes into a model what does not belong to single robots; if rows of some are left out, the journal stays.
+pub(super) fn end_model(model: &mut dyn Model, lease: &Lease, batch: &Batch, is_complete: bool) {
+    model.set_log_positions(lease, &batch.log);
+    if let Some(number) = batch.journal_done.filter(|_| is_complete) {
+        model.forget_journal(lease, number);
+    }
 }
 
 /// Writes a batch with one statement for each kind of row, or for each row. Returns false if it was written before.

@@ -7,6 +7,7 @@ use vibrissa_core::robot::Numbers;
 use super::database::on;
 use super::events::write::{Whose, clear_alarms};
 use super::load::{held, next_number};
+use super::model::Model;
 use super::{Lease, StoreError, Writer, failed};
 
 /// Time limit of one statement.
@@ -39,7 +40,9 @@ impl Writer {
     /// The database cannot be written, or the lease is lost.
     pub async fn decommission(&mut self, lease: &Lease, robot_id: i64, now_us: i64) -> Result<(), StoreError> {
         const WHAT: &str = "decommission a robot";
-        self.attempt(WHAT, PATIENCE, async |link| {
+        let model =
+            |model: &mut dyn Model| lease.hold_in(model).map(|model| model.decommission(lease, robot_id, now_us));
+        self.attempt(WHAT, PATIENCE, model, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
             clear_alarms(&mut tx, Whose::Robot(robot_id), now_us).await.map_err(failed(WHAT))?;
             for sql in LEAVE {
@@ -72,32 +75,37 @@ impl Writer {
         const LAST: &str = "SELECT (SELECT max(trim_id) FROM trims WHERE robot_id = $1), \
              (SELECT max(compensation_id) FROM compensations WHERE robot_id = $1)";
         let fleet = lease.fleet().as_str();
-        self.attempt(WHAT, PATIENCE, async |link| {
-            let mut tx = held(link, lease, WHAT).await?;
-            let former: i64 = on!(&mut tx, |tx| sqlx::query_scalar(FORMER)
-                .bind(fleet)
-                .bind(robot)
-                .bind(boot_id)
-                .fetch_one(&mut **tx)
-                .await)
-            .map_err(failed(WHAT))?;
-            if former > 0 {
-                return Ok(None);
-            }
-            let robot_id: i64 = on!(&mut tx, |tx| sqlx::query_scalar(SQL)
-                .bind(fleet)
-                .bind(robot)
-                .bind(now_us)
-                .fetch_one(&mut **tx)
-                .await)
-            .map_err(failed(WHAT))?;
-            let (trim, compensation): (Option<i64>, Option<i64>) =
-                on!(&mut tx, |tx| sqlx::query_as(LAST).bind(robot_id).fetch_one(&mut **tx).await)
-                    .map_err(failed(WHAT))?;
-            tx.commit().await.map_err(failed(WHAT))?;
-            let numbers = Numbers { next_trim: next_number(trim), next_compensation: next_number(compensation) };
-            Ok(Some(Registered { robot_id, numbers }))
-        })
+        self.attempt(
+            WHAT,
+            PATIENCE,
+            |model| Ok(lease.hold_in(model)?.register(lease, robot, boot_id)),
+            async |link| {
+                let mut tx = held(link, lease, WHAT).await?;
+                let former: i64 = on!(&mut tx, |tx| sqlx::query_scalar(FORMER)
+                    .bind(fleet)
+                    .bind(robot)
+                    .bind(boot_id)
+                    .fetch_one(&mut **tx)
+                    .await)
+                .map_err(failed(WHAT))?;
+                if former > 0 {
+                    return Ok(None);
+                }
+                let robot_id: i64 = on!(&mut tx, |tx| sqlx::query_scalar(SQL)
+                    .bind(fleet)
+                    .bind(robot)
+                    .bind(now_us)
+                    .fetch_one(&mut **tx)
+                    .await)
+                .map_err(failed(WHAT))?;
+                let (trim, compensation): (Option<i64>, Option<i64>) =
+                    on!(&mut tx, |tx| sqlx::query_as(LAST).bind(robot_id).fetch_one(&mut **tx).await)
+                        .map_err(failed(WHAT))?;
+                tx.commit().await.map_err(failed(WHAT))?;
+                let numbers = Numbers { next_trim: next_number(trim), next_compensation: next_number(compensation) };
+                Ok(Some(Registered { robot_id, numbers }))
+            },
+        )
         .await
     }
 }

@@ -9,6 +9,7 @@ use tokio::time::Instant;
 use vibrissa_protocol::Name;
 
 use super::database::{Either, Tx, on};
+use super::model::Model;
 use super::{LossCause, StoreError, Supervisor, failed, postgres};
 use crate::fault::{self, Fault};
 
@@ -64,12 +65,14 @@ impl Lease {
     }
 
     /// Identifier of the owner's process.
-    pub(super) fn owner(&self) -> &str {
+    #[must_use]
+    pub fn owner(&self) -> &str {
         &self.owner
     }
 
     /// Time after which the lease expires if it is not renewed.
-    pub(super) fn time_to_live(&self) -> Duration {
+    #[must_use]
+    pub fn time_to_live(&self) -> Duration {
         self.time_to_live
     }
 
@@ -97,7 +100,16 @@ impl Lease {
             .await
             .map(|done| done.rows_affected()))
         .map_err(failed("check the lease"))?;
-        if held == 1 || fault::is(Fault::NoFence) { Ok(()) } else { Err(self.lost(LossCause::TakenOver)) }
+        self.if_held(held == 1)
+    }
+
+    /// As [`Self::hold`], in a model; returns the model.
+    pub(super) fn hold_in<'m>(&self, model: &'m mut dyn Model) -> Result<&'m mut dyn Model, StoreError> {
+        self.if_held(model.commits(self).is_some()).map(|()| model)
+    }
+
+    fn if_held(&self, is_held: bool) -> Result<(), StoreError> {
+        if is_held || fault::is(Fault::NoFence) { Ok(()) } else { Err(self.lost(LossCause::TakenOver)) }
     }
 
     /// Begins the owner's next transaction: advances the commit counter, which makes the transaction happen exactly
@@ -119,8 +131,15 @@ impl Lease {
         self.look_why(tx, before).await
     }
 
-    /// Distinguishes why the counter did not advance: false if this transaction was committed before, an error if the
-    /// lease is lost. A counter below the known one shows that the database went back to an earlier state.
+    /// As [`Self::begin`], in a model.
+    pub(super) fn begin_in(&self, model: &mut dyn Model) -> Result<bool, StoreError> {
+        let before = self.commits.load(Ordering::Relaxed);
+        if fault::is(Fault::NoFence) || model.count_commit(self, before) {
+            return Ok(true);
+        }
+        self.why(model.commits(self), before)
+    }
+
     async fn look_why(&self, tx: &mut Tx<'_>, before: i64) -> Result<bool, StoreError> {
         const SQL: &str = "SELECT commits FROM leases WHERE fleet = $1 AND epoch = $2 AND owner = $3";
         let commits: Option<i64> = on!(tx, |tx| sqlx::query_scalar(SQL)
@@ -130,6 +149,12 @@ impl Lease {
             .fetch_optional(&mut **tx)
             .await)
         .map_err(failed("check the lease"))?;
+        self.why(commits, before)
+    }
+
+    /// Distinguishes why the counter did not advance: false if this transaction was committed before, an error if the
+    /// lease is lost. A counter below the known one shows that the database went back to an earlier state.
+    fn why(&self, commits: Option<i64>, before: i64) -> Result<bool, StoreError> {
         match commits {
             Some(commits) if commits == before + 1 => Ok(false),
             Some(commits) if commits < before => {

@@ -16,10 +16,13 @@ use vibrissa_protocol::Name;
 /// The columns of a lease's row that change with each renewal. A competitor acquires the lease only if the row is still
 /// the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Renewal {
-    pub(super) epoch: i64,
-    pub(super) commits: i64,
-    pub(super) expires_us: i64,
+pub struct Renewal {
+    /// Epoch of the lease.
+    pub epoch: i64,
+    /// Number of its committed transactions.
+    pub commits: i64,
+    /// End of the lease, µs since 1970 UTC by the database's clock; 0 if it is released.
+    pub expires_us: i64,
 }
 
 /// A row of a lease or of a member, as read.
@@ -40,6 +43,18 @@ pub(super) enum Claim {
     Free(Renewal),
     /// Its owner is alive.
     Held,
+}
+
+impl Claim {
+    /// The row that must not have changed; `None` if the database's clock decides.
+    pub(super) fn seen(self) -> Option<Renewal> {
+        match self {
+            Self::Unknown => None,
+            Self::Free(seen) => Some(seen),
+            // No row has this epoch.
+            Self::Held => Some(Renewal { epoch: -1, commits: 0, expires_us: 0 }),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy)]

@@ -38,6 +38,7 @@ mod load;
 mod lock;
 mod log_position;
 mod membership;
+pub mod model;
 mod no_server;
 pub mod notes;
 pub mod overview;
@@ -72,9 +73,12 @@ pub use apart::Refused;
 pub use batch::Batch;
 pub use error::{LossCause, Rejection, RejectionCause, StoreError};
 pub use lease::Lease;
-pub use load::{JournalReading, NumberedWhisker, RobotState, StoredRobot};
+pub use lease_watch::Renewal;
+pub use load::{JournalReading, NumberedWhisker, RobotState, StoredRobot, StoredRobots};
 pub use log_position::LogPositions;
-pub use membership::{ClockReport, FleetLease, FleetsHeard, Membership, Present, Supervisor};
+pub use membership::{
+    ClockReport, FleetLease, FleetsHeard, LeaseRow, MemberRow, Membership, Present, SignedIn, Supervisor,
+};
 pub use no_server::{NoServer, Refusal};
 pub use postgres::Replication;
 pub use resolution::Resolution;
@@ -85,6 +89,7 @@ use connect::Options;
 use database::{ACQUIRE_PATIENCE, Either, Pool, on};
 use error::failed;
 use lease_watch::LeaseWatch;
+use model::ModelServer;
 
 /// An open database, for queries. Clones share its connections.
 #[derive(Debug, Clone)]
@@ -95,6 +100,8 @@ pub struct Store {
     set_aside: SetAside,
     /// Holds of webhooks by other supervisors.
     holds: Arc<Mutex<LeaseWatch>>,
+    /// Answers in place of SQL.
+    model: Option<Arc<dyn ModelServer>>,
 }
 
 impl Store {
@@ -112,7 +119,22 @@ impl Store {
                 (pool, Either::Postgres(route))
             }
         };
-        Ok(Self { pool, options: Arc::new(options), name, set_aside: SetAside::default(), holds: Arc::default() })
+        Ok(Self::of(pool, options, name))
+    }
+
+    fn of(pool: Pool, options: Options, name: Arc<str>) -> Self {
+        let options = Arc::new(options);
+        Self { pool, options, name, set_aside: SetAside::default(), holds: Arc::default(), model: None }
+    }
+
+    /// A database in memory, with PostgreSQL's meaning. Queries in SQL fail, because all connections are closed.
+    ///
+    /// # Panics
+    /// There is no Tokio runtime.
+    #[must_use]
+    pub fn modelled(server: Arc<dyn ModelServer>) -> Self {
+        let (pool, route) = postgres::closed();
+        Self { model: Some(server), ..Self::of(pool, Either::Postgres(route), "model".into()) }
     }
 
     /// Opens the database for a command beside the service, and migrates its tables. An SQLite file that a supervisor
@@ -129,13 +151,7 @@ impl Store {
             (Err(StoreError::InUse { .. }), DatabaseAddress::Sqlite(path)) => {
                 let name: Arc<str> = address.to_string().into();
                 let (pool, options) = sqlite::open_beside(path, &name).await?;
-                Ok(Self {
-                    pool,
-                    options: Arc::new(options),
-                    name,
-                    set_aside: SetAside::default(),
-                    holds: Arc::default(),
-                })
+                Ok(Self::of(pool, options, name))
             }
             (Err(problem), _) => Err(problem),
         }
@@ -158,6 +174,9 @@ impl Store {
     /// The database is unreachable, too old, behind a pooler that shares sessions, or not one of vibrissa;
     /// [`StoreError::is_passing`] is true only for the first.
     pub async fn prepare(&self) -> Result<(), StoreError> {
+        if let Some(model) = &self.model {
+            return model.query("migrate the tables", |_| Ok(())).await;
+        }
         if let Either::Postgres(route) = &*self.options {
             postgres::check(route, &self.name).await?;
         }
@@ -182,7 +201,7 @@ impl Store {
     /// A writer with its own connection.
     #[must_use]
     pub fn writer(&self) -> Writer {
-        Writer::new(self.options.clone(), self.set_aside.clone())
+        Writer::new(self.options.clone(), self.set_aside.clone(), self.model.clone())
     }
 
     /// The rows that could not be read.
@@ -215,6 +234,9 @@ impl Store {
     /// The database does not answer within three seconds, or answers with an error.
     pub async fn ping(&self) -> Result<(), StoreError> {
         const WHAT: &str = "check the connection";
+        if let Some(model) = &self.model {
+            return model.query(WHAT, |_| Ok(())).await;
+        }
         let asked = async { on!(&self.pool, |pool| sqlx::query("SELECT 1").execute(pool).await.map(drop)) };
         match tokio::time::timeout(ACQUIRE_PATIENCE, asked).await {
             Ok(answered) => answered.map_err(failed(WHAT)),

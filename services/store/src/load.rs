@@ -10,6 +10,7 @@ use vibrissa_core::units::Micros;
 
 use super::database::{Either, Link, Tx, on};
 use super::from_row::from_row;
+use super::model::Model;
 use super::set_aside::{SetAside, Tried};
 use super::{Lease, Store, StoreError, Writer, failed};
 use vibrissa_edge::words::Word;
@@ -192,7 +193,7 @@ impl Writer {
         const WHAT: &str = "load the robots";
         let set_aside = self.set_aside.clone();
         let load = async |link: &mut Link| robots(link, lease, (after, most), &set_aside).await.map_err(failed(WHAT));
-        self.attempt(WHAT, LOAD_PATIENCE, load).await
+        self.attempt(WHAT, LOAD_PATIENCE, |model| Ok(model.robots(lease, after, most)), load).await
     }
 
     /// The robot of this number in the lease's fleet; `None` if there is no such robot.
@@ -204,7 +205,8 @@ impl Writer {
         let set_aside = self.set_aside.clone();
         let load =
             async |link: &mut Link| robots(link, lease, (robot_id - 1, 1), &set_aside).await.map_err(failed(WHAT));
-        let next = self.attempt(WHAT, NUMBER_PATIENCE, load).await?.robots.pop();
+        let model = |model: &mut dyn Model| Ok(model.robots(lease, robot_id - 1, 1));
+        let next = self.attempt(WHAT, NUMBER_PATIENCE, model, load).await?.robots.pop();
         Ok(next.filter(|robot| robot.robot_id == robot_id))
     }
 
@@ -217,10 +219,15 @@ impl Writer {
         const SQL: &str = "SELECT number, log_partition, entries FROM journal WHERE fleet = $1 AND number > $2 \
              ORDER BY number LIMIT $3";
         let fleet = lease.fleet().as_str();
-        self.attempt(WHAT, LOAD_PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_as(SQL).bind(fleet).bind(after).bind(most).fetch_all(link).await)
-                .map_err(failed(WHAT))
-        })
+        self.attempt(
+            WHAT,
+            LOAD_PATIENCE,
+            |model| Ok(model.journal(lease, after, most)),
+            async |link| {
+                on!(link, |link| sqlx::query_as(SQL).bind(fleet).bind(after).bind(most).fetch_all(link).await)
+                    .map_err(failed(WHAT))
+            },
+        )
         .await
     }
 
@@ -232,7 +239,8 @@ impl Writer {
         const WHAT: &str = "assign a number to a boot";
         const SQL: &str = "INSERT INTO boots (robot_id, boot_id, first_seen_us) VALUES ($1, $2, $3) \
              ON CONFLICT (robot_id, boot_id) DO UPDATE SET boot_id = excluded.boot_id RETURNING boot";
-        self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
+        let model = |model: &mut dyn Model| Ok(lease.hold_in(model)?.boot(robot_id, boot_id)?);
+        self.attempt(WHAT, NUMBER_PATIENCE, model, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
             let boot = on!(&mut tx, |tx| sqlx::query_scalar(SQL)
                 .bind(robot_id)
@@ -262,7 +270,8 @@ impl Writer {
         robot: &Robot,
     ) -> Result<Vec<NumberedWhisker>, StoreError> {
         const WHAT: &str = "assign numbers to whiskers";
-        self.attempt(WHAT, NUMBER_PATIENCE, async |link| {
+        let model = |model: &mut dyn Model| Ok(lease.hold_in(model)?.whisker_ids(robot_id, robot)?);
+        self.attempt(WHAT, NUMBER_PATIENCE, model, async |link| {
             let mut tx = held(link, lease, WHAT).await?;
             let ids = number_whiskers(&mut tx, robot_id, robot).await.map_err(failed(WHAT))?;
             tx.commit().await.map_err(failed(WHAT))?;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::database::{Tx, on};
+use super::model::Model;
 use super::tables::{LOG_POSITIONS, LogPositionRow};
 use super::{Lease, StoreError, Writer, failed};
 
@@ -41,13 +42,21 @@ impl Writer {
         const WHAT: &str = "read the positions in the log";
         const SQL: &str = "SELECT log_partition, next FROM log_positions WHERE fleet = $1 AND topic = $2";
         let fleet = lease.fleet().as_str();
-        let rows: Vec<(i64, i64)> = self
-            .attempt(WHAT, PATIENCE, async |link| {
-                on!(link, |link| sqlx::query_as(SQL).bind(fleet).bind(topic).fetch_all(link).await)
-                    .map_err(failed(WHAT))
-            })
-            .await?;
-        Ok(rows.into_iter().filter_map(|(partition, next)| Some((u32::try_from(partition).ok()?, next))).collect())
+        self.attempt(
+            WHAT,
+            PATIENCE,
+            |model| Ok(model.log_positions(lease, topic)),
+            async |link| {
+                let rows: Vec<(i64, i64)> =
+                    on!(link, |link| sqlx::query_as(SQL).bind(fleet).bind(topic).fetch_all(link).await)
+                        .map_err(failed(WHAT))?;
+                Ok(rows
+                    .into_iter()
+                    .filter_map(|(partition, next)| Some((u32::try_from(partition).ok()?, next)))
+                    .collect())
+            },
+        )
+        .await
     }
 
     /// Sets positions before the effects of their records are committed, for a fault planted by a test.
@@ -56,7 +65,11 @@ impl Writer {
     /// The database cannot be written.
     pub async fn set_log_positions(&mut self, lease: &Lease, positions: &LogPositions) -> Result<(), StoreError> {
         const WHAT: &str = "set the positions in the log";
-        self.attempt(WHAT, PATIENCE, async |link| {
+        let model = |model: &mut dyn Model| {
+            model.set_log_positions(lease, positions);
+            Ok(())
+        };
+        self.attempt(WHAT, PATIENCE, model, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             write(&mut tx, lease, positions).await?;
             tx.commit().await.map_err(failed(WHAT))

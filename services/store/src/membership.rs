@@ -11,11 +11,13 @@ use vibrissa_protocol::Name;
 
 mod sign_in;
 
-use sign_in::{forget_the_gone, sign_in};
+use sign_in::{Answer, Question, forget_the_gone, membership, sign_in};
+pub use sign_in::{LeaseRow, MemberRow, SignedIn};
 
 use super::database::{Either, Tx, on};
 use super::lease::micros;
-use super::lease_watch::Claim;
+use super::lease_watch::Renewal;
+use super::model::Model;
 use super::{Lease, StoreError, Writer, failed};
 
 /// A supervisor as a member of the cluster.
@@ -116,24 +118,26 @@ impl Writer {
         clock: ClockReport,
     ) -> Result<Membership, StoreError> {
         const WHAT: &str = "renew the leases";
-        let asked = Instant::now();
-        let mut watch = std::mem::take(&mut self.lease_watch);
-        let signed_in = self
-            .attempt(WHAT, supervisor.time_to_live, async |link| {
+        let first = Question::now();
+        let model = |model: &mut dyn Model| Ok(Answer::Shared(model.sign_in(supervisor, held, hearing, clock), first));
+        let answer = self
+            .attempt(WHAT, supervisor.time_to_live, model, async |link| {
                 match link {
-                    Either::Sqlite(link) => {
-                        sqlite_membership(link, supervisor).await.map(|membership| (membership, Vec::new()))
-                    }
-                    Either::Postgres(link) => sign_in(link, supervisor, held, (hearing, clock), &mut watch).await,
+                    Either::Sqlite(link) => sqlite_membership(link, supervisor).await.map(Answer::Alone),
+                    Either::Postgres(link) => sign_in(link, supervisor, held, (hearing, clock)).await,
                 }
                 .map_err(failed(WHAT))
             })
-            .await;
-        self.lease_watch = watch;
-        let (membership, renewed): (_, Vec<String>) = signed_in?;
-        for lease in held.iter().filter(|lease| renewed.iter().any(|fleet| fleet == lease.fleet().as_str())) {
-            lease.confirmed(asked);
-        }
+            .await?;
+        let membership = match answer {
+            Answer::Alone(membership) => membership,
+            Answer::Shared(rows, question) => {
+                for lease in held.iter().filter(|lease| rows.renewed.iter().any(|one| one == lease.fleet().as_str())) {
+                    lease.confirmed(first.asked);
+                }
+                membership(rows, question, supervisor, &mut self.lease_watch)
+            }
+        };
         for lease in &membership.leases {
             self.know_epoch(&lease.fleet, lease.epoch);
         }
@@ -163,14 +167,20 @@ impl Writer {
         const WHAT: &str = "acquire leases";
         let asked = Instant::now();
         let known: Vec<u64> = fleets.iter().map(|fleet| self.highest_epoch(fleet)).collect();
-        let claims: Vec<Claim> = fleets.iter().map(|fleet| self.lease_watch.claim(fleet, asked)).collect();
-        let (epochs, is_shared) = self
-            .attempt(WHAT, supervisor.time_to_live, async |link| {
+        let seen: Vec<Option<Renewal>> =
+            fleets.iter().map(|fleet| self.lease_watch.claim(fleet, asked).seen()).collect();
+        let all = || fleets.iter().zip(&known).zip(&seen);
+        let model = |model: &mut dyn Model| {
+            let epochs = all().map(|((fleet, known), seen)| model.acquire(supervisor, fleet, *known, *seen));
+            Ok((epochs.collect(), true))
+        };
+        let (epochs, is_shared): (Vec<Option<i64>>, bool) = self
+            .attempt(WHAT, supervisor.time_to_live, model, async |link| {
                 let mut tx = link.begin().await.map_err(failed(WHAT))?;
                 let sql = if matches!(tx, Either::Postgres(_)) { ACQUIRE_POSTGRES } else { ACQUIRE_SQLITE };
                 let mut epochs = Vec::new();
-                for ((fleet, claim), known) in fleets.iter().zip(&claims).zip(&known) {
-                    let epoch = raise_epoch(&mut tx, sql, supervisor, (fleet, *claim), *known).await;
+                for ((fleet, known), seen) in all() {
+                    let epoch = raise_epoch(&mut tx, sql, supervisor, (fleet, *seen), *known).await;
                     epochs.push(epoch.map_err(failed(WHAT))?);
                 }
                 let is_shared = matches!(tx, Either::Postgres(_));
@@ -216,7 +226,11 @@ impl Writer {
         const WHAT: &str = "release a lease";
         const SQL: &str =
             "UPDATE leases SET owner = NULL, expires_us = 0 WHERE fleet = $1 AND epoch = $2 AND owner = $3";
-        self.attempt(WHAT, lease.time_to_live(), async |link| {
+        let model = |model: &mut dyn Model| {
+            model.release(lease);
+            Ok(())
+        };
+        self.attempt(WHAT, lease.time_to_live(), model, async |link| {
             on!(link, |link| sqlx::query(SQL)
                 .bind(lease.fleet().as_str())
                 .bind(lease.epoch() as i64)
@@ -236,7 +250,11 @@ impl Writer {
     pub async fn sign_out(&mut self, supervisor: &Supervisor) -> Result<(), StoreError> {
         const WHAT: &str = "sign out";
         const SQL: &str = "DELETE FROM supervisors WHERE supervisor = $1";
-        self.attempt(WHAT, supervisor.time_to_live, async |link| {
+        let model = |model: &mut dyn Model| {
+            model.sign_out(supervisor);
+            Ok(())
+        };
+        self.attempt(WHAT, supervisor.time_to_live, model, async |link| {
             on!(link, |link| sqlx::query(SQL).bind(&*supervisor.id).execute(link).await.map(drop)).map_err(failed(WHAT))
         })
         .await
@@ -269,15 +287,9 @@ async fn raise_epoch(
     tx: &mut Tx<'_>,
     sql: &'static str,
     supervisor: &Supervisor,
-    (fleet, claim): (&Name, Claim),
+    (fleet, seen): (&Name, Option<Renewal>),
     known: u64,
 ) -> sqlx::Result<Option<i64>> {
-    let seen = match claim {
-        Claim::Unknown => None,
-        Claim::Free(seen) => Some((seen.epoch, seen.commits, seen.expires_us)),
-        // No row has this epoch.
-        Claim::Held => Some((-1, 0, 0)),
-    };
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
     // The fourth parameter: time to live in µs (PostgreSQL), or the time in ms since 1970 (SQLite).
     let fourth =
@@ -289,9 +301,9 @@ async fn raise_epoch(
         .bind(&supervisor.name)
         .bind(fourth)
         .bind(known as i64)
-        .bind(seen.map(|seen| seen.0))
-        .bind(seen.map(|seen| seen.1))
-        .bind(seen.map(|seen| seen.2))
+        .bind(seen.map(|seen| seen.epoch))
+        .bind(seen.map(|seen| seen.commits))
+        .bind(seen.map(|seen| seen.expires_us))
         .fetch_optional(&mut **tx)
         .await)?;
     if let Some(epoch) = epoch {

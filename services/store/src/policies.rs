@@ -8,8 +8,10 @@ use vibrissa_core::policy::PolicyParams;
 use vibrissa_core::policy_numbers;
 use vibrissa_edge::words::named;
 
+use super::batch::PolicyRow;
 use super::database::on;
 use super::from_row::from_row;
+use super::model::Model;
 use super::set_aside::Tried;
 use super::{Lease, Store, StoreError, Writer, failed};
 
@@ -56,6 +58,19 @@ macro_rules! policy {
                     longer_for_shorter: named(&self.longer_for_shorter)?,
                     $($name: self.$name,)+
                 })
+            }
+        }
+
+        impl From<&PolicyRow> for PolicyReading {
+            fn from(row: &PolicyRow) -> Self {
+                let PolicyRow { fleet, version, changed_us, changed_by, reason, action_id, .. } = row.clone();
+                let [mode, objective, longer_for_shorter] =
+                    [row.mode, row.objective, row.longer_for_shorter].map(str::to_owned);
+                Self {
+                    fleet, version, mode, objective, longer_for_shorter,
+                    $($name: row.$name,)+
+                    changed_us, changed_by, reason, action_id,
+                }
             }
         }
 
@@ -108,8 +123,9 @@ impl Writer {
     pub async fn policy(&mut self, lease: &Lease) -> Result<Option<PolicyReading>, StoreError> {
         const WHAT: &str = "read the policy";
         let (sql, fleet) = (newest(), lease.fleet().as_str());
+        let model = |model: &mut dyn Model| Ok(model.policy(lease).map(Tried::Read));
         let read: Option<Tried<PolicyReading>> = self
-            .attempt(WHAT, PATIENCE, async |link| {
+            .attempt(WHAT, PATIENCE, model, async |link| {
                 on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(fleet).fetch_optional(link).await)
                     .map_err(failed(WHAT))
             })
@@ -123,10 +139,15 @@ impl Writer {
     /// The database cannot be read.
     pub async fn policy_version(&mut self, lease: &Lease) -> Result<i64, StoreError> {
         const WHAT: &str = "read the policy";
-        self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_scalar(VERSION).bind(lease.fleet().as_str()).fetch_one(link).await)
-                .map_err(failed(WHAT))
-        })
+        self.attempt(
+            WHAT,
+            PATIENCE,
+            |model| Ok(model.policy(lease).map_or(0, |policy| policy.version)),
+            async |link| {
+                on!(link, |link| sqlx::query_scalar(VERSION).bind(lease.fleet().as_str()).fetch_one(link).await)
+                    .map_err(failed(WHAT))
+            },
+        )
         .await
     }
 }

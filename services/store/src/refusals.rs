@@ -3,6 +3,7 @@
 use tokio::time::Duration;
 
 use super::database::on;
+use super::model::Model;
 use super::{Lease, StoreError, Writer, failed};
 
 /// Time limit for a transaction.
@@ -36,7 +37,8 @@ impl Writer {
         const SQL: &str = "INSERT INTO refusals (robot_id, topic, reason, refused, first_us, refused_us, problem) \
              VALUES ($1, $2, $3, $4, $5, $5, $6) ON CONFLICT (robot_id, topic, reason) DO UPDATE SET \
              refused = refusals.refused + excluded.refused, refused_us = excluded.refused_us, problem = excluded.problem";
-        self.attempt(WHAT, PATIENCE, async |link| {
+        let model = |model: &mut dyn Model| Ok(lease.hold_in(model)?.add_refusals(lease, rows)?);
+        self.attempt(WHAT, PATIENCE, model, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
             for row in rows {

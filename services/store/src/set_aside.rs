@@ -86,6 +86,14 @@ impl<T> Tried<T> {
         }
     }
 
+    /// The row with another content, if it can be read.
+    pub(crate) fn map<U>(self, change: impl FnOnce(T) -> U) -> Tried<U> {
+        match self {
+            Self::Read(read) => Tried::Read(change(read)),
+            Self::Unreadable(row) => Tried::Unreadable(row),
+        }
+    }
+
     /// An unreadable row is named by this column, which is not its first one.
     pub(crate) fn named(self, column: &str, id: Option<i64>) -> Self {
         match self {

@@ -11,6 +11,7 @@ use vibrissa_protocol::Name;
 use super::connect::Options;
 use super::database::{Either, Link};
 use super::lease_watch::LeaseWatch;
+use super::model::{Model, ModelServer};
 use super::{Batch, Lease, SetAside, StoreError, commit, failed};
 
 /// Time limit for one attempt: a server that hangs counts as unreachable.
@@ -21,6 +22,8 @@ const PATIENCE: Duration = Duration::from_secs(10);
 pub struct Writer {
     options: Arc<Options>,
     link: Option<Link>,
+    /// Answers in place of a connection.
+    model: Option<Arc<dyn ModelServer>>,
     /// Changes of the leader among several servers, seen since the connection was opened.
     changes: Option<watch::Receiver<u64>>,
     /// Newest epoch of each fleet in the database.
@@ -34,14 +37,15 @@ pub struct Writer {
 }
 
 impl Writer {
-    pub(super) fn new(options: Arc<Options>, set_aside: SetAside) -> Self {
-        let changes = match &*options {
-            Either::Sqlite(_) => None,
-            Either::Postgres(route) => Some(route.changes()),
+    pub(super) fn new(options: Arc<Options>, set_aside: SetAside, model: Option<Arc<dyn ModelServer>>) -> Self {
+        let changes = match (&model, &*options) {
+            (Some(model), _) => Some(model.leader_changes()),
+            (None, Either::Sqlite(_)) => None,
+            (None, Either::Postgres(route)) => Some(route.changes()),
         };
         let (last_epochs, highest_epochs) = (BTreeMap::new(), BTreeMap::new());
         let lease_watch = LeaseWatch::default();
-        Self { options, link: None, changes, last_epochs, highest_epochs, lease_watch, set_aside }
+        Self { options, link: None, model, changes, last_epochs, highest_epochs, lease_watch, set_aside }
     }
 
     /// Writes a batch in one transaction. Idempotent: retrying the same batch after an error never writes it twice.
@@ -49,18 +53,35 @@ impl Writer {
     /// # Errors
     /// The database cannot be written now, or the lease is lost.
     pub async fn commit(&mut self, lease: &Lease, batch: &Batch) -> Result<(), StoreError> {
-        self.attempt("commit", PATIENCE, async |link| commit::write(link, lease, batch).await).await
+        let asked = Instant::now();
+        let model = |model: &mut dyn Model| commit::write_model(model, lease, batch, asked);
+        let new = self.attempt("commit", PATIENCE, model, async |link| commit::write(link, lease, batch).await).await?;
+        lease.committed(new);
+        Ok(())
     }
 
-    /// Runs an operation on the connection within a time limit. The connection is used again only after a success: if
-    /// an answer is missing, it may never answer again. If the database gets a new leader meanwhile, the operation fails.
+    /// Runs an operation on the connection, or on the model, within a time limit. The connection is used again only after a
+    /// success: if an answer is missing, it may never answer again. If the database gets a new leader meanwhile, the
+    /// operation fails.
     pub(super) async fn attempt<T>(
         &mut self,
         what: &'static str,
         patience: Duration,
+        model: impl FnOnce(&mut dyn Model) -> Result<T, StoreError>,
         work: impl AsyncFnOnce(&mut Link) -> Result<T, StoreError>,
     ) -> Result<T, StoreError> {
         let deadline = Instant::now() + patience;
+        let late = || StoreError::NoAnswer { what, patience };
+        if let Some(server) = self.model.clone() {
+            self.changes.iter_mut().for_each(watch::Receiver::mark_unchanged);
+            let attempt = async {
+                tokio::select! {
+                    done = server.ask(what, model) => done,
+                    () = changed(&mut self.changes) => Err(failed(what)(former_leader())),
+                }
+            };
+            return timeout_at(deadline, attempt).await.unwrap_or_else(|_| Err(late()));
+        }
         let attempt = async {
             let is_of_leader = !self.changes.as_ref().is_some_and(|changes| changes.has_changed().unwrap_or(false));
             let mut link = match self.link.take().filter(|_| is_of_leader) {
@@ -73,8 +94,7 @@ impl Writer {
             };
             Ok((link, done))
         };
-        let (link, done) =
-            timeout_at(deadline, attempt).await.unwrap_or(Err(StoreError::NoAnswer { what, patience }))?;
+        let (link, done) = timeout_at(deadline, attempt).await.unwrap_or_else(|_| Err(late()))?;
         self.link = Some(link);
         Ok(done)
     }

@@ -40,6 +40,12 @@ impl PostgresAddress {
         Self { servers: self.servers.into_iter().map(with).collect(), password: Some(password.clone()), ..self }
     }
 
+    /// A server that no connection can be opened to.
+    pub(super) fn nowhere() -> Self {
+        let server = PgConnectOptions::new_without_pgpass().socket("/dev/null");
+        Self { servers: vec![server], connect_timeout: Duration::ZERO, password: None }
+    }
+
     /// The same servers with an application name, which PostgreSQL shows in its list of sessions.
     pub(super) fn named(self, application: &str) -> Self {
         // PgBouncer refuses the startup parameter `extra_float_digits`. PostgreSQL's default is exact, too.

@@ -10,8 +10,8 @@ mod touch_test;
 
 pub use compensation::*;
 pub use event::*;
-pub use parts::{Owner, Owners};
-pub(crate) use parts::{Parts, Rows};
+pub(crate) use parts::Parts;
+pub use parts::{Owner, Owners, Rows};
 pub use policy::{PolicyChanged, PolicyRow};
 pub use record::*;
 pub use rows::*;

@@ -73,17 +73,25 @@ impl Owners {
     }
 }
 
-/// The rows of a range of owners.
+/// The rows of a range of owners; the fields are those of [`Batch`].
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rows<'b> {
-    pub(crate) layouts: &'b [LayoutRow],
-    pub(crate) robots: &'b [RobotRow],
-    pub(crate) whiskers: &'b [WhiskerRow],
-    pub(crate) contacts: &'b [ContactRow],
-    pub(crate) rollups: &'b [RollupRow],
-    pub(crate) responses: &'b [ResponseRow],
-    pub(crate) records: &'b [Record],
-    pub(crate) events: &'b [EventRow],
+pub struct Rows<'b> {
+    /// New layouts.
+    pub layouts: &'b [LayoutRow],
+    /// Checkpoints of robots.
+    pub robots: &'b [RobotRow],
+    /// Checkpoints of whiskers.
+    pub whiskers: &'b [WhiskerRow],
+    /// Contacts that are stored as single rows.
+    pub contacts: &'b [ContactRow],
+    /// Aggregates of minutes and hours that have ended.
+    pub rollups: &'b [RollupRow],
+    /// Responses of compensators.
+    pub responses: &'b [ResponseRow],
+    /// All other rows, in their order.
+    pub records: &'b [Record],
+    /// Events for the log.
+    pub events: &'b [EventRow],
 }
 
 /// Number of kinds of rows; a kind is an index into `ends`.

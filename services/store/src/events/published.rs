@@ -34,6 +34,9 @@ impl Store {
     /// # Errors
     /// The database cannot be written.
     pub async fn follow_events(&self, fleet: &str, now_us: i64) -> Result<(), StoreError> {
+        if let Some(model) = &self.model {
+            return model.query("follow the events of a fleet", |_| Ok(())).await;
+        }
         const SQL: &str = "INSERT INTO event_positions (fleet, tx, event_id, seen_us) \
              SELECT CAST($1 AS TEXT), coalesce(max(tx), 0), coalesce(max(event_id), 0), CAST($2 AS BIGINT) FROM events \
              WHERE event_id = (SELECT max(event_id) FROM events WHERE fleet = $1) \

@@ -35,6 +35,14 @@ pub(super) fn open(address: &PostgresAddress, supervisor: &str) -> (Pool, Route)
     (Pool::Postgres(route.pool().clone()), route)
 }
 
+/// A pool that is closed, and a way to no server.
+pub(super) fn closed() -> (Pool, Route) {
+    let (pool, route) = open(&PostgresAddress::nowhere(), "model");
+    // It is closed from now on. There is no connection whose end must be awaited.
+    drop(route.pool().close());
+    (pool, route)
+}
+
 /// Finds the server that accepts writes, and checks that it is not too old and that sessions are whole.
 pub(super) async fn check(route: &Route, database: &str) -> Result<(), StoreError> {
     let opened = |source| StoreError::Open { database: database.to_owned(), source };

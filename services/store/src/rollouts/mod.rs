@@ -10,6 +10,7 @@ use utoipa::ToSchema;
 
 use super::database::on;
 use super::from_row::from_row;
+use super::model::Model;
 use super::set_aside::Tried;
 use super::time::Time;
 use super::{Lease, Store, StoreError, Writer, failed};
@@ -184,12 +185,16 @@ impl Writer {
              changed_robots, unchanged_robots, changed_error, unchanged_error, started_us, stage_us, updated_us, started_by, \
              reason FROM rollouts WHERE fleet = $1 AND state IN ('RUNNING', 'PAUSED')";
         let fleet = lease.fleet().as_str();
-        let stored: Option<Tried<Stored>> = self
-            .attempt(WHAT, PATIENCE, async |link| {
-                on!(link, |link| sqlx::query_as(SQL).bind(fleet).fetch_optional(link).await).map_err(failed(WHAT))
+        let model = |model: &mut dyn Model| Ok(model.open_rollout(lease).map(Tried::Read));
+        let stored: Option<Tried<RolloutRow>> = self
+            .attempt(WHAT, PATIENCE, model, async |link| {
+                let stored: Option<Tried<Stored>> =
+                    on!(link, |link| sqlx::query_as(SQL).bind(fleet).fetch_optional(link).await)
+                        .map_err(failed(WHAT))?;
+                Ok(stored.map(|row| row.map(Into::into)))
             })
             .await?;
-        Ok(stored.and_then(|row| self.set_aside.read("rollouts", row)).map(Into::into))
+        Ok(stored.and_then(|row| self.set_aside.read("rollouts", row)))
     }
 
     /// The mean error of each robot of the lease's fleet over the decisions since a time: the newest measured error of each
@@ -207,10 +212,19 @@ impl Writer {
              WHERE c.decided_us >= $1 AND r.fleet = $2) m WHERE error IS NOT NULL GROUP BY robot ORDER BY robot"
         );
         let fleet = lease.fleet().as_str();
-        self.attempt(WHAT, PATIENCE, async |link| {
-            on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(since_us).bind(fleet).fetch_all(link).await)
+        self.attempt(
+            WHAT,
+            PATIENCE,
+            |model| Ok(model.errors_since(lease, since_us)),
+            async |link| {
+                on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql))
+                    .bind(since_us)
+                    .bind(fleet)
+                    .fetch_all(link)
+                    .await)
                 .map_err(failed(WHAT))
-        })
+            },
+        )
         .await
     }
 }
