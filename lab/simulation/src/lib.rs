@@ -1,9 +1,15 @@
 //! The service in simulated time: supervisors, robots, broker, store and clocks in one thread, with faults, from one seed.
 
 pub mod broker;
+pub mod history;
 pub mod invariants;
+pub mod member;
 pub mod oracle;
 pub mod plan;
 pub mod process;
+pub mod record;
 pub mod robots;
+pub mod scenario;
+pub mod server;
 pub mod store;
+pub mod world;

@@ -49,6 +49,7 @@ fn cost(seed: u64) {
     let mut samples = Vec::new();
     stream::stream(&plan, |sample| samples.push(sample));
     let mut segmenter = Segmenter::new(Params::default());
+    #[expect(clippy::disallowed_methods, reason = "it measures its own time")]
     let begin = Instant::now();
     let events = samples.iter().filter(|sample| segmenter.push(**sample).is_some()).count();
     let ns = begin.elapsed().as_nanos() as f64 / samples.len() as f64;

@@ -57,7 +57,7 @@ pub struct Verdict {
 }
 
 /// The contacts of one boot. A long run has millions of contacts: each takes nine bytes, and each message four.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 struct Boot {
     /// Index of each message's first contact in the two lists below, by sequence number.
     starts: Vec<u32>,
@@ -68,6 +68,13 @@ struct Boot {
 }
 
 impl Boot {
+    /// Indices of a message's contacts in the lists.
+    fn contacts_of(&self, seq: u64) -> std::ops::Range<usize> {
+        let start = |seq: u64| usize::try_from(seq).ok().and_then(|seq| self.starts.get(seq)).map(|&at| at as usize);
+        let end = self.fingerprints.len();
+        start(seq).unwrap_or(end)..start(seq + 1).unwrap_or(end)
+    }
+
     /// Index of a contact in the lists.
     fn find(&self, seq: u64, position: usize) -> Option<usize> {
         let seq = usize::try_from(seq).ok()?;
@@ -78,7 +85,7 @@ impl Boot {
 }
 
 /// Every contact that robots made, by robot and boot, sequence number and position in the message.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 pub struct Ledger {
     boots: HashMap<(String, String), Boot>,
     rows: u64,
@@ -116,6 +123,46 @@ impl Ledger {
         };
         self.duplicate += u64::from(std::mem::replace(&mut boot.recorded[at], true));
         self.wrong += u64::from(boot.fingerprints[at] != row.content.fingerprint());
+    }
+
+    /// The first message from `next` on to below `until` of which a contact is not recorded, among those that the boot has made.
+    pub fn first_missing(&self, robot: &str, boot_id: &str, (next, until): (u64, u64)) -> Option<u64> {
+        let boot = self.boots.get(&(robot.to_owned(), boot_id.to_owned()))?;
+        let made = boot.starts.len() as u64;
+        (next..until.min(made)).find(|&seq| boot.contacts_of(seq).any(|at| !boot.recorded[at]))
+    }
+
+    /// Robot and boot of all contacts, in order.
+    pub fn boots(&self) -> impl Iterator<Item = (&str, &str)> {
+        let mut boots: Vec<_> = self.boots.keys().map(|(robot, boot)| (robot.as_str(), boot.as_str())).collect();
+        boots.sort_unstable();
+        boots.into_iter()
+    }
+
+    /// This ledger, in which only what `earlier` has as recorded is recorded.
+    #[must_use]
+    pub fn with_records_of(&self, earlier: &Self) -> Self {
+        let mut ledger = self.clone();
+        (ledger.rows, ledger.duplicate, ledger.wrong) = (earlier.rows, earlier.duplicate, earlier.wrong);
+        for (name, boot) in &mut ledger.boots {
+            let before = earlier.boots.get(name).map_or(&[][..], |boot| &boot.recorded);
+            let was = |at: usize| before.get(at).copied().unwrap_or_default();
+            boot.recorded.iter_mut().enumerate().for_each(|(at, recorded)| *recorded = was(at));
+        }
+        ledger
+    }
+
+    /// Takes the contacts of the messages below `until` as recorded, because their commits were lost.
+    pub fn forgive(&mut self, robot: &str, boot_id: &str, until: u64) {
+        let Some(boot) = self.boots.get_mut(&(robot.to_owned(), boot_id.to_owned())) else { return };
+        for at in (0..until).flat_map(|seq| boot.contacts_of(seq)).collect::<Vec<_>>() {
+            boot.recorded[at] = true;
+        }
+    }
+
+    /// Numbers of surplus rows and of wrong rows so far.
+    pub fn surplus(&self) -> (u64, u64) {
+        (self.duplicate, self.wrong)
     }
 
     /// Number of contacts made so far.

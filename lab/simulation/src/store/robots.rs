@@ -197,3 +197,20 @@ impl Robots for ModelStore {
     /// Nothing loads the boxes.
     fn end_black_boxes(&mut self, _: &Lease) {}
 }
+
+/// Names for those who read facts.
+impl ModelStore {
+    /// Robot, array and number of a whisker.
+    #[must_use]
+    pub fn name_of_whisker(&self, whisker_id: i64) -> Option<(&str, &str, i64)> {
+        let whisker = self.whiskers.get(&whisker_id)?;
+        Some((&self.robots.get(&whisker.robot_id)?.robot, &whisker.array, whisker.whisker))
+    }
+
+    /// The boots: number, robot, and identifier.
+    pub fn boots(&self) -> impl Iterator<Item = (i64, &str, &str)> {
+        self.boots.iter().filter_map(|((robot_id, boot_id), &boot)| {
+            Some((boot, self.robots.get(robot_id)?.robot.as_str(), boot_id.as_str()))
+        })
+    }
+}

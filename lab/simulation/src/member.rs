@@ -1,0 +1,119 @@
+//! A supervisor of the simulation: a host, its ways to broker and store, and the process that runs there.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::sync::watch;
+use vibrissa_core::mechanics::Formulation;
+use vibrissa_core::robot::Params;
+use vibrissa_program::task;
+use vibrissa_protocol::Name;
+use vibrissa_store::Store;
+use vibrissa_supervisor::engine::{ContactRetention, Limits};
+use vibrissa_supervisor::mqtt::BrokerAddress;
+use vibrissa_supervisor::service::{BlackBoxOptions, LEASE_TIME_TO_LIVE};
+use vibrissa_supervisor::supervision::{Supervision, SupervisionOptions};
+
+use crate::broker::{ModelBroker, Route};
+use crate::process::{HostClock, Process};
+use crate::server::{StoreServer, StoreWay};
+
+/// Latency between supervisor and broker in one direction.
+const LATENCY: Duration = Duration::from_micros(200);
+
+/// A supervisor, running or not.
+#[derive(Debug)]
+pub struct Member {
+    /// Its name, for people.
+    pub name: String,
+    /// The clock of its host.
+    pub host: Arc<HostClock>,
+    /// Its way to the broker.
+    pub route: Route,
+    /// Its way to the store.
+    pub way: Arc<StoreWay>,
+    fleets: Vec<Name>,
+    running: Option<Running>,
+    starts: u64,
+    seed: u64,
+}
+
+/// The process of a supervisor.
+#[derive(Debug)]
+struct Running {
+    process: Arc<Process>,
+    stop: watch::Sender<bool>,
+}
+
+impl Member {
+    /// A supervisor that does not run yet.
+    #[must_use]
+    pub fn new(
+        number: usize,
+        (seed, at_us, drift_ppm): (u64, i64, i64),
+        fleets: &[Name],
+        (broker, server): (&ModelBroker, &StoreServer),
+    ) -> Self {
+        Self {
+            name: format!("supervisor-{number}"),
+            host: Arc::new(HostClock::new(at_us, drift_ppm)),
+            route: Route::new(broker.clone(), LATENCY),
+            way: server.way(),
+            fleets: fleets.to_vec(),
+            running: None,
+            starts: 0,
+            seed: seed.wrapping_mul(31).wrapping_add(number as u64),
+        }
+    }
+
+    /// Starts it, unless it runs.
+    ///
+    /// # Panics
+    /// The supervision cannot start, although it needs neither files nor sockets.
+    pub fn start(&mut self) {
+        if self.process().is_some() {
+            return;
+        }
+        self.starts += 1;
+        let process = Process::new(self.seed.wrapping_add(self.starts << 32), self.host.clone(), self.route.clone());
+        let (stop, stopped) = watch::channel(false);
+        let options = SupervisionOptions {
+            name: self.name.clone(),
+            fleets: self.fleets.clone(),
+            is_new_installation: true,
+            lease_time_to_live: LEASE_TIME_TO_LIVE,
+            keep: ContactRetention::All,
+            black_boxes: BlackBoxOptions { seconds: 0, memory_mib: 0 },
+            limits: Limits::default(),
+            params: Arc::new(Params::nguyen_2021(Formulation::Consistent)),
+        };
+        let store = Store::modelled(self.way.clone());
+        let broker = BrokerAddress::new("broker", 1883);
+        process.enter(|| {
+            let supervision = Supervision::start(options, (store, true), broker, stopped);
+            let supervision = supervision.expect("a supervision without files");
+            task::spawn(supervision.ended());
+        });
+        self.running = Some(Running { process, stop });
+    }
+
+    /// Its process; `None` if it does not run.
+    #[must_use]
+    pub fn process(&self) -> Option<&Arc<Process>> {
+        self.running.as_ref().map(|running| &running.process).filter(|process| !process.is_dead())
+    }
+
+    /// Tells it to end in order.
+    pub fn stop(&mut self) {
+        if let Some(running) = &self.running {
+            let _ = running.stop.send(true);
+        }
+    }
+
+    /// Kills it now.
+    pub fn kill(&mut self) {
+        if let Some(running) = self.running.take() {
+            running.process.kill();
+        }
+    }
+}

@@ -1,0 +1,281 @@
+//! What is observed in a run: at the robots, at the broker, and in the store. Each observation is compared with the invariants.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use vibrissa_protocol::{Message, Topic, decode};
+use vibrissa_simulator::JournalEntry;
+use vibrissa_store::batch::{ContactRow, Record as Row, SetpointRow};
+
+use crate::invariants::{Invariant, Violation};
+use crate::oracle::ledger::{Content, Ledger, Recorded};
+use crate::oracle::obedience::{Decided, Obedience};
+use crate::robots::SimulatedRobot;
+use crate::store::{Fact, FactRow, ModelStore};
+
+/// Most violations that are kept.
+const VIOLATIONS: usize = 20;
+/// Highest pressure of a chamber, MPa.
+const PRESSURE_MAX_MPA: f64 = 0.2;
+/// Word of a setpoint whose commit a failover has lost.
+const LOST: &str = "ABANDONED";
+
+/// Array and number of a whisker, after its robot.
+pub type WhiskerName = (String, String, i64);
+
+/// What the store has said.
+#[derive(Debug, Default, Clone)]
+struct Committed {
+    ledger: Ledger,
+    decided: BTreeMap<String, Decided>,
+    trims: u64,
+    alarms: BTreeMap<String, u64>,
+}
+
+/// What was committed at a time.
+#[derive(Debug)]
+pub struct Snapshot(Committed);
+
+/// The observations of a run.
+#[derive(Debug, Default)]
+pub struct Record {
+    committed: Committed,
+    obedience: Obedience,
+    /// Robot and identifier of each boot, by number.
+    boots: BTreeMap<i64, (String, String)>,
+    /// Messages below this number are receipted, by robot and boot.
+    receipted: BTreeMap<(String, String), u64>,
+    /// The supervisor's boot of each epoch of a fleet.
+    owners: BTreeMap<(String, u64), String>,
+    /// Whiskers that were cut.
+    pub cut: BTreeSet<WhiskerName>,
+    /// Those of which a trim is reported.
+    pub found: BTreeSet<WhiskerName>,
+    violations: Vec<Violation>,
+    seen: (u64, u64),
+    /// Numbers of setpoints and of events.
+    pub events: u64,
+}
+
+impl Record {
+    /// The violations so far.
+    #[must_use]
+    pub fn violations(&self) -> &[Violation] {
+        &self.violations
+    }
+
+    /// Number of contacts that robots made, of setpoints that were decided, and of trims that were found.
+    #[must_use]
+    pub fn counts(&self) -> [u64; 3] {
+        [self.committed.ledger.count(), self.committed.decided.len() as u64, self.committed.trims]
+    }
+
+    /// Raised alarms by kind.
+    #[must_use]
+    pub fn alarms(&self) -> &BTreeMap<String, u64> {
+        &self.committed.alarms
+    }
+
+    /// Notes a violation.
+    pub fn violated(&mut self, invariant: Invariant, what: String) {
+        if self.violations.len() < VIOLATIONS {
+            self.violations.push(Violation { invariant, what });
+        }
+    }
+
+    /// Takes in what robots have felt, heard and applied, and then what was committed.
+    pub fn drain(&mut self, robots: &[SimulatedRobot], store: &mut ModelStore) -> Vec<Fact> {
+        for robot in robots {
+            let (name, entries) = robot.with(|robot| (robot.name().to_string(), robot.take_journal()));
+            for entry in entries {
+                match entry {
+                    JournalEntry::Felt(message) => self.committed.ledger.felt(&name, &message),
+                    JournalEntry::Heard(setpoint) => self.obedience.heard(&name, &setpoint),
+                    JournalEntry::Applied(setpoint) => {
+                        if !(0.0..=PRESSURE_MAX_MPA).contains(&setpoint.setpoint.pressure_mpa) {
+                            self.violated(Invariant::PressureInRange, format!("{name}: {:?}", setpoint.setpoint));
+                        }
+                        self.obedience.applied(&name, &setpoint);
+                    }
+                }
+            }
+        }
+        let facts = store.take_facts();
+        for fact in &facts {
+            self.fact(fact, store);
+        }
+        let (duplicate, wrong) = self.committed.ledger.surplus();
+        let before = std::mem::replace(&mut self.seen, (duplicate, wrong));
+        if duplicate > before.0 {
+            self.violated(Invariant::ContactOnce, format!("{duplicate} contacts twice"));
+        }
+        if wrong > before.1 {
+            self.violated(Invariant::ContactAsFelt, format!("{wrong} contacts that nobody felt"));
+        }
+        facts
+    }
+
+    fn fact(&mut self, fact: &Fact, store: &ModelStore) {
+        match &fact.row {
+            FactRow::Contact(row) => self.contact(row, store),
+            FactRow::Event(_) => self.events += 1,
+            FactRow::Record(Row::Setpoint(row)) => self.setpoint(row, store),
+            FactRow::Record(Row::SetpointState(row)) => {
+                if let Some(decided) = self.committed.decided.get_mut(&row.command_id) {
+                    row.state.clone_into(&mut decided.state);
+                }
+            }
+            FactRow::Record(Row::Trim(row)) => {
+                self.committed.trims += 1;
+                let Some(name) = name(store, row.whisker_id) else { return };
+                if !self.cut.contains(&name) {
+                    self.violated(Invariant::TrimIsTrue, format!("{name:?} was not cut: {row:?}"));
+                }
+                self.found.insert(name);
+            }
+            FactRow::Record(Row::Alarm(row)) => *self.committed.alarms.entry(row.kind.to_owned()).or_default() += 1,
+            FactRow::Record(Row::RobotAlarm(row)) => {
+                *self.committed.alarms.entry(row.kind.to_owned()).or_default() += 1;
+            }
+            FactRow::Record(_)
+            | FactRow::Rollup(_)
+            | FactRow::Response(_)
+            | FactRow::Refusal(_)
+            | FactRow::TurnedAway(_)
+            | FactRow::BlackBox(_) => {}
+        }
+    }
+
+    fn contact(&mut self, row: &ContactRow, store: &ModelStore) {
+        if !self.boots.contains_key(&row.boot) {
+            let all = store.boots().map(|(boot, robot, boot_id)| (boot, (robot.to_owned(), boot_id.to_owned())));
+            self.boots.extend(all);
+        }
+        let (Some((robot, boot_id)), Some(whisker)) =
+            (self.boots.get(&row.boot).cloned(), store.name_of_whisker(row.whisker_id))
+        else {
+            return self.violated(Invariant::ContactAsFelt, format!("unknown boot or whisker: {row:?}"));
+        };
+        self.committed.ledger.recorded(Recorded {
+            robot,
+            boot_id,
+            seq: row.seq as u64,
+            position: row.position as usize,
+            content: Content {
+                array: whisker.1.to_owned(),
+                whisker: whisker.2,
+                t_us: row.t_us,
+                values: [
+                    row.ratio.unwrap_or(f64::NAN),
+                    row.deflection_mm,
+                    row.strain,
+                    row.pressure_mpa,
+                    row.temperature_c,
+                ],
+            },
+        });
+    }
+
+    fn setpoint(&mut self, row: &SetpointRow, store: &ModelStore) {
+        let Some(whisker) = name(store, row.whisker_id) else { return };
+        let decided = Decided {
+            command_id: row.command_id.clone(),
+            whisker,
+            compensation_id: row.compensation_id,
+            order: (row.epoch, row.version),
+            pressure_mpa: row.pressure_mpa,
+            gain: row.gain.as_deref().and_then(|gain| serde_json::from_str(gain).ok()).unwrap_or_default(),
+            reason: row.reason.to_owned(),
+            state: "PENDING".to_owned(),
+        };
+        self.committed.decided.insert(row.command_id.clone(), decided);
+    }
+
+    /// Compares a message that a supervisor has published with what is committed by now.
+    pub fn published(&mut self, topic: &str, payload: &[u8]) {
+        let Ok(topic) = Topic::parse(topic) else { return };
+        match decode(&topic, payload) {
+            Ok(Message::Receipt(receipt)) => {
+                let Topic::Robot { robot, .. } = &topic else { return };
+                let boot = (robot.to_string(), receipt.robot_boot_id.to_string());
+                let from = self.receipted.get(&boot).copied().unwrap_or_default();
+                let ranges = [(from, receipt.next)].into_iter();
+                let held = receipt.held.iter().map(|&(first, last)| (first, last + 1));
+                let missing =
+                    ranges.chain(held).find_map(|range| self.committed.ledger.first_missing(&boot.0, &boot.1, range));
+                if let Some(seq) = missing {
+                    let what = format!("{}: message {seq} of boot {} is receipted", boot.0, boot.1);
+                    self.violated(Invariant::ReceiptAfterCommit, what);
+                }
+                self.receipted.insert(boot, from.max(receipt.next));
+            }
+            Ok(Message::SupervisorState(state)) => {
+                let Topic::SupervisorState { fleet } = &topic else { return };
+                let boot_id = state.boot_id.to_string();
+                let owner = self.owners.entry((fleet.to_string(), state.epoch)).or_insert_with(|| boot_id.clone());
+                if *owner != boot_id {
+                    let what = format!("{fleet}: epoch {} of {owner} and of {boot_id}", state.epoch);
+                    self.violated(Invariant::EpochOnce, what);
+                }
+            }
+            Ok(_) | Err(_) => {}
+        }
+    }
+
+    /// Compares the setpoints that robots applied with those in the database.
+    pub fn check_setpoints(&mut self) {
+        let decided: Vec<Decided> = self.committed.decided.values().cloned().collect();
+        let verdict = self.obedience.verdict(&decided);
+        for (invariant, count) in [
+            (Invariant::SetpointOnce, verdict.twice),
+            (Invariant::SetpointFresh, verdict.stale),
+            (Invariant::SetpointCommitted, verdict.uncommitted),
+            (Invariant::SetpointForDecision, verdict.two_for_one),
+        ] {
+            if count > 0 && !self.violations.iter().any(|one| one.invariant == invariant) {
+                self.violated(invariant, format!("{count} setpoints"));
+            }
+        }
+    }
+
+    /// Setpoints that have no end yet.
+    #[must_use]
+    pub fn pending(&self) -> Vec<String> {
+        let is_open = |state: &str| matches!(state, "PENDING" | "RECEIVED" | "APPLYING");
+        let open = self.committed.decided.values().filter(|one| is_open(&one.state));
+        open.map(|one| format!("{} {} of {:?}", one.command_id, one.state, one.whisker)).collect()
+    }
+
+    /// The first message of a robot's boot that is not recorded, of those that it has made.
+    #[must_use]
+    pub fn first_missing(&self) -> Option<String> {
+        let mut boots = self.committed.ledger.boots();
+        boots.find_map(|(robot, boot_id)| {
+            let seq = self.committed.ledger.first_missing(robot, boot_id, (0, u64::MAX))?;
+            Some(format!("{robot}: message {seq} of boot {boot_id}"))
+        })
+    }
+
+    /// Remembers what is committed, before a failover that loses what follows.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot(self.committed.clone())
+    }
+
+    /// Goes back to a snapshot: what was committed since then is lost, which is nobody's fault.
+    pub fn lose_since(&mut self, Snapshot(mut before): Snapshot) {
+        // Contacts that robots have felt since then are known to the present ledger alone.
+        before.ledger = self.committed.ledger.with_records_of(&before.ledger);
+        for ((robot, boot_id), until) in &self.receipted {
+            before.ledger.forgive(robot, boot_id, *until);
+        }
+        for (name, decided) in &self.committed.decided {
+            let lost = || Decided { state: LOST.to_owned(), ..decided.clone() };
+            before.decided.entry(name.clone()).or_insert_with(lost);
+        }
+        self.committed = before;
+    }
+}
+
+fn name(store: &ModelStore, whisker_id: i64) -> Option<WhiskerName> {
+    store.name_of_whisker(whisker_id).map(|(robot, array, whisker)| (robot.to_owned(), array.to_owned(), whisker))
+}

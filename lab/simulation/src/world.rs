@@ -1,0 +1,382 @@
+//! The world of a run: supervisors, robots, broker and store in one thread with tokio's paused clock.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use tokio::time::{Instant, sleep, sleep_until};
+use vibrissa_simulator::{Robot, RobotConfig};
+
+use crate::broker::{Delay, Limits, ModelBroker, Observed, Way};
+use crate::history::History;
+use crate::invariants::{Invariant, Violation};
+use crate::member::Member;
+use crate::plan::{Kind, Plan, Strike};
+use crate::record::{Record, Snapshot};
+use crate::robots::SimulatedRobot;
+use crate::scenario;
+use crate::server::StoreServer;
+use crate::store::ModelStore;
+
+/// True time at the start, µs since 1970 UTC.
+const BEGUN_US: i64 = 1_800_000_000_000_000;
+/// Time in which everything must settle after the last fault.
+const SETTLED_WITHIN: Duration = Duration::from_secs(180);
+/// Interval between two checks.
+const CHECKED_EVERY: Duration = Duration::from_millis(500);
+/// An hour in µs.
+const HOUR_US: i64 = 3_600_000_000;
+
+/// Result of a run.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The violations, in the order in which they were found.
+    pub violations: Vec<Violation>,
+    /// Simulated time.
+    pub simulated: Duration,
+    /// Contacts that robots made, setpoints that were decided, trims that were found.
+    pub counts: [u64; 3],
+    /// Hash of the history.
+    pub hash: u64,
+    /// Number of lines of the history.
+    pub lines_in_all: u64,
+    /// The newest lines of the history.
+    pub lines: Vec<String>,
+}
+
+/// Parts that observers share.
+#[derive(Debug)]
+pub(crate) struct Observations {
+    pub(crate) record: Record,
+    pub(crate) history: History,
+}
+
+/// The world.
+pub(crate) struct World {
+    begun: Instant,
+    pub(crate) broker: ModelBroker,
+    pub(crate) server: StoreServer,
+    pub(crate) members: Vec<Member>,
+    pub(crate) robots: Vec<SimulatedRobot>,
+    observations: Arc<Mutex<Observations>>,
+    /// The state before a failover under way.
+    failover: Option<(ModelStore, Snapshot)>,
+}
+
+/// Runs a plan in a runtime of its own.
+///
+/// # Panics
+/// The runtime cannot be made.
+#[must_use]
+pub fn run(plan: &Plan) -> Outcome {
+    let mut builder = tokio::runtime::Builder::new_current_thread();
+    builder.enable_time().start_paused(true);
+    #[cfg(tokio_unstable)]
+    builder.rng_seed(tokio::runtime::RngSeed::from_bytes(&plan.seed.to_le_bytes()));
+    let runtime = builder.build().expect("a runtime without I/O");
+    let outcome = runtime.block_on(World::new(plan).run(plan));
+    // Tasks that wait for ever are dropped.
+    runtime.shutdown_background();
+    outcome
+}
+
+impl World {
+    fn new(plan: &Plan) -> Self {
+        let begun = Instant::now();
+        let mut random = ChaCha8Rng::seed_from_u64(plan.seed ^ 0x0077_6f72_6c64);
+        let broker = ModelBroker::new(plan.seed, Limits::default());
+        let server = StoreServer::new(BEGUN_US + random.random_range(-100_000..100_000));
+        let fleets: Vec<_> = (0..plan.fleets).map(scenario::fleet).collect();
+        let (scenarios, cut) = scenario::scenarios(plan);
+        let mut robots = Vec::new();
+        for (fleet, one) in scenarios.iter().enumerate() {
+            for (number, config) in RobotConfig::all(one).enumerate() {
+                let robot = Robot::new(config, plan.seed, BEGUN_US as u64).expect("a valid scenario");
+                let seed = plan.seed ^ ((fleet as u64) << 32) ^ number as u64;
+                robots.push(SimulatedRobot::start(robot, &broker, (begun, BEGUN_US), seed));
+            }
+        }
+        let mut record = Record::default();
+        record.cut.extend(cut);
+        let observations = Arc::new(Mutex::new(Observations { record, history: History::default() }));
+        let mut members = Vec::new();
+        for number in 0..plan.supervisors {
+            let (ahead_us, drift_ppm) = (random.random_range(-200_000..200_000), random.random_range(-50..50));
+            let mut member =
+                Member::new(number, (plan.seed, BEGUN_US + ahead_us, drift_ppm), &fleets, (&broker, &server));
+            member.start();
+            members.push(member);
+        }
+        let world = Self { begun, broker, server, members, robots, observations, failover: None };
+        world.observe();
+        world
+    }
+
+    /// Compares each message with what is committed when the broker accepts it.
+    fn observe(&self) {
+        let (observations, server, robots) = (self.observations.clone(), self.server.clone(), self.robots.clone());
+        let begun = self.begun;
+        let observer = move |observed: &Observed<'_>| {
+            if observed.to.is_some() {
+                return;
+            }
+            let is_of_supervisor = observed.from.starts_with("vibrissa-");
+            let mut observations = locked(&observations);
+            let Observations { record, history } = &mut *observations;
+            let from = observed.from.rsplit_once('-').map_or(observed.from, |(before, _)| before);
+            let from = if is_of_supervisor { from.trim_start_matches("vibrissa-") } else { observed.from };
+            let payload = String::from_utf8_lossy(observed.payload);
+            history.add(observed.at - begun, from, "broker", &format!("{} {payload}", observed.topic));
+            if is_of_supervisor {
+                record.drain(&robots, &mut server.data());
+                record.published(observed.topic, observed.payload);
+            }
+        };
+        self.broker.observe(Box::new(observer));
+    }
+
+    async fn run(mut self, plan: &Plan) -> Outcome {
+        let mut steps: Vec<(Instant, usize, bool)> = Vec::new();
+        for (number, strike) in plan.strikes.iter().enumerate() {
+            steps.push((self.begun + strike.at, number, true));
+            steps.push((self.begun + strike.at + strike.lasts, number, false));
+        }
+        steps.sort_unstable();
+        let mut steps = steps.into_iter().peekable();
+        let end = self.begun + plan.length;
+        let mut checked = Instant::now();
+        loop {
+            let next = steps.peek().map(|step| step.0);
+            let until = next.unwrap_or(end).min(checked + CHECKED_EVERY);
+            sleep_until(until).await;
+            while let Some((_, number, is_begin)) = steps.next_if(|step| step.0 <= Instant::now()) {
+                let strike = &plan.strikes[number];
+                self.note("world", if is_begin { "begins" } else { "ends" }, &strike.to_string());
+                if is_begin { self.begin(strike) } else { self.end(strike) }
+            }
+            if Instant::now() >= checked + CHECKED_EVERY {
+                checked = Instant::now();
+                if self.check() {
+                    return self.outcome();
+                }
+            }
+            if steps.peek().is_none() && Instant::now() >= end {
+                break;
+            }
+        }
+        self.heal();
+        for robot in &self.robots {
+            robot.with(Robot::rest);
+        }
+        let settled_by = Instant::now() + SETTLED_WITHIN;
+        while !self.is_settled() && Instant::now() < settled_by {
+            sleep(CHECKED_EVERY).await;
+            if self.check() {
+                return self.outcome();
+            }
+        }
+        self.judge();
+        self.outcome()
+    }
+
+    /// Takes in what has happened. Returns whether an invariant is violated.
+    fn check(&self) -> bool {
+        let mut observations = self.observations();
+        if self.failover.is_none() {
+            observations.record.drain(&self.robots, &mut self.server.data());
+        }
+        !observations.record.violations().is_empty()
+    }
+
+    fn is_settled(&self) -> bool {
+        self.robots.iter().all(SimulatedRobot::is_receipted) && self.observations().record.pending().is_empty()
+    }
+
+    /// Compares the end with the invariants.
+    fn judge(&self) {
+        let mut observations = self.observations();
+        let record = &mut observations.record;
+        for robot in self.robots.iter().filter(|robot| !robot.is_receipted()) {
+            let (name, kept) = robot.with(|robot| (robot.name().to_string(), robot.messages_kept()));
+            record.violated(Invariant::ContactRecorded, format!("{name} has {kept} messages without a receipt"));
+        }
+        if let Some(missing) = record.first_missing() {
+            record.violated(Invariant::ContactRecorded, missing);
+        }
+        let pending = record.pending();
+        if let Some(first) = pending.first() {
+            record.violated(Invariant::SetpointEnds, format!("{} setpoints, the first {first}", pending.len()));
+        }
+        record.check_setpoints();
+    }
+
+    fn outcome(&self) -> Outcome {
+        let observations = self.observations();
+        let (record, history) = (&observations.record, &observations.history);
+        Outcome {
+            violations: record.violations().to_vec(),
+            simulated: self.begun.elapsed(),
+            counts: record.counts(),
+            hash: history.hash(),
+            lines_in_all: history.count(),
+            lines: history.lines().map(ToOwned::to_owned).collect(),
+        }
+    }
+
+    pub(crate) fn note(&self, from: &str, to: &str, what: &str) {
+        self.observations().history.add(self.begun.elapsed(), from, to, what);
+    }
+
+    fn observations(&self) -> MutexGuard<'_, Observations> {
+        locked(&self.observations)
+    }
+
+    fn member(&mut self, strike: &Strike) -> &mut Member {
+        let count = self.members.len();
+        &mut self.members[strike.victim % count]
+    }
+
+    fn robot(&self, strike: &Strike) -> &SimulatedRobot {
+        &self.robots[strike.victim % self.robots.len()]
+    }
+
+    /// A step of a clock, µs: from a tenth of a second to two hours, either way.
+    fn step_us(strike: &Strike) -> i64 {
+        let size_us = (100_000.0 * 72_000.0_f64.powf((strike.measure >> 8) as f64 / (1_u64 << 56) as f64)) as i64;
+        let size_us = size_us.min(2 * HOUR_US);
+        if strike.measure & 1 == 0 { size_us } else { -size_us }
+    }
+
+    fn begin(&mut self, strike: &Strike) {
+        let measure = strike.measure;
+        match strike.kind {
+            Kind::SupervisorKilled => {
+                if let Some(process) = self.member(strike).process() {
+                    process.kill_after(measure % 500);
+                }
+            }
+            Kind::SupervisorStopped => self.member(strike).stop(),
+            Kind::SupervisorFrozen => {
+                if let Some(process) = self.member(strike).process() {
+                    process.freeze();
+                }
+            }
+            Kind::HostClockStepped => self.member(strike).host.step(Self::step_us(strike)),
+            Kind::ToBrokerCut => self.member(strike).route.set_cut(Way::ToBroker, true),
+            Kind::FromBrokerCut => self.member(strike).route.set_cut(Way::ToClient, true),
+            Kind::BrokerLinkReset => self.member(strike).route.reset(),
+            Kind::SubscriptionsForgotten => {
+                let clients = self.broker.clients();
+                let receivers: Vec<_> = clients.iter().filter(|client| client.starts_with("vibrissa-")).collect();
+                if let Some(client) = receivers.get(strike.victim % receivers.len().max(1)) {
+                    self.broker.forget_subscriptions(client);
+                }
+            }
+            Kind::BrokerRestarted => {
+                self.broker.set_accepting(false);
+                self.broker.restart(crate::broker::Memory::Kept);
+            }
+            Kind::BrokerReplaced => {
+                self.broker.set_accepting(false);
+                self.broker.restart(crate::broker::Memory::Lost);
+            }
+            Kind::BrokerFrozen => self.broker.set_frozen(true),
+            Kind::Repetitions => self.broker.set_repetition(0.2),
+            Kind::SlowBroker => {
+                let most = Duration::from_millis(1 + measure % 3_000);
+                self.broker.set_delay(Way::ToClient, Delay { least: Duration::ZERO, spread: most });
+            }
+            Kind::RobotCut => self.robot(strike).cut(),
+            Kind::RobotAway => self.robot(strike).set_off(true),
+            Kind::ToStoreCut => self.member(strike).way.cut_requests(true),
+            Kind::FromStoreCut => self.member(strike).way.cut_answers(true),
+            Kind::AnswersLost => self.member(strike).way.lose_answers(true),
+            Kind::StoreSlow => self.server.set_work(Some(Duration::from_millis(20 + measure % 1_500))),
+            Kind::StoreAway => self.server.set_up(false),
+            Kind::StoreClockStepped => self.server.clock().step(Self::step_us(strike)),
+            Kind::StoreFailover => {
+                if self.failover.is_none() {
+                    let mut observations = locked(&self.observations);
+                    let mut data = self.server.data();
+                    observations.record.drain(&self.robots, &mut data);
+                    self.failover = Some((data.clone(), observations.record.snapshot()));
+                }
+            }
+            Kind::OperatorHolds => self.act(strike, "HOLD"),
+        }
+    }
+
+    fn end(&mut self, strike: &Strike) {
+        match strike.kind {
+            Kind::SupervisorKilled | Kind::SupervisorStopped => {
+                let member = self.member(strike);
+                member.kill();
+                member.start();
+            }
+            Kind::SupervisorFrozen => {
+                if let Some(process) = self.member(strike).process() {
+                    process.thaw();
+                }
+            }
+            Kind::HostClockStepped => self.member(strike).host.step(-Self::step_us(strike)),
+            Kind::ToBrokerCut => self.member(strike).route.set_cut(Way::ToBroker, false),
+            Kind::FromBrokerCut => self.member(strike).route.set_cut(Way::ToClient, false),
+            Kind::BrokerRestarted | Kind::BrokerReplaced => self.broker.set_accepting(true),
+            Kind::BrokerFrozen => self.broker.set_frozen(false),
+            Kind::Repetitions => self.broker.set_repetition(0.0),
+            Kind::SlowBroker => self.broker.set_delay(Way::ToClient, Delay::default()),
+            Kind::RobotAway => self.robot(strike).set_off(false),
+            Kind::ToStoreCut => self.member(strike).way.cut_requests(false),
+            Kind::FromStoreCut => self.member(strike).way.cut_answers(false),
+            Kind::AnswersLost => self.member(strike).way.lose_answers(false),
+            Kind::StoreSlow => self.server.set_work(None),
+            Kind::StoreAway => self.server.set_up(true),
+            Kind::StoreFailover => {
+                if let Some((before, snapshot)) = self.failover.take() {
+                    let mut observations = locked(&self.observations);
+                    observations.record.drain(&self.robots, &mut self.server.data());
+                    self.server.fail_over_to(before);
+                    observations.record.lose_since(snapshot);
+                }
+            }
+            Kind::OperatorHolds => self.act(strike, "RELEASE"),
+            Kind::BrokerLinkReset | Kind::SubscriptionsForgotten | Kind::RobotCut | Kind::StoreClockStepped => {}
+        }
+    }
+
+    /// Ends all faults.
+    fn heal(&mut self) {
+        for member in &mut self.members {
+            member.start();
+        }
+    }
+
+    /// An operator's action on a whisker.
+    fn act(&self, strike: &Strike, kind: &str) {
+        let (fleet, robot) = self.robot(strike).with(|robot| (robot.fleet().to_string(), robot.name().to_string()));
+        let now_us = self.server.clock().now_us();
+        let action = vibrissa_store::actions::NewAction {
+            fleet: Some(fleet),
+            robot: Some(robot),
+            array: Some("left".to_owned()),
+            whisker: Some((strike.measure % 2) as i64),
+            compensation_id: None,
+            alarm_id: None,
+            kind: kind.to_owned(),
+            parameters: "{}".to_owned(),
+            reason: None,
+            actor: "operator".to_owned(),
+            role: "OPERATOR".to_owned(),
+            request_id: String::new(),
+            idempotency_key: None,
+            asked_us: now_us,
+            expires_us: now_us + 30_000_000,
+        };
+        self.server.data().request_action(&action);
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
