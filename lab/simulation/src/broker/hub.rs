@@ -97,6 +97,11 @@ impl Hub {
     pub(super) fn submit(&mut self, now: Instant, link: LinkId, packet: Option<Packet>) {
         let due = now + self.delay(Way::ToBroker);
         let Some(port) = self.ports.get_mut(&link) else { return };
+        if packet.is_none() && port.inbound.is_held && !self.machine.knows(link) {
+            // No connection comes about through a cut network, and nothing remains of the attempt.
+            self.ports.remove(&link);
+            return;
+        }
         port.inbound.push(due, packet);
         self.pump_in(now, link);
         self.wake_clock();
@@ -213,7 +218,7 @@ impl Hub {
                 port.is_silent = true;
                 self.machine.counts.ended_silently += 1;
             } else {
-                self.cut_off(link);
+                self.cut_off(now, link);
                 self.machine.counts.ended += 1;
             }
             self.dispatch(now, effects);
@@ -221,20 +226,23 @@ impl Hub {
         self.wake_clock();
     }
 
-    /// Ends all connections without wills; what is on its way is lost.
+    /// Ends all connections without wills; what is on its way is lost. The new process is not frozen.
     pub(super) fn restart(&mut self, now: Instant, forgets_everything: bool) {
+        self.is_frozen = false;
         self.machine.restart(now, forgets_everything);
         for link in self.ports.keys().copied().collect::<Vec<_>>() {
-            self.cut_off(link);
+            self.cut_off(now, link);
         }
     }
 
-    fn cut_off(&mut self, link: LinkId) {
+    /// Ends a connection with all that is on its way. A client behind a cut learns of it after the healing.
+    fn cut_off(&mut self, now: Instant, link: LinkId) {
         let Some(port) = self.ports.get_mut(&link) else { return };
+        port.is_silent = true;
         port.inbound.clear();
         port.outbound.clear();
-        (port.is_ended, port.is_silent) = (true, true);
-        port.wake.notify_one();
+        port.outbound.push(now, None);
+        self.pump_out(now, link);
     }
 
     /// Holds or releases a direction of a client in this process.

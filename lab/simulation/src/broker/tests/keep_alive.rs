@@ -4,7 +4,7 @@ use rumqttc::{DisconnectReasonCode, Packet};
 use tokio::time::{Instant, sleep};
 
 use super::*;
-use crate::broker::Way;
+use crate::broker::{Memory, Way};
 
 #[tokio::test(start_paused = true)]
 async fn a_client_that_is_cut_off_for_one_and_a_half_keep_alives_is_ended_with_its_will() {
@@ -54,4 +54,25 @@ async fn a_client_whose_way_is_cut_reaches_the_broker_after_the_healing_only() {
     assert!(!connecting.is_finished() && broker.clients().is_empty());
     broker.set_held("client", Way::ToBroker, false);
     assert!(connecting.await.unwrap());
+}
+
+#[tokio::test(start_paused = true)]
+async fn nothing_remains_of_an_attempt_to_connect_through_a_cut() {
+    let broker = broker();
+    broker.set_held("client", Way::ToBroker, true);
+    assert!(timeout(LONG, mortal(&broker, "client")).await.is_err());
+    broker.set_held("client", Way::ToBroker, false);
+    sleep(LONG).await;
+    assert_eq!((broker.counts().connections, broker.counts().wills), (0, 0));
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_client_behind_a_cut_learns_of_the_end_after_the_healing() {
+    let broker = broker();
+    let mut client = connected(&broker, "client").await;
+    broker.set_held("client", Way::ToClient, true);
+    broker.restart(Memory::Kept);
+    assert!(timeout(LONG, client.recv()).await.is_err());
+    broker.set_held("client", Way::ToClient, false);
+    assert!(client.recv().await.is_none());
 }

@@ -1,11 +1,16 @@
 //! The supervisor's MQTT client, over a route.
 
+use std::sync::{Arc, Mutex};
+
 use rumqttc::{
     AsyncClient, ConnAck, ConnectionError, Event, EventLoop, LastWill, MqttOptions, Packet, PublishOptions, QoS,
 };
 
+use tokio::runtime::RngSeed;
+use tokio::time::{Instant, sleep};
+
 use super::*;
-use crate::broker::{Ending, Route, Way};
+use crate::broker::{Delay, Ending, Memory, Route, Way};
 
 /// A client that dials over this route.
 fn dialler(route: &Route, id: &str) -> (AsyncClient, EventLoop) {
@@ -139,4 +144,61 @@ async fn what_is_not_mqtt_ends_the_stream() {
     let mut end = Route::new(broker(), Duration::ZERO).connect().await.unwrap();
     end.write_all(&[0xFF; 16]).await.unwrap();
     assert_eq!(end.read(&mut [0; 8]).await.unwrap(), 0);
+}
+
+/// A client over a route that answers each message, connects again after failures, and never ends.
+async fn answers(route: Route) {
+    let (client, mut events) = dialler(&route, "far");
+    loop {
+        match events.poll().await {
+            Ok(Event::Incoming(Packet::ConnAck(_))) => client.try_subscribe("t", QoS::AtLeastOnce).unwrap(),
+            Ok(Event::Incoming(Packet::Publish(publish))) => {
+                client.try_publish("u", publish.payload, PublishOptions::new(QoS::AtLeastOnce)).unwrap();
+            }
+            Ok(_) => {}
+            Err(_) => sleep(Duration::from_secs(1)).await,
+        }
+    }
+}
+
+/// Each message with its time, in three minutes with cuts, resets, repetitions, losses and delays.
+async fn hard_times() -> Vec<String> {
+    let (broker, seen) = (broker(), Arc::new(Mutex::new(Vec::new())));
+    let (begun, sink) = (Instant::now(), seen.clone());
+    broker.observe(Box::new(move |observed| {
+        let (from, topic, to) = (observed.from, observed.topic, observed.to);
+        sink.lock().unwrap().push(format!("{:?} {from} {topic} {to:?}", observed.at - begun));
+    }));
+    broker.set_repetition(0.2);
+    for way in Way::BOTH {
+        broker.set_delay(way, Delay { least: Duration::ZERO, spread: Duration::from_millis(40) });
+    }
+    let route = Route::new(broker.clone(), Duration::from_millis(5));
+    let far = tokio::spawn(answers(route.clone()));
+    let mut near = subscribed(&broker, "near", "u").await;
+    for number in 0..600_u32 {
+        sleep(Duration::from_millis(300)).await;
+        say(&mut near, &number.to_string());
+        match number % 100 {
+            20 => route.set_cut(Way::ToBroker, true),
+            70 => route.set_cut(Way::ToBroker, false),
+            90 => route.reset(),
+            95 => broker.restart(Memory::Kept),
+            96 => near = subscribed(&broker, "near", "u").await,
+            _ => while near.try_recv().is_some() {},
+        }
+    }
+    far.abort();
+    std::mem::take(&mut *seen.lock().unwrap())
+}
+
+#[test]
+fn property_a_seed_gives_one_history_over_streams() {
+    let history = || {
+        let seed = RngSeed::from_bytes(b"7");
+        let mut runtime = tokio::runtime::Builder::new_current_thread();
+        runtime.enable_time().start_paused(true).rng_seed(seed).build().unwrap().block_on(hard_times())
+    };
+    let first = history();
+    assert!(first.len() > 1000 && first == history(), "{}", first.len());
 }
