@@ -53,9 +53,9 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// The values of Mosquitto; packets up to 2 MiB.
+    /// The values of `deploy/mosquitto/mosquitto.conf`.
     fn default() -> Self {
-        Self { in_flight_max: 20, packet_bytes_max: 2 * 1024 * 1024, queued_max: 1000 }
+        Self { in_flight_max: 65_535, packet_bytes_max: 270_336, queued_max: 100_000 }
     }
 }
 

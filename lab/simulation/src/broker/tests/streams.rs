@@ -61,7 +61,7 @@ async fn far(route: &Route) -> (AsyncClient, EventLoop) {
 async fn the_client_reads_what_the_broker_promises() {
     let (_client, mut events) = dialler(&Route::new(broker(), Duration::ZERO), "far");
     let properties = incoming(&mut events, conn_ack).await.unwrap().properties.unwrap();
-    assert_eq!((properties.receive_max, properties.max_packet_size), (Some(20), Some(2 * 1024 * 1024)));
+    assert_eq!((properties.receive_max, properties.max_packet_size), (Some(65_535), Some(270_336)));
     assert_eq!((properties.max_qos, properties.retain_available), (Some(1), Some(1)));
 }
 
