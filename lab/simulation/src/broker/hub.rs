@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
+use std::time::Duration;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -154,8 +155,11 @@ impl Hub {
         }
     }
 
-    fn delay(&mut self, way: Way) -> std::time::Duration {
-        self.delays.get(&way).copied().unwrap_or_default().draw(&mut self.random)
+    /// Draws the delay of a packet.
+    fn delay(&mut self, way: Way) -> Duration {
+        let delay = self.delays.get(&way).copied().unwrap_or_default().draw(&mut self.random);
+        self.machine.counts.delayed += u64::from(!delay.is_zero());
+        delay
     }
 
     fn pump_in(&mut self, now: Instant, link: LinkId) {
@@ -255,7 +259,7 @@ impl Hub {
             }
         }
         if is_held {
-            self.held.insert((client, way));
+            self.machine.counts.holds += u64::from(self.held.insert((client, way)));
         } else {
             self.held.remove(&(client, way));
             self.pump_all(now);

@@ -104,6 +104,7 @@ async fn delays_add_up_and_messages_never_overtake_each_other() {
         last = took_ms;
     }
     assert!(last > 40);
+    assert_eq!(broker.counts().delayed, 100);
 }
 
 #[tokio::test(start_paused = true)]

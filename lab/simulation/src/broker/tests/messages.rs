@@ -130,9 +130,11 @@ async fn properties_pass_and_the_expiry_counts_down() {
 #[tokio::test(start_paused = true)]
 async fn what_a_broker_does_not_accept_ends_the_connection_with_the_reason_and_the_will() {
     let large = Publish::new("t", QoS::AtMostOnce, vec![0; 3_000_000], None);
+    let alias = PublishProperties { topic_alias: Some(1), ..PublishProperties::default() };
     for (publish, reason) in [
         (large, DisconnectReasonCode::PacketTooLarge),
         (Publish::new("t", QoS::ExactlyOnce, "", None), DisconnectReasonCode::QoSNotSupported),
+        (Publish::new("t", QoS::AtMostOnce, "", Some(alias)), DisconnectReasonCode::TopicAliasInvalid),
         (Publish::new("t/+", QoS::AtMostOnce, "", None), DisconnectReasonCode::TopicNameInvalid),
         (Publish::new("", QoS::AtMostOnce, "", None), DisconnectReasonCode::TopicNameInvalid),
     ] {
