@@ -1,5 +1,8 @@
 //! The brokers under test, each with the users [`ALL`], who may do everything, and [`FEW`], who may use its own topics.
 
+use tokio::net::TcpListener;
+use tokio::task::JoinHandle;
+use vibrissa_simulation::broker::{Limits, ModelBroker};
 use vibrissa_supervisor::broker::Broker as Embedded;
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::rmqtt::Rmqtt;
@@ -10,6 +13,8 @@ use crate::artemis::Artemis;
 pub(crate) const ALL: &str = "all";
 /// User that may publish and subscribe on `whisker/v1/f/few/#` only.
 pub(crate) const FEW: &str = "few";
+/// Topic on which [`FEW`] may not publish. The model, which has no users, refuses it to all.
+pub(crate) const FOREIGN: &str = "whisker/v1/f/r/setpoint";
 /// Password of both.
 pub(crate) const PASSWORD: &str = "correct-horse";
 
@@ -21,6 +26,8 @@ pub(crate) enum Engine {
     Rmqtt,
     RmqttCluster,
     Artemis,
+    /// The broker of the simulation: it must do what real ones do. It is in no column of docs/brokers.md.
+    Model,
 }
 
 impl Engine {
@@ -36,6 +43,7 @@ impl Engine {
             Self::Rmqtt => "RMQTT",
             Self::RmqttCluster => "RMQTT, 3 nodes",
             Self::Artemis => "Artemis",
+            Self::Model => "model",
         }
     }
 
@@ -51,6 +59,13 @@ impl Engine {
             Self::Rmqtt => Started::Rmqtt(Rmqtt::start(1, &rmqtt_rules())?),
             Self::RmqttCluster => Started::Rmqtt(Rmqtt::start(3, &rmqtt_rules())?),
             Self::Artemis => Started::Artemis(Artemis::start()?),
+            Self::Model => {
+                let broker = ModelBroker::new(0, Limits::default());
+                broker.refuse(FOREIGN);
+                let listener = TcpListener::bind(("127.0.0.1", 0)).await.unwrap();
+                let port = listener.local_addr().unwrap().port();
+                Started::Model(port, tokio::spawn(async move { broker.listen(listener).await.unwrap() }))
+            }
         })
     }
 }
@@ -75,6 +90,8 @@ pub(crate) enum Started {
     Mosquitto(Mosquitto),
     Rmqtt(Rmqtt),
     Artemis(Artemis),
+    /// Its port, and the task that accepts connections.
+    Model(u16, JoinHandle<()>),
 }
 
 impl Started {
@@ -85,23 +102,26 @@ impl Started {
             Self::Mosquitto(broker) => vec![broker.port()],
             Self::Rmqtt(cluster) => cluster.ports(),
             Self::Artemis(brokers) => brokers.ports.clone(),
+            Self::Model(port, _) => vec![*port],
         }
     }
 
     /// Kills a node.
     pub(crate) fn kill(&mut self, node: usize) {
         match self {
-            Self::Embedded(_) => panic!("it runs in this process"),
+            Self::Embedded(_) | Self::Model(..) => panic!("it runs in this process"),
             Self::Mosquitto(broker) => broker.kill(),
             Self::Rmqtt(cluster) => cluster.kill(node),
             Self::Artemis(brokers) => brokers.brokers[node].kill(),
         }
     }
 
-    /// Ends the broker. Dropping the embedded one would not end it.
+    /// Ends the broker. Dropping one that runs in this process would not end it.
     pub(crate) async fn stop(self) {
-        if let Self::Embedded(broker) = self {
-            broker.stop().await;
+        match self {
+            Self::Embedded(broker) => broker.stop().await,
+            Self::Model(_, accepting) => accepting.abort(),
+            Self::Mosquitto(_) | Self::Rmqtt(_) | Self::Artemis(_) => {}
         }
     }
 }

@@ -9,7 +9,7 @@ use rumqttc::{QoS, RetainForwardRule, SubscribeFilterInput};
 use vibrissa_protocol::PAYLOAD_MAX_BYTES;
 use vibrissa_tests::mqtt_311::OldClient;
 
-use crate::engine::{ALL, FEW, PASSWORD};
+use crate::engine::{ALL, FEW, FOREIGN, PASSWORD};
 use crate::peer::{ANSWER, PACKET_MAX, Peer, Who};
 
 /// A time in which nothing must come.
@@ -397,7 +397,7 @@ impl Stage {
     async fn refused_publication(&mut self) -> Checked {
         let mut few = self.few("few-writer").await?;
         few.publish("whisker/v1/f/few/contacts", "own").await?;
-        let refused = few.publish("whisker/v1/f/r/setpoint", "foreign").await;
+        let refused = few.publish(FOREIGN, "foreign").await;
         let Err(reason) = refused else { return Err("it is acknowledged as if it were accepted".to_owned()) };
         wants(reason.contains("NotAuthorized"), || format!("reported as {reason}"))?;
         few.publish("whisker/v1/f/few/contacts", "still here").await.map_err(|ended| format!("then {ended}"))

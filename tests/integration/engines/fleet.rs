@@ -54,6 +54,11 @@ async fn a_fleet_works_on_artemis() {
     works_on(Engine::Artemis).await;
 }
 
+#[tokio::test]
+async fn a_fleet_works_on_the_model_broker() {
+    works_on(Engine::Model).await;
+}
+
 /// Robots at the last node; the supervisor prefers the first one, which is killed.
 #[tokio::test]
 async fn a_fleet_survives_the_node_of_its_supervisor() {

@@ -1,7 +1,8 @@
 //! The features of brokers that the supervisor and its robots need, and a fleet on each broker.
 //!
 //! Mosquitto, the embedded broker, RMQTT (one node and three) and Apache Artemis (one and a pair). `tests/artemis` and
-//! `tests/rmqtt` install the last two; an engine that is not installed is skipped, and the skip is printed.
+//! `tests/rmqtt` install the last two; an engine that is not installed is skipped, and the skip is printed. The model broker of
+//! the simulation passes the same checks.
 
 #![allow(
     clippy::unwrap_used,

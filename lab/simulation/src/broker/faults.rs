@@ -30,8 +30,8 @@ impl ModelBroker {
         self.hub().end(Instant::now(), client, ending == Ending::Silent);
     }
 
-    /// Ends all connections without their wills; messages on their way are lost. For a time between stop and start, use
-    /// [`Self::set_accepting`], too.
+    /// Ends all connections without their wills; messages on their way are lost. The broker is no longer frozen. For a time
+    /// between stop and start, use [`Self::set_accepting`], too.
     pub fn restart(&self, memory: Memory) {
         self.hub().restart(Instant::now(), memory == Memory::Lost);
     }

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
+use std::time::Duration;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -97,6 +98,11 @@ impl Hub {
     pub(super) fn submit(&mut self, now: Instant, link: LinkId, packet: Option<Packet>) {
         let due = now + self.delay(Way::ToBroker);
         let Some(port) = self.ports.get_mut(&link) else { return };
+        if packet.is_none() && port.inbound.is_held && !self.machine.knows(link) {
+            // No connection comes about through a cut network, and nothing remains of the attempt.
+            self.ports.remove(&link);
+            return;
+        }
         port.inbound.push(due, packet);
         self.pump_in(now, link);
         self.wake_clock();
@@ -149,8 +155,11 @@ impl Hub {
         }
     }
 
-    fn delay(&mut self, way: Way) -> std::time::Duration {
-        self.delays.get(&way).copied().unwrap_or_default().draw(&mut self.random)
+    /// Draws the delay of a packet.
+    fn delay(&mut self, way: Way) -> Duration {
+        let delay = self.delays.get(&way).copied().unwrap_or_default().draw(&mut self.random);
+        self.machine.counts.delayed += u64::from(!delay.is_zero());
+        delay
     }
 
     fn pump_in(&mut self, now: Instant, link: LinkId) {
@@ -213,7 +222,7 @@ impl Hub {
                 port.is_silent = true;
                 self.machine.counts.ended_silently += 1;
             } else {
-                self.cut_off(link);
+                self.cut_off(now, link);
                 self.machine.counts.ended += 1;
             }
             self.dispatch(now, effects);
@@ -221,20 +230,23 @@ impl Hub {
         self.wake_clock();
     }
 
-    /// Ends all connections without wills; what is on its way is lost.
+    /// Ends all connections without wills; what is on its way is lost. The new process is not frozen.
     pub(super) fn restart(&mut self, now: Instant, forgets_everything: bool) {
+        self.is_frozen = false;
         self.machine.restart(now, forgets_everything);
         for link in self.ports.keys().copied().collect::<Vec<_>>() {
-            self.cut_off(link);
+            self.cut_off(now, link);
         }
     }
 
-    fn cut_off(&mut self, link: LinkId) {
+    /// Ends a connection with all that is on its way. A client behind a cut learns of it after the healing.
+    fn cut_off(&mut self, now: Instant, link: LinkId) {
         let Some(port) = self.ports.get_mut(&link) else { return };
+        port.is_silent = true;
         port.inbound.clear();
         port.outbound.clear();
-        (port.is_ended, port.is_silent) = (true, true);
-        port.wake.notify_one();
+        port.outbound.push(now, None);
+        self.pump_out(now, link);
     }
 
     /// Holds or releases a direction of a client in this process.
@@ -247,7 +259,7 @@ impl Hub {
             }
         }
         if is_held {
-            self.held.insert((client, way));
+            self.machine.counts.holds += u64::from(self.held.insert((client, way)));
         } else {
             self.held.remove(&(client, way));
             self.pump_all(now);

@@ -5,6 +5,9 @@
 //! protocol, without any I/O; `hub` the delays between clients and machine. Time is that of tokio, so it may be paused.
 //! With one seed, the same calls in the same order have the same results.
 //!
+//! The supervisor's client connects with `set_socket_connector(move |_, _| { let route = route.clone(); async move {
+//! route.connect().await } })`.
+//!
 //! It knows QoS 0 and 1, sessions, wills without a delay, retained messages and expiry. It lowers subscriptions with QoS 2
 //! to 1, and refuses publications with QoS 2, shared subscriptions and topic aliases. It knows no users.
 
@@ -53,9 +56,9 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// The values of Mosquitto; packets up to 2 MiB.
+    /// The values of `deploy/mosquitto/mosquitto.conf`.
     fn default() -> Self {
-        Self { in_flight_max: 20, packet_bytes_max: 2 * 1024 * 1024, queued_max: 1000 }
+        Self { in_flight_max: 65_535, packet_bytes_max: 270_336, queued_max: 100_000 }
     }
 }
 

@@ -45,6 +45,10 @@ pub struct Counts {
     pub forgotten_retained: u64,
     /// Times that the broker was frozen.
     pub freezes: u64,
+    /// Times that a direction of a client in this process was held.
+    pub holds: u64,
+    /// Packets delayed, in both directions.
+    pub delayed: u64,
 }
 
 /// A message that the broker has accepted, or sends to a client.

@@ -1,6 +1,6 @@
 //! The session of a client: what waits for it, and what it has not acknowledged.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::time::Duration;
 
 use rumqttc::{ConnectProperties, Publish, QoS};
@@ -28,6 +28,8 @@ pub(super) struct Session {
     queue: VecDeque<Delivery>,
     /// Deliveries that are sent and not acknowledged, in their order.
     in_flight: VecDeque<Delivery>,
+    /// Packet identifiers of the deliveries that were sent and are not acknowledged, in this connection or an earlier one.
+    ids: BTreeSet<u16>,
     last_id: u16,
     /// Limit of `in_flight`: the client's receive maximum, and the broker's limit.
     window: usize,
@@ -82,14 +84,13 @@ impl Session {
                 return None;
             }
             let mut delivery = self.queue.pop_front()?;
-            if delivery.message.has_expired(now) {
-                counts.expired += 1;
-                continue;
-            }
+            let has_expired = delivery.message.has_expired(now);
             let id = if is_acknowledged { delivery.id.unwrap_or_else(|| self.fresh_id()) } else { 0 };
             let packet = delivery.packet(now, id);
-            if packet.size() > self.packet_max {
-                counts.too_large += 1;
+            if has_expired || packet.size() > self.packet_max {
+                counts.expired += u64::from(has_expired);
+                counts.too_large += u64::from(!has_expired);
+                self.ids.remove(&id);
                 continue;
             }
             let from = delivery.message.from.clone();
@@ -101,14 +102,11 @@ impl Session {
         }
     }
 
-    /// A packet identifier that no delivery has.
+    /// A packet identifier that no delivery has. The window is smaller than their number.
     fn fresh_id(&mut self) -> u16 {
         loop {
             self.last_id = self.last_id.checked_add(1).unwrap_or(1);
-            let is_taken = |delivery: &Delivery| delivery.id == Some(self.last_id);
-            // Deliveries to repeat are at the front of the queue.
-            let repeated = self.queue.iter().take_while(|delivery| delivery.id.is_some());
-            if !self.in_flight.iter().chain(repeated).any(is_taken) {
+            if self.ids.insert(self.last_id) {
                 return self.last_id;
             }
         }
@@ -118,6 +116,7 @@ impl Session {
     pub(super) fn acknowledged(&mut self, id: u16) {
         if let Some(at) = self.in_flight.iter().position(|delivery| delivery.id == Some(id)) {
             self.in_flight.remove(at);
+            self.ids.remove(&id);
         }
     }
 }

@@ -101,10 +101,17 @@ impl Machine {
         self.subscriptions.forget(client);
     }
 
+    /// Whether this is a connection that was accepted and has not ended.
+    pub(in crate::broker) fn knows(&self, link: LinkId) -> bool {
+        self.links.contains_key(&link)
+    }
+
     /// Connections of this client, or all.
     pub(in crate::broker) fn links_of(&self, client: Option<&str>) -> Vec<LinkId> {
-        let is_meant = |known: &Link| client.is_none_or(|client| *known.client == *client);
-        self.links.iter().filter(|(_, known)| is_meant(known)).map(|(link, _)| *link).collect()
+        match client {
+            None => self.links.keys().copied().collect(),
+            Some(client) => self.sessions.get(client).and_then(|session| session.link).into_iter().collect(),
+        }
     }
 
     /// Client ids of all connections.

@@ -19,6 +19,8 @@ impl Machine {
             Some(DisconnectReasonCode::PacketTooLarge)
         } else if publish.qos == QoS::ExactlyOnce {
             Some(DisconnectReasonCode::QoSNotSupported)
+        } else if publish.properties.as_ref().is_some_and(|properties| properties.topic_alias.is_some()) {
+            Some(DisconnectReasonCode::TopicAliasInvalid)
         } else {
             (!is_topic).then_some(DisconnectReasonCode::TopicNameInvalid)
         };
