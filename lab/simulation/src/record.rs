@@ -42,8 +42,8 @@ pub struct Record {
     obedience: Obedience,
     /// Robot and identifier of each boot, by number.
     boots: BTreeMap<i64, (String, String)>,
-    /// Messages below this number are receipted, by robot and boot.
-    receipted: BTreeMap<(String, String), u64>,
+    /// Messages below this number are receipted, and ranges beyond a gap, by robot and boot.
+    receipted: BTreeMap<(String, String), (u64, Vec<(u64, u64)>)>,
     /// The supervisor's boot of each epoch of a fleet.
     owners: BTreeMap<(String, u64), String>,
     /// Whiskers that were cut.
@@ -197,16 +197,16 @@ impl Record {
             Ok(Message::Receipt(receipt)) => {
                 let Topic::Robot { robot, .. } = &topic else { return };
                 let boot = (robot.to_string(), receipt.robot_boot_id.to_string());
-                let from = self.receipted.get(&boot).copied().unwrap_or_default();
-                let ranges = [(from, receipt.next)].into_iter();
-                let held = receipt.held.iter().map(|&(first, last)| (first, last + 1));
-                let missing =
-                    ranges.chain(held).find_map(|range| self.committed.ledger.first_missing(&boot.0, &boot.1, range));
+                let from = self.receipted.get(&boot).map_or(0, |(next, _)| *next);
+                let held: Vec<_> = receipt.held.iter().map(|&(first, last)| (first, last + 1)).collect();
+                let ledger = &self.committed.ledger;
+                let new = [(from, receipt.next)];
+                let missing = new.iter().chain(&held).find_map(|range| ledger.first_missing(&boot.0, &boot.1, *range));
                 if let Some(seq) = missing {
                     let what = format!("{}: message {seq} of boot {} is receipted", boot.0, boot.1);
                     self.violated(Invariant::ReceiptAfterCommit, what);
                 }
-                self.receipted.insert(boot, from.max(receipt.next));
+                self.receipted.insert(boot, (from.max(receipt.next), held));
             }
             Ok(Message::SupervisorState(state)) => {
                 let Topic::SupervisorState { fleet } = &topic else { return };
@@ -232,7 +232,8 @@ impl Record {
             (Invariant::SetpointForDecision, verdict.two_for_one),
         ] {
             if count > 0 && !self.violations.iter().any(|one| one.invariant == invariant) {
-                self.violated(invariant, format!("{count} setpoints"));
+                let example = self.obedience.uncommitted(&decided).next().unwrap_or_default();
+                self.violated(invariant, format!("{count} setpoints {example}"));
             }
         }
     }
@@ -265,8 +266,10 @@ impl Record {
     pub fn lose_since(&mut self, Snapshot(mut before): Snapshot) {
         // Contacts that robots have felt since then are known to the present ledger alone.
         before.ledger = self.committed.ledger.with_records_of(&before.ledger);
-        for ((robot, boot_id), until) in &self.receipted {
-            before.ledger.forgive(robot, boot_id, *until);
+        for ((robot, boot_id), (until, held)) in &self.receipted {
+            for (first, end) in [(0, *until)].iter().chain(held) {
+                before.ledger.forgive(robot, boot_id, *first..*end);
+            }
         }
         for (name, decided) in &self.committed.decided {
             let lost = || Decided { state: LOST.to_owned(), ..decided.clone() };

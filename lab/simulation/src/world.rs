@@ -75,7 +75,7 @@ pub fn run(plan: &Plan) -> Outcome {
     #[cfg(tokio_unstable)]
     builder.rng_seed(tokio::runtime::RngSeed::from_bytes(&plan.seed.to_le_bytes()));
     let runtime = builder.build().expect("a runtime without I/O");
-    let outcome = runtime.block_on(World::new(plan).run(plan));
+    let outcome = runtime.block_on(async { World::new(plan).run(plan).await });
     // Tasks that wait for ever are dropped.
     runtime.shutdown_background();
     outcome

@@ -1,6 +1,6 @@
 //! Compares the contacts that robots made with those that were recorded.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use vibrissa_protocol::Contacts;
 
@@ -87,7 +87,7 @@ impl Boot {
 /// Every contact that robots made, by robot and boot, sequence number and position in the message.
 #[derive(Debug, Default, Clone)]
 pub struct Ledger {
-    boots: HashMap<(String, String), Boot>,
+    boots: BTreeMap<(String, String), Boot>,
     rows: u64,
     duplicate: u64,
     wrong: u64,
@@ -152,10 +152,10 @@ impl Ledger {
         ledger
     }
 
-    /// Takes the contacts of the messages below `until` as recorded, because their commits were lost.
-    pub fn forgive(&mut self, robot: &str, boot_id: &str, until: u64) {
+    /// Takes the contacts of these messages as recorded, because their commits were lost.
+    pub fn forgive(&mut self, robot: &str, boot_id: &str, messages: std::ops::Range<u64>) {
         let Some(boot) = self.boots.get_mut(&(robot.to_owned(), boot_id.to_owned())) else { return };
-        for at in (0..until).flat_map(|seq| boot.contacts_of(seq)).collect::<Vec<_>>() {
+        for at in messages.flat_map(|seq| boot.contacts_of(seq)).collect::<Vec<_>>() {
             boot.recorded[at] = true;
         }
     }

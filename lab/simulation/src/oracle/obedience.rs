@@ -1,6 +1,6 @@
 //! Compares the setpoints that robots applied with the contract and with the database.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use vibrissa_protocol::Setpoint;
 use vibrissa_simulator::HeardSetpoint;
@@ -50,6 +50,10 @@ impl Decided {
         let (of_robot, array, whisker) = &self.whisker;
         let is_same = |one: f64, other: f64| (one - other).abs() < SAME;
         let is_same_gain = || {
+            // A robot that multiplies its readings gets one gain for all contact ratios.
+            if let Some(gain) = setpoint.reading_gain {
+                return self.gain.iter().all(|one| is_same(one.1, gain));
+            }
             let mut points = self.gain.iter().zip(&setpoint.gain);
             self.gain.len() == setpoint.gain.len()
                 && points.all(|(one, other)| is_same(one.0, other.0) && is_same(one.1, other.1))
@@ -91,8 +95,8 @@ struct Seen {
 /// Setpoints that robots received and applied.
 #[derive(Debug, Default)]
 pub struct Obedience {
-    seen: HashMap<(String, String, String, u16), Seen>,
-    applied: HashMap<String, (HeardSetpoint, String)>,
+    seen: BTreeMap<(String, String, String, u16), Seen>,
+    applied: BTreeMap<String, (HeardSetpoint, String)>,
     twice: u64,
     stale: u64,
 }
@@ -127,9 +131,18 @@ impl Obedience {
         self.twice += u64::from(before.is_some());
     }
 
+    /// The applied setpoints that are not in the database with the same values.
+    pub fn uncommitted<'a>(&'a self, decided: &'a [Decided]) -> impl Iterator<Item = String> + 'a {
+        self.applied.iter().filter_map(|(name, (heard, robot))| {
+            let row = decided.iter().find(|row| row.command_id == *name);
+            let is_committed = row.is_some_and(|row| row.is_as_heard(robot, &heard.setpoint));
+            (!is_committed).then(|| format!("{robot} applied {:?}, the database has {row:?}", heard.setpoint))
+        })
+    }
+
     /// Result of the comparison with the setpoints in the database at the end.
     pub fn verdict(&self, decided: &[Decided]) -> Verdict {
-        let by_name: HashMap<&str, &Decided> = decided.iter().map(|row| (row.command_id.as_str(), row)).collect();
+        let by_name: BTreeMap<&str, &Decided> = decided.iter().map(|row| (row.command_id.as_str(), row)).collect();
         let is_committed = |name: &String, (heard, robot): &(HeardSetpoint, String)| {
             by_name.get(name.as_str()).is_some_and(|row| row.is_as_heard(robot, &heard.setpoint))
         };
@@ -149,7 +162,7 @@ impl Obedience {
 /// A compensation may set the same pressure and gain again when the last attempt expired, was refused or failed. A
 /// release has no compensation: it follows another setpoint of its whisker, or a release that was not applied.
 fn two_for_one(decided: &[Decided]) -> u64 {
-    let mut by_whisker: HashMap<&(String, String, i64), Vec<&Decided>> = HashMap::new();
+    let mut by_whisker: BTreeMap<&(String, String, i64), Vec<&Decided>> = BTreeMap::new();
     for row in decided {
         by_whisker.entry(&row.whisker).or_default().push(row);
     }
