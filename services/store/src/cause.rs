@@ -21,7 +21,9 @@ pub(crate) fn outline(problem: &sqlx::Error) -> String {
         }
         sqlx::Error::Tls(problem) => format!("no encrypted connection: {}", of_tls(&problem.to_string())),
         sqlx::Error::PoolTimedOut => "no free connection in time: the database is slow or not reachable".to_owned(),
-        sqlx::Error::PoolClosed | sqlx::Error::WorkerCrashed => "all connections are closed: the service is stopping".to_owned(),
+        sqlx::Error::PoolClosed | sqlx::Error::WorkerCrashed => {
+            "all connections are closed: the service is stopping".to_owned()
+        }
         sqlx::Error::Protocol(_) => {
             "the answer is not one of PostgreSQL: check the port, and proxies between".to_owned()
         }
