@@ -90,7 +90,7 @@ use connect::Options;
 use database::{ACQUIRE_PATIENCE, Either, Pool, on};
 use error::failed;
 use lease_watch::LeaseWatch;
-use model::ModelServer;
+use model::{Model, ModelServer};
 
 /// An open database, for queries. Clones share its connections.
 #[derive(Debug, Clone)]

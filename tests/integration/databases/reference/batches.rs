@@ -90,7 +90,7 @@ pub(super) fn layout(subject: &mut Subject, at: usize, gone: &[i64]) -> Batch {
         erosion_mm_per_contact: None,
         contacts_left: [None; 3],
         held: (updated_us / 1_000_000 + position as i64) % 7 == 0,
-        state: robot.core.whisker_to_bytes(position).unwrap(),
+        state: (updated_us + position as i64).to_be_bytes().to_vec(),
         rollup: updated_us.to_be_bytes().to_vec(),
     };
     let whiskers = robot.whiskers.iter().take(robot.core.whisker_count()).enumerate().map(row).collect();

@@ -134,7 +134,6 @@ async fn positions(subject: &mut Subject, random: &mut ChaCha8Rng) -> String {
     format!("positions {told}")
 }
 
-/// Requests an action of the fleet or of a robot.
 async fn request(subject: &mut Subject, random: &mut ChaCha8Rng) -> String {
     let robot = subject.any_robot(random).filter(|_| random.random_bool(0.7)).map(|at| subject.robots[at].name.clone());
     let (asked_us, fleet) = (subject.tick(), Some(subject.fleet().to_string()));
@@ -279,7 +278,6 @@ async fn decommission(subject: &mut Subject, random: &mut ChaCha8Rng) -> String 
     format!("decommission robot {at}: {}", text(answer))
 }
 
-/// Whoever has lost the lease writes nothing.
 async fn dispossessed(subject: &mut Subject, random: &mut ChaCha8Rng) -> String {
     let Some(at) = subject.any_robot(random) else { return "no robot of a former owner".to_owned() };
     let (batch, now_us) = (batches::draw(subject, random), subject.tick());
