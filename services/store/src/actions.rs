@@ -10,9 +10,8 @@ use vibrissa_edge::clock::wall_clock;
 
 use super::database::{Tx, on};
 use super::from_row::from_row;
-use super::model::Model;
 use super::set_aside::Tried;
-use super::{Lease, Store, StoreError, Writer, failed};
+use super::{Lease, Model, Store, StoreError, Writer, failed};
 
 /// Time limit for reading the pending actions.
 const PATIENCE: Duration = Duration::from_secs(5);

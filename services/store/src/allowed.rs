@@ -7,9 +7,8 @@ use vibrissa_protocol::Name;
 use super::actions::{Asked, NewAction, record_done};
 use super::database::on;
 use super::from_row::from_row;
-use super::model::Model;
 use super::set_aside::{SetAside, Tried};
-use super::{Lease, Store, StoreError, Writer, failed};
+use super::{Lease, Model, Store, StoreError, Writer, failed};
 
 /// Time limit for a query or transaction of an engine.
 const PATIENCE: Duration = Duration::from_secs(5);

@@ -4,8 +4,7 @@ use std::time::Duration;
 
 use super::database::{Either, on};
 use super::from_row::from_row;
-use super::model::Model;
-use super::{Lease, Store, StoreError, Writer, failed};
+use super::{Lease, Model, Store, StoreError, Writer, failed};
 
 /// Number of boxes of a robot that are stored; the oldest are deleted first.
 pub const BOXES_PER_ROBOT: i64 = 20;

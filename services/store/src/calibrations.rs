@@ -3,9 +3,8 @@
 use super::actions::{Asked, NewAction, record_done};
 use super::database::{Tx, on};
 use super::from_row::from_row;
-use super::model::Model;
 use super::set_aside::Tried;
-use super::{Lease, Store, StoreError, Writer, failed};
+use super::{Lease, Model, Store, StoreError, Writer, failed};
 use tokio::time::Duration;
 
 /// Time limit for reading the active calibrations.

@@ -7,8 +7,7 @@ use vibrissa_core::robot::Numbers;
 use super::database::on;
 use super::events::write::{Whose, clear_alarms};
 use super::load::{held, next_number};
-use super::model::Model;
-use super::{Lease, StoreError, Writer, failed};
+use super::{Lease, Model, StoreError, Writer, failed};
 
 /// Time limit of one statement.
 const PATIENCE: Duration = Duration::from_secs(5);

@@ -3,7 +3,8 @@
 //! [`Store`] answers queries ([`queries`], [`lists`]). A [`Writer`] has its own connection and writes for a fleet only
 //! under its [`Lease`]. [`batch`] declares the rows of a transaction, [`tables`] has the statement of each, `commit`
 //! writes them, and `load` reads a fleet's state for its recovery. `row` makes statements from declarations. `sqlite`
-//! and `postgres` hold what else differs between the two databases. No other crate contains SQL.
+//! and `postgres` hold what else differs between the two databases. [`model`] answers in place of SQL in simulated time. No other
+//! crate contains SQL.
 
 pub mod actions;
 pub mod address;
@@ -89,7 +90,7 @@ use connect::Options;
 use database::{ACQUIRE_PATIENCE, Either, Pool, on};
 use error::failed;
 use lease_watch::LeaseWatch;
-use model::ModelServer;
+use model::{Model, ModelServer};
 
 /// An open database, for queries. Clones share its connections.
 #[derive(Debug, Clone)]

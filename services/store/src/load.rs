@@ -10,9 +10,8 @@ use vibrissa_core::units::Micros;
 
 use super::database::{Either, Link, Tx, on};
 use super::from_row::from_row;
-use super::model::Model;
 use super::set_aside::{SetAside, Tried};
-use super::{Lease, Store, StoreError, Writer, failed};
+use super::{Lease, Model, Store, StoreError, Writer, failed};
 use vibrissa_edge::words::Word;
 
 /// A robot's checkpoint, with everything that recovery needs.

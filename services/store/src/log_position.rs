@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::database::{Tx, on};
-use super::model::Model;
 use super::tables::{LOG_POSITIONS, LogPositionRow};
-use super::{Lease, StoreError, Writer, failed};
+use super::{Lease, Model, StoreError, Writer, failed};
 
 /// Time limit for reading or setting positions.
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(5);

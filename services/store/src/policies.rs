@@ -11,9 +11,8 @@ use vibrissa_edge::words::named;
 use super::batch::PolicyRow;
 use super::database::on;
 use super::from_row::from_row;
-use super::model::Model;
 use super::set_aside::Tried;
-use super::{Lease, Store, StoreError, Writer, failed};
+use super::{Lease, Model, Store, StoreError, Writer, failed};
 
 /// Time limit for reading the policy.
 const PATIENCE: Duration = Duration::from_secs(5);

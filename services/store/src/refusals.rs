@@ -3,8 +3,7 @@
 use tokio::time::Duration;
 
 use super::database::on;
-use super::model::Model;
-use super::{Lease, StoreError, Writer, failed};
+use super::{Lease, Model, StoreError, Writer, failed};
 
 /// Time limit for a transaction.
 const PATIENCE: Duration = Duration::from_secs(5);

@@ -76,6 +76,8 @@ impl Writer {
             self.changes.iter_mut().for_each(watch::Receiver::mark_unchanged);
             let attempt = async {
                 tokio::select! {
+                    // Not by chance: a simulation must repeat.
+                    biased;
                     done = server.ask(what, model) => done,
                     () = changed(&mut self.changes) => Err(failed(what)(former_leader())),
                 }

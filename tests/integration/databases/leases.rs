@@ -9,33 +9,6 @@ use vibrissa_tests::wait::{until, until_true};
 use crate::rows::{self, contacts};
 use crate::{Fresh, fleet, supervisor};
 
-#[tokio::test]
-async fn a_fleet_is_one_supervisors_until_it_falls_silent_for_its_time_to_live() {
-    let database = Fresh::postgres().await;
-    let (a, b) = (supervisor("a"), supervisor("b"));
-    let (mut writer_a, mut writer_b) = (database.store.writer(), database.store.writer());
-    writer_a.sign_in(&a, &[]).await.unwrap();
-    let lease = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
-    let begun = std::time::Instant::now();
-    // A renewed lease cannot be acquired by others, even after its time to live.
-    while begun.elapsed() < a.time_to_live * 2 {
-        writer_a.sign_in(&a, std::slice::from_ref(&lease)).await.unwrap();
-        let roll = writer_b.sign_in(&b, &[]).await.unwrap();
-        assert_eq!(roll.leases[0].owner.as_deref(), Some("a"));
-        assert!(!roll.leases[0].free && lease.is_fresh());
-        assert!(writer_b.acquire(&b, &fleet()).await.unwrap().is_none());
-    }
-    // A lease that is not renewed becomes free when its time to live is over, not earlier.
-    let silent = std::time::Instant::now();
-    let taken = until("taken over", async || writer_b.acquire(&b, &fleet()).await.unwrap()).await;
-    let after = silent.elapsed();
-    assert!(after > a.time_to_live - Duration::from_millis(50), "{after:?}");
-    assert!(taken.epoch() > lease.epoch());
-    assert!(!lease.is_fresh() && taken.is_fresh());
-    let roll = writer_b.sign_in(&b, std::slice::from_ref(&taken)).await.unwrap();
-    assert_eq!((roll.leases[0].epoch, roll.leases[0].holder.as_deref()), (taken.epoch(), Some("supervisor b")));
-}
-
 /// Sets the clock by which the database stamps leases so far ahead of the true time.
 async fn set_clock(database: &Fresh, ahead_s: i64) {
     let mut server = database.server.as_ref().unwrap().connect().connect().await.unwrap();
@@ -74,59 +47,6 @@ async fn regress_a_step_of_the_databases_clock_decides_about_no_lease() {
     })
     .await;
     assert!(taken.epoch() > lease.epoch() && !lease.is_fresh());
-}
-
-#[tokio::test]
-async fn what_is_given_back_can_be_had_at_once() {
-    let database = Fresh::postgres().await;
-    let (a, b) = (supervisor("a"), supervisor("b"));
-    let (mut writer_a, mut writer_b) = (database.store.writer(), database.store.writer());
-    writer_a.sign_in(&a, &[]).await.unwrap();
-    let lease = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
-    writer_a.release(&lease).await.unwrap();
-    assert!(writer_b.acquire(&b, &fleet()).await.unwrap().unwrap().epoch() > lease.epoch());
-    // A second release does not affect the new owner.
-    writer_a.release(&lease).await.unwrap();
-    assert!(writer_a.acquire(&a, &fleet()).await.unwrap().is_none());
-}
-
-/// On both databases, a supervisor that has lost its fleet cannot write anything.
-async fn the_dispossessed_write_nothing(database: &Fresh) {
-    let (a, b) = (supervisor("a"), supervisor("b"));
-    let (mut writer_a, mut writer_b) = (database.store.writer(), database.store.writer());
-    writer_a.sign_in(&a, &[]).await.unwrap();
-    let old = writer_a.acquire(&a, &fleet()).await.unwrap().unwrap();
-    let robot = rows::robot(&mut writer_a, &old).await;
-    writer_a.commit(&old, &contacts(&robot, 0..3)).await.unwrap();
-    let new = until("taken over", async || writer_b.acquire(&b, &fleet()).await.unwrap()).await;
-
-    let refused = writer_a.commit(&old, &contacts(&robot, 3..5)).await.unwrap_err();
-    assert!(matches!(refused, StoreError::LeaseLost { epoch, .. } if epoch == old.epoch()), "{refused}");
-    for problem in [
-        writer_a.register(&old, ("another", "b"), 1).await.map(drop),
-        writer_a.boot(&old, robot.robot_id, "another", 0).await.map(drop),
-        writer_a.whisker_ids(&old, robot.robot_id, &robot.robot).await.map(drop),
-    ] {
-        assert!(matches!(problem, Err(StoreError::LeaseLost { .. })), "{problem:?}");
-    }
-    assert_eq!(database.store.contact_count().await.unwrap(), 3);
-    assert_eq!(
-        writer_b.robots(&new, 0, i64::MAX).await.unwrap().robots.len(),
-        1,
-        "the former owner must not create a robot"
-    );
-    writer_b.commit(&new, &contacts(&robot, 3..4)).await.unwrap();
-    assert_eq!(database.store.contact_count().await.unwrap(), 4);
-}
-
-#[tokio::test]
-async fn the_dispossessed_write_nothing_on_sqlite() {
-    the_dispossessed_write_nothing(&Fresh::sqlite().await).await;
-}
-
-#[tokio::test]
-async fn the_dispossessed_write_nothing_on_postgres() {
-    the_dispossessed_write_nothing(&Fresh::postgres().await).await;
 }
 
 /// The answer to a commit is lost repeatedly, at every moment of the commit. After the retries each batch is stored

@@ -14,6 +14,7 @@ mod one_log;
 mod one_owner;
 mod opened;
 mod plans;
+mod reference;
 mod refused;
 mod restore;
 mod retention;

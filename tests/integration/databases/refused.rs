@@ -135,7 +135,7 @@ fn split(bytes: &[u8]) -> Vec<(i64, Vec<u8>)> {
 }
 
 /// An administrator's connection to the database.
-enum Admin {
+pub(crate) enum Admin {
     Sqlite(sqlx::SqliteConnection),
     Postgres(sqlx::PgConnection),
 }
@@ -159,7 +159,7 @@ macro_rules! ask {
 }
 
 impl Admin {
-    async fn of(database: &Fresh) -> Self {
+    pub(crate) async fn of(database: &Fresh) -> Self {
         match &database.address {
             DatabaseAddress::Sqlite(path) => {
                 Self::Sqlite(sqlx::sqlite::SqliteConnectOptions::new().filename(path).connect().await.unwrap())
@@ -168,6 +168,10 @@ impl Admin {
                 Self::Postgres(database.server.as_ref().unwrap().connect().connect().await.unwrap())
             }
         }
+    }
+
+    pub(crate) async fn execute(&mut self, sql: String) {
+        run!(self, sql).unwrap();
     }
 
     /// Refuses new and changed rows `n` of a table that satisfy a condition.

@@ -17,8 +17,8 @@ pub(crate) struct Numbered {
     pub(crate) whisker_ids: Vec<i64>,
 }
 
-/// Two whiskers on one array.
-fn known(epoch: u64) -> Robot {
+/// Some whiskers on one array.
+pub(crate) fn known(epoch: u64, whiskers: u16) -> Robot {
     let whisker = |number| WhiskerSheet {
         number,
         x_mm: 25.0 * f64::from(number),
@@ -28,13 +28,13 @@ fn known(epoch: u64) -> Robot {
         pressure: Megapascal::new(0.1).unwrap(),
         pressure_max: Megapascal::new(0.2).unwrap(),
         strain_max: None,
-        neighbours: vec![1 - number],
+        neighbours: (0..whiskers).filter(|other| number.abs_diff(*other) == 1).collect(),
     };
     let array = ArraySheet {
         name: "left".to_owned(),
         kind: ArrayKind::Type1,
         task: Task::Ratio,
-        whiskers: vec![whisker(0), whisker(1)],
+        whiskers: (0..whiskers).map(whisker).collect(),
     };
     let factsheet = Factsheet {
         arrays: vec![array],
@@ -61,7 +61,7 @@ pub(crate) async fn robot(writer: &mut Writer, lease: &Lease) -> Numbered {
 /// Assigns ids to a robot in the database without any further rows.
 pub(crate) async fn numbered(writer: &mut Writer, lease: &Lease, name: &str) -> Numbered {
     // A fixed epoch instead of the lease's, so that the bytes of the state are the same on any database.
-    let robot = known(1);
+    let robot = known(1, 2);
     let robot_id = writer.register(lease, (name, "b"), 1_000_000).await.unwrap().unwrap().robot_id;
     let boot = writer.boot(lease, robot_id, "b1", 1_000_000).await.unwrap();
     let whiskers = writer.whisker_ids(lease, robot_id, &robot).await.unwrap();

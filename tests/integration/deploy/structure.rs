@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::project;
 
 /// Crates from the lowest to the highest, with their folders: a crate depends only on those before it.
-pub(crate) const CRATES: [(&str, &str); 13] = [
+pub(crate) const CRATES: [(&str, &str); 14] = [
     ("core", "services/core"),
     ("regulator", "robot/regulator"),
     ("segmenter", "robot/segmenter"),
@@ -19,6 +19,7 @@ pub(crate) const CRATES: [(&str, &str); 13] = [
     ("supervisor", "services/supervisor"),
     ("vibrissa", "services/vibrissa"),
     ("simulator", "lab/simulator"),
+    ("simulation", "lab/simulation"),
     ("evaluation", "lab/evaluation"),
     ("lab", "lab/vibrissa-lab"),
 ];

@@ -1,7 +1,8 @@
 //! A database in memory: the same operations as PostgreSQL has for supervisors, on plain maps, with a clock of its own.
 //!
 //! A clone is a snapshot. A failover that loses confirmed commits puts one in the place of the present state. Rows that
-//! nothing loads are kept as [`Fact`]s until [`ModelStore::take_facts`].
+//! nothing loads are kept as [`Fact`]s until [`ModelStore::take_facts`]. What remains grows with decisions and actions, and not
+//! with contacts. `tests/integration/databases/reference` compares its answers with those of both databases.
 
 mod at_hand;
 mod fleets;

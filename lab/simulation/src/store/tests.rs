@@ -33,7 +33,7 @@ async fn a_commit_whose_answer_is_lost_is_written_once() {
     let store = Store::modelled(server.clone());
     assert!(store.is_shared());
     let (mut writer, lease) = acquired(&store, "a").await;
-    server.lose_answer();
+    server.lose_answer(0);
     assert!(matches!(writer.commit(&lease, &event(1)).await, Err(StoreError::Query { .. })));
     writer.commit(&lease, &event(1)).await.expect("written before");
     writer.commit(&lease, &event(2)).await.expect("written");

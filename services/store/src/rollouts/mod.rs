@@ -10,10 +10,9 @@ use utoipa::ToSchema;
 
 use super::database::on;
 use super::from_row::from_row;
-use super::model::Model;
 use super::set_aside::Tried;
 use super::time::Time;
-use super::{Lease, Store, StoreError, Writer, failed};
+use super::{Lease, Model, Store, StoreError, Writer, failed};
 
 /// Time limit for a query of an engine.
 const PATIENCE: Duration = Duration::from_secs(5);
