@@ -42,8 +42,8 @@ pub struct Record {
     obedience: Obedience,
     /// Robot and identifier of each boot, by number.
     boots: BTreeMap<i64, (String, String)>,
-    /// Messages below this number are receipted, and ranges beyond a gap, by robot and boot.
-    receipted: BTreeMap<(String, String), (u64, Vec<(u64, u64)>)>,
+    /// Messages below this number are receipted, by robot and boot.
+    receipted: BTreeMap<(String, String), u64>,
     /// The supervisor's boot of each epoch of a fleet.
     owners: BTreeMap<(String, u64), String>,
     /// Whiskers that were cut.
@@ -197,7 +197,7 @@ impl Record {
             Ok(Message::Receipt(receipt)) => {
                 let Topic::Robot { robot, .. } = &topic else { return };
                 let boot = (robot.to_string(), receipt.robot_boot_id.to_string());
-                let from = self.receipted.get(&boot).map_or(0, |(next, _)| *next);
+                let from = self.receipted.get(&boot).copied().unwrap_or_default();
                 let held: Vec<_> = receipt.held.iter().map(|&(first, last)| (first, last + 1)).collect();
                 let ledger = &self.committed.ledger;
                 let new = [(from, receipt.next)];
@@ -206,7 +206,7 @@ impl Record {
                     let what = format!("{}: message {seq} of boot {} is receipted", boot.0, boot.1);
                     self.violated(Invariant::ReceiptAfterCommit, what);
                 }
-                self.receipted.insert(boot, (from.max(receipt.next), held));
+                self.receipted.insert(boot, from.max(receipt.next));
             }
             Ok(Message::SupervisorState(state)) => {
                 let Topic::SupervisorState { fleet } = &topic else { return };
@@ -264,13 +264,8 @@ impl Record {
 
     /// Goes back to a snapshot: what was committed since then is lost, which is nobody's fault.
     pub fn lose_since(&mut self, Snapshot(mut before): Snapshot) {
-        // Contacts that robots have felt since then are known to the present ledger alone.
-        before.ledger = self.committed.ledger.with_records_of(&before.ledger);
-        for ((robot, boot_id), (until, held)) in &self.receipted {
-            for (first, end) in [(0, *until)].iter().chain(held) {
-                before.ledger.forgive(robot, boot_id, *first..*end);
-            }
-        }
+        self.committed.ledger.lose_since(&before.ledger);
+        before.ledger = std::mem::take(&mut self.committed.ledger);
         for (name, decided) in &self.committed.decided {
             let lost = || Decided { state: LOST.to_owned(), ..decided.clone() };
             before.decided.entry(name.clone()).or_insert_with(lost);

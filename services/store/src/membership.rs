@@ -7,6 +7,7 @@ use sqlx::sqlite::SqliteRow;
 use sqlx::{Row, SqliteConnection};
 use tokio::time::Instant;
 use tracing::warn;
+use vibrissa_program::random;
 use vibrissa_protocol::Name;
 
 mod sign_in;
@@ -169,9 +170,9 @@ impl Writer {
         let known: Vec<u64> = fleets.iter().map(|fleet| self.highest_epoch(fleet)).collect();
         let seen: Vec<Option<Renewal>> =
             fleets.iter().map(|fleet| self.lease_watch.claim(fleet, asked).seen()).collect();
-        let all = || fleets.iter().zip(&known).zip(&seen);
+        let (all, step) = (|| fleets.iter().zip(&known).zip(&seen), epoch_step());
         let model = |model: &mut dyn Model| {
-            let epochs = all().map(|((fleet, known), seen)| model.acquire(supervisor, fleet, *known, *seen));
+            let epochs = all().map(|((fleet, known), seen)| model.acquire(supervisor, fleet, [*known, step], *seen));
             Ok((epochs.collect(), true))
         };
         let (epochs, is_shared): (Vec<Option<i64>>, bool) = self
@@ -180,7 +181,7 @@ impl Writer {
                 let sql = if matches!(tx, Either::Postgres(_)) { ACQUIRE_POSTGRES } else { ACQUIRE_SQLITE };
                 let mut epochs = Vec::new();
                 for ((fleet, known), seen) in all() {
-                    let epoch = raise_epoch(&mut tx, sql, supervisor, (fleet, *seen), *known).await;
+                    let epoch = raise_epoch(&mut tx, sql, supervisor, (fleet, *seen), (*known, step)).await;
                     epochs.push(epoch.map_err(failed(WHAT))?);
                 }
                 let is_shared = matches!(tx, Either::Postgres(_));
@@ -261,22 +262,28 @@ impl Writer {
     }
 }
 
-// An epoch is the time at which it began, in ms since 1970, or one more than the previous epoch if that is not lower.
+// An epoch is the time at which it began, in ms since 1970, or a step more than the previous epoch if that is not lower.
 // A plain counter would restart when a back-up is restored: epochs and versions would repeat, and robots would refuse
 // lower ones and take equal ones for duplicates. The time is higher than any earlier epoch, whatever happened to the
 // database, unless a clock was ahead by more than the age of the back-up. After a failover that lost the last commits, this
-// age is short and the clock another server's: so an epoch is also higher than all that this process knows.
+// age is short and the clock another server's: so an epoch is also higher than all that this process knows. If the clock went
+// back, too, two supervisors may begin an epoch above the same one, the first of which is lost: so the step is random.
+
+/// Step above the previous epoch, 1 to 1000.
+fn epoch_step() -> u64 {
+    1 + u64::from_ne_bytes(random::bytes()) % 1000
+}
 
 /// SQLite: the lock of the file stands for the lease, so its holder may acquire every fleet.
 const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, epoch, owner, holder) \
-    VALUES ($1, max($4, $5 + 1), $2, $3) \
-    ON CONFLICT (fleet) DO UPDATE SET epoch = max(epoch + 1, excluded.epoch), owner = excluded.owner, \
+    VALUES ($1, max($4, $5 + $9), $2, $3) \
+    ON CONFLICT (fleet) DO UPDATE SET epoch = max(epoch + $9, excluded.epoch), owner = excluded.owner, \
     holder = excluded.holder, commits = 0 RETURNING epoch";
 
 /// PostgreSQL: skips a row that is locked, because its owner is committing. A lease of our own can be acquired again:
 /// the answer to an earlier attempt may have been lost. The last three parameters are the row that was seen to be free;
 /// without one the clock decides.
-const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = greatest(epoch + 1, clock_us() / 1000, $5 + 1), owner = $2, \
+const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = greatest(epoch + $9::bigint, clock_us() / 1000, $5 + $9::bigint), owner = $2, \
     holder = $3, commits = 0, expires_us = clock_us() + $4 WHERE fleet = (SELECT fleet FROM leases \
     WHERE fleet = $1 AND (owner = $2 OR CASE \
     WHEN $6::bigint IS NULL THEN expires_us <= clock_us() \
@@ -288,7 +295,7 @@ async fn raise_epoch(
     sql: &'static str,
     supervisor: &Supervisor,
     (fleet, seen): (&Name, Option<Renewal>),
-    known: u64,
+    (known, step): (u64, u64),
 ) -> sqlx::Result<Option<i64>> {
     let now_us = vibrissa_edge::clock::wall_clock().0 as i64;
     // The fourth parameter: time to live in µs (PostgreSQL), or the time in ms since 1970 (SQLite).
@@ -304,6 +311,7 @@ async fn raise_epoch(
         .bind(seen.map(|seen| seen.epoch))
         .bind(seen.map(|seen| seen.commits))
         .bind(seen.map(|seen| seen.expires_us))
+        .bind(step as i64)
         .fetch_optional(&mut **tx)
         .await)?;
     if let Some(epoch) = epoch {

@@ -159,9 +159,15 @@ pub trait Leases {
         hearing: &FleetsHeard,
         clock: ClockReport,
     ) -> SignedIn;
-    /// Begins a new epoch above `known`, if the fleet's lease is the supervisor's or free. It is free if its row is `seen`;
+    /// Begins a new epoch, at least the highest known one plus a step (both in `at_least`), if the fleet's lease is the supervisor's or free. It is free if its row is `seen`;
     /// without one, if it has expired by the database's clock.
-    fn acquire(&mut self, supervisor: &Supervisor, fleet: &Name, known: u64, seen: Option<Renewal>) -> Option<i64>;
+    fn acquire(
+        &mut self,
+        supervisor: &Supervisor,
+        fleet: &Name,
+        at_least: [u64; 2],
+        seen: Option<Renewal>,
+    ) -> Option<i64>;
     /// Frees a lease.
     fn release(&mut self, lease: &Lease);
     /// Removes a supervisor from the members.

@@ -65,9 +65,15 @@ struct Boot {
     fingerprints: Vec<u64>,
     /// Whether each contact was recorded.
     recorded: Vec<bool>,
+    /// Whether the commit of each contact was lost, so that it need not be recorded.
+    lost: Vec<bool>,
 }
 
 impl Boot {
+    fn is_missing(&self, at: usize) -> bool {
+        !self.recorded[at] && !self.lost[at]
+    }
+
     /// Indices of a message's contacts in the lists.
     fn contacts_of(&self, seq: u64) -> std::ops::Range<usize> {
         let start = |seq: u64| usize::try_from(seq).ok().and_then(|seq| self.starts.get(seq)).map(|&at| at as usize);
@@ -110,6 +116,7 @@ impl Ledger {
         });
         boot.fingerprints.extend(contents.map(|content| content.fingerprint()));
         boot.recorded.resize(boot.fingerprints.len(), false);
+        boot.lost.resize(boot.fingerprints.len(), false);
     }
 
     /// Adds a row of the database.
@@ -129,7 +136,7 @@ impl Ledger {
     pub fn first_missing(&self, robot: &str, boot_id: &str, (next, until): (u64, u64)) -> Option<u64> {
         let boot = self.boots.get(&(robot.to_owned(), boot_id.to_owned()))?;
         let made = boot.starts.len() as u64;
-        (next..until.min(made)).find(|&seq| boot.contacts_of(seq).any(|at| !boot.recorded[at]))
+        (next..until.min(made)).find(|&seq| boot.contacts_of(seq).any(|at| boot.is_missing(at)))
     }
 
     /// Robot and boot of all contacts, in order.
@@ -139,24 +146,16 @@ impl Ledger {
         boots.into_iter()
     }
 
-    /// This ledger, in which only what `earlier` has as recorded is recorded.
-    #[must_use]
-    pub fn with_records_of(&self, earlier: &Self) -> Self {
-        let mut ledger = self.clone();
-        (ledger.rows, ledger.duplicate, ledger.wrong) = (earlier.rows, earlier.duplicate, earlier.wrong);
-        for (name, boot) in &mut ledger.boots {
-            let before = earlier.boots.get(name).map_or(&[][..], |boot| &boot.recorded);
-            let was = |at: usize| before.get(at).copied().unwrap_or_default();
-            boot.recorded.iter_mut().enumerate().for_each(|(at, recorded)| *recorded = was(at));
-        }
-        ledger
-    }
-
-    /// Takes the contacts of these messages as recorded, because their commits were lost.
-    pub fn forgive(&mut self, robot: &str, boot_id: &str, messages: std::ops::Range<u64>) {
-        let Some(boot) = self.boots.get_mut(&(robot.to_owned(), boot_id.to_owned())) else { return };
-        for at in messages.flat_map(|seq| boot.contacts_of(seq)).collect::<Vec<_>>() {
-            boot.recorded[at] = true;
+    /// Goes back to what `earlier` has as recorded: later commits are lost, which is nobody's fault.
+    pub fn lose_since(&mut self, earlier: &Self) {
+        (self.rows, self.duplicate, self.wrong) = (earlier.rows, earlier.duplicate, earlier.wrong);
+        for (name, boot) in &mut self.boots {
+            let before = earlier.boots.get(name);
+            for at in 0..boot.recorded.len() {
+                let was = before.and_then(|boot| boot.recorded.get(at)).copied().unwrap_or_default();
+                boot.lost[at] |= boot.recorded[at] && !was;
+                boot.recorded[at] = was;
+            }
         }
     }
 
@@ -172,7 +171,7 @@ impl Ledger {
 
     /// Result of the comparison, after all rows were added.
     pub fn verdict(&self) -> Verdict {
-        let missing = |boot: &Boot| boot.recorded.iter().filter(|&&is_recorded| !is_recorded).count() as u64;
+        let missing = |boot: &Boot| (0..boot.recorded.len()).filter(|&at| boot.is_missing(at)).count() as u64;
         Verdict {
             felt: self.count(),
             recorded: self.rows,

@@ -59,7 +59,13 @@ impl Leases for ModelStore {
         SignedIn { leases, members: members.cloned().collect(), database_us, renewed }
     }
 
-    fn acquire(&mut self, supervisor: &Supervisor, fleet: &Name, known: u64, seen: Option<Renewal>) -> Option<i64> {
+    fn acquire(
+        &mut self,
+        supervisor: &Supervisor,
+        fleet: &Name,
+        [known, step]: [u64; 2],
+        seen: Option<Renewal>,
+    ) -> Option<i64> {
         let now_us = self.clock_us;
         for gone in self.members.keys_of(|_, row| row.alive_us < now_us - FORGOTTEN_US) {
             self.members.remove(&gone);
@@ -70,7 +76,7 @@ impl Leases for ModelStore {
         if !is_free && row.owner.as_ref() != Some(&owner) {
             return None;
         }
-        let epoch = (row.renewal.epoch + 1).max(now_us / 1000).max(known as i64 + 1);
+        let epoch = (row.renewal.epoch.max(known as i64) + step as i64).max(now_us / 1000);
         let expires_us = now_us + supervisor.time_to_live.as_micros() as i64;
         let (holder, renewal) = (supervisor.name.clone(), Renewal { epoch, commits: 0, expires_us });
         self.epochs
