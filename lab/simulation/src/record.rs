@@ -10,6 +10,7 @@ use crate::invariants::{Invariant, Violation};
 use crate::oracle::ledger::{Content, Ledger, Recorded};
 use crate::oracle::obedience::{Decided, Obedience};
 use crate::robots::SimulatedRobot;
+use crate::scenario;
 use crate::store::{Fact, FactRow, ModelStore};
 
 /// Most violations that are kept.
@@ -126,7 +127,7 @@ impl Record {
             }
             FactRow::Record(Row::Trim(row)) => {
                 self.committed.trims += 1;
-                let Some(name) = name(store, row.whisker_id) else { return };
+                let Some(name) = name(store, row.whisker_id).filter(|name| is_honest(&name.0)) else { return };
                 if !self.cut.contains(&name) {
                     self.violated(Invariant::TrimIsTrue, format!("{name:?} was not cut: {row:?}"));
                 }
@@ -155,6 +156,9 @@ impl Record {
         else {
             return self.violated(Invariant::ContactAsFelt, format!("unknown boot or whisker: {row:?}"));
         };
+        if !is_honest(&robot) {
+            return;
+        }
         self.committed.ledger.recorded(Recorded {
             robot,
             boot_id,
@@ -196,6 +200,9 @@ impl Record {
         match decode(&topic, payload) {
             Ok(Message::Receipt(receipt)) => {
                 let Topic::Robot { robot, .. } = &topic else { return };
+                if !is_honest(robot.as_str()) {
+                    return;
+                }
                 let boot = (robot.to_string(), receipt.robot_boot_id.to_string());
                 let from = self.receipted.get(&boot).copied().unwrap_or_default();
                 let held: Vec<_> = receipt.held.iter().map(|&(first, last)| (first, last + 1)).collect();
@@ -246,12 +253,15 @@ impl Record {
         open.map(|one| format!("{} {} of {:?}", one.command_id, one.state, one.whisker)).collect()
     }
 
-    /// The first message of a robot's boot that is not recorded, of those that it has made.
+    /// The first message that is not recorded, of those of the present boots and of those that are receipted: a robot that
+    /// restarts loses its others.
     #[must_use]
-    pub fn first_missing(&self) -> Option<String> {
+    pub fn first_missing(&self, present: &[String]) -> Option<String> {
         let mut boots = self.committed.ledger.boots();
         boots.find_map(|(robot, boot_id)| {
-            let seq = self.committed.ledger.first_missing(robot, boot_id, (0, u64::MAX))?;
+            let receipted = self.receipted.get(&(robot.to_owned(), boot_id.to_owned())).copied().unwrap_or_default();
+            let until = if present.iter().any(|present| present == boot_id) { u64::MAX } else { receipted };
+            let seq = self.committed.ledger.first_missing(robot, boot_id, (0, until))?;
             Some(format!("{robot}: message {seq} of boot {boot_id}"))
         })
     }
@@ -272,6 +282,11 @@ impl Record {
         }
         self.committed = before;
     }
+}
+
+/// Whether a robot's messages are its own.
+fn is_honest(robot: &str) -> bool {
+    robot.starts_with(scenario::ROBOTS)
 }
 
 fn name(store: &ModelStore, whisker_id: i64) -> Option<WhiskerName> {
