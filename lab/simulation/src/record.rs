@@ -184,6 +184,7 @@ impl Record {
         let decided = Decided {
             command_id: row.command_id.clone(),
             whisker,
+            robot_boot_id: row.robot_boot_id.clone(),
             compensation_id: row.compensation_id,
             order: (row.epoch, row.version),
             pressure_mpa: row.pressure_mpa,
@@ -274,6 +275,8 @@ impl Record {
 
     /// Goes back to a snapshot: what was committed since then is lost, which is nobody's fault.
     pub fn lose_since(&mut self, Snapshot(mut before): Snapshot) {
+        // Numbers of lost boots are given again.
+        self.boots.clear();
         self.committed.ledger.lose_since(&before.ledger);
         before.ledger = std::mem::take(&mut self.committed.ledger);
         for (name, decided) in &self.committed.decided {
