@@ -94,7 +94,14 @@ fn nothing_is_lost_nothing_is_stale_and_every_control_is_caught() {
         let run = |seed: &str| chaos(&["--seed", seed, "--seconds", seconds, "--control", name, "--hostile", "0"]);
         is_caught(name, run, |result| expected.iter().all(|one| count(result, one) > 0));
     };
-    control("receipt-before-commit", "22", &["missing"]);
+    // The supervisor counts this defect, too.
+    let early = |seed: &str| {
+        let control = ["--control", "receipt-before-commit", "--hostile", "0"];
+        chaos(&[&["--seed", seed, "--seconds", "22"], &control[..]].concat())
+    };
+    let counter = "vibrissa_invariant_violations_total{invariant=\"RECEIPT_AFTER_COMMIT\"}";
+    let is_seen = |result: &Value| count(result, "missing") > 0 && result["refusals"][counter].as_u64() > Some(0);
+    is_caught("receipt-before-commit", early, is_seen);
     control("no-fence", "20", &["duplicate"]);
     control("robot-ignores-epochs", "20", &["applied_twice", "applied_stale"]);
     control("no-robot-buffer", "20", &["missing"]);

@@ -6,6 +6,7 @@
 //! - [`schedule`]: group commit, the time at which the open batches become a transaction.
 //! - [`transaction`]: a sealed transaction on its way to the database.
 //! - [`pipeline`]: transactions one after the other, and the publications that wait for them.
+//! - [`release`]: the last check of a publication, which must not leave before its commit.
 //! - [`committer`]: one transaction in the database, with retries while the database is unreachable.
 //! - [`recovery`]: checkpoints are loaded, and the journal is replayed through the core.
 //!
@@ -35,5 +36,6 @@ pub(crate) mod committer;
 pub(crate) mod journal;
 pub(crate) mod pipeline;
 pub(crate) mod recovery;
+mod release;
 pub(crate) mod schedule;
 pub(crate) mod transaction;
