@@ -28,7 +28,9 @@
 //!
 //! Each transaction advances the counter of commits in the lease's row, if owner, epoch and counter are those that this
 //! supervisor knows (`store/lease.rs`). The same statement fences off an owner that has lost the fleet, keeps a repeated
-//! attempt from writing anything twice, and renews the lease.
+//! attempt from writing anything twice, and renews the lease. Transactions that assign numbers to robots, boots and
+//! whiskers are counted apart. A batch may refer to these numbers, so it is written only if the row has at least the known
+//! count.
 
 pub(crate) mod batch;
 pub(crate) mod checkpoint;
