@@ -77,6 +77,8 @@ pub(crate) struct World {
     failover: Option<(ModelStore, Snapshot)>,
     /// When the faults were over.
     settling: Option<Instant>,
+    /// Number of fleets.
+    fleets: usize,
 }
 
 /// Runs a plan in a runtime of its own.
@@ -129,7 +131,7 @@ impl World {
             member.start();
             members.push(member);
         }
-        let world = Self { begun, broker, server, members, robots, observations, failover: None, settling: None };
+        let world = Self { begun, broker, server, members, robots, observations, failover: None, settling: None, fleets: plan.fleets };
         world.observe();
         world
     }
@@ -246,6 +248,11 @@ impl World {
             record.violated(Invariant::SetpointEnds, format!("{} setpoints, the first {first}", pending.len()));
         }
         record.check_setpoints();
+        for fleet in (0..self.fleets).map(|number| scenario::fleet(number).to_string()) {
+            if !self.server.data().is_owned(&fleet) {
+                record.violated(Invariant::FleetOwned, format!("{fleet} has no owner"));
+            }
+        }
     }
 
     fn outcome(&self) -> Outcome {

@@ -92,11 +92,10 @@ invariants! {
     PressureInRange "PRESSURE_IN_RANGE" "the pressure of a setpoint is within the whisker's range"
         [Simulation Production];
     TrimIsTrue "TRIM_IS_TRUE" "a trim is reported only of a whisker that was cut" [Simulation];
-    FaultIsTrue "FAULT_IS_TRUE" "a fault is reported only of a whisker that has it" [];
-    FleetOwned "FLEET_OWNED" "in the end each fleet has one owner, which hears its robots" [Chaos];
+    FaultIsTrue "FAULT_IS_TRUE" "a fault is reported only of a whisker that has it" [Simulation];
+    FleetOwned "FLEET_OWNED" "in the end each fleet has one owner, which hears its robots" [Simulation Chaos];
     SetpointEnds "SETPOINT_ENDS" "in the end each setpoint has an end" [Simulation];
-    TrimFound "TRIM_FOUND" "in the end each cut of a whisker is found" [];
-    NoPanic "NO_PANIC" "no part of the program panics" [Chaos Production];
+    NoPanic "NO_PANIC" "no part of the program panics" [Simulation Chaos Production];
 }
 
 impl Invariant {

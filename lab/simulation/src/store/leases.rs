@@ -23,6 +23,13 @@ pub struct Epoch {
 }
 
 impl ModelStore {
+    /// Whether the fleet has an owner whose lease has not expired by the database's clock.
+    #[must_use]
+    pub fn is_owned(&self, fleet: &str) -> bool {
+        let row = self.leases.get(&fleet.to_owned());
+        row.is_some_and(|row| row.owner.is_some() && row.renewal.expires_us > self.clock_us)
+    }
+
     fn lease_of(&self, lease: &Lease) -> Option<&LeaseRow> {
         let row = self.leases.get(&lease.fleet().to_string())?;
         let is_it = row.renewal.epoch == lease.epoch() as i64 && row.owner.as_deref() == Some(lease.owner());
