@@ -21,6 +21,8 @@ pub enum Invariant {
     SetpointOnce,
     /// No robot applies a setpoint that is expired, outdated, or for another boot.
     SetpointFresh,
+    /// A setpoint lives for its time to live at most, by the robot's clock.
+    SetpointExpires,
     /// A decision has one setpoint, unless that came to nothing.
     SetpointForDecision,
     /// The pressure of a setpoint is from 0 to the limit of the whisker.
@@ -41,7 +43,7 @@ pub enum Invariant {
 
 impl Invariant {
     /// All invariants.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::ReceiptAfterCommit,
         Self::ContactRecorded,
         Self::ContactOnce,
@@ -50,6 +52,7 @@ impl Invariant {
         Self::SetpointCommitted,
         Self::SetpointOnce,
         Self::SetpointFresh,
+        Self::SetpointExpires,
         Self::SetpointForDecision,
         Self::PressureInRange,
         Self::TrimIsTrue,
@@ -72,6 +75,7 @@ impl Invariant {
             Self::SetpointCommitted => "a robot applies only setpoints that are committed",
             Self::SetpointOnce => "no robot applies a setpoint twice",
             Self::SetpointFresh => "no robot applies a setpoint that is expired, outdated, or for another boot",
+            Self::SetpointExpires => "a setpoint lives for its time to live at most, by the robot's clock",
             Self::SetpointForDecision => "a decision has one setpoint, unless that came to nothing",
             Self::PressureInRange => "the pressure of a setpoint is within the whisker's range",
             Self::TrimIsTrue => "a trim is reported only of a whisker that was cut",

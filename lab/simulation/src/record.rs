@@ -16,6 +16,9 @@ use crate::store::{Fact, FactRow, ModelStore};
 const VIOLATIONS: usize = 20;
 /// Highest pressure of a chamber, MPa.
 const PRESSURE_MAX_MPA: f64 = 0.2;
+/// Longest life of a setpoint, µs: the time to live of ten seconds, and ten seconds for the longest way of the pressure. A
+/// supervisor knows the robot's clock to a second.
+const LIVES_US: u64 = 21_000_000;
 /// Word of a setpoint whose commit a failover has lost.
 const LOST: &str = "ABANDONED";
 
@@ -89,7 +92,14 @@ impl Record {
             for entry in entries {
                 match entry {
                     JournalEntry::Felt(message) => self.committed.ledger.felt(&name, &message),
-                    JournalEntry::Heard(setpoint) => self.obedience.heard(&name, &setpoint),
+                    JournalEntry::Heard(setpoint) => {
+                        let left_us = setpoint.setpoint.expires_us.saturating_sub(setpoint.at_us);
+                        if left_us > LIVES_US {
+                            let what = format!("{name}: {left_us} us until {:?} expires", setpoint.setpoint);
+                            self.violated(Invariant::SetpointExpires, what);
+                        }
+                        self.obedience.heard(&name, &setpoint);
+                    }
                     JournalEntry::Applied(setpoint) => {
                         if !(0.0..=PRESSURE_MAX_MPA).contains(&setpoint.setpoint.pressure_mpa) {
                             self.violated(Invariant::PressureInRange, format!("{name}: {:?}", setpoint.setpoint));

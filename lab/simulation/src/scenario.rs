@@ -69,6 +69,7 @@ pub fn scenarios(plan: &Plan) -> (Vec<Scenario>, Vec<WhiskerName>) {
         contacts_per_second: plan.contacts_per_second,
         kept_messages: KEPT_MESSAGES,
         journal: true,
+        misbehaviour: plan.misbehaviour,
         ..Behaviour::default()
     };
     let scenario = |(number, robots)| Scenario {
