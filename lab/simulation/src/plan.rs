@@ -44,6 +44,10 @@ pub enum Kind {
     RobotCut,
     /// A robot cannot connect.
     RobotAway,
+    /// A robot restarts without its memory.
+    RobotRestarted,
+    /// A client publishes damaged copies of robots' messages as another robot.
+    Hostile,
     /// Requests of a supervisor do not reach the store.
     ToStoreCut,
     /// The store's answers do not reach a supervisor.
@@ -64,7 +68,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 25] = [
         Self::SupervisorKilled,
         Self::SupervisorStopped,
         Self::SupervisorFrozen,
@@ -80,6 +84,8 @@ impl Kind {
         Self::SlowBroker,
         Self::RobotCut,
         Self::RobotAway,
+        Self::RobotRestarted,
+        Self::Hostile,
         Self::ToStoreCut,
         Self::FromStoreCut,
         Self::AnswersLost,
@@ -109,6 +115,8 @@ impl Kind {
             Self::SlowBroker => "messages late",
             Self::RobotCut => "robot's connection cut",
             Self::RobotAway => "robot away",
+            Self::RobotRestarted => "robot restarted",
+            Self::Hostile => "hostile robot",
             Self::ToStoreCut => "way to the store cut",
             Self::FromStoreCut => "way from the store cut",
             Self::AnswersLost => "store's answers lost",
@@ -127,7 +135,12 @@ impl Kind {
             Self::SupervisorFrozen | Self::ToStoreCut | Self::FromStoreCut => 50..5_000,
             Self::HostClockStepped => 500..8_000,
             Self::ToBrokerCut | Self::FromBrokerCut | Self::RobotAway => 100..20_000,
-            Self::BrokerLinkReset | Self::SubscriptionsForgotten | Self::RobotCut | Self::StoreClockStepped => 1..2,
+            Self::BrokerLinkReset
+            | Self::SubscriptionsForgotten
+            | Self::RobotCut
+            | Self::RobotRestarted
+            | Self::Hostile
+            | Self::StoreClockStepped => 1..2,
             Self::BrokerRestarted | Self::BrokerReplaced | Self::BrokerFrozen => 50..8_000,
             Self::Repetitions | Self::SlowBroker => 500..10_000,
             Self::AnswersLost | Self::StoreAway | Self::StoreSlow => 20..6_000,

@@ -10,6 +10,7 @@ use crate::invariants::{Invariant, Violation};
 use crate::oracle::ledger::{Content, Ledger, Recorded};
 use crate::oracle::obedience::{Decided, Obedience};
 use crate::robots::SimulatedRobot;
+use crate::scenario;
 use crate::store::{Fact, FactRow, ModelStore};
 
 /// Most violations that are kept.
@@ -136,7 +137,7 @@ impl Record {
             }
             FactRow::Record(Row::Trim(row)) => {
                 self.committed.trims += 1;
-                let Some(name) = name(store, row.whisker_id) else { return };
+                let Some(name) = name(store, row.whisker_id).filter(|name| is_honest(&name.0)) else { return };
                 if !self.cut.contains(&name) {
                     self.violated(Invariant::TrimIsTrue, format!("{name:?} was not cut: {row:?}"));
                 }
@@ -165,6 +166,9 @@ impl Record {
         else {
             return self.violated(Invariant::ContactAsFelt, format!("unknown boot or whisker: {row:?}"));
         };
+        if !is_honest(&robot) {
+            return;
+        }
         self.committed.ledger.recorded(Recorded {
             robot,
             boot_id,
@@ -190,6 +194,7 @@ impl Record {
         let decided = Decided {
             command_id: row.command_id.clone(),
             whisker,
+            robot_boot_id: row.robot_boot_id.clone(),
             compensation_id: row.compensation_id,
             order: (row.epoch, row.version),
             pressure_mpa: row.pressure_mpa,
@@ -206,6 +211,9 @@ impl Record {
         match decode(&topic, payload) {
             Ok(Message::Receipt(receipt)) => {
                 let Topic::Robot { robot, .. } = &topic else { return };
+                if !is_honest(robot.as_str()) {
+                    return;
+                }
                 let boot = (robot.to_string(), receipt.robot_boot_id.to_string());
                 let from = self.receipted.get(&boot).copied().unwrap_or_default();
                 let held: Vec<_> = receipt.held.iter().map(|&(first, last)| (first, last + 1)).collect();
@@ -256,12 +264,15 @@ impl Record {
         open.map(|one| format!("{} {} of {:?}", one.command_id, one.state, one.whisker)).collect()
     }
 
-    /// The first message of a robot's boot that is not recorded, of those that it has made.
+    /// The first message that is not recorded, of those of the present boots and of those that are receipted: a robot that
+    /// restarts loses its others.
     #[must_use]
-    pub fn first_missing(&self) -> Option<String> {
+    pub fn first_missing(&self, present: &[String]) -> Option<String> {
         let mut boots = self.committed.ledger.boots();
         boots.find_map(|(robot, boot_id)| {
-            let seq = self.committed.ledger.first_missing(robot, boot_id, (0, u64::MAX))?;
+            let receipted = self.receipted.get(&(robot.to_owned(), boot_id.to_owned())).copied().unwrap_or_default();
+            let until = if present.iter().any(|present| present == boot_id) { u64::MAX } else { receipted };
+            let seq = self.committed.ledger.first_missing(robot, boot_id, (0, until))?;
             Some(format!("{robot}: message {seq} of boot {boot_id}"))
         })
     }
@@ -274,6 +285,8 @@ impl Record {
 
     /// Goes back to a snapshot: what was committed since then is lost, which is nobody's fault.
     pub fn lose_since(&mut self, Snapshot(mut before): Snapshot) {
+        // Numbers of lost boots are given again.
+        self.boots.clear();
         self.committed.ledger.lose_since(&before.ledger);
         before.ledger = std::mem::take(&mut self.committed.ledger);
         for (name, decided) in &self.committed.decided {
@@ -282,6 +295,11 @@ impl Record {
         }
         self.committed = before;
     }
+}
+
+/// Whether a robot's messages are its own.
+fn is_honest(robot: &str) -> bool {
+    robot.starts_with(scenario::ROBOTS)
 }
 
 fn name(store: &ModelStore, whisker_id: i64) -> Option<WhiskerName> {

@@ -9,6 +9,8 @@ use vibrissa_simulator::scenario::{ArrayScenario, Behaviour, Change, Event, Nois
 use crate::plan::Plan;
 use crate::record::WhiskerName;
 
+/// Begin of the names of the robots.
+pub const ROBOTS: char = 'r';
 /// Name of each robot's only array.
 const ARRAY: &str = "left";
 /// Number of whiskers of a robot.
@@ -37,7 +39,7 @@ pub fn scenarios(plan: &Plan) -> (Vec<Scenario>, Vec<WhiskerName>) {
     let mut robots: Vec<Vec<RobotScenario>> = vec![Vec::new(); plan.fleets];
     let mut cut = Vec::new();
     for number in 0..plan.robots {
-        let name = Name::robot(&format!("r{number:03}")).expect("a name");
+        let name = Name::robot(&format!("{ROBOTS}{number:03}")).expect("a name");
         let array = Name::new(ARRAY).expect("a name");
         let mut events = Vec::new();
         for whisker in 0..WHISKERS {

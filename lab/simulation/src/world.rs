@@ -1,17 +1,21 @@
 //! The world of a run: supervisors, robots, broker and store in one thread with tokio's paused clock.
 
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use rumqttc::QoS;
 use tokio::time::{Instant, sleep, sleep_until};
 use vibrissa_simulator::{Robot, RobotConfig};
 
-use crate::broker::{Delay, Limits, ModelBroker, Observed, Way};
-use crate::history::History;
+use crate::broker::{Client, ClientOptions, Delay, Limits, ModelBroker, Observed, Way};
+use crate::history::{History, Step};
 use crate::invariants::{Invariant, Violation};
 use crate::member::Member;
+use crate::panics;
 use crate::plan::{Kind, Plan, Strike};
 use crate::record::{Record, Snapshot};
 use crate::robots::SimulatedRobot;
@@ -39,10 +43,10 @@ pub struct Outcome {
     pub counts: [u64; 3],
     /// Hash of the history.
     pub hash: u64,
-    /// Number of lines of the history.
-    pub lines_in_all: u64,
-    /// The newest lines of the history.
-    pub lines: Vec<String>,
+    /// Number of steps of the history.
+    pub steps_in_all: u64,
+    /// The newest steps of the history.
+    pub steps: Vec<Step>,
 }
 
 /// Parts that observers share.
@@ -50,7 +54,12 @@ pub struct Outcome {
 pub(crate) struct Observations {
     pub(crate) record: Record,
     pub(crate) history: History,
+    /// Topics and payloads of the newest messages of robots.
+    heard: VecDeque<(String, Vec<u8>)>,
 }
+
+/// Number of messages that a hostile client copies.
+const HEARD: usize = 32;
 
 /// The world.
 pub(crate) struct World {
@@ -75,9 +84,14 @@ pub fn run(plan: &Plan) -> Outcome {
     #[cfg(tokio_unstable)]
     builder.rng_seed(tokio::runtime::RngSeed::from_bytes(&plan.seed.to_le_bytes()));
     let runtime = builder.build().expect("a runtime without I/O");
-    let outcome = runtime.block_on(async { World::new(plan).run(plan).await });
-    // Tasks that wait for ever are dropped.
-    runtime.shutdown_background();
+    let (mut outcome, panics) = panics::watched(|| {
+        let outcome = runtime.block_on(async { World::new(plan).run(plan).await });
+        // Tasks that wait for ever are dropped.
+        drop(runtime);
+        outcome
+    });
+    let panics = panics.into_iter().map(|what| Violation { invariant: Invariant::NoPanic, what });
+    outcome.violations.extend(panics);
     outcome
 }
 
@@ -99,7 +113,8 @@ impl World {
         }
         let mut record = Record::default();
         record.cut.extend(cut);
-        let observations = Arc::new(Mutex::new(Observations { record, history: History::default() }));
+        let observations =
+            Arc::new(Mutex::new(Observations { record, history: History::default(), heard: VecDeque::new() }));
         let mut members = Vec::new();
         for number in 0..plan.supervisors {
             let (ahead_us, drift_ppm) = (random.random_range(-200_000..200_000), random.random_range(-50..50));
@@ -123,14 +138,25 @@ impl World {
             }
             let is_of_supervisor = observed.from.starts_with("vibrissa-");
             let mut observations = locked(&observations);
-            let Observations { record, history } = &mut *observations;
-            let from = observed.from.rsplit_once('-').map_or(observed.from, |(before, _)| before);
-            let from = if is_of_supervisor { from.trim_start_matches("vibrissa-") } else { observed.from };
-            let payload = String::from_utf8_lossy(observed.payload);
-            history.add(observed.at - begun, from, "broker", &format!("{} {payload}", observed.topic));
+            let Observations { record, history, heard } = &mut *observations;
+            let from = match observed.from.strip_prefix("vibrissa-") {
+                Some(of_supervisor) => of_supervisor.rsplit_once('-').map_or(of_supervisor, |(before, _)| before),
+                None => observed.from,
+            };
+            history.add(Step {
+                at: observed.at - begun,
+                from: from.to_owned(),
+                to: "broker".to_owned(),
+                what: format!("{} {}", observed.topic, String::from_utf8_lossy(observed.payload)),
+            });
             if is_of_supervisor {
                 record.drain(&robots, &mut server.data());
                 record.published(observed.topic, observed.payload);
+            } else if !observed.from.starts_with("hostile-") {
+                if heard.len() == HEARD {
+                    heard.pop_front();
+                }
+                heard.push_back((observed.topic.to_owned(), observed.payload.to_vec()));
             }
         };
         self.broker.observe(Box::new(observer));
@@ -201,7 +227,8 @@ impl World {
             let (name, kept) = robot.with(|robot| (robot.name().to_string(), robot.messages_kept()));
             record.violated(Invariant::ContactRecorded, format!("{name} has {kept} messages without a receipt"));
         }
-        if let Some(missing) = record.first_missing() {
+        let boots: Vec<_> = self.robots.iter().map(|robot| robot.with(|robot| robot.boot_id().to_string())).collect();
+        if let Some(missing) = record.first_missing(&boots) {
             record.violated(Invariant::ContactRecorded, missing);
         }
         let pending = record.pending();
@@ -219,13 +246,14 @@ impl World {
             simulated: self.begun.elapsed(),
             counts: record.counts(),
             hash: history.hash(),
-            lines_in_all: history.count(),
-            lines: history.lines().map(ToOwned::to_owned).collect(),
+            steps_in_all: history.count(),
+            steps: history.steps().cloned().collect(),
         }
     }
 
     pub(crate) fn note(&self, from: &str, to: &str, what: &str) {
-        self.observations().history.add(self.begun.elapsed(), from, to, what);
+        let (from, to, what) = (from.to_owned(), to.to_owned(), what.to_owned());
+        self.observations().history.add(Step { at: self.begun.elapsed(), from, to, what });
     }
 
     fn observations(&self) -> MutexGuard<'_, Observations> {
@@ -289,6 +317,8 @@ impl World {
             }
             Kind::RobotCut => self.robot(strike).cut(),
             Kind::RobotAway => self.robot(strike).set_off(true),
+            Kind::RobotRestarted => self.robot(strike).with(Robot::restart_soon),
+            Kind::Hostile => self.hostile(strike),
             Kind::ToStoreCut => self.member(strike).way.cut_requests(true),
             Kind::FromStoreCut => self.member(strike).way.cut_answers(true),
             Kind::AnswersLost => self.member(strike).way.lose_answers(true),
@@ -341,7 +371,12 @@ impl World {
                 }
             }
             Kind::OperatorHolds => self.act(strike, "RELEASE"),
-            Kind::BrokerLinkReset | Kind::SubscriptionsForgotten | Kind::RobotCut | Kind::StoreClockStepped => {}
+            Kind::BrokerLinkReset
+            | Kind::SubscriptionsForgotten
+            | Kind::RobotCut
+            | Kind::RobotRestarted
+            | Kind::Hostile
+            | Kind::StoreClockStepped => {}
         }
     }
 
@@ -350,6 +385,33 @@ impl World {
         for member in &mut self.members {
             member.start();
         }
+    }
+
+    /// A client publishes damaged copies of robots' messages as another robot.
+    fn hostile(&self, strike: &Strike) {
+        let heard: Vec<(String, Vec<u8>)> = self.observations().heard.iter().cloned().collect();
+        let (broker, mut random) = (self.broker.clone(), ChaCha8Rng::seed_from_u64(strike.measure));
+        vibrissa_program::task::spawn(async move {
+            let id = format!("hostile-{}", random.random::<u32>());
+            let Ok(mut client) = Client::connect(&broker, ClientOptions::new(id)).await else { return };
+            for (topic, mut payload) in heard {
+                let levels: Vec<&str> = topic.rsplitn(3, '/').collect();
+                let [kind, _, fleet] = levels[..] else { continue };
+                for _ in 0..random.random_range(0..4) {
+                    let at = random.random_range(0..payload.len().max(1));
+                    if let Some(byte) = payload.get_mut(at) {
+                        *byte = *b"0123456789-.eE\"{}[]:,nutl\0\xff".choose(&mut random).unwrap_or(&b' ');
+                    }
+                }
+                client.publish(
+                    &format!("{fleet}/h{:02}/{kind}", random.random_range(0..5)),
+                    payload,
+                    QoS::AtLeastOnce,
+                    false,
+                );
+            }
+            sleep(Duration::from_millis(50)).await;
+        });
     }
 
     /// An operator's action on a whisker.

@@ -59,7 +59,7 @@ pub async fn count(connection: &mut PgConnection, hostile: &[String]) -> sqlx::R
 /// The database does not answer, or a gain is not valid JSON.
 pub async fn setpoints(connection: &mut PgConnection, hostile: &[String]) -> sqlx::Result<Vec<Decided>> {
     const SQL: &str = "SELECT command_id, robot, \"array\", whisker, compensation_id, epoch, version, s.pressure_mpa, \
-        reason, s.state, s.gain FROM setpoints s JOIN whiskers w USING (whisker_id) JOIN arrays a USING (array_id) \
+        reason, s.state, s.gain, s.robot_boot_id FROM setpoints s JOIN whiskers w USING (whisker_id) JOIN arrays a USING (array_id) \
         JOIN robots r ON r.robot_id = s.robot_id WHERE NOT (robot = ANY($1))";
     let decided = |row: PgRow| {
         let gain: Option<String> = row.get(10);
@@ -72,6 +72,7 @@ pub async fn setpoints(connection: &mut PgConnection, hostile: &[String]) -> sql
             pressure_mpa: row.get(7),
             reason: row.get(8),
             state: row.get(9),
+            robot_boot_id: row.get(11),
             gain: gain.map_err(|problem| sqlx::Error::Decode(problem.into()))?,
         })
     };

@@ -16,6 +16,8 @@ pub struct Decided {
     pub command_id: String,
     /// Names of robot and array, and number of the whisker.
     pub whisker: (String, String, i64),
+    /// The boot of the robot that may apply it.
+    pub robot_boot_id: String,
     /// Id of the compensation, if any.
     pub compensation_id: Option<i64>,
     /// Epoch and version, which order the setpoints.
@@ -39,6 +41,8 @@ impl Decided {
     /// Whether both set the same pressure and gain for the same purpose. A refinement may change the gain alone.
     fn has_the_purpose_of(&self, other: &Self) -> bool {
         self.whisker == other.whisker
+            // A robot that restarts has forgotten its setpoints.
+            && self.robot_boot_id == other.robot_boot_id
             && self.compensation_id == other.compensation_id
             && self.reason == other.reason
             && self.pressure_mpa == other.pressure_mpa
@@ -215,6 +219,7 @@ mod tests {
         Decided {
             command_id: format!("1.{version}"),
             whisker: ("r".to_owned(), "left".to_owned(), 1),
+            robot_boot_id: "b".to_owned(),
             compensation_id: Some(7),
             order: (1, version),
             pressure_mpa: 0.05,
@@ -303,6 +308,8 @@ mod tests {
         for state in ["REJECTED", "FAILED", "SUPERSEDED", "EXPIRED", "ABANDONED"] {
             assert_eq!(two_for_one(&[decided(1, state), decided(2, "APPLIED")]), 0, "{state}");
         }
+        let restarted = Decided { robot_boot_id: "c".to_owned(), ..decided(2, "APPLIED") };
+        assert_eq!(two_for_one(&[decided(1, "APPLIED"), restarted]), 0);
         let elsewhere = Decided { whisker: ("r".to_owned(), "left".to_owned(), 2), ..decided(2, "APPLIED") };
         assert_eq!(two_for_one(&[decided(1, "APPLIED"), elsewhere]), 0);
     }

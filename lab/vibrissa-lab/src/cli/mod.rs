@@ -6,6 +6,7 @@ pub mod demo;
 pub mod evaluate;
 pub mod paper;
 pub mod replay;
+pub mod simulate;
 pub mod solve;
 
 mod assistant;
@@ -32,6 +33,8 @@ enum Command {
     CheckRobot(check_robot::CheckRobotArgs),
     /// Replay recorded traffic through the core: print every effect as a line of JSON, or compare two policies.
     Replay(replay::ReplayArgs),
+    /// Run supervisors and robots in simulated time under drawn faults, and look for violated invariants.
+    Simulate(simulate::SimulateArgs),
     /// Solve the model for the pressure at which one whisker feels like another.
     Solve(solve::SolveArgs),
     /// Print the paper's results beside the model's, and draw its curves.
@@ -54,6 +57,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Demo(args) => demo::run(args).map(|passed| if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE }),
         Command::CheckRobot(args) => check_robot::run(&args, &mut stdout()),
         Command::Replay(args) => replay::run(&args, &mut stdout().lock()).map(done),
+        Command::Simulate(args) => simulate::run(&args, &mut stdout()),
         Command::Solve(args) => solve::run(&args, &mut stdout()),
         Command::Paper(args) => paper::run(&args, &mut stdout()).map(done),
         Command::Evaluate(args) => evaluate::run(&args, &mut stdout()).map(done),
