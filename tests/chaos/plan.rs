@@ -248,7 +248,9 @@ mod tests {
 
     #[test]
     fn faults_follow_each_other_to_the_end_and_do_not_begin_before_the_last_is_over() {
-        for (seconds, control) in [(45.0, Control::None), (67.0, Control::None), (3600.0, Control::None), (20.0, Control::NoFence)] {
+        for (seconds, control) in
+            [(45.0, Control::None), (67.0, Control::None), (3600.0, Control::None), (20.0, Control::NoFence)]
+        {
             let strikes = plan(3, seconds, control);
             for pair in strikes.windows(2) {
                 assert!(pair[0].at_s + pair[0].lasts_s < pair[1].at_s, "{pair:?}");
