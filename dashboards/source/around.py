@@ -207,6 +207,7 @@ def http():
 
 def processes():
     files = f"{of_all('process_open_fds')} / {of_all('process_max_fds')}"
+    violations = total(lately(of_all("vibrissa_invariant_violations_total")), "instance, invariant")
     info = table(
         "Programs",
         "Program version, database and broker of each supervisor.",
@@ -224,13 +225,19 @@ def processes():
         ),
         timeseries("Memory", "Resident memory.", "bytes", each(of_all("process_resident_memory_bytes"))),
         timeseries("Files and connections", "Open file descriptors / their limit.", "percentunit", each(files)),
-        timeseries("Threads", "Threads of the process.", "none", each(of_all("process_threads")), (12, 8)),
+        timeseries("Threads", "Threads of the process.", "none", each(of_all("process_threads"))),
         timeseries(
             "Up for",
             "Time since the process started.",
             "dtdurations",
             each(f"time() - {of_all('process_start_time_seconds')}"),
-            (12, 8),
+        ),
+        timeseries(
+            "Violated invariants",
+            "Violations of what must always hold, by supervisor and invariant: each is a defect.",
+            "none",
+            [promql(any_of(violations, "instance", "invariant"), "{{instance}} {{invariant}}")],
+            bars=True,
         ),
         info,
     ]

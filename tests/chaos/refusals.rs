@@ -1,4 +1,4 @@
-//! The supervisors' counters of refused messages, summed over restarts.
+//! The supervisors' counters of refused messages and of violated invariants, summed over restarts.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -14,8 +14,18 @@ const PAUSE: Duration = Duration::from_secs(1);
 /// Time limit of an answer.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Words that the counters' names contain.
-const WORDS: [&str; 9] =
-    ["refused", "duplicate", "shed", "given_up", "quarantin", "takeover", "conflict", "forged", "forgotten"];
+const WORDS: [&str; 10] = [
+    "invariant_violations",
+    "refused",
+    "duplicate",
+    "shed",
+    "given_up",
+    "quarantin",
+    "takeover",
+    "conflict",
+    "forged",
+    "forgotten",
+];
 
 /// Reads the counters repeatedly until it is dropped.
 pub struct Refusals {
@@ -67,7 +77,7 @@ fn added(before: u64, now: u64) -> u64 {
     if now >= before { now - before } else { now }
 }
 
-/// Counters of refused messages, by name and labels.
+/// Counters of refused messages and of violated invariants, by name and labels.
 fn counters(text: &str) -> BTreeMap<String, u64> {
     let line = |line: &str| {
         let (name, value) = line.rsplit_once(' ')?;

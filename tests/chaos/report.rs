@@ -5,6 +5,8 @@ use std::fmt;
 use std::time::Instant;
 
 use serde::Serialize;
+use vibrissa_edge::invariants::Invariant;
+use vibrissa_tests::oracle::verdicts::{self, Verdict};
 use vibrissa_tests::oracle::{ledger, obedience};
 
 use crate::owner::Reign;
@@ -50,12 +52,14 @@ pub struct Report {
     pub hostile: BTreeMap<String, u64>,
     /// Setpoints that hostile robots received, repetitions included.
     pub hostile_setpoints: u64,
-    /// Lower bounds of the supervisors' counters of refused messages.
+    /// Lower bounds of the supervisors' counters of refused messages and of violated invariants.
     pub refusals: BTreeMap<String, u64>,
     /// Faults that struck, in order.
     pub faults: Vec<FaultReport>,
 }
 
+/// The supervisors' counter of violated invariants.
+const COUNTED: &str = "vibrissa_invariant_violations_total";
 /// Longest list of faults in the table for people.
 const LISTED: usize = 60;
 
@@ -123,30 +127,36 @@ impl Report {
     }
 
     /// Counts that must be 0, with their names.
-    fn forbidden(&self) -> [(&'static str, u64); 14] {
+    fn forbidden(&self) -> [Verdict; 15] {
+        use Invariant::{
+            ContactAsFelt, ContactOnce, ContactRecorded, FleetOwned, NoPanic, SetpointCommitted, SetpointForDecision,
+            SetpointFresh, SetpointOnce,
+        };
         let takeovers = self.faults.iter().filter_map(|fault| fault.takeover);
+        let counted = self.refusals.iter().filter(|(name, _)| name.starts_with(COUNTED));
+        let unowned = takeovers.filter(|one| one.seconds.is_none()).count() as u64;
         [
-            ("contacts missing", self.missing),
-            ("contacts duplicate", self.duplicate),
-            ("contacts wrong", self.wrong),
-            ("setpoints applied twice", self.applied_twice),
-            ("setpoints applied stale", self.applied_stale),
-            ("setpoints applied, not in the database", self.uncommitted),
-            ("setpoints, two for one decision", self.two_for_one),
-            ("messages dropped by robots", self.dropped),
-            ("messages without a receipt at the end", self.undelivered),
-            ("supervisors ended unexpectedly", self.ended_by_themselves),
-            ("supervisors not ended by SIGTERM, brokers that forgot nothing", self.stuck),
-            ("faults without an owner to hit", self.ownerless),
-            ("panics of supervisors", self.panics),
-            ("owners hit without a takeover", takeovers.filter(|one| one.seconds.is_none()).count() as u64),
+            Verdict::of(ContactRecorded, "contacts missing", self.missing),
+            Verdict::of(ContactOnce, "contacts duplicate", self.duplicate),
+            Verdict::of(ContactAsFelt, "contacts wrong", self.wrong),
+            Verdict::of(SetpointOnce, "setpoints applied twice", self.applied_twice),
+            Verdict::of(SetpointFresh, "setpoints applied stale", self.applied_stale),
+            Verdict::of(SetpointCommitted, "setpoints applied, not in the database", self.uncommitted),
+            Verdict::of(SetpointForDecision, "setpoints, two for one decision", self.two_for_one),
+            Verdict::of(ContactRecorded, "messages dropped by robots", self.dropped),
+            Verdict::of(ContactRecorded, "messages without a receipt at the end", self.undelivered),
+            Verdict::of_run("supervisors ended unexpectedly", self.ended_by_themselves),
+            Verdict::of_run("supervisors not ended by SIGTERM, brokers that forgot nothing", self.stuck),
+            Verdict::of_run("faults without an owner to hit", self.ownerless),
+            Verdict::of_run("violations that supervisors have counted", counted.map(|(_, count)| count).sum()),
+            Verdict::of(NoPanic, "panics of supervisors", self.panics),
+            Verdict::of(FleetOwned, "owners hit without a takeover", unowned),
         ]
     }
 
     /// Violations: forbidden counts above 0, and parts of the run that had no data.
     pub fn violations(&self) -> Vec<String> {
-        let forbidden = self.forbidden().into_iter().filter(|&(_, count)| count > 0);
-        let mut violations: Vec<String> = forbidden.map(|(name, count)| format!("{name}: {count}")).collect();
+        let mut violations = verdicts::violations(&self.forbidden());
         for (name, count) in [("contacts", self.sent), ("setpoints", self.applied), ("repetitions", self.repeated)] {
             if count == 0 {
                 violations.push(format!("no {name}: the run is not conclusive"));
@@ -205,10 +215,7 @@ impl fmt::Display for Report {
             writeln!(f, "{name:<42}{count:>9}")?;
         }
         writeln!(f)?;
-        for (name, count) in self.forbidden() {
-            let mark = if count > 0 { "  VIOLATION" } else { "" };
-            writeln!(f, "{name:<42}{count:>9}{mark}")?;
-        }
+        verdicts::write_table(f, &self.forbidden(), 42)?;
         self.fmt_hostile(f)?;
         writeln!(f, "\n{:<42}{:>9}  takeover, s", "fault", "at, s")?;
         if self.faults.len() > LISTED {
@@ -250,7 +257,7 @@ mod tests {
     #[test]
     fn whatever_is_forbidden_is_a_violation() {
         assert_eq!(good().violations(), Vec::<String>::new());
-        let edits: [fn(&mut Report); 13] = [
+        let edits: [fn(&mut Report); 14] = [
             |report| report.missing = 1,
             |report| report.duplicate = 1,
             |report| report.wrong = 1,
@@ -264,6 +271,7 @@ mod tests {
             |report| report.stuck = 1,
             |report| report.ownerless = 1,
             |report| report.panics = 1,
+            |report| report.refusals = BTreeMap::from([(format!("{COUNTED}{{invariant=\"EPOCH_ONCE\"}}"), 1)]),
         ];
         for edit in edits {
             let mut report = good();
@@ -298,6 +306,6 @@ mod tests {
         assert_eq!(seconds(&[reign(1, 1.0), reign(2, 7.5)]), Some(2.5));
         assert_eq!(seconds(&[reign(1, 1.0)]), None);
         let report = Report { faults: vec![FaultReport::new(&struck, start, &[])], ..good() };
-        assert_eq!(report.violations(), ["owners hit without a takeover: 1"]);
+        assert_eq!(report.violations(), ["FLEET_OWNED: owners hit without a takeover: 1"]);
     }
 }

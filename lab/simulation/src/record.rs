@@ -1,7 +1,9 @@
 //! What is observed in a run: at the robots, at the broker, and in the store. Each observation is compared with the invariants.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
 
+use tokio::time::Instant;
 use vibrissa_protocol::{Message, Topic, decode};
 use vibrissa_simulator::JournalEntry;
 use vibrissa_store::batch::{ContactRow, Record as Row, SetpointRow};
@@ -20,6 +22,25 @@ const PRESSURE_MAX_MPA: f64 = 0.2;
 /// Longest life of a setpoint, µs: the time to live of ten seconds, and ten seconds for the longest way of the pressure. A
 /// supervisor knows the robot's clock to a second.
 const LIVES_US: u64 = 21_000_000;
+/// A robot whose messages are not further apart talks all the time.
+const TALKS_WITHIN: Duration = Duration::from_secs(4);
+/// A whisker or robot may be called silent after this time.
+const SILENT_AFTER: Duration = Duration::from_secs(15);
+/// Alarms that the faults of a run can cause.
+const TRUE_FAULTS: [&str; 12] = [
+    "STALE",
+    "ROBOT_SILENT",
+    "UNCOMPENSATED",
+    "SETPOINT_FAILED",
+    "REACH_LOST",
+    "DUPLICATE_ROBOT",
+    "RECEIPTS_UNHEARD",
+    "REGULATOR",
+    "VENTED",
+    "PROPOSED",
+    "SUPPLY_LOW",
+    "HELD",
+];
 /// Word of a setpoint whose commit a failover has lost.
 const LOST: &str = "ABANDONED";
 
@@ -54,6 +75,8 @@ pub struct Record {
     pub cut: BTreeSet<WhiskerName>,
     /// Those of which a trim is reported.
     pub found: BTreeSet<WhiskerName>,
+    /// Since when each robot talks without a pause, and its newest message.
+    talking: BTreeMap<String, (Instant, Instant)>,
     violations: Vec<Violation>,
     seen: (u64, u64),
     /// Numbers of setpoints and of events.
@@ -143,9 +166,15 @@ impl Record {
                 }
                 self.found.insert(name);
             }
-            FactRow::Record(Row::Alarm(row)) => *self.committed.alarms.entry(row.kind.to_owned()).or_default() += 1,
+            FactRow::Record(Row::Alarm(row)) => {
+                let whisker = name(store, row.whisker_id);
+                // Loss of sensitivity and cut are told apart in the end only.
+                let is_cut = whisker.as_ref().is_some_and(|whisker| self.cut.contains(whisker));
+                self.alarm(row.kind, whisker.map(|whisker| whisker.0), is_cut);
+            }
             FactRow::Record(Row::RobotAlarm(row)) => {
-                *self.committed.alarms.entry(row.kind.to_owned()).or_default() += 1;
+                let robot = store.name_of_robot(row.robot_id).map(ToOwned::to_owned);
+                self.alarm(row.kind, robot, false);
             }
             FactRow::Record(_)
             | FactRow::Rollup(_)
@@ -154,6 +183,32 @@ impl Record {
             | FactRow::TurnedAway(_)
             | FactRow::BlackBox(_) => {}
         }
+    }
+
+    /// An alarm about a robot, or about one of its whiskers.
+    fn alarm(&mut self, kind: &str, robot: Option<String>, is_cut: bool) {
+        let Some(robot) = robot.filter(|robot| is_honest(robot)) else { return };
+        *self.committed.alarms.entry(kind.to_owned()).or_default() += 1;
+        let now = Instant::now();
+        let is_talking = self.talking.get(&robot).is_some_and(|(since, last)| {
+            now.duration_since(*last) < TALKS_WITHIN && last.duration_since(*since) > SILENT_AFTER + TALKS_WITHIN
+        });
+        if matches!(kind, "STALE" | "ROBOT_SILENT") && is_talking {
+            self.violated(Invariant::FaultIsTrue, format!("{kind} of {robot}, which talks all the time"));
+        }
+        if !TRUE_FAULTS.contains(&kind) && !is_cut {
+            self.violated(Invariant::FaultIsTrue, format!("{kind} of {robot}"));
+        }
+    }
+
+    /// Notes that the broker has accepted a message of a robot. A birth and a last will interrupt its talk.
+    pub fn talked(&mut self, robot: &str, topic: &str) {
+        let now = Instant::now();
+        let (since, last) = self.talking.entry(robot.to_owned()).or_insert((now, now));
+        if now.duration_since(*last) > TALKS_WITHIN || topic.ends_with("/connection") {
+            *since = now;
+        }
+        *last = now;
     }
 
     fn contact(&mut self, row: &ContactRow, store: &ModelStore) {

@@ -17,6 +17,10 @@ pub struct Statistics {
     pub faults: BTreeMap<Kind, u64>,
     /// Contacts that robots made, setpoints that were decided, trims that were found.
     pub counts: [u64; 3],
+    /// Raised alarms by kind.
+    pub alarms: BTreeMap<String, u64>,
+    /// Longest time from the end of a run's faults until all was settled.
+    pub settled_after: Duration,
     /// Pairs of faults of which the second began during the first.
     pub pairs: BTreeSet<(Kind, Kind)>,
     /// Sets of faults that were under way at the same time.
@@ -34,6 +38,10 @@ impl Statistics {
         for (sum, count) in self.counts.iter_mut().zip(outcome.counts) {
             *sum += count;
         }
+        self.settled_after = self.settled_after.max(outcome.settled_after);
+        for (kind, count) in &outcome.alarms {
+            *self.alarms.entry(kind.clone()).or_default() += count;
+        }
         let mut under_way: Vec<(Duration, Kind)> = Vec::new();
         for strike in plan.strikes.iter().filter(|strike| strike.at <= outcome.simulated) {
             under_way.retain(|(end, _)| *end > strike.at);
@@ -42,21 +50,6 @@ impl Statistics {
             under_way.push((strike.at + strike.lasts, strike.kind));
             self.sets.insert(under_way.iter().map(|(_, kind)| *kind).collect());
         }
-    }
-
-    /// Adds the sums of others.
-    pub fn join(&mut self, other: Self) {
-        self.runs += other.runs;
-        self.simulated += other.simulated;
-        self.steps += other.steps;
-        for (sum, count) in self.counts.iter_mut().zip(other.counts) {
-            *sum += count;
-        }
-        for (kind, count) in other.faults {
-            *self.faults.entry(kind).or_default() += count;
-        }
-        self.pairs.extend(other.pairs);
-        self.sets.extend(other.sets);
     }
 
     /// Number of faults.

@@ -1,6 +1,6 @@
 //! The world of a run: supervisors, robots, broker and store in one thread with tokio's paused clock.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -41,6 +41,10 @@ pub struct Outcome {
     pub simulated: Duration,
     /// Contacts that robots made, setpoints that were decided, trims that were found.
     pub counts: [u64; 3],
+    /// Raised alarms by kind.
+    pub alarms: BTreeMap<String, u64>,
+    /// Time from the end of the faults until all was settled.
+    pub settled_after: Duration,
     /// Hash of the history.
     pub hash: u64,
     /// Number of steps of the history.
@@ -71,6 +75,8 @@ pub(crate) struct World {
     observations: Arc<Mutex<Observations>>,
     /// The state before a failover under way.
     failover: Option<(ModelStore, Snapshot)>,
+    /// When the faults were over.
+    settling: Option<Instant>,
 }
 
 /// Runs a plan in a runtime of its own.
@@ -123,7 +129,7 @@ impl World {
             member.start();
             members.push(member);
         }
-        let world = Self { begun, broker, server, members, robots, observations, failover: None };
+        let world = Self { begun, broker, server, members, robots, observations, failover: None, settling: None };
         world.observe();
         world
     }
@@ -157,6 +163,9 @@ impl World {
                     heard.pop_front();
                 }
                 heard.push_back((observed.topic.to_owned(), observed.payload.to_vec()));
+                if let Some((_, robot)) = observed.from.rsplit_once('-') {
+                    record.talked(robot, observed.topic);
+                }
             }
         };
         self.broker.observe(Box::new(observer));
@@ -195,6 +204,7 @@ impl World {
         for robot in &self.robots {
             robot.with(Robot::rest);
         }
+        self.settling = Some(Instant::now());
         let settled_by = Instant::now() + SETTLED_WITHIN;
         while !self.is_settled() && Instant::now() < settled_by {
             sleep(CHECKED_EVERY).await;
@@ -245,6 +255,8 @@ impl World {
             violations: record.violations().to_vec(),
             simulated: self.begun.elapsed(),
             counts: record.counts(),
+            alarms: record.alarms().clone(),
+            settled_after: self.settling.map_or(Duration::ZERO, |since| since.elapsed()),
             hash: history.hash(),
             steps_in_all: history.count(),
             steps: history.steps().cloned().collect(),

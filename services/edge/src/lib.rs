@@ -13,6 +13,7 @@ pub mod full_name;
 pub mod guidance;
 pub mod ids;
 pub mod interval;
+pub mod invariants;
 pub mod labels;
 pub mod partition;
 pub mod presence;

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use vibrissa_core::robot::Numbers;
 
-use super::database::on;
+use super::database::{Link, on};
 use super::events::write::{Whose, clear_alarms};
-use super::load::{held, next_number};
+use super::load::{next_number, numbering};
 use super::{Lease, Model, StoreError, Writer, failed};
 
 /// Time limit of one statement.
@@ -39,18 +39,24 @@ impl Writer {
     /// The database cannot be written, or the lease is lost.
     pub async fn decommission(&mut self, lease: &Lease, robot_id: i64, now_us: i64) -> Result<(), StoreError> {
         const WHAT: &str = "decommission a robot";
-        let model =
-            |model: &mut dyn Model| lease.hold_in(model).map(|model| model.decommission(lease, robot_id, now_us));
-        self.attempt(WHAT, PATIENCE, model, async |link| {
-            let mut tx = held(link, lease, WHAT).await?;
+        let leave = |model: &mut dyn Model| {
+            model.decommission(lease, robot_id, now_us);
+            Ok(())
+        };
+        let model = |model: &mut dyn Model| lease.numbering_in(model, leave);
+        let work = async |link: &mut Link| {
+            let (mut tx, numbers) = numbering(link, lease, WHAT).await?;
             clear_alarms(&mut tx, Whose::Robot(robot_id), now_us).await.map_err(failed(WHAT))?;
             for sql in LEAVE {
                 on!(&mut tx, |tx| sqlx::query(sql).bind(robot_id).bind(now_us).execute(&mut **tx).await.map(drop))
                     .map_err(failed(WHAT))?;
             }
-            tx.commit().await.map_err(failed(WHAT))
-        })
-        .await
+            tx.commit().await.map_err(failed(WHAT))?;
+            Ok(((), numbers))
+        };
+        let ((), numbers) = self.attempt(WHAT, PATIENCE, model, work).await?;
+        lease.numbered(numbers);
+        Ok(())
     }
 
     /// Registers a robot at its first factsheet, or puts a decommissioned one back into service. `None` if the robot was
@@ -74,37 +80,38 @@ impl Writer {
         const LAST: &str = "SELECT (SELECT max(trim_id) FROM trims WHERE robot_id = $1), \
              (SELECT max(compensation_id) FROM compensations WHERE robot_id = $1)";
         let fleet = lease.fleet().as_str();
-        self.attempt(
-            WHAT,
-            PATIENCE,
-            |model| Ok(lease.hold_in(model)?.register(lease, robot, boot_id)),
-            async |link| {
-                let mut tx = held(link, lease, WHAT).await?;
-                let former: i64 = on!(&mut tx, |tx| sqlx::query_scalar(FORMER)
-                    .bind(fleet)
-                    .bind(robot)
-                    .bind(boot_id)
-                    .fetch_one(&mut **tx)
-                    .await)
-                .map_err(failed(WHAT))?;
-                if former > 0 {
-                    return Ok(None);
-                }
-                let robot_id: i64 = on!(&mut tx, |tx| sqlx::query_scalar(SQL)
-                    .bind(fleet)
-                    .bind(robot)
-                    .bind(now_us)
-                    .fetch_one(&mut **tx)
-                    .await)
-                .map_err(failed(WHAT))?;
-                let (trim, compensation): (Option<i64>, Option<i64>) =
-                    on!(&mut tx, |tx| sqlx::query_as(LAST).bind(robot_id).fetch_one(&mut **tx).await)
-                        .map_err(failed(WHAT))?;
+        let model =
+            |model: &mut dyn Model| lease.numbering_in(model, |model| Ok(model.register(lease, robot, boot_id)));
+        let work = async |link: &mut Link| {
+            let (mut tx, numbers) = numbering(link, lease, WHAT).await?;
+            let former: i64 = on!(&mut tx, |tx| sqlx::query_scalar(FORMER)
+                .bind(fleet)
+                .bind(robot)
+                .bind(boot_id)
+                .fetch_one(&mut **tx)
+                .await)
+            .map_err(failed(WHAT))?;
+            if former > 0 {
+                // Not left open: it would hold the lease's row, and block the fleet's commits.
                 tx.commit().await.map_err(failed(WHAT))?;
-                let numbers = Numbers { next_trim: next_number(trim), next_compensation: next_number(compensation) };
-                Ok(Some(Registered { robot_id, numbers }))
-            },
-        )
-        .await
+                return Ok((None, numbers));
+            }
+            let robot_id: i64 = on!(&mut tx, |tx| sqlx::query_scalar(SQL)
+                .bind(fleet)
+                .bind(robot)
+                .bind(now_us)
+                .fetch_one(&mut **tx)
+                .await)
+            .map_err(failed(WHAT))?;
+            let (trim, compensation): (Option<i64>, Option<i64>) =
+                on!(&mut tx, |tx| sqlx::query_as(LAST).bind(robot_id).fetch_one(&mut **tx).await)
+                    .map_err(failed(WHAT))?;
+            tx.commit().await.map_err(failed(WHAT))?;
+            let next = Numbers { next_trim: next_number(trim), next_compensation: next_number(compensation) };
+            Ok((Some(Registered { robot_id, numbers: next }), numbers))
+        };
+        let (registered, numbers) = self.attempt(WHAT, PATIENCE, model, work).await?;
+        lease.numbered(numbers);
+        Ok(registered)
     }
 }

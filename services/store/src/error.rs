@@ -275,6 +275,20 @@ pub struct Rejection {
     pub text: String,
 }
 
+impl Rejection {
+    /// Whether a key of the table `setpoints` refuses the row: a setpoint with the same name, or with the same robot, epoch and
+    /// version, is there already. Both databases name the key in the text, and PostgreSQL does so in each language.
+    #[must_use]
+    pub fn is_of_setpoint_key(&self) -> bool {
+        match self.code.as_str() {
+            "23505" => self.text.contains("setpoints_"),
+            // Primary key, unique.
+            "1555" | "2067" => self.text.contains(" setpoints."),
+            _ => false,
+        }
+    }
+}
+
 /// Class of an error that is caused by the rows themselves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum RejectionCause {
@@ -355,7 +369,33 @@ pub(super) fn failed(what: &'static str) -> impl FnOnce(sqlx::Error) -> StoreErr
 
 #[cfg(test)]
 mod tests {
+    use super::Rejection;
     use super::RejectionCause::{self, Constraint, Data, Size};
+
+    #[test]
+    fn golden_the_keys_of_setpoints_are_known_by_the_texts_of_both_databases() {
+        let refused = |code: &str, text: &str| {
+            let (code, text) = (code.to_owned(), text.to_owned());
+            Rejection { cause: Constraint, code, text }.is_of_setpoint_key()
+        };
+        for (code, text) in [
+            ("23505", "duplicate key value violates unique constraint \"setpoints_pkey\""),
+            ("23505", "doppelter Schlüsselwert verletzt Unique-Constraint »setpoints_robot_id_epoch_version_key«"),
+            ("1555", "UNIQUE constraint failed: setpoints.command_id"),
+            ("2067", "UNIQUE constraint failed: setpoints.robot_id, setpoints.epoch, setpoints.version"),
+        ] {
+            assert!(refused(code, text), "{text}");
+        }
+        for (code, text) in [
+            ("23505", "duplicate key value violates unique constraint \"setpoint_states_pkey\""),
+            ("23505", "duplicate key value violates unique constraint \"trims_pkey\""),
+            ("23503", "insert on table \"setpoints\" violates foreign key constraint \"setpoints_robot_id_fkey\""),
+            ("2067", "UNIQUE constraint failed: trims.trim_id"),
+            ("1299", "NOT NULL constraint failed: setpoints.reason"),
+        ] {
+            assert!(!refused(code, text), "{text}");
+        }
+    }
 
     #[test]
     fn only_errors_that_rows_cause_by_themselves_are_rejections() {

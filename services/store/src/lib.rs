@@ -73,7 +73,7 @@ pub use address::{DatabaseAddress, PostgresAddress};
 pub use apart::Refused;
 pub use batch::Batch;
 pub use error::{LossCause, Rejection, RejectionCause, StoreError};
-pub use lease::Lease;
+pub use lease::{Lease, LeaseCounts};
 pub use lease_watch::Renewal;
 pub use load::{JournalReading, NumberedWhisker, RobotState, StoredRobot, StoredRobots};
 pub use log_position::LogPositions;

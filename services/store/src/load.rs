@@ -238,9 +238,9 @@ impl Writer {
         const WHAT: &str = "assign a number to a boot";
         const SQL: &str = "INSERT INTO boots (robot_id, boot_id, first_seen_us) VALUES ($1, $2, $3) \
              ON CONFLICT (robot_id, boot_id) DO UPDATE SET boot_id = excluded.boot_id RETURNING boot";
-        let model = |model: &mut dyn Model| Ok(lease.hold_in(model)?.boot(robot_id, boot_id)?);
-        self.attempt(WHAT, NUMBER_PATIENCE, model, async |link| {
-            let mut tx = held(link, lease, WHAT).await?;
+        let model = |model: &mut dyn Model| lease.numbering_in(model, |model| Ok(model.boot(robot_id, boot_id)?));
+        let work = async |link: &mut Link| {
+            let (mut tx, numbers) = numbering(link, lease, WHAT).await?;
             let boot = on!(&mut tx, |tx| sqlx::query_scalar(SQL)
                 .bind(robot_id)
                 .bind(boot_id)
@@ -249,9 +249,11 @@ impl Writer {
                 .await)
             .map_err(failed(WHAT))?;
             tx.commit().await.map_err(failed(WHAT))?;
-            Ok(boot)
-        })
-        .await
+            Ok((boot, numbers))
+        };
+        let (boot, numbers) = self.attempt(WHAT, NUMBER_PATIENCE, model, work).await?;
+        lease.numbered(numbers);
+        Ok(boot)
     }
 
     /// Numbers of a robot's whiskers in the database, in the order of their index, each with its last committed
@@ -269,22 +271,28 @@ impl Writer {
         robot: &Robot,
     ) -> Result<Vec<NumberedWhisker>, StoreError> {
         const WHAT: &str = "assign numbers to whiskers";
-        let model = |model: &mut dyn Model| Ok(lease.hold_in(model)?.whisker_ids(robot_id, robot)?);
-        self.attempt(WHAT, NUMBER_PATIENCE, model, async |link| {
-            let mut tx = held(link, lease, WHAT).await?;
+        let model = |model: &mut dyn Model| lease.numbering_in(model, |model| Ok(model.whisker_ids(robot_id, robot)?));
+        let work = async |link: &mut Link| {
+            let (mut tx, numbers) = numbering(link, lease, WHAT).await?;
             let ids = number_whiskers(&mut tx, robot_id, robot).await.map_err(failed(WHAT))?;
             tx.commit().await.map_err(failed(WHAT))?;
-            Ok(ids)
-        })
-        .await
+            Ok((ids, numbers))
+        };
+        let (ids, numbers) = self.attempt(WHAT, NUMBER_PATIENCE, model, work).await?;
+        lease.numbered(numbers);
+        Ok(ids)
     }
 }
 
-/// Begins a transaction that has locked the lease's row.
-pub(super) async fn held<'c>(link: &'c mut Link, lease: &Lease, what: &'static str) -> Result<Tx<'c>, StoreError> {
+/// Begins a transaction that assigns numbers. It has locked the lease's row; its count is for [`Lease::numbered`].
+pub(super) async fn numbering<'c>(
+    link: &'c mut Link,
+    lease: &Lease,
+    what: &'static str,
+) -> Result<(Tx<'c>, i64), StoreError> {
     let mut tx = link.begin().await.map_err(failed(what))?;
-    lease.hold(&mut tx).await?;
-    Ok(tx)
+    let numbers = lease.count_numbers(&mut tx).await?;
+    Ok((tx, numbers))
 }
 
 /// At most `most` robots of a fleet with numbers above `after`. One damaged row costs its robot what it has learned, and

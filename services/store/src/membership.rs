@@ -281,13 +281,13 @@ fn epoch_step() -> u64 {
 const ACQUIRE_SQLITE: &str = "INSERT INTO leases (fleet, epoch, owner, holder) \
     VALUES ($1, max($4, $5 + $9), $2, $3) \
     ON CONFLICT (fleet) DO UPDATE SET epoch = max(epoch + $9, excluded.epoch), owner = excluded.owner, \
-    holder = excluded.holder, commits = 0 RETURNING epoch";
+    holder = excluded.holder, commits = 0, numbers = 0 RETURNING epoch";
 
 /// PostgreSQL: skips a row that is locked, because its owner is committing. A lease of our own can be acquired again:
 /// the answer to an earlier attempt may have been lost. The last three parameters are the row that was seen to be free;
 /// without one the clock decides.
 const ACQUIRE_POSTGRES: &str = "UPDATE leases SET epoch = greatest(epoch + $9::bigint, clock_us() / 1000, $5 + $9::bigint), owner = $2, \
-    holder = $3, commits = 0, expires_us = clock_us() + $4 WHERE fleet = (SELECT fleet FROM leases \
+    holder = $3, commits = 0, numbers = 0, expires_us = clock_us() + $4 WHERE fleet = (SELECT fleet FROM leases \
     WHERE fleet = $1 AND (owner = $2 OR CASE \
     WHEN $6::bigint IS NULL THEN expires_us <= clock_us() \
     ELSE epoch = $6 AND commits = $7::bigint AND expires_us = $8::bigint END) \

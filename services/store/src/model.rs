@@ -26,8 +26,8 @@ use crate::policies::PolicyReading;
 use crate::refusals::RefusalRow;
 use crate::rollouts::{RobotError, RolloutRow};
 use crate::{
-    ClockReport, FleetsHeard, JournalReading, Lease, LogPositions, NumberedWhisker, Renewal, SignedIn, StoreError,
-    StoredRobots, Supervisor, failed,
+    ClockReport, FleetsHeard, JournalReading, Lease, LeaseCounts, LogPositions, NumberedWhisker, Renewal, SignedIn,
+    StoreError, StoredRobots, Supervisor, failed,
 };
 
 /// The way of a request or of an answer.
@@ -172,10 +172,14 @@ pub trait Leases {
     fn release(&mut self, lease: &Lease);
     /// Removes a supervisor from the members.
     fn sign_out(&mut self, supervisor: &Supervisor);
-    /// Number of the lease's transactions; `None` if it does not hold any more.
-    fn commits(&self, lease: &Lease) -> Option<i64>;
-    /// Advances the number of transactions from `before`, and renews the lease. Returns false if that was not the number.
-    fn count_commit(&mut self, lease: &Lease, before: i64) -> bool;
+    /// The lease's counters; `None` if it does not hold any more.
+    fn counts(&self, lease: &Lease) -> Option<LeaseCounts>;
+    /// Advances the number of transactions, and renews the lease. Returns false if the number was not the known one, or if
+    /// fewer transactions assigned numbers than known.
+    fn count_commit(&mut self, lease: &Lease, known: LeaseCounts) -> bool;
+    /// Advances the number of transactions that assigned numbers, and returns it; `None` if it was below `least`, or if the
+    /// lease does not hold any more.
+    fn count_numbers(&mut self, lease: &Lease, least: i64) -> Option<i64>;
     /// Whether the fleet had an owner at this epoch or earlier.
     fn has_epoch_until(&self, fleet: &Name, epoch: u64) -> bool;
 }

@@ -3,11 +3,12 @@
 use std::sync::{Arc, OnceLock};
 
 use tokio::sync::{mpsc, watch};
-use tokio::task::{JoinHandle, JoinSet};
+use tokio::task::{JoinError, JoinHandle, JoinSet};
 use tokio::time::{Duration, Instant, timeout_at};
 use tracing::{error, info, warn};
 use vibrissa_core::robot::Params;
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_edge::invariants::Invariant;
 use vibrissa_program::task;
 use vibrissa_protocol::{BootId, Name};
 
@@ -87,6 +88,7 @@ pub(crate) struct Fleet {
     link: Arc<OnceLock<BrokerLink>>,
     stop: watch::Sender<bool>,
     task: JoinHandle<()>,
+    metrics: FleetMetrics,
 }
 
 impl Fleet {
@@ -99,7 +101,8 @@ impl Fleet {
         shared.readiness.stands(lease.fleet(), Standing::Owned { epoch: lease.epoch() });
         let link = Arc::new(OnceLock::new());
         let task = task::spawn(supervise(lease.clone(), shared.clone(), link.clone(), stopping));
-        Self { lease, link, stop, task }
+        let metrics = shared.metrics.of_fleet(lease.fleet());
+        Self { lease, link, stop, task, metrics }
     }
 
     /// State of the fleet's broker connections; `None` before the engine has started.
@@ -124,6 +127,7 @@ impl Fleet {
         let _ = self.stop.send(true);
         if let Err(problem) = self.task.await {
             error!(fleet = %self.lease.fleet(), %problem, "supervision task failed");
+            note_panic(Some(&problem), "supervision", self.lease.fleet(), &self.metrics);
         }
         self.lease
     }
@@ -291,21 +295,57 @@ async fn run(
             if let Ok(Some(Ending::LeaseLost)) = ended {
                 warn!(fleet = %connection.fleet, epoch = connection.epoch, "fleet lease lost to another supervisor");
             }
+            note_panic(ended.err().as_ref(), "engine", &connection.fleet, metrics);
         }
     }
     let _ = hang_up.send(true);
     let deadline = Instant::now() + STOP_PATIENCE;
     // In the order in which they end: the receiver first; each one releases the channel that the next one waits for.
     if !engine.is_finished() {
-        end_by(deadline, "engine", &mut engine).await;
+        let problem = end_by(deadline, "engine", &mut engine).await;
+        note_panic(problem.as_ref(), "engine", &connection.fleet, metrics);
         let _ = cut_off.send(true);
     }
-    end_by(deadline, "publisher", &mut publisher).await;
+    let problem = end_by(deadline, "publisher", &mut publisher).await;
+    note_panic(problem.as_ref(), "publisher", &connection.fleet, metrics);
 }
 
-async fn end_by<T>(deadline: Instant, name: &str, task: &mut JoinHandle<T>) {
-    if timeout_at(deadline, &mut *task).await.is_err() {
-        warn!(task = name, "task did not end in time, aborting it");
-        task.abort();
+/// Waits for the end of a task, and aborts it after the deadline. Returns the error of a task that has failed.
+async fn end_by<T>(deadline: Instant, name: &str, task: &mut JoinHandle<T>) -> Option<JoinError> {
+    match timeout_at(deadline, &mut *task).await {
+        Ok(ended) => ended.err(),
+        Err(_) => {
+            warn!(task = name, "task did not end in time, aborting it");
+            task.abort();
+            None
+        }
+    }
+}
+
+/// Counts a task that has panicked.
+fn note_panic(problem: Option<&JoinError>, name: &str, fleet: &Name, metrics: &FleetMetrics) {
+    if let Some(problem) = problem.filter(|problem| problem.is_panic()) {
+        metrics.violations.count(Invariant::NoPanic, fleet, &format_args!("{name}: {problem}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_task_that_has_panicked_is_counted_and_one_that_was_aborted_is_not() {
+        let fleet = Name::new("f").unwrap();
+        let metrics = Metrics::new(false).unwrap().of_fleet(&fleet);
+        let deadline = Instant::now() + STOP_PATIENCE;
+        let endless = task::spawn(std::future::pending::<()>());
+        endless.abort();
+        for (mut task, count) in
+            [(task::spawn(async {}), 0), (endless, 0), (task::spawn(async { panic!("planted") }), 1)]
+        {
+            let problem = end_by(deadline, "task", &mut task).await;
+            note_panic(problem.as_ref(), "task", &fleet, &metrics);
+            assert_eq!(metrics.violations.of(Invariant::NoPanic), count);
+        }
     }
 }

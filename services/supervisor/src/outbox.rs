@@ -64,13 +64,15 @@ pub struct Publication {
     /// Measures the time until the setpoint is published; `None` for other messages, and for setpoints that are sent
     /// again.
     pub stopwatch: Option<Stopwatch>,
+    /// Number of the transaction that it states or belongs to: it goes out after this one's commit.
+    pub transaction: i64,
 }
 
 impl Publication {
-    /// A publication without a deadline.
+    /// A publication without a deadline, and of no transaction yet.
     #[must_use]
     pub fn new(robot: Name, message: ToRobot) -> Self {
-        Self { robot, message, until: None, stopwatch: None }
+        Self { robot, message, until: None, stopwatch: None, transaction: 0 }
     }
 
     /// Whether it only states what a transaction has recorded. Such a message stays true after the lease has expired.

@@ -5,6 +5,8 @@ use std::fmt;
 use std::time::Instant;
 
 use serde::Serialize;
+use vibrissa_edge::invariants::Invariant;
+use vibrissa_tests::oracle::verdicts::{self, Verdict};
 use vibrissa_tests::oracle::{ledger, obedience};
 
 use super::overlap::Happened;
@@ -145,29 +147,32 @@ impl Report {
     }
 
     /// Counts that must be 0, with their names.
-    fn forbidden(&self) -> [(&'static str, u64); 14] {
+    fn forbidden(&self) -> [Verdict; 14] {
+        use Invariant::{
+            ContactAsFelt, ContactOnce, ContactRecorded, FleetOwned, NoPanic, SetpointCommitted, SetpointForDecision,
+            SetpointFresh, SetpointOnce,
+        };
         [
-            ("contacts missing", self.missing),
-            ("contacts duplicate", self.duplicate),
-            ("contacts wrong", self.wrong),
-            ("setpoints applied twice", self.applied_twice),
-            ("setpoints applied stale", self.applied_stale),
-            ("setpoints applied, not in the database", self.uncommitted),
-            ("setpoints, two for one decision", self.two_for_one),
-            ("messages dropped by robots", self.dropped),
-            ("messages without a receipt at the end", self.undelivered),
-            ("supervisors ended unexpectedly", self.ended_by_themselves),
-            ("brokers that forgot nothing", self.stuck),
-            ("panics of supervisors", self.panics),
-            ("faults or rounds after which a robot stayed unheard", self.unrecovered),
-            ("faults after which something stayed missing", self.not_whole),
+            Verdict::of(ContactRecorded, "contacts missing", self.missing),
+            Verdict::of(ContactOnce, "contacts duplicate", self.duplicate),
+            Verdict::of(ContactAsFelt, "contacts wrong", self.wrong),
+            Verdict::of(SetpointOnce, "setpoints applied twice", self.applied_twice),
+            Verdict::of(SetpointFresh, "setpoints applied stale", self.applied_stale),
+            Verdict::of(SetpointCommitted, "setpoints applied, not in the database", self.uncommitted),
+            Verdict::of(SetpointForDecision, "setpoints, two for one decision", self.two_for_one),
+            Verdict::of(ContactRecorded, "messages dropped by robots", self.dropped),
+            Verdict::of(ContactRecorded, "messages without a receipt at the end", self.undelivered),
+            Verdict::of_run("supervisors ended unexpectedly", self.ended_by_themselves),
+            Verdict::of_run("brokers that forgot nothing", self.stuck),
+            Verdict::of(NoPanic, "panics of supervisors", self.panics),
+            Verdict::of(FleetOwned, "faults or rounds after which a robot stayed unheard", self.unrecovered),
+            Verdict::of_run("faults after which something stayed missing", self.not_whole),
         ]
     }
 
     /// Violations: forbidden counts above 0, and parts of the run that had no data.
     pub fn violations(&self) -> Vec<String> {
-        let forbidden = self.forbidden().into_iter().filter(|&(_, count)| count > 0);
-        let mut violations: Vec<String> = forbidden.map(|(name, count)| format!("{name}: {count}")).collect();
+        let mut violations = verdicts::violations(&self.forbidden());
         let faults = self.faults.len() as u64;
         for (name, count) in [("contacts", self.sent), ("setpoints", self.applied), ("faults", faults)] {
             if count == 0 {
@@ -225,10 +230,7 @@ impl fmt::Display for Report {
             writeln!(f, "{name:<58}{count:>9}")?;
         }
         writeln!(f)?;
-        for (name, count) in self.forbidden() {
-            let mark = if count > 0 { "  VIOLATION" } else { "" };
-            writeln!(f, "{name:<58}{count:>9}{mark}")?;
-        }
+        verdicts::write_table(f, &self.forbidden(), 58)?;
         self.fmt_times(f, "hit to another owner of all fleets, s", |one| one.owned_s)?;
         self.fmt_times(f, "hit to the first commit for all fleets by others, s", |one| {
             one.takeover.map(|(_, seconds)| seconds)

@@ -6,6 +6,7 @@ use sqlx::{AssertSqlSafe, ConnectOptions, Executor};
 use vibrissa_store::{LossCause, StoreError};
 use vibrissa_tests::wait::{until, until_true};
 
+use crate::refused::Admin;
 use crate::rows::{self, contacts};
 use crate::{Fresh, fleet, supervisor};
 
@@ -115,6 +116,44 @@ async fn a_transaction_that_is_left_open_does_not_keep_a_fleet() {
     proxy.stall(false);
     stalled.await.unwrap();
     assert_eq!(database.store.contact_count().await.unwrap(), taken_over, "no late write may arrive");
+}
+
+/// The database has lost the transaction that assigned the last number, and no batch.
+async fn lost_number(database: Fresh) {
+    let (a, mut admin, mut writer) = (supervisor("a"), Admin::of(&database).await, database.store.writer());
+    writer.sign_in(&a, &[]).await.unwrap();
+    let lost = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
+    let robot = rows::robot(&mut writer, &lost).await;
+    writer.commit(&lost, &contacts(&robot, 0..3)).await.unwrap();
+    admin.execute("UPDATE leases SET numbers = numbers - 1".to_owned()).await;
+    let batch = writer.commit(&lost, &contacts(&robot, 3..5)).await;
+    let boot = writer.boot(&lost, robot.robot_id, "c", 1).await.map(drop);
+    let decommissioned = writer.decommission(&lost, robot.robot_id, 1).await;
+    for refused in [batch, boot, decommissioned] {
+        let StoreError::LeaseLost { cause, .. } = refused.unwrap_err() else { panic!("another error") };
+        assert_eq!(cause, LossCause::CommitsLost { commits: 1 });
+    }
+    assert_eq!(database.store.contact_count().await.unwrap(), 3, "nothing was written");
+
+    // A later epoch counts anew.
+    writer.sign_in(&a, &[]).await.unwrap();
+    let next = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
+    writer.commit(&next, &contacts(&robot, 3..5)).await.unwrap();
+    writer.boot(&next, robot.robot_id, "c", 1).await.unwrap();
+    // A higher count is of a transaction whose answer was lost.
+    admin.execute("UPDATE leases SET numbers = numbers + 1".to_owned()).await;
+    writer.commit(&next, &contacts(&robot, 5..7)).await.unwrap();
+    assert_eq!(database.store.contact_count().await.unwrap(), 7);
+}
+
+#[tokio::test]
+async fn regress_a_number_that_the_database_has_lost_ends_the_lease_on_sqlite() {
+    lost_number(Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn regress_a_number_that_the_database_has_lost_ends_the_lease_on_postgres() {
+    lost_number(Fresh::postgres().await).await;
 }
 
 /// A failover lost the last commits, and the former leader's clock was a day ahead: its epochs are known to supervisors

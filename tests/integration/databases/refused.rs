@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use sqlx::{AssertSqlSafe, ConnectOptions};
 use vibrissa_store::Resolution;
-use vibrissa_store::batch::{Batch, JournalRow, Owner, QuarantineRow, Record, RollupRow};
+use vibrissa_store::batch::{Batch, JournalRow, Owner, QuarantineRow, Record, RollupRow, SetpointRow};
 use vibrissa_store::{DatabaseAddress, Lease, Refused, RejectionCause, StoreError, Writer};
 use vibrissa_tests::actions::asks_of;
 
@@ -409,4 +409,41 @@ async fn the_quarantine_is_bounded_on_sqlite() {
 #[tokio::test]
 async fn the_quarantine_is_bounded_on_postgres() {
     in_quarantine(Fresh::postgres().await).await;
+}
+
+/// A setpoint whose name, or whose robot, epoch and version, the table has already is told from all other rows.
+async fn setpoints_twice(database: Fresh) {
+    let (mut writer, lease) = begin(&database).await;
+    let numbered = rows::numbered(&mut writer, &lease, "r").await;
+    let all = || contract::records(&numbered);
+    let decided =
+        all().into_iter().filter(|one| matches!(one, Record::Decision(_) | Record::Setpoint(_) | Record::Trim(_)));
+    writer.commit(&lease, &Batch { records: decided.collect(), ..Batch::default() }).await.unwrap();
+    let mut refusal = async |record: Record| {
+        let mut batch = Batch { records: vec![record], ..Batch::default() };
+        let refused = write(&mut writer, &lease, &mut batch).await;
+        (refused[0].rejection.is_of_setpoint_key(), refused[0].rejection.text.clone())
+    };
+    let changes: [fn(&mut SetpointRow); 2] = [|row| row.command_id = "other".to_owned(), |row| row.version += 1];
+    for change in changes {
+        for record in all() {
+            let Record::Setpoint(mut row) = record else { continue };
+            change(&mut row);
+            let (is, text) = refusal(Record::Setpoint(row)).await;
+            assert!(is, "{text}");
+        }
+    }
+    let trim = all().into_iter().find(|one| matches!(one, Record::Trim(_))).unwrap();
+    let (is, text) = refusal(trim).await;
+    assert!(!is, "{text}");
+}
+
+#[tokio::test]
+async fn a_setpoint_that_is_there_already_is_told_from_other_rows_on_sqlite() {
+    setpoints_twice(Fresh::sqlite().await).await;
+}
+
+#[tokio::test]
+async fn a_setpoint_that_is_there_already_is_told_from_other_rows_on_postgres() {
+    setpoints_twice(Fresh::postgres().await).await;
 }

@@ -8,6 +8,7 @@ mod clocks;
 mod compose;
 mod documents;
 mod guidance;
+mod invariants;
 mod packages;
 mod ports;
 mod profiles;

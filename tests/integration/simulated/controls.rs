@@ -3,16 +3,15 @@
 use std::time::Instant;
 
 use vibrissa_simulation::invariants::Invariant;
-use vibrissa_simulation::plan::{Kind, Plan, Sizes, Strike};
+use vibrissa_simulation::plan::{Kind, Plan, Sizes};
 use vibrissa_simulation::world::run;
 use vibrissa_simulator::scenario::Misbehaviour;
 use vibrissa_store::fault::{Fault, planted};
 
+use crate::{LOST_EPOCHS, with_kinds};
+
 /// Histories until a fault must be found.
 const MOST: u64 = 100;
-/// Faults that lead to a new owner of a fleet whose last owner is forgotten.
-const LOST_EPOCHS: [Kind; 5] =
-    [Kind::StoreClockStepped, Kind::StoreFailover, Kind::SupervisorKilled, Kind::SupervisorFrozen, Kind::FromStoreCut];
 
 /// Runs histories until one violates the expected invariant.
 fn is_found(name: &str, expected: Invariant, history: impl Fn(Plan) -> Vec<Invariant>) {
@@ -32,11 +31,7 @@ fn fault_is_found(fault: Fault, expected: Invariant) {
 
 /// As [`fault_is_found`], with these kinds of faults in the place of all: with all kinds it takes some 50 histories.
 fn fault_is_found_by(kinds: &[Kind], fault: Fault, expected: Invariant) {
-    is_found(&format!("{fault:?}"), expected, |plan| {
-        let strike = |strike: &Strike| Strike { kind: kinds[strike.victim % kinds.len()], ..*strike };
-        let strikes = plan.strikes.iter().map(strike).collect();
-        planted(fault, || violated(&plan.with(strikes)))
-    });
+    is_found(&format!("{fault:?}"), expected, |plan| planted(fault, || violated(&with_kinds(&plan, kinds))));
 }
 
 fn misbehaviour_is_found(misbehaviour: Misbehaviour, expected: Invariant) {

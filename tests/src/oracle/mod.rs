@@ -4,3 +4,4 @@ pub use vibrissa_simulation::oracle::{ledger, obedience};
 
 pub mod recorded;
 pub mod robots;
+pub mod verdicts;

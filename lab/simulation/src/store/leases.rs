@@ -2,7 +2,9 @@
 
 use vibrissa_protocol::Name;
 use vibrissa_store::model::Leases;
-use vibrissa_store::{ClockReport, FleetsHeard, Lease, LeaseRow, MemberRow, Renewal, SignedIn, Supervisor};
+use vibrissa_store::{
+    ClockReport, FleetsHeard, Lease, LeaseCounts, LeaseRow, MemberRow, Renewal, SignedIn, Supervisor,
+};
 
 use super::ModelStore;
 
@@ -82,7 +84,8 @@ impl Leases for ModelStore {
         self.epochs
             .set((fleet.clone(), epoch), Epoch { owner: owner.clone(), holder: holder.clone(), began_us: now_us });
         let row = LeaseRow { fleet: fleet.clone(), owner: Some(owner), holder: Some(holder), renewal };
-        self.leases.set(fleet, row);
+        self.leases.set(fleet.clone(), row);
+        self.numbers.remove(&fleet);
         Some(epoch)
     }
 
@@ -99,12 +102,15 @@ impl Leases for ModelStore {
         self.members.remove(&supervisor.id.to_string());
     }
 
-    fn commits(&self, lease: &Lease) -> Option<i64> {
-        self.lease_of(lease).map(|row| row.renewal.commits)
+    fn counts(&self, lease: &Lease) -> Option<LeaseCounts> {
+        let commits = self.lease_of(lease)?.renewal.commits;
+        let numbers = self.numbers.get(&lease.fleet().to_string()).copied().unwrap_or_default();
+        Some(LeaseCounts { commits, numbers })
     }
 
-    fn count_commit(&mut self, lease: &Lease, before: i64) -> bool {
-        let is_next = self.commits(lease) == Some(before);
+    fn count_commit(&mut self, lease: &Lease, known: LeaseCounts) -> bool {
+        let is_known = |row: LeaseCounts| row.commits == known.commits && row.numbers >= known.numbers;
+        let is_next = self.counts(lease).is_some_and(is_known);
         if is_next {
             let expires_us = self.clock_us + lease.time_to_live().as_micros() as i64;
             self.leases.change(&lease.fleet().to_string(), |row| {
@@ -113,6 +119,12 @@ impl Leases for ModelStore {
             });
         }
         is_next
+    }
+
+    fn count_numbers(&mut self, lease: &Lease, least: i64) -> Option<i64> {
+        let numbers = self.counts(lease)?.numbers;
+        (numbers >= least).then(|| self.numbers.set(lease.fleet().to_string(), numbers + 1))?;
+        Some(numbers + 1)
     }
 
     fn has_epoch_until(&self, fleet: &Name, epoch: u64) -> bool {

@@ -43,6 +43,8 @@ pub struct ModelStore {
     /// The last number that was given, in whatever table. It never returns.
     last_number: i64,
     leases: Table<String, LeaseRow>,
+    /// Numbers of transactions under each fleet's lease that assigned numbers.
+    numbers: Table<String, i64>,
     epochs: Table<Of<i64>, Epoch>,
     members: Table<String, MemberRow>,
     robots: Table<i64, robots::Robot>,
@@ -147,9 +149,10 @@ impl ModelStore {
         self.facts.rows.push(Fact { fleet: lease.fleet().clone(), epoch: lease.epoch(), row });
     }
 
-    fn parts(&mut self) -> [&mut dyn Undo; 22] {
+    fn parts(&mut self) -> [&mut dyn Undo; 23] {
         [
             &mut self.leases,
+            &mut self.numbers,
             &mut self.epochs,
             &mut self.members,
             &mut self.robots,

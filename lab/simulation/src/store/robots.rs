@@ -207,6 +207,12 @@ impl ModelStore {
         Some((&self.robots.get(&whisker.robot_id)?.robot, &whisker.array, whisker.whisker))
     }
 
+    /// Name of a robot.
+    #[must_use]
+    pub fn name_of_robot(&self, robot_id: i64) -> Option<&str> {
+        self.robots.get(&robot_id).map(|robot| robot.robot.as_str())
+    }
+
     /// The boots: number, robot, and identifier.
     pub fn boots(&self) -> impl Iterator<Item = (i64, &str, &str)> {
         self.boots.iter().filter_map(|((robot_id, boot_id), &boot)| {

@@ -59,6 +59,31 @@ async fn a_failover_that_loses_commits_ends_the_lease() {
     assert_eq!(server.store().epochs().count(), 2);
 }
 
+/// A batch after a boot's number was lost would refer to a boot that does not exist.
+#[tokio::test(start_paused = true)]
+async fn regress_a_failover_that_loses_an_assigned_number_ends_the_lease() {
+    let server = Arc::new(AtHand::default());
+    let store = Store::modelled(server.clone());
+    let (mut writer, lease) = acquired(&store, "a").await;
+    let robot_id = writer.register(&lease, ("r", "b"), 1).await.expect("registered").expect("a new robot").robot_id;
+    let before = server.store().clone();
+    // Nobody knows of a number whose answer was lost, so its loss is harmless.
+    server.lose_answer(0);
+    writer.boot(&lease, robot_id, "b", 1).await.expect_err("no answer");
+    *server.store() = before.clone();
+    writer.commit(&lease, &event(1)).await.expect("written");
+    let before = server.store().clone();
+    writer.boot(&lease, robot_id, "b", 1).await.expect("a number");
+    *server.store() = before;
+    for lost in [writer.commit(&lease, &event(2)).await, writer.boot(&lease, robot_id, "c", 2).await.map(drop)] {
+        let lost = lost.expect_err("the lease is lost");
+        let StoreError::LeaseLost { cause: LossCause::CommitsLost { commits: 1 }, .. } = lost else { panic!("{lost}") };
+    }
+    let (mut writer, next) = acquired(&store, "a").await;
+    writer.boot(&next, robot_id, "b", 2).await.expect("a number in the next epoch");
+    writer.commit(&next, &event(2)).await.expect("written");
+}
+
 #[tokio::test(start_paused = true)]
 async fn rows_that_break_a_rule_leave_nothing() {
     let server = Arc::new(AtHand::default());

@@ -44,6 +44,9 @@ pub struct SimulateArgs {
     /// Number of threads; each run has one. All cores if absent.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..))]
     threads: Option<u8>,
+    /// Kind of fault that is left out, as the summary names it; may be repeated.
+    #[arg(long, value_name = "KIND", value_parser = kind)]
+    without: Vec<Kind>,
     /// Print the whole history of the first run instead.
     #[arg(long)]
     history: bool,
@@ -59,6 +62,19 @@ impl SimulateArgs {
             ..usual
         }
     }
+
+    fn plan(&self, seed: u64) -> Plan {
+        let plan = Plan::draw(seed, self.sizes());
+        let kept = plan.strikes.iter().copied().filter(|strike| !self.without.contains(&strike.kind));
+        plan.with(kept.collect())
+    }
+}
+
+/// A kind of fault by its name.
+fn kind(name: &str) -> Result<Kind, String> {
+    let named = Kind::ALL.into_iter().find(|kind| kind.as_str().eq_ignore_ascii_case(name));
+    let all = || Kind::ALL.map(Kind::as_str).join(", ");
+    named.ok_or_else(|| format!("no kind of fault has this name; there are: {}", all()))
 }
 
 /// Runs simulations until the time is over, or until an invariant is violated.
@@ -68,7 +84,7 @@ impl SimulateArgs {
 pub fn run(args: &SimulateArgs, out: &mut dyn Write) -> anyhow::Result<ExitCode> {
     ensure!(args.hours > 0.0 && args.hours.is_finite(), "--hours must be above 0");
     if args.history {
-        let plan = Plan::draw(args.seed, args.sizes());
+        let plan = args.plan(args.seed);
         let outcome = world::run(&plan);
         for step in &outcome.steps {
             writeln!(out, "{:.6} {} {} {}", step.at.as_secs_f64(), step.from, step.to, step.what)?;
@@ -95,10 +111,10 @@ fn simulate(args: &SimulateArgs, begun: Instant) -> (Statistics, Option<(Plan, O
     let (sender, done) = mpsc::channel::<(Plan, Outcome)>();
     std::thread::scope(|scope| {
         for _ in 0..threads {
-            let (sender, next, is_over, sizes) = (sender.clone(), &next, &is_over, args.sizes());
+            let (sender, next, is_over) = (sender.clone(), &next, &is_over);
             scope.spawn(move || {
                 while !is_over.load(Ordering::Relaxed) {
-                    let plan = Plan::draw(next.fetch_add(1, Ordering::Relaxed), sizes);
+                    let plan = args.plan(next.fetch_add(1, Ordering::Relaxed));
                     let outcome = world::run(&plan);
                     if sender.send((plan, outcome)).is_err() {
                         return;
@@ -137,6 +153,9 @@ fn tell(statistics: &Statistics, begun: Instant, out: &mut dyn Write) -> std::io
     writeln!(out, "pairs of faults  {pairs} of {all}, {} different sets at a time", statistics.sets.len())?;
     writeln!(out, "steps            {}", statistics.steps)?;
     writeln!(out, "contacts         {contacts}, {setpoints} setpoints, {trims} trims found")?;
+    writeln!(out, "settled          {:.1} s after the last fault at most", statistics.settled_after.as_secs_f64())?;
+    let alarms: Vec<String> = statistics.alarms.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+    writeln!(out, "alarms           {}", alarms.join(", "))?;
     for (kind, count) in &statistics.faults {
         writeln!(out, "  {kind:32} {count:9}")?;
     }

@@ -7,7 +7,7 @@ use crate::row::{Row, Statement};
 
 /// Advances the commit counter of the lease and renews it; also used as a statement on its own.
 pub(in super::super) const COUNTED: &str = "UPDATE leases SET commits = $4 + 1, expires_us = clock_us() + $5 \
-    WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND commits = $4 RETURNING fleet";
+    WHERE fleet = $1 AND epoch = $2 AND owner = $3 AND commits = $4 AND numbers >= $6 RETURNING fleet";
 
 /// Takes the parts of a statement in their order. One pass over the parts makes the text, another binds the values.
 pub(super) trait Parts: Sized {

@@ -41,6 +41,7 @@ pages! {
     "VibrissaFleetUnsupervised.md",
     "VibrissaHttpErrors.md",
     "VibrissaInboxShedding.md",
+    "VibrissaInvariantViolated.md",
     "VibrissaItemsSetAside.md",
     "VibrissaKafkaBehind.md",
     "VibrissaKafkaDisconnected.md",

@@ -2,6 +2,7 @@
 
 use prometheus::{Gauge, Histogram, IntCounter, IntGauge, Registry, Result};
 
+use super::invariants::Violations;
 use super::kinds::{Buckets, Counters, Gauges, Histograms, OfFleet, Quantities};
 use super::labels;
 use super::nodes::{NodeFailures, NodeInUse};
@@ -245,6 +246,9 @@ of_fleet! {
     /// Actions of operators, by kind and final state.
     actions: Counters<2> = "vibrissa_actions_total", "Actions of operators, by kind and final state.", labels::ACTION;
 
+    /// Violated invariants of all fleets.
+    violations: Violations = "vibrissa_invariant_violations_total",
+        "Violations of what always holds, of all fleets, by invariant: each is a defect.";
     /// Duration of a commit, s.
     database_commit_seconds: Histogram = "vibrissa_database_commit_seconds",
         "Duration of a commit to the database.", COMMIT_SECONDS;

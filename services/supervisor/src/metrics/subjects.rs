@@ -207,9 +207,10 @@ pub(super) const SUBJECTS: &[Subject] = &[
     },
     Subject {
         title: "The program and its process",
-        begins: &["vibrissa_build_info", "process_"],
+        begins: &["vibrissa_build_info", "vibrissa_invariant_", "process_"],
         queries: &[
             ("Versions that run", "count by (version, database) (vibrissa_build_info)"),
+            ("Invariants that were violated in the last day", "increase(vibrissa_invariant_violations_total[1d]) > 0"),
             ("CPU cores in use", "rate(process_cpu_seconds_total[5m])"),
             ("Restarts in the last hour", "changes(process_start_time_seconds[1h])"),
         ],

@@ -2,6 +2,7 @@ use std::time::Duration;
 
 use axum::http::{Method, StatusCode};
 use prometheus::core::Collector;
+use vibrissa_edge::invariants::{Checker, Invariant};
 
 use super::*;
 
@@ -29,6 +30,23 @@ fn every_series_of_a_fleet_is_there_from_the_start() {
     of_fleet.compensations.count(["SELF_COMPENSATION", "STARTED"]);
     assert_eq!(shown(&metrics).lines().count(), before.lines().count());
     assert_eq!(metrics.of_fleet(&fleet()).messages_refused.of(["unknown_topic"]).get(), 1);
+}
+
+#[test]
+fn every_invariant_that_the_supervisor_checks_is_there_from_the_start_and_its_violations_are_counted() {
+    let metrics = Metrics::new(false).unwrap();
+    let before = shown(&metrics);
+    let series =
+        |text: &str| text.lines().filter(|line| line.starts_with("vibrissa_invariant_violations_total{")).count();
+    let checked = Invariant::ALL.iter().filter(|one| one.is_checked_by(Checker::Production));
+    for invariant in checked.clone() {
+        let line = format!("vibrissa_invariant_violations_total{{invariant=\"{}\"}} 0\n", invariant.word());
+        assert!(before.contains(&line), "{before}");
+        metrics.of_fleet(&fleet()).violations.count(*invariant, &fleet(), &"planted");
+    }
+    let after = shown(&metrics);
+    assert_eq!((series(&before), series(&after)), (checked.clone().count(), checked.count()));
+    assert!(after.contains("vibrissa_invariant_violations_total{invariant=\"EPOCH_ONCE\"} 1\n"), "{after}");
 }
 
 #[test]

@@ -10,8 +10,11 @@ use tokio::task::JoinHandle;
 use tokio::time::Instant;
 use tokio::time::{MissedTickBehavior, interval_at, timeout};
 use tracing::warn;
+use vibrissa_edge::invariants::{Invariant, is_epoch_once};
 use vibrissa_program::task;
-use vibrissa_protocol::{Message, QualityOfService, SupervisorPresence, SupervisorState, Topic, decode, encode};
+use vibrissa_protocol::{
+    BootId, Message, Name, QualityOfService, SupervisorPresence, SupervisorState, Topic, decode, encode,
+};
 
 use super::Connection;
 use super::encoded::Encoded;
@@ -205,13 +208,17 @@ async fn keep_up(
                 say_online(&client, &topic, &online, is_retaining, &proofs);
                 connected.send_replace(true);
             }
-            Ok(Event::Incoming(Packet::Publish(publish))) => match claim(&connection, &publish.payload) {
-                Claim::Outdated if !flags.leaving.load(Ordering::Relaxed) => {
-                    say_online(&client, &topic, &online, flags.retains(), &proofs);
+            Ok(Event::Incoming(Packet::Publish(publish))) => {
+                let Some(state) = supervisor_state(&connection, &publish.payload) else { continue };
+                note_twin(&connection.fleet, (connection.epoch, &connection.boot_id), &state, &metrics);
+                match claim(connection.epoch, &state) {
+                    Claim::Outdated if !flags.leaving.load(Ordering::Relaxed) => {
+                        say_online(&client, &topic, &online, flags.retains(), &proofs);
+                    }
+                    Claim::Higher => flags.outranked.store(true, Ordering::Relaxed),
+                    Claim::Outdated | Claim::Own => {}
                 }
-                Claim::Higher => flags.outranked.store(true, Ordering::Relaxed),
-                Claim::Outdated | Claim::Own => {}
-            },
+            }
             // Whether the broker accepts publications is noted by topic: see `proofs`.
             Ok(Event::Incoming(Packet::PubAck(_))) => {
                 attempts.reset();
@@ -259,7 +266,7 @@ fn say_online(client: &AsyncClient, topic: &str, online: &[u8], retains: bool, p
 /// Meaning of a message on the topic of the supervisor's own state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Claim {
-    /// This supervisor is online, or the message cannot be read.
+    /// This supervisor is online.
     Own,
     /// An earlier owner has spoken late, or the last will of an earlier connection of this supervisor came late. The
     /// message has replaced the retained one.
@@ -268,10 +275,26 @@ enum Claim {
     Higher,
 }
 
-fn claim(connection: &Connection, payload: &[u8]) -> Claim {
+/// The state that an owner of the fleet has published; `None` if it cannot be read.
+fn supervisor_state(connection: &Connection, payload: &[u8]) -> Option<SupervisorState> {
     let topic = Topic::SupervisorState { fleet: connection.fleet.clone() };
-    let Ok(Message::SupervisorState(state)) = decode(&topic, payload) else { return Claim::Own };
-    match state.epoch.cmp(&connection.epoch) {
+    match decode(&topic, payload) {
+        Ok(Message::SupervisorState(state)) => Some(state),
+        Ok(_) | Err(_) => None,
+    }
+}
+
+/// Counts another owner that has our epoch, as a violation.
+fn note_twin(fleet: &Name, (epoch, ours): (u64, &BootId), state: &SupervisorState, metrics: &FleetMetrics) {
+    let other = &state.boot_id;
+    if !is_epoch_once((epoch, ours.as_str()), (state.epoch, other.as_str())) {
+        let what = format!("epoch {epoch} is that of boot {ours} here, and of boot {other}");
+        metrics.violations.count(Invariant::EpochOnce, fleet, &what);
+    }
+}
+
+fn claim(epoch: u64, state: &SupervisorState) -> Claim {
+    match state.epoch.cmp(&epoch) {
         std::cmp::Ordering::Less => Claim::Outdated,
         std::cmp::Ordering::Equal if state.state == SupervisorPresence::Offline => Claim::Outdated,
         std::cmp::Ordering::Equal => Claim::Own,
@@ -288,4 +311,30 @@ fn presence(connection: &Connection, state: SupervisorPresence, seq: u64) -> (St
 /// Retained, if the broker retains messages.
 fn presence_options(retains: bool) -> PublishOptions {
     PublishOptions::at_least_once().retain(retains)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metrics::Metrics;
+
+    #[test]
+    fn an_owner_with_our_epoch_and_another_boot_is_counted_and_no_other() {
+        let fleet = Name::new("f").unwrap();
+        let metrics = Metrics::new(false).unwrap().of_fleet(&fleet);
+        let boot_id = |name: &str| BootId::new(name).unwrap();
+        let ours = boot_id("one-7");
+        let hears = |epoch, name: &str, presence| {
+            let state = SupervisorState { boot_id: boot_id(name), seq: 0, state: presence, epoch };
+            note_twin(&fleet, (7, &ours), &state, &metrics);
+            (claim(7, &state), metrics.violations.of(Invariant::EpochOnce))
+        };
+        let (online, offline) = (SupervisorPresence::Online, SupervisorPresence::Offline);
+        assert_eq!(hears(7, "one-7", online), (Claim::Own, 0));
+        assert_eq!(hears(7, "one-7", offline), (Claim::Outdated, 0), "a last will that came late");
+        assert_eq!(hears(6, "two-6", online), (Claim::Outdated, 0));
+        assert_eq!(hears(8, "two-8", online), (Claim::Higher, 0));
+        assert_eq!(hears(7, "two-7", online), (Claim::Own, 1));
+        assert_eq!(hears(7, "two-7", offline), (Claim::Outdated, 2));
+    }
 }

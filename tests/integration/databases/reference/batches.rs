@@ -46,9 +46,11 @@ pub(super) fn draw(subject: &mut Subject, random: &mut ChaCha8Rng) -> Batch {
 
 fn rows_of(subject: &mut Subject, at: usize, batch: &mut Batch, random: &mut ChaCha8Rng) {
     let Some(&whisker_id) = subject.robots[at].whiskers.first() else { return };
-    let boot = subject.boots.first().copied().unwrap_or(1);
     let count = if random.random_bool(0.02) { COPIED } else { random.random_range(0..4) };
-    batch.contacts = (0..count).map(|seq| contact(whisker_id, boot, seq, subject.tick())).collect();
+    // Only SQLite checks the boots of contacts.
+    if let Some(boot) = subject.boots.first().copied() {
+        batch.contacts = (0..count).map(|seq| contact(whisker_id, boot, seq, subject.tick())).collect();
+    }
     if random.random_bool(0.3) {
         let state = layout(subject, at, &[]);
         (batch.robots, batch.whiskers) = (state.robots, state.whiskers);

@@ -17,24 +17,24 @@ use crate::rows;
 
 /// Takes a step, and tells it with the answers.
 pub(super) async fn step(subject: &mut Subject, random: &mut ChaCha8Rng) -> String {
-    match random.random_range(0..36) {
+    match random.random_range(0..42) {
         0..3 => register(subject, random).await,
         3..6 => lay_out(subject, random).await,
         6 => boot(subject, random).await,
         7..20 => commit(subject, random).await,
-        20 => robots(subject, random).await,
-        21 => journal(subject, random).await,
-        22 => positions(subject, random).await,
-        23..26 => request(subject, random).await,
-        26 => actions(subject, random).await,
-        27 => allowed(subject, random).await,
-        28 => noted(subject, random).await,
-        29 => black_boxes(subject, random).await,
-        30 => settings(subject).await,
-        31 => calibrate(subject).await,
-        32 => errors(subject, random).await,
-        33 => former(subject).await,
-        34 => decommission(subject, random).await,
+        20..23 => robots(subject, random).await,
+        23 => journal(subject, random).await,
+        24 => positions(subject, random).await,
+        25..28 => request(subject, random).await,
+        28 => actions(subject, random).await,
+        29 => allowed(subject, random).await,
+        30 => noted(subject, random).await,
+        31 => black_boxes(subject, random).await,
+        32..35 => settings(subject).await,
+        35 => calibrate(subject).await,
+        36..39 => errors(subject, random).await,
+        39 => former(subject).await,
+        40 => decommission(subject, random).await,
         _ => dispossessed(subject, random).await,
     }
 }
@@ -250,7 +250,7 @@ async fn calibrate(subject: &mut Subject) -> String {
 }
 
 async fn errors(subject: &mut Subject, random: &mut ChaCha8Rng) -> String {
-    let since_us = subject.tick() - random.random_range(0..200_000_000);
+    let since_us = subject.tick() - random.random_range(0..5_000_000_000);
     let errors = subject.writer.errors_since(&subject.lease, since_us).await.unwrap();
     let errors: Vec<_> = errors.iter().map(|one| format!("{} {:.9}", one.robot, one.error)).collect();
     let silent = subject.writer.robots_with_alarm(&subject.lease, "ROBOT_SILENT").await.unwrap();

@@ -80,12 +80,12 @@ impl OpenBatch {
 
     /// Adds a publication, which goes out after the commit.
     pub(crate) fn publish(&mut self, publication: Publication) {
-        self.publications.push(publication);
+        self.publications.push(Publication { transaction: self.number, ..publication });
     }
 
     /// Adds a setpoint, for which the commit must not wait.
     pub(crate) fn publish_setpoint(&mut self, publication: Publication) {
-        self.publications.push(publication);
+        self.publish(publication);
         self.is_urgent = true;
     }
 

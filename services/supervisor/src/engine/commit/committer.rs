@@ -4,6 +4,7 @@
 use tokio::time::{Duration, Instant};
 use tracing::{error, info, warn};
 use vibrissa_edge::full_name::FullName;
+use vibrissa_edge::invariants::Invariant;
 use vibrissa_protocol::Name;
 
 use crate::backoff::Backoff;
@@ -146,6 +147,10 @@ impl Committer {
             let name =
                 stored.as_ref().map(|stored| FullName::robot(self.lease.fleet().as_str(), &stored.robot).to_string());
             error!(robot = name, code, text, "database rejects these rows of the robot for good, leaving them out");
+            if rejection.is_of_setpoint_key() {
+                let at = name.unwrap_or_else(|| self.fleet.to_string());
+                self.metrics.violations.count(Invariant::SetpointNumberedOnce, &at, &rejection.text);
+            }
             offenders.push(Offender { robot_id, rejection, stored, journal, records });
         }
         if let Some(log) = &self.log

@@ -6,6 +6,7 @@
 //! - [`schedule`]: group commit, the time at which the open batches become a transaction.
 //! - [`transaction`]: a sealed transaction on its way to the database.
 //! - [`pipeline`]: transactions one after the other, and the publications that wait for them.
+//! - [`release`]: the last check of a publication, which must not leave before its commit.
 //! - [`committer`]: one transaction in the database, with retries while the database is unreachable.
 //! - [`recovery`]: checkpoints are loaded, and the journal is replayed through the core.
 //!
@@ -27,7 +28,9 @@
 //!
 //! Each transaction advances the counter of commits in the lease's row, if owner, epoch and counter are those that this
 //! supervisor knows (`store/lease.rs`). The same statement fences off an owner that has lost the fleet, keeps a repeated
-//! attempt from writing anything twice, and renews the lease.
+//! attempt from writing anything twice, and renews the lease. Transactions that assign numbers to robots, boots and
+//! whiskers are counted apart. A batch may refer to these numbers, so it is written only if the row has at least the known
+//! count.
 
 pub(crate) mod batch;
 pub(crate) mod checkpoint;
@@ -35,5 +38,6 @@ pub(crate) mod committer;
 pub(crate) mod journal;
 pub(crate) mod pipeline;
 pub(crate) mod recovery;
+mod release;
 pub(crate) mod schedule;
 pub(crate) mod transaction;

@@ -15,6 +15,7 @@ use vibrissa_program::task;
 use crate::engine::commit::checkpoint::{CheckpointRate, due_after};
 use crate::engine::commit::committer::{Committed, Committer, LeaseLost, Written};
 use crate::engine::commit::journal::index::JournalIndex;
+use crate::engine::commit::release::may_go_out;
 use crate::engine::commit::schedule::Schedule;
 use crate::engine::commit::transaction::{SealedTransaction, answers};
 use crate::engine::fleet_metrics;
@@ -49,6 +50,8 @@ pub(crate) struct Pipeline {
     writing: Option<JoinHandle<Written>>,
     schedule: Schedule,
     journal: JournalIndex,
+    /// Number of the newest committed transaction.
+    committed: i64,
     rate: CheckpointRate,
     /// Actions whose answers are in the open batches.
     answered: Vec<i64>,
@@ -77,6 +80,7 @@ impl Pipeline {
             writing: None,
             schedule: Schedule::new(Instant::now()),
             journal: JournalIndex::recovered(last),
+            committed: last,
             rate: CheckpointRate::new(wall_clock()),
             answered: Vec::new(),
             received: 0,
@@ -257,6 +261,7 @@ impl Pipeline {
         let committed = result?;
         self.metrics.promises.committed(std::mem::take(&mut transaction.received));
         self.metrics.promises.recorded();
+        self.committed = transaction.number();
         self.committer = Some(committer);
         Ok(CommittedTransaction { transaction, committed })
     }
@@ -284,7 +289,8 @@ impl Pipeline {
         let mut dropped = publications.len();
         let (is_fresh, fresh_until) = (self.lease.is_fresh(), self.lease.fresh_until());
         for one in publications {
-            if !is_fresh && !one.states_a_commit() {
+            let is_allowed = is_fresh || one.states_a_commit();
+            if !is_allowed || !may_go_out(&one, self.committed, self.lease.fleet(), &self.metrics) {
                 continue;
             }
             let one = if one.is_retained() { Publication { until: fresh_until, ..one } } else { one };

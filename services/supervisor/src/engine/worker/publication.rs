@@ -20,6 +20,8 @@ use vibrissa_edge as edge;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::contract::setpoint_reason;
 use vibrissa_edge::ids::{command_id, command_uuid};
+use vibrissa_edge::invariants::Invariant::PressureInRange;
+use vibrissa_edge::invariants::is_pressure_in_range;
 use vibrissa_edge::words::Word;
 
 /// Limit of `held` ranges in a receipt; the core keeps no more.
@@ -27,7 +29,7 @@ const HELD_MAX: usize = 64;
 
 /// Whether a setpoint is sent for the first time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Sent {
+pub(crate) enum Sent {
     First,
     Again,
 }
@@ -79,8 +81,17 @@ impl Worker {
 }
 
 impl Stepper {
-    pub(super) fn publish_setpoint(&mut self, known: &mut KnownRobot, command: &Command, sent: Sent) {
+    /// Publishes a setpoint, unless it has expired or its pressure is not one of the whisker.
+    pub(crate) fn publish_setpoint(&mut self, known: &mut KnownRobot, command: &Command, sent: Sent) {
         let Some(whisker) = known.robot.whisker(command.whisker) else { return };
+        let (pressure_mpa, limit_mpa) = (command.pressure.mpa(), whisker.sheet.pressure_max.mpa());
+        if !is_pressure_in_range(pressure_mpa, limit_mpa) {
+            if sent == Sent::First {
+                let what = format!("a setpoint of {pressure_mpa} MPa, and the limit is {limit_mpa} MPa");
+                self.metrics.violations.count(PressureInRange, &known.full_name_of(command.whisker), &what);
+            }
+            return;
+        }
         let (Ok(array), Ok(robot_boot_id)) = (Name::new(whisker.array), BootId::new(&command.robot_boot_id)) else {
             return;
         };
@@ -107,7 +118,7 @@ impl Stepper {
             robot_boot_id,
             array,
             whisker: whisker.sheet.number,
-            pressure_mpa: command.pressure.mpa(),
+            pressure_mpa,
             slew_mpa_per_s: command.slew_mpa_per_s,
             issued: Timestamp(command.issued.0),
             expires_us,

@@ -18,6 +18,7 @@ use crate::engine::message::MessageTimes;
 use crate::engine::robot::commands::Plausibility;
 use crate::engine::robot::{KnownRobot, fingerprints};
 use vibrissa_edge::ids::command_id;
+use vibrissa_edge::invariants::{Invariant, is_new};
 use vibrissa_edge::{self as edge, EdgeError};
 use vibrissa_store::StoreError;
 use vibrissa_store::batch::LayoutRow;
@@ -187,6 +188,8 @@ impl Stepper {
         let missed = self.converted(known, (RobotTopic::Contacts, &message.missed[..]), now, edge::missed);
         let event = Event::Contacts { boot_id, seq: message.seq, contacts: &contacts, missed: &missed };
         let (given_up_before, end) = counted(known, boot_id);
+        let numbers = known.robot.sequence(boot_id);
+        let is_new = numbers.is_none_or(|numbers| is_new(message.seq, numbers.next(), numbers.held()));
         let source = Source { message, boot: known.boot(boot_id) };
         // The step may end a test.
         let progress = self.test_progress(known, message, now);
@@ -215,6 +218,10 @@ impl Stepper {
                 }
             }
             Outcome::Taken => {
+                if !is_new {
+                    let what = format!("message {} of boot {boot_id} is taken a second time", message.seq);
+                    self.metrics.violations.count(Invariant::ContactOnce, &known.full_name(), &what);
+                }
                 self.record_progress(progress);
                 self.refuse_entries(known, RobotTopic::Contacts, refused, now);
                 self.metrics.contacts_refused.inc_by(refused.len() as u64);
