@@ -28,6 +28,10 @@ robot *tests:
 chaos *options="--seed 1 --seconds 60":
     cargo run --release --locked -p vibrissa-tests --bin chaos -- {{ options }}
 
+# Run before a release what takes hours: simulated days, long chaos, its controls, containers
+release *options:
+    tests/release {{ options }}
+
 # Measure throughput, latency, CPU and memory; --quick takes two minutes
 benchmark *options:
     tests/bench {{ options }}

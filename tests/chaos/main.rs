@@ -141,7 +141,7 @@ fn main() -> anyhow::Result<ExitCode> {
     );
     ensure!(
         arguments.cluster || arguments.seconds >= shortest_s,
-        "--seconds must be at least {shortest_s} for each fault to strike"
+        "--seconds must be at least {shortest_s} for a fault to strike"
     );
     let longest_s = LONGEST_DAYS * 86_400.0;
     ensure!(arguments.seconds <= longest_s, "--seconds must be at most {longest_s}: older contacts are removed");

@@ -183,24 +183,28 @@ impl Control {
         Some(("VIBRISSA_TEST_FAULT".to_owned(), fault.to_owned()))
     }
 
-    /// Length in seconds of the shortest run in which each of these faults strikes.
+    /// Length in seconds of the shortest run: without a control it has some of the faults, with one each of its own.
     pub fn shortest_s(self) -> f64 {
-        CALM_BEFORE_S + CALM_AFTER_S + APART_S * self.faults().len() as f64
+        let faults = if self == Self::None { 1 } else { self.faults().len() };
+        CALM_BEFORE_S + CALM_AFTER_S + APART_S * faults as f64
     }
 }
 
-/// The faults of a run in order: complete rounds of all faults, each round shuffled.
+/// The faults of a run in order: complete rounds of all faults, each round shuffled. A run that is too short for a round has as
+/// many faults of one as fit.
 pub fn plan(seed: u64, seconds: f64, control: Control) -> Vec<Strike> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let stretch_s = seconds - CALM_BEFORE_S - CALM_AFTER_S;
-    // Only complete rounds, but at least one.
     let faults = control.faults();
-    let rounds = ((stretch_s / APART_S) as usize / faults.len()).max(1);
-    let apart_s = stretch_s / (rounds * faults.len()) as f64;
+    let fitting = ((stretch_s / APART_S) as usize).max(1);
+    let rounds = (fitting / faults.len()).max(1);
+    let count = (rounds * faults.len()).min(fitting);
+    let apart_s = stretch_s / count as f64;
     let mut strikes = Vec::new();
     for _ in 0..rounds {
         let mut round = faults.to_vec();
         round.shuffle(&mut random);
+        round.truncate(count);
         for fault in round {
             strikes.push(Strike {
                 at_s: CALM_BEFORE_S + apart_s * strikes.len() as f64 + random.random_range(0.0..JITTER_S),
@@ -229,6 +233,13 @@ mod tests {
     }
 
     #[test]
+    fn a_run_that_is_too_short_for_a_round_has_as_many_faults_as_fit() {
+        for (seconds, count) in [(13.0, 1), (45.0, 8), (66.0, 12), (67.0, 13), (124.0, 13), (126.0, 26)] {
+            assert_eq!(plan(1, seconds, Control::None).len(), count, "{seconds} s");
+        }
+    }
+
+    #[test]
     fn the_same_seed_makes_the_same_plan_and_another_another() {
         let first = plan(1, 600.0, Control::None);
         assert_eq!(first, plan(1, 600.0, Control::None));
@@ -237,7 +248,9 @@ mod tests {
 
     #[test]
     fn faults_follow_each_other_to_the_end_and_do_not_begin_before_the_last_is_over() {
-        for (seconds, control) in [(67.0, Control::None), (3600.0, Control::None), (20.0, Control::NoFence)] {
+        for (seconds, control) in
+            [(45.0, Control::None), (67.0, Control::None), (3600.0, Control::None), (20.0, Control::NoFence)]
+        {
             let strikes = plan(3, seconds, control);
             for pair in strikes.windows(2) {
                 assert!(pair[0].at_s + pair[0].lasts_s < pair[1].at_s, "{pair:?}");

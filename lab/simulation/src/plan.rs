@@ -6,6 +6,7 @@ use std::time::Duration;
 use rand::seq::{IndexedRandom as _, SliceRandom as _};
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use vibrissa_simulator::scenario::Misbehaviour;
 
 /// Time without faults at the beginning, in which supervisors take the fleets and robots connect.
 const CALM: Duration = Duration::from_secs(10);
@@ -194,6 +195,8 @@ pub struct Plan {
     pub length: Duration,
     /// The faults, in the order of their times.
     pub strikes: Vec<Strike>,
+    /// A rule of the contract that all robots break.
+    pub misbehaviour: Option<Misbehaviour>,
 }
 
 /// Sizes of the worlds.
@@ -250,6 +253,7 @@ impl Plan {
             contacts_per_second: 0.2 * 20.0_f64.powf(random.random::<f64>()),
             length: CALM + sizes.length,
             strikes,
+            misbehaviour: None,
         }
     }
 

@@ -19,6 +19,9 @@ use crate::store::{Fact, FactRow, ModelStore};
 const VIOLATIONS: usize = 20;
 /// Highest pressure of a chamber, MPa.
 const PRESSURE_MAX_MPA: f64 = 0.2;
+/// Longest life of a setpoint, µs: the time to live of ten seconds, and ten seconds for the longest way of the pressure. A
+/// supervisor knows the robot's clock to a second.
+const LIVES_US: u64 = 21_000_000;
 /// A robot whose messages are not further apart talks all the time.
 const TALKS_WITHIN: Duration = Duration::from_secs(4);
 /// A whisker or robot may be called silent after this time.
@@ -113,7 +116,14 @@ impl Record {
             for entry in entries {
                 match entry {
                     JournalEntry::Felt(message) => self.committed.ledger.felt(&name, &message),
-                    JournalEntry::Heard(setpoint) => self.obedience.heard(&name, &setpoint),
+                    JournalEntry::Heard(setpoint) => {
+                        let left_us = setpoint.setpoint.expires_us.saturating_sub(setpoint.at_us);
+                        if left_us > LIVES_US {
+                            let what = format!("{name}: {left_us} us until {:?} expires", setpoint.setpoint);
+                            self.violated(Invariant::SetpointExpires, what);
+                        }
+                        self.obedience.heard(&name, &setpoint);
+                    }
                     JournalEntry::Applied(setpoint) => {
                         if !(0.0..=PRESSURE_MAX_MPA).contains(&setpoint.setpoint.pressure_mpa) {
                             self.violated(Invariant::PressureInRange, format!("{name}: {:?}", setpoint.setpoint));

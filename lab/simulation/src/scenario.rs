@@ -71,6 +71,7 @@ pub fn scenarios(plan: &Plan) -> (Vec<Scenario>, Vec<WhiskerName>) {
         contacts_per_second: plan.contacts_per_second,
         kept_messages: KEPT_MESSAGES,
         journal: true,
+        misbehaviour: plan.misbehaviour,
         ..Behaviour::default()
     };
     let scenario = |(number, robots)| Scenario {

@@ -87,6 +87,7 @@ invariants! {
     SetpointOnce "SETPOINT_ONCE" "no robot applies a setpoint twice" [Simulation Chaos];
     SetpointFresh "SETPOINT_FRESH" "no robot applies a setpoint that is expired, outdated, or for another boot"
         [Simulation Chaos];
+    SetpointExpires "SETPOINT_EXPIRES" "a setpoint lives for its time to live at most, by the robot's clock" [Simulation];
     SetpointForDecision "SETPOINT_FOR_DECISION" "a decision has one setpoint, unless that came to nothing"
         [Simulation Chaos];
     PressureInRange "PRESSURE_IN_RANGE" "the pressure of a setpoint is within the whisker's range"

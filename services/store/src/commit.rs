@@ -33,11 +33,17 @@ pub(super) fn write_model(
     batch: &Batch,
     asked: Instant,
 ) -> Result<Option<Instant>, StoreError> {
+    let is_written = fault::is(Fault::RowsBeforeFence);
+    if is_written {
+        atomically(model, |model| Ok(model.write(lease, &batch.rows())?))?;
+    }
     atomically(model, |model| {
         if !lease.begin_in(model)? {
             return Ok(None);
         }
-        model.write(lease, &batch.rows())?;
+        if !is_written {
+            model.write(lease, &batch.rows())?;
+        }
         if let Some(row) = &batch.journal {
             model.write_journal(lease, row, false)?;
         }

@@ -1,6 +1,9 @@
 //! Faults that tests inject, to verify that they would detect them. They exist only with the feature `test-faults`,
 //! which releases do not enable.
 
+#[cfg(feature = "test-faults")]
+use std::cell::Cell;
+
 /// A fault that can be injected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
@@ -10,13 +13,34 @@ pub enum Fault {
     OffsetBeforeState,
     /// Transactions do not check the lease (no fencing).
     NoFence,
+    /// Rows are committed before the lease is checked. Only in a model.
+    RowsBeforeFence,
+    /// The next epoch is the highest one of the database plus 1, whatever this process knows.
+    EpochReuse,
+    /// Setpoints expire by the clock of the supervisor's host, not by the robot's.
+    ExpiryByHostClock,
     /// The process ends at once, as if killed, when a file of the archive is uploaded and its position is not advanced.
     DeathAfterUpload,
     /// The archive's horizon is the present, although earlier contacts may not be committed yet.
     EarlyHorizon,
 }
 
-/// Whether the environment variable `VIBRISSA_TEST_FAULT` requests this fault.
+#[cfg(feature = "test-faults")]
+thread_local! {
+    /// The fault of what runs in this thread alone.
+    static PLANTED: Cell<Option<Fault>> = const { Cell::new(None) };
+}
+
+/// Runs `work` with a fault in this thread alone, for supervisors in simulated time.
+#[cfg(feature = "test-faults")]
+pub fn planted<T>(fault: Fault, work: impl FnOnce() -> T) -> T {
+    PLANTED.set(Some(fault));
+    let result = work();
+    PLANTED.set(None);
+    result
+}
+
+/// Whether the test has planted this fault in the thread, or the environment variable `VIBRISSA_TEST_FAULT` requests it.
 #[cfg(feature = "test-faults")]
 #[must_use]
 pub fn is(fault: Fault) -> bool {
@@ -25,10 +49,14 @@ pub fn is(fault: Fault) -> bool {
         Fault::ReceiptBeforeCommit => "receipt_before_commit",
         Fault::OffsetBeforeState => "offset_before_state",
         Fault::NoFence => "no_fence",
+        Fault::RowsBeforeFence => "rows_before_fence",
+        Fault::EpochReuse => "epoch_reuse",
+        Fault::ExpiryByHostClock => "expiry_by_host_clock",
         Fault::DeathAfterUpload => "death_after_upload",
         Fault::EarlyHorizon => "early_horizon",
     };
-    ASKED_FOR.get_or_init(|| std::env::var("VIBRISSA_TEST_FAULT").ok()).as_deref() == Some(word)
+    PLANTED.get() == Some(fault)
+        || ASKED_FOR.get_or_init(|| std::env::var("VIBRISSA_TEST_FAULT").ok()).as_deref() == Some(word)
 }
 
 /// Always false without the feature `test-faults`.

@@ -20,6 +20,7 @@ use super::lease::micros;
 use super::lease_watch::Renewal;
 use super::model::Model;
 use super::{Lease, StoreError, Writer, failed};
+use crate::fault::{self, Fault};
 
 /// A supervisor as a member of the cluster.
 #[derive(Debug, Clone)]
@@ -167,10 +168,12 @@ impl Writer {
     ) -> Result<Vec<Lease>, StoreError> {
         const WHAT: &str = "acquire leases";
         let asked = Instant::now();
-        let known: Vec<u64> = fleets.iter().map(|fleet| self.highest_epoch(fleet)).collect();
+        let known = |fleet: &Name| if fault::is(Fault::EpochReuse) { 0 } else { self.highest_epoch(fleet) };
+        let known: Vec<u64> = fleets.iter().map(known).collect();
         let seen: Vec<Option<Renewal>> =
             fleets.iter().map(|fleet| self.lease_watch.claim(fleet, asked).seen()).collect();
-        let (all, step) = (|| fleets.iter().zip(&known).zip(&seen), epoch_step());
+        let step = if fault::is(Fault::EpochReuse) { 1 } else { epoch_step() };
+        let all = || fleets.iter().zip(&known).zip(&seen);
         let model = |model: &mut dyn Model| {
             let epochs = all().map(|((fleet, known), seen)| model.acquire(supervisor, fleet, [*known, step], *seen));
             Ok((epochs.collect(), true))

@@ -12,6 +12,7 @@ mod program;
 mod running;
 mod web;
 
+mod a_document;
 mod actions;
 mod api;
 mod bad_input;
@@ -27,7 +28,6 @@ mod quickstart;
 mod replaced;
 mod restart;
 mod rollouts;
-mod schemathesis;
 mod set_aside;
 mod setpoint_command;
 mod setpoints;

@@ -5,7 +5,9 @@ use std::time::Duration;
 use tokio::time::Instant;
 use vibrissa_core::robot::effect::{Command, TouchTest};
 use vibrissa_core::units::Micros;
+use vibrissa_program::clock::host_clock_us;
 use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp};
+use vibrissa_store::fault::{self, Fault};
 
 use super::Worker;
 use super::stepper::Stepper;
@@ -103,6 +105,10 @@ impl Stepper {
             return;
         }
         let (gain, reading_gain) = edge::gain(command.gain.as_ref());
+        let expires_us = match fault::is(Fault::ExpiryByHostClock) {
+            true => host_clock_us() as u64 + valid_for.0,
+            false => command.expires.0,
+        };
         let setpoint = protocol::Setpoint {
             boot_id: self.boot_id.clone(),
             seq: known.seqs.next_setpoint(),
@@ -115,7 +121,7 @@ impl Stepper {
             pressure_mpa,
             slew_mpa_per_s: command.slew_mpa_per_s,
             issued: Timestamp(command.issued.0),
-            expires_us: command.expires.0,
+            expires_us,
             reason: setpoint_reason(command.reason),
             gain,
             reading_gain,
