@@ -131,7 +131,17 @@ impl World {
             member.start();
             members.push(member);
         }
-        let world = Self { begun, broker, server, members, robots, observations, failover: None, settling: None, fleets: plan.fleets };
+        let world = Self {
+            begun,
+            broker,
+            server,
+            members,
+            robots,
+            observations,
+            failover: None,
+            settling: None,
+            fleets: plan.fleets,
+        };
         world.observe();
         world
     }
