@@ -6,7 +6,7 @@ use std::time::Duration;
 use tokio::sync::watch;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::Name;
 use vibrissa_store::Store;
 use vibrissa_supervisor::engine::{ContactRetention, Limits};

@@ -9,8 +9,8 @@ use rand::{RngCore as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use tokio::task::AbortHandle;
 use tokio::time::Instant;
-use vibrissa_program::clock::TimeLine;
-use vibrissa_program::process::{self, Connecting, Simulated, Stream};
+use vibrissa_host::TimeLine;
+use vibrissa_host::process::{self, Connecting, Simulated, Stream};
 
 use crate::broker::Route;
 

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rumqttc::{LastWill, Packet, QoS};
 use tokio::sync::Notify;
 use tokio::time::{Instant, sleep, sleep_until, timeout};
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::{QualityOfService, RobotTopic, Topic};
 use vibrissa_robot::contract::Outgoing;
 use vibrissa_robot::mqtt::Delivery;

@@ -420,7 +420,7 @@ impl World {
     fn hostile(&self, strike: &Strike) {
         let heard: Vec<(String, Vec<u8>)> = self.observations().heard.iter().cloned().collect();
         let (broker, mut random) = (self.broker.clone(), ChaCha8Rng::seed_from_u64(strike.measure));
-        vibrissa_program::task::spawn(async move {
+        vibrissa_host::task::spawn(async move {
             let id = format!("hostile-{}", random.random::<u32>());
             let Ok(mut client) = Client::connect(&broker, ClientOptions::new(id)).await else { return };
             for (topic, mut payload) in heard {

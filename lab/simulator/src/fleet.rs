@@ -8,7 +8,7 @@ use tokio::sync::{Notify, watch};
 use tokio::task::JoinHandle;
 use tokio::time::{Instant, timeout_at};
 use vibrissa_core::mechanics::ModelError;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::Name;
 use vibrissa_robot::mqtt;
 pub use vibrissa_robot::mqtt::{Authorities, BadBroker, Broker, password_in};

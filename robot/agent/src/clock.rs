@@ -80,7 +80,7 @@ impl RobotClock {
 }
 
 fn system_us() -> u64 {
-    let since = vibrissa_program::clock::system_time().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let since = vibrissa_host::clock::system_time().duration_since(UNIX_EPOCH).unwrap_or_default();
     u64::try_from(since.as_micros()).unwrap_or(u64::MAX)
 }
 

@@ -11,8 +11,8 @@ use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::sync::{Notify, mpsc, watch};
 use tokio::time::{Instant, sleep, timeout};
-use vibrissa_program::random;
-use vibrissa_program::task;
+use vibrissa_host::random;
+use vibrissa_host::task;
 use vibrissa_protocol::{BootId, Name, RobotTopic};
 
 use crate::clock::now;

@@ -7,9 +7,9 @@ use clap::Parser;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 use tracing_subscriber::EnvFilter;
+use vibrissa_host::task;
 use vibrissa_program::log;
 use vibrissa_program::log_filter::log_filter;
-use vibrissa_program::task;
 use vibrissa_robot::{Config, exposure, hub};
 
 /// The agent of one robot with soft whiskers: keeps the MQTT contract for a driver that speaks lines of JSON.

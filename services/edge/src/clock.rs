@@ -1,7 +1,7 @@
 //! The process's time, in the core's units.
 
 use vibrissa_core::units::Micros;
-use vibrissa_program::clock;
+use vibrissa_host::clock;
 
 /// The time now in microseconds since 1970 UTC, by the process's time line ([`clock`]).
 #[must_use]

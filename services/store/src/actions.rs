@@ -361,7 +361,7 @@ mod tests {
 
     #[tokio::test]
     async fn what_needs_no_engine_is_recorded_as_done_once_and_with_what_it_does_or_not_at_all() {
-        let name = vibrissa_program::random::hex();
+        let name = vibrissa_host::random::hex();
         let file = std::env::temp_dir().join(format!("vibrissa-actions-{name}.sqlite3"));
         let store = Store::open(&DatabaseAddress::Sqlite(file.clone()), "test").await.unwrap();
         store.prepare().await.unwrap();

@@ -7,7 +7,7 @@ use sqlx::sqlite::SqliteRow;
 use sqlx::{Row, SqliteConnection};
 use tokio::time::Instant;
 use tracing::warn;
-use vibrissa_program::random;
+use vibrissa_host::random;
 use vibrissa_protocol::Name;
 
 mod sign_in;

@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn a_secret_of_a_file_follows_the_file_and_its_errors_do_not_show_it() {
-        let path = std::env::temp_dir().join(format!("vibrissa-secret-{}", vibrissa_program::random::hex()));
+        let path = std::env::temp_dir().join(format!("vibrissa-secret-{}", vibrissa_host::random::hex()));
         std::fs::write(&path, "first\n").unwrap();
         let secret = Secret::from_file(&path).unwrap();
         std::fs::write(&path, "second").unwrap();

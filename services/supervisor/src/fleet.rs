@@ -9,7 +9,7 @@ use tracing::{error, info, warn};
 use vibrissa_core::robot::Params;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::invariants::Invariant;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::{BootId, Name};
 
 use crate::action_notifier::ActionNotifier;

@@ -11,7 +11,7 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use tokio::time::sleep;
 use tracing::{info, warn};
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::{BootId, Name};
 
 use crate::fleet::Shared;

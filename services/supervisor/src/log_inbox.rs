@@ -169,7 +169,7 @@ mod tests {
     async fn the_transport_answers_each_recall_and_learns_when_all_are_read() {
         let (recalls, mut wanted) = mpsc::channel(1);
         let source = LogSource::new("t".into(), LinkState::default(), recalls, Arc::default());
-        let transport = vibrissa_program::task::spawn(async move {
+        let transport = vibrissa_host::task::spawn(async move {
             let mut answered = Vec::new();
             while let Some(Recall::Records(range, answer)) = wanted.recv().await {
                 let topic = Topic::parse("whisker/v1/f/r/contacts").unwrap();

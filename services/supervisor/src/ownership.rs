@@ -6,7 +6,7 @@ use tokio::sync::watch;
 use tokio::task::{AbortHandle, JoinSet};
 use tokio::time::{Duration, Instant, sleep};
 use tracing::{error, info, warn};
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::Name;
 
 use crate::clocks::Clocks;

@@ -9,7 +9,7 @@ use std::time::SystemTime;
 use tokio::sync::watch;
 use tokio::time::{Duration, timeout};
 use tracing::{info, warn};
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::text_file::read_text;
 use vibrissa_protocol::{Name, plain};
 

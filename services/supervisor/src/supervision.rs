@@ -8,7 +8,7 @@ use tokio::task::{JoinHandle, JoinSet};
 use tokio::time::{Duration, timeout};
 use tracing::error;
 use vibrissa_core::robot::Params;
-use vibrissa_program::{random, task};
+use vibrissa_host::{random, task};
 use vibrissa_protocol::Name;
 use vibrissa_store::{Store, Supervisor};
 

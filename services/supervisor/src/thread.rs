@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use tokio::runtime::{Builder, Handle};
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
-use vibrissa_program::{process, task};
+use vibrissa_host::{process, task};
 
 use crate::ending::stopped;
 

@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 use crate::project;
 
 /// Crates from the lowest to the highest, with their folders: a crate depends only on those before it.
-pub(crate) const CRATES: [(&str, &str); 14] = [
+pub(crate) const CRATES: [(&str, &str); 15] = [
     ("core", "services/core"),
     ("regulator", "robot/regulator"),
     ("segmenter", "robot/segmenter"),
+    ("host", "services/host"),
     ("program", "services/program"),
     ("protocol", "services/protocol"),
     ("edge", "services/edge"),

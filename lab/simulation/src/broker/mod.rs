@@ -87,7 +87,7 @@ impl ModelBroker {
     pub fn new(seed: u64, limits: Limits) -> Self {
         let clock = Arc::new(Notify::new());
         let hub = Arc::new(Mutex::new(Hub::new(seed, limits, clock.clone())));
-        vibrissa_program::task::spawn(run_clock(Arc::downgrade(&hub), clock));
+        vibrissa_host::task::spawn(run_clock(Arc::downgrade(&hub), clock));
         Self { hub }
     }
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use tokio::sync::Notify;
 use tokio::time::sleep;
-use vibrissa_program::{process, task};
+use vibrissa_host::{process, task};
 
 use super::lanes::Way;
 use super::wire::{Wire, WireEnd};

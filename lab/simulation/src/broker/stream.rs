@@ -34,7 +34,7 @@ impl ModelBroker {
             let (stream, _) = listener.accept().await?;
             stream.set_nodelay(true)?;
             let broker = self.clone();
-            vibrissa_program::task::spawn(async move { broker.serve(stream).await });
+            vibrissa_host::task::spawn(async move { broker.serve(stream).await });
         }
     }
 }

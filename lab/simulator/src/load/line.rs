@@ -9,7 +9,7 @@ use std::time::Duration;
 use tokio::net::TcpStream;
 use tokio::time::{Instant, sleep_until};
 use vibrissa_core::mechanics::ModelError;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::{BootId, ConnectionState, QualityOfService, RobotTopic, Topic, decode_contacts, encode_cbor};
 
 use super::packet::{self, Inbound, Manner};

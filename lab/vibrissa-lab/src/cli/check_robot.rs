@@ -18,7 +18,7 @@ use vibrissa::cli::config::BrokerOrPortArgs;
 use vibrissa::cli::record::duration;
 use vibrissa::cli::serve::{log, runtime};
 use vibrissa::cli::stop::Stopped;
-use vibrissa_program::random;
+use vibrissa_host::random;
 use vibrissa_supervisor::broker::{Broker, BrokerError};
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, Relay};
 

@@ -9,7 +9,7 @@ use std::time::Duration;
 use anyhow::ensure;
 use clap::Args;
 use tokio::time::Instant;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_simulation::history::diagram;
 use vibrissa_simulation::plan::{Kind, Plan, Sizes};
 use vibrissa_simulation::shrink::shrink;

@@ -16,7 +16,7 @@ use tokio::net::{TcpListener, TcpStream, UnixListener};
 use tokio::process::{Child, Command};
 use tokio::task::JoinSet;
 use tokio::time::{Instant, timeout};
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 use super::admission::{expect_own_peer, expect_own_server, expect_token, is_trusted};
 use crate::config::{DriverConfig, Way};

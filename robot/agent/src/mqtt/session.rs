@@ -10,7 +10,7 @@ use rumqttc::{
 };
 use tokio::sync::{Notify, mpsc, watch};
 use tokio::time::{Instant, sleep_until, timeout};
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::{Name, PAYLOAD_MAX_BYTES, QualityOfService, RobotTopic, Topic};
 
 use super::broker::{Broker, address};

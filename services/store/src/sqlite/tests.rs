@@ -10,7 +10,7 @@ struct Folder(PathBuf);
 
 impl Folder {
     fn new() -> Self {
-        let name = vibrissa_program::random::hex();
+        let name = vibrissa_host::random::hex();
         let folder = std::env::temp_dir().join(format!("vibrissa-sqlite-{name}"));
         std::fs::create_dir_all(&folder).unwrap();
         Self(folder)

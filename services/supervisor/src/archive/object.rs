@@ -11,7 +11,7 @@ use object_store::local::LocalFileSystem;
 use object_store::path::Path;
 use object_store::{BackoffConfig, ObjectStore, RetryConfig};
 use url::Url;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_store::secret::Secret;
 
 use crate::archive_options::{ArchiveOptions, S3Options};

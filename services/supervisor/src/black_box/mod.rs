@@ -19,7 +19,7 @@ use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinSet;
 use tokio::time::{Duration, timeout};
 use vibrissa_core::units::Micros;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_store::Lease;
 
 use job::Job;

@@ -4,7 +4,7 @@ use tokio::sync::mpsc;
 use tokio::time::{Duration, Instant, sleep};
 use tracing::warn;
 use vibrissa_edge::full_name::FullName;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_store::black_boxes::NewBlackBox;
 use vibrissa_store::{StoreError, Writer};
 

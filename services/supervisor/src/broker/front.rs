@@ -19,7 +19,7 @@ use tokio::sync::{broadcast, mpsc, watch};
 use tokio::task::JoinSet;
 use tokio::time::{interval, sleep};
 use tracing::{debug, warn};
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 use super::framing::Framing;
 use super::gate::Gate;

@@ -24,7 +24,7 @@ use mqtt5::broker::{ResourceLimits, ResourceMonitor};
 use tokio::net::TcpListener;
 use tokio::sync::{broadcast, watch};
 use tokio::task::JoinHandle;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::plain;
 
 use crate::mqtt::Credentials;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
 use tokio::time::timeout;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_store::secret::Secret;
 
 use super::*;

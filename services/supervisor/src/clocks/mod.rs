@@ -14,7 +14,7 @@ use std::time::Duration;
 use tokio::time::Instant;
 use tracing::{info, warn};
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_program::clock::{host_ahead_us, step};
+use vibrissa_host::clock::{host_ahead_us, step};
 use vibrissa_store::{ClockReport, Membership};
 
 use crate::metrics::Metrics;

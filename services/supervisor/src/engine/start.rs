@@ -8,7 +8,7 @@ use tokio::time::Instant;
 use tracing::{error, info};
 use vibrissa_core::robot::Params;
 use vibrissa_core::robot::effect::AlarmKind;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::{BootId, Name};
 
 use super::actions::ParamsInForce;

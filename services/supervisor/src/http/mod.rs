@@ -58,7 +58,7 @@ use tokio::task::JoinHandle;
 use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
 use vibrissa_core::robot::Params;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::plain;
 
 use crate::action_notifier::ActionNotifier;

@@ -9,7 +9,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use tokio::time::Instant;
 use tracing::Instrument;
-use vibrissa_program::random;
+use vibrissa_host::random;
 
 use super::problem::{Kind, Problem};
 use crate::metrics::HttpMetrics;

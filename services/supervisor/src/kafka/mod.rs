@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, AtomicI64};
 
 use tokio::sync::Notify;
 use tokio::task::JoinHandle;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::Name;
 use vibrissa_store::Store;
 

@@ -9,7 +9,7 @@ use tokio::sync::mpsc;
 use tokio::task::JoinSet;
 use tokio::time::sleep;
 use tracing::{error, warn};
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 use super::again::Again;
 use super::client::{KafkaError, SharedLog};

@@ -143,7 +143,7 @@ mod tests {
     fn the_values_are_those_of_this_process() {
         let metrics = ProcessMetrics::new().unwrap();
         assert_eq!((metrics.desc().len(), metrics.collect().len()), (7, 7));
-        let now_s = vibrissa_program::clock::host_clock_us() / 1_000_000;
+        let now_s = vibrissa_host::clock::host_clock_us() / 1_000_000;
         assert!((now_s - 3600..=now_s + 1).contains(&metrics.start.get()), "{} at {now_s}", metrics.start.get());
         assert!((3..=metrics.files_max.get()).contains(&metrics.open_files.get()));
         assert!((1 << 20..metrics.virtual_memory.get()).contains(&metrics.resident_memory.get()));

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use tokio::net::{TcpStream, lookup_host};
-use vibrissa_program::process::{self, Stream};
+use vibrissa_host::process::{self, Stream};
 use vibrissa_protocol::plain;
 
 use super::address::BrokerAddress;

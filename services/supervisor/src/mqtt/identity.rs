@@ -3,7 +3,7 @@
 //! A broker ends a connection when another client connects with its client id. So nobody else may know an id: it has
 //! 128 random bits, and only its prefix is ever published or logged.
 
-use vibrissa_program::random;
+use vibrissa_host::random;
 use vibrissa_protocol::Name;
 
 /// 128 random bits in hexadecimal.

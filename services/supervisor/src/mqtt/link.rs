@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde::Serialize;
 use tokio::time::Instant;
 use tracing::{info, warn};
-use vibrissa_program::random;
+use vibrissa_host::random;
 
 use super::address::Node;
 use super::problem::Problem;

@@ -96,7 +96,7 @@ mod tests {
         let first = |link: &BrokerLink| best(link, nodes.clone()).unwrap().host;
         let fails = |at: usize, is_slow| {
             link.node_failed(nodes[at].clone(), is_slow);
-            vibrissa_program::task::block_for(std::time::Duration::from_millis(2));
+            vibrissa_host::task::block_for(std::time::Duration::from_millis(2));
         };
         assert_eq!(first(&link), "a");
         fails(0, true);

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use rumqttc::{PubAck, PubAckReason, PublishNotice, PublishResult};
 use tokio::time::Instant;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::{QualityOfService, plain};
 
 use super::Connection;

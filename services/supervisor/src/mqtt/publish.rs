@@ -11,7 +11,7 @@ use tokio::time::Instant;
 use tokio::time::{MissedTickBehavior, interval_at, timeout};
 use tracing::warn;
 use vibrissa_edge::invariants::{Invariant, is_epoch_once};
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::{
     BootId, Message, Name, QualityOfService, SupervisorPresence, SupervisorState, Topic, decode, encode,
 };

@@ -7,7 +7,7 @@ use rumqttc::{AsyncClient, ClientError, Event, Packet, PublishOptions, PublishPr
 use tokio::sync::watch;
 use tokio::task::yield_now;
 use tokio::time::Instant;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::{RobotTopic, plain};
 
 use super::births::{BirthRequests, Pace};

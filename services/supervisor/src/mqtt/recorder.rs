@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rumqttc::{AsyncClient, Event, Packet, QoS, SubscribeFilterInput, SubscribeReasonCode};
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 use super::Connection;
 use super::hearing::is_probe_on;

@@ -11,7 +11,7 @@ use rumqttc::{
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::{QualityOfService, plain};
 
 use super::address::BrokerAddress;

@@ -24,7 +24,7 @@ use opentelemetry_sdk::Resource;
 use opentelemetry_sdk::trace::{BatchConfigBuilder, BatchSpanProcessor, SpanData, SpanExporter, SpanProcessor};
 use prometheus::IntCounter;
 use tracing::warn;
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 pub(crate) use content::{Step, TracedAction, is_traced};
 pub(crate) use lifecycle::{OpenTraces, PendingSpans};

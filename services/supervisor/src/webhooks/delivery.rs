@@ -5,7 +5,7 @@ use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::Instant;
 use tracing::{info, warn};
-use vibrissa_program::random;
+use vibrissa_host::random;
 
 use super::sending::{AttemptResult, Message, PATIENCE};
 use super::{Pace, Webhooks};

@@ -17,7 +17,7 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use tokio::time::{Instant, timeout};
 use tracing::warn;
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 use crate::metrics::Metrics;
 use delivery::{Delivery, HOLD};

@@ -10,7 +10,7 @@ use ureq::http::Uri;
 use ureq::tls::{Certificate, RootCerts, TlsConfig};
 use ureq::unversioned::resolver::{DefaultResolver, ResolvedSocketAddrs, Resolver};
 use ureq::unversioned::transport::{DefaultConnector, NextTimeout};
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 use super::signature::header;
 use super::target::{Hosts, is_public, refusal};

@@ -4,7 +4,7 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use ring::hmac;
-use vibrissa_program::random;
+use vibrissa_host::random;
 
 /// Length of a secret, in bytes.
 const SECRET_BYTES: usize = 32;

@@ -7,7 +7,7 @@ use anyhow::{Context as _, anyhow, bail};
 use clap::Args;
 use serde_json::Value;
 use url::Url;
-use vibrissa_program::random;
+use vibrissa_host::random;
 use vibrissa_store::secret::Secret;
 
 use crate::config::address::web_url;

@@ -11,7 +11,7 @@ use vibrissa_core::robot::effect::Condition;
 use vibrissa_edge::fleets::FleetSelection;
 use vibrissa_edge::labels::LabelConditions;
 use vibrissa_edge::words::Word;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::Name;
 
 use super::ANSWER_IS_NO;

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use anyhow::Context;
 use tokio::signal::unix::{Signal, SignalKind, signal};
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 /// Exit code of a stopped command: that of shells for Ctrl-C.
 pub const EXIT_CODE: u8 = 130;

@@ -15,7 +15,7 @@ use vibrissa_protocol::{BootId, Name};
 
 pub use lines::Lines;
 use vibrissa_edge::recording::Recorded;
-use vibrissa_program::random;
+use vibrissa_host::random;
 use vibrissa_supervisor::inbox::Incoming;
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, BrokerLink, Connection, RecorderState};
 

@@ -47,7 +47,7 @@ async fn a_cut_shorter_than_the_patience_only_delays() {
 async fn a_client_whose_way_is_cut_reaches_the_broker_after_the_healing_only() {
     let broker = broker();
     broker.set_held("client", Way::ToBroker, true);
-    let connecting = vibrissa_program::task::spawn({
+    let connecting = vibrissa_host::task::spawn({
         let broker = broker.clone();
         async move { Client::connect(&broker, ClientOptions::new("client")).await.is_ok() }
     });

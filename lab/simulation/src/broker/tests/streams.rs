@@ -174,7 +174,7 @@ async fn hard_times() -> Vec<String> {
         broker.set_delay(way, Delay { least: Duration::ZERO, spread: Duration::from_millis(40) });
     }
     let route = Route::new(broker.clone(), Duration::from_millis(5));
-    let far = vibrissa_program::task::spawn(answers(route.clone()));
+    let far = vibrissa_host::task::spawn(answers(route.clone()));
     let mut near = subscribed(&broker, "near", "u").await;
     for number in 0..600_u32 {
         sleep(Duration::from_millis(300)).await;

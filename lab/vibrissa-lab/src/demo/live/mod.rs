@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use anyhow::Context;
 use tokio::sync::mpsc;
-use vibrissa_program::random;
+use vibrissa_host::random;
 use vibrissa_simulator::Fleet;
 use vibrissa_simulator::clock::now_us;
 use vibrissa_store::Store;

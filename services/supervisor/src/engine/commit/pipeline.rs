@@ -10,7 +10,7 @@ use tokio::runtime::Handle;
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 use crate::engine::commit::checkpoint::{CheckpointRate, due_after};
 use crate::engine::commit::committer::{Committed, Committer, LeaseLost, Written};

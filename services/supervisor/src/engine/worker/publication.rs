@@ -5,7 +5,7 @@ use std::time::Duration;
 use tokio::time::Instant;
 use vibrissa_core::robot::effect::{Command, TouchTest};
 use vibrissa_core::units::Micros;
-use vibrissa_program::clock::host_clock_us;
+use vibrissa_host::clock::host_clock_us;
 use vibrissa_protocol::{self as protocol, BootId, Name, RequestKind, RobotTopic, Timestamp};
 use vibrissa_store::fault::{self, Fault};
 

@@ -7,7 +7,7 @@ use tokio::runtime::Handle;
 use tokio::time::Instant;
 use vibrissa_core::robot::{Event, Outcome, Params};
 use vibrissa_core::units::Micros;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::Name;
 
 use super::Worker;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use openidconnect::{HttpRequest, HttpResponse};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::plain;
 
 use crate::outgoing::failure;

@@ -119,7 +119,7 @@ mod tests {
             .layer(from_fn(origin::refuse_other_sites));
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
-        let serving = vibrissa_program::task::spawn(async move { axum::serve(listener, router).await });
+        let serving = vibrissa_host::task::spawn(async move { axum::serve(listener, router).await });
         let mut statuses = Vec::new();
         for (method, path) in requests {
             let mut stream = TcpStream::connect(address).await.unwrap();

@@ -65,7 +65,7 @@ pub(super) async fn subject(
     let verifier = IdTokenVerifier::new_public_client(ClientId::new(client_id.to_owned()), issuer, keys)
         .set_allowed_algs([algorithm.clone()])
         .set_other_audience_verifier_fn(|_| true)
-        .set_time_fn(|| (vibrissa_program::clock::system_time() - LEEWAY).into());
+        .set_time_fn(|| (vibrissa_host::clock::system_time() - LEEWAY).into());
     let claims = token.claims(&verifier, nonce).map_err(|problem| refused(refusal::of_id_token(&problem)))?;
     match claims.authorized_party() {
         Some(party) if party.as_str() != client_id => {

@@ -8,7 +8,7 @@ use jsonwebtoken::jwk::{AlgorithmParameters, EllipticCurve, Jwk, JwkSet, KeyAlgo
 use jsonwebtoken::{Algorithm, DecodingKey};
 use tokio::sync::watch;
 use tokio::time::Instant;
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 use super::fetch::{self, Away, blocking};
 use crate::http::problem::{Kind, Problem};

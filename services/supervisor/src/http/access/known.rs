@@ -107,7 +107,7 @@ mod tests {
         let flood: Vec<_> = (100..5100)
             .map(|number| {
                 let (known, read) = (known.clone(), read(&reads));
-                vibrissa_program::task::spawn(async move { known.holds(&hash(number), read).await })
+                vibrissa_host::task::spawn(async move { known.holds(&hash(number), read).await })
             })
             .collect();
         for wrong in flood {

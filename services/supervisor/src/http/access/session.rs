@@ -24,7 +24,7 @@ use super::tokens::{KEY_BYTES, Tokens, open, seal};
 use super::{Authentication, Caller};
 use crate::http::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_program::random;
+use vibrissa_host::random;
 use vibrissa_store::Store;
 use vibrissa_store::secret::Secret;
 use vibrissa_store::sessions::SessionRow;

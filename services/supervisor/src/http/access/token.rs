@@ -4,7 +4,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use subtle::ConstantTimeEq as _;
 use vibrissa_edge::fleets::FleetPattern;
-use vibrissa_program::random;
+use vibrissa_host::random;
 
 use super::{Authentication, Caller, Role, Scope};
 use vibrissa_store::tokens::TokenRow;

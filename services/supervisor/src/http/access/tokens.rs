@@ -3,7 +3,7 @@
 use openidconnect::{OAuth2TokenResponse as _, TokenResponse as _};
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
 use serde::{Deserialize, Serialize};
-use vibrissa_program::random;
+use vibrissa_host::random;
 
 use super::claims;
 use super::id_token::TokenResponse;

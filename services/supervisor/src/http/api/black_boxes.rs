@@ -11,7 +11,7 @@ use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_edge::black_box::About;
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::Name;
 
 use crate::http::App;

@@ -10,7 +10,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_core::mechanics::{CalibrationRow as Measured, Fit, FitError, Geometry, Parameter, fit_calibration};
 use vibrissa_core::units::{Megapascal, Millimetre, Strain};
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::Name;
 
 use crate::http::App;

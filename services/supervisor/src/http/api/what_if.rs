@@ -11,7 +11,7 @@ use vibrissa_core::robot::effect::{CandidateRecord, Decision};
 use vibrissa_core::robot::{Params, Planned, Robot, Served, WhatIf, one_number};
 use vibrissa_core::units::{ContactRatio, Millimetre};
 use vibrissa_edge::words::Word;
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 use super::model::per_mm;
 use super::paths::WhiskerPath;

@@ -18,7 +18,7 @@ use tokio::sync::watch;
 use tokio::task::{JoinSet, yield_now};
 use tokio::time::{Instant, sleep};
 use tracing::{debug, warn};
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 use self::progress::Slow;
 use self::registry::{Limit, Registry};

@@ -1,6 +1,6 @@
 //! Tests of both ends of the inbox.
 
-use vibrissa_program::task;
+use vibrissa_host::task;
 use vibrissa_protocol::Name;
 
 use super::*;

@@ -69,7 +69,7 @@ fn deafness_lasts_from_the_first_loss_to_the_next_proof_and_is_the_receivers_alo
     assert_eq!(link.deafness(), None);
     link.broken(Side::Receiving, &problem(Cause::Silent));
     let (first, _) = link.deafness().unwrap();
-    vibrissa_program::task::block_for(Duration::from_millis(2));
+    vibrissa_host::task::block_for(Duration::from_millis(2));
     link.broken(Side::Receiving, &problem(Cause::Refused));
     let (later, why) = link.deafness().unwrap();
     assert!(later > first && why == problem(Cause::Refused).to_string(), "{why}");

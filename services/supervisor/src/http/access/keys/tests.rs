@@ -5,7 +5,7 @@ use std::sync::mpsc;
 use futures_util::future::join_all;
 use serde_json::{Value, json};
 use tokio::time::timeout;
-use vibrissa_program::task;
+use vibrissa_host::task;
 
 use super::*;
 

@@ -13,7 +13,7 @@ use std::task::{Context, Poll};
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::task::AbortHandle;
 
-use crate::clock::TimeLine;
+use crate::time_line::TimeLine;
 
 /// A simulated process.
 pub trait Simulated: Send + Sync {

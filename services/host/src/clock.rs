@@ -5,37 +5,10 @@
 //! nobody to ask, moves the line with [`step`].
 
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::SystemTime;
 
-use tokio::time::Instant;
-
 use crate::process;
-
-/// A time line that runs evenly.
-#[derive(Debug)]
-pub struct TimeLine {
-    began: Instant,
-    /// Time in µs since 1970 UTC at which it began.
-    at_us: AtomicI64,
-}
-
-impl TimeLine {
-    /// A line that begins now, at this time in µs since 1970 UTC.
-    #[must_use]
-    pub fn from(at_us: i64) -> Self {
-        Self { began: Instant::now(), at_us: AtomicI64::new(at_us) }
-    }
-
-    fn now_us(&self) -> i64 {
-        let since_us = i64::try_from(self.began.elapsed().as_micros()).unwrap_or(i64::MAX);
-        self.at_us.load(Ordering::Relaxed).saturating_add(since_us)
-    }
-
-    fn step(&self, by_us: i64) {
-        self.at_us.fetch_add(by_us, Ordering::Relaxed);
-    }
-}
+use crate::time_line::TimeLine;
 
 /// Gives `work` the time line of the present process.
 fn with_line<T>(work: impl FnOnce(&TimeLine) -> T) -> T {
