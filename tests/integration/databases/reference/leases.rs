@@ -28,6 +28,8 @@ struct Cluster {
     writers: Vec<Writer>,
     /// Each with the place of its supervisor; some are lost.
     leases: Vec<(usize, Lease)>,
+    /// The epochs in the order of their begins.
+    epochs: Vec<u64>,
     clock_us: i64,
 }
 
@@ -35,7 +37,15 @@ impl Cluster {
     fn new(store: &Store, behind: Behind, seed: u64) -> Self {
         let fleets = ["x", "y"].map(|name| Name::new(&format!("{name}{seed}")).unwrap()).to_vec();
         let writers = (0..3).map(|_| store.writer()).collect();
-        Self { store: store.clone(), behind, fleets, writers, leases: Vec::new(), clock_us: 1_795_248_000_000_000 }
+        Self {
+            store: store.clone(),
+            behind,
+            fleets,
+            writers,
+            leases: Vec::new(),
+            epochs: Vec::new(),
+            clock_us: 1_795_248_000_000_000,
+        }
     }
 
     fn supervisor(&self, at: usize) -> Supervisor {
@@ -55,7 +65,16 @@ impl Cluster {
         }
     }
 
+    /// Does a step, and tells about it. An epoch may begin at a random step after the last one, so it is told by its number.
     async fn step(&mut self, random: &mut ChaCha8Rng) -> String {
+        let told = self.act(random).await;
+        self.epochs
+            .iter()
+            .enumerate()
+            .fold(told, |told, (number, epoch)| told.replace(&epoch.to_string(), &format!("#{number}")))
+    }
+
+    async fn act(&mut self, random: &mut ChaCha8Rng) -> String {
         let at = random.random_range(0..3);
         let own = self.supervisor(at);
         let fleet = self.fleets.choose(random).unwrap().clone();
@@ -73,6 +92,7 @@ impl Cluster {
                 let fleets = if random.random_bool(0.5) { self.fleets.clone() } else { vec![fleet] };
                 let taken = self.writers[at].acquire_several(&own, &fleets).await.unwrap();
                 let epochs: Vec<_> = taken.iter().map(|lease| (lease.fleet().clone(), lease.epoch())).collect();
+                self.epochs.extend(epochs.iter().map(|(_, epoch)| *epoch));
                 self.leases.extend(taken.into_iter().map(|lease| (at, lease)));
                 format!("{at} acquires {fleets:?}: {epochs:?}")
             }
