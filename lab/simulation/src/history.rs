@@ -128,8 +128,9 @@ mod tests {
         let text = diagram(&[step("a", "b", "asks"), step("b", "a", "answers"), step("b", "b", "waits")]);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 4);
-        assert!(lines[1].contains("+------------------> asks"), "{text}");
-        assert!(lines[2].contains("<------------------+ answers"), "{text}");
-        assert!(lines[3].contains("|                  * waits"), "{text}");
+        let is = |line: usize, arrow: &str, label: &str| lines[line].contains(arrow) && lines[line].ends_with(label);
+        assert!(is(1, "+------------------>", " asks"), "{text}");
+        assert!(is(2, "<------------------+", " answers"), "{text}");
+        assert!(is(3, "|                  *", " waits"), "{text}");
     }
 }

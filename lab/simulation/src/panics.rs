@@ -33,7 +33,7 @@ mod tests {
     #[test]
     fn a_panic_of_a_task_is_seen() {
         let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
-        let work = || runtime.block_on(vibrissa_host::task::spawn(async { panic!("a task") })).is_err();
+        let work = || runtime.block_on(async { vibrissa_host::task::spawn(async { panic!("a task") }).await }).is_err();
         let (failed, panics) = watched(work);
         assert!(failed && panics.len() == 1 && panics[0].contains("a task"), "{panics:?}");
         assert!(watched(|| ()).1.is_empty());
