@@ -15,7 +15,7 @@ pub enum Ending {
     Silent,
 }
 
-/// What a broker knows after a restart.
+/// Memory of a broker after a restart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Memory {
     /// Retained messages, and sessions that outlive their connections.

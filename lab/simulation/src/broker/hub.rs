@@ -22,7 +22,7 @@ struct Port {
     /// Packets of the client; `None` is the end of the connection, here and below.
     inbound: Lane<Option<Packet>>,
     outbound: Lane<Option<Packet>>,
-    /// What has arrived at the client's side.
+    /// Arrivals at the client's side.
     outbox: VecDeque<Packet>,
     /// Nothing follows after the outbox.
     is_ended: bool,
@@ -117,7 +117,7 @@ impl Hub {
         }
     }
 
-    /// Does what is due, and returns when to call this again.
+    /// Does the due work, and returns when to call this again.
     pub(super) fn advance(&mut self, now: Instant) -> Option<Instant> {
         while let Some((_, link, way)) = self.timers.first().copied().filter(|(at, ..)| *at <= now && !self.is_frozen) {
             self.timers.pop_first();

@@ -1,4 +1,4 @@
-//! What the broker tells about itself: counts, and each message that passes.
+//! The broker's report about itself: counts, and each message that passes.
 
 use bytes::Bytes;
 use rumqttc::QoS;
