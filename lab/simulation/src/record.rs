@@ -12,7 +12,7 @@ use crate::invariants::{Invariant, Violation};
 use crate::oracle::ledger::{Content, Ledger, Recorded};
 use crate::oracle::obedience::{Decided, Obedience};
 use crate::robots::SimulatedRobot;
-use crate::scenario;
+use crate::scenario::{self, WhiskerName};
 use crate::store::{Fact, FactRow, ModelStore};
 
 /// Most violations that are kept.
@@ -43,9 +43,6 @@ const TRUE_FAULTS: [&str; 12] = [
 ];
 /// Word of a setpoint whose commit a failover has lost.
 const LOST: &str = "ABANDONED";
-
-/// Array and number of a whisker, after its robot.
-pub type WhiskerName = (String, String, i64);
 
 /// What the store has said.
 #[derive(Debug, Default, Clone)]

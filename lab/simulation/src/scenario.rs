@@ -7,7 +7,9 @@ use vibrissa_simulator::Scenario;
 use vibrissa_simulator::scenario::{ArrayScenario, Behaviour, Change, Event, Noise, RobotScenario, WhiskerScenario};
 
 use crate::plan::Plan;
-use crate::record::WhiskerName;
+
+/// Array and number of a whisker, after its robot.
+pub type WhiskerName = (String, String, i64);
 
 /// Begin of the names of the robots.
 pub const ROBOTS: char = 'r';
