@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use tokio::time::Instant;
+use vibrissa_edge::invariants::is_pressure_in_range;
 use vibrissa_protocol::{Message, Topic, decode};
 use vibrissa_simulator::JournalEntry;
 use vibrissa_store::batch::{ContactRow, Record as Row, SetpointRow};
@@ -17,17 +18,17 @@ use crate::store::{Fact, FactRow, ModelStore};
 
 /// Most violations that are kept.
 const VIOLATIONS: usize = 20;
-/// Highest pressure of a chamber, MPa.
-const PRESSURE_MAX_MPA: f64 = 0.2;
 /// Longest life of a setpoint, µs: the time to live of ten seconds, and ten seconds for the longest way of the pressure. A
 /// supervisor knows the robot's clock to a second.
 const LIVES_US: u64 = 21_000_000;
+/// Highest pressure of the whiskers of a run by their factsheets, MPa.
+const WHISKER_LIMIT_MPA: f64 = 0.2;
 /// A robot whose messages are not further apart talks all the time.
 const TALKS_WITHIN: Duration = Duration::from_secs(4);
 /// A whisker or robot may be called silent after this time.
 const SILENT_AFTER: Duration = Duration::from_secs(15);
 /// Alarms that the faults of a run can cause.
-const TRUE_FAULTS: [&str; 12] = [
+const TRUE_FAULTS: [&str; 11] = [
     "STALE",
     "ROBOT_SILENT",
     "UNCOMPENSATED",
@@ -39,7 +40,6 @@ const TRUE_FAULTS: [&str; 12] = [
     "VENTED",
     "PROPOSED",
     "SUPPLY_LOW",
-    "HELD",
 ];
 /// Word of a setpoint whose commit a failover has lost.
 const LOST: &str = "ABANDONED";
@@ -70,14 +70,11 @@ pub struct Record {
     owners: BTreeMap<(String, u64), String>,
     /// Whiskers that were cut.
     pub cut: BTreeSet<WhiskerName>,
-    /// Those of which a trim is reported.
-    pub found: BTreeSet<WhiskerName>,
     /// Since when each robot talks without a pause, and its newest message.
     talking: BTreeMap<String, (Instant, Instant)>,
     violations: Vec<Violation>,
+    /// Surplus and wrong rows at the last look.
     seen: (u64, u64),
-    /// Numbers of setpoints and of events.
-    pub events: u64,
 }
 
 impl Record {
@@ -107,7 +104,7 @@ impl Record {
     }
 
     /// Takes in what robots have felt, heard and applied, and then what was committed.
-    pub fn drain(&mut self, robots: &[SimulatedRobot], store: &mut ModelStore) -> Vec<Fact> {
+    pub fn drain(&mut self, robots: &[SimulatedRobot], store: &mut ModelStore) {
         for robot in robots {
             let (name, entries) = robot.with(|robot| (robot.name().to_string(), robot.take_journal()));
             for entry in entries {
@@ -122,7 +119,7 @@ impl Record {
                         self.obedience.heard(&name, &setpoint);
                     }
                     JournalEntry::Applied(setpoint) => {
-                        if !(0.0..=PRESSURE_MAX_MPA).contains(&setpoint.setpoint.pressure_mpa) {
+                        if !is_pressure_in_range(setpoint.setpoint.pressure_mpa, WHISKER_LIMIT_MPA) {
                             self.violated(Invariant::PressureInRange, format!("{name}: {:?}", setpoint.setpoint));
                         }
                         self.obedience.applied(&name, &setpoint);
@@ -130,9 +127,8 @@ impl Record {
                 }
             }
         }
-        let facts = store.take_facts();
-        for fact in &facts {
-            self.fact(fact, store);
+        for fact in store.take_facts() {
+            self.fact(&fact, store);
         }
         let (duplicate, wrong) = self.committed.ledger.surplus();
         let before = std::mem::replace(&mut self.seen, (duplicate, wrong));
@@ -142,13 +138,11 @@ impl Record {
         if wrong > before.1 {
             self.violated(Invariant::ContactAsFelt, format!("{wrong} contacts that nobody felt"));
         }
-        facts
     }
 
     fn fact(&mut self, fact: &Fact, store: &ModelStore) {
         match &fact.row {
             FactRow::Contact(row) => self.contact(row, store),
-            FactRow::Event(_) => self.events += 1,
             FactRow::Record(Row::Setpoint(row)) => self.setpoint(row, store),
             FactRow::Record(Row::SetpointState(row)) => {
                 if let Some(decided) = self.committed.decided.get_mut(&row.command_id) {
@@ -161,7 +155,6 @@ impl Record {
                 if !self.cut.contains(&name) {
                     self.violated(Invariant::TrimIsTrue, format!("{name:?} was not cut: {row:?}"));
                 }
-                self.found.insert(name);
             }
             FactRow::Record(Row::Alarm(row)) => {
                 let whisker = name(store, row.whisker_id);
@@ -174,6 +167,7 @@ impl Record {
                 self.alarm(row.kind, robot, false);
             }
             FactRow::Record(_)
+            | FactRow::Event(_)
             | FactRow::Rollup(_)
             | FactRow::Response(_)
             | FactRow::Refusal(_)

@@ -1,6 +1,6 @@
-//! Simulated robots in simulated time, each with a clock of its own, as clients of the model broker.
+//! Simulated robots in simulated time, with the true time, as clients of the model broker.
 
-use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -35,8 +35,6 @@ struct Inner {
     robot: Mutex<Robot>,
     /// The start of the world, and the true time then, µs since 1970 UTC.
     began: (Instant, i64),
-    /// How far its clock is ahead of the true time, µs.
-    clock_ahead_us: AtomicI64,
     /// Whether its connection is to be cut.
     cut: Notify,
     is_off: AtomicBool,
@@ -46,13 +44,7 @@ impl SimulatedRobot {
     /// Starts the robot's task. `began` is the start of the world and the true time then.
     #[must_use]
     pub fn start(robot: Robot, broker: &ModelBroker, began: (Instant, i64), seed: u64) -> Self {
-        let inner = Inner {
-            robot: Mutex::new(robot),
-            began,
-            clock_ahead_us: AtomicI64::new(0),
-            cut: Notify::new(),
-            is_off: AtomicBool::new(false),
-        };
+        let inner = Inner { robot: Mutex::new(robot), began, cut: Notify::new(), is_off: AtomicBool::new(false) };
         let robot = Self(Arc::new(inner));
         task::spawn(run(robot.clone(), broker.clone(), ChaCha8Rng::seed_from_u64(seed)));
         robot
@@ -100,13 +92,8 @@ impl SimulatedRobot {
     fn now_us(&self) -> u64 {
         let (began, at_us) = self.0.began;
         let since_us = i64::try_from(began.elapsed().as_micros()).unwrap_or(i64::MAX);
-        let now_us = at_us + since_us + self.0.clock_ahead_us.load(Ordering::Relaxed);
+        let now_us = at_us + since_us;
         u64::try_from(now_us).unwrap_or_default()
-    }
-
-    /// Steps its clock ahead by so many µs; never back, because robots run evenly from their start.
-    pub fn set_clock_ahead_us(&self, ahead_us: i64) {
-        self.0.clock_ahead_us.store(ahead_us, Ordering::Relaxed);
     }
 
     /// When its next work is due.

@@ -212,7 +212,8 @@ impl World {
                 break;
             }
         }
-        self.heal();
+        // Each fault has ended. Supervisors that have ended in order start again.
+        self.members.iter_mut().for_each(Member::start);
         for robot in &self.robots {
             robot.with(Robot::rest);
         }
@@ -406,13 +407,6 @@ impl World {
             | Kind::RobotRestarted
             | Kind::Hostile
             | Kind::StoreClockStepped => {}
-        }
-    }
-
-    /// Ends all faults.
-    fn heal(&mut self) {
-        for member in &mut self.members {
-            member.start();
         }
     }
 
