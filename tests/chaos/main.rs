@@ -29,8 +29,8 @@ use anyhow::{Context, bail, ensure};
 use clap::Parser;
 use sqlx::ConnectOptions;
 use sqlx::postgres::PgConnection;
-use tokio::signal::unix::{SignalKind, signal};
 use tokio::time::sleep;
+use vibrissa_program::signals::StopSignals;
 use vibrissa_protocol::Name;
 use vibrissa_tests::oracle::recorded;
 use vibrissa_tests::oracle::robots::Robots;
@@ -176,11 +176,10 @@ fn main() -> anyhow::Result<ExitCode> {
 
 /// Ends a run at SIGINT or SIGTERM, so that its programs are ended and its namespaces deleted.
 async fn unless_interrupted<T>(run: impl Future<Output = anyhow::Result<T>>) -> anyhow::Result<T> {
-    let mut terminated = signal(SignalKind::terminate())?;
+    let mut signals = StopSignals::install()?;
     tokio::select! {
         result = run => result,
-        _ = tokio::signal::ctrl_c() => bail!("interrupted"),
-        _ = terminated.recv() => bail!("terminated"),
+        () = signals.received() => bail!("stopped by a signal"),
     }
 }
 

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
 use vibrissa_program::log_filter::log_filter;
 use vibrissa_program::options::{decimal, lenient};
+use vibrissa_program::signals::StopSignals;
 use vibrissa_simulator::board::{self, BoardPlan};
 use vibrissa_simulator::load::{self, LoadPlan};
 use vibrissa_simulator::scenario::Misbehaviour;
@@ -105,16 +105,13 @@ async fn simulate(arguments: Arguments) -> anyhow::Result<()> {
     }
 
     // Installed before the robots start, so that no signal is missed.
-    let mut terminated = signal(SignalKind::terminate())?;
+    let mut signals = StopSignals::install()?;
     let fleet = match &arguments.state_file {
         Some(path) => Fleet::resume(&scenario, &broker, path)?,
         None => Fleet::start(&scenario, &broker)?,
     };
     tracing::info!(fleet = %scenario.fleet, robots = fleet.robots().len(), ?broker, "running");
-    tokio::select! {
-        _ = terminated.recv() => {}
-        interrupted = tokio::signal::ctrl_c() => interrupted?,
-    }
+    signals.received().await;
     tracing::info!("stopping");
     fleet.stop().await;
     Ok(())

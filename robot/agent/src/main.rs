@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 use tracing_subscriber::EnvFilter;
 use vibrissa_host::task;
 use vibrissa_program::log;
 use vibrissa_program::log_filter::log_filter;
+use vibrissa_program::signals::StopSignals;
 use vibrissa_robot::{Config, exposure, hub};
 
 /// The agent of one robot with soft whiskers: keeps the MQTT contract for a driver that speaks lines of JSON.
@@ -53,14 +53,13 @@ fn started(path: &std::path::Path, is_check: bool) -> anyhow::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(2).build()?;
     runtime.block_on(async {
         // Installed before anything starts, so that no signal is missed.
-        let mut terminated = signal(SignalKind::terminate())?;
+        let mut signals = StopSignals::install()?;
         let (stop, stopping) = watch::channel(false);
         let running = task::spawn(hub::run(config, stopping));
         tokio::pin!(running);
         tokio::select! {
             ended = &mut running => return Ok(ended??),
-            _ = terminated.recv() => {}
-            interrupted = tokio::signal::ctrl_c() => interrupted?,
+            () = signals.received() => {}
         }
         let _ = stop.send(true);
         Ok(running.await??)

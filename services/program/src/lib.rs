@@ -4,3 +4,4 @@ pub mod files;
 pub mod log;
 pub mod log_filter;
 pub mod options;
+pub mod signals;

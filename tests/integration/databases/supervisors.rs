@@ -175,8 +175,20 @@ impl Replica {
 
     pub(crate) async fn terminate(&mut self) {
         self.process.signal(Signal::SIGTERM);
-        assert!(self.process.ended(PATIENCE).await.expect("the supervisor must end").success());
+        let status = self.process.ended(PATIENCE).await.expect("the supervisor must end");
+        assert!(status.success(), "{status}");
     }
+}
+
+/// A start can take long, and service managers stop programs that start.
+#[tokio::test]
+async fn regress_a_supervisor_that_is_told_to_stop_while_it_starts_ends_in_order() {
+    let silent = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let database = Postgres::url(silent.local_addr().unwrap().port());
+    let mut starting = Replica::start(folder.path(), "s", "f", &database, free_port(), 1.0);
+    let _connected = silent.accept().await.unwrap();
+    starting.terminate().await;
 }
 
 #[tokio::test]

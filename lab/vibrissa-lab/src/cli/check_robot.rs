@@ -9,7 +9,6 @@ use std::time::Duration;
 
 use anyhow::{Context, bail};
 use clap::Args;
-use tokio::signal::unix::{SignalKind, signal};
 use vibrissa_protocol::{BootId, Name};
 
 use super::assistant::Helper;
@@ -19,6 +18,7 @@ use vibrissa::cli::record::duration;
 use vibrissa::cli::serve::{log, runtime};
 use vibrissa::cli::stop::Stopped;
 use vibrissa_host::random;
+use vibrissa_program::signals::StopSignals;
 use vibrissa_supervisor::broker::{Broker, BrokerError};
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, Connection, Relay};
 
@@ -223,13 +223,8 @@ async fn checked(
     let mark = format!("c{}", random::hex());
     let boot_id = BootId::new(&mark).context("creating the boot ID of the connection")?;
     let connection = Connection::new(broker.clone(), mqtt::prepare(broker)?, options.fleet.clone(), boot_id);
-    let mut terminate = signal(SignalKind::terminate()).context("waiting for SIGTERM")?;
-    let mut stopped = pin!(async {
-        tokio::select! {
-            _ = tokio::signal::ctrl_c() => {}
-            _ = terminate.recv() => {}
-        }
-    });
+    let mut signals = StopSignals::install().context("waiting for SIGTERM")?;
+    let mut stopped = pin!(signals.received());
     if let Some(limit) = wait {
         eprintln!("vibrissa: waiting up to {} s for {}", limit.as_secs_f64(), options.robot);
         tokio::select! {

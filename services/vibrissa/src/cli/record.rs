@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use anyhow::{Context, bail};
 use clap::Args;
-use tokio::signal::unix::{SignalKind, signal};
 
 use super::config::BrokerArgs;
 use super::serve::{log, runtime};
 use crate::recording::{Report, record};
+use vibrissa_program::signals::StopSignals;
 
 /// Arguments of `vibrissa record`.
 #[derive(Debug, Args)]
@@ -64,11 +64,10 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<()> {
         Box::new(file.with_context(|| format!("cannot create the recording {}", args.out.display()))?)
     };
     let report = runtime()?.block_on(async {
-        let mut terminate = signal(SignalKind::terminate()).context("waiting for SIGTERM")?;
+        let mut signals = StopSignals::install().context("waiting for SIGTERM")?;
         let stop = async {
             tokio::select! {
-                _ = tokio::signal::ctrl_c() => {}
-                _ = terminate.recv() => {}
+                () = signals.received() => {}
                 () = over(args.limit) => {}
             }
         };

@@ -1,8 +1,8 @@
 //! `vibrissa run`.
 
 use anyhow::Context;
-use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
+use vibrissa_program::signals::StopSignals;
 
 use super::config::ConfigArgs;
 use crate::exposure::exposures;
@@ -19,18 +19,19 @@ pub fn run(args: &ConfigArgs) -> anyhow::Result<()> {
         tracing::warn!("{exposure}");
     }
     runtime()?.block_on(async {
-        let service = Service::start(config.into()).await?;
+        let mut signals = StopSignals::install().context("waiting for SIGTERM")?;
+        // A start can take long: it waits for a lock, or migrates a large database.
+        let service = tokio::select! {
+            service = Service::start(config.into()) => service?,
+            () = signals.received() => return Ok(()),
+        };
         let http = service.http;
         let nodes: Vec<String> = service.broker.nodes().iter().map(ToString::to_string).collect();
         println!("vibrissa: MQTT on {}, HTTP on http://{http}", nodes.join(", "));
         if let Some(monitoring) = service.monitoring {
             println!("vibrissa: monitoring on http://{monitoring}");
         }
-        let mut terminate = signal(SignalKind::terminate()).context("waiting for SIGTERM")?;
-        tokio::select! {
-            interrupted = tokio::signal::ctrl_c() => interrupted.context("waiting for Ctrl-C")?,
-            _ = terminate.recv() => {}
-        }
+        signals.received().await;
         service.stop().await;
         Ok(())
     })

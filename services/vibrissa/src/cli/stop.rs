@@ -6,8 +6,8 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use anyhow::Context;
-use tokio::signal::unix::{Signal, SignalKind, signal};
 use vibrissa_host::task;
+use vibrissa_program::signals::StopSignals;
 
 /// Exit code of a stopped command: that of shells for Ctrl-C.
 pub const EXIT_CODE: u8 = 130;
@@ -30,12 +30,12 @@ pub struct Stopped(pub &'static str);
 /// The signal handlers cannot be installed.
 pub fn watch(left: &'static str) -> anyhow::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("waiting for Ctrl-C")?;
-    let (interrupt, terminate) = {
+    let mut signals = {
         let _entered = runtime.enter();
-        both().context("waiting for Ctrl-C")?
+        StopSignals::install().context("waiting for Ctrl-C")?
     };
     std::thread::spawn(move || {
-        runtime.block_on(either(interrupt, terminate));
+        runtime.block_on(signals.received());
         ASKED.store(true, Ordering::Relaxed);
         task::block_for(GRACE);
         let _written = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
@@ -52,8 +52,7 @@ pub fn watch(left: &'static str) -> anyhow::Result<()> {
 /// # Errors
 /// The signal handlers cannot be installed.
 pub async fn asked() -> anyhow::Result<()> {
-    let (interrupt, terminate) = both().context("waiting for Ctrl-C")?;
-    either(interrupt, terminate).await;
+    StopSignals::install().context("waiting for Ctrl-C")?.received().await;
     Ok(())
 }
 
@@ -67,15 +66,4 @@ pub fn is_asked() -> bool {
 pub fn whole<T>(write: impl FnOnce() -> T) -> T {
     let _writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
     write()
-}
-
-fn both() -> std::io::Result<(Signal, Signal)> {
-    Ok((signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?))
-}
-
-async fn either(mut interrupt: Signal, mut terminate: Signal) {
-    tokio::select! {
-        _ = interrupt.recv() => {}
-        _ = terminate.recv() => {}
-    }
 }

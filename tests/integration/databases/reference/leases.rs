@@ -28,8 +28,8 @@ struct Cluster {
     writers: Vec<Writer>,
     /// Each with the place of its supervisor; some are lost.
     leases: Vec<(usize, Lease)>,
-    /// The epochs in the order of their begins.
-    epochs: Vec<u64>,
+    /// The epochs in the order of their begins, each with its fleet.
+    epochs: Vec<(Name, u64)>,
     clock_us: i64,
 }
 
@@ -65,16 +65,28 @@ impl Cluster {
         }
     }
 
-    /// Does a step, and tells about it. An epoch may begin at a random step after the last one, so it is told by its number.
-    async fn step(&mut self, random: &mut ChaCha8Rng) -> String {
-        let told = self.act(random).await;
-        self.epochs
-            .iter()
-            .enumerate()
-            .fold(told, |told, (number, epoch)| told.replace(&epoch.to_string(), &format!("#{number}")))
+    /// An epoch's place in the order of their begins: its value has a random part. `None` if it is not known, as that of a fleet
+    /// without one.
+    fn number(&self, fleet: &Name, epoch: u64) -> Option<usize> {
+        self.epochs.iter().position(|(of, one)| of == fleet && *one == epoch)
     }
 
-    async fn act(&mut self, random: &mut ChaCha8Rng) -> String {
+    /// Without the times by this process's clock, and in an order of its own.
+    fn told(&self, mut membership: Membership) -> String {
+        let mut leases: Vec<_> = (membership.leases.into_iter())
+            .map(|one| {
+                let epoch = self.number(&one.fleet, one.epoch);
+                (one.fleet, epoch, one.owner, one.holder, one.free, one.free_in.is_some())
+            })
+            .collect();
+        leases.sort();
+        membership.present.sort_by(|one, other| one.supervisor.cmp(&other.supervisor));
+        // Members of other runs are the same everywhere.
+        format!("{leases:?} {:?}", membership.present)
+    }
+
+    /// Does a step, and tells about it.
+    async fn step(&mut self, random: &mut ChaCha8Rng) -> String {
         let at = random.random_range(0..3);
         let own = self.supervisor(at);
         let fleet = self.fleets.choose(random).unwrap().clone();
@@ -86,15 +98,17 @@ impl Cluster {
                 let heard = FleetsHeard { deaf, heard: Vec::new() };
                 let clock = ClockReport { ahead_us: Some(random.random_range(-5..5)), ..ClockReport::default() };
                 let membership = self.writers[at].sign_in_reporting(&own, &some, &heard, clock).await;
-                format!("sign {at} in: {}", told(membership.unwrap()))
+                format!("sign {at} in: {}", self.told(membership.unwrap()))
             }
             3..6 => {
                 let fleets = if random.random_bool(0.5) { self.fleets.clone() } else { vec![fleet] };
                 let taken = self.writers[at].acquire_several(&own, &fleets).await.unwrap();
-                let epochs: Vec<_> = taken.iter().map(|lease| (lease.fleet().clone(), lease.epoch())).collect();
-                self.epochs.extend(epochs.iter().map(|(_, epoch)| *epoch));
+                self.epochs.extend(taken.iter().map(|lease| (lease.fleet().clone(), lease.epoch())));
+                let epochs: Vec<_> =
+                    taken.iter().map(|lease| (lease.fleet(), self.number(lease.fleet(), lease.epoch()))).collect();
+                let told = format!("{at} acquires {fleets:?}: {epochs:?}");
                 self.leases.extend(taken.into_iter().map(|lease| (at, lease)));
-                format!("{at} acquires {fleets:?}: {epochs:?}")
+                told
             }
             6 => match self.leases.choose(random).cloned() {
                 Some((of, lease)) => format!("{of} releases: {}", text(self.writers[of].release(&lease).await)),
@@ -106,7 +120,8 @@ impl Cluster {
                     let batch = Batch { events: vec![event], ..Batch::default() };
                     let written = text(self.writers[of].commit(&lease, &batch).await);
                     let registered = self.writers[of].register(&lease, ("r", "b"), 1).await.map(|one| one.is_some());
-                    format!("{of} writes in epoch {}: {written} {}", lease.epoch(), text(registered))
+                    let epoch = self.number(lease.fleet(), lease.epoch());
+                    format!("{of} writes in epoch {epoch:?}: {written} {}", text(registered))
                 }
                 None => "nothing to write".to_owned(),
             },
@@ -131,15 +146,6 @@ impl Cluster {
             }
         }
     }
-}
-
-/// Without the times by this process's clock, and in an order of its own.
-fn told(mut membership: Membership) -> String {
-    membership.leases.iter_mut().for_each(|lease| lease.free_in = lease.free_in.map(|_| Duration::MAX));
-    membership.leases.sort_by(|one, other| one.fleet.cmp(&other.fleet));
-    membership.present.sort_by(|one, other| one.supervisor.cmp(&other.supervisor));
-    // Members of other runs are the same everywhere.
-    format!("{:?} {:?}", membership.leases, membership.present)
 }
 
 #[tokio::test]
