@@ -91,7 +91,8 @@ async fn regress_a_hold_ends(stage: Stage) {
     assert!(store.due_webhooks("living", hold).await.unwrap().is_empty(), "its owner may be alive");
     let is_due = async || store.due_webhooks("living", hold).await.unwrap() == [webhook_id];
     until_true("the end of the hold", is_due).await;
-    assert!(store.take_webhook_job(webhook_id, "living", hold).await.unwrap().is_some());
+    let taken_for = Duration::from_secs(600);
+    assert!(store.take_webhook_job(webhook_id, "living", taken_for).await.unwrap().is_some());
     // Meanwhile nobody else takes it, also without having watched it.
     let other = Store::open_for_command(&stage.address).await.unwrap();
     assert!(other.due_webhooks("other", hold).await.unwrap().is_empty());
