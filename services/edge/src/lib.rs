@@ -6,6 +6,7 @@ pub mod actions;
 pub mod black_box;
 pub mod calibration_file;
 pub mod clock;
+pub mod contact_uses;
 pub mod contract;
 pub mod events;
 pub mod fleets;

@@ -22,6 +22,7 @@ pub mod calibrations;
 mod cause;
 mod commit;
 mod connect;
+pub mod contact_uses;
 mod database;
 pub mod decommission;
 mod epochs;

@@ -3,7 +3,7 @@
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use vibrissa_core::robot::effect::Effect;
+use vibrissa_core::robot::effect::{ContactUse, Effect};
 
 use crate::by_hand::ByHand;
 
@@ -42,6 +42,28 @@ fn regress_three_contacts_within_the_ranges_leave_the_length_a_number() {
         }
         let length_mm = one.robot.whisker(0).unwrap().length.length.mm();
         assert!((length_mm - 69.3).abs() < 1.0, "{length_mm}");
+    }
+}
+
+/// A gauge whose wires are exchanged answers every touch with the opposite sign.
+#[test]
+fn regress_negative_strains_are_called_negative_and_not_weak() {
+    for learned in [0, 200] {
+        let mut one = ByHand::born(69.3);
+        for _ in 0..learned {
+            one.passes_s(0.1);
+            one.touched(&[(PLAIN, 0)]);
+        }
+        one.effects.clear();
+        for strain in [-PLAIN.2, -2.0 * PLAIN.2, -1e-9, 0.0] {
+            one.passes_s(0.1);
+            one.touched(&[((PLAIN.0, PLAIN.1, strain), 0)]);
+        }
+        let uses: Vec<ContactUse> = (one.effects.iter())
+            .filter_map(|effect| if let Effect::Contact(contact) = effect { Some(contact.used) } else { None })
+            .collect();
+        let (negative, weak) = (ContactUse::NegativeStrain, ContactUse::TooWeak);
+        assert_eq!(uses, [negative, negative, weak, weak], "after {learned} contacts");
     }
 }
 

@@ -445,7 +445,7 @@ fn contacts(whisker_id: i64, boot: i64, random: &mut ChaCha8Rng) -> Vec<ContactR
             strain: random.random_range(0.001..0.02),
             pressure_mpa: 0.1 + random.random_range(-0.002..0.002),
             temperature_c: 24.1,
-            used: "USED",
+            used: if seq % 7 == 3 { "TOO_WEAK" } else { "USED" },
             residual: random.random_bool(0.8).then(|| random.random_range(-0.1..0.1)),
             length_mm: 70.0 - 0.001 * seq as f64,
             length_sd_mm: 0.25,

@@ -253,6 +253,9 @@ impl LengthFilter {
         let by_deflection = predicted * contact.deflection_mm;
         let expected_strain = by_deflection + f64::from(self.mean[BASELINE]);
         let least = noise.least_strain().max(LEAST_BY_DEFLECTION * by_deflection);
+        if contact.strain <= -least && by_deflection >= least {
+            return Err(NoInformation::Negative);
+        }
         if expected_strain < least || by_deflection < least || contact.strain <= 0.0 {
             return Err(NoInformation::TooWeak);
         }

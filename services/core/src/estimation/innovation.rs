@@ -94,6 +94,9 @@ pub enum NoInformation {
     /// By the present length estimate the contact lies on the chamber, where the model is invalid.
     #[error(transparent)]
     OnChamber(#[from] ContactOnChamber),
+    /// The measured strain is negative by more than the gauge's noise, as of a gauge whose wires are exchanged.
+    #[error("strain is negative")]
+    Negative,
     /// The expected strain is close to the gauge's noise floor, or the measured strain is not positive.
     #[error("strain too small to determine a sensitivity")]
     TooWeak,

@@ -26,15 +26,16 @@ words! {
         SupplyLow => "SUPPLY_LOW" "air supply low" (Bad),
     }
     ContactUse {
-        Learning => "LEARNING",
-        Used => "USED",
-        Unsettled => "UNSETTLED",
-        TooWeak => "TOO_WEAK",
-        OnChamber => "ON_CHAMBER",
-        NoPlace => "NO_PLACE",
-        BeyondTip => "BEYOND_TIP",
-        GaugeFault => "GAUGE_FAULT",
-        Implausible => "IMPLAUSIBLE",
+        Learning => "LEARNING" "used to learn the whisker" (Info),
+        Used => "USED" "used" (Good),
+        Unsettled => "UNSETTLED" "the pressure was on its way" (Info),
+        TooWeak => "TOO_WEAK" "the strain was too small" (Warn),
+        NegativeStrain => "NEGATIVE_STRAIN" "the strain was negative" (Bad),
+        OnChamber => "ON_CHAMBER" "the touch was on the chamber" (Warn),
+        NoPlace => "NO_PLACE" "the place was not known" (Warn),
+        BeyondTip => "BEYOND_TIP" "the place was beyond the tip" (Warn),
+        GaugeFault => "GAUGE_FAULT" "the gauge was faulty" (Bad),
+        Implausible => "IMPLAUSIBLE" "no length explains the strain" (Bad),
     }
     AlarmKind {
         Uncompensated => "UNCOMPENSATED" "trimmed, no compensator available",

@@ -9,6 +9,7 @@ import { count, interval, mm, mpa, percent, time } from "../format.js";
 import { markOf, marksOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
 import { boxesOf, boxesTable, boxLink } from "../parts/boxes.js";
+import { contactUses, contactUsesOf } from "../parts/contact-uses.js";
 import { candidatesTable, decisionsTable, setpointsTable } from "../parts/decisions.js";
 import { incidents } from "../parts/incidents.js";
 import { testsTable } from "../parts/tests.js";
@@ -21,7 +22,7 @@ const HISTORIES = 5;
 export default {
   async load({ fleet, robot, array, whisker }) {
     const where = { fleet, robot, array };
-    const [about, targets, serves, setpoints, tests, trims, changes, boxes] = await Promise.all([
+    const [about, targets, serves, setpoints, tests, trims, changes, boxes, uses] = await Promise.all([
       get(api.whisker({ ...where, whisker })),
       list("/v1/compensations", { ...where, target_whisker: whisker, limit: 20 }),
       list("/v1/compensations", { ...where, compensator_whisker: whisker, limit: 20 }),
@@ -30,6 +31,7 @@ export default {
       ifServed("/v1/trims", () => list("/v1/trims", { ...where, whisker, limit: 20 }), []),
       ifServed("/v1/health-changes", () => list("/v1/health-changes", { ...where, whisker, limit: 20 }), []),
       boxesOf({ fleet, robot }),
+      contactUsesOf({ ...where, whisker }),
     ]);
     const [newest, histories] = await Promise.all([
       targets[0] ? get(api.compensation(targets[0].compensation_id)) : null,
@@ -48,12 +50,13 @@ export default {
       trims,
       changes,
       boxes,
+      uses,
       newest,
     };
   },
 
   view(
-    { about, targets, serves, setpoints, tests, trims, changes, boxes, newest },
+    { about, targets, serves, setpoints, tests, trims, changes, boxes, uses, newest },
     { fleet, robot, array, whisker },
     refresh,
   ) {
@@ -72,6 +75,7 @@ export default {
         ? h("p", { class: "links" }, h("a", { href: link.whatIf(cut) }, "What if it were cut?"))
         : null,
       facts(of(about)),
+      contactUses(uses),
       actions.length ? section("Actions", h("div", { class: "buttons" }, actions)) : null,
       incidents([about], refresh),
       section("Charts", whiskerCharts(about)),

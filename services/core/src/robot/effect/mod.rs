@@ -189,6 +189,8 @@ pub enum ContactUse {
     Unsettled,
     /// Nothing: strain too small.
     TooWeak,
+    /// Nothing: the strain is negative, so the gauge's sign is wrong.
+    NegativeStrain,
     /// Nothing: on the chamber, where the model does not hold.
     OnChamber,
     /// Nothing: the robot does not know where on the whisker it was.

@@ -88,6 +88,7 @@ impl Whisker {
         }
         match seen {
             Err(NoInformation::OnChamber(_)) => ContactResult::unused(ContactUse::OnChamber),
+            Err(NoInformation::Negative) => ContactResult::unused(ContactUse::NegativeStrain),
             Err(NoInformation::TooWeak) => ContactResult::unused(ContactUse::TooWeak),
             Err(NoInformation::Implausible) => ContactResult::unused(ContactUse::Implausible),
             Ok(seen) => {

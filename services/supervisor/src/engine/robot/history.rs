@@ -179,6 +179,7 @@ fn sample_of(used: ContactUse, row: &ContactRow) -> Sample {
             ContactUse::Learning => Use::Learning,
             ContactUse::Unsettled
             | ContactUse::TooWeak
+            | ContactUse::NegativeStrain
             | ContactUse::OnChamber
             | ContactUse::NoPlace
             | ContactUse::BeyondTip

@@ -92,6 +92,7 @@ files!(
     "pages/whiskers.js"
     "parts/alarms.js"
     "parts/boxes.js"
+    "parts/contact-uses.js"
     "parts/bulk.js"
     "parts/decisions.js"
     "parts/fleets.js"
