@@ -3,7 +3,9 @@
 It ends when it has heard an estimate and has reached the pressure that an operator has set.
 """
 
+import array
 import asyncio
+import inspect
 import math
 import sys
 import time
@@ -33,6 +35,27 @@ class Chambers:
         return has_estimate and has_refusal and abs(self.pressure_mpa[1] - WANTED_MPA) < 1e-9
 
 
+class Half:
+    """A number of a library, such as numpy's `float32`, which is no `float`."""
+
+    def __init__(self, value: float) -> None:
+        self.value = value
+
+    def tolist(self) -> float:
+        return self.value
+
+
+def numbers_of_libraries_are_taken(robot: Robot) -> None:
+    robot.strain(0, array.array("f", [1e-5, 2e-5]), every_us=4000)
+    robot.pressure(0, Half(0.1))  # type: ignore[arg-type]
+    for wrong, refused in [(Half(math.nan), ValueError), (b"0.1", TypeError)]:
+        try:
+            robot.pressure(0, wrong)  # type: ignore[arg-type]
+        except refused:
+            continue
+        raise AssertionError(f"{wrong!r} was accepted")
+
+
 def strain(step: int) -> float:
     return 0.0123 + 1e-5 * (step % 7)
 
@@ -48,6 +71,7 @@ def with_threads(config: str) -> None:
             pass
         else:
             raise AssertionError("NaN was accepted")
+        numbers_of_libraries_are_taken(robot)
         robot.contact(7, deflection_mm=2.0, strain=0.01, distance_mm=50.0)
         until = time.monotonic() + SECONDS_MAX
         step = 0
@@ -138,8 +162,19 @@ def an_invalid_configuration_is_named(config: str) -> None:
         raise AssertionError("0.9 MPa was accepted")
 
 
+def nothing_is_missing_for_asyncio() -> None:
+    def told(kind: type) -> set[str]:
+        return {name for name in vars(kind) if not name.startswith("_")}
+
+    # Callbacks are for threads; tasks iterate.
+    assert told(Robot) - told(AsyncRobot) == {"on"}, told(Robot) ^ told(AsyncRobot)
+    for name in told(AsyncRobot) - {"robot"}:
+        assert inspect.iscoroutinefunction(getattr(AsyncRobot, name)), name
+
+
 def main() -> None:
     kind, config = sys.argv[1:]
+    nothing_is_missing_for_asyncio()
     if kind == "sync":
         an_invalid_configuration_is_named(config)
         with_threads(config)

@@ -128,7 +128,18 @@ def line_of(kind: str, fields: Mapping[str, object]) -> bytes:
     """A line for the agent; a field of None is left out.
 
     Raises:
+        TypeError: A value is neither a number nor an array of numbers.
         ValueError: A number is not finite.
     """
     known = {name: value for name, value in fields.items() if value is not None}
-    return json.dumps({"type": kind, **known}, allow_nan=False).encode() + b"\n"
+    return json.dumps({"type": kind, **known}, allow_nan=False, default=_plain).encode() + b"\n"
+
+
+def _plain(value: object) -> object:
+    """Plain numbers of a number or an array of a library, such as numpy's `float32`; or the list of a sequence."""
+    tolist = getattr(value, "tolist", None)
+    if callable(tolist):
+        return tolist()
+    if isinstance(value, Sequence) and not isinstance(value, (bytes, bytearray)):
+        return list(value)
+    raise TypeError(f"{value!r} is neither a number nor an array of numbers")

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import atexit
+import functools
 import logging
 import queue
 import threading
 import time
-from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterator, Sequence
 from os import PathLike
 from types import TracebackType
-from typing import Any, Literal, Optional, TypeVar, Union, cast
+from typing import TYPE_CHECKING, Any, Literal, Optional, Protocol, TypeVar, Union, cast
 
 from ._events import Event, Refused, WhiskerFacts, event_of, line_of, whiskers_of
 from ._link import PATIENCE_S, AgentEnded, Link
@@ -21,6 +22,15 @@ EVENTS_MAX = 1000
 _LOG = logging.getLogger("vibrissa_robot")
 
 E = TypeVar("E", bound=Event)
+
+
+class Array(Protocol):
+    """An array of numbers, as of numpy or of the module `array`."""
+
+    def tolist(self) -> Any: ...
+
+
+Samples = Union[float, Sequence[float], Array]
 Config = Union[str, PathLike[str]]
 Gauge = Literal["OK", "SATURATED", "OPEN", "SHORT"]
 Regulator = Literal["OK", "FILLING", "VENTING", "SUPPLY_LOW", "LEAK", "FAULT"]
@@ -124,23 +134,18 @@ class Robot:
     def strain(
         self,
         whisker: int,
-        strain: Union[float, Sequence[float]],
+        strain: Samples,
         *,
-        strain_2: Union[float, Sequence[float], None] = None,
+        strain_2: Optional[Samples] = None,
         every_us: Optional[int] = None,
-        deflection_mm: Union[float, Sequence[float], None] = None,
-        distance_mm: Union[float, Sequence[float], None] = None,
+        deflection_mm: Optional[Samples] = None,
+        distance_mm: Optional[Samples] = None,
         test_id: Optional[str] = None,
         array: Optional[str] = None,
         t_us: Optional[int] = None,
     ) -> None:
         """Reports samples of a gauge, of which the agent makes contacts; `every_us` is the spacing of a list."""
-        fields = _without_self(locals())
-        for name in ("strain", "strain_2", "deflection_mm", "distance_mm"):
-            value = fields[name]
-            if isinstance(value, Sequence):
-                fields[name] = [float(one) for one in value]
-        self._send("strain", fields)
+        self._send("strain", _without_self(locals()))
 
     def pressure(
         self,
@@ -252,6 +257,24 @@ def _without_self(fields: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in fields.items() if name != "self"}
 
 
+if TYPE_CHECKING:
+    from typing_extensions import Concatenate, ParamSpec
+
+    P = ParamSpec("P")
+
+
+def _awaited(
+    method: Callable[Concatenate[Robot, P], None],
+) -> Callable[Concatenate[AsyncRobot, P], Coroutine[Any, Any, None]]:
+    """A method of `Robot` for asyncio: it may wait for the agent, so it runs in a thread."""
+
+    @functools.wraps(method)
+    async def call(robot: AsyncRobot, /, *args: P.args, **kwargs: P.kwargs) -> None:
+        await asyncio.to_thread(method, robot.robot, *args, **kwargs)
+
+    return call
+
+
 class AsyncRobot:
     """The same for asyncio: `async with AsyncRobot("agent.toml") as robot`, `await robot.pressure(...)`,
     `async for event in robot`. Arguments of each method are those of `Robot`.
@@ -289,67 +312,12 @@ class AsyncRobot:
         """The whiskers of the configuration."""
         return await asyncio.to_thread(lambda: self.robot.whiskers)
 
-    async def contact(
-        self,
-        whisker: int,
-        *,
-        deflection_mm: float,
-        strain: float,
-        distance_mm: Optional[float] = None,
-        distance_sd_mm: Optional[float] = None,
-        ratio: Optional[float] = None,
-        ratio_sd: Optional[float] = None,
-        tip: Optional[bool] = None,
-        pressure_mpa: Optional[float] = None,
-        temperature_c: Optional[float] = None,
-        test_id: Optional[str] = None,
-        array: Optional[str] = None,
-        t_us: Optional[int] = None,
-    ) -> None:
-        """Reports a contact."""
-        await self._send("contact", _without_self(locals()))
-
-    async def missed(
-        self,
-        whisker: int,
-        *,
-        distance_mm: float,
-        distance_sd_mm: Optional[float] = None,
-        test_id: Optional[str] = None,
-        array: Optional[str] = None,
-        t_us: Optional[int] = None,
-    ) -> None:
-        """Reports a touch that was due and did not come."""
-        await self._send("contact", {**_without_self(locals()), "touched": False})
-
-    async def pressure(
-        self,
-        whisker: int,
-        pressure_mpa: float,
-        *,
-        regulator: Optional[Regulator] = None,
-        temperature_c: Optional[float] = None,
-        supply_mpa: Optional[float] = None,
-        array: Optional[str] = None,
-        t_us: Optional[int] = None,
-    ) -> None:
-        """Reports the pressure of a chamber: at least once a second."""
-        await self._send("pressure", _without_self(locals()))
-
-    async def fault(
-        self,
-        whisker: int,
-        *,
-        gauge: Optional[Gauge] = None,
-        regulator: Optional[Regulator] = None,
-        array: Optional[str] = None,
-    ) -> None:
-        """Reports a change of the condition of a gauge or a regulator."""
-        await self._send("fault", _without_self(locals()))
-
-    async def test_state(self, test_id: str, state: Literal["RUNNING", "DONE", "FAILED"]) -> None:
-        """Reports the progress of a touch test."""
-        await self._send("test_state", _without_self(locals()))
+    contact = _awaited(Robot.contact)
+    missed = _awaited(Robot.missed)
+    strain = _awaited(Robot.strain)
+    pressure = _awaited(Robot.pressure)
+    fault = _awaited(Robot.fault)
+    test_state = _awaited(Robot.test_state)
 
     async def next_event(self, timeout_s: Optional[float] = None) -> Optional[Event]:
         """The next event; None if there is none in time."""
@@ -372,6 +340,3 @@ class AsyncRobot:
                 raise
             if event is not None:
                 yield event
-
-    async def _send(self, kind: str, fields: dict[str, Any]) -> None:
-        await asyncio.to_thread(self.robot._send, kind, fields)
