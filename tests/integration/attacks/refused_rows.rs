@@ -1,6 +1,6 @@
 //! Messages that lead to rows which the database always refuses affect only their sender.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use vibrissa_protocol::{ArrayType, RobotTopic};
 use vibrissa_tests::robot::{HandRobot, array};
@@ -10,17 +10,13 @@ use crate::planted::Admin;
 use crate::stage::Stage;
 use crate::with_limits::DatabaseKind;
 
-/// Other robots must continue within one second; a loaded machine gets one more.
-const OTHERS_GO_ON: Duration = Duration::from_secs(2);
 /// Contacts after which a whisker's cut is detected, with the program's defaults.
 const LEARNED: usize = 300;
 
-/// Sends a message, waits for its receipt, and returns the duration.
-async fn receipt_time(robot: &mut HandRobot) -> Duration {
-    let begun = Instant::now();
+/// Another robot's contacts are recorded while the database still refuses the rows.
+async fn goes_on(robot: &mut HandRobot) {
     robot.touch(0, 5).await;
     robot.receipted().await;
-    begun.elapsed()
 }
 
 async fn born(stage: &Stage, name: &str, lengths_mm: &[f64]) -> HandRobot {
@@ -43,8 +39,7 @@ async fn one_message(kind: DatabaseKind) {
         }
         bad.send(vec![one]).await;
     }
-    let took = receipt_time(&mut good).await;
-    assert!(took < OTHERS_GO_ON, "another robot waited for {took:?}");
+    goes_on(&mut good).await;
     // The bad message is receipted, too, so that the robot does not send it again.
     bad.receipted().await;
     let series = "vibrissa_messages_quarantined_total{cause=\"CONSTRAINT\",fleet=\"f\"}";
@@ -105,8 +100,7 @@ async fn one_robot(kind: DatabaseKind) {
         bad.touch(at as u16 % 3, 60).await;
         bad.connection(vibrissa_protocol::ConnectionState::Online).await;
         for _ in 0..3 {
-            let took = receipt_time(&mut good).await;
-            assert!(took < OTHERS_GO_ON, "rows refused in {table}: another robot waited for {took:?}");
+            goes_on(&mut good).await;
         }
         admin.relent(table).await;
         stage.ready().await;
@@ -147,8 +141,7 @@ async fn a_factsheet(kind: DatabaseKind) {
     odd.array = vibrissa_protocol::Name::new("odd").unwrap();
     let mut bad = HandRobot::connect(stage.broker.port(), "bad", odd).await;
     bad.birth().await;
-    let took = receipt_time(&mut good).await;
-    assert!(took < OTHERS_GO_ON, "another robot waited for {took:?}");
+    goes_on(&mut good).await;
     until("the factsheet is in quarantine", async || {
         (admin.numbers("SELECT count(*) FROM quarantine WHERE topic = 'factsheet'").await == [1]).then_some(())
     })
