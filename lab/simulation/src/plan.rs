@@ -279,8 +279,8 @@ impl Plan {
         self.with(self.strikes.iter().copied().filter(|strike| !kinds.contains(&strike.kind)).collect())
     }
 
-    /// The plan with faults of these kinds alone, as many as before. Each fault keeps its duration, which may be longer than the
-    /// range of its new kind.
+    /// The plan with faults of these kinds alone, as many as before. Each fault keeps its duration, which may be longer than
+    /// the range of its new kind.
     #[must_use]
     pub fn only(&self, kinds: &[Kind]) -> Self {
         let strike = |strike: &Strike| Strike { kind: kinds[strike.victim % kinds.len()], ..*strike };

@@ -58,7 +58,8 @@ impl ModelBroker {
         self.hub().delays.insert(way, delay);
     }
 
-    /// Sets whether messages to clients keep their order within a topic only, as in a cluster of brokers. It matters with a delay.
+    /// Sets whether messages to clients keep their order within a topic only, as in a cluster of brokers. It matters with a
+    /// delay.
     pub fn set_topics_overtake(&self, topics_overtake: bool) {
         self.hub().topics_overtake = topics_overtake;
     }

@@ -285,7 +285,8 @@ impl Hub {
     }
 }
 
-/// Whether a packet must not overtake another one in a cluster of brokers: only messages of different topics overtake each other.
+/// Whether a packet must not overtake another one in a cluster of brokers: only messages of different topics overtake each
+/// other.
 fn follows(packet: &Option<Packet>, other: &Option<Packet>) -> bool {
     match (packet, other) {
         (Some(Packet::Publish(one)), Some(Packet::Publish(other))) => one.topic == other.topic,

@@ -21,8 +21,8 @@ impl Way {
     pub const BOTH: [Self; 2] = [Self::ToBroker, Self::ToClient];
 }
 
-/// Delay of each message in one direction. Messages of a connection do not overtake each other, unless the broker keeps their
-/// order within a topic only.
+/// Delay of each message in one direction. Messages of a connection do not overtake each other, unless the broker keeps
+/// their order within a topic only.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Delay {
     /// Least delay. Timers have a resolution of 1 ms.

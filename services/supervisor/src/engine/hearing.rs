@@ -1,5 +1,5 @@
-//! What this supervisor and its robots do not hear of each other: receipts, factsheets, and all that comes while this supervisor
-//! is deaf or stands still.
+//! What this supervisor and its robots do not hear of each other: receipts, factsheets, and all that comes while this
+//! supervisor is deaf or stands still.
 
 use std::time::Duration;
 

@@ -158,8 +158,8 @@ impl Robot {
         }
     }
 
-    /// Gives up a test without an answer or an end, and withdraws a proposal without a reason. The end of a test may have come
-    /// while the supervisor was deaf: it is waited for a little longer.
+    /// Gives up a test without an answer or an end, and withdraws a proposal without a reason. The end of a test may have
+    /// come while the supervisor was deaf: it is waited for a little longer.
     pub(in crate::robot) fn follow_test(&mut self, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let is_heard_again = now.since(self.head.listening_since) > HEARD_AFTER_DEAFNESS;
         let Some(test) = self.whiskers[index].rare.length_test.as_ref() else { return };
