@@ -348,9 +348,12 @@ impl World {
             Kind::BrokerFrozen => self.broker.set_frozen(true),
             Kind::Repetitions => self.broker.set_repetition(0.2),
             Kind::SlowBroker | Kind::TopicsOvertake => {
-                let most = Duration::from_millis(1 + measure % 3_000);
-                self.broker.set_delay(Way::ToClient, Delay { least: Duration::ZERO, spread: most });
-                self.broker.set_topics_overtake(strike.kind == Kind::TopicsOvertake);
+                let topics_overtake = strike.kind == Kind::TopicsOvertake;
+                // A status from before a setpoint is to arrive when its pressure is reached, after some seconds.
+                let most_ms = if topics_overtake { 8_000 } else { 3_000 };
+                let spread = Duration::from_millis(1 + measure % most_ms);
+                self.broker.set_delay(Way::ToClient, Delay { least: Duration::ZERO, spread });
+                self.broker.set_topics_overtake(topics_overtake);
             }
             Kind::RobotCut => self.robot(strike).cut(),
             Kind::RobotAway => self.robot(strike).set_off(true),
