@@ -40,6 +40,8 @@ pub enum Kind {
     Repetitions,
     /// The broker's deliveries take longer, and overtake those of other clients.
     SlowBroker,
+    /// The broker's deliveries take longer, and those of a topic overtake those of others.
+    TopicsOvertake,
     /// A robot's connection breaks.
     RobotCut,
     /// A robot cannot connect.
@@ -58,6 +60,8 @@ pub enum Kind {
     StoreSlow,
     /// The store is away for all.
     StoreAway,
+    /// The store's disk is full.
+    StoreFull,
     /// The store's clock is stepped for good.
     StoreClockStepped,
     /// The store gets a new leader, which lacks the last commits.
@@ -68,7 +72,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 27] = [
         Self::SupervisorKilled,
         Self::SupervisorStopped,
         Self::SupervisorFrozen,
@@ -82,6 +86,7 @@ impl Kind {
         Self::BrokerFrozen,
         Self::Repetitions,
         Self::SlowBroker,
+        Self::TopicsOvertake,
         Self::RobotCut,
         Self::RobotAway,
         Self::RobotRestarted,
@@ -91,6 +96,7 @@ impl Kind {
         Self::AnswersLost,
         Self::StoreSlow,
         Self::StoreAway,
+        Self::StoreFull,
         Self::StoreClockStepped,
         Self::StoreFailover,
         Self::OperatorHolds,
@@ -113,6 +119,7 @@ impl Kind {
             Self::BrokerFrozen => "broker frozen",
             Self::Repetitions => "messages repeated",
             Self::SlowBroker => "messages late",
+            Self::TopicsOvertake => "messages out of order",
             Self::RobotCut => "robot's connection cut",
             Self::RobotAway => "robot away",
             Self::RobotRestarted => "robot restarted",
@@ -122,6 +129,7 @@ impl Kind {
             Self::AnswersLost => "store's answers lost",
             Self::StoreSlow => "store slow",
             Self::StoreAway => "store away",
+            Self::StoreFull => "store's disk full",
             Self::StoreClockStepped => "store's clock stepped",
             Self::StoreFailover => "store's last commits lost",
             Self::OperatorHolds => "operator holds a whisker",
@@ -132,8 +140,10 @@ impl Kind {
     const fn lasts_ms(self) -> std::ops::Range<u64> {
         match self {
             Self::SupervisorKilled | Self::SupervisorStopped => 100..6_000,
-            Self::SupervisorFrozen | Self::ToStoreCut | Self::FromStoreCut => 50..5_000,
+            Self::ToStoreCut | Self::FromStoreCut => 50..5_000,
             Self::HostClockStepped => 500..8_000,
+            // Longer than a robot may be silent.
+            Self::SupervisorFrozen => 50..20_000,
             Self::ToBrokerCut | Self::FromBrokerCut | Self::RobotAway => 100..20_000,
             Self::BrokerLinkReset
             | Self::SubscriptionsForgotten
@@ -142,8 +152,8 @@ impl Kind {
             | Self::Hostile
             | Self::StoreClockStepped => 1..2,
             Self::BrokerRestarted | Self::BrokerReplaced | Self::BrokerFrozen => 50..8_000,
-            Self::Repetitions | Self::SlowBroker => 500..10_000,
-            Self::AnswersLost | Self::StoreAway | Self::StoreSlow => 20..6_000,
+            Self::Repetitions | Self::SlowBroker | Self::TopicsOvertake => 500..10_000,
+            Self::AnswersLost | Self::StoreAway | Self::StoreSlow | Self::StoreFull => 20..6_000,
             Self::StoreFailover => 20..1_000,
             Self::OperatorHolds => 1_000..20_000,
         }
@@ -257,9 +267,23 @@ impl Plan {
         }
     }
 
-    /// The plan without some of its faults.
+    /// The plan with these faults in the place of all.
     #[must_use]
     pub fn with(&self, strikes: Vec<Strike>) -> Self {
         Self { strikes, ..self.clone() }
+    }
+
+    /// The plan without the faults of these kinds.
+    #[must_use]
+    pub fn without(&self, kinds: &[Kind]) -> Self {
+        self.with(self.strikes.iter().copied().filter(|strike| !kinds.contains(&strike.kind)).collect())
+    }
+
+    /// The plan with faults of these kinds alone, as many as before. Each fault keeps its duration, which may be longer than
+    /// the range of its new kind.
+    #[must_use]
+    pub fn only(&self, kinds: &[Kind]) -> Self {
+        let strike = |strike: &Strike| Strike { kind: kinds[strike.victim % kinds.len()], ..*strike };
+        self.with(self.strikes.iter().map(strike).collect())
     }
 }

@@ -56,6 +56,8 @@ enum State {
 #[derive(Debug)]
 struct Life {
     state: State,
+    /// Number of freezes that have not ended.
+    freezes: u32,
     /// Polls of its tasks until it is killed.
     polls_left: Option<u64>,
     /// Tasks that wait for the end of the freeze.
@@ -77,7 +79,7 @@ impl Process {
     /// A new process on this host, with this way to the broker.
     #[must_use]
     pub fn new(seed: u64, host: Arc<HostClock>, route: Route) -> Arc<Self> {
-        let life = Life { state: State::Running, polls_left: None, waiting: Vec::new(), tasks: Vec::new() };
+        let life = Life { state: State::Running, freezes: 0, polls_left: None, waiting: Vec::new(), tasks: Vec::new() };
         let line = TimeLine::from(host.now_us());
         Arc::new(Self {
             host,
@@ -110,9 +112,10 @@ impl Process {
         self.life().state == State::Dead
     }
 
-    /// Stops all of its tasks until [`Process::thaw`].
+    /// Stops all of its tasks until [`Process::thaw`] was called as often.
     pub fn freeze(&self) {
         let mut life = self.life();
+        life.freezes += 1;
         if life.state == State::Running {
             life.state = State::Frozen;
         }
@@ -122,6 +125,10 @@ impl Process {
     pub fn thaw(&self) {
         let waiting = {
             let mut life = self.life();
+            life.freezes = life.freezes.saturating_sub(1);
+            if life.freezes > 0 {
+                return;
+            }
             if life.state == State::Frozen {
                 life.state = State::Running;
             }

@@ -31,6 +31,8 @@ struct Inner {
 #[derive(Debug)]
 struct Condition {
     is_up: bool,
+    /// Its disk is full.
+    is_full: bool,
     /// Time that a request takes.
     work: Duration,
 }
@@ -42,7 +44,7 @@ impl StoreServer {
         Self(Arc::new(Inner {
             data: Mutex::default(),
             clock: HostClock::new(clock_us, 0),
-            condition: Mutex::new(Condition { is_up: true, work: WORK }),
+            condition: Mutex::new(Condition { is_up: true, is_full: false, work: WORK }),
             leaders: watch::Sender::new(0),
         }))
     }
@@ -51,6 +53,7 @@ impl StoreServer {
     pub fn data(&self) -> MutexGuard<'_, ModelStore> {
         let mut data = locked(&self.0.data);
         data.set_clock(self.0.clock.now_us());
+        data.set_full(locked(&self.0.condition).is_full);
         data
     }
 
@@ -63,6 +66,11 @@ impl StoreServer {
     /// Sets whether it answers.
     pub fn set_up(&self, is_up: bool) {
         locked(&self.0.condition).is_up = is_up;
+    }
+
+    /// Sets whether its disk is full.
+    pub fn set_full(&self, is_full: bool) {
+        locked(&self.0.condition).is_full = is_full;
     }
 
     /// Sets the time that a request takes; `None` for the usual one.

@@ -239,7 +239,13 @@ impl World {
     }
 
     fn is_settled(&self) -> bool {
-        self.robots.iter().all(SimulatedRobot::is_receipted) && self.observations().record.pending().is_empty()
+        self.robots.iter().all(SimulatedRobot::is_receipted)
+            && self.observations().record.pending().is_empty()
+            && self.fleets().all(|fleet| self.server.data().is_owned(&fleet))
+    }
+
+    fn fleets(&self) -> impl Iterator<Item = String> {
+        (0..self.fleets).map(|number| scenario::fleet(number).to_string())
     }
 
     /// Compares the end with the invariants.
@@ -259,7 +265,7 @@ impl World {
             record.violated(Invariant::SetpointEnds, format!("{} setpoints, the first {first}", pending.len()));
         }
         record.check_setpoints();
-        for fleet in (0..self.fleets).map(|number| scenario::fleet(number).to_string()) {
+        for fleet in self.fleets() {
             if !self.server.data().is_owned(&fleet) {
                 record.violated(Invariant::FleetOwned, format!("{fleet} has no owner"));
             }
@@ -341,9 +347,13 @@ impl World {
             }
             Kind::BrokerFrozen => self.broker.set_frozen(true),
             Kind::Repetitions => self.broker.set_repetition(0.2),
-            Kind::SlowBroker => {
-                let most = Duration::from_millis(1 + measure % 3_000);
-                self.broker.set_delay(Way::ToClient, Delay { least: Duration::ZERO, spread: most });
+            Kind::SlowBroker | Kind::TopicsOvertake => {
+                let topics_overtake = strike.kind == Kind::TopicsOvertake;
+                // A status from before a setpoint is to arrive when its pressure is reached, after some seconds.
+                let most_ms = if topics_overtake { 8_000 } else { 3_000 };
+                let spread = Duration::from_millis(1 + measure % most_ms);
+                self.broker.set_delay(Way::ToClient, Delay { least: Duration::ZERO, spread });
+                self.broker.set_topics_overtake(topics_overtake);
             }
             Kind::RobotCut => self.robot(strike).cut(),
             Kind::RobotAway => self.robot(strike).set_off(true),
@@ -354,6 +364,7 @@ impl World {
             Kind::AnswersLost => self.member(strike).way.lose_answers(true),
             Kind::StoreSlow => self.server.set_work(Some(Duration::from_millis(20 + measure % 1_500))),
             Kind::StoreAway => self.server.set_up(false),
+            Kind::StoreFull => self.server.set_full(true),
             Kind::StoreClockStepped => self.server.clock().step(Self::step_us(strike)),
             Kind::StoreFailover => {
                 if self.failover.is_none() {
@@ -385,13 +396,17 @@ impl World {
             Kind::BrokerRestarted | Kind::BrokerReplaced => self.broker.set_accepting(true),
             Kind::BrokerFrozen => self.broker.set_frozen(false),
             Kind::Repetitions => self.broker.set_repetition(0.0),
-            Kind::SlowBroker => self.broker.set_delay(Way::ToClient, Delay::default()),
+            Kind::SlowBroker | Kind::TopicsOvertake => {
+                self.broker.set_delay(Way::ToClient, Delay::default());
+                self.broker.set_topics_overtake(false);
+            }
             Kind::RobotAway => self.robot(strike).set_off(false),
             Kind::ToStoreCut => self.member(strike).way.cut_requests(false),
             Kind::FromStoreCut => self.member(strike).way.cut_answers(false),
             Kind::AnswersLost => self.member(strike).way.lose_answers(false),
             Kind::StoreSlow => self.server.set_work(None),
             Kind::StoreAway => self.server.set_up(true),
+            Kind::StoreFull => self.server.set_full(false),
             Kind::StoreFailover => {
                 if let Some((before, snapshot)) = self.failover.take() {
                     let mut observations = locked(&self.observations);

@@ -83,13 +83,13 @@ impl dyn ModelServer {
     }
 }
 
-/// A row that breaks a rule of its table.
+/// A row that breaks a rule of its table, or has no room on the disk.
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("{text}")]
 pub struct Violation {
     /// Code of PostgreSQL for it (SQLSTATE).
     pub code: &'static str,
-    /// The table, and the rule.
+    /// The table and the rule, or the file.
     pub text: String,
 }
 

@@ -8,7 +8,7 @@ use vibrissa_simulation::world::run;
 use vibrissa_simulator::scenario::Misbehaviour;
 use vibrissa_store::fault::{Fault, planted};
 
-use crate::{LOST_EPOCHS, with_kinds};
+use crate::LOST_EPOCHS;
 
 /// Histories until a fault must be found.
 const MOST: u64 = 100;
@@ -31,7 +31,7 @@ fn fault_is_found(fault: Fault, expected: Invariant) {
 
 /// As [`fault_is_found`], with these kinds of faults in the place of all: with all kinds it takes some 50 histories.
 fn fault_is_found_by(kinds: &[Kind], fault: Fault, expected: Invariant) {
-    is_found(&format!("{fault:?}"), expected, |plan| planted(fault, || violated(&with_kinds(&plan, kinds))));
+    is_found(&format!("{fault:?}"), expected, |plan| planted(fault, || violated(&plan.only(kinds))));
 }
 
 fn misbehaviour_is_found(misbehaviour: Misbehaviour, expected: Invariant) {
@@ -62,6 +62,21 @@ fn an_epoch_that_is_given_twice_is_found() {
 #[test]
 fn setpoints_that_expire_by_the_wrong_clock_are_found() {
     fault_is_found_by(&[Kind::HostClockStepped], Fault::ExpiryByHostClock, Invariant::SetpointExpires);
+}
+
+#[test]
+fn a_late_status_that_undoes_a_setpoint_is_found() {
+    fault_is_found_by(&[Kind::TopicsOvertake], Fault::LateStatusCounts, Invariant::SetpointForDecision);
+}
+
+#[test]
+fn robots_that_are_silent_because_no_supervisor_listens_are_found() {
+    fault_is_found_by(&[Kind::SupervisorKilled], Fault::DowntimeCounts, Invariant::FaultIsTrue);
+}
+
+#[test]
+fn robots_that_are_silent_because_the_supervisor_stands_still_are_found() {
+    fault_is_found_by(&[Kind::SupervisorFrozen], Fault::StandstillCounts, Invariant::FaultIsTrue);
 }
 
 #[test]

@@ -58,6 +58,12 @@ impl ModelBroker {
         self.hub().delays.insert(way, delay);
     }
 
+    /// Sets whether messages to clients keep their order within a topic only, as in a cluster of brokers. It matters with a
+    /// delay.
+    pub fn set_topics_overtake(&self, topics_overtake: bool) {
+        self.hub().topics_overtake = topics_overtake;
+    }
+
     /// Holds back, or delivers, what a client in this process sends or shall receive, over its next connections, too. Its
     /// keep-alive runs meanwhile. For byte streams see [`super::Route::cut`].
     pub fn set_held(&self, client: &str, way: Way, is_held: bool) {

@@ -39,6 +39,8 @@ pub(super) struct Hub {
     /// When to look at lanes that wait.
     timers: BTreeSet<(Instant, LinkId, Way)>,
     pub(super) delays: BTreeMap<Way, Delay>,
+    /// Messages to clients keep their order within a topic only, as in a cluster of brokers.
+    pub(super) topics_overtake: bool,
     /// Clients in this process whose lanes are held, in their next connections, too.
     held: BTreeSet<(ClientId, Way)>,
     random: ChaCha8Rng,
@@ -61,6 +63,7 @@ impl Hub {
             last_link: 0,
             timers: BTreeSet::new(),
             delays: BTreeMap::new(),
+            topics_overtake: false,
             held: BTreeSet::new(),
             random,
             limits,
@@ -200,7 +203,10 @@ impl Hub {
                 self.machine.counts.dropped_for_room += 1;
                 continue;
             }
-            port.outbound.push(due, packet);
+            match self.topics_overtake {
+                true => port.outbound.overtake(due, packet, follows),
+                false => port.outbound.push(due, packet),
+            }
             self.pump_out(now, link);
         }
     }
@@ -276,6 +282,15 @@ impl Hub {
             self.pump_all(now);
         }
         self.machine.counts.freezes += u64::from(is_frozen && !was_frozen);
+    }
+}
+
+/// Whether a packet must not overtake another one in a cluster of brokers: only messages of different topics overtake each
+/// other.
+fn follows(packet: &Option<Packet>, other: &Option<Packet>) -> bool {
+    match (packet, other) {
+        (Some(Packet::Publish(one)), Some(Packet::Publish(other))) => one.topic == other.topic,
+        _ => true,
     }
 }
 

@@ -21,7 +21,8 @@ impl Way {
     pub const BOTH: [Self; 2] = [Self::ToBroker, Self::ToClient];
 }
 
-/// Delay of each message in one direction. Messages of a connection never overtake each other.
+/// Delay of each message in one direction. Messages of a connection do not overtake each other, unless the broker keeps
+/// their order within a topic only.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Delay {
     /// Least delay. Timers have a resolution of 1 ms.
@@ -62,6 +63,14 @@ impl<T> Lane<T> {
     pub(super) fn push(&mut self, due: Instant, item: T) {
         let due = self.waiting.back().map_or(due, |(last, _)| due.max(*last));
         self.waiting.push_back((due, item));
+    }
+
+    /// As [`Lane::push`], but the item may overtake others than those that it `follows`.
+    pub(super) fn overtake(&mut self, due: Instant, item: T, follows: impl Fn(&T, &T) -> bool) {
+        let first = self.waiting.iter().rposition(|(_, other)| follows(&item, other)).map_or(0, |last| last + 1);
+        let due = if first == 0 { due } else { due.max(self.waiting[first - 1].0) };
+        let at = first + self.waiting.range(first..).take_while(|(other, _)| *other <= due).count();
+        self.waiting.insert(at, (due, item));
     }
 
     /// When the next item arrives; `None` if there is none, or the lane is held.

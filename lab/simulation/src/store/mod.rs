@@ -40,6 +40,8 @@ type Of<K> = (String, K);
 pub struct ModelStore {
     /// The database's clock, µs since 1970 UTC.
     clock_us: i64,
+    /// No room is left on its disk for rows.
+    is_full: bool,
     /// The last number that was given, in whatever table. It never returns.
     last_number: i64,
     leases: Table<String, LeaseRow>,
@@ -128,6 +130,18 @@ impl ModelStore {
     /// Sets the database's clock, µs since 1970 UTC.
     pub fn set_clock(&mut self, clock_us: i64) {
         self.clock_us = clock_us;
+    }
+
+    /// Sets whether its disk is full: then it answers queries, and refuses rows.
+    pub fn set_full(&mut self, is_full: bool) {
+        self.is_full = is_full;
+    }
+
+    /// Fails as PostgreSQL does when it cannot extend a table.
+    fn need_room(&self) -> Result<(), Violation> {
+        check(!self.is_full, "53100", || {
+            "could not extend file \"base/16384/16412\": No space left on device".to_owned()
+        })
     }
 
     /// The facts since the last time, in the order of their commits.

@@ -117,6 +117,7 @@ impl Robots for ModelStore {
         if let Some(boot) = self.boots.get(&key) {
             return Ok(*boot);
         }
+        self.need_room()?;
         let boot = self.next_number();
         self.boots.set(key, boot);
         Ok(boot)
@@ -124,6 +125,7 @@ impl Robots for ModelStore {
 
     fn whisker_ids(&mut self, robot_id: i64, robot: &CoreRobot) -> Result<Vec<NumberedWhisker>, Violation> {
         known(self.robots.has(&robot_id), "robots")?;
+        self.need_room()?;
         let former = self.whiskers_of(robot_id);
         let mut numbered = Vec::new();
         for view in (0..robot.whisker_count()).filter_map(|index| robot.whisker(index)) {
@@ -180,6 +182,7 @@ impl Robots for ModelStore {
     }
 
     fn add_refusals(&mut self, lease: &Lease, rows: &[RefusalRow]) -> Result<(), Violation> {
+        self.need_room()?;
         for row in rows {
             known(self.robots.has(&row.robot_id), "robots")?;
         }
@@ -188,6 +191,7 @@ impl Robots for ModelStore {
     }
 
     fn write_black_box(&mut self, lease: &Lease, one: &NewBlackBox) -> Result<(), Violation> {
+        self.need_room()?;
         known(self.robots.has(&one.robot_id), "robots")?;
         known(self.whiskers.has(&one.whisker_id), "whiskers")?;
         self.note(lease, FactRow::BlackBox(one.clone()));

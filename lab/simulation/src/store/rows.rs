@@ -37,6 +37,7 @@ impl ModelStore {
 
 impl Rows for ModelStore {
     fn write(&mut self, lease: &Lease, rows: &BatchRows<'_>) -> Result<(), Violation> {
+        self.need_room()?;
         rows.contacts.iter().for_each(|row| self.note(lease, FactRow::Contact(row.clone())));
         self.write_checkpoints(rows);
         rows.rollups.iter().for_each(|row| self.note(lease, FactRow::Rollup(row.clone())));
@@ -53,6 +54,7 @@ impl Rows for ModelStore {
     }
 
     fn write_journal(&mut self, lease: &Lease, row: &JournalRow, appends: bool) -> Result<(), Violation> {
+        self.need_room()?;
         let key = (lease.fleet().to_string(), row.number);
         if self.journal.has(&key) && appends {
             self.journal.change(&key, |former| former.entries.extend(&row.entries));

@@ -109,6 +109,21 @@ async fn rows_that_break_a_rule_leave_nothing() {
     assert!(writer.commit(&lease, &Batch { records: vec![whisker], ..Batch::default() }).await.is_err());
 }
 
+#[tokio::test(start_paused = true)]
+async fn rows_wait_for_room_on_the_disk_and_leases_do_not() {
+    let server = Arc::new(AtHand::default());
+    let (mut writer, lease) = acquired(&Store::modelled(server.clone()), "a").await;
+    server.store().set_full(true);
+    let refused = writer.commit(&lease, &event(1)).await.expect_err("no room");
+    assert!(refused.is_passing() && refused.rejection().is_none(), "{refused}");
+    assert!(refused.to_string().contains("53100"), "{refused}");
+    assert!(server.store().take_facts().is_empty());
+    writer.sign_in(&supervisor("a"), std::slice::from_ref(&lease)).await.expect("renewed");
+    server.store().set_full(false);
+    writer.commit(&lease, &event(1)).await.expect("written");
+    assert_eq!(server.store().take_facts().len(), 1);
+}
+
 /// A server that no request reaches.
 #[derive(Debug, Default)]
 struct CutOff(watch::Sender<u64>);

@@ -44,9 +44,12 @@ pub struct SimulateArgs {
     /// Number of threads; each run has one. All cores if absent.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..))]
     threads: Option<u8>,
-    /// Kind of fault that is left out, as the summary names it; may be repeated.
-    #[arg(long, value_name = "KIND", value_parser = kind)]
+    /// Kinds of faults that are left out, as the summary names them, separated by commas.
+    #[arg(long, value_name = "KIND", value_parser = kind, value_delimiter = ',', conflicts_with = "only")]
     without: Vec<Kind>,
+    /// Kinds of faults that occur in the place of all others, separated by commas.
+    #[arg(long, value_name = "KIND", value_parser = kind, value_delimiter = ',')]
+    only: Vec<Kind>,
     /// Print the whole history of the first run instead.
     #[arg(long)]
     history: bool,
@@ -65,8 +68,7 @@ impl SimulateArgs {
 
     fn plan(&self, seed: u64) -> Plan {
         let plan = Plan::draw(seed, self.sizes());
-        let kept = plan.strikes.iter().copied().filter(|strike| !self.without.contains(&strike.kind));
-        plan.with(kept.collect())
+        if self.only.is_empty() { plan.without(&self.without) } else { plan.only(&self.only) }
     }
 }
 

@@ -128,6 +128,26 @@ pub(crate) struct Engine {
     refusals_told_from: Instant,
     /// Whether the contacts are archived.
     is_archived: bool,
+    /// When the engine did something last.
+    awake: Instant,
+}
+
+/// Why the engine does something.
+enum Cause {
+    /// A transaction was written, or cannot be.
+    Written(Written),
+    /// The open batches are to be committed.
+    CommitDue,
+    /// So many messages have come; 0 after the last.
+    Messages(usize),
+    /// Records of the log have come.
+    Log(LogBatch),
+    /// A period is over.
+    Tick,
+    /// An operator has asked for something.
+    Action,
+    /// Receipts may be due.
+    Receipts,
 }
 
 impl Engine {
@@ -159,13 +179,21 @@ impl Engine {
             inbox.begin_round(self.pipeline.schedule().number());
             let due = self.pipeline.due();
             let are_few = self.pipeline.schedule().are_few();
-            tokio::select! {
-                written = self.pipeline.written() => self.committed(written)?,
-                () = async { sleep_until(due.unwrap_or_else(Instant::now)).await }, if due.is_some() => {}
-                count = inbox.recv_many(&mut messages, MESSAGES_AT_A_TIME), if has_room => {
-                    if count == 0 {
-                        break;
-                    }
+            let cause = tokio::select! {
+                written = self.pipeline.written() => Cause::Written(written),
+                () = async { sleep_until(due.unwrap_or_else(Instant::now)).await }, if due.is_some() => Cause::CommitDue,
+                count = inbox.recv_many(&mut messages, MESSAGES_AT_A_TIME), if has_room => Cause::Messages(count),
+                Some(batch) = next_batch(&mut log), if has_room => Cause::Log(batch),
+                _ = ticks.tick() => Cause::Tick,
+                () = action_sent.notified() => Cause::Action,
+                _ = receipts.tick(), if !are_few => Cause::Receipts,
+            };
+            self.excuse_own_standstill();
+            match cause {
+                Cause::Written(written) => self.committed(written)?,
+                Cause::CommitDue => {}
+                Cause::Messages(0) => break,
+                Cause::Messages(count) => {
                     self.take_in(&mut messages).await?;
                     if fault::is(Fault::ReceiptBeforeCommit) {
                         // A fault planted by a test: receipts are published before the commit.
@@ -180,24 +208,25 @@ impl Engine {
                         yield_now().await;
                     }
                 }
-                Some(batch) = next_batch(&mut log), if has_room => {
+                Cause::Log(batch) => {
                     self.take_in_log(batch).await?;
                     if self.pipeline.is_writing() {
                         yield_now().await;
                     }
                 }
-                _ = ticks.tick() => {
+                Cause::Tick => {
                     number = number.wrapping_add(1);
                     self.at_tick(&inbox, number).await?;
                     is_ticking = true;
                 }
-                () = action_sent.notified() => {
+                Cause::Action => {
                     self.handle_actions(now(&inbox)).await?;
                     self.allow_list.expect_change();
                     self.refresh_allow_list().await?;
                 }
-                _ = receipts.tick(), if !are_few => self.check_receipts(),
+                Cause::Receipts => self.check_receipts(),
             }
+            self.excuse_own_standstill();
             if !self.suspects.is_empty() {
                 self.step_suspects().await?;
             }
@@ -360,26 +389,6 @@ impl Engine {
         if self.workers.is_round_due(wall_clock()) {
             self.pipeline.schedule().receipts_are_due(Instant::now());
         }
-    }
-
-    /// Restarts silence timers after the broker was unreachable or messages were shed, because the robots may have
-    /// sent.
-    fn restart_silence_timers_if_deaf(&mut self, inbox: &Inbox) {
-        let (robots, others) = inbox.take_shed();
-        let is_log_away = self.log.as_ref().is_some_and(|log| !log.link().hears());
-        if !inbox.link().hears() || others > 0 || is_log_away {
-            return self.restart_silence_timers();
-        }
-        let now = wall_clock();
-        let names = robots.iter().filter_map(|shed| Name::robot(std::str::from_utf8(&shed.robot).ok()?).ok());
-        for name in names {
-            self.workers.of(&name).restart_silence_timer(&name, now);
-        }
-    }
-
-    /// Restarts the silence timers of all robots, because this supervisor was deaf.
-    fn restart_silence_timers(&mut self) {
-        self.workers.restart_silence_timers(wall_clock());
     }
 }
 

@@ -186,6 +186,7 @@ impl EngineOptions {
             survey_from: Instant::now(),
             refusals_told_from: Instant::now(),
             is_archived: self.is_archived,
+            awake: Instant::now(),
             fleet,
             workers,
             pipeline,

@@ -20,8 +20,8 @@ enum Step {
     Break(Ending),
     /// Time passes, ms.
     Wait(u64),
-    /// Messages to the receiver are delayed by up to this, ms.
-    Delay(u64),
+    /// Messages to the receiver are delayed by up to this, ms, and overtake those of other topics or not.
+    Delay(u64, bool),
 }
 
 fn step() -> impl Strategy<Value = Step> {
@@ -31,7 +31,7 @@ fn step() -> impl Strategy<Value = Step> {
         3 => (1..6_usize).prop_map(Step::Take),
         1 => prop_oneof![Just(Ending::Told), Just(Ending::Silent)].prop_map(Step::Break),
         1 => (0..50_u64).prop_map(Step::Wait),
-        1 => (0..50_u64).prop_map(Step::Delay),
+        1 => (0..50_u64, any::<bool>()).prop_map(|(ms, overtake)| Step::Delay(ms, overtake)),
     ]
 }
 
@@ -85,7 +85,8 @@ async fn plays(steps: Vec<Step>, repetition: f64) {
                 assert!(receiver.client.is_session_present());
             }
             Step::Wait(ms) => sleep(Duration::from_millis(ms)).await,
-            Step::Delay(ms) => {
+            Step::Delay(ms, topics_overtake) => {
+                broker.set_topics_overtake(topics_overtake);
                 broker.set_delay(Way::ToClient, Delay { least: Duration::ZERO, spread: Duration::from_millis(ms) });
             }
         }

@@ -409,6 +409,12 @@ impl crate::robot::Whisker {
         !is_ahead(now, self.rare.not_before, pause_max)
     }
 
+    /// Whether a setpoint that was sent before `time` has no answer.
+    pub(in crate::robot) fn has_unanswered_setpoint(&self, time: Micros) -> bool {
+        let is_open = |flight: &InFlight| flight.state == CommandState::Pending && flight.command.issued < time;
+        self.command.as_deref().is_some_and(is_open)
+    }
+
     /// Whether its setpoint has failed and is tried again in time.
     pub(in crate::robot) fn waits_for_retry(&self) -> bool {
         self.given_up && self.rare.tries.is_failing()

@@ -20,6 +20,9 @@ const RESPONSE_RATIOS: [f64; 6] = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 /// Deflections of a test, mm: weak ones and those that most contacts have.
 const DEFLECTIONS_MM: [f64; 3] = [1.0, 2.0, 3.0];
 
+/// Time in which messages arrive that waited while the supervisor was deaf.
+const HEARD_AFTER_DEAFNESS: Micros = Micros(10_000_000);
+
 /// Origin of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Asking {
@@ -155,13 +158,15 @@ impl Robot {
         }
     }
 
-    /// Gives up a test without an answer or an end, and withdraws a proposal without a reason.
+    /// Gives up a test without an answer or an end, and withdraws a proposal without a reason. The end of a test may have
+    /// come while the supervisor was deaf: it is waited for a little longer.
     pub(in crate::robot) fn follow_test(&mut self, now: Micros, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let is_heard_again = now.since(self.head.listening_since) > HEARD_AFTER_DEAFNESS;
         let Some(test) = self.whiskers[index].rare.length_test.as_ref() else { return };
         if test.proposal().is_some() && test.is_only_followed() {
             return self.withdraw_test(now, index, effects);
         }
-        if let Some(test) = test.under_way().filter(|test| now > test.until) {
+        if let Some(test) = test.under_way().filter(|test| is_heard_again && now > test.until) {
             self.end_test(now, index, TestState::Expired, None, Micros::from_s(60.0), effects);
             debug_assert!(self.whiskers[index].in_flight(test.key).is_none(), "an expired test goes on");
         }
@@ -368,6 +373,12 @@ impl crate::robot::Whisker {
 
     fn length_test_mut(&mut self) -> Option<&mut LengthTest> {
         self.rare.get_mut().and_then(|rare| rare.length_test.as_deref_mut())
+    }
+
+    /// Whether a requested test has not ended in time.
+    pub(in crate::robot) fn has_overdue_test(&self, now: Micros) -> bool {
+        let test = self.rare.length_test.as_ref().and_then(|test| test.under_way());
+        test.is_some_and(|test| now > test.until)
     }
 
     fn in_flight(&self, key: CommandKey) -> Option<TestInFlight> {

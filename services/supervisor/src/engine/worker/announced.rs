@@ -30,7 +30,7 @@ pub(super) struct Announcement {
     pub(super) seqs: Seqs,
     /// Time of its last message.
     heard: Instant,
-    /// Time of its first birth, since when the factsheet has been missing.
+    /// Time of its first birth, or of the end of this supervisor's last standstill, since when the factsheet has been missing.
     first: Instant,
     /// Receipt time and payload of the last connection message, for the first black box.
     pub(super) birth: (Micros, Bytes),
@@ -118,6 +118,11 @@ impl Announced {
                 && now.saturating_duration_since(announcement.first) >= patience
         };
         self.robots.iter().filter(move |(_, announcement)| is_overdue(announcement)).map(|(name, _)| name)
+    }
+
+    /// Waits for all factsheets anew from `now` on.
+    pub(super) fn excuse_standstill(&mut self, now: Instant) {
+        self.robots.values_mut().for_each(|announcement| announcement.first = now);
     }
 
     /// Removes a robot because it becomes known.

@@ -53,6 +53,15 @@ impl Worker {
         }
     }
 
+    /// Forgets repeated contacts and how long factsheets are missing, because this supervisor stood still until `now`.
+    pub(crate) fn excuse_standstill(&mut self, now: Instant) {
+        for known in self.robots.values_mut() {
+            known.repeats.excuse();
+            known.factsheet_missing = known.factsheet_missing.map(|_| now);
+        }
+        self.announced.excuse_standstill(now);
+    }
+
     /// Adds the robots that have announced themselves and whose factsheets have not arrived in time.
     pub(crate) fn find_without_factsheet(&mut self, now: Instant, without: &mut Found) {
         for known in self.robots.values_mut() {
