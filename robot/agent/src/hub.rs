@@ -1,7 +1,7 @@
 //! Runs an agent: carries inputs to it and its outputs to the broker, the driver and the store.
 //!
-//! Three tasks share the agent: the session with the broker, the link to the driver, and a timer. None of them waits for
-//! another one: a broker that accepts no messages does not keep pressures from the driver.
+//! The tasks share the agent: the session with the broker, the link to each driver, and a timer. None of them waits for
+//! another one: a broker that accepts no messages does not keep pressures from a driver, nor does a faulty driver.
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -10,13 +10,14 @@ use std::time::Duration;
 
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::sync::{Notify, mpsc, watch};
+use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep, timeout};
 use vibrissa_host::random;
 use vibrissa_host::task;
 use vibrissa_protocol::{BootId, Name, RobotTopic};
 
 use crate::clock::now;
-use crate::config::{Config, Way};
+use crate::config::{Config, DriverConfig, Way};
 use crate::contract::{Moment, Now, Outgoing};
 use crate::driver::link::{Door, Link};
 use crate::driver::{Lines, ToDriver};
@@ -55,9 +56,9 @@ pub enum CannotStart {
     /// The file of the outbox cannot be used.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// The way to the driver cannot be prepared.
-    #[error("driver: {0}")]
-    Driver(std::io::Error),
+    /// The way to the only driver cannot be prepared.
+    #[error("{0}: {1}")]
+    Driver(String, std::io::Error),
 }
 
 /// The store, with its health.
@@ -70,24 +71,47 @@ struct Store {
 struct State {
     agent: Agent,
     pending: VecDeque<Outgoing>,
-    telling: Option<mpsc::Sender<Vec<u8>>>,
+    drivers: Vec<DriverLink>,
     store: Option<Store>,
     /// Moment at which the timer works next.
     timer_at: Moment,
-    /// Time at which a refused line of the driver was last logged.
+}
+
+/// The link to a driver, as the others see it.
+struct DriverLink {
+    label: String,
+    /// Lines to it while it can be heard.
+    telling: Option<mpsc::Sender<Vec<u8>>>,
+    /// Asks its task to end the link.
+    restart: Arc<Notify>,
+    /// Time at which a refused line of it was last logged.
     refusal_logged_at: Option<Instant>,
 }
 
-impl State {
+impl DriverLink {
+    fn new(config: &DriverConfig) -> Self {
+        Self { label: config.label.clone(), telling: None, restart: Arc::default(), refusal_logged_at: None }
+    }
+
+    fn tell(&mut self, line: &ToDriver, refused: u64) {
+        self.tell_refusal(line, refused);
+        if let Some(telling) = &self.telling
+            && telling.try_send(line.line()).is_err()
+        {
+            tracing::warn!("{} reads nothing", self.label);
+            self.restart.notify_one();
+        }
+    }
+
     /// Logs a refused line, but not each one: a faulty driver may send thousands a second.
-    fn tell_refusal(&mut self, line: &ToDriver) {
+    fn tell_refusal(&mut self, line: &ToDriver, refused: u64) {
         let ToDriver::Error { line, problem, remedy } = line else { return };
         if self.refusal_logged_at.is_some_and(|at| at.elapsed() < REFUSAL_PAUSE) {
             return;
         }
         self.refusal_logged_at = Some(Instant::now());
-        let refused = self.agent.counts().lines_refused;
-        tracing::warn!("line {line} of the driver is refused ({refused} since the start): {problem}: {remedy}");
+        let label = &self.label;
+        tracing::warn!("line {line} of {label} is refused ({refused} since the start): {problem}: {remedy}");
     }
 }
 
@@ -97,7 +121,6 @@ struct Hub {
     state: Arc<Mutex<State>>,
     signals: Arc<Signals>,
     timer: Arc<Notify>,
-    restart_driver: Arc<Notify>,
     fleet: Name,
     robot: Name,
 }
@@ -109,7 +132,18 @@ struct Hub {
 /// the agent keeps trying.
 pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<(), CannotStart> {
     let transport = config.broker.transport()?;
-    let door = Door::open(&config.driver).await.map_err(CannotStart::Driver)?;
+    let mut doors = Vec::new();
+    for driver in &config.drivers {
+        match Door::open(driver).await {
+            Ok(door) => doors.push(Some(door)),
+            // One faulty driver does not keep the others from their whiskers.
+            Err(problem) if config.drivers.len() > 1 => {
+                tracing::error!("{}: {problem}; trying again", driver.label);
+                doors.push(None);
+            }
+            Err(problem) => return Err(CannotStart::Driver(driver.label.clone(), problem)),
+        }
+    }
     let hub = Hub::start(&config)?;
     tracing::info!(
         fleet = %hub.fleet, robot = %hub.robot, boot_id = %hub.lock().agent.boot_id(), broker = ?config.broker, "running"
@@ -118,10 +152,13 @@ pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<
     let (stop_session, session_stopping) = watch::channel(false);
     let session = mqtt::run(hub.clone(), config.broker.clone(), transport, hub.signals.clone(), session_stopping);
     let mut session = task::spawn(session);
-    let may_restart = config.driver.restart || !matches!(config.driver.way, Way::Command(_));
+    let mut driving = JoinSet::new();
+    for (index, (driver, door)) in config.drivers.iter().zip(doors).enumerate() {
+        task::spawn_in(&mut driving, hub.clone().drive(index, driver.clone(), door));
+    }
     tokio::select! {
         _ = stopping.changed() => {}
-        () = hub.drive(&door, may_restart) => {}
+        () = all_ended(&mut driving) => {}
         () = hub.keep_time() => {}
         () = hub.keep_store() => {}
     }
@@ -131,6 +168,7 @@ pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<
         let outputs = state.agent.finish(now());
         hub.handle(&mut state, outputs);
     }
+    driving.shutdown().await;
     // The contacts that waited go out with the next poll.
     sleep(Duration::from_millis(50)).await;
     let _ = stop_session.send(true);
@@ -139,6 +177,15 @@ pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<
     }
     hub.sync().await;
     Ok(())
+}
+
+/// Waits for the tasks of all drivers, which end only by a panic.
+async fn all_ended(driving: &mut JoinSet<()>) {
+    while let Some(ended) = driving.join_next().await {
+        if let Err(problem) = ended {
+            tracing::error!(%problem, "the task of a driver has ended: its whiskers are not served any more");
+        }
+    }
 }
 
 /// Logs what of the outbox is lost, and where the rest of the damaged file is.
@@ -182,19 +229,11 @@ impl Hub {
         let state = State {
             agent,
             pending: VecDeque::new(),
-            telling: None,
+            drivers: config.drivers.iter().map(DriverLink::new).collect(),
             store,
             timer_at: Moment::BEFORE_ALL,
-            refusal_logged_at: None,
         };
-        Ok(Self {
-            state: Arc::new(Mutex::new(state)),
-            signals: Arc::default(),
-            timer: Arc::default(),
-            restart_driver: Arc::default(),
-            fleet,
-            robot,
-        })
+        Ok(Self { state: Arc::new(Mutex::new(state)), signals: Arc::default(), timer: Arc::default(), fleet, robot })
     }
 
     /// Even after a panic during an access, the agent's state is the best one available.
@@ -223,18 +262,14 @@ impl Hub {
                     tracing::info!("the supervisor misses an earlier boot: another one begins");
                     state.pending.push_back(Outgoing::Restart);
                 }
-                Output::Tell(line) => {
-                    state.tell_refusal(&line);
-                    if let Some(telling) = &state.telling
-                        && telling.try_send(line.line()).is_err()
-                    {
-                        tracing::warn!("the driver reads nothing");
-                        self.restart_driver.notify_one();
-                    }
+                Output::Tell(driver, line) => {
+                    let refused = state.agent.counts().lines_refused;
+                    state.drivers[driver].tell(&line, refused);
                 }
-                Output::RestartDriver => {
-                    tracing::warn!("the driver is silent");
-                    self.restart_driver.notify_one();
+                Output::Warn(text) => tracing::warn!("{text}"),
+                Output::RestartDriver(driver, reason) => {
+                    tracing::warn!("{reason}");
+                    state.drivers[driver].restart.notify_one();
                 }
             }
         }
@@ -295,28 +330,36 @@ impl Hub {
         }
     }
 
-    /// Reaches the driver again and again.
-    async fn drive(&self, door: &Door, may_restart: bool) {
+    /// Reaches a driver again and again.
+    async fn drive(self, driver: usize, config: DriverConfig, mut door: Option<Door>) {
+        let may_restart = config.restart || !matches!(config.way, Way::Command(_));
+        let (label, restart) = (&config.label, self.lock().drivers[driver].restart.clone());
         let mut pause = LINK_PAUSE.0;
         loop {
             let began = Instant::now();
-            match door.link().await {
-                Ok(mut link) => {
-                    let (sender, lines) = mpsc::channel(TELLING_MAX);
-                    self.lock().telling = Some(sender);
-                    self.step(Input::DriverStarted);
-                    tracing::info!("the driver can be heard");
-                    let reason = self.talk(&mut link, lines, may_restart).await;
-                    tracing::warn!(reason, "the driver has gone");
-                    self.lock().telling = None;
-                    self.step(Input::DriverEnded);
-                    link.close().await;
-                    if !may_restart {
-                        tracing::error!("the driver is not started again: driver.restart is false");
-                        return std::future::pending().await;
-                    }
+            if door.is_none() {
+                door = Door::open(&config).await.inspect_err(|problem| tracing::debug!("{label}: {problem}")).ok();
+            }
+            let link = match &door {
+                Some(door) => {
+                    door.link().await.inspect_err(|problem| tracing::warn!("cannot reach {label}: {problem}")).ok()
                 }
-                Err(problem) => tracing::warn!(%problem, "cannot reach the driver"),
+                None => None,
+            };
+            if let Some(mut link) = link {
+                let (sender, lines) = mpsc::channel(TELLING_MAX);
+                self.lock().drivers[driver].telling = Some(sender);
+                self.step(Input::DriverStarted(driver));
+                tracing::info!("{label} can be heard");
+                let reason = self.talk(driver, &mut link, lines, may_restart.then_some(&*restart)).await;
+                tracing::warn!(reason, "{label} has gone");
+                self.lock().drivers[driver].telling = None;
+                self.step(Input::DriverEnded(driver));
+                link.close().await;
+                if !may_restart {
+                    tracing::error!("{label} is not started again: driver.restart is false");
+                    return std::future::pending().await;
+                }
             }
             if began.elapsed() >= LIVED {
                 pause = LINK_PAUSE.0;
@@ -327,7 +370,14 @@ impl Hub {
     }
 
     /// Carries lines until the link ends; returns the reason. Lines are read no faster than they are handled.
-    async fn talk(&self, link: &mut Link, mut lines: mpsc::Receiver<Vec<u8>>, may_restart: bool) -> &'static str {
+    /// `restart` asks for the end of the link, if that may happen.
+    async fn talk(
+        &self,
+        driver: usize,
+        link: &mut Link,
+        mut lines: mpsc::Receiver<Vec<u8>>,
+        restart: Option<&Notify>,
+    ) -> &'static str {
         let (reader, writer) = (&mut link.reader, &mut link.writer);
         let read = async {
             let (mut buffer, mut cut) = (vec![0; CHUNK_BYTES], Lines::default());
@@ -336,7 +386,7 @@ impl Hub {
                     Ok(0) => return "it has closed its output",
                     Ok(read) => {
                         for line in cut.push(&buffer[..read]) {
-                            self.step(Input::Line(line.as_deref()));
+                            self.step(Input::Line(driver, line.as_deref()));
                         }
                     }
                     Err(_) => return "its output cannot be read",
@@ -353,12 +403,11 @@ impl Hub {
             std::future::pending().await
         };
         let restarted = async {
-            loop {
-                self.restart_driver.notified().await;
-                if may_restart {
-                    return "it is silent or reads nothing";
-                }
+            match restart {
+                Some(restart) => restart.notified().await,
+                None => std::future::pending().await,
             }
+            "it is silent or reads nothing"
         };
         tokio::select! {
             reason = read => reason,

@@ -86,7 +86,7 @@ fn the_transcript_is_what_the_agent_says() {
     let mut step = |input: Input<'_>, played: &mut Vec<String>| {
         now_us += 300_000;
         for output in agent.step(Now::of_us(now_us), input) {
-            if let Output::Tell(line) = output {
+            if let Output::Tell(_, line) = output {
                 played.push(format!("> {}", String::from_utf8(line.line()).unwrap().trim_end()));
             }
         }
@@ -96,14 +96,14 @@ fn the_transcript_is_what_the_agent_says() {
         if let Some(comment) = line.strip_prefix("# ") {
             played.push(line.to_owned());
             if comment == "The driver starts." {
-                step(Input::DriverStarted, &mut played);
+                step(Input::DriverStarted(0), &mut played);
             }
             if let Some((topic, payload)) = message(comment) {
                 step(Input::Message(topic, payload.as_bytes()), &mut played);
             }
         } else if let Some(said) = line.strip_prefix("< ") {
             played.push(line.to_owned());
-            step(Input::Line(Some(said.as_bytes())), &mut played);
+            step(Input::Line(0, Some(said.as_bytes())), &mut played);
         }
     }
     assert_eq!(played.join("\n"), block("text").trim_end());

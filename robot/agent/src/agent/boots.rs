@@ -131,7 +131,7 @@ impl Agent {
         self.connected = false;
         self.introduced = None;
         for chamber in &mut self.chambers {
-            chamber.restart(self.limits.own_slew_mpa_per_s);
+            chamber.restart();
         }
         out.push(Output::Store(self.boot_record()));
         out.push(Output::Reconnect);

@@ -40,9 +40,9 @@ impl Agent {
             return;
         }
         for chamber in &mut self.chambers {
-            chamber.reported = chamber.condition(now, &self.limits);
+            chamber.reported = chamber.condition(now);
         }
-        let whiskers = self.chambers.iter().map(|chamber| chamber.status(now, &self.limits)).collect();
+        let whiskers = self.chambers.iter().map(|chamber| chamber.status(now)).collect();
         let status = self.voice.status(now.stamp_us, whiskers, self.messages_dropped());
         self.status_sent = now.at;
         self.status_at = now.at + self.limits.status_every_us;
@@ -60,7 +60,7 @@ impl Agent {
 
     /// Brings the next status forward if a condition differs from the last report.
     pub(super) fn report_change(&mut self, now: Now) {
-        if self.chambers.iter().any(|chamber| chamber.condition(now, &self.limits) != chamber.reported) {
+        if self.chambers.iter().any(|chamber| chamber.condition(now) != chamber.reported) {
             self.status_at = self.status_at.min(now.at.max(self.status_sent + STATUS_PAUSE_US));
         }
     }

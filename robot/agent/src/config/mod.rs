@@ -1,6 +1,7 @@
-//! `agent.toml`: one robot, its broker, and its driver. docs/agent.md explains each key.
+//! `agent.toml`: one robot, its broker, and its drivers. docs/agent.md explains each key.
 
 mod checks;
+mod drivers;
 mod file;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -74,8 +75,8 @@ pub struct Config {
     pub limits: Limits,
     /// File of the outbox, if it shall survive a restart.
     pub outbox_file: Option<PathBuf>,
-    /// The driver.
-    pub driver: DriverConfig,
+    /// The drivers, at least one.
+    pub drivers: Vec<DriverConfig>,
 }
 
 /// Bounds and times of the agent.
@@ -95,8 +96,17 @@ pub struct Limits {
     pub status_every_us: u64,
     /// Time without a message after which the supervisor counts as lost, in microseconds.
     pub supervisor_lost_after_us: u64,
+    /// Temperature of contacts if the driver reports none, in degrees Celsius.
+    pub temperature_c: f64,
+    /// Parameters of the segmenter.
+    pub segmenter: Params,
+}
+
+/// Times and tolerances of a driver, and of the chambers whose pressures it reads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriverLimits {
     /// Time without a line after which the driver counts as silent, in microseconds.
-    pub driver_silent_us: u64,
+    pub silent_us: u64,
     /// Time after which `set_pressure` is repeated, in microseconds.
     pub repeat_us: u64,
     /// Largest deviation of a chamber that has its pressure, in MPa.
@@ -107,19 +117,23 @@ pub struct Limits {
     pub fail_after_us: u64,
     /// Slew of pressure changes without a command, in MPa/s.
     pub own_slew_mpa_per_s: f64,
-    /// Temperature of contacts if the driver reports none, in degrees Celsius.
-    pub temperature_c: f64,
     /// Whether the agent regulates the pressures with pulses of the valves.
     pub regulate: bool,
-    /// Parameters of the segmenter.
-    pub segmenter: Params,
 }
 
-/// The driver and the way to it.
+/// A driver and the way to it.
 #[derive(Clone, PartialEq)]
 pub struct DriverConfig {
+    /// Subject of sentences about it, in logs: `the driver`, or `driver NAME`.
+    pub label: String,
     /// The way to the driver.
     pub way: Way,
+    /// Folder in which a child process starts.
+    pub folder: PathBuf,
+    /// The whiskers that it serves.
+    pub whiskers: BTreeSet<(Name, u16)>,
+    /// Times and tolerances.
+    pub limits: DriverLimits,
     /// Whether a silent child process is killed and started again.
     pub restart: bool,
     /// The first line of a driver at a TCP port.
@@ -178,9 +192,9 @@ impl Config {
         }
         let limits = limits(&file)?;
         let broker = file.broker.checked(folder)?;
-        let driver = file.driver.checked(folder)?;
         let outbox_file = file.outbox.file.map(|path| folder.join(path));
         let arrays = arrays(file.arrays)?;
+        let drivers = file.driver.checked(folder, &arrays)?;
         let facts = Facts {
             model: file.model,
             on_supervisor_loss: file.on_supervisor_loss,
@@ -189,7 +203,7 @@ impl Config {
             applies_gain: file.applies_gain,
             air_control: file.air_control,
         };
-        Ok(Self { fleet: file.fleet, robot: file.robot, facts, broker, limits, outbox_file, driver })
+        Ok(Self { fleet: file.fleet, robot: file.robot, facts, broker, limits, outbox_file, drivers })
     }
 }
 

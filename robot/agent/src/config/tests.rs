@@ -20,8 +20,8 @@ pub(crate) const EXAMPLE: &str = r#"
 #[test]
 fn the_smallest_configuration_has_the_defaults() {
     let config = Config::from_toml_str(EXAMPLE, Path::new("/etc/x")).unwrap();
-    assert_eq!(config.driver.way, Way::Command(vec!["python3".to_owned(), "driver.py".to_owned()]));
-    assert_eq!((config.limits.outbox_bytes, config.limits.driver_silent_us), (1 << 20, 5_000_000));
+    assert_eq!(config.drivers[0].way, Way::Command(vec!["python3".to_owned(), "driver.py".to_owned()]));
+    assert_eq!((config.limits.outbox_bytes, config.drivers[0].limits.silent_us), (1 << 20, 5_000_000));
     assert_eq!(config.facts.arrays[0].whiskers.len(), 2);
     assert!(!config.facts.applies_gain);
     let text = EXAMPLE.replacen("robot = ", "applies_gain = true\nair_control = \"NONE\"\nrobot = ", 1);

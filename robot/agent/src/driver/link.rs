@@ -1,6 +1,6 @@
 //! Ways to a driver: a child process, a Unix socket, TCP, a serial device.
 
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
 use std::net::SocketAddr;
 use std::os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt};
@@ -9,7 +9,7 @@ use std::process::Stdio;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+use rustix::termios::{OptionalActions, ioctl_tiocexcl, tcgetattr, tcsetattr};
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::unix::pipe;
 use tokio::net::{TcpListener, TcpStream, UnixListener};
@@ -69,7 +69,7 @@ pub(crate) struct Door {
 }
 
 enum DriverEndpoint {
-    Command(Vec<String>),
+    Command(Vec<String>, PathBuf),
     Unix(UnixListener),
     Tcp(String),
     Listen(TcpListener),
@@ -80,7 +80,7 @@ impl Door {
     /// Prepares the way: begins to listen, if the driver comes to the agent.
     pub(crate) async fn open(driver: &DriverConfig) -> io::Result<Self> {
         let endpoint = match &driver.way {
-            Way::Command(words) => DriverEndpoint::Command(words.clone()),
+            Way::Command(words) => DriverEndpoint::Command(words.clone(), driver.folder.clone()),
             Way::Unix(path) => DriverEndpoint::Unix(listen_at(path)?),
             Way::Tcp(address) => DriverEndpoint::Tcp(address.clone()),
             Way::Listen(address) => {
@@ -95,7 +95,7 @@ impl Door {
     /// The next link to a driver.
     pub(crate) async fn link(&self) -> io::Result<Link> {
         match &self.endpoint {
-            DriverEndpoint::Command(words) => start(words),
+            DriverEndpoint::Command(words, folder) => start(words, folder),
             DriverEndpoint::Unix(listener) => loop {
                 let stream = listener.accept().await?.0;
                 let uid = stream.peer_cred()?.uid();
@@ -162,10 +162,12 @@ fn of_stream(stream: TcpStream) -> io::Result<Link> {
     Ok(Link::of(reader, writer, None))
 }
 
-fn start(words: &[String]) -> io::Result<Link> {
+/// Starts a program in the folder of the configuration, so that paths among its arguments are relative to it, too.
+fn start(words: &[String], folder: &Path) -> io::Result<Link> {
     let (program, arguments) = words.split_first().ok_or_else(|| io::Error::other("no program is given"))?;
-    let mut child = Command::new(program)
+    let mut child = Command::new(absolute(program)?)
         .args(arguments)
+        .current_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .kill_on_drop(true)
@@ -173,6 +175,11 @@ fn start(words: &[String]) -> io::Result<Link> {
     let pipe = || io::Error::other("a pipe is missing");
     let (stdin, stdout) = (child.stdin.take().ok_or_else(pipe)?, child.stdout.take().ok_or_else(pipe)?);
     Ok(Link::of(stdout, stdin, Some(child)))
+}
+
+/// A program with a folder in its name by its whole path: the folder of the child is another one than the agent's.
+fn absolute(program: &str) -> io::Result<PathBuf> {
+    if program.contains('/') { std::path::absolute(program) } else { Ok(PathBuf::from(program)) }
 }
 
 /// Listens at a Unix socket that only the agent's user can use. A socket that an earlier agent has left is removed, and nothing
@@ -206,6 +213,7 @@ fn serial(path: &Path, baud: u32) -> io::Result<Link> {
     let flags = rustix::fs::OFlags::NONBLOCK | rustix::fs::OFlags::NOCTTY;
     let flags = i32::try_from(flags.bits()).map_err(io::Error::other)?;
     let file = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path)?;
+    lock(&file, path)?;
     let mut settings = tcgetattr(&file)?;
     settings.make_raw();
     settings.set_speed(baud)?;
@@ -215,11 +223,27 @@ fn serial(path: &Path, baud: u32) -> io::Result<Link> {
     Ok(Link::of(reader, pipe::Sender::from_file_unchecked(file)?, None))
 }
 
+/// Keeps others from a device: two programs would each get a part of its lines. The lock ends with the file. TIOCEXCL does not
+/// bind root, and programs other than the agent know no other lock.
+fn lock(file: &File, path: &Path) -> io::Result<()> {
+    match file.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => {
+            let problem = format!("{} is in use by another program, such as another agent", path.display());
+            return Err(io::Error::new(io::ErrorKind::ResourceBusy, problem));
+        }
+        Err(TryLockError::Error(problem)) => return Err(problem),
+    }
+    ioctl_tiocexcl(file).map_err(io::Error::from)
+}
+
 #[cfg(test)]
 mod tests {
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
     use super::*;
+    use crate::Config;
+    use crate::config::tests::EXAMPLE;
 
     #[tokio::test]
     async fn regress_only_a_socket_that_nobody_listens_at_is_removed() {
@@ -249,9 +273,15 @@ mod tests {
         std::fs::remove_dir_all(&folder).unwrap();
     }
 
+    /// The driver of the smallest configuration.
+    fn driver() -> DriverConfig {
+        let config = Config::from_toml_str(EXAMPLE, Path::new("")).unwrap();
+        config.drivers.into_iter().next().unwrap()
+    }
+
     async fn door(token: Option<&str>) -> (Door, SocketAddr) {
         let way = Way::Listen("127.0.0.1:0".to_owned());
-        let driver = DriverConfig { way, restart: true, token: token.map(str::to_owned), token_file: None };
+        let driver = DriverConfig { way, token: token.map(str::to_owned), ..driver() };
         let door = Door::open(&driver).await.unwrap();
         let DriverEndpoint::Listen(listener) = &door.endpoint else { panic!("it listens") };
         let address = listener.local_addr().unwrap();
@@ -281,7 +311,7 @@ mod tests {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let way = Way::Tcp(address.to_string());
-        let driver = DriverConfig { way, restart: true, token: None, token_file: None };
+        let driver = DriverConfig { way, ..driver() };
         Door::open(&driver).await.unwrap().link().await.unwrap();
         let (stream, peer) = listener.accept().await.unwrap();
         // Nothing tells the user of a socket that is no longer there.

@@ -5,6 +5,7 @@ mod fuzz;
 mod gains;
 mod restart;
 mod setpoints;
+mod several;
 mod strain;
 mod valves;
 
@@ -37,6 +38,9 @@ struct Bench {
     stepped_us: i64,
     messages: Vec<Message>,
     to_driver: Vec<ToDriver>,
+    /// Lines to drivers other than the first one.
+    to_others: Vec<ToDriver>,
+    warnings: Vec<String>,
     records: Vec<Record>,
     restarts: usize,
     reconnects: usize,
@@ -52,14 +56,25 @@ impl Bench {
         let mut config = Config::from_toml_str(EXAMPLE, Path::new("")).unwrap();
         edit(&mut config);
         let (agent, records) = Agent::new(&config, BootId::new(boot).unwrap(), stored, Now::of_us(now_us));
-        Self { agent, now_us, stepped_us: 0, messages: vec![], to_driver: vec![], records, restarts: 0, reconnects: 0 }
+        Self {
+            agent,
+            now_us,
+            stepped_us: 0,
+            messages: vec![],
+            to_driver: vec![],
+            to_others: vec![],
+            warnings: vec![],
+            records,
+            restarts: 0,
+            reconnects: 0,
+        }
     }
 
     /// A connected agent whose driver reports its pressures.
     fn running() -> Self {
         let mut bench = Self::new(|_| {});
         bench.step(Input::Connected);
-        bench.step(Input::DriverStarted);
+        bench.step(Input::DriverStarted(0));
         bench.read(0, 0.1);
         bench.read(1, 0.1);
         bench.take();
@@ -75,9 +90,11 @@ impl Bench {
                     let topic = topic.of(&self.agent.fleet, &self.agent.robot);
                     self.messages.push(decode(&topic, &payload).expect("an agent keeps the contract"));
                 }
-                Output::Tell(line) => self.to_driver.push(line),
+                Output::Tell(0, line) => self.to_driver.push(line),
+                Output::Tell(_, line) => self.to_others.push(line),
+                Output::Warn(text) => self.warnings.push(text),
                 Output::Store(record) => self.records.push(record),
-                Output::RestartDriver => self.restarts += 1,
+                Output::RestartDriver(..) => self.restarts += 1,
                 Output::Reconnect => self.reconnects += 1,
             }
         }
@@ -96,7 +113,7 @@ impl Bench {
     }
 
     fn line(&mut self, line: &str) {
-        self.step(Input::Line(Some(line.as_bytes())));
+        self.step(Input::Line(0, Some(line.as_bytes())));
     }
 
     fn read(&mut self, whisker: u16, pressure_mpa: f64) {

@@ -6,7 +6,7 @@ use crate::store::file::StoreFile;
 /// Kept contacts messages of a boot, in an agent that was connected or not.
 fn stored(is_connected: bool) -> Stored {
     let mut bench = Bench::new(|_| {});
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverStarted(0));
     bench.read(0, 0.1);
     if is_connected {
         bench.step(Input::Connected);
@@ -63,7 +63,7 @@ fn messages_of_an_earlier_boot_keep_their_numbers_until_they_are_receipted() {
 fn a_supervisor_that_misses_an_earlier_boot_is_introduced_to_it_before_another_one() {
     const REQUEST: &[u8] = br#"{"boot_id":"s3","seq":0,"request":"FACTSHEET"}"#;
     let mut bench = Bench::after(|_| {}, "b2", stored(true), START + 60 * S);
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverStarted(0));
     bench.read(0, 0.1);
     // A supervisor that was not there hears only the retained messages, which are those of b2.
     bench.step(Input::Connected);
@@ -128,7 +128,7 @@ fn no_older_setpoint_is_applied_after_a_restart() {
     let old = bench.setpoint(7, 0.12);
     let mut bench = Bench::after(|_| {}, "b2", bench.stored(), START + S);
     bench.step(Input::Connected);
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverStarted(0));
     assert_eq!(bench.pressures(0), [0.1], "the nominal pressure until an order comes");
     bench.take();
     bench.send(RobotTopic::Setpoint, &old);
@@ -146,7 +146,7 @@ fn of_many_boots_as_many_are_kept_as_a_supervisor_remembers() {
     let mut kept = stored(true);
     for boot in 2..8 {
         let mut bench = Bench::after(|_| {}, &format!("b{boot}"), kept, START + boot * 60 * S);
-        bench.step(Input::DriverStarted);
+        bench.step(Input::DriverStarted(0));
         bench.read(0, 0.1);
         bench.step(Input::Connected);
         bench.touch(0);
@@ -200,7 +200,7 @@ fn after_a_power_cut_at_any_byte_all_before_it_is_sent_and_no_setpoint_is_applie
 
         let mut next = Bench::after(|_| {}, "b2", stored, START + 60 * S);
         next.step(Input::Connected);
-        next.step(Input::DriverStarted);
+        next.step(Input::DriverStarted(0));
         next.read(0, 0.1);
         let sent: Vec<u64> = next
             .take()
