@@ -4,7 +4,7 @@
 //! another one: a broker that accepts no messages does not keep pressures from a driver, nor does a faulty driver.
 
 use std::collections::VecDeque;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -19,10 +19,12 @@ use vibrissa_protocol::{BootId, Name, RobotTopic};
 use crate::clock::now;
 use crate::config::{Config, DriverConfig, Way};
 use crate::contract::{Moment, Now, Outgoing};
-use crate::driver::link::{Door, Link};
+use crate::driver::link::{Door, Link, listen_at};
 use crate::driver::{Lines, ToDriver};
+use crate::monitor;
 use crate::mqtt::{self, BadBroker, Endpoint, Signals};
 use crate::store::file::{Damage, StoreError, StoreFile};
+use crate::store::spool::Spool;
 use crate::store::{Record, Stored};
 use crate::{Agent, Input, Output};
 
@@ -64,6 +66,8 @@ pub enum CannotStart {
 /// The store, with its health.
 struct Store {
     file: StoreFile,
+    /// Contacts that have no room in memory.
+    spool: Option<Spool>,
     is_dirty: bool,
     failed_at: Option<Instant>,
 }
@@ -152,6 +156,16 @@ pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<
     let (stop_session, session_stopping) = watch::channel(false);
     let session = mqtt::run(hub.clone(), config.broker.clone(), transport, hub.signals.clone(), session_stopping);
     let mut session = task::spawn(session);
+    let monitor = monitor::socket(&config).and_then(|path| {
+        let refused = |problem| tracing::warn!("no monitor: cannot listen at {}: {problem}", path.display());
+        listen_at(&path).map_err(refused).ok()
+    });
+    let monitor = async {
+        match monitor {
+            Some(listener) => monitor::serve(listener, || hub.lock().agent.snapshot(now())).await,
+            None => std::future::pending().await,
+        }
+    };
     let mut driving = JoinSet::new();
     for (index, (driver, door)) in config.drivers.iter().zip(doors).enumerate() {
         task::spawn_in(&mut driving, hub.clone().drive(index, driver.clone(), door));
@@ -161,6 +175,7 @@ pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<
         () = all_ended(&mut driving) => {}
         () = hub.keep_time() => {}
         () = hub.keep_store() => {}
+        () = monitor => {}
     }
     tracing::info!("stopping");
     {
@@ -220,12 +235,17 @@ impl Hub {
             tell_damage(path, &damage);
             (file, stored) = (Some(opened), found);
         }
+        let refused = |path: &Path| StoreError::refused("open", path);
+        let open =
+            |path: PathBuf| Spool::open(&path, stored.spooled, config.limits.outbox_disk_bytes).map_err(refused(&path));
+        let spool = config.spool().map(open).transpose()?;
+        stored.is_spooled = spool.as_ref().is_some_and(|spool| !spool.is_empty());
         let (agent, records) = Agent::new(config, boot_id(), stored, now());
         if let Some(file) = &mut file {
             file.replace(records)?;
         }
         let (fleet, robot) = (agent.fleet().clone(), agent.robot().clone());
-        let store = file.map(|file| Store { file, is_dirty: false, failed_at: None });
+        let store = file.map(|file| Store { file, spool, is_dirty: false, failed_at: None });
         let state = State {
             agent,
             pending: VecDeque::new(),
@@ -250,8 +270,11 @@ impl Hub {
 
     fn handle(&self, state: &mut State, outputs: Vec<Output>) {
         let mut records = Vec::new();
+        let (mut to_disk, mut from_disk) = (Vec::new(), 0);
         for output in outputs {
             match output {
+                Output::Spool(contacts) => to_disk.push(contacts),
+                Output::TakeBack(messages) => from_disk += messages,
                 // All records are written before any of the messages is taken.
                 Output::Store(record) => records.push(record),
                 Output::Publish(topic, payload) if state.pending.len() < PENDING_MAX => {
@@ -276,11 +299,49 @@ impl Hub {
         if let Some(store) = &mut state.store {
             store.append(&records);
         }
+        self.spool(state, &to_disk);
+        self.take_back(state, from_disk);
         if !state.pending.is_empty() {
             self.signals.wake.notify_one();
         }
         if state.agent.next_deadline() < state.timer_at {
             self.timer.notify_one();
+        }
+    }
+
+    /// Writes contacts to the disk, and counts those that have no room there.
+    fn spool(&self, state: &mut State, contacts: &[Vec<u8>]) {
+        let Some(spool) = state.store.as_mut().and_then(|store| store.spool.as_mut()) else { return };
+        let mut lost = 0;
+        for message in contacts {
+            match spool.append(message) {
+                Ok(dropped) => lost += dropped,
+                Err(problem) => {
+                    tracing::error!(%problem, "contacts are lost: they cannot be written to the outbox on disk");
+                    lost += 1;
+                }
+            }
+        }
+        if lost > 0 {
+            let outputs = state.agent.step(now(), Input::LostOnDisk(lost));
+            self.handle(state, outputs);
+        }
+    }
+
+    /// Gives the agent messages back from the disk.
+    fn take_back(&self, state: &mut State, messages: usize) {
+        for _ in 0..messages {
+            let Some(spool) = state.store.as_mut().and_then(|store| store.spool.as_mut()) else { return };
+            let back = spool.take().unwrap_or_else(|problem| {
+                tracing::error!(%problem, "contacts are lost: they cannot be read from the outbox on disk");
+                None
+            });
+            let back = back.as_ref().map(|(contacts, position)| (&contacts[..], *position));
+            let outputs = state.agent.step(now(), Input::CameBack(back));
+            self.handle(state, outputs);
+            if back.is_none() {
+                return;
+            }
         }
     }
 
@@ -321,8 +382,19 @@ impl Hub {
     }
 
     async fn sync(&self) {
-        let Some(file) = self.lock().store.as_mut().and_then(Store::unsynced) else { return };
-        let synced = task::blocking(move || file.and_then(|file| file.sync_data())).await;
+        let (file, spooled, done) = {
+            let mut state = self.lock();
+            let Some(store) = &mut state.store else { return };
+            let spool = store.spool.as_mut();
+            let (spooled, done) = spool.map_or((None, vec![]), |spool| (spool.unsynced(), spool.done()));
+            (store.unsynced(), spooled, done)
+        };
+        let synced = task::blocking(move || {
+            [spooled, file].into_iter().flatten().try_for_each(|file| file.and_then(|file| file.sync_data()))?;
+            // What was in them is on the disk in the file of the outbox.
+            done.iter().try_for_each(std::fs::remove_file)
+        })
+        .await;
         match synced {
             Ok(Ok(())) => {}
             Ok(Err(problem)) => tracing::error!(%problem, "cannot synchronise the outbox with the disk"),

@@ -129,6 +129,11 @@ async fn the_driver_in_python_works_with_a_supervisor() {
     .await;
     let whisker: Value = stage.whisker(1).await.unwrap();
     assert!(whisker.to_string().contains("0.12"), "{whisker}");
+    // Its contacts are such that the supervisor uses them.
+    until_true("a whisker that is known", async || {
+        stage.whisker(0).await.is_some_and(|whisker| whisker["condition"] == "HEALTHY")
+    })
+    .await;
 }
 
 #[test]
@@ -155,8 +160,8 @@ fn the_driver_in_c_understands_what_the_agent_writes() {
     let output = Command::new(program).stdin(fs::File::open(input).unwrap()).output().unwrap();
     assert_eq!(
         String::from_utf8_lossy(&output.stdout),
-        "set 0 0.100 0.020\n{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":0.10000}\n\
-         {\"type\":\"pressure\",\"whisker\":1,\"pressure_mpa\":0.11000}\n\
-         {\"type\":\"pressure\",\"whisker\":2,\"pressure_mpa\":0.12000}\n"
+        "set 0 0.100 0.020\n{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":0.100000}\n\
+         {\"type\":\"pressure\",\"whisker\":1,\"pressure_mpa\":0.110000}\n\
+         {\"type\":\"pressure\",\"whisker\":2,\"pressure_mpa\":0.120000}\n"
     );
 }

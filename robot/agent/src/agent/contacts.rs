@@ -180,8 +180,8 @@ impl Agent {
         Ok(self.alone(vec![], vec![missed]))
     }
 
-    /// A message with one contact, only to check it.
-    fn alone(&self, contacts: Vec<Contact>, missed: Vec<MissedTouch>) -> Contacts {
+    /// A message without a number: to check a contact, or for the disk.
+    pub(super) fn alone(&self, contacts: Vec<Contact>, missed: Vec<MissedTouch>) -> Contacts {
         let boot_id: BootId = self.voice.boot_id().clone();
         Contacts { boot_id, seq: 0, contacts, missed }
     }

@@ -120,6 +120,11 @@ impl GaugeWatch {
     pub(super) fn is_clipped(&self) -> bool {
         self.end.is_some()
     }
+
+    /// Whether touches are compressions.
+    pub(super) fn is_reversed(&self) -> bool {
+        self.is_reversed
+    }
 }
 
 #[cfg(test)]
@@ -170,9 +175,9 @@ mod tests {
         assert!((0..100).all(|at| watch.contact(if at % 2 == 0 { -0.01 } else { 0.01 }).is_none()));
         let found: Vec<_> = (0..40).filter_map(|_| watch.contact(-0.01)).collect();
         assert_eq!(found, [Finding::Reversed]);
-        assert!(watch.is_reversed);
+        assert!(watch.is_reversed());
         watch.contact(0.01);
         watch.contact(0.01);
-        assert!(!watch.is_reversed);
+        assert!(!watch.is_reversed());
     }
 }

@@ -71,11 +71,16 @@ impl Agent {
         if self.batch.is_empty() && self.missed.is_empty() {
             return;
         }
-        let message: Contacts = self.voice.contacts(std::mem::take(&mut self.batch), std::mem::take(&mut self.missed));
+        let (contacts, missed) = (std::mem::take(&mut self.batch), std::mem::take(&mut self.missed));
+        let message = self.alone(contacts, missed);
+        if self.must_spool(encode(&message).len()) {
+            return self.spool(&message, out);
+        }
+        let message: Contacts = self.voice.contacts(message.contacts, message.missed);
         let payload = encode(&message);
         if let Some(stored) = Payload::new(&payload) {
             let (boot_id, seq) = (message.boot_id, message.seq);
-            out.push(Output::Store(Record::Contacts { boot_id, seq, payload: stored }));
+            out.push(Output::Store(Record::Contacts { boot_id, seq, payload: stored, spooled: None }));
         }
         self.outbox.keep(message.seq, payload.clone(), self.connected.then_some(now.at));
         self.make_room();

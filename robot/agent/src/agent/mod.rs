@@ -15,6 +15,8 @@ mod motion;
 mod motion_lines;
 mod orders;
 mod partial;
+pub mod snapshot;
+mod spool;
 mod strain;
 mod times;
 mod unit;
@@ -28,12 +30,14 @@ use crate::config::{Config, Limits};
 use crate::contract::births::DELAY_MAX_US;
 use crate::contract::{Births, Commands, EstimateOrder, Facts, Moment, Now, Outbox, Supervision, TouchTests, Voice};
 use crate::driver::ToDriver;
+use crate::store::spool::Position;
 use crate::store::{Record, Stored};
 
 use boots::Earlier;
 use chamber::Chamber;
 use drivers::Driver;
 use orders::UnderWay;
+use spool::Spooling;
 
 /// An input of the agent.
 #[derive(Debug, Clone, Copy)]
@@ -52,6 +56,10 @@ pub enum Input<'a> {
     DriverEnded(usize),
     /// A line of the driver; `None` in place of one that was too long.
     Line(usize, Option<&'a [u8]>),
+    /// Contacts that have come back from the disk, with the position after them; `None` if nothing waits there any more.
+    CameBack(Option<(&'a [u8], Position)>),
+    /// So many messages were lost on the disk.
+    LostOnDisk(u64),
     /// Time has passed.
     Tick,
 }
@@ -65,6 +73,10 @@ pub enum Output {
     Tell(usize, ToDriver),
     /// Tell a person, once for each cause: a sentence for the log.
     Warn(String),
+    /// Write contacts to the disk, after those that wait there.
+    Spool(Vec<u8>),
+    /// Give so many of the oldest messages on the disk back by [`Input::CameBack`].
+    TakeBack(usize),
     /// Store a record, before the messages that follow it are published.
     Store(Record),
     /// The driver has been silent for too long: start it again, or wait for it anew. The text says what it does instead.
@@ -121,7 +133,9 @@ pub struct Agent {
     first_boot_id: BootId,
     /// Boots since the start, besides the first one.
     reboots: u64,
-    /// Messages of earlier boots that had no room.
+    /// Contacts on the disk, if there is an outbox there.
+    spooling: Option<Spooling>,
+    /// Messages of earlier boots that had no room, and those lost on the disk.
     dropped_earlier: u64,
     /// Contacts of the incomplete message, and the moment at which it is sent.
     batch: Vec<Contact>,
@@ -174,6 +188,7 @@ impl Agent {
             supervision: Supervision::new(limits.supervisor_lost_after_us),
             outbox: Outbox::new(limits.outbox_messages),
             earlier: Vec::new(),
+            spooling: config.spool().map(|_| Spooling::new(stored.is_spooled, stored.spooled)),
             dropped_earlier: 0,
             batch: Vec::new(),
             missed: Vec::new(),
@@ -211,6 +226,8 @@ impl Agent {
             Input::DriverStarted(from) => self.driver_started(from, now, &mut out),
             Input::DriverEnded(from) => self.driver_ended(from, now, &mut out),
             Input::Line(from, line) => self.line(from, line, now, &mut out),
+            Input::CameBack(back) => self.came_back(back, now, &mut out),
+            Input::LostOnDisk(messages) => self.lost_on_disk(messages),
             Input::Tick => {}
         }
         self.tick(now, &mut out);
@@ -235,6 +252,7 @@ impl Agent {
             self.announce(now, out);
         }
         self.resend(now, out);
+        self.ask_back(out);
         self.know_chambers(now);
         self.report_change(now);
         if self.status_at <= now.at {

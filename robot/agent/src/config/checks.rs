@@ -32,6 +32,9 @@ pub(super) fn limits(file: &File) -> Result<Limits, BadConfig> {
     let (outbox, contacts, supervisor) = (&file.outbox, &file.contacts, &file.supervisor);
     within("outbox.messages", outbox.messages as f64, 1.0..=1e6)?;
     within("outbox.bytes", outbox.bytes as f64, 65_536.0..=1e9)?;
+    if outbox.disk_bytes > 0 {
+        within("outbox.disk_bytes (0 for none)", outbox.disk_bytes as f64, 16e6..=1e12)?;
+    }
     within("contacts.per_message", contacts.per_message as f64, 1.0..=CONTACTS_MAX.min(500) as f64)?;
     within("contacts.message_after_s", contacts.message_after_s, 0.01..=60.0)?;
     within("contacts.per_s_max", contacts.per_s_max, 1.0..=10_000.0)?;
@@ -41,11 +44,15 @@ pub(super) fn limits(file: &File) -> Result<Limits, BadConfig> {
     within("segmenter.strain_limit", segmenter.strain_limit, 1e-4..=1.0)?;
     within("segmenter.baseline_s", segmenter.baseline_s, 0.1..=60.0)?;
     within("segmenter.longest_s", segmenter.longest_s, 1.0..=600.0)?;
+    if segmenter.least_strain >= segmenter.strain_limit {
+        return Err(unfitting("segmenter.least_strain", "must be below segmenter.strain_limit"));
+    }
     within("supervisor.lost_after_s", supervisor.lost_after_s, 1.0..=86_400.0)?;
     within("supervisor.status_every_s", supervisor.status_every_s, 1.0..=10.0)?;
     Ok(Limits {
         outbox_messages: outbox.messages,
         outbox_bytes: outbox.bytes,
+        outbox_disk_bytes: outbox.disk_bytes,
         contacts_per_message: contacts.per_message,
         message_after_us: us(contacts.message_after_s),
         contacts_per_s: contacts.per_s_max,
@@ -135,6 +142,9 @@ impl FileWhisker {
         }
         if !(1..=64).contains(&self.model.chars().count()) || self.model.chars().any(char::is_control) {
             return Err(unfitting(key("model"), "must have 1 to 64 characters, none of them a control character"));
+        }
+        if self.neighbours.iter().collect::<BTreeSet<_>>().len() < self.neighbours.len() {
+            return Err(unfitting(key("neighbours"), "names a whisker twice"));
         }
         for neighbour in &self.neighbours {
             if *neighbour == self.whisker || !numbers.contains(neighbour) {

@@ -94,6 +94,12 @@ impl FileDriver {
         within(named("settle_s"), self.settle_s, 0.05..=60.0)?;
         within(named("fail_after_s"), self.fail_after_s, 0.5..=600.0)?;
         within(named("own_slew_mpa_per_s"), self.own_slew_mpa_per_s, 1e-5..=10.0)?;
+        if self.settle_s >= self.fail_after_s {
+            return Err(unfitting(
+                named("settle_s"),
+                "must be below driver.fail_after_s: no setpoint would be applied",
+            ));
+        }
         Ok(DriverLimits {
             silent_us: us(self.silent_s),
             repeat_us: us(self.repeat_s),
@@ -134,7 +140,7 @@ impl FileDriver {
             Way::Tcp(address) if !has_port(address) => {
                 return Err(unfitting(named("tcp"), "must be a host and a port, as 127.0.0.1:5555"));
             }
-            Way::Unix(path) | Way::Serial(path, _) if path.as_os_str() == folder.as_os_str() => {
+            Way::Unix(path) | Way::Serial(path, _) if path.as_path() == folder => {
                 return Err(unfitting(key, "names an empty path"));
             }
             Way::Command(_) | Way::Unix(_) | Way::Tcp(_) | Way::Serial(..) => {}

@@ -52,11 +52,12 @@ pub(super) struct FileOutbox {
     pub(super) file: Option<PathBuf>,
     pub(super) messages: usize,
     pub(super) bytes: usize,
+    pub(super) disk_bytes: u64,
 }
 
 impl Default for FileOutbox {
     fn default() -> Self {
-        Self { file: None, messages: 10_000, bytes: 1 << 20 }
+        Self { file: None, messages: 10_000, bytes: 1 << 20, disk_bytes: 1 << 30 }
     }
 }
 

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use vibrissa_protocol::text_file::read_text;
-use vibrissa_protocol::{Name, plain};
+use vibrissa_protocol::{AirControl, Name, OnSupervisorLoss, plain};
 use vibrissa_segmenter::Params;
 
 use crate::contract::Facts;
@@ -86,6 +86,8 @@ pub struct Limits {
     pub outbox_messages: usize,
     /// Most bytes of contacts messages in the outbox.
     pub outbox_bytes: usize,
+    /// Most bytes of contacts on the disk, beyond those in memory.
+    pub outbox_disk_bytes: u64,
     /// Contacts in a message, after which it is sent.
     pub contacts_per_message: usize,
     /// Age of its first contact after which a message is sent, in microseconds.
@@ -165,6 +167,15 @@ pub enum Way {
 }
 
 impl Config {
+    /// Folder of the contacts that have no room in memory: beside the file of the outbox.
+    #[must_use]
+    pub fn spool(&self) -> Option<PathBuf> {
+        let file = self.outbox_file.as_ref().filter(|_| self.limits.outbox_disk_bytes > 0)?;
+        let mut name = file.clone().into_os_string();
+        name.push(".spool");
+        Some(PathBuf::from(name))
+    }
+
     /// Reads a file. Paths in it are relative to its folder.
     ///
     /// # Errors
@@ -195,6 +206,7 @@ impl Config {
         let outbox_file = file.outbox.file.map(|path| folder.join(path));
         let arrays = arrays(file.arrays)?;
         let drivers = file.driver.checked(folder, &arrays)?;
+        check_air(file.air_control, file.on_supervisor_loss, &drivers)?;
         let facts = Facts {
             model: file.model,
             on_supervisor_loss: file.on_supervisor_loss,
@@ -205,6 +217,18 @@ impl Config {
         };
         Ok(Self { fleet: file.fleet, robot: file.robot, facts, broker, limits, outbox_file, drivers })
     }
+}
+
+/// A robot without air neither regulates nor changes the pressure when the supervisor is lost.
+fn check_air(air: Option<AirControl>, loss: OnSupervisorLoss, drivers: &[DriverConfig]) -> Result<(), BadConfig> {
+    let regulates = drivers.iter().any(|driver| driver.limits.regulate);
+    if air == Some(AirControl::None) && (loss != OnSupervisorLoss::Hold || regulates) {
+        return Err(unfitting(
+            "air_control",
+            "NONE allows neither another on_supervisor_loss than HOLD nor driver.regulate",
+        ));
+    }
+    Ok(())
 }
 
 /// Names the line without its content, which may be a password in the wrong place.

@@ -184,15 +184,15 @@ fn absolute(program: &str) -> io::Result<PathBuf> {
 
 /// Listens at a Unix socket that only the agent's user can use. A socket that an earlier agent has left is removed, and nothing
 /// else: a connection to a file or to the target of a link is refused, too.
-fn listen_at(path: &Path) -> io::Result<UnixListener> {
+pub(crate) fn listen_at(path: &Path) -> io::Result<UnixListener> {
     let shown = path.display();
     match std::fs::symlink_metadata(path) {
         Ok(found) if !found.file_type().is_socket() => {
-            return Err(io::Error::other(format!("{shown} exists and is no socket: name another path in driver.unix")));
+            return Err(io::Error::other(format!("{shown} exists and is no socket")));
         }
         Ok(found) if found.uid() != own_uid() => {
             let uid = found.uid();
-            return Err(io::Error::other(format!("{shown} belongs to user {uid}: name another path in driver.unix")));
+            return Err(io::Error::other(format!("{shown} belongs to user {uid}")));
         }
         Ok(_) => match std::os::unix::net::UnixStream::connect(path) {
             Ok(_) => return Err(io::Error::other(format!("{shown} is in use"))),
@@ -208,7 +208,7 @@ fn listen_at(path: &Path) -> io::Result<UnixListener> {
 }
 
 /// Opens a serial device, or a pseudo-terminal in tests.
-fn serial(path: &Path, baud: u32) -> io::Result<Link> {
+pub(crate) fn serial(path: &Path, baud: u32) -> io::Result<Link> {
     // O_NONBLOCK also keeps `open` from waiting for a modem; O_NOCTTY keeps a break of the line from ending the agent.
     let flags = rustix::fs::OFlags::NONBLOCK | rustix::fs::OFlags::NOCTTY;
     let flags = i32::try_from(flags.bits()).map_err(io::Error::other)?;

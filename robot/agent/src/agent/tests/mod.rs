@@ -41,6 +41,9 @@ struct Bench {
     /// Lines to drivers other than the first one.
     to_others: Vec<ToDriver>,
     warnings: Vec<String>,
+    /// Contacts that have no room in memory, and how many of them were taken back.
+    disk: VecDeque<Vec<u8>>,
+    taken: u64,
     records: Vec<Record>,
     restarts: usize,
     reconnects: usize,
@@ -64,6 +67,8 @@ impl Bench {
             to_driver: vec![],
             to_others: vec![],
             warnings: vec![],
+            disk: VecDeque::new(),
+            taken: 0,
             records,
             restarts: 0,
             reconnects: 0,
@@ -84,6 +89,7 @@ impl Bench {
     fn step(&mut self, input: Input<'_>) {
         let system_us = self.now_us.saturating_add_signed(self.stepped_us);
         let now = Now { system_us, ..Now::of_us(self.now_us) };
+        let mut back = 0;
         for output in self.agent.step(now, input) {
             match output {
                 Output::Publish(topic, payload) => {
@@ -93,10 +99,17 @@ impl Bench {
                 Output::Tell(0, line) => self.to_driver.push(line),
                 Output::Tell(_, line) => self.to_others.push(line),
                 Output::Warn(text) => self.warnings.push(text),
+                Output::Spool(contacts) => self.disk.push_back(contacts),
+                Output::TakeBack(messages) => back += messages,
                 Output::Store(record) => self.records.push(record),
                 Output::RestartDriver(..) => self.restarts += 1,
                 Output::Reconnect => self.reconnects += 1,
             }
+        }
+        for _ in 0..back {
+            let Some(contacts) = self.disk.pop_front() else { return self.step(Input::CameBack(None)) };
+            self.taken += 1;
+            self.step(Input::CameBack(Some((&contacts, (1, self.taken)))));
         }
     }
 

@@ -221,3 +221,47 @@ fn after_a_power_cut_at_any_byte_all_before_it_is_sent_and_no_setpoint_is_applie
     }
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn regress_hours_without_a_supervisor_go_to_the_disk_and_come_back_in_order() {
+    let mut bench = Bench::new(|config| {
+        config.limits.outbox_bytes = 65_536;
+        config.outbox_file = Some("outbox".into());
+    });
+    bench.step(Input::DriverStarted(0));
+    for number in 0..3_000 {
+        if number % 10 == 0 {
+            bench.read(0, 0.1);
+        }
+        let deflection_mm = 1.0 + f64::from(number) / 1e4;
+        bench.line(&format!(
+            r#"{{"type":"contact","whisker":0,"deflection_mm":{deflection_mm},"strain":0.01,"ratio":0.8}}"#
+        ));
+        bench.run(0.1);
+        assert!(bench.agent.outbox.bytes() <= 65_536);
+    }
+    assert!(bench.disk.len() > 2_000 && bench.agent.messages_dropped() == 0, "{}", bench.disk.len());
+    bench.step(Input::Connected);
+    let mut felt = BTreeMap::new();
+    for _ in 0..3_000 {
+        for message in bench.contacts() {
+            let next = message.seq + 1;
+            felt.insert(message.seq, message.contacts.iter().map(|one| one.deflection_mm).collect::<Vec<f64>>());
+            bench.receipt("b1", next);
+        }
+        bench.run(0.05);
+        bench.read(0, 0.1);
+        if felt.len() >= 3_000 {
+            break;
+        }
+    }
+    let felt: Vec<f64> = felt.into_values().flatten().collect();
+    assert_eq!(felt.len(), 3_000);
+    assert!(felt.windows(2).all(|pair| pair[0] < pair[1]), "later contacts do not overtake earlier ones");
+    // What came back is stored with its position, so that no restart takes it back again.
+    assert_eq!(bench.stored().spooled, Some((1, bench.taken)));
+    assert!(bench.disk.is_empty());
+    bench.touch(0);
+    bench.run(0.2);
+    assert_eq!(bench.contacts().len(), 1, "memory is used again");
+}
