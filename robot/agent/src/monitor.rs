@@ -1,6 +1,7 @@
 //! `vibrissa-robot monitor`: a line for each whisker, each second, from the running agent.
 //!
-//! The agent listens at a Unix socket beside its outbox, which only its user can use, and writes a [`Snapshot`] as a line of JSON.
+//! The agent listens at a Unix socket beside its outbox, which only its user can use, and writes a [`Snapshot`] as a
+//! line of JSON.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -92,7 +93,8 @@ fn line(whisker: &WhiskerView) -> String {
     let most = most.map_or_else(String::new, |(reason, _)| format!(" ({reason})"));
     let advice = whisker.advice.as_ref().map_or_else(String::new, |advice| format!(" -> {advice}"));
     format!(
-        "{}/{} {condition} regulator {} gauge {} {pressure} of {:.4} MPa, {contact}, {} refused, {unused} unused{most}{advice}\n",
+        "{}/{} {condition} regulator {} gauge {} {pressure} of {:.4} MPa, {contact}, {} refused, \
+         {unused} unused{most}{advice}\n",
         whisker.array, whisker.whisker, whisker.regulator, whisker.gauge, whisker.setpoint_mpa, whisker.refused
     )
 }

@@ -147,6 +147,8 @@ fn device(path: &Path, baud: u32, is_running: bool) -> Option<String> {
         Err(problem) if problem.kind() == ErrorKind::PermissionDenied => {
             return Some(format!("driver.serial: this user may not open {shown}: add it to the group dialout"));
         }
+        // The agent that runs has it to itself.
+        Err(problem) if is_running && problem.kind() == ErrorKind::ResourceBusy => return None,
         Err(problem) => return Some(format!("driver.serial: cannot open {shown}: {}", plain::io(&problem))),
     };
     if let (Err(TryLockError::WouldBlock), false) = (file.try_lock_shared(), is_running) {

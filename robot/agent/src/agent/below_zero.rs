@@ -1,6 +1,7 @@
 //! Readings of pressure a little below zero: the zero of a sensor that reads an empty chamber.
 
-/// Largest such reading, in MPa: 5 % of the range of a chamber. Cheap sensors are off by up to 2.5 % of their own range.
+/// Largest such reading, in MPa: 5 % of the range of a chamber. Cheap sensors are off by up to 2.5 % of their own
+/// range.
 pub(super) const ZERO_MPA: f64 = 0.01;
 
 /// Such readings of one whisker.

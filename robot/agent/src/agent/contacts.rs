@@ -90,13 +90,13 @@ impl Agent {
         let Chamber { array, number, .. } = &self.chambers[at];
         let what = match finding {
             Finding::Reversed => {
-                "touches are compressions, which the supervisor cannot use: swap the two wires of the \
-                                  gauge, or change the sign of the board's strain (STRAIN_PER_VOLT)"
+                "touches are compressions, which the supervisor cannot use: swap the two wires of the gauge, or change \
+                 the sign of the board's strain (STRAIN_PER_VOLT)"
                     .to_owned()
             }
             Finding::Clipped(strain) => format!(
-                "the strain stays at {strain} while the deflection goes on: the amplifier or the converter ends there, and \
-                 contacts there are left out; amplify less and raise STRAIN_PER_VOLT, or touch more softly"
+                "the strain stays at {strain} while the deflection goes on: the amplifier or the converter ends there, \
+                 and contacts there are left out; amplify less and raise STRAIN_PER_VOLT, or touch more softly"
             ),
         };
         out.push(Output::Warn(format!("whisker {array}/{number}: {what}")));

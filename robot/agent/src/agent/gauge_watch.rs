@@ -1,10 +1,11 @@
 //! What the strains of a gauge tell of its wiring and its amplifier: a reversed polarity, and an end of the scale.
 //!
-//! **Polarity.** A touch stretches the gauge. If the last contacts are compressions, all but a few, its wires are swapped, and
-//! the supervisor can use none of them.
+//! **Polarity.** A touch stretches the gauge. If the last contacts are compressions, all but a few, its wires are
+//! swapped, and the supervisor can use none of them.
 //!
-//! **End of the scale.** Where the amplifier or the converter ends, samples have one and the same value, the highest or lowest
-//! of all, while the deflection goes on. Such a strain is too small for its deflection, as that of a cut whisker.
+//! **End of the scale.** Where the amplifier or the converter ends, samples have one and the same value, the highest or
+//! lowest of all, while the deflection goes on. Such a strain is too small for its deflection, as that of a cut
+//! whisker.
 
 /// Contacts that decide about the polarity.
 const CONTACTS: u32 = 20;

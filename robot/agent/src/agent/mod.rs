@@ -1,7 +1,7 @@
 //! The agent: the contract's rules between a driver and the broker, without sockets and clock.
 //!
-//! [`Agent::step`] takes one input and returns what to do. Call it with [`Input::Tick`] at [`Agent::next_deadline`], too.
-//! Deadlines are [`Moment`]s, which no correction of a clock moves.
+//! [`Agent::step`] takes one input and returns what to do. Call it with [`Input::Tick`] at [`Agent::next_deadline`],
+//! too. Deadlines are [`Moment`]s, which no correction of a clock moves.
 
 mod below_zero;
 mod boots;
@@ -56,7 +56,8 @@ pub enum Input<'a> {
     DriverEnded(usize),
     /// A line of the driver; `None` in place of one that was too long.
     Line(usize, Option<&'a [u8]>),
-    /// Contacts that have come back from the disk, with the position after them; `None` if nothing waits there any more.
+    /// Contacts that have come back from the disk, with the position after them; `None` if nothing waits there any
+    /// more.
     CameBack(Option<(&'a [u8], Position)>),
     /// So many messages were lost on the disk.
     LostOnDisk(u64),
@@ -79,15 +80,16 @@ pub enum Output {
     TakeBack(usize),
     /// Store a record, before the messages that follow it are published.
     Store(Record),
-    /// The driver has been silent for too long: start it again, or wait for it anew. The text says what it does instead.
+    /// The driver has been silent for too long: start it again, or wait for it anew. The text says what it does
+    /// instead.
     RestartDriver(usize, String),
     /// Cut the connection without a farewell and connect again: another boot has begun.
     Reconnect,
 }
 
-/// Time without a reading, since the start or the last reading of a driver that has gone, after which the driver counts as
-/// absent. Until then nothing is known of the chambers, which is no fault. A driver that is there and silent is one earlier. The
-/// contract asks for a status at least every 10 s.
+/// Time without a reading, since the start or the last reading of a driver that has gone, after which the driver counts
+/// as absent. Until then nothing is known of the chambers, which is no fault. A driver that is there and silent is one
+/// earlier. The contract asks for a status at least every 10 s.
 const ABSENT_AFTER_US: u64 = 9_000_000;
 
 /// Counts since the start.
@@ -143,15 +145,16 @@ pub struct Agent {
     batch_until: Option<Moment>,
     status_at: Moment,
     status_sent: Moment,
-    /// Until then the agent says nothing of its chambers, unless it knows all pressures before: a driver has just started.
+    /// Until then the agent says nothing of its chambers, unless it knows all pressures before: a driver has just
+    /// started.
     unknown_until: Option<Moment>,
     drivers: Vec<Driver>,
     counts: Counts,
 }
 
 impl Agent {
-    /// An agent that starts now, in a new boot, with what earlier boots have stored. Also returns the records of its state,
-    /// with which the store begins anew.
+    /// An agent that starts now, in a new boot, with what earlier boots have stored. Also returns the records of its
+    /// state, with which the store begins anew.
     #[must_use]
     pub fn new(config: &Config, boot_id: BootId, stored: Stored, now: Now) -> (Self, Vec<Record>) {
         let mut chambers = Vec::new();

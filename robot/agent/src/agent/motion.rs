@@ -1,8 +1,8 @@
 //! The motion of a whisker as one driver knows it, for the strain that another one reads.
 //!
-//! A board reads the gauge, and a host moves the whisker. Values are joined by the robot's time: a sample of strain gets the
-//! deflection, the distance and the ratio that lie between two values of the motion at most [`GAP_US`] apart. Samples wait
-//! for the motion of their time for at most [`WAIT_US`], and go on without it afterwards.
+//! A board reads the gauge, and a host moves the whisker. Values are joined by the robot's time: a sample of strain
+//! gets the deflection, the distance and the ratio that lie between two values of the motion at most [`GAP_US`] apart.
+//! Samples wait for the motion of their time for at most [`WAIT_US`], and go on without it afterwards.
 
 use std::collections::VecDeque;
 

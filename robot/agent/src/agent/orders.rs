@@ -101,8 +101,8 @@ impl Agent {
         }
     }
 
-    /// Tells the drivers again what to hold, and the factor on their readings, so that they can notice a dead agent by its
-    /// silence.
+    /// Tells the drivers again what to hold, and the factor on their readings, so that they can notice a dead agent by
+    /// its silence.
     pub(super) fn repeat_pressures(&mut self, now: Now, out: &mut Vec<Output>) {
         for at in 0..self.chambers.len() {
             let chamber = &self.chambers[at];

@@ -3,7 +3,6 @@
 use vibrissa_protocol::PlaceKind;
 use vibrissa_segmenter::{Contact, Event, Params, Sample, Segmenter};
 
-use super::chamber::Chamber;
 use super::motion::Joined;
 use super::{Agent, Output};
 use crate::contract::Now;
@@ -12,7 +11,8 @@ use crate::driver::words::{self, Origin, SAMPLES_MAX, Samples};
 
 /// Shortest and longest time between two samples, in microseconds.
 const EVERY_US: (u64, u64) = (500, 100_000);
-/// Difference between the expected and the reported time of a sample beyond which a stream begins anew, in microseconds.
+/// Difference between the expected and the reported time of a sample beyond which a stream begins anew, in
+/// microseconds.
 const JUMP_US: u64 = 1_000_000;
 /// Part by which the time of an unstamped line follows that of its receipt: lines come early and late.
 const FOLLOWED: i64 = 50;
@@ -77,7 +77,8 @@ impl Agent {
         self.hold_gauge(at, from)?;
         let stamp_us = line.t_us.or(line.t_ms.map(|t_ms| t_ms * 1000));
         let params = self.limits.segmenter;
-        let Chamber { stream, motion, .. } = &mut self.chambers[at];
+        let chamber = &mut self.chambers[at];
+        let (stream, motion) = (&mut chamber.stream, &mut chamber.motion);
         let stream = stream.get_or_insert_with(|| Box::new(Stream::new(params)));
         let first_us = stream.first_us(stamp_us, now.at.as_us(), strains.len() as u64, every_us, params);
         if stream.newest_us.is_none() {
@@ -119,8 +120,9 @@ impl Agent {
         out: &mut Vec<Output>,
     ) -> Result<(), BadLine> {
         let (mut found, mut findings) = (Vec::new(), Vec::new());
-        let Chamber { stream, gauge_watch, .. } = &mut self.chambers[at];
-        let Some(stream) = stream else { return Ok(()) };
+        let chamber = &mut self.chambers[at];
+        let gauge_watch = &mut chamber.gauge_watch;
+        let Some(stream) = &mut chamber.stream else { return Ok(()) };
         for (sample, offset_us) in samples {
             findings.extend(gauge_watch.sample(sample.strain, sample.deflection_mm));
             if let Some(Event::Contact(contact)) = stream.segmenter.push(sample) {
@@ -150,8 +152,8 @@ impl Agent {
         taken
     }
 
-    /// A contact that the segmenter has found, with the place that `agent.toml` states for the whisker; none if it is not
-    /// at that place.
+    /// A contact that the segmenter has found, with the place that `agent.toml` states for the whisker; none if it is
+    /// not at that place.
     fn segmented(
         &self,
         at: usize,
@@ -166,7 +168,7 @@ impl Agent {
         let deflection_mm = found.deflection_mm.map(f64::abs).ok_or_else(|| {
             BadLine::new(
                 "a contact was found, but not how far the whisker was deflected",
-                "send deflection_mm with the samples, or let another driver send it as `motion`: the position, with any offset",
+                "send deflection_mm, the position of the motion, with the samples, or as `motion` of another driver",
             )
         })?;
         let gauges = found.distance.map(|distance| (distance.mm, Some(distance.sd_mm)));

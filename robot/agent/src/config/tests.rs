@@ -206,12 +206,14 @@ fn regress_what_contradicts_is_refused() {
         ("[[arrays]]", "[[driver]]\nserial = \"tty\"\nbaud = 9600\n[[arrays]]", "has the way of driver board"),
         (
             "[[arrays.whiskers]]",
-            "[[arrays.whiskers]]\nwhisker = 1\nlength_mm = 70\npressure_mpa = 0\npressure_max_mpa = 0\n[[arrays.whiskers]]",
+            "[[arrays.whiskers]]\nwhisker = 1\nlength_mm = 70\npressure_mpa = 0\npressure_max_mpa = 0\n\
+             [[arrays.whiskers]]",
             "no driver serves whisker left/1",
         ),
         (
             "[[arrays.whiskers]]",
-            "[[arrays.whiskers]]\nwhisker = 0\nlength_mm = 70\npressure_mpa = 0\npressure_max_mpa = 0\n[[arrays.whiskers]]",
+            "[[arrays.whiskers]]\nwhisker = 0\nlength_mm = 70\npressure_mpa = 0\npressure_max_mpa = 0\n\
+             [[arrays.whiskers]]",
             "has two whiskers with one number",
         ),
     ] {

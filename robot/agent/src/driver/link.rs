@@ -182,8 +182,8 @@ fn absolute(program: &str) -> io::Result<PathBuf> {
     if program.contains('/') { std::path::absolute(program) } else { Ok(PathBuf::from(program)) }
 }
 
-/// Listens at a Unix socket that only the agent's user can use. A socket that an earlier agent has left is removed, and nothing
-/// else: a connection to a file or to the target of a link is refused, too.
+/// Listens at a Unix socket that only the agent's user can use. A socket that an earlier agent has left is removed, and
+/// nothing else: a connection to a file or to the target of a link is refused, too.
 pub(crate) fn listen_at(path: &Path) -> io::Result<UnixListener> {
     let shown = path.display();
     match std::fs::symlink_metadata(path) {
@@ -223,8 +223,8 @@ pub(crate) fn serial(path: &Path, baud: u32) -> io::Result<Link> {
     Ok(Link::of(reader, pipe::Sender::from_file_unchecked(file)?, None))
 }
 
-/// Keeps others from a device: two programs would each get a part of its lines. The lock ends with the file. TIOCEXCL does not
-/// bind root, and programs other than the agent know no other lock.
+/// Keeps others from a device: two programs would each get a part of its lines. The lock ends with the file. TIOCEXCL
+/// does not bind root, and programs other than the agent know no other lock.
 fn lock(file: &File, path: &Path) -> io::Result<()> {
     match file.try_lock() {
         Ok(()) => {}

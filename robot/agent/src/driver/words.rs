@@ -207,7 +207,8 @@ pub struct BadLine {
     pub problem: String,
     /// Remedy for the author of the driver.
     pub remedy: &'static str,
-    /// Whether a driver speaks, although its values are refused. Noise of a serial line is no JSON object with a `type`.
+    /// Whether a driver speaks, although its values are refused. Noise of a serial line is no JSON object with a
+    /// `type`.
     pub is_spoken: bool,
 }
 
@@ -381,8 +382,8 @@ pub struct HelloWhisker {
     pub pressure_max_mpa: f64,
 }
 
-/// Whether a line is one to a driver, and none from it: a device that echoes sends it back. A driver has `hello`, too, but
-/// never with whiskers.
+/// Whether a line is one to a driver, and none from it: a device that echoes sends it back. A driver has `hello`, too,
+/// but never with whiskers.
 pub(crate) fn is_own(line: &[u8]) -> bool {
     let starts = [
         &br#"{"type":"set_pressure","#[..],

@@ -1,9 +1,9 @@
 //! Contacts that have no room in memory: on disk, in order, for hours without a supervisor.
 //!
-//! A folder has segments of about 1 MiB, numbered in the order of writing. A line is a CRC-32 in hexadecimal, a space, and the
-//! contacts as JSON. They have no number yet: each gets one of the boot that takes it back, and the record of that in the file of
-//! the outbox has the position after it. So a restart takes none back twice. A segment is removed after that file was synchronised.
-//! Beyond the bound the oldest segment goes.
+//! A folder has segments of about 1 MiB, numbered in the order of writing. A line is a CRC-32 in hexadecimal, a space,
+//! and the contacts as JSON. They have no number yet: each gets one of the boot that takes it back, and the record of
+//! that in the file of the outbox has the position after it. So a restart takes none back twice. A segment is removed
+//! after that file was synchronised. Beyond the bound the oldest segment goes.
 
 use std::collections::VecDeque;
 use std::fs::{DirBuilder, File};
@@ -50,7 +50,8 @@ impl Spool {
     /// # Errors
     /// The operating system refuses.
     pub fn open(folder: &Path, from: Option<Position>, bytes_max: u64) -> Result<Self> {
-        if !folder.is_dir() {
+        // A link of somebody else does not lead to another folder.
+        if !std::fs::symlink_metadata(folder).is_ok_and(|found| found.is_dir()) {
             DirBuilder::new().mode(0o700).create(folder)?;
         }
         let from = from.unwrap_or_default();
@@ -95,8 +96,8 @@ impl Spool {
         self.segments.iter().map(|segment| segment.bytes).sum::<u64>().saturating_sub(self.offset)
     }
 
-    /// Appends contacts. They survive the end of the process at once, and a power cut after [`Spool::unsynced`]. Returns how many
-    /// messages were dropped for them.
+    /// Appends contacts. They survive the end of the process at once, and a power cut after [`Spool::unsynced`].
+    /// Returns how many messages were dropped for them.
     ///
     /// # Errors
     /// The operating system refuses, for instance because the disk is full.
@@ -115,7 +116,7 @@ impl Spool {
         if let Err(problem) = file.write_all(&line) {
             // A part of a line would damage the next one.
             let _ = file.set_len(last.bytes);
-            self.writer = None;
+            let _ = file.seek(SeekFrom::Start(last.bytes));
             return Err(problem);
         }
         last.bytes += line.len() as u64;

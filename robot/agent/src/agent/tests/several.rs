@@ -99,7 +99,8 @@ fn a_flood_of_one_driver_leaves_the_rates_of_another_one() {
     assert!(bench.sent().iter().any(|contact| contact.whisker == 1));
 }
 
-/// Strain of the board and motion of the host for six seconds with one touch; `late_us` is how late the host's lines come.
+/// Strain of the board and motion of the host for six seconds with one touch; `late_us` is how late the host's lines
+/// come.
 fn touch_of_two(bench: &mut Bench, late_us: u64, gap_blocks: std::ops::Range<u64>, value: &str) {
     let begin_us = bench.now_us;
     let way_mm = |s: f64| ((s - 3.0) / 0.2).clamp(0.0, 1.0) * 2.0 - ((s - 4.0) / 0.2).clamp(0.0, 1.0) * 2.0;
