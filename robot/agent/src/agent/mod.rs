@@ -274,7 +274,8 @@ impl Agent {
             self.drivers.iter().filter_map(Driver::silent_at).min(),
             self.repeat_at(),
             chambers.clone().filter_map(Chamber::fails_at).min(),
-            chambers.clone().filter_map(Chamber::silent_at).min(),
+            // Only a status says it.
+            connected(chambers.clone().filter_map(Chamber::silent_at).min()),
             chambers.filter_map(Chamber::values_until).min(),
             self.under_way.iter().map(|one| one.until).min(),
             connected(self.births.due()),

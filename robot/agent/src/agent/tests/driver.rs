@@ -180,6 +180,20 @@ fn regress_a_driver_whose_values_are_refused_is_not_silent() {
 }
 
 #[test]
+fn regress_a_whisker_that_is_not_read_while_the_broker_is_away_takes_no_time() {
+    let mut bench = Bench::running();
+    bench.step(Input::Disconnected);
+    for _ in 0..100 {
+        // `run` demands that each deadline passes.
+        bench.run(0.1);
+        bench.read(0, 0.1);
+    }
+    bench.step(Input::Connected);
+    let status = bench.statuses().pop().unwrap();
+    assert_eq!(status.whiskers[1].regulator, Regulator::Fault);
+}
+
+#[test]
 fn regress_a_gauge_whose_touches_are_compressions_is_told_once() {
     let mut bench = Bench::running();
     for _ in 0..40 {
