@@ -8,7 +8,6 @@ use tokio::io::AsyncReadExt;
 use tokio::task::JoinSet;
 use tokio::time::{Instant, timeout_at};
 use vibrissa_host::task;
-use vibrissa_protocol::plain;
 
 use crate::driver::link::serial;
 use crate::driver::{FromDriver, Lines};
@@ -128,8 +127,8 @@ async fn explore(path: PathBuf) -> String {
             Err(problem) => {
                 let may_not = problem.kind() == std::io::ErrorKind::PermissionDenied;
                 let advice = if may_not { ": add this user to the group dialout" } else { "" };
-                last = format!("{}{advice}", plain::io(&problem));
-                break;
+                // It names the device.
+                return format!("{problem}{advice}");
             }
         }
     }

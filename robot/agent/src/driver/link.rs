@@ -17,6 +17,7 @@ use tokio::process::{Child, Command};
 use tokio::task::JoinSet;
 use tokio::time::{Instant, timeout};
 use vibrissa_host::task;
+use vibrissa_protocol::plain;
 
 use super::admission::{expect_own_peer, expect_own_server, expect_token, is_trusted};
 use crate::config::{DriverConfig, Way};
@@ -212,9 +213,12 @@ pub(crate) fn serial(path: &Path, baud: u32) -> io::Result<Link> {
     // O_NONBLOCK also keeps `open` from waiting for a modem; O_NOCTTY keeps a break of the line from ending the agent.
     let flags = rustix::fs::OFlags::NONBLOCK | rustix::fs::OFlags::NOCTTY;
     let flags = i32::try_from(flags.bits()).map_err(io::Error::other)?;
-    let file = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path)?;
+    let opened = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path);
+    let named =
+        |problem: io::Error| io::Error::new(problem.kind(), format!("{}: {}", path.display(), plain::io(&problem)));
+    let file = opened.map_err(named)?;
     lock(&file, path)?;
-    let mut settings = tcgetattr(&file)?;
+    let mut settings = tcgetattr(&file).map_err(|problem| named(problem.into()))?;
     settings.make_raw();
     settings.set_speed(baud)?;
     tcsetattr(&file, OptionalActions::Flush, &settings)?;
@@ -224,7 +228,7 @@ pub(crate) fn serial(path: &Path, baud: u32) -> io::Result<Link> {
 }
 
 /// Keeps others from a device: two programs would each get a part of its lines. The lock ends with the file. TIOCEXCL
-/// does not bind root, and programs other than the agent know no other lock.
+/// binds other programs, too, but not root. A pseudo-terminal keeps it for as long as its other end, so it has none.
 fn lock(file: &File, path: &Path) -> io::Result<()> {
     match file.try_lock() {
         Ok(()) => {}
@@ -233,6 +237,9 @@ fn lock(file: &File, path: &Path) -> io::Result<()> {
             return Err(io::Error::new(io::ErrorKind::ResourceBusy, problem));
         }
         Err(TryLockError::Error(problem)) => return Err(problem),
+    }
+    if path.canonicalize().is_ok_and(|path| path.starts_with("/dev/pts")) {
+        return Ok(());
     }
     ioctl_tiocexcl(file).map_err(io::Error::from)
 }
@@ -271,6 +278,18 @@ mod tests {
         }
         assert_eq!(std::fs::metadata(&socket).unwrap().permissions().mode() & 0o777, 0o600);
         std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn regress_a_device_has_one_agent() {
+        let path = std::env::temp_dir().join(format!("vibrissa-robot-device-{}", std::process::id()));
+        let first = File::create(&path).unwrap();
+        let second = File::open(&path).unwrap();
+        let refused = |file: &File| lock(file, &path).unwrap_err().to_string();
+        // It is no terminal, so only the second lock of the first one is refused.
+        assert!(!refused(&first).contains("in use"));
+        assert!(refused(&second).contains("in use by another program"));
+        std::fs::remove_file(&path).unwrap();
     }
 
     /// The driver of the smallest configuration.
