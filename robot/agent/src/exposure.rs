@@ -17,15 +17,17 @@ pub fn exposures(path: &Path, config: &Config) -> Vec<String> {
     let changed = changed_by_others(path);
     found
         .extend(changed.map(|who| format!("{}: {who} can change it, and so the robot: chmod go-w it", path.display())));
-    let (broker, driver) = (&config.broker, &config.driver);
+    let broker = &config.broker;
     for (key, file) in [
         ("broker.password_file", broker.password_file.as_deref()),
         ("broker.client_key_file", broker.client.as_ref().map(|client| client.key_file.as_path())),
-        ("driver.token_file", driver.token_file.as_deref()),
     ] {
         found.extend(file.and_then(|file| open_file(key, file)));
     }
-    for (key, file) in [("outbox.file", config.outbox_file.as_deref()), ("driver.unix", socket(&driver.way))] {
+    let tokens = config.drivers.iter().filter_map(|driver| driver.token_file.as_deref());
+    found.extend(tokens.filter_map(|file| open_file("driver.token_file", file)));
+    let sockets = config.drivers.iter().map(|driver| ("driver.unix", socket(&driver.way)));
+    for (key, file) in [("outbox.file", config.outbox_file.as_deref())].into_iter().chain(sockets) {
         let Some(folder) = file.and_then(Path::parent) else { continue };
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let who = changed_by_others(folder);

@@ -3,16 +3,20 @@
 //! [`contract`] has the rules, each once: the agent of real robots and the simulated robots use them. It is pure: no
 //! sockets and no clock. [`agent`] stands between the contract and a [`driver`], and is pure, too. [`store`] keeps what
 //! survives a restart, [`hub`] runs an agent, [`mqtt`] carries the messages of one robot over a connection that it renews, and [`config`] is
-//! `agent.toml`.
+//! `agent.toml`. [`preflight`] and [`exposure`] say what is wrong with it on this machine.
+//! [`monitor`] shows a running agent to a person, and [`discover`] the serial devices.
 
 pub mod agent;
 pub mod clock;
 pub mod config;
 pub mod contract;
+pub mod discover;
 pub mod driver;
 pub mod exposure;
 pub mod hub;
+pub mod monitor;
 pub mod mqtt;
+pub mod preflight;
 pub mod store;
 
 pub use vibrissa_regulator as regulator;

@@ -1,36 +1,57 @@
 //! The agent of one robot: between its driver and the broker.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Parser;
+use anyhow::Context;
+use clap::{Parser, Subcommand};
+use tokio::runtime::Runtime;
 use tokio::sync::watch;
 use tracing_subscriber::EnvFilter;
 use vibrissa_host::task;
 use vibrissa_program::log;
 use vibrissa_program::log_filter::log_filter;
 use vibrissa_program::signals::StopSignals;
-use vibrissa_robot::{Config, exposure, hub};
+use vibrissa_robot::{Config, discover, exposure, hub, monitor, preflight};
 
 /// The agent of one robot with soft whiskers: keeps the MQTT contract for a driver that speaks lines of JSON.
 #[derive(Debug, Parser)]
 #[command(name = "vibrissa-robot", version)]
 struct Arguments {
     /// Configuration of the robot, in TOML
-    #[arg(long, env = "VIBRISSA_ROBOT_CONFIG", value_name = "FILE", default_value = "agent.toml")]
+    #[arg(long, global = true, env = "VIBRISSA_ROBOT_CONFIG", value_name = "FILE", default_value = "agent.toml")]
     config: PathBuf,
-    /// Only check the configuration
+    /// Only check the configuration, and what it names on this machine
     #[arg(long)]
     check: bool,
     /// Log filter, such as info or vibrissa_robot=debug
     #[arg(long, env = "VIBRISSA_LOG", default_value = "info", value_parser = log_filter)]
     log: String,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+/// What to do instead of running the agent.
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Show the running agent: a line for each whisker, each second, with what to do
+    Monitor {
+        /// Show it once
+        #[arg(long)]
+        once: bool,
+    },
+    /// List the serial devices of this machine, and what speaks there
+    Discover {
+        /// Devices to listen at instead of all
+        devices: Vec<PathBuf>,
+    },
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let logged = log::start(EnvFilter::new(arguments.log)).map_err(anyhow::Error::from);
-    match logged.and_then(|()| started(&arguments.config, arguments.check)) {
+    let logged = log::start(EnvFilter::new(&arguments.log)).map_err(anyhow::Error::from);
+    let Arguments { config, check, command, .. } = arguments;
+    match logged.and_then(|()| started(&config, check, command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {
             eprintln!("vibrissa-robot: {problem:#}");
@@ -39,19 +60,33 @@ fn main() -> ExitCode {
     }
 }
 
-fn started(path: &std::path::Path, is_check: bool) -> anyhow::Result<()> {
-    use anyhow::Context;
+/// One thread: a robot has few messages, and each thread costs memory.
+fn runtime() -> std::io::Result<Runtime> {
+    tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(2).build()
+}
+
+fn started(path: &Path, is_check: bool, command: Option<Command>) -> anyhow::Result<()> {
+    if let Some(Command::Discover { devices }) = command {
+        runtime()?.block_on(discover::discover(devices));
+        return Ok(());
+    }
     let config = Config::read(path).with_context(|| path.display().to_string())?;
+    if let Some(Command::Monitor { once }) = command {
+        return runtime()?.block_on(monitor::watch(&config, once));
+    }
     if is_check {
         config.broker.transport()?;
+        let problems = preflight::problems(&config);
+        if !problems.is_empty() {
+            anyhow::bail!("{}: {}", path.display(), problems.join("\n  "));
+        }
         println!("{}: robot {} of fleet {} is well configured", path.display(), config.robot, config.fleet);
+        preflight::remarks(&config).iter().for_each(|remark| println!("{remark}"));
         exposure::exposures(path, &config).iter().for_each(|exposure| println!("warning: {exposure}"));
         return Ok(());
     }
     exposure::warn(path, &config);
-    // One thread: a robot has few messages, and each thread costs memory.
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(2).build()?;
-    runtime.block_on(async {
+    runtime()?.block_on(async {
         // Installed before anything starts, so that no signal is missed.
         let mut signals = StopSignals::install()?;
         let (stop, stopping) = watch::channel(false);

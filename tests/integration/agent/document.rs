@@ -86,7 +86,7 @@ fn the_transcript_is_what_the_agent_says() {
     let mut step = |input: Input<'_>, played: &mut Vec<String>| {
         now_us += 300_000;
         for output in agent.step(Now::of_us(now_us), input) {
-            if let Output::Tell(line) = output {
+            if let Output::Tell(_, line) = output {
                 played.push(format!("> {}", String::from_utf8(line.line()).unwrap().trim_end()));
             }
         }
@@ -96,14 +96,14 @@ fn the_transcript_is_what_the_agent_says() {
         if let Some(comment) = line.strip_prefix("# ") {
             played.push(line.to_owned());
             if comment == "The driver starts." {
-                step(Input::DriverStarted, &mut played);
+                step(Input::DriverStarted(0), &mut played);
             }
             if let Some((topic, payload)) = message(comment) {
                 step(Input::Message(topic, payload.as_bytes()), &mut played);
             }
         } else if let Some(said) = line.strip_prefix("< ") {
             played.push(line.to_owned());
-            step(Input::Line(Some(said.as_bytes())), &mut played);
+            step(Input::Line(0, Some(said.as_bytes())), &mut played);
         }
     }
     assert_eq!(played.join("\n"), block("text").trim_end());
@@ -129,6 +129,11 @@ async fn the_driver_in_python_works_with_a_supervisor() {
     .await;
     let whisker: Value = stage.whisker(1).await.unwrap();
     assert!(whisker.to_string().contains("0.12"), "{whisker}");
+    // Its contacts are such that the supervisor uses them.
+    until_true("a whisker that is known", async || {
+        stage.whisker(0).await.is_some_and(|whisker| whisker["condition"] == "HEALTHY")
+    })
+    .await;
 }
 
 #[test]
@@ -155,8 +160,8 @@ fn the_driver_in_c_understands_what_the_agent_writes() {
     let output = Command::new(program).stdin(fs::File::open(input).unwrap()).output().unwrap();
     assert_eq!(
         String::from_utf8_lossy(&output.stdout),
-        "set 0 0.100 0.020\n{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":0.10000}\n\
-         {\"type\":\"pressure\",\"whisker\":1,\"pressure_mpa\":0.11000}\n\
-         {\"type\":\"pressure\",\"whisker\":2,\"pressure_mpa\":0.12000}\n"
+        "set 0 0.100 0.020\n{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":0.100000}\n\
+         {\"type\":\"pressure\",\"whisker\":1,\"pressure_mpa\":0.110000}\n\
+         {\"type\":\"pressure\",\"whisker\":2,\"pressure_mpa\":0.120000}\n"
     );
 }

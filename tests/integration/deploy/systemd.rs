@@ -17,6 +17,11 @@ fn units() -> (TempDir, Vec<String>) {
         let text = std::fs::read_to_string(project().join(format!("deploy/systemd/{name}.service"))).unwrap();
         let installed = format!("/usr/local/bin/{name} ");
         assert!(text.contains(&format!("ExecStart={installed}{arguments}\n")));
+        let addition = folder.path().join(format!("{name}.service.d/raspberry-pi.conf"));
+        if let Ok(text) = std::fs::read_to_string(project().join(format!("deploy/systemd/{name}-pi.conf"))) {
+            std::fs::create_dir(addition.parent().unwrap()).unwrap();
+            std::fs::write(addition, text).unwrap();
+        }
         let path = folder.path().join(format!("{name}.service"));
         std::fs::write(&path, text.replace(&installed, &format!("{PROGRAM} "))).unwrap();
         path.to_str().unwrap().to_owned()

@@ -55,7 +55,7 @@ impl Agent {
 
     /// Drops the oldest messages until the outbox keeps its bound in bytes.
     pub(super) fn make_room(&mut self) {
-        let mut bytes = self.outbox.bytes() + self.earlier.iter().map(|boot| boot.outbox.bytes()).sum::<usize>();
+        let mut bytes = self.bytes_kept();
         while bytes > self.limits.outbox_bytes {
             let Some(oldest) = self.earlier.first_mut() else {
                 let before = self.outbox.bytes();
@@ -131,7 +131,7 @@ impl Agent {
         self.connected = false;
         self.introduced = None;
         for chamber in &mut self.chambers {
-            chamber.restart(self.limits.own_slew_mpa_per_s);
+            chamber.restart();
         }
         out.push(Output::Store(self.boot_record()));
         out.push(Output::Reconnect);
@@ -146,6 +146,9 @@ impl Agent {
     #[must_use]
     pub fn records(&self) -> Vec<Record> {
         let mut records = Vec::new();
+        if let Some((segment, bytes)) = self.spooling.as_ref().and_then(|spooling| spooling.position) {
+            records.push(Record::Spooled { segment, bytes });
+        }
         for chamber in &self.chambers {
             if let Some((epoch, version)) = chamber.seen {
                 records.push(Record::Seen { array: chamber.array.clone(), whisker: chamber.number, epoch, version });
@@ -168,7 +171,7 @@ fn add(records: &mut Vec<Record>, voice: &Voice, outbox: &Outbox, is_known: bool
     }
     for (seq, payload) in outbox.messages() {
         if let Some(payload) = Payload::new(payload) {
-            records.push(Record::Contacts { boot_id: voice.boot_id().clone(), seq, payload });
+            records.push(Record::Contacts { boot_id: voice.boot_id().clone(), seq, payload, spooled: None });
         }
     }
 }

@@ -1,17 +1,25 @@
 //! One whisker's chamber, as the agent knows it from the driver.
 
+use std::collections::BTreeMap;
+
 use vibrissa_protocol::{Gauge, Name, PlaceKind, Regulator, Setpoint, SetpointError, WhiskerFacts, WhiskerStatus};
 
 use vibrissa_regulator::{Command, Condition, Params};
 
 use super::ABSENT_AFTER_US;
+use super::below_zero::BelowZero;
+use super::gauge_watch::GaugeWatch;
+use super::motion::Motion;
+use super::partial::Partials;
 use super::strain::Stream;
-use crate::config::Limits;
+use crate::config::DriverLimits;
 use crate::contract::{Moment, Now, ReadingGain};
 use crate::driver::{Opening, ToDriver};
 
 /// Change of pressure that valves of small robots manage, in MPa/s.
 const VALVES_MPA_PER_S: f64 = 0.02;
+/// Most reasons for unused contacts that are told apart.
+const REASONS_MAX: usize = 16;
 /// Least excess of the supply over the target, in MPa.
 const SUPPLY_MARGIN_MPA: f64 = 0.005;
 
@@ -57,7 +65,7 @@ pub(super) struct Chamber {
     is_waiting: bool,
     /// Condition of the regulator as the driver states it.
     regulator: Option<Regulator>,
-    pub(super) gauge: Gauge,
+    gauge: Gauge,
     pub(super) temperature_c: Option<f64>,
     supply_mpa: Option<f64>,
     pub(super) applying: Option<Applying>,
@@ -67,14 +75,30 @@ pub(super) struct Chamber {
     pub(super) estimate: Option<ToDriver>,
     /// Regulates the pressure with pulses of the valves, if the driver does not.
     valves: Option<Box<vibrissa_regulator::Regulator>>,
-    /// Samples of the gauge, if the driver sends them.
+    /// Samples of the gauge, if a driver sends them, and that driver.
     pub(super) stream: Option<Box<Stream>>,
+    pub(super) strain_from: Option<usize>,
+    /// The motion, if another driver than that of the strain sends it.
+    pub(super) motion: Motion,
+    /// Contacts of which one driver has said a part.
+    pub(super) partials: Partials,
+    pub(super) gauge_watch: GaugeWatch,
+    pub(super) below_zero: BelowZero,
+    /// Contacts that could not be sent, by reason.
+    pub(super) unused: BTreeMap<String, u64>,
+    /// Moment of the last contact that was sent.
+    pub(super) contact_at: Option<Moment>,
+    /// The driver that reads the pressure.
+    pub(super) holder: Option<usize>,
+    /// Times and tolerances of that driver.
+    pub(super) limits: DriverLimits,
     /// Condition in the last status.
     pub(super) reported: (Regulator, Gauge),
 }
 
 impl Chamber {
-    pub(super) fn new(array: Name, facts: &WhiskerFacts, seen: Option<(u64, u64)>, limits: &Limits) -> Self {
+    /// `limits` are those of the first driver that serves the whisker, until one reads its pressure.
+    pub(super) fn new(array: Name, facts: &WhiskerFacts, seen: Option<(u64, u64)>, limits: DriverLimits) -> Self {
         Self {
             array,
             number: facts.whisker,
@@ -96,6 +120,15 @@ impl Chamber {
             estimate: None,
             valves: limits.regulate.then(|| Box::new(valves(facts.pressure_max_mpa))),
             stream: None,
+            strain_from: None,
+            motion: Motion::default(),
+            partials: Partials::default(),
+            gauge_watch: GaugeWatch::default(),
+            below_zero: BelowZero::default(),
+            unused: BTreeMap::new(),
+            contact_at: None,
+            holder: None,
+            limits,
             reported: (Regulator::Ok, Gauge::Ok),
         }
     }
@@ -117,9 +150,9 @@ impl Chamber {
     }
 
     /// Returns to the nominal pressure, as at a start.
-    pub(super) fn restart(&mut self, slew_mpa_per_s: f64) {
+    pub(super) fn restart(&mut self) {
         self.target_mpa = self.nominal_mpa;
-        self.slew_mpa_per_s = slew_mpa_per_s;
+        self.slew_mpa_per_s = self.limits.own_slew_mpa_per_s;
         self.applying = None;
         self.gain = ReadingGain::new(self.nominal_mpa);
         self.estimate = None;
@@ -127,7 +160,7 @@ impl Chamber {
     }
 
     /// Begins to apply a setpoint.
-    pub(super) fn apply(&mut self, setpoint: &Setpoint, now: Now, limits: &Limits) {
+    pub(super) fn apply(&mut self, setpoint: &Setpoint, now: Now) {
         self.target_mpa = setpoint.pressure_mpa;
         self.slew_mpa_per_s = setpoint.slew_mpa_per_s;
         let way_mpa = self.reading.map_or(self.max_mpa, |reading| (self.target_mpa - reading.pressure_mpa).abs());
@@ -135,7 +168,7 @@ impl Chamber {
         self.applying = Some(Applying {
             command_id: setpoint.command_id.clone(),
             reading_gain: setpoint.reading_gain,
-            fails_at: now.at + way_us + limits.fail_after_us,
+            fails_at: now.at + way_us + self.limits.fail_after_us,
             near_since: None,
             is_settled: false,
         });
@@ -149,21 +182,22 @@ impl Chamber {
     }
 
     /// Changes the pressure without a setpoint.
-    pub(super) fn leave(&mut self, target_mpa: f64, slew_mpa_per_s: f64) {
+    pub(super) fn leave(&mut self, target_mpa: f64) {
         self.target_mpa = target_mpa;
-        self.slew_mpa_per_s = slew_mpa_per_s;
+        self.slew_mpa_per_s = self.limits.own_slew_mpa_per_s;
         self.gain.left(target_mpa);
     }
 
     /// Takes a reading.
-    pub(super) fn read(&mut self, reading: Reading, limits: &Limits) {
+    pub(super) fn read(&mut self, reading: Reading) {
         // A line that was on its way before the setpoint says nothing of it, nor does an older one than the newest.
         (self.reading, self.is_waiting) = (Some(reading), false);
-        let is_near = (reading.pressure_mpa - self.target_mpa).abs() <= limits.tolerance_mpa;
+        let is_near = (reading.pressure_mpa - self.target_mpa).abs() <= self.limits.tolerance_mpa;
+        let settle_us = self.limits.settle_us;
         if let Some(applying) = &mut self.applying {
             let since = applying.near_since.filter(|_| is_near).or(is_near.then_some(reading.at));
             applying.near_since = since;
-            applying.is_settled = since.is_some_and(|since| reading.at >= since + limits.settle_us);
+            applying.is_settled = since.is_some_and(|since| reading.at >= since + settle_us);
         }
     }
 
@@ -204,20 +238,36 @@ impl Chamber {
         self.gauge = gauge.unwrap_or(self.gauge);
     }
 
-    /// The driver is absent: nothing is known of the chamber.
+    /// The driver that reads the pressure is absent: nothing is known of the chamber.
     pub(super) fn forget(&mut self) {
         (self.reading, self.is_waiting) = (None, false);
         self.regulator = None;
-        self.stream = None;
+    }
+
+    /// Another driver reads the pressure from now on.
+    pub(super) fn hand_over(&mut self, holder: usize, limits: DriverLimits) {
+        self.holder = Some(holder);
+        self.limits = limits;
+        self.regulator = None;
+        let max_mpa = self.max_mpa;
+        self.valves = limits.regulate.then(|| Box::new(valves(max_mpa)));
+    }
+
+    /// A driver has gone, and with it its samples, its motion and its parts of contacts.
+    pub(super) fn lose(&mut self, driver: usize) {
+        if self.strain_from == Some(driver) {
+            (self.stream, self.strain_from) = (None, None);
+        }
+        self.motion.lose(driver);
     }
 
     /// The driver has gone, as for a restart: the last reading is reported until it is known to be absent.
-    pub(super) fn wait(&mut self, now: Now, limits: &Limits) {
-        self.is_waiting |= self.present_reading().is_some_and(|reading| now.at < reading.at + limits.driver_silent_us);
+    pub(super) fn wait(&mut self, now: Now) {
+        let silent_us = self.limits.silent_us;
+        self.is_waiting |= self.present_reading().is_some_and(|reading| now.at < reading.at + silent_us);
         if !self.is_waiting {
             return self.forget();
         }
-        self.stream = None;
         if let Some(applying) = &mut self.applying {
             (applying.near_since, applying.is_settled) = (None, false);
         }
@@ -229,8 +279,8 @@ impl Chamber {
     }
 
     /// Moment at which the newest reading becomes too old.
-    fn reading_ends_at(&self, limits: &Limits) -> Option<Moment> {
-        let silent_us = limits.driver_silent_us;
+    fn reading_ends_at(&self) -> Option<Moment> {
+        let silent_us = self.limits.silent_us;
         Some(self.reading?.at + if self.is_waiting { silent_us.max(ABSENT_AFTER_US) } else { silent_us })
     }
 
@@ -243,42 +293,58 @@ impl Chamber {
     }
 
     /// Moment at which the newest reading becomes too old, if the condition in the last status does not say so yet.
-    pub(super) fn silent_at(&self, limits: &Limits) -> Option<Moment> {
-        let at = self.reading_ends_at(limits)?;
+    pub(super) fn silent_at(&self) -> Option<Moment> {
+        let at = self.reading_ends_at()?;
         (self.reported.0 != Regulator::Fault).then_some(at)
     }
 
+    /// Counts a contact that cannot be sent. A driver cannot make reasons without end.
+    pub(super) fn count_unused(&mut self, reason: &str) {
+        let is_known = self.unused.len() < REASONS_MAX || self.unused.contains_key(reason);
+        *self.unused.entry(if is_known { reason } else { "other reasons" }.to_owned()).or_default() += 1;
+    }
+
+    /// Moment at which values wait no longer for those of another driver.
+    pub(super) fn values_until(&self) -> Option<Moment> {
+        self.motion.until().into_iter().chain(self.partials.until()).min()
+    }
+
     /// Condition of regulator and gauge.
-    pub(super) fn condition(&self, now: Now, limits: &Limits) -> (Regulator, Gauge) {
-        let is_known = self.reading_ends_at(limits).is_some_and(|end| now.at < end);
+    pub(super) fn condition(&self, now: Now) -> (Regulator, Gauge) {
+        let is_known = self.reading_ends_at().is_some_and(|end| now.at < end);
         let Some(reading) = self.reading.filter(|_| is_known) else {
-            return (Regulator::Fault, self.gauge);
+            return (Regulator::Fault, self.gauge());
         };
         let regulator = self.regulator.unwrap_or_else(|| {
             let below_mpa = self.target_mpa - reading.pressure_mpa;
             let is_low = self.supply_mpa.is_some_and(|supply_mpa| supply_mpa < self.target_mpa + SUPPLY_MARGIN_MPA);
-            if below_mpa > limits.tolerance_mpa {
+            if below_mpa > self.limits.tolerance_mpa {
                 if is_low { Regulator::SupplyLow } else { Regulator::Filling }
-            } else if below_mpa < -limits.tolerance_mpa {
+            } else if below_mpa < -self.limits.tolerance_mpa {
                 Regulator::Venting
             } else {
                 Regulator::Ok
             }
         });
-        (regulator, self.gauge)
+        (regulator, self.gauge())
+    }
+
+    /// Condition of the gauge as the driver states it, or else as its strains show it.
+    fn gauge(&self) -> Gauge {
+        if self.gauge == Gauge::Ok && self.gauge_watch.is_clipped() { Gauge::Saturated } else { self.gauge }
     }
 
     /// Reason why the setpoint was not reached in time.
-    pub(super) fn failure(&self, now: Now, limits: &Limits) -> SetpointError {
-        match self.condition(now, limits).0 {
+    pub(super) fn failure(&self, now: Now) -> SetpointError {
+        match self.condition(now).0 {
             Regulator::SupplyLow => SetpointError::SupplyLow,
             Regulator::Leak => SetpointError::Leak,
             Regulator::Ok | Regulator::Filling | Regulator::Venting | Regulator::Fault => SetpointError::Fault,
         }
     }
 
-    pub(super) fn status(&self, now: Now, limits: &Limits) -> WhiskerStatus {
-        let (regulator, gauge) = self.condition(now, limits);
+    pub(super) fn status(&self, now: Now) -> WhiskerStatus {
+        let (regulator, gauge) = self.condition(now);
         WhiskerStatus {
             array: self.array.clone(),
             whisker: self.number,

@@ -40,9 +40,9 @@ impl Agent {
             return;
         }
         for chamber in &mut self.chambers {
-            chamber.reported = chamber.condition(now, &self.limits);
+            chamber.reported = chamber.condition(now);
         }
-        let whiskers = self.chambers.iter().map(|chamber| chamber.status(now, &self.limits)).collect();
+        let whiskers = self.chambers.iter().map(|chamber| chamber.status(now)).collect();
         let status = self.voice.status(now.stamp_us, whiskers, self.messages_dropped());
         self.status_sent = now.at;
         self.status_at = now.at + self.limits.status_every_us;
@@ -60,7 +60,7 @@ impl Agent {
 
     /// Brings the next status forward if a condition differs from the last report.
     pub(super) fn report_change(&mut self, now: Now) {
-        if self.chambers.iter().any(|chamber| chamber.condition(now, &self.limits) != chamber.reported) {
+        if self.chambers.iter().any(|chamber| chamber.condition(now) != chamber.reported) {
             self.status_at = self.status_at.min(now.at.max(self.status_sent + STATUS_PAUSE_US));
         }
     }
@@ -71,11 +71,16 @@ impl Agent {
         if self.batch.is_empty() && self.missed.is_empty() {
             return;
         }
-        let message: Contacts = self.voice.contacts(std::mem::take(&mut self.batch), std::mem::take(&mut self.missed));
+        let (contacts, missed) = (std::mem::take(&mut self.batch), std::mem::take(&mut self.missed));
+        let message = self.alone(contacts, missed);
+        if self.must_spool(encode(&message).len()) {
+            return self.spool(&message, out);
+        }
+        let message: Contacts = self.voice.contacts(message.contacts, message.missed);
         let payload = encode(&message);
         if let Some(stored) = Payload::new(&payload) {
             let (boot_id, seq) = (message.boot_id, message.seq);
-            out.push(Output::Store(Record::Contacts { boot_id, seq, payload: stored }));
+            out.push(Output::Store(Record::Contacts { boot_id, seq, payload: stored, spooled: None }));
         }
         self.outbox.keep(message.seq, payload.clone(), self.connected.then_some(now.at));
         self.make_room();

@@ -1,15 +1,25 @@
 //! The agent: the contract's rules between a driver and the broker, without sockets and clock.
 //!
-//! [`Agent::step`] takes one input and returns what to do. Call it with [`Input::Tick`] at [`Agent::next_deadline`], too.
-//! Deadlines are [`Moment`]s, which no correction of a clock moves.
+//! [`Agent::step`] takes one input and returns what to do. Call it with [`Input::Tick`] at [`Agent::next_deadline`],
+//! too. Deadlines are [`Moment`]s, which no correction of a clock moves.
 
+mod below_zero;
 mod boots;
 mod chamber;
+mod contacts;
+mod drivers;
+mod gauge_watch;
 mod lines;
 mod messages;
+mod motion;
+mod motion_lines;
 mod orders;
+mod partial;
+pub mod snapshot;
+mod spool;
 mod strain;
 mod times;
+mod unit;
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -20,12 +30,14 @@ use crate::config::{Config, Limits};
 use crate::contract::births::DELAY_MAX_US;
 use crate::contract::{Births, Commands, EstimateOrder, Facts, Moment, Now, Outbox, Supervision, TouchTests, Voice};
 use crate::driver::ToDriver;
+use crate::store::spool::Position;
 use crate::store::{Record, Stored};
 
 use boots::Earlier;
 use chamber::Chamber;
+use drivers::Driver;
 use orders::UnderWay;
-use times::{Rate, Times};
+use spool::Spooling;
 
 /// An input of the agent.
 #[derive(Debug, Clone, Copy)]
@@ -38,12 +50,17 @@ pub enum Input<'a> {
     Message(RobotTopic, &'a [u8]),
     /// A message to all robots of the fleet has arrived. The number is random, for the delay of an answer.
     RequestToAll(&'a [u8], u64),
-    /// The driver can be heard, from now on or anew.
-    DriverStarted,
+    /// The driver of this index in the configuration can be heard, from now on or anew.
+    DriverStarted(usize),
     /// The driver has gone.
-    DriverEnded,
+    DriverEnded(usize),
     /// A line of the driver; `None` in place of one that was too long.
-    Line(Option<&'a [u8]>),
+    Line(usize, Option<&'a [u8]>),
+    /// Contacts that have come back from the disk, with the position after them; `None` if nothing waits there any
+    /// more.
+    CameBack(Option<(&'a [u8], Position)>),
+    /// So many messages were lost on the disk.
+    LostOnDisk(u64),
     /// Time has passed.
     Tick,
 }
@@ -53,19 +70,26 @@ pub enum Input<'a> {
 pub enum Output {
     /// Publish a message.
     Publish(RobotTopic, Vec<u8>),
-    /// Send a line to the driver.
-    Tell(ToDriver),
+    /// Send a line to the driver of this index.
+    Tell(usize, ToDriver),
+    /// Tell a person, once for each cause: a sentence for the log.
+    Warn(String),
+    /// Write contacts to the disk, after those that wait there.
+    Spool(Vec<u8>),
+    /// Give so many of the oldest messages on the disk back by [`Input::CameBack`].
+    TakeBack(usize),
     /// Store a record, before the messages that follow it are published.
     Store(Record),
-    /// The driver has been silent for too long: start it again, or wait for it anew.
-    RestartDriver,
+    /// The driver has been silent for too long: start it again, or wait for it anew. The text says what it does
+    /// instead.
+    RestartDriver(usize, String),
     /// Cut the connection without a farewell and connect again: another boot has begun.
     Reconnect,
 }
 
-/// Time without a reading, since the start or the last reading of a driver that has gone, after which the driver counts as
-/// absent. Until then nothing is known of the chambers, which is no fault. A driver that is there and silent is one earlier. The
-/// contract asks for a status at least every 10 s.
+/// Time without a reading, since the start or the last reading of a driver that has gone, after which the driver counts
+/// as absent. Until then nothing is known of the chambers, which is no fault. A driver that is there and silent is one
+/// earlier. The contract asks for a status at least every 10 s.
 const ABSENT_AFTER_US: u64 = 9_000_000;
 
 /// Counts since the start.
@@ -79,25 +103,12 @@ pub struct Counts {
     pub lines_refused: u64,
     /// Contacts and missed touches taken.
     pub contacts: u64,
-    /// Contacts that the segmenter found and that could not be sent, for instance without a deflection.
+    /// Contacts that were found and could not be sent, for instance without a deflection.
     pub contacts_unusable: u64,
     /// Messages from the network that were refused.
     pub messages_refused: u64,
     /// Times that the driver was found silent.
     pub driver_silences: u64,
-}
-
-/// State of the driver.
-#[derive(Debug, Default)]
-struct DriverState {
-    is_there: bool,
-    /// Moment of its last line, or of its start.
-    heard: Moment,
-    /// Lines since its start.
-    lines: u64,
-    times: Times,
-    /// Lines that are the agent's own, sent back.
-    echoes: u64,
 }
 
 /// One robot's agent.
@@ -124,7 +135,9 @@ pub struct Agent {
     first_boot_id: BootId,
     /// Boots since the start, besides the first one.
     reboots: u64,
-    /// Messages of earlier boots that had no room.
+    /// Contacts on the disk, if there is an outbox there.
+    spooling: Option<Spooling>,
+    /// Messages of earlier boots that had no room, and those lost on the disk.
     dropped_earlier: u64,
     /// Contacts of the incomplete message, and the moment at which it is sent.
     batch: Vec<Contact>,
@@ -132,29 +145,33 @@ pub struct Agent {
     batch_until: Option<Moment>,
     status_at: Moment,
     status_sent: Moment,
-    /// Until then the agent says nothing of its chambers, unless it knows all pressures before: a driver has just started.
+    /// Until then the agent says nothing of its chambers, unless it knows all pressures before: a driver has just
+    /// started.
     unknown_until: Option<Moment>,
-    driver: DriverState,
-    contact_rate: Rate,
-    error_rate: Rate,
-    greeting_rate: Rate,
+    drivers: Vec<Driver>,
     counts: Counts,
 }
 
 impl Agent {
-    /// An agent that starts now, in a new boot, with what earlier boots have stored. Also returns the records of its state,
-    /// with which the store begins anew.
+    /// An agent that starts now, in a new boot, with what earlier boots have stored. Also returns the records of its
+    /// state, with which the store begins anew.
     #[must_use]
     pub fn new(config: &Config, boot_id: BootId, stored: Stored, now: Now) -> (Self, Vec<Record>) {
         let mut chambers = Vec::new();
         for array in &config.facts.arrays {
             for whisker in &array.whiskers {
                 let seen = stored.seen.get(&(array.array.clone(), whisker.whisker)).copied();
-                chambers.push(Chamber::new(array.array.clone(), whisker, seen, &config.limits));
+                let place = (array.array.clone(), whisker.whisker);
+                // The configuration has a driver for each whisker.
+                let Some(first) = config.drivers.iter().find(|driver| driver.whiskers.contains(&place)) else {
+                    continue;
+                };
+                chambers.push(Chamber::new(array.array.clone(), whisker, seen, first.limits));
             }
         }
         let places = chambers.iter().enumerate().map(|(at, one)| ((one.array.clone(), one.number), at)).collect();
         let limits = config.limits.clone();
+        let drivers = config.drivers.iter().map(|driver| Driver::new(driver, &chambers, &limits, now)).collect();
         let mut agent = Self {
             fleet: config.fleet.clone(),
             robot: config.robot.clone(),
@@ -174,6 +191,7 @@ impl Agent {
             supervision: Supervision::new(limits.supervisor_lost_after_us),
             outbox: Outbox::new(limits.outbox_messages),
             earlier: Vec::new(),
+            spooling: config.spool().map(|_| Spooling::new(stored.is_spooled, stored.spooled)),
             dropped_earlier: 0,
             batch: Vec::new(),
             missed: Vec::new(),
@@ -181,10 +199,7 @@ impl Agent {
             status_at: now.at,
             status_sent: now.at,
             unknown_until: Some(now.at + ABSENT_AFTER_US),
-            driver: DriverState { heard: now.at, ..DriverState::default() },
-            contact_rate: Rate::new(limits.contacts_per_s, now.at),
-            error_rate: Rate::new(lines::ERRORS_PER_S, now.at),
-            greeting_rate: Rate::new(lines::GREETINGS_PER_S, now.at),
+            drivers,
             counts: Counts::default(),
             limits,
         };
@@ -211,12 +226,11 @@ impl Agent {
             Input::Disconnected => self.connected = false,
             Input::Message(topic, payload) => self.receive(topic, payload, now, &mut out),
             Input::RequestToAll(payload, random) => self.requested_of_all(payload, random, now),
-            Input::DriverStarted => {
-                self.driver = DriverState { is_there: true, heard: now.at, ..DriverState::default() };
-                self.greet(now, &mut out);
-            }
-            Input::DriverEnded => self.driver_ended(now, &mut out),
-            Input::Line(line) => self.line(line, now, &mut out),
+            Input::DriverStarted(from) => self.driver_started(from, now, &mut out),
+            Input::DriverEnded(from) => self.driver_ended(from, now, &mut out),
+            Input::Line(from, line) => self.line(from, line, now, &mut out),
+            Input::CameBack(back) => self.came_back(back, now, &mut out),
+            Input::LostOnDisk(messages) => self.lost_on_disk(messages),
             Input::Tick => {}
         }
         self.tick(now, &mut out);
@@ -228,12 +242,8 @@ impl Agent {
         if self.batch_until.is_some_and(|due| due <= now.at) {
             self.flush(now, out);
         }
-        if self.driver.is_there && now.at >= self.driver.heard + self.limits.driver_silent_us {
-            self.counts.driver_silences += 1;
-            self.driver_ended(now, out);
-            self.chambers.iter_mut().for_each(Chamber::forget);
-            out.push(Output::RestartDriver);
-        }
+        self.miss_drivers(now, out);
+        self.miss_values(now, out);
         self.follow_setpoints(now, out);
         self.follow_tests(now, out);
         self.miss_supervisor(now, out);
@@ -245,6 +255,7 @@ impl Agent {
             self.announce(now, out);
         }
         self.resend(now, out);
+        self.ask_back(out);
         self.know_chambers(now);
         self.report_change(now);
         if self.status_at <= now.at {
@@ -256,15 +267,16 @@ impl Agent {
     #[must_use]
     pub fn next_deadline(&self) -> Moment {
         let connected = |at: Option<Moment>| at.filter(|_| self.connected);
-        let there = |at: Option<Moment>| at.filter(|_| self.driver.is_there);
         let chambers = self.chambers.iter();
         [
             self.batch_until,
             self.supervision.lost_at(),
-            there(Some(self.driver.heard + self.limits.driver_silent_us)),
-            there(chambers.clone().map(|one| one.sent_at + self.limits.repeat_us).min()),
+            self.drivers.iter().filter_map(Driver::silent_at).min(),
+            self.repeat_at(),
             chambers.clone().filter_map(Chamber::fails_at).min(),
-            chambers.filter_map(|one| one.silent_at(&self.limits)).min(),
+            // Only a status says it.
+            connected(chambers.clone().filter_map(Chamber::silent_at).min()),
+            chambers.filter_map(Chamber::values_until).min(),
             self.under_way.iter().map(|one| one.until).min(),
             connected(self.births.due()),
             connected(Some(self.unknown_until.unwrap_or(self.status_at))),

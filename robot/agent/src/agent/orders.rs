@@ -21,6 +21,8 @@ pub(super) struct UnderWay {
     pub(super) whisker: usize,
     pub(super) until: Moment,
     pub(super) is_running: bool,
+    /// The driver that does it, once one has said so.
+    pub(super) driver: Option<usize>,
     /// Touches that may still come.
     pub(super) touches_left: u16,
 }
@@ -37,8 +39,8 @@ impl Agent {
         self.note_seen(at, before, out);
         let id = setpoint.command_id.as_str();
         match (verdict, at) {
-            (Verdict::Take, Some(_)) if !self.driver.is_there => {
-                self.answer(id, at, CommandAnswer::rejected(SetpointError::NotReady), now, out);
+            (Verdict::Take, Some(at)) if !self.is_held(at) => {
+                self.answer(id, Some(at), CommandAnswer::rejected(SetpointError::NotReady), now, out);
             }
             (Verdict::Take, Some(at)) => self.take(setpoint, at, now, out),
             (Verdict::Again(answer), _) => self.answer(id, at, answer, now, out),
@@ -63,7 +65,7 @@ impl Agent {
         let id = setpoint.command_id.as_str();
         self.answer(id, Some(at), CommandAnswer::plain(SetpointOutcome::Received), now, out);
         self.supersede(at, now, out);
-        self.chambers[at].apply(setpoint, now, &self.limits);
+        self.chambers[at].apply(setpoint, now);
         self.tell_pressure(at, now, out);
         self.answer(id, Some(at), CommandAnswer::plain(SetpointOutcome::Applying), now, out);
     }
@@ -85,31 +87,35 @@ impl Agent {
         self.publish(RobotTopic::SetpointState, encode(&state), out);
     }
 
-    /// Tells the driver what to hold.
+    /// Tells the drivers of a whisker what to hold.
     pub(super) fn tell_pressure(&mut self, at: usize, now: Now, out: &mut Vec<Output>) {
-        let chamber = &mut self.chambers[at];
-        chamber.sent_at = now.at;
-        out.push(Output::Tell(chamber.set_pressure()));
+        self.chambers[at].sent_at = now.at;
+        self.tell(at, &self.chambers[at].set_pressure(), out);
         self.tell_gain(at, out);
     }
 
-    /// Tells the driver the factor on the readings, if it applies gains. Older drivers do not know the line.
+    /// Tells the drivers the factor on the readings, if they apply gains. Older drivers do not know the line.
     pub(super) fn tell_gain(&self, at: usize, out: &mut Vec<Output>) {
-        if self.facts.applies_gain && self.driver.is_there {
-            out.push(Output::Tell(self.chambers[at].reading_gain()));
+        if self.facts.applies_gain {
+            self.tell(at, &self.chambers[at].reading_gain(), out);
         }
     }
 
-    /// Tells the driver again what to hold, and the factor on its readings, so that it can notice a dead agent by its silence.
+    /// Tells the drivers again what to hold, and the factor on their readings, so that they can notice a dead agent by
+    /// its silence.
     pub(super) fn repeat_pressures(&mut self, now: Now, out: &mut Vec<Output>) {
-        if !self.driver.is_there {
-            return;
-        }
         for at in 0..self.chambers.len() {
-            if now.at >= self.chambers[at].sent_at + self.limits.repeat_us {
+            let chamber = &self.chambers[at];
+            if now.at >= chamber.sent_at + chamber.limits.repeat_us && self.is_served(at) {
                 self.tell_pressure(at, now, out);
             }
         }
+    }
+
+    /// Moment of the next repetition.
+    pub(super) fn repeat_at(&self) -> Option<Moment> {
+        let served = (0..self.chambers.len()).filter(|&at| self.is_served(at));
+        served.map(|at| self.chambers[at].sent_at + self.chambers[at].limits.repeat_us).min()
     }
 
     /// Reports setpoints that have been reached, and those that have failed.
@@ -120,7 +126,7 @@ impl Agent {
             let (answer, id) = if chamber.is_settled() {
                 (CommandAnswer::plain(SetpointOutcome::Applied), chamber.applied())
             } else if now.at >= fails_at {
-                let error = Some(chamber.failure(now, &self.limits));
+                let error = Some(chamber.failure(now));
                 let id = chamber.applying.take().map(|applying| applying.command_id);
                 (CommandAnswer { outcome: SetpointOutcome::Failed, error }, id)
             } else {
@@ -146,8 +152,8 @@ impl Agent {
                 return;
             };
             self.supersede(at, now, out);
-            self.chambers[at].leave(target_mpa, self.limits.own_slew_mpa_per_s);
-            if self.driver.is_there {
+            self.chambers[at].leave(target_mpa);
+            if self.is_served(at) {
                 self.tell_pressure(at, now, out);
             }
         }
@@ -175,9 +181,7 @@ impl Agent {
             let before = chamber.gain.factor();
             chamber.gain.estimated(one.pressure_mpa, one.reading_gain);
             let has_other_gain = chamber.gain.factor() != before;
-            if self.driver.is_there {
-                out.push(Output::Tell(line));
-            }
+            self.tell(at, &line, out);
             if has_other_gain {
                 self.tell_gain(at, out);
             }
@@ -189,7 +193,7 @@ impl Agent {
         let at = self.places.get(&(test.array.clone(), test.whisker)).copied();
         let is_busy = self.under_way.iter().any(|one| Some(one.whisker) == at);
         let before = at.and_then(|at| self.chambers[at].seen);
-        let is_there = self.driver.is_there;
+        let is_there = at.is_some_and(|at| self.is_served(at));
         let tested = at.map(|at| &mut self.chambers[at]).map(|chamber| Tested {
             is_ready: is_there && !is_busy && chamber.applying.is_none(),
             seen: &mut chamber.seen,
@@ -205,9 +209,10 @@ impl Agent {
                     whisker,
                     until: now.at + TEST_US + TOUCH_US * u64::from(test.contacts),
                     is_running: false,
+                    driver: None,
                     touches_left: test.contacts,
                 });
-                out.push(Output::Tell(ToDriver::Test {
+                let line = ToDriver::Test {
                     test_id: test.test_id,
                     array: test.array,
                     whisker: test.whisker,
@@ -215,7 +220,8 @@ impl Agent {
                     distances_mm: test.distances_mm,
                     deflections_mm: test.deflections_mm,
                     contacts: test.contacts,
-                }));
+                };
+                self.tell(whisker, &line, out);
             }
             (TestVerdict::Again(answer), _) => self.answer_test(&test.test_id, answer, now, out),
             (TestVerdict::Reject(error), _) => {

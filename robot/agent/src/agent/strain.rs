@@ -3,14 +3,16 @@
 use vibrissa_protocol::PlaceKind;
 use vibrissa_segmenter::{Contact, Event, Params, Sample, Segmenter};
 
+use super::motion::Joined;
 use super::{Agent, Output};
 use crate::contract::Now;
 use crate::driver::BadLine;
-use crate::driver::words::{self, SAMPLES_MAX, Samples};
+use crate::driver::words::{self, Origin, SAMPLES_MAX, Samples};
 
 /// Shortest and longest time between two samples, in microseconds.
 const EVERY_US: (u64, u64) = (500, 100_000);
-/// Difference between the expected and the reported time of a sample beyond which a stream begins anew, in microseconds.
+/// Difference between the expected and the reported time of a sample beyond which a stream begins anew, in
+/// microseconds.
 const JUMP_US: u64 = 1_000_000;
 /// Part by which the time of an unstamped line follows that of its receipt: lines come early and late.
 const FOLLOWED: i64 = 50;
@@ -46,7 +48,7 @@ impl Stream {
 }
 
 /// A value for each sample: a list, or one for all.
-fn value(samples: Option<&Samples>, at: usize) -> Option<f64> {
+pub(super) fn value(samples: Option<&Samples>, at: usize) -> Option<f64> {
     match samples? {
         Samples::One(one) => Some(*one),
         Samples::Many(many) => many.get(at).copied(),
@@ -55,25 +57,39 @@ fn value(samples: Option<&Samples>, at: usize) -> Option<f64> {
 
 impl Agent {
     /// Takes samples, and sends the contacts that end with them.
-    pub(super) fn strain(&mut self, line: &words::Strain, now: Now, out: &mut Vec<Output>) -> Result<(), BadLine> {
-        let (at, t_us) = self.place(&line.origin(), now)?;
-        if self.chambers[at].place == PlaceKind::Ratio {
+    pub(super) fn strain(
+        &mut self,
+        from: usize,
+        line: &words::Strain,
+        now: Now,
+        out: &mut Vec<Output>,
+    ) -> Result<(), BadLine> {
+        let every_us = checked(line)?;
+        let strains = line.strain.as_slice();
+        let span_us = (strains.len() as u64 - 1) * every_us;
+        let (at, t_us) = self.place(from, &Origin { span_us, ..line.origin() }, now)?;
+        if self.chambers[at].place == PlaceKind::Ratio && !self.is_shared(at) {
             return Err(BadLine::new(
                 "strain gives no contact ratio, but agent.toml states place RATIO for the whisker",
                 "state place = \"DISTANCE\", \"TIP\" or \"UNKNOWN\" there, or send `contact`",
             ));
         }
-        let every_us = checked(line)?;
-        let strains = line.strain.as_slice();
+        self.hold_gauge(at, from)?;
         let stamp_us = line.t_us.or(line.t_ms.map(|t_ms| t_ms * 1000));
         let params = self.limits.segmenter;
-        let stream = &mut self.chambers[at].stream;
+        let chamber = &mut self.chambers[at];
+        let (stream, motion) = (&mut chamber.stream, &mut chamber.motion);
         let stream = stream.get_or_insert_with(|| Box::new(Stream::new(params)));
         let first_us = stream.first_us(stamp_us, now.at.as_us(), strains.len() as u64, every_us, params);
+        if stream.newest_us.is_none() {
+            motion.forget_waiting();
+        }
         // From the stream's clock to the robot's.
         let begin_us = if stamp_us.is_some() { first_us } else { now.at.as_us() };
         let offset_us = t_us.cast_signed().saturating_sub(begin_us.cast_signed());
-        let mut found = Vec::new();
+        let is_whole = line.deflection_mm.is_some() || motion.from(now).is_none_or(|other| other == from);
+        // What waits comes first.
+        let mut samples = if is_whole { motion.flush() } else { Vec::new() };
         for (index, &strain) in strains.iter().enumerate() {
             let sample = Sample {
                 t_us: first_us + index as u64 * every_us,
@@ -83,30 +99,68 @@ impl Agent {
                 distance_mm: value(line.distance_mm.as_ref(), index),
             };
             stream.newest_us = Some(sample.t_us);
-            if let Some(Event::Contact(contact)) = stream.segmenter.push(sample) {
-                found.push(contact);
+            if is_whole {
+                samples.push((sample, offset_us));
+            } else {
+                motion.wait(sample, offset_us, now);
             }
         }
+        samples.extend(motion.ready(now));
+        self.feel(at, from, samples, line.test_id.as_deref(), now, out)
+    }
+
+    /// Gives samples to the segmenter, and sends the contacts that end with them; the first problem of one.
+    pub(super) fn feel(
+        &mut self,
+        at: usize,
+        from: usize,
+        samples: Vec<Joined>,
+        test_id: Option<&str>,
+        now: Now,
+        out: &mut Vec<Output>,
+    ) -> Result<(), BadLine> {
+        let (mut found, mut findings) = (Vec::new(), Vec::new());
+        let chamber = &mut self.chambers[at];
+        let gauge_watch = &mut chamber.gauge_watch;
+        let Some(stream) = &mut chamber.stream else { return Ok(()) };
+        for (sample, offset_us) in samples {
+            findings.extend(gauge_watch.sample(sample.strain, sample.deflection_mm));
+            if let Some(Event::Contact(contact)) = stream.segmenter.push(sample) {
+                let saturated = gauge_watch.ended() || contact.saturated;
+                found.push((Contact { saturated, ..contact }, offset_us));
+            }
+        }
+        findings.into_iter().for_each(|finding| self.warn_of_gauge(at, Some(finding), out));
         let mut taken = Ok(());
-        for contact in found {
-            if let Err(problem) = self.segmented(at, &contact, offset_us, line.test_id.clone(), now, out) {
+        for (contact, offset_us) in found {
+            let t_us = contact.measured_us.saturating_add_signed(offset_us);
+            let test_id = test_id.or_else(|| self.chambers[at].motion.test_at(t_us)).map(str::to_owned);
+            let sent = match self.segmented(at, &contact, t_us, test_id) {
+                Ok(Some(line)) => self.send_contact(from, at, t_us, line, now, out),
+                Ok(None) => {
+                    self.chambers[at].count_unused("a contact was not at the tip");
+                    continue;
+                }
+                Err(bad) => Err(bad),
+            };
+            if let Err(bad) = sent {
                 self.counts.contacts_unusable += 1;
-                taken = taken.and(Err(problem));
+                self.chambers[at].count_unused(&bad.problem);
+                taken = taken.and(Err(bad));
             }
         }
         taken
     }
 
-    /// Sends a contact that the segmenter has found, with the place that `agent.toml` states for the whisker.
+    /// A contact that the segmenter has found, with the place that `agent.toml` states for the whisker; none if it is
+    /// not at that place.
     fn segmented(
-        &mut self,
+        &self,
         at: usize,
         found: &Contact,
-        offset_us: i64,
+        t_us: u64,
         test_id: Option<String>,
-        now: Now,
-        out: &mut Vec<Output>,
-    ) -> Result<(), BadLine> {
+    ) -> Result<Option<words::Contact>, BadLine> {
         let chamber = &self.chambers[at];
         if found.saturated {
             return Err(BadLine::new("a contact was beyond the limit of the gauge", "touch more softly"));
@@ -114,33 +168,39 @@ impl Agent {
         let deflection_mm = found.deflection_mm.map(f64::abs).ok_or_else(|| {
             BadLine::new(
                 "a contact was found, but not how far the whisker was deflected",
-                "send deflection_mm with the samples: the position of the motion, with any offset",
+                "send deflection_mm, the position of the motion, with the samples, or as `motion` of another driver",
             )
         })?;
         let gauges = found.distance.map(|distance| (distance.mm, Some(distance.sd_mm)));
         let distance = found.distance_mm.map(|mm| (mm, None)).or(gauges);
+        let ratio = chamber.motion.at(t_us).and_then(|point| point.ratio);
         let (distance, tip) = match chamber.place {
-            // Refused before; a ratio would need the present length.
-            PlaceKind::Ratio => return Ok(()),
             PlaceKind::Unknown if test_id.is_none() => (None, false),
-            PlaceKind::Tip if test_id.is_none() && !found.tip => return Ok(()),
+            PlaceKind::Tip if test_id.is_none() && !found.tip => return Ok(None),
             PlaceKind::Tip => (distance, found.tip),
+            PlaceKind::Ratio if ratio.is_none() && distance.is_none() => {
+                return Err(BadLine::new(
+                    "a contact was found, but not its ratio",
+                    "let the driver of the motion send ratio, or state another place in agent.toml",
+                ));
+            }
+            PlaceKind::Ratio => (distance.filter(|_| ratio.is_none()), false),
             PlaceKind::Distance | PlaceKind::Unknown if distance.is_none() => {
                 return Err(BadLine::new(
                     "a contact was found, but not its distance from the base",
-                    "send distance_mm with the samples, or strain_2 of a second gauge",
+                    "send distance_mm with the samples or the motion, or strain_2 of a second gauge",
                 ));
             }
             PlaceKind::Distance | PlaceKind::Unknown => (distance, false),
         };
-        let contact = words::Contact {
+        Ok(Some(words::Contact {
             array: Some(chamber.array.clone()),
             whisker: chamber.number,
-            t_us: Some(now.system_time_of(found.measured_us.saturating_add_signed(offset_us))),
+            t_us: None,
             t_ms: None,
             deflection_mm: Some(deflection_mm),
             strain: Some(found.strain),
-            ratio: None,
+            ratio: ratio.filter(|_| chamber.place == PlaceKind::Ratio),
             ratio_sd: None,
             distance_mm: distance.map(|(mm, _)| mm),
             distance_sd_mm: distance.and_then(|(_, sd_mm)| sd_mm),
@@ -149,31 +209,39 @@ impl Agent {
             temperature_c: None,
             test_id,
             touched: None,
-        };
-        self.contact(contact, now, out)
+        }))
     }
 }
 
 /// Checks the shape of a line; the time between its samples.
 fn checked(line: &words::Strain) -> Result<u64, BadLine> {
-    let count = line.strain.as_slice().len();
+    let others =
+        [("strain_2", &line.strain_2), ("deflection_mm", &line.deflection_mm), ("distance_mm", &line.distance_mm)];
+    spacing_us(line.strain.as_slice().len(), line.every_us, "strain", &others)
+}
+
+/// Checks how many values a line has; the time between two of them.
+pub(super) fn spacing_us(
+    count: usize,
+    every_us: Option<u64>,
+    first: &str,
+    others: &[(&str, &Option<Samples>)],
+) -> Result<u64, BadLine> {
     if !(1..=SAMPLES_MAX).contains(&count) {
         return Err(BadLine::new(
             format!("{count} samples, but a line has 1 to {SAMPLES_MAX}"),
             "send shorter lists more often",
         ));
     }
-    for (name, samples) in
-        [("strain_2", &line.strain_2), ("deflection_mm", &line.deflection_mm), ("distance_mm", &line.distance_mm)]
-    {
+    for (name, samples) in others {
         if let Some(Samples::Many(many)) = samples
             && many.len() != count
         {
-            let problem = format!("{name} has {} values, and strain has {count}", many.len());
+            let problem = format!("{name} has {} values, and {first} has {count}", many.len());
             return Err(BadLine::new(problem, "send one value for each sample, or one for all"));
         }
     }
-    match line.every_us {
+    match every_us {
         None if count == 1 => Ok(0),
         None => {
             Err(BadLine::new("several samples need every_us", "send the time between two samples, in microseconds"))

@@ -1,9 +1,13 @@
 //! Times of a driver's lines, and limits on rates.
 
+use super::unit::Pace;
 use crate::contract::{Moment, Now};
+use crate::driver::words::Origin;
 
 /// Longest time ahead of the system's clock, in microseconds.
 const AHEAD_MAX_US: u64 = 1_000_000;
+/// Longest time behind it: what a driver sends later than this is of another clock, in microseconds.
+const BEHIND_MAX_US: u64 = 86_400_000_000;
 /// Age of the smallest delay after which it is measured anew: a board's clock runs slower or faster.
 const WINDOW_US: u64 = 30_000_000;
 /// A board whose clock goes back by more has restarted.
@@ -16,40 +20,62 @@ pub(super) struct Times {
     /// Smallest offset of this window and of the one before, in microseconds: agent's moment minus board's time.
     offsets_us: [Option<i64>; 2],
     window: Moment,
+    pace: Pace,
 }
 
 impl Times {
     /// Time of a line by the robot's clock; the error is a text.
-    pub(super) fn of(&mut self, t_us: Option<u64>, t_ms: Option<u64>, now: Now) -> Result<u64, String> {
-        match (t_us, t_ms) {
+    pub(super) fn of(&mut self, origin: &Origin, now: Now) -> Result<u64, String> {
+        match (origin.t_us, origin.t_ms) {
             (Some(_), Some(_)) => Err("t_us and t_ms exclude each other".to_owned()),
-            (Some(t_us), None) if t_us > now.system_us.saturating_add(AHEAD_MAX_US) => {
-                Err(format!("t_us is {} s ahead of the system's clock", (t_us - now.system_us) / 1_000_000))
+            (Some(t_us), None) => self.stamped(t_us, now),
+            (None, Some(t_ms)) => {
+                let problem = self.pace.problem("t_ms", "milliseconds", 1_000, t_ms, now.at);
+                problem.map_or(Ok(()), Err)?;
+                self.mapped(t_ms, origin.span_us, now).ok_or_else(|| "t_ms is too large".to_owned())
             }
-            // A driver knows the system's clock, which may differ from the robot's: the age of the line counts.
-            (Some(t_us), None) => Ok(now.stamp_of(t_us)),
-            (None, Some(t_ms)) => self.mapped(t_ms, now).ok_or_else(|| "t_ms is too large".to_owned()),
             (None, None) => Ok(now.stamp_us),
         }
     }
 
-    fn mapped(&mut self, t_ms: u64, now: Now) -> Option<u64> {
-        let board_us = i64::try_from(t_ms.checked_mul(1000)?).ok()?;
+    /// A driver knows the system's clock, which may differ from the robot's: the age of the line counts.
+    fn stamped(&mut self, t_us: u64, now: Now) -> Result<u64, String> {
+        let latest_us = now.system_us.saturating_add(AHEAD_MAX_US);
+        let is_near = |t_us: u64| t_us <= latest_us && t_us.saturating_add(BEHIND_MAX_US) >= now.system_us;
+        if is_near(t_us) {
+            return Ok(now.stamp_of(t_us));
+        }
+        // The same time in seconds, milliseconds or nanoseconds.
+        if [1_000_000, 1_000].iter().any(|&unit| is_near(t_us.saturating_mul(unit))) || is_near(t_us / 1_000) {
+            return Err(format!("t_us is {t_us}: is t_us in microseconds?"));
+        }
+        if let Some(problem) = self.pace.problem("t_us", "microseconds", 1, t_us, now.at) {
+            return Err(problem);
+        }
+        if t_us > latest_us {
+            return Err(format!("t_us is {} s ahead of the system's clock", (t_us - now.system_us) / 1_000_000));
+        }
+        let hours = (now.system_us - t_us) / 3_600_000_000;
+        Err(format!("t_us is {hours} hours behind the system's clock: is it the time since the board's start?"))
+    }
+
+    fn mapped(&mut self, t_ms: u64, span_us: u64, now: Now) -> Option<u64> {
+        let board_us = i64::try_from(t_ms.checked_mul(1000)?.checked_add(span_us)?).ok()?;
         let at_us = i64::try_from(now.at.as_us()).ok()?;
         if t_ms + BACK_MAX_MS < self.newest_ms {
-            *self = Self::default();
+            (self.newest_ms, self.offsets_us) = (0, [None; 2]);
         }
         self.newest_ms = self.newest_ms.max(t_ms);
         if now.at >= self.window + WINDOW_US {
             self.offsets_us = [None, self.offsets_us[0]];
             self.window = now.at;
         }
-        let offset_us = at_us - board_us;
+        let offset_us = at_us.checked_sub(board_us)?;
         let smallest_us = self.offsets_us[0].map_or(offset_us, |least_us| least_us.min(offset_us));
         self.offsets_us[0] = Some(smallest_us);
         let least_us = self.offsets_us[1].map_or(smallest_us, |before_us| before_us.min(smallest_us));
         let age_us = (offset_us - least_us).unsigned_abs();
-        Some(now.stamp_us.saturating_sub(age_us))
+        Some(now.stamp_us.saturating_sub(age_us).saturating_sub(span_us))
     }
 }
 
@@ -87,17 +113,27 @@ mod tests {
         Now::of_us(us)
     }
 
+    fn origin(t_us: Option<u64>, t_ms: Option<u64>) -> Origin {
+        Origin { array: None, whisker: 0, t_us, t_ms, span_us: 0 }
+    }
+
+    impl Times {
+        fn by_board(&mut self, t_ms: u64, now: Now) -> Result<u64, String> {
+            self.of(&origin(None, Some(t_ms)), now)
+        }
+    }
+
     const NOW_US: u64 = 1_795_248_000_000_000;
 
     #[test]
     fn a_boards_clock_is_mapped_by_the_smallest_delay() {
         let mut times = Times::default();
         // The first line is 30 ms late, the second one 5 ms, the third one 50 ms.
-        assert_eq!(times.of(None, Some(1_000), at(NOW_US + 1_030_000)), Ok(NOW_US + 1_030_000));
-        assert_eq!(times.of(None, Some(2_000), at(NOW_US + 2_005_000)), Ok(NOW_US + 2_005_000));
-        assert_eq!(times.of(None, Some(3_000), at(NOW_US + 3_050_000)), Ok(NOW_US + 3_005_000));
+        assert_eq!(times.by_board(1_000, at(NOW_US + 1_030_000)), Ok(NOW_US + 1_030_000));
+        assert_eq!(times.by_board(2_000, at(NOW_US + 2_005_000)), Ok(NOW_US + 2_005_000));
+        assert_eq!(times.by_board(3_000, at(NOW_US + 3_050_000)), Ok(NOW_US + 3_005_000));
         // After a restart of the board its clock begins anew.
-        assert_eq!(times.of(None, Some(10), at(NOW_US + 9_000_000)), Ok(NOW_US + 9_000_000));
+        assert_eq!(times.by_board(10, at(NOW_US + 9_000_000)), Ok(NOW_US + 9_000_000));
     }
 
     #[test]
@@ -106,7 +142,7 @@ mod tests {
         let mut mapped = 0;
         for second in 0..600_u64 {
             // 1 ms a second too slow.
-            mapped = times.of(None, Some(second * 999), at(NOW_US + second * 1_000_000)).unwrap();
+            mapped = times.by_board(second * 999, at(NOW_US + second * 1_000_000)).unwrap();
         }
         assert!((NOW_US + 599_000_000).abs_diff(mapped) < 70_000, "{mapped}");
     }
@@ -114,10 +150,34 @@ mod tests {
     #[test]
     fn impossible_times_are_refused() {
         let mut times = Times::default();
-        assert!(times.of(Some(NOW_US + 1_000_001), None, at(NOW_US)).is_err());
-        assert!(times.of(Some(1), Some(1), at(NOW_US)).is_err());
-        assert!(times.of(None, Some(u64::MAX), at(NOW_US)).is_err());
-        assert_eq!(times.of(None, None, at(NOW_US)), Ok(NOW_US));
+        assert!(times.of(&origin(Some(NOW_US + 1_000_001), None), at(NOW_US)).is_err());
+        assert!(times.of(&origin(Some(1), Some(1)), at(NOW_US)).is_err());
+        assert!(times.by_board(u64::MAX, at(NOW_US)).is_err());
+        assert_eq!(times.of(&origin(None, None), at(NOW_US)), Ok(NOW_US));
+    }
+
+    #[test]
+    fn regress_a_time_of_another_unit_or_another_clock_is_refused_with_a_question() {
+        for (t_us, question) in [
+            (NOW_US / 1_000_000, "is t_us in microseconds?"),
+            (NOW_US / 1_000, "is t_us in microseconds?"),
+            (NOW_US * 1_000, "is t_us in microseconds?"),
+            (5_000_000, "is it the time since the board's start?"),
+        ] {
+            let problem = Times::default().of(&origin(Some(t_us), None), at(NOW_US)).unwrap_err();
+            assert!(problem.contains(question), "{t_us}: {problem}");
+        }
+        let old_us = NOW_US - BEHIND_MAX_US;
+        assert_eq!(Times::default().of(&origin(Some(old_us), None), at(NOW_US)), Ok(old_us), "a day is buffered");
+    }
+
+    #[test]
+    fn regress_a_line_with_many_values_is_as_late_as_one_with_a_single_value() {
+        let mut times = Times::default();
+        // Both lines are sent at once; one has samples of the 90 ms before.
+        assert_eq!(times.by_board(1_090, at(NOW_US)), Ok(NOW_US));
+        let samples = Origin { span_us: 90_000, ..origin(None, Some(1_000)) };
+        assert_eq!(times.of(&samples, at(NOW_US)), Ok(NOW_US - 90_000));
     }
 
     #[test]

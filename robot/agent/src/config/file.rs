@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use vibrissa_protocol::{AirControl, ArrayType, Name, OnSupervisorLoss, PlaceKind, Task, TouchTestKind};
 use vibrissa_segmenter::Params;
 
@@ -29,7 +31,7 @@ pub(super) struct File {
     pub(super) segmenter: FileSegmenter,
     #[serde(default)]
     pub(super) supervisor: FileSupervisor,
-    pub(super) driver: FileDriver,
+    pub(super) driver: Drivers,
     pub(super) arrays: Vec<FileArray>,
 }
 
@@ -50,11 +52,12 @@ pub(super) struct FileOutbox {
     pub(super) file: Option<PathBuf>,
     pub(super) messages: usize,
     pub(super) bytes: usize,
+    pub(super) disk_bytes: u64,
 }
 
 impl Default for FileOutbox {
     fn default() -> Self {
-        Self { file: None, messages: 10_000, bytes: 1 << 20 }
+        Self { file: None, messages: 10_000, bytes: 1 << 20, disk_bytes: 1 << 30 }
     }
 }
 
@@ -102,9 +105,49 @@ impl Default for FileSupervisor {
     }
 }
 
+/// One `[driver]`, or several `[[driver]]`.
+#[derive(Debug)]
+pub(super) struct Drivers {
+    pub(super) drivers: Vec<FileDriver>,
+    /// Whether it is a list: then errors name the position.
+    pub(super) is_list: bool,
+}
+
+impl<'de> Deserialize<'de> for Drivers {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(DriversVisitor)
+    }
+}
+
+/// An untagged enumeration would hide which key is wrong.
+struct DriversVisitor;
+
+impl<'de> Visitor<'de> for DriversVisitor {
+    type Value = Drivers;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a table [driver], or a list of tables [[driver]]")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Drivers, A::Error> {
+        let driver = FileDriver::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Drivers { drivers: vec![driver], is_list: false })
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Drivers, A::Error> {
+        let mut drivers = Vec::new();
+        while let Some(driver) = list.next_element()? {
+            drivers.push(driver);
+        }
+        Ok(Drivers { drivers, is_list: true })
+    }
+}
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FileDriver {
+    pub(super) name: Option<Name>,
+    pub(super) whiskers: Option<Vec<String>>,
     pub(super) command: Option<Vec<String>>,
     pub(super) unix: Option<PathBuf>,
     pub(super) tcp: Option<String>,

@@ -1,6 +1,7 @@
-//! `agent.toml`: one robot, its broker, and its driver. docs/agent.md explains each key.
+//! `agent.toml`: one robot, its broker, and its drivers. docs/agent.md explains each key.
 
 mod checks;
+mod drivers;
 mod file;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -9,7 +10,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use vibrissa_protocol::text_file::read_text;
-use vibrissa_protocol::{Name, plain};
+use vibrissa_protocol::{AirControl, Name, OnSupervisorLoss, plain};
 use vibrissa_segmenter::Params;
 
 use crate::contract::Facts;
@@ -74,8 +75,8 @@ pub struct Config {
     pub limits: Limits,
     /// File of the outbox, if it shall survive a restart.
     pub outbox_file: Option<PathBuf>,
-    /// The driver.
-    pub driver: DriverConfig,
+    /// The drivers, at least one.
+    pub drivers: Vec<DriverConfig>,
 }
 
 /// Bounds and times of the agent.
@@ -85,6 +86,8 @@ pub struct Limits {
     pub outbox_messages: usize,
     /// Most bytes of contacts messages in the outbox.
     pub outbox_bytes: usize,
+    /// Most bytes of contacts on the disk, beyond those in memory.
+    pub outbox_disk_bytes: u64,
     /// Contacts in a message, after which it is sent.
     pub contacts_per_message: usize,
     /// Age of its first contact after which a message is sent, in microseconds.
@@ -95,8 +98,17 @@ pub struct Limits {
     pub status_every_us: u64,
     /// Time without a message after which the supervisor counts as lost, in microseconds.
     pub supervisor_lost_after_us: u64,
+    /// Temperature of contacts if the driver reports none, in degrees Celsius.
+    pub temperature_c: f64,
+    /// Parameters of the segmenter.
+    pub segmenter: Params,
+}
+
+/// Times and tolerances of a driver, and of the chambers whose pressures it reads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriverLimits {
     /// Time without a line after which the driver counts as silent, in microseconds.
-    pub driver_silent_us: u64,
+    pub silent_us: u64,
     /// Time after which `set_pressure` is repeated, in microseconds.
     pub repeat_us: u64,
     /// Largest deviation of a chamber that has its pressure, in MPa.
@@ -107,19 +119,23 @@ pub struct Limits {
     pub fail_after_us: u64,
     /// Slew of pressure changes without a command, in MPa/s.
     pub own_slew_mpa_per_s: f64,
-    /// Temperature of contacts if the driver reports none, in degrees Celsius.
-    pub temperature_c: f64,
     /// Whether the agent regulates the pressures with pulses of the valves.
     pub regulate: bool,
-    /// Parameters of the segmenter.
-    pub segmenter: Params,
 }
 
-/// The driver and the way to it.
+/// A driver and the way to it.
 #[derive(Clone, PartialEq)]
 pub struct DriverConfig {
+    /// Subject of sentences about it, in logs: `the driver`, or `driver NAME`.
+    pub label: String,
     /// The way to the driver.
     pub way: Way,
+    /// Folder in which a child process starts.
+    pub folder: PathBuf,
+    /// The whiskers that it serves.
+    pub whiskers: BTreeSet<(Name, u16)>,
+    /// Times and tolerances.
+    pub limits: DriverLimits,
     /// Whether a silent child process is killed and started again.
     pub restart: bool,
     /// The first line of a driver at a TCP port.
@@ -151,6 +167,15 @@ pub enum Way {
 }
 
 impl Config {
+    /// Folder of the contacts that have no room in memory: beside the file of the outbox.
+    #[must_use]
+    pub fn spool(&self) -> Option<PathBuf> {
+        let file = self.outbox_file.as_ref().filter(|_| self.limits.outbox_disk_bytes > 0)?;
+        let mut name = file.clone().into_os_string();
+        name.push(".spool");
+        Some(PathBuf::from(name))
+    }
+
     /// Reads a file. Paths in it are relative to its folder.
     ///
     /// # Errors
@@ -178,9 +203,10 @@ impl Config {
         }
         let limits = limits(&file)?;
         let broker = file.broker.checked(folder)?;
-        let driver = file.driver.checked(folder)?;
         let outbox_file = file.outbox.file.map(|path| folder.join(path));
         let arrays = arrays(file.arrays)?;
+        let drivers = file.driver.checked(folder, &arrays)?;
+        check_air(file.air_control, file.on_supervisor_loss, &drivers)?;
         let facts = Facts {
             model: file.model,
             on_supervisor_loss: file.on_supervisor_loss,
@@ -189,8 +215,20 @@ impl Config {
             applies_gain: file.applies_gain,
             air_control: file.air_control,
         };
-        Ok(Self { fleet: file.fleet, robot: file.robot, facts, broker, limits, outbox_file, driver })
+        Ok(Self { fleet: file.fleet, robot: file.robot, facts, broker, limits, outbox_file, drivers })
     }
+}
+
+/// A robot without air neither regulates nor changes the pressure when the supervisor is lost.
+fn check_air(air: Option<AirControl>, loss: OnSupervisorLoss, drivers: &[DriverConfig]) -> Result<(), BadConfig> {
+    let regulates = drivers.iter().any(|driver| driver.limits.regulate);
+    if air == Some(AirControl::None) && (loss != OnSupervisorLoss::Hold || regulates) {
+        return Err(unfitting(
+            "air_control",
+            "NONE allows neither another on_supervisor_loss than HOLD nor driver.regulate",
+        ));
+    }
+    Ok(())
 }
 
 /// Names the line without its content, which may be a password in the wrong place.

@@ -1,6 +1,6 @@
 //! Ways to a driver: a child process, a Unix socket, TCP, a serial device.
 
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
 use std::net::SocketAddr;
 use std::os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt};
@@ -9,7 +9,7 @@ use std::process::Stdio;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+use rustix::termios::{OptionalActions, ioctl_tiocexcl, tcgetattr, tcsetattr};
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::unix::pipe;
 use tokio::net::{TcpListener, TcpStream, UnixListener};
@@ -17,6 +17,7 @@ use tokio::process::{Child, Command};
 use tokio::task::JoinSet;
 use tokio::time::{Instant, timeout};
 use vibrissa_host::task;
+use vibrissa_protocol::plain;
 
 use super::admission::{expect_own_peer, expect_own_server, expect_token, is_trusted};
 use crate::config::{DriverConfig, Way};
@@ -69,7 +70,7 @@ pub(crate) struct Door {
 }
 
 enum DriverEndpoint {
-    Command(Vec<String>),
+    Command(Vec<String>, PathBuf),
     Unix(UnixListener),
     Tcp(String),
     Listen(TcpListener),
@@ -80,7 +81,7 @@ impl Door {
     /// Prepares the way: begins to listen, if the driver comes to the agent.
     pub(crate) async fn open(driver: &DriverConfig) -> io::Result<Self> {
         let endpoint = match &driver.way {
-            Way::Command(words) => DriverEndpoint::Command(words.clone()),
+            Way::Command(words) => DriverEndpoint::Command(words.clone(), driver.folder.clone()),
             Way::Unix(path) => DriverEndpoint::Unix(listen_at(path)?),
             Way::Tcp(address) => DriverEndpoint::Tcp(address.clone()),
             Way::Listen(address) => {
@@ -95,7 +96,7 @@ impl Door {
     /// The next link to a driver.
     pub(crate) async fn link(&self) -> io::Result<Link> {
         match &self.endpoint {
-            DriverEndpoint::Command(words) => start(words),
+            DriverEndpoint::Command(words, folder) => start(words, folder),
             DriverEndpoint::Unix(listener) => loop {
                 let stream = listener.accept().await?.0;
                 let uid = stream.peer_cred()?.uid();
@@ -162,10 +163,12 @@ fn of_stream(stream: TcpStream) -> io::Result<Link> {
     Ok(Link::of(reader, writer, None))
 }
 
-fn start(words: &[String]) -> io::Result<Link> {
+/// Starts a program in the folder of the configuration, so that paths among its arguments are relative to it, too.
+fn start(words: &[String], folder: &Path) -> io::Result<Link> {
     let (program, arguments) = words.split_first().ok_or_else(|| io::Error::other("no program is given"))?;
-    let mut child = Command::new(program)
+    let mut child = Command::new(absolute(program)?)
         .args(arguments)
+        .current_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .kill_on_drop(true)
@@ -175,17 +178,22 @@ fn start(words: &[String]) -> io::Result<Link> {
     Ok(Link::of(stdout, stdin, Some(child)))
 }
 
-/// Listens at a Unix socket that only the agent's user can use. A socket that an earlier agent has left is removed, and nothing
-/// else: a connection to a file or to the target of a link is refused, too.
-fn listen_at(path: &Path) -> io::Result<UnixListener> {
+/// A program with a folder in its name by its whole path: the folder of the child is another one than the agent's.
+fn absolute(program: &str) -> io::Result<PathBuf> {
+    if program.contains('/') { std::path::absolute(program) } else { Ok(PathBuf::from(program)) }
+}
+
+/// Listens at a Unix socket that only the agent's user can use. A socket that an earlier agent has left is removed, and
+/// nothing else: a connection to a file or to the target of a link is refused, too.
+pub(crate) fn listen_at(path: &Path) -> io::Result<UnixListener> {
     let shown = path.display();
     match std::fs::symlink_metadata(path) {
         Ok(found) if !found.file_type().is_socket() => {
-            return Err(io::Error::other(format!("{shown} exists and is no socket: name another path in driver.unix")));
+            return Err(io::Error::other(format!("{shown} exists and is no socket")));
         }
         Ok(found) if found.uid() != own_uid() => {
             let uid = found.uid();
-            return Err(io::Error::other(format!("{shown} belongs to user {uid}: name another path in driver.unix")));
+            return Err(io::Error::other(format!("{shown} belongs to user {uid}")));
         }
         Ok(_) => match std::os::unix::net::UnixStream::connect(path) {
             Ok(_) => return Err(io::Error::other(format!("{shown} is in use"))),
@@ -201,12 +209,16 @@ fn listen_at(path: &Path) -> io::Result<UnixListener> {
 }
 
 /// Opens a serial device, or a pseudo-terminal in tests.
-fn serial(path: &Path, baud: u32) -> io::Result<Link> {
+pub(crate) fn serial(path: &Path, baud: u32) -> io::Result<Link> {
     // O_NONBLOCK also keeps `open` from waiting for a modem; O_NOCTTY keeps a break of the line from ending the agent.
     let flags = rustix::fs::OFlags::NONBLOCK | rustix::fs::OFlags::NOCTTY;
     let flags = i32::try_from(flags.bits()).map_err(io::Error::other)?;
-    let file = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path)?;
-    let mut settings = tcgetattr(&file)?;
+    let opened = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path);
+    let named =
+        |problem: io::Error| io::Error::new(problem.kind(), format!("{}: {}", path.display(), plain::io(&problem)));
+    let file = opened.map_err(named)?;
+    lock(&file, path)?;
+    let mut settings = tcgetattr(&file).map_err(|problem| named(problem.into()))?;
     settings.make_raw();
     settings.set_speed(baud)?;
     tcsetattr(&file, OptionalActions::Flush, &settings)?;
@@ -215,11 +227,30 @@ fn serial(path: &Path, baud: u32) -> io::Result<Link> {
     Ok(Link::of(reader, pipe::Sender::from_file_unchecked(file)?, None))
 }
 
+/// Keeps others from a device: two programs would each get a part of its lines. The lock ends with the file. TIOCEXCL
+/// binds other programs, too, but not root. A pseudo-terminal keeps it for as long as its other end, so it has none.
+fn lock(file: &File, path: &Path) -> io::Result<()> {
+    match file.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => {
+            let problem = format!("{} is in use by another program, such as another agent", path.display());
+            return Err(io::Error::new(io::ErrorKind::ResourceBusy, problem));
+        }
+        Err(TryLockError::Error(problem)) => return Err(problem),
+    }
+    if path.canonicalize().is_ok_and(|path| path.starts_with("/dev/pts")) {
+        return Ok(());
+    }
+    ioctl_tiocexcl(file).map_err(io::Error::from)
+}
+
 #[cfg(test)]
 mod tests {
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
     use super::*;
+    use crate::Config;
+    use crate::config::tests::EXAMPLE;
 
     #[tokio::test]
     async fn regress_only_a_socket_that_nobody_listens_at_is_removed() {
@@ -249,9 +280,27 @@ mod tests {
         std::fs::remove_dir_all(&folder).unwrap();
     }
 
+    #[test]
+    fn regress_a_device_has_one_agent() {
+        let path = std::env::temp_dir().join(format!("vibrissa-robot-device-{}", std::process::id()));
+        let first = File::create(&path).unwrap();
+        let second = File::open(&path).unwrap();
+        let refused = |file: &File| lock(file, &path).unwrap_err().to_string();
+        // It is no terminal, so only the second lock of the first one is refused.
+        assert!(!refused(&first).contains("in use"));
+        assert!(refused(&second).contains("in use by another program"));
+        std::fs::remove_file(&path).unwrap();
+    }
+
+    /// The driver of the smallest configuration.
+    fn driver() -> DriverConfig {
+        let config = Config::from_toml_str(EXAMPLE, Path::new("")).unwrap();
+        config.drivers.into_iter().next().unwrap()
+    }
+
     async fn door(token: Option<&str>) -> (Door, SocketAddr) {
         let way = Way::Listen("127.0.0.1:0".to_owned());
-        let driver = DriverConfig { way, restart: true, token: token.map(str::to_owned), token_file: None };
+        let driver = DriverConfig { way, token: token.map(str::to_owned), ..driver() };
         let door = Door::open(&driver).await.unwrap();
         let DriverEndpoint::Listen(listener) = &door.endpoint else { panic!("it listens") };
         let address = listener.local_addr().unwrap();
@@ -281,7 +330,7 @@ mod tests {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let way = Way::Tcp(address.to_string());
-        let driver = DriverConfig { way, restart: true, token: None, token_file: None };
+        let driver = DriverConfig { way, ..driver() };
         Door::open(&driver).await.unwrap().link().await.unwrap();
         let (stream, peer) = listener.accept().await.unwrap();
         // Nothing tells the user of a socket that is no longer there.

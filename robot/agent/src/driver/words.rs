@@ -18,6 +18,8 @@ pub enum FromDriver {
     Contact(Contact),
     /// Samples of a strain gauge.
     Strain(Strain),
+    /// The motion of a whisker, for the strain that another driver reads.
+    Motion(Motion),
     /// A reading of a chamber.
     Pressure(Pressure),
     /// The condition of a gauge or a regulator has changed.
@@ -47,6 +49,8 @@ pub struct Origin {
     pub t_us: Option<u64>,
     /// Time since the board's start, in milliseconds.
     pub t_ms: Option<u64>,
+    /// Time from that of the line to its newest value, in microseconds: a line is sent after all its values.
+    pub span_us: u64,
 }
 
 /// Defines lines of whiskers. The fields of [`Origin`] are in each, because serde flattens slowly.
@@ -71,7 +75,8 @@ macro_rules! lines {
                 /// Time and whisker.
                 #[must_use]
                 pub fn origin(&self) -> Origin {
-                    Origin { array: self.array.clone(), whisker: self.whisker, t_us: self.t_us, t_ms: self.t_ms }
+                    let (array, whisker) = (self.array.clone(), self.whisker);
+                    Origin { array, whisker, t_us: self.t_us, t_ms: self.t_ms, span_us: 0 }
                 }
             }
         )+
@@ -118,6 +123,19 @@ lines! {
         /// Distance from the base, if the motion is known, in mm.
         distance_mm: Option<Samples>,
         /// Touch test that the samples belong to.
+        test_id: Option<String>,
+    }
+    /// `motion`: where the whisker is, for the strain of another driver.
+    Motion {
+        /// Deflection, with any offset, in mm.
+        deflection_mm: Option<Samples>,
+        /// Distance from the base, in mm.
+        distance_mm: Option<Samples>,
+        /// Contact ratio.
+        ratio: Option<Samples>,
+        /// Time between values, in microseconds.
+        every_us: Option<u64>,
+        /// Touch test that the motion belongs to.
         test_id: Option<String>,
     }
     /// `pressure`: a reading of a chamber.
@@ -189,12 +207,20 @@ pub struct BadLine {
     pub problem: String,
     /// Remedy for the author of the driver.
     pub remedy: &'static str,
+    /// Whether a driver speaks, although its values are refused. Noise of a serial line is no JSON object with a
+    /// `type`.
+    pub is_spoken: bool,
 }
 
 impl BadLine {
-    /// A refusal.
+    /// A refusal of values.
     pub fn new(problem: impl Into<String>, remedy: &'static str) -> Self {
-        Self { problem: problem.into(), remedy }
+        Self { problem: problem.into(), remedy, is_spoken: true }
+    }
+
+    /// A refusal of what may be noise.
+    pub fn noise(problem: impl Into<String>, remedy: &'static str) -> Self {
+        Self { is_spoken: false, ..Self::new(problem, remedy) }
     }
 }
 
@@ -205,7 +231,7 @@ struct Head<'a> {
 }
 
 /// The words of drivers, in an error.
-const WORDS: &str = "send one of hello, contact, strain, pressure, fault, test_state";
+const WORDS: &str = "send one of hello, contact, strain, motion, pressure, fault, test_state";
 
 impl FromDriver {
     /// Reads a line.
@@ -214,14 +240,15 @@ impl FromDriver {
     /// The line is no object of the interface.
     pub fn read(line: &[u8]) -> Result<Self, BadLine> {
         let text = std::str::from_utf8(line)
-            .map_err(|_| BadLine::new("the line is not UTF-8", "check the device and its baud rate"))?;
+            .map_err(|_| BadLine::noise("the line is not UTF-8", "check the device and its baud rate"))?;
         let Head { kind } = serde_json::from_str(text).map_err(|why| {
-            BadLine::new(cut(&plain::data(&why.to_string())), "send one JSON object in each line, with a text `type`")
+            BadLine::noise(cut(&plain::data(&why.to_string())), "send one JSON object in each line, with a text `type`")
         })?;
         match &*kind {
             "hello" => read(text, Self::Hello),
             "contact" => read(text, Self::Contact),
             "strain" => read(text, Self::Strain),
+            "motion" => read(text, Self::Motion),
             "pressure" => read(text, Self::Pressure),
             "fault" => read(text, Self::Fault),
             "test_state" => read(text, Self::TestState),
@@ -355,8 +382,8 @@ pub struct HelloWhisker {
     pub pressure_max_mpa: f64,
 }
 
-/// Whether a line is one to a driver, and none from it: a device that echoes sends it back. A driver has `hello`, too, but
-/// never with whiskers.
+/// Whether a line is one to a driver, and none from it: a device that echoes sends it back. A driver has `hello`, too,
+/// but never with whiskers.
 pub(crate) fn is_own(line: &[u8]) -> bool {
     let starts = [
         &br#"{"type":"set_pressure","#[..],

@@ -43,6 +43,14 @@ pub enum StoreError {
     InUse(PathBuf),
 }
 
+impl StoreError {
+    /// Explains an error of the operating system at an attempt.
+    pub(crate) fn refused(what: &'static str, path: &Path) -> impl Fn(std::io::Error) -> Self + use<> {
+        let path = path.to_owned();
+        move |problem| Self::Refused { what, path: path.clone(), problem }
+    }
+}
+
 /// Unreadable parts of a file.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Damage {
@@ -114,6 +122,18 @@ impl StoreFile {
         let file = private::append(path).map_err(refused("open"))?;
         let bytes = file.metadata().map_err(refused("open"))?.len();
         Ok((Self { path: path.to_owned(), file, _lock: lock, bytes, bytes_max }, stored, damage))
+    }
+
+    /// Checks that a file, if it is there, is an outbox of this version, and changes nothing.
+    ///
+    /// # Errors
+    /// Those of [`StoreFile::open`].
+    pub fn check(path: &Path) -> Result<(), StoreError> {
+        match private::read(path) {
+            Ok(file) => read(path, &file).map(drop),
+            Err(problem) if problem.kind() == std::io::ErrorKind::NotFound => Ok(()),
+            Err(problem) => Err(StoreError::refused("read", path)(problem)),
+        }
     }
 
     /// Appends records. They survive the end of the process at once, and a power cut after [`StoreFile::synced`].

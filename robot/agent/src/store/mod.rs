@@ -1,16 +1,19 @@
 //! The part of an agent that survives a restart: unreceipted contacts messages with their boots, and the highest setpoint seen of
 //! each whisker.
 //!
-//! [`Record`] is the pure part; [`file`] keeps records in a file.
+//! [`Record`] is the pure part; [`file`] keeps records in a file, and [`spool`] contacts that have no room in memory.
 
 pub mod file;
 mod private;
+pub mod spool;
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use vibrissa_protocol::{BootId, Name};
+
+use spool::Position;
 
 /// One change of the state.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -33,6 +36,16 @@ pub enum Record {
         seq: u64,
         /// The message.
         payload: Payload,
+        /// Position on the disk after it, if it has come from there.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        spooled: Option<Position>,
+    },
+    /// Contacts before this position have come back from the disk.
+    Spooled {
+        /// Number of the segment.
+        segment: u64,
+        /// Bytes of it.
+        bytes: u64,
     },
     /// A receipt.
     Receipt {
@@ -94,6 +107,10 @@ pub struct Stored {
     pub boots: Vec<StoredBoot>,
     /// Highest (epoch, version) seen of each whisker.
     pub seen: BTreeMap<(Name, u16), (u64, u64)>,
+    /// Position on the disk before which contacts have come back.
+    pub spooled: Option<Position>,
+    /// Whether contacts wait there.
+    pub is_spooled: bool,
 }
 
 /// One boot.
@@ -119,9 +136,11 @@ impl Stored {
                 let boot = self.boot(boot_id);
                 (boot.births, boot.factsheets) = (births, factsheets);
             }
-            Record::Contacts { boot_id, seq, payload } => {
+            Record::Contacts { boot_id, seq, payload, spooled } => {
                 self.boot(boot_id).messages.insert(seq, payload);
+                self.spooled = self.spooled.max(spooled);
             }
+            Record::Spooled { segment, bytes } => self.spooled = self.spooled.max(Some((segment, bytes))),
             Record::Receipt { boot_id, next, held } => {
                 let boot = self.boot(boot_id);
                 boot.is_known = true;

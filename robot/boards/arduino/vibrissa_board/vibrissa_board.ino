@@ -1,7 +1,7 @@
 // A board for one whisker: two on/off valves, a pressure sensor and a strain gauge, for an Arduino Uno or Mega.
 //
 // Speaks the driver interface of vibrissa-robot over serial, 115200 baud: one JSON object per line. It regulates the
-// pressure by itself (regulator.h), and vents if it hears no line for 5 seconds. robot/boards/README.md has the wiring.
+// pressure by itself (regulator.h), and vents if it hears no order for 5 seconds. robot/boards/README.md has the wiring.
 
 #include <Arduino.h>
 #include <avr/wdt.h>
@@ -26,8 +26,10 @@ static const long WHISKER = 1;
 // Pressure sensor: MPa = (V - 1) / 4, and 5 V full scale. Never above the limit, whatever a line asks for.
 static const float VOLTS_PER_STEP = 5.0f / 1024.0f;
 static const float LIMIT_MPA = 0.2f;
-// Strain of the gauge with its amplifier: strain = (V - 2.5) * STRAIN_PER_VOLT.
+// Strain of the gauge with its amplifier: strain = (V - 2.5) * STRAIN_PER_VOLT. The converter ends at 2.5 V from rest: at a
+// strain of 0.005 here, which is 1.4 mm of deflection at the tip. At its end the board reports a saturated gauge.
 static const float STRAIN_PER_VOLT = 0.002f;
+static const int STRAIN_LEAST = 1, STRAIN_MOST = 1022;
 // Slide potentiometer that measures the way of the whisker's base: mm from 0 to 5 V; 0 without one. Contacts need it.
 static const float SLIDE_MM = 0.0f;
 
@@ -37,6 +39,8 @@ static const unsigned long PRESSURE_MS = 250;
 static const unsigned long SILENT_MS = 5000;
 static const unsigned long PULSE_MOST_US = 1000000;
 static const uint8_t SAMPLES = 10;
+// Lines of strain below the end of the converter after which the gauge counts as in order, and between two reports.
+static const uint8_t CLEAN_LINES = 100, REPORT_LINES = 20;
 
 static vibrissa::Regulator regulator;
 
@@ -50,6 +54,8 @@ static float pressure_mpa;
 static float strains[SAMPLES], ways_mm[SAMPLES];
 static uint8_t strain_count;
 static unsigned long strain_ms;
+static bool at_end, saturated;
+static uint8_t clean_lines, report_lines;
 
 static char line_in[200];
 static uint8_t line_length;
@@ -143,6 +149,19 @@ static void put_strain() {
     put("]}\n");
 }
 
+// The condition of the gauge, after each line of strain. It is repeated while it is bad, as the agent may have started anew.
+static void put_gauge() {
+    bool was_saturated = saturated;
+    clean_lines = at_end ? 0 : clean_lines < CLEAN_LINES ? clean_lines + 1 : CLEAN_LINES;
+    saturated = at_end || (saturated && clean_lines < CLEAN_LINES);
+    at_end = false;
+    bool is_due = saturated != was_saturated || (saturated && ++report_lines >= REPORT_LINES);
+    if (!is_due || out_room() < 90) return;
+    report_lines = 0;
+    put_head("fault", millis());
+    put(saturated ? ",\"gauge\":\"SATURATED\"}\n" : ",\"gauge\":\"OK\"}\n");
+}
+
 // The value of a field of a flat JSON object, or none. Fields of the lines that this board reads have no nested
 // objects.
 static const char *field(const char *line, const char *name) {
@@ -177,22 +196,35 @@ static bool is_mine(const char *line) {
     return (!array || is_text(array, ARRAY)) && (!whisker || atol(whisker) == WHISKER);
 }
 
-static void take_line(const char *line) {
-    const char *type = field(line, "type");
-    if (!type) return;
+// A whole object: of a line that lost its end, the last number may be another one.
+static bool is_whole(const char *line) {
+    size_t length = strlen(line);
+    while (length && (line[length - 1] == '\r' || line[length - 1] == ' ')) length--;
+    return length && line[0] == '{' && line[length - 1] == '}';
+}
+
+// Only an order that this board obeys shows that somebody holds the pressure: noise, echoes and orders for others do not.
+static void heard() {
     last_line_ms = millis();
     silent = false;
-    if (!is_mine(line)) return;
+}
+
+static void take_line(const char *line) {
+    const char *type = field(line, "type");
+    if (!type || !is_whole(line) || !is_mine(line)) return;
     if (is_text(type, "set_pressure")) {
         float mpa = number(field(line, "pressure_mpa")), slew = number(field(line, "slew_mpa_per_s"));
         // The comparison is false for a value that is not a number.
         if (!(mpa >= 0.0f && mpa <= LIMIT_MPA)) return;
+        heard();
         by_hand = false;
         regulator.set_target(mpa, slew > 0.0f ? slew : 0.0f);
     } else if (is_text(type, "valve")) {
         float ms = number(field(line, "for_ms"));
         if (!(ms >= 0.0f && ms <= 1000.0f)) return;
         const char *open = field(line, "open");
+        if (!is_text(open, "FILL") && !is_text(open, "VENT") && !is_text(open, "CLOSE")) return;
+        heard();
         by_hand = true;
         if (is_text(open, "FILL") && pressure_mpa < LIMIT_MPA) open_valve(FILL_PIN, (unsigned long)(ms * 1000.0f));
         if (is_text(open, "VENT")) open_valve(VENT_PIN, (unsigned long)(ms * 1000.0f));
@@ -211,10 +243,8 @@ static void receive() {
         } else if (line_length < sizeof line_in - 1) {
             line_in[line_length++] = byte;
         } else {
-            // Lines for richer drivers may be longer: they are heard, and not read.
+            // Lines for richer drivers may be longer: they are not read.
             line_too_long = true;
-            last_line_ms = millis();
-            silent = false;
         }
     }
 }
@@ -266,9 +296,12 @@ void loop() {
         last_strain_us += STRAIN_US;
         if (strain_count == 0) strain_ms = millis();
         if (SLIDE_MM > 0) ways_mm[strain_count] = analogRead(SLIDE_PIN) * (SLIDE_MM / 1023.0f);
-        strains[strain_count++] = ((analogRead(STRAIN_PIN) + 0.5f) * VOLTS_PER_STEP - 2.5f) * STRAIN_PER_VOLT;
+        int raw = analogRead(STRAIN_PIN);
+        at_end |= raw <= STRAIN_LEAST || raw >= STRAIN_MOST;
+        strains[strain_count++] = ((raw + 0.5f) * VOLTS_PER_STEP - 2.5f) * STRAIN_PER_VOLT;
         if (strain_count == SAMPLES) {
             put_strain();
+            put_gauge();
             strain_count = 0;
         }
     }

@@ -23,7 +23,7 @@ const SAMPLES: usize = 10;
 const STRAIN_US: u64 = 10_000;
 /// Spacing of the lines of pressure. µs.
 const PRESSURE_US: u64 = 250_000;
-/// Without a line for this long the board vents. µs.
+/// Without an order for this long the board vents. µs.
 const SILENT_US: u64 = 5_000_000;
 /// Length of a pulse that ends a pressure above the limit. µs.
 const RELIEF_US: u32 = 100_000;
@@ -118,14 +118,13 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
         let too_long = self.too_long;
         self.length = 0;
         self.too_long = false;
-        if too_long {
-            // Lines for richer drivers may be longer: they are heard, and not read.
-            self.heard(now_us);
-        } else if let Ok(text) = core::str::from_utf8(&line[..length]) {
-            self.take(now_us, text);
+        // Lines for richer drivers may be longer: they are not read.
+        if !too_long && let Ok(text) = core::str::from_utf8(&line[..length]) {
+            self.take(now_us, text.trim_end());
         }
     }
 
+    /// Only an order that this board obeys shows that somebody holds the pressure: noise, echoes and orders for others do not.
     fn heard(&mut self, now_us: u64) {
         self.last_line_us = now_us;
         self.silent = false;
@@ -133,15 +132,17 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
 
     fn take(&mut self, now_us: u64, line: &str) {
         let Some(kind) = field(line, "type") else { return };
-        self.heard(now_us);
+        // Of a line that lost its end, the last number may be another one.
+        let is_whole = line.starts_with('{') && line.ends_with('}');
         let mine = field(line, "array").is_none_or(|array| is_text(array, self.array))
             && field(line, "whisker").is_none_or(|text| number(text) == Some(self.whisker as f32));
-        if !mine {
+        if !mine || !is_whole {
             return;
         }
         if is_text(kind, "set_pressure") {
             let Some(mpa) = field(line, "pressure_mpa").and_then(number) else { return };
             if (0.0..=self.limit_mpa).contains(&mpa) {
+                self.heard(now_us);
                 self.by_hand = false;
                 self.regulator.set_target(mpa, field(line, "slew_mpa_per_s").and_then(number).unwrap_or(0.0));
             }
@@ -150,7 +151,11 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
                 return;
             };
             let Some(open) = field(line, "open") else { return };
+            if !["FILL", "VENT", "CLOSE"].iter().any(|word| is_text(open, word)) {
+                return;
+            }
             let us = (ms * 1000.0) as u32;
+            self.heard(now_us);
             self.by_hand = true;
             if is_text(open, "FILL") && self.pressure_mpa < self.limit_mpa {
                 self.valves.apply(now_us, Command::Fill(us));

@@ -99,6 +99,31 @@ fn it_holds_a_setpoint_and_vents_when_the_lines_stop() {
 }
 
 #[test]
+fn regress_lines_that_are_no_orders_for_it_do_not_keep_it_from_venting() {
+    for line in [
+        r#"{"type":"estimate","array":"left","whisker":1,"length_mm":60.2}"#,
+        r#"{"type":"hello","version":1,"whiskers":[]}"#,
+        r#"{"type":"set_pressure","array":"left","whisker":2,"pressure_mpa":0.08}"#,
+        r#"{"type":"set_pressure","array":"left","whisker":1,"pressure_mpa":0.9}"#,
+        r#"{"type":"set_pressure","array":"left","whisker":1,"pressure_mpa":0.0"#,
+        r#"{"type":"valve","array":"left","whisker":1,"open":"AJAR","for_ms":10}"#,
+        r#"{"type":"pressure","whisker":1,"pressure_mpa":0.08}"#,
+        &"x".repeat(1_000),
+    ] {
+        let mut bench = Bench::new();
+        for _ in 0..3 {
+            bench.say(r#"{"type":"set_pressure","array":"left","whisker":1,"pressure_mpa":0.08,"slew_mpa_per_s":0.05}"#);
+            bench.run(2.0);
+        }
+        for _ in 0..13 {
+            bench.say(line);
+            bench.run(1.0);
+        }
+        assert!(bench.mpa < 0.002, "{line}: {}", bench.mpa);
+    }
+}
+
+#[test]
 fn it_ignores_what_is_wrong_or_for_others() {
     let mut bench = Bench::new();
     bench.run(0.5);

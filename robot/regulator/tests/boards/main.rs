@@ -128,7 +128,7 @@ fn the_board_keeps_its_limit_and_ignores_lines_that_are_wrong() {
         script += &format!("{} {line}\n", 4_300 + 100 * index);
     }
     script += &format!("5200 {}\n", "x".repeat(390));
-    script += "8000 !end\n";
+    script += &format!("{}8000 !end\n", set_pressure(5_500, 0.05));
     let lines = run("uno", &folder, &script);
     let highest = lines.iter().map(|(_, mpa, _)| *mpa).fold(0.0, f64::max);
     assert!(highest < 0.05 + 2.0 * STEP_MPA, "{highest}");
@@ -162,4 +162,82 @@ fn a_dead_sensor_and_a_lost_supply_are_reported() {
     let lines = run("uno", &folder, &script);
     let (_, line) = at(&lines, 14_000.0);
     assert!(line.contains("\"regulator\":\"SUPPLY_LOW\""), "{line}");
+}
+
+#[test]
+fn regress_lines_that_are_no_orders_for_the_board_do_not_feed_its_watchdog() {
+    let Some(folder) = compiled("uno", "watchdog") else { return };
+    for line in [
+        "{\"type\":\"estimate\",\"array\":\"left\",\"whisker\":1,\"length_mm\":60.2}",
+        "{\"type\":\"set_pressure\",\"array\":\"left\",\"whisker\":2,\"pressure_mpa\":0.05,\"slew_mpa_per_s\":0}",
+        "{\"type\":\"set_pressure\",\"array\":\"left\",\"whisker\":1,\"pressure_mpa\":0.9}",
+        "{\"type\":\"set_pressure\",\"array\":\"left\",\"whisker\":1,\"pressure_mpa\":0.0",
+        "{\"type\":\"x\"}",
+    ] {
+        let mut script = held(300, 4_000, 0.05);
+        (5_000..14_000).step_by(1_000).for_each(|ms| script += &format!("{ms} {line}\n"));
+        let lines = run("uno", &folder, &(script + "14500 !end\n"));
+        assert!((at(&lines, 7_000.0).0 - 0.05).abs() <= STEP_MPA, "{line}: {:?}", at(&lines, 7_000.0));
+        assert!(at(&lines, 14_000.0).0 < STEP_MPA, "{line}: {:?}", at(&lines, 14_000.0));
+    }
+}
+
+/// docs/driver-interface.md, its driver in C.
+const INTERFACE: &str = include_str!("../../../../docs/driver-interface.md");
+
+#[test]
+fn regress_the_driver_in_c_of_the_document_works_on_a_microcontroller() {
+    let Some(folder) = compiled("mega", "document") else { return };
+    let source = INTERFACE.split("```c\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a driver in C");
+    let board = r#"
+        #define F_CPU 16000000UL
+        #include <avr/io.h>
+        #include <util/delay.h>
+        static int put(char c, FILE *f) { (void)f; while (!(UCSR0A & (1 << UDRE0))); UDR0 = c; return 0; }
+        static FILE out = FDEV_SETUP_STREAM(put, NULL, _FDEV_SETUP_WRITE);
+        static double held[3] = {0.1, 0.1, -0.0004};
+        double read_mpa(int whisker) { return held[whisker]; }
+        void set_mpa(int whisker, double mpa, double slew) { if (slew == 0.02) held[whisker] = mpa; }
+        static char heard[200];
+        static int length, is_whole;
+        static void hear(void) {
+            if (is_whole || !(UCSR0A & (1 << RXC0))) return;
+            char c = UDR0;
+            if (c == '\n') is_whole = 1;
+            else if (length < (int)sizeof heard - 1) heard[length++] = c;
+        }
+        int read_line(char *line, int size) {
+            if (!is_whole) return 0;
+            heard[length] = 0;
+            length = is_whole = 0;
+            strncpy(line, heard, size);
+            return 1;
+        }
+        int main(void) {
+            UCSR0B = 1 << TXEN0 | 1 << RXEN0;
+            UBRR0 = 8;
+            stdout = &out;
+            for (;;) {
+                loop();
+                for (int i = 0; i < 2000; i++) { hear(); _delay_us(20); }
+            }
+        }
+        "#;
+    let (c, elf) = (folder.join("document.c"), folder.join("vibrissa_board.elf"));
+    std::fs::write(&c, format!("{source}{board}")).expect("a file is written");
+    let mut compiler = Command::new("avr-gcc");
+    compiler.args(["-mmcu=atmega2560", "-Os", "-std=gnu11", "-Wall", "-Werror", "-o"]).arg(&elf).arg(&c).arg("-lm");
+    let ended = compiler.output().expect("avr-gcc runs");
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    let script = format!("{}900 !end\n", set_pressure(200, 0.12).replace(":0}", ":0.02}"));
+    let lines = run("mega", &folder, &script);
+    let said: Vec<&str> =
+        lines.iter().map(|(_, _, line)| line.as_str()).filter(|line| line.contains("pressure")).collect();
+    for expected in [
+        "{\"type\":\"pressure\",\"whisker\":0,\"pressure_mpa\":0.100000}",
+        "{\"type\":\"pressure\",\"whisker\":1,\"pressure_mpa\":0.120000}",
+        "{\"type\":\"pressure\",\"whisker\":2,\"pressure_mpa\":0.000000}",
+    ] {
+        assert!(said.iter().any(|line| line.ends_with(expected)), "{expected}: {said:?}");
+    }
 }

@@ -30,9 +30,9 @@ fn a_driver_is_greeted_with_all_it_needs() {
     for version in [5, 4] {
         bench.send(RobotTopic::Estimate, &of(version));
     }
-    bench.step(Input::DriverEnded);
+    bench.step(Input::DriverEnded(0));
     bench.take();
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverStarted(0));
     let lines: Vec<String> =
         bench.to_driver.iter().map(|line| String::from_utf8(line.line()).unwrap().trim_end().to_owned()).collect();
     assert_eq!(
@@ -134,10 +134,72 @@ fn bad_lines_are_answered_with_their_number_and_a_remedy() {
         let problems = bench.problems();
         assert!(problems.len() == 1 && problems[0].contains(problem), "{line}: {problems:?}");
     }
-    bench.step(Input::Line(None));
+    bench.step(Input::Line(0, None));
     assert!(bench.problems()[0].contains("longer than 65536 bytes"));
     assert_eq!(bench.agent.counts().lines_refused, 16);
     assert_eq!(bench.contacts(), []);
+}
+
+#[test]
+fn regress_an_empty_chamber_reads_the_zero_of_its_sensor() {
+    for (reading, taken) in [(-0.00037, true), (-0.01, true), (-0.0101, false), (-1.0, false)] {
+        let mut bench = Bench::running();
+        bench.run(2.0);
+        bench.take();
+        bench.read(0, reading);
+        bench.line(&format!(
+            r#"{{"type":"contact","whisker":1,"strain":0.01,"deflection_mm":1,"ratio":0.5,"pressure_mpa":{reading}}}"#
+        ));
+        assert_eq!(bench.problems().len(), if taken { 0 } else { 2 }, "{reading}");
+        bench.step(Input::Message(RobotTopic::Request, br#"{"boot_id":"s3","seq":0,"request":"STATUS"}"#));
+        let status = bench.statuses().pop().unwrap();
+        assert_eq!(status.whiskers[0].pressure_mpa, if taken { 0.0 } else { 0.1 });
+        assert_eq!(bench.warnings.len(), if taken { 2 } else { 0 }, "{:?}", bench.warnings);
+    }
+}
+
+#[test]
+fn regress_a_driver_whose_values_are_refused_is_not_silent() {
+    for (line, restarts) in [
+        (r#"{"type":"pressure","whisker":0,"pressure_mpa":7.0}"#, 0),
+        (r#"{"type":"pressure","whisker":0,"pressure_mpa":"much"}"#, 0),
+        (r#"{"type":"jump"}"#, 0),
+        ("\u{1}@~", 1),
+        (r#"{"pressure_mpa":0.1}"#, 1),
+    ] {
+        let mut bench = Bench::running();
+        for _ in 0..70 {
+            bench.run(0.1);
+            bench.line(line);
+        }
+        assert_eq!(bench.restarts, restarts, "{line}");
+        // Its chambers are not read, whatever it says.
+        let status = bench.statuses().pop().unwrap();
+        assert!(status.whiskers.iter().all(|whisker| whisker.regulator == Regulator::Fault), "{status:?}");
+    }
+}
+
+#[test]
+fn regress_a_whisker_that_is_not_read_while_the_broker_is_away_takes_no_time() {
+    let mut bench = Bench::running();
+    bench.step(Input::Disconnected);
+    for _ in 0..100 {
+        // `run` demands that each deadline passes.
+        bench.run(0.1);
+        bench.read(0, 0.1);
+    }
+    bench.step(Input::Connected);
+    let status = bench.statuses().pop().unwrap();
+    assert_eq!(status.whiskers[1].regulator, Regulator::Fault);
+}
+
+#[test]
+fn regress_a_gauge_whose_touches_are_compressions_is_told_once() {
+    let mut bench = Bench::running();
+    for _ in 0..40 {
+        bench.line(r#"{"type":"contact","whisker":1,"strain":-0.01,"deflection_mm":1,"ratio":0.5}"#);
+    }
+    assert!(bench.warnings.len() == 1 && bench.warnings[0].contains("whisker left/1: touches are compressions"));
 }
 
 #[test]
@@ -174,7 +236,7 @@ fn regress_a_device_that_echoes_gets_no_more_lines_than_another_one() {
     let lines_of = |echoes: bool, speaks: bool| {
         let mut bench = Bench::new(|_| {});
         bench.step(Input::Connected);
-        bench.step(Input::DriverStarted);
+        bench.step(Input::DriverStarted(0));
         let (mut sent, mut problems) = (0, Vec::new());
         for tenth in 0..200 {
             bench.run(0.1);
@@ -192,7 +254,7 @@ fn regress_a_device_that_echoes_gets_no_more_lines_than_another_one() {
                         problems.push(problem.clone());
                     }
                     if echoes {
-                        bench.step(Input::Line(Some(line.line().trim_ascii_end())));
+                        bench.step(Input::Line(0, Some(line.line().trim_ascii_end())));
                     }
                 }
                 round += 1;
@@ -212,8 +274,8 @@ fn regress_a_device_that_echoes_gets_no_more_lines_than_another_one() {
 #[test]
 fn each_line_to_a_driver_is_recognised_when_it_comes_back() {
     let mut bench = Bench::running();
-    bench.step(Input::DriverEnded);
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverEnded(0));
+    bench.step(Input::DriverStarted(0));
     bench.line("x");
     for line in bench.take().1 {
         assert!(crate::driver::words::is_own(&line.line()), "{line:?}");
@@ -238,7 +300,7 @@ fn regress_an_ordinary_start_reports_no_fault() {
     {
         let mut bench = Bench::new(|_| {});
         bench.step(Input::Connected);
-        bench.step(Input::DriverStarted);
+        bench.step(Input::DriverStarted(0));
         bench.step(Input::Message(RobotTopic::Request, br#"{"boot_id":"s3","seq":0,"request":"STATUS"}"#));
         bench.run(reads_after_s);
         if reads_after_s < 9.0 {
@@ -259,11 +321,11 @@ fn regress_a_driver_that_restarts_within_seconds_is_no_fault() {
     let mut statuses = Vec::new();
     bench.hold([0.1, 0.1], 3.0);
     for _ in 0..3 {
-        bench.step(Input::DriverEnded);
+        bench.step(Input::DriverEnded(0));
         bench.run(5.0);
         statuses.extend(bench.statuses());
         // A contact without a pressure is refused until the pressure is read.
-        bench.step(Input::DriverStarted);
+        bench.step(Input::DriverStarted(0));
         bench.touch(0);
         assert_eq!(bench.problems().len(), 1);
         bench.run(1.0);
@@ -276,15 +338,15 @@ fn regress_a_driver_that_restarts_within_seconds_is_no_fault() {
     );
     // Nor does a driver hide its absence by restarts without end.
     for _ in 0..7 {
-        bench.step(Input::DriverEnded);
+        bench.step(Input::DriverEnded(0));
         bench.run(1.5);
-        bench.step(Input::DriverStarted);
+        bench.step(Input::DriverStarted(0));
         bench.run(1.5);
     }
     let last = bench.statuses().pop().unwrap();
     assert!(last.whiskers.iter().all(|whisker| whisker.regulator == Regulator::Fault), "{last:?}");
     bench.order(1, 0.12);
-    bench.step(Input::DriverEnded);
+    bench.step(Input::DriverEnded(0));
     bench.read(0, 0.1);
     bench.read(1, 0.1);
     bench.run(0.2);
@@ -294,7 +356,7 @@ fn regress_a_driver_that_restarts_within_seconds_is_no_fault() {
 #[test]
 fn a_flood_of_contacts_and_of_bad_lines_is_limited_and_counted() {
     let mut bench = Bench::new(|config| config.limits.contacts_per_s = 100.0);
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverStarted(0));
     bench.read(0, 0.1);
     (0..1000).for_each(|_| bench.touch(0));
     assert_eq!((bench.agent.counts().contacts, bench.agent.counts().lines_refused), (100, 900));
@@ -304,7 +366,7 @@ fn a_flood_of_contacts_and_of_bad_lines_is_limited_and_counted() {
 #[test]
 fn the_outbox_is_bounded_and_drops_the_oldest() {
     let mut bench = Bench::new(|config| config.limits.outbox_bytes = 65_536);
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverStarted(0));
     bench.read(0, 0.1);
     for _ in 0..2000 {
         bench.touch(0);

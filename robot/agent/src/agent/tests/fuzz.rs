@@ -81,7 +81,7 @@ proptest! {
         for chunk in stream.chunks(chunk) {
             for line in lines.push(chunk) {
                 given += 1;
-                bench.step(Input::Line(line.as_deref()));
+                bench.step(Input::Line(0, line.as_deref()));
             }
         }
         bench.run(0.2);

@@ -10,7 +10,7 @@ fn running(rule: OnSupervisorLoss) -> Bench {
         config.facts.on_supervisor_loss = rule;
     });
     bench.step(Input::Connected);
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverStarted(0));
     bench.hold([0.1, 0.1], 0.2);
     bench
 }
@@ -63,8 +63,8 @@ fn the_driver_is_told_the_gain_when_the_setpoint_is_applied() {
     assert_eq!(sent_gains(&mut bench), [0.887]);
     bench.hold([0.08, 0.1], 4.05);
     assert_eq!(sent_gains(&mut bench), [0.887; 2], "a lost line does no harm");
-    bench.step(Input::DriverEnded);
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverEnded(0));
+    bench.step(Input::DriverStarted(0));
     let lines: Vec<String> = bench.take().1.iter().map(|one| String::from_utf8(one.line()).unwrap()).collect();
     let line = r#"{"type":"reading_gain","array":"left","whisker":0,"reading_gain":0.887}"#;
     assert_eq!(lines[2].trim_end(), line, "{lines:?}");

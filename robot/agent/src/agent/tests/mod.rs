@@ -5,6 +5,7 @@ mod fuzz;
 mod gains;
 mod restart;
 mod setpoints;
+mod several;
 mod strain;
 mod valves;
 
@@ -37,6 +38,12 @@ struct Bench {
     stepped_us: i64,
     messages: Vec<Message>,
     to_driver: Vec<ToDriver>,
+    /// Lines to drivers other than the first one.
+    to_others: Vec<ToDriver>,
+    warnings: Vec<String>,
+    /// Contacts that have no room in memory, and how many of them were taken back.
+    disk: VecDeque<Vec<u8>>,
+    taken: u64,
     records: Vec<Record>,
     restarts: usize,
     reconnects: usize,
@@ -52,14 +59,27 @@ impl Bench {
         let mut config = Config::from_toml_str(EXAMPLE, Path::new("")).unwrap();
         edit(&mut config);
         let (agent, records) = Agent::new(&config, BootId::new(boot).unwrap(), stored, Now::of_us(now_us));
-        Self { agent, now_us, stepped_us: 0, messages: vec![], to_driver: vec![], records, restarts: 0, reconnects: 0 }
+        Self {
+            agent,
+            now_us,
+            stepped_us: 0,
+            messages: vec![],
+            to_driver: vec![],
+            to_others: vec![],
+            warnings: vec![],
+            disk: VecDeque::new(),
+            taken: 0,
+            records,
+            restarts: 0,
+            reconnects: 0,
+        }
     }
 
     /// A connected agent whose driver reports its pressures.
     fn running() -> Self {
         let mut bench = Self::new(|_| {});
         bench.step(Input::Connected);
-        bench.step(Input::DriverStarted);
+        bench.step(Input::DriverStarted(0));
         bench.read(0, 0.1);
         bench.read(1, 0.1);
         bench.take();
@@ -69,17 +89,27 @@ impl Bench {
     fn step(&mut self, input: Input<'_>) {
         let system_us = self.now_us.saturating_add_signed(self.stepped_us);
         let now = Now { system_us, ..Now::of_us(self.now_us) };
+        let mut back = 0;
         for output in self.agent.step(now, input) {
             match output {
                 Output::Publish(topic, payload) => {
                     let topic = topic.of(&self.agent.fleet, &self.agent.robot);
                     self.messages.push(decode(&topic, &payload).expect("an agent keeps the contract"));
                 }
-                Output::Tell(line) => self.to_driver.push(line),
+                Output::Tell(0, line) => self.to_driver.push(line),
+                Output::Tell(_, line) => self.to_others.push(line),
+                Output::Warn(text) => self.warnings.push(text),
+                Output::Spool(contacts) => self.disk.push_back(contacts),
+                Output::TakeBack(messages) => back += messages,
                 Output::Store(record) => self.records.push(record),
-                Output::RestartDriver => self.restarts += 1,
+                Output::RestartDriver(..) => self.restarts += 1,
                 Output::Reconnect => self.reconnects += 1,
             }
+        }
+        for _ in 0..back {
+            let Some(contacts) = self.disk.pop_front() else { return self.step(Input::CameBack(None)) };
+            self.taken += 1;
+            self.step(Input::CameBack(Some((&contacts, (1, self.taken)))));
         }
     }
 
@@ -96,7 +126,7 @@ impl Bench {
     }
 
     fn line(&mut self, line: &str) {
-        self.step(Input::Line(Some(line.as_bytes())));
+        self.step(Input::Line(0, Some(line.as_bytes())));
     }
 
     fn read(&mut self, whisker: u16, pressure_mpa: f64) {

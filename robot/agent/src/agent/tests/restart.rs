@@ -6,7 +6,7 @@ use crate::store::file::StoreFile;
 /// Kept contacts messages of a boot, in an agent that was connected or not.
 fn stored(is_connected: bool) -> Stored {
     let mut bench = Bench::new(|_| {});
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverStarted(0));
     bench.read(0, 0.1);
     if is_connected {
         bench.step(Input::Connected);
@@ -63,7 +63,7 @@ fn messages_of_an_earlier_boot_keep_their_numbers_until_they_are_receipted() {
 fn a_supervisor_that_misses_an_earlier_boot_is_introduced_to_it_before_another_one() {
     const REQUEST: &[u8] = br#"{"boot_id":"s3","seq":0,"request":"FACTSHEET"}"#;
     let mut bench = Bench::after(|_| {}, "b2", stored(true), START + 60 * S);
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverStarted(0));
     bench.read(0, 0.1);
     // A supervisor that was not there hears only the retained messages, which are those of b2.
     bench.step(Input::Connected);
@@ -128,7 +128,7 @@ fn no_older_setpoint_is_applied_after_a_restart() {
     let old = bench.setpoint(7, 0.12);
     let mut bench = Bench::after(|_| {}, "b2", bench.stored(), START + S);
     bench.step(Input::Connected);
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverStarted(0));
     assert_eq!(bench.pressures(0), [0.1], "the nominal pressure until an order comes");
     bench.take();
     bench.send(RobotTopic::Setpoint, &old);
@@ -146,7 +146,7 @@ fn of_many_boots_as_many_are_kept_as_a_supervisor_remembers() {
     let mut kept = stored(true);
     for boot in 2..8 {
         let mut bench = Bench::after(|_| {}, &format!("b{boot}"), kept, START + boot * 60 * S);
-        bench.step(Input::DriverStarted);
+        bench.step(Input::DriverStarted(0));
         bench.read(0, 0.1);
         bench.step(Input::Connected);
         bench.touch(0);
@@ -200,7 +200,7 @@ fn after_a_power_cut_at_any_byte_all_before_it_is_sent_and_no_setpoint_is_applie
 
         let mut next = Bench::after(|_| {}, "b2", stored, START + 60 * S);
         next.step(Input::Connected);
-        next.step(Input::DriverStarted);
+        next.step(Input::DriverStarted(0));
         next.read(0, 0.1);
         let sent: Vec<u64> = next
             .take()
@@ -220,4 +220,48 @@ fn after_a_power_cut_at_any_byte_all_before_it_is_sent_and_no_setpoint_is_applie
         assert!(next.pressures(0).iter().all(|&mpa| mpa == 0.1), "at {length}");
     }
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn regress_hours_without_a_supervisor_go_to_the_disk_and_come_back_in_order() {
+    let mut bench = Bench::new(|config| {
+        config.limits.outbox_bytes = 65_536;
+        config.outbox_file = Some("outbox".into());
+    });
+    bench.step(Input::DriverStarted(0));
+    for number in 0..3_000 {
+        if number % 10 == 0 {
+            bench.read(0, 0.1);
+        }
+        let deflection_mm = 1.0 + f64::from(number) / 1e4;
+        bench.line(&format!(
+            r#"{{"type":"contact","whisker":0,"deflection_mm":{deflection_mm},"strain":0.01,"ratio":0.8}}"#
+        ));
+        bench.run(0.1);
+        assert!(bench.agent.outbox.bytes() <= 65_536);
+    }
+    assert!(bench.disk.len() > 2_000 && bench.agent.messages_dropped() == 0, "{}", bench.disk.len());
+    bench.step(Input::Connected);
+    let mut felt = BTreeMap::new();
+    for _ in 0..3_000 {
+        for message in bench.contacts() {
+            let next = message.seq + 1;
+            felt.insert(message.seq, message.contacts.iter().map(|one| one.deflection_mm).collect::<Vec<f64>>());
+            bench.receipt("b1", next);
+        }
+        bench.run(0.05);
+        bench.read(0, 0.1);
+        if felt.len() >= 3_000 {
+            break;
+        }
+    }
+    let felt: Vec<f64> = felt.into_values().flatten().collect();
+    assert_eq!(felt.len(), 3_000);
+    assert!(felt.windows(2).all(|pair| pair[0] < pair[1]), "later contacts do not overtake earlier ones");
+    // What came back is stored with its position, so that no restart takes it back again.
+    assert_eq!(bench.stored().spooled, Some((1, bench.taken)));
+    assert!(bench.disk.is_empty());
+    bench.touch(0);
+    bench.run(0.2);
+    assert_eq!(bench.contacts().len(), 1, "memory is used again");
 }

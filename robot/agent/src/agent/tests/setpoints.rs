@@ -93,7 +93,7 @@ fn the_loss_of_the_supervisor_is_handled_as_the_factsheet_states() {
     {
         let mut bench = Bench::new(|config| config.facts.on_supervisor_loss = rule);
         bench.step(Input::Connected);
-        bench.step(Input::DriverStarted);
+        bench.step(Input::DriverStarted(0));
         bench.read(0, 0.12);
         bench.order(1, 0.12);
         bench.hold([0.12, 0.1], 59.0);
@@ -110,7 +110,7 @@ fn regress_no_step_of_the_systems_clock_is_taken_for_passed_time() {
     for step_s in [70, -10, -3_600, 3_600, -(START / S).cast_signed()] {
         let mut bench = Bench::new(|config| config.facts.on_supervisor_loss = OnSupervisorLoss::Vent);
         bench.step(Input::Connected);
-        bench.step(Input::DriverStarted);
+        bench.step(Input::DriverStarted(0));
         bench.read(0, 0.12);
         bench.order(1, 0.12);
         bench.hold([0.12, 0.1], 10.0);
@@ -189,7 +189,7 @@ fn a_touch_test_fails_if_the_driver_ends_or_never_finishes_it() {
         );
         bench.step(Input::Message(RobotTopic::Request, request.as_bytes()));
         if dies {
-            bench.step(Input::DriverEnded);
+            bench.step(Input::DriverEnded(0));
         } else {
             bench.hold([0.1, 0.1], 40.0);
         }

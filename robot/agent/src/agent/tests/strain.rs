@@ -22,7 +22,7 @@ fn bench(place: PlaceKind) -> Bench {
         config.facts.arrays[0].whiskers.iter_mut().for_each(|whisker| whisker.place = Some(place));
     });
     bench.step(Input::Connected);
-    bench.step(Input::DriverStarted);
+    bench.step(Input::DriverStarted(0));
     bench.read(0, 0.1);
     bench.take();
     bench
@@ -141,4 +141,31 @@ fn a_restarted_board_begins_a_new_stream() {
     assert_eq!(felt(&mut bench, Clock::Board, more, false).0.len(), 1);
     // The board's clock begins at the same time again.
     assert_eq!(felt(&mut bench, Clock::Board, more, false).0.len(), 1);
+}
+
+#[test]
+fn regress_a_converter_that_ends_below_the_deflection_is_a_saturated_gauge() {
+    let mut bench = bench(PlaceKind::Distance);
+    // 4 mm of deflection at 0.0046 a millimetre, where the converter ends at 0.005.
+    let mut ended = Vec::new();
+    for block in 0..60_usize {
+        let way = |at: usize| way_mm((block * COUNT + at) as f64 * 0.01, false) * 2.0;
+        let strains: Vec<String> = (0..COUNT)
+            .map(|at| format!("{:.6}", (0.0046 * way(at) + ((at % 3) as f64 - 1.0) * 1e-5).min(0.005)))
+            .collect();
+        let ways: Vec<String> = (0..COUNT).map(|at| way(at).to_string()).collect();
+        bench.run(0.1);
+        bench.read(0, 0.1);
+        bench.read(1, 0.1);
+        bench.line(&format!(
+            r#"{{"type":"strain","whisker":0,"strain":[{}],"deflection_mm":[{}],"distance_mm":50,"every_us":10000}}"#,
+            strains.join(","),
+            ways.join(",")
+        ));
+        ended.extend(bench.statuses().pop());
+    }
+    let gauges: Vec<_> = ended.iter().map(|status| status.whiskers[0].gauge).collect();
+    assert!(gauges.contains(&vibrissa_protocol::Gauge::Saturated), "{gauges:?}");
+    assert!(bench.warnings.len() == 1 && bench.warnings[0].contains("stays at 0.005"), "{:?}", bench.warnings);
+    assert_eq!((bench.agent.counts().contacts, bench.agent.counts().contacts_unusable), (0, 1));
 }

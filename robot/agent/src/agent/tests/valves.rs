@@ -17,9 +17,9 @@ struct Air {
 
 impl Air {
     fn new() -> Self {
-        let mut bench = Bench::new(|config| config.limits.regulate = true);
+        let mut bench = Bench::new(|config| config.drivers[0].limits.regulate = true);
         bench.step(Input::Connected);
-        bench.step(Input::DriverStarted);
+        bench.step(Input::DriverStarted(0));
         Self { bench, pressure_mpa: 0.1, open: None, pulses: 0, leak_mpa_per_s: 0.0 }
     }
 

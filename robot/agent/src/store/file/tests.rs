@@ -36,7 +36,7 @@ fn boot() -> BootId {
 
 fn contacts(seq: u64) -> Record {
     let text = format!("{{\"boot_id\":\"b1\",\"seq\":{seq},\"contacts\":[]}}");
-    Record::Contacts { boot_id: boot(), seq, payload: Payload::new(text.as_bytes()).unwrap() }
+    Record::Contacts { boot_id: boot(), seq, payload: Payload::new(text.as_bytes()).unwrap(), spooled: None }
 }
 
 fn some_records() -> Vec<Record> {

@@ -1,0 +1,161 @@
+//! The links to the drivers: each has a task of its own, so that none waits for another one.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::sync::{Notify, mpsc};
+use tokio::task::JoinSet;
+use tokio::time::{Instant, sleep};
+
+use super::Hub;
+use crate::Input;
+use crate::config::{DriverConfig, Way};
+use crate::driver::link::{Door, Link};
+use crate::driver::{Lines, ToDriver};
+
+/// Most lines that wait for the driver. A driver that reads none of so many hangs.
+const TELLING_MAX: usize = 1024;
+/// Pauses between two attempts to reach the driver.
+const LINK_PAUSE: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(10));
+/// A driver that lived for this long gets the shortest pause again.
+const LIVED: Duration = Duration::from_secs(10);
+/// Time between two logs of refused lines.
+const REFUSAL_PAUSE: Duration = Duration::from_secs(60);
+/// Bytes that are read from the driver at once.
+const CHUNK_BYTES: usize = 4096;
+
+/// The link to a driver, as the others see it.
+pub(super) struct DriverLink {
+    label: String,
+    /// Lines to it while it can be heard.
+    telling: Option<mpsc::Sender<Vec<u8>>>,
+    /// Asks its task to end the link.
+    pub(super) restart: Arc<Notify>,
+    /// Time at which a refused line of it was last logged.
+    refusal_logged_at: Option<Instant>,
+}
+
+impl DriverLink {
+    pub(super) fn new(config: &DriverConfig) -> Self {
+        Self { label: config.label.clone(), telling: None, restart: Arc::default(), refusal_logged_at: None }
+    }
+
+    pub(super) fn tell(&mut self, line: &ToDriver, refused: u64) {
+        self.tell_refusal(line, refused);
+        if let Some(telling) = &self.telling
+            && telling.try_send(line.line()).is_err()
+        {
+            tracing::warn!("{} reads nothing", self.label);
+            self.restart.notify_one();
+        }
+    }
+
+    /// Logs a refused line, but not each one: a faulty driver may send thousands a second.
+    fn tell_refusal(&mut self, line: &ToDriver, refused: u64) {
+        let ToDriver::Error { line, problem, remedy } = line else { return };
+        if self.refusal_logged_at.is_some_and(|at| at.elapsed() < REFUSAL_PAUSE) {
+            return;
+        }
+        self.refusal_logged_at = Some(Instant::now());
+        let label = &self.label;
+        tracing::warn!("line {line} of {label} is refused ({refused} since the start): {problem}: {remedy}");
+    }
+}
+
+/// Waits for the tasks of all drivers, which end only by a panic.
+pub(super) async fn all_ended(driving: &mut JoinSet<()>) {
+    while let Some(ended) = driving.join_next().await {
+        if let Err(problem) = ended {
+            tracing::error!(%problem, "the task of a driver has ended: its whiskers are not served any more");
+        }
+    }
+}
+
+impl Hub {
+    /// Reaches a driver again and again.
+    pub(super) async fn drive(self, driver: usize, config: DriverConfig, mut door: Option<Door>) {
+        let may_restart = config.restart || !matches!(config.way, Way::Command(_));
+        let (label, restart) = (&config.label, self.lock().drivers[driver].restart.clone());
+        let mut pause = LINK_PAUSE.0;
+        loop {
+            let began = Instant::now();
+            if door.is_none() {
+                door = Door::open(&config).await.inspect_err(|problem| tracing::debug!("{label}: {problem}")).ok();
+            }
+            let link = match &door {
+                Some(door) => {
+                    door.link().await.inspect_err(|problem| tracing::warn!("cannot reach {label}: {problem}")).ok()
+                }
+                None => None,
+            };
+            if let Some(mut link) = link {
+                let (sender, lines) = mpsc::channel(TELLING_MAX);
+                self.lock().drivers[driver].telling = Some(sender);
+                self.step(Input::DriverStarted(driver));
+                tracing::info!("{label} can be heard");
+                let reason = self.talk(driver, &mut link, lines, may_restart.then_some(&*restart)).await;
+                tracing::warn!(reason, "{label} has gone");
+                self.lock().drivers[driver].telling = None;
+                self.step(Input::DriverEnded(driver));
+                link.close().await;
+                if !may_restart {
+                    tracing::error!("{label} is not started again: driver.restart is false");
+                    return std::future::pending().await;
+                }
+            }
+            if began.elapsed() >= LIVED {
+                pause = LINK_PAUSE.0;
+            }
+            sleep(pause).await;
+            pause = (2 * pause).min(LINK_PAUSE.1);
+        }
+    }
+
+    /// Carries lines until the link ends; returns the reason. Lines are read no faster than they are handled.
+    /// `restart` asks for the end of the link, if that may happen.
+    async fn talk(
+        &self,
+        driver: usize,
+        link: &mut Link,
+        mut lines: mpsc::Receiver<Vec<u8>>,
+        restart: Option<&Notify>,
+    ) -> &'static str {
+        let (reader, writer) = (&mut link.reader, &mut link.writer);
+        let read = async {
+            let (mut buffer, mut cut) = (vec![0; CHUNK_BYTES], Lines::default());
+            loop {
+                match reader.read(&mut buffer).await {
+                    Ok(0) => return "it has closed its output",
+                    Ok(read) => {
+                        for line in cut.push(&buffer[..read]) {
+                            self.step(Input::Line(driver, line.as_deref()));
+                        }
+                    }
+                    Err(_) => return "its output cannot be read",
+                }
+            }
+        };
+        let write = async {
+            while let Some(line) = lines.recv().await {
+                if writer.write_all(&line).await.is_err() || writer.flush().await.is_err() {
+                    // What it still says counts; the end of its output ends the link.
+                    break;
+                }
+            }
+            std::future::pending().await
+        };
+        let restarted = async {
+            match restart {
+                Some(restart) => restart.notified().await,
+                None => std::future::pending().await,
+            }
+            "it is silent or reads nothing"
+        };
+        tokio::select! {
+            reason = read => reason,
+            reason = write => reason,
+            reason = restarted => reason,
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! The outbox on disk: written before messages are sent, and synchronised beside the work.
+
+use std::path::Path;
+use std::time::Duration;
+
+use tokio::time::{Instant, sleep};
+use vibrissa_host::task;
+
+use super::{Hub, State};
+use crate::Input;
+use crate::clock::now;
+use crate::store::Record;
+use crate::store::file::{Damage, StoreFile};
+use crate::store::spool::Spool;
+
+/// Time between two synchronisations of the store with the disk: a power cut loses no more than about this.
+const SYNC_EVERY: Duration = Duration::from_millis(200);
+/// Time after which a store that failed is tried again.
+const STORE_AGAIN: Duration = Duration::from_secs(5);
+
+/// The store, with its health.
+pub(super) struct Store {
+    pub(super) file: StoreFile,
+    /// Contacts that have no room in memory.
+    pub(super) spool: Option<Spool>,
+    pub(super) is_dirty: bool,
+    pub(super) failed_at: Option<Instant>,
+}
+
+impl Store {
+    /// The file, if records were appended that may not be on the disk yet.
+    fn unsynced(&mut self) -> Option<std::io::Result<std::fs::File>> {
+        std::mem::take(&mut self.is_dirty).then(|| self.file.synced())
+    }
+
+    pub(super) fn append(&mut self, records: &[Record]) {
+        if records.is_empty() || self.failed_at.is_some() {
+            return;
+        }
+        self.is_dirty = true;
+        if let Err(problem) = self.file.append(records) {
+            tracing::error!(%problem, "a restart would lose contacts from now on");
+            self.failed_at = Some(Instant::now());
+        }
+    }
+
+    /// Replaces the file when it is full, or some time after it has failed.
+    fn renew(&mut self, records: impl FnOnce() -> Vec<Record>) {
+        let is_due = self.failed_at.map_or_else(|| self.file.is_full(), |at| at.elapsed() >= STORE_AGAIN);
+        if !is_due {
+            return;
+        }
+        match self.file.replace(records()) {
+            Ok(()) => {
+                if self.failed_at.take().is_some() {
+                    tracing::info!("the outbox is stored again");
+                }
+            }
+            Err(problem) => {
+                tracing::error!(%problem, "a restart would lose contacts");
+                self.failed_at = Some(Instant::now());
+            }
+        }
+    }
+}
+
+/// Logs what of the outbox is lost, and where the rest of the damaged file is.
+pub(super) fn tell_damage(path: &Path, Damage { lines, torn_bytes, aside }: &Damage) {
+    let path = path.display();
+    if *lines > 0 {
+        let kept = match aside {
+            Some(aside) => format!("the damaged file is kept as {}", aside.display()),
+            None => "the damaged file could not be copied".to_owned(),
+        };
+        tracing::error!(
+            "outbox.file: {lines} lines of {path} are damaged and left out, with the contacts in them; {kept}; check the disk"
+        );
+    } else if *torn_bytes > 0 {
+        tracing::warn!("outbox.file: the last line of {path} is incomplete, as after a power cut, and left out");
+    }
+}
+
+impl Hub {
+    /// Writes contacts to the disk, and counts those that have no room there.
+    pub(super) fn spool(&self, state: &mut State, contacts: &[Vec<u8>]) {
+        let Some(spool) = state.store.as_mut().and_then(|store| store.spool.as_mut()) else { return };
+        let mut lost = 0;
+        for message in contacts {
+            match spool.append(message) {
+                Ok(dropped) => lost += dropped,
+                Err(problem) => {
+                    tracing::error!(%problem, "contacts are lost: they cannot be written to the outbox on disk");
+                    lost += 1;
+                }
+            }
+        }
+        if lost > 0 {
+            let outputs = state.agent.step(now(), Input::LostOnDisk(lost));
+            self.handle(state, outputs);
+        }
+    }
+
+    /// Gives the agent messages back from the disk.
+    pub(super) fn take_back(&self, state: &mut State, messages: usize) {
+        for _ in 0..messages {
+            let Some(spool) = state.store.as_mut().and_then(|store| store.spool.as_mut()) else { return };
+            let back = spool.take().unwrap_or_else(|problem| {
+                tracing::error!(%problem, "contacts are lost: they cannot be read from the outbox on disk");
+                None
+            });
+            let back = back.as_ref().map(|(contacts, position)| (&contacts[..], *position));
+            let outputs = state.agent.step(now(), Input::CameBack(back));
+            self.handle(state, outputs);
+            if back.is_none() {
+                return;
+            }
+        }
+    }
+
+    /// Synchronises the store with the disk, and replaces its file when it is full.
+    pub(super) async fn keep_store(&self) {
+        loop {
+            sleep(SYNC_EVERY).await;
+            {
+                let mut state = self.lock();
+                let State { agent, store, .. } = &mut *state;
+                if let Some(store) = store {
+                    store.renew(|| agent.records());
+                }
+            }
+            self.sync().await;
+        }
+    }
+
+    pub(super) async fn sync(&self) {
+        let (file, spooled, done) = {
+            let mut state = self.lock();
+            let Some(store) = &mut state.store else { return };
+            let spool = store.spool.as_mut();
+            let (spooled, done) = spool.map_or((None, vec![]), |spool| (spool.unsynced(), spool.done()));
+            (store.unsynced(), spooled, done)
+        };
+        if file.is_none() && spooled.is_none() && done.is_empty() {
+            return;
+        }
+        let synced = task::blocking(move || {
+            [spooled, file].into_iter().flatten().try_for_each(|file| file.and_then(|file| file.sync_data()))?;
+            // What was in them is on the disk in the file of the outbox.
+            done.iter().try_for_each(std::fs::remove_file)
+        })
+        .await;
+        match synced {
+            Ok(Ok(())) => {}
+            Ok(Err(problem)) => tracing::error!(%problem, "cannot synchronise the outbox with the disk"),
+            Err(problem) => tracing::error!(%problem, "cannot synchronise the outbox with the disk"),
+        }
+    }
+}

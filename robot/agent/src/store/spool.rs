@@ -1,0 +1,299 @@
+//! Contacts that have no room in memory: on disk, in order, for hours without a supervisor.
+//!
+//! A folder has segments of about 1 MiB, numbered in the order of writing. A line is a CRC-32 in hexadecimal, a space,
+//! and the contacts as JSON. They have no number yet: each gets one of the boot that takes it back, and the record of
+//! that in the file of the outbox has the position after it. So a restart takes none back twice. A segment is removed
+//! after that file was synchronised. Beyond the bound the oldest segment goes.
+
+use std::collections::VecDeque;
+use std::fs::{DirBuilder, File};
+use std::io::{BufRead, BufReader, Read, Result, Seek, SeekFrom, Write};
+use std::os::unix::fs::DirBuilderExt;
+use std::path::{Path, PathBuf};
+
+use super::private;
+
+/// Size of a segment after which the next one begins, bytes.
+const SEGMENT_BYTES: u64 = 1 << 20;
+/// Longest line that is read: a message of the contract is shorter.
+const LINE_MAX_BYTES: u64 = 512 * 1024;
+
+/// Number of a segment, and the bytes of it that are done with.
+pub type Position = (u64, u64);
+
+#[derive(Debug)]
+struct Segment {
+    id: u64,
+    bytes: u64,
+}
+
+/// An open folder.
+#[derive(Debug)]
+pub struct Spool {
+    folder: PathBuf,
+    bytes_max: u64,
+    /// The oldest first; the last one is written if there is a writer.
+    segments: VecDeque<Segment>,
+    next_id: u64,
+    writer: Option<File>,
+    is_dirty: bool,
+    /// Bytes of the first segment that were taken back.
+    offset: u64,
+    reader: Option<BufReader<File>>,
+    /// Segments that were taken back.
+    done: Vec<u64>,
+}
+
+impl Spool {
+    /// Opens a folder, which is created if it is missing, at the position up to which it was taken back.
+    ///
+    /// # Errors
+    /// The operating system refuses.
+    pub fn open(folder: &Path, from: Option<Position>, bytes_max: u64) -> Result<Self> {
+        // A link of somebody else does not lead to another folder.
+        if !std::fs::symlink_metadata(folder).is_ok_and(|found| found.is_dir()) {
+            DirBuilder::new().mode(0o700).create(folder)?;
+        }
+        let from = from.unwrap_or_default();
+        let mut segments = Vec::new();
+        for entry in std::fs::read_dir(folder)? {
+            let entry = entry?;
+            let name = entry.file_name();
+            // Other files are not the agent's.
+            let Some(id) =
+                name.to_str().filter(|name| name.len() == 16).and_then(|name| u64::from_str_radix(name, 16).ok())
+            else {
+                continue;
+            };
+            segments.push(Segment { id, bytes: entry.metadata()?.len() });
+        }
+        segments.sort_unstable_by_key(|segment| segment.id);
+        let next_id = segments.last().map_or(0, |last| last.id).max(from.0) + 1;
+        let (done, rest): (Vec<Segment>, Vec<Segment>) = segments.into_iter().partition(|segment| segment.id < from.0);
+        let offset = rest.first().filter(|first| first.id == from.0).map_or(0, |_| from.1);
+        Ok(Self {
+            folder: folder.to_owned(),
+            bytes_max,
+            segments: rest.into(),
+            next_id,
+            writer: None,
+            is_dirty: false,
+            offset,
+            reader: None,
+            done: done.into_iter().map(|segment| segment.id).collect(),
+        })
+    }
+
+    /// Whether nothing waits.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.bytes() == 0
+    }
+
+    /// Bytes that wait.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.segments.iter().map(|segment| segment.bytes).sum::<u64>().saturating_sub(self.offset)
+    }
+
+    /// Appends contacts. They survive the end of the process at once, and a power cut after [`Spool::unsynced`].
+    /// Returns how many messages were dropped for them.
+    ///
+    /// # Errors
+    /// The operating system refuses, for instance because the disk is full.
+    pub fn append(&mut self, contacts: &[u8]) -> Result<u64> {
+        let mut line = format!("{:08x} ", crc32fast::hash(contacts)).into_bytes();
+        line.extend_from_slice(contacts);
+        line.push(b'\n');
+        let dropped = self.make_room(line.len() as u64);
+        let is_full = self.segments.back().is_none_or(|last| last.bytes >= SEGMENT_BYTES);
+        if self.writer.is_none() || is_full {
+            let file = private::create(&self.path(self.next_id))?;
+            self.segments.push_back(Segment { id: self.next_id, bytes: 0 });
+            (self.writer, self.next_id) = (Some(file), self.next_id + 1);
+        }
+        let (Some(file), Some(last)) = (&mut self.writer, self.segments.back_mut()) else { return Ok(dropped) };
+        if let Err(problem) = file.write_all(&line) {
+            // A part of a line would damage the next one.
+            let _ = file.set_len(last.bytes);
+            let _ = file.seek(SeekFrom::Start(last.bytes));
+            return Err(problem);
+        }
+        last.bytes += line.len() as u64;
+        self.is_dirty = true;
+        Ok(dropped)
+    }
+
+    /// Removes the oldest segments until there is room; the number of their messages.
+    fn make_room(&mut self, bytes: u64) -> u64 {
+        let mut dropped = 0;
+        while self.bytes() + bytes > self.bytes_max && self.segments.len() > 1 {
+            while self.offset < self.segments.front().map_or(0, |first| first.bytes) {
+                match self.line() {
+                    Ok(Some(_)) => dropped += 1,
+                    Ok(None) => {}
+                    Err(_) => break,
+                }
+            }
+            self.leave();
+        }
+        dropped
+    }
+
+    /// The next contacts, and the position after them; `None` if nothing waits.
+    ///
+    /// # Errors
+    /// The operating system refuses. The segment is left out then.
+    pub fn take(&mut self) -> Result<Option<(Vec<u8>, Position)>> {
+        while let Some(Segment { id, bytes }) = self.segments.front() {
+            let id = *id;
+            if self.offset >= *bytes {
+                self.leave();
+                continue;
+            }
+            match self.line() {
+                Ok(Some(contacts)) => return Ok(Some((contacts, (id, self.offset)))),
+                Ok(None) => {}
+                Err(problem) => {
+                    self.leave();
+                    return Err(problem);
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// The next line of the first segment; `None` if it is damaged, as after a power cut.
+    fn line(&mut self) -> Result<Option<Vec<u8>>> {
+        let Some(first) = self.segments.front() else { return Ok(None) };
+        if self.reader.is_none() {
+            let mut file = private::read(&self.path(first.id))?;
+            file.seek(SeekFrom::Start(self.offset))?;
+            self.reader = Some(BufReader::new(file));
+        }
+        let Some(reader) = &mut self.reader else { return Ok(None) };
+        let mut line = Vec::new();
+        let read = reader.by_ref().take(LINE_MAX_BYTES).read_until(b'\n', &mut line)?;
+        // Less than was written: the rest is lost.
+        self.offset = if read == 0 { first.bytes } else { self.offset + read as u64 };
+        Ok(checked(&line).map(<[u8]>::to_vec))
+    }
+
+    /// Leaves the first segment, which is removed later.
+    fn leave(&mut self) {
+        if let Some(first) = self.segments.pop_front() {
+            self.done.push(first.id);
+        }
+        (self.offset, self.reader) = (0, None);
+        if self.segments.is_empty() {
+            self.writer = None;
+        }
+    }
+
+    /// The file to synchronise with the disk, if something was written since the last call.
+    pub fn unsynced(&mut self) -> Option<Result<File>> {
+        let is_dirty = std::mem::take(&mut self.is_dirty);
+        self.writer.as_ref().filter(|_| is_dirty).map(File::try_clone)
+    }
+
+    /// The segments that were taken back. Remove them once the file of the outbox is on the disk.
+    pub fn done(&mut self) -> Vec<PathBuf> {
+        std::mem::take(&mut self.done).into_iter().map(|id| self.path(id)).collect()
+    }
+
+    fn path(&self, id: u64) -> PathBuf {
+        self.folder.join(format!("{id:016x}"))
+    }
+}
+
+fn checked(line: &[u8]) -> Option<&[u8]> {
+    let (sum, rest) = line.split_at_checked(9)?;
+    let contacts = rest.strip_suffix(b"\n")?;
+    let sum = u32::from_str_radix(std::str::from_utf8(sum).ok()?.strip_suffix(' ')?, 16).ok()?;
+    (crc32fast::hash(contacts) == sum).then_some(contacts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str) -> Self {
+            let path = std::env::temp_dir().join(format!("vibrissa-spool-{name}-{}", std::process::id()));
+            let _ = std::fs::remove_dir_all(&path);
+            Self(path)
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_dir_all(&self.0);
+        }
+    }
+
+    fn message(number: u64) -> Vec<u8> {
+        format!("{{\"number\":{number},\"rest\":\"{}\"}}", "x".repeat(10_000)).into_bytes()
+    }
+
+    fn all(spool: &mut Spool) -> Vec<Vec<u8>> {
+        std::iter::from_fn(|| spool.take().unwrap()).map(|(contacts, _)| contacts).collect()
+    }
+
+    fn expected(numbers: std::ops::Range<u64>) -> Vec<Vec<u8>> {
+        numbers.map(message).collect()
+    }
+
+    #[test]
+    fn contacts_come_back_in_order_over_restarts_and_none_twice() {
+        let folder = Folder::new("order");
+        let mut spool = Spool::open(&folder.0, None, 1 << 30).unwrap();
+        (0..500).for_each(|number| assert_eq!(spool.append(&message(number)).unwrap(), 0));
+        let mut position = None;
+        for number in 0..250 {
+            let (contacts, at) = spool.take().unwrap().unwrap();
+            assert_eq!(contacts, message(number));
+            position = Some(at);
+        }
+        // Some were taken back after the position that the outbox knows of.
+        let mut again = Spool::open(&folder.0, position, 1 << 30).unwrap();
+        again.done().iter().for_each(|path| std::fs::remove_file(path).unwrap());
+        again.append(&message(500)).unwrap();
+        assert!(all(&mut again) == expected(250..501) && again.is_empty());
+        again.append(&message(501)).unwrap();
+        assert!(all(&mut again) == expected(501..502), "it goes on after it was empty");
+        again.done().iter().for_each(|path| std::fs::remove_file(path).unwrap());
+        assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 0, "nothing is left on the disk");
+    }
+
+    #[test]
+    fn beyond_its_bound_the_oldest_go_and_are_counted() {
+        let folder = Folder::new("bound");
+        let mut spool = Spool::open(&folder.0, None, 3 << 20).unwrap();
+        let dropped: u64 = (0..1000).map(|number| spool.append(&message(number)).unwrap()).sum();
+        assert!(spool.bytes() <= 3 << 20 && spool.bytes() > 2 << 20, "{}", spool.bytes());
+        assert!(all(&mut spool) == expected(dropped..1000));
+    }
+
+    #[test]
+    fn a_power_cut_costs_only_the_lines_that_it_tore() {
+        let folder = Folder::new("torn");
+        let mut spool = Spool::open(&folder.0, None, 1 << 30).unwrap();
+        (0..3).for_each(|number| assert_eq!(spool.append(&message(number)).unwrap(), 0));
+        drop(spool);
+        let path = folder.0.join(format!("{:016x}", 1));
+        let whole = std::fs::read(&path).unwrap();
+        for (cut, damaged) in [(whole.len() - 1, None), (whole.len() - 5_000, None), (whole.len(), Some(15_000))] {
+            let mut bytes = whole[..cut].to_vec();
+            damaged.into_iter().for_each(|at: usize| bytes[at] ^= 1);
+            std::fs::write(&path, bytes).unwrap();
+            let mut spool = Spool::open(&folder.0, None, 1 << 30).unwrap();
+            spool.append(&message(9)).unwrap();
+            let lost = if damaged.is_some() { 1 } else { 2 };
+            let left: Vec<Vec<u8>> = [0, 1, 2, 9].into_iter().filter(|&number| number != lost).map(message).collect();
+            assert!(all(&mut spool) == left, "{cut} {damaged:?}");
+            std::fs::remove_file(folder.0.join(format!("{:016x}", 2))).unwrap();
+        }
+    }
+}
