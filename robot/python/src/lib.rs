@@ -2,34 +2,16 @@
 //!
 //! Python is its driver and reaches it at a Unix socket, by the lines of the driver interface.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use tokio::sync::watch;
-use toml::{Table, Value};
 use tracing_subscriber::EnvFilter;
+use vibrissa_robot::config::BadConfig;
 use vibrissa_robot::{Config, exposure, hub};
-
-/// Keys of `[driver]` that name a way to a driver: this module's socket stands in for them.
-const WAYS: [&str; 7] = ["command", "unix", "tcp", "listen", "serial", "baud", "token_file"];
-
-/// Reads `agent.toml`, and replaces the way to the driver.
-fn configured(path: &Path, socket: PathBuf) -> Result<Config, String> {
-    let text = std::fs::read_to_string(path).map_err(|problem| problem.to_string())?;
-    let mut table: Table = text.parse().map_err(|problem: toml::de::Error| problem.to_string())?;
-    let driver = table.entry("driver").or_insert_with(|| Value::Table(Table::new()));
-    let driver = driver.as_table_mut().ok_or("driver: must be a table")?;
-    for way in WAYS {
-        driver.remove(way);
-    }
-    let socket = socket.into_os_string().into_string().map_err(|_| "the socket's path is not UTF-8")?;
-    driver.insert("unix".to_owned(), Value::String(socket));
-    let folder = path.parent().unwrap_or(Path::new(""));
-    Config::from_toml_str(&table.to_string(), folder).map_err(|problem| problem.to_string())
-}
 
 /// Why the agent has ended; shared with its thread.
 type Failure = Arc<Mutex<Option<String>>>;
@@ -63,8 +45,8 @@ impl Agent {
         let filter = EnvFilter::try_new(log).map_err(|problem| PyValueError::new_err(format!("log: {problem}")))?;
         // The first agent of a process decides; a program may also have a subscriber of its own.
         let _ = vibrissa_program::log::start(filter);
-        let named = |problem: String| PyValueError::new_err(format!("{}: {problem}", config.display()));
-        let read = configured(&config, socket).map_err(named)?;
+        let named = |problem: BadConfig| PyValueError::new_err(format!("{}: {problem}", config.display()));
+        let read = Config::read_driven_at(&config, socket).map_err(named)?;
         exposure::warn(&config, &read);
         let (stop, stopping) = watch::channel(false);
         let failure = Failure::default();

@@ -21,8 +21,25 @@ const DRIVERS_MAX: usize = 64;
 type Place = (Name, u16);
 
 impl Drivers {
+    /// Replaces the way to the one driver by a socket at which this process, the driver, connects.
+    pub(super) fn driven_at(&mut self, socket: PathBuf) -> Result<(), BadConfig> {
+        if self.drivers.is_empty() {
+            self.drivers.extend(toml::from_str::<FileDriver>("").ok());
+        }
+        let [driver] = self.drivers.as_mut_slice() else {
+            return Err(unfitting("driver", "must be one table, because this program is the only driver"));
+        };
+        (driver.command, driver.tcp, driver.listen, driver.serial) = (None, None, None, None);
+        (driver.baud, driver.token_file) = (None, None);
+        driver.unix = Some(socket);
+        Ok(())
+    }
+
     /// Checks each driver, and all together: each whisker needs one, and two cannot share a name or a way.
     pub(super) fn checked(self, folder: &Path, arrays: &[ArrayFacts]) -> Result<Vec<DriverConfig>, BadConfig> {
+        if self.drivers.is_empty() {
+            return Err(unfitting("driver", "is missing: it names the way to the driver"));
+        }
         within("number of drivers", self.drivers.len() as f64, 1.0..=DRIVERS_MAX as f64)?;
         let all: BTreeSet<Place> = arrays
             .iter()

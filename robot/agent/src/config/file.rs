@@ -31,6 +31,7 @@ pub(super) struct File {
     pub(super) segmenter: FileSegmenter,
     #[serde(default)]
     pub(super) supervisor: FileSupervisor,
+    #[serde(default)]
     pub(super) driver: Drivers,
     pub(super) arrays: Vec<FileArray>,
 }
@@ -105,8 +106,8 @@ impl Default for FileSupervisor {
     }
 }
 
-/// One `[driver]`, or several `[[driver]]`.
-#[derive(Debug)]
+/// One `[driver]`, or several `[[driver]]`; none if the file has no such key.
+#[derive(Debug, Default)]
 pub(super) struct Drivers {
     pub(super) drivers: Vec<FileDriver>,
     /// Whether it is a list: then errors name the position.

@@ -181,9 +181,18 @@ impl Config {
     /// # Errors
     /// The file, or a file that it names, cannot be read, or a key is invalid.
     pub fn read(path: &Path) -> Result<Self, BadConfig> {
-        let text = read_text(path, FILE_BYTES_MAX)
-            .map_err(|problem| BadConfig::Unreadable { path: path.to_owned(), problem })?;
-        Self::from_toml_str(&text, path.parent().unwrap_or(Path::new("")))
+        Self::from_toml_str(&text(path)?, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Reads a file for a program that is the driver itself and connects to `socket`. The file needs no way to the driver; one
+    /// that it names is not used.
+    ///
+    /// # Errors
+    /// Those of [`Config::read`], and several drivers.
+    pub fn read_driven_at(path: &Path, socket: PathBuf) -> Result<Self, BadConfig> {
+        let mut file = parsed(&text(path)?)?;
+        file.driver.driven_at(socket)?;
+        Self::checked(file, path.parent().unwrap_or(Path::new("")))
     }
 
     /// Parses a configuration; paths in it are relative to `folder`.
@@ -191,7 +200,10 @@ impl Config {
     /// # Errors
     /// Those of [`Config::read`].
     pub fn from_toml_str(text: &str, folder: &Path) -> Result<Self, BadConfig> {
-        let file: File = toml::from_str(text).map_err(|why| not_toml(text, &why))?;
+        Self::checked(parsed(text)?, folder)
+    }
+
+    fn checked(file: File, folder: &Path) -> Result<Self, BadConfig> {
         if file.robot.as_str() == Name::RESERVED {
             return Err(unfitting("robot", "this name is reserved for the supervisor"));
         }
@@ -231,7 +243,11 @@ fn check_air(air: Option<AirControl>, loss: OnSupervisorLoss, drivers: &[DriverC
     Ok(())
 }
 
-/// Names the line without its content, which may be a password in the wrong place.
-fn not_toml(text: &str, why: &toml::de::Error) -> BadConfig {
-    BadConfig::NotToml(plain::in_file(text, why.span(), why.message()))
+fn text(path: &Path) -> Result<String, BadConfig> {
+    read_text(path, FILE_BYTES_MAX).map_err(|problem| BadConfig::Unreadable { path: path.to_owned(), problem })
+}
+
+/// An error names the line without its content, which may be a password in the wrong place.
+fn parsed(text: &str) -> Result<File, BadConfig> {
+    toml::from_str(text).map_err(|why| BadConfig::NotToml(plain::in_file(text, why.span(), why.message())))
 }

@@ -30,6 +30,30 @@ fn the_smallest_configuration_has_the_defaults() {
 }
 
 #[test]
+fn a_program_that_is_the_driver_needs_no_way_to_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("agent.toml");
+    let driver = "[driver]\n    command = [\"python3\", \"driver.py\"]";
+    let read = |instead: &str| {
+        std::fs::write(&path, EXAMPLE.replacen(driver, instead, 1)).unwrap();
+        Config::read_driven_at(&path, PathBuf::from("/run/x")).map_err(|problem| problem.to_string())
+    };
+    for (instead, silent_us) in
+        [("", 5_000_000), (driver, 5_000_000), ("[driver]\nserial = \"x\"\nsilent_s = 2", 2_000_000)]
+    {
+        let config = read(instead).unwrap();
+        let [only] = config.drivers.as_slice() else { panic!("{instead}") };
+        assert_eq!((&only.way, only.limits.silent_us), (&Way::Unix(PathBuf::from("/run/x")), silent_us));
+    }
+    let several =
+        "[[driver]]\nwhiskers = [\"left/0\"]\nserial = \"x\"\n[[driver]]\nwhiskers = [\"left/1\"]\nserial = \"y\"";
+    let problem = read(several).unwrap_err();
+    assert_eq!(problem, "driver: must be one table, because this program is the only driver");
+    let problem = read("[driver]\npassword = \"hunter2").unwrap_err();
+    assert!(problem.contains("line") && !problem.contains("hunter2"), "{problem}");
+}
+
+#[test]
 fn a_password_in_the_wrong_place_is_not_shown() {
     let text = EXAMPLE.replacen("url = ", "password = \"hunter2\"\nurl = ", 1);
     let problem = Config::from_toml_str(&text, Path::new("")).unwrap_err().to_string();
