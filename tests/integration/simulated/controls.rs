@@ -65,16 +65,6 @@ fn setpoints_that_expire_by_the_wrong_clock_are_found() {
 }
 
 #[test]
-fn a_late_status_that_undoes_a_setpoint_is_found() {
-    fault_is_found_by(&[Kind::TopicsOvertake], Fault::LateStatusCounts, Invariant::SetpointForDecision);
-}
-
-#[test]
-fn robots_that_are_silent_because_no_supervisor_listens_are_found() {
-    fault_is_found_by(&[Kind::SupervisorKilled], Fault::DowntimeCounts, Invariant::FaultIsTrue);
-}
-
-#[test]
 fn robots_that_are_silent_because_the_supervisor_stands_still_are_found() {
     fault_is_found_by(&[Kind::SupervisorFrozen], Fault::StandstillCounts, Invariant::FaultIsTrue);
 }
