@@ -20,7 +20,7 @@ pub use params::Params;
 pub use segmenter::Segmenter;
 
 /// Measurements of one time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Microseconds of any clock that does not jump.
     pub t_us: u64,
@@ -28,10 +28,18 @@ pub struct Sample {
     pub strain: f64,
     /// Strain at the second gauge (x = 11 mm), if there is one.
     pub strain_2: Option<f64>,
-    /// Way of the whisker's base against the object, with any offset, if known.
+    /// Way of the whisker's base against the object, with any offset, if known. It grows as the whisker is pressed.
     pub deflection_mm: Option<f64>,
     /// Distance of the object from the whisker's base, if the robot knows it from its motion.
     pub distance_mm: Option<f64>,
+    /// Air pressure in the whisker's chamber, if known. MPa.
+    pub pressure_mpa: Option<f64>,
+    /// Pressure to which the chamber is regulated, if known. MPa.
+    pub setpoint_mpa: Option<f64>,
+    /// Whether the robot drives, if known: its shaking is no contact.
+    pub driving: Option<bool>,
+    /// Temperature of the whisker, if known. °C.
+    pub temperature_c: Option<f64>,
 }
 
 /// A finding of the segmenter.

@@ -61,13 +61,7 @@ fn touch(rate_hz: f64, seconds: f64, change: impl Fn(usize, &mut Sample)) -> (Se
         let inside = (t_s - 1.0) / seconds;
         let strain = if (0.0..1.0).contains(&inside) { FULL * 0.5 * (1.0 - (2.0 * inside - 1.0).abs()) } else { 0.0 };
         let noise = FULL * 0.001 * random.normal();
-        let mut sample = Sample {
-            t_us: (t_s * 1e6) as u64 + 7,
-            strain: strain + noise,
-            strain_2: None,
-            deflection_mm: None,
-            distance_mm: None,
-        };
+        let mut sample = Sample { t_us: (t_s * 1e6) as u64 + 7, strain: strain + noise, ..Sample::default() };
         change(index, &mut sample);
         events.extend(segmenter.push(sample));
     }
@@ -113,10 +107,10 @@ fn odd_samples_are_counted_and_change_nothing() {
     assert_eq!(plain, events);
     let mut segmenter_2 = segmenter.clone();
     for odd in [f64::NAN, f64::INFINITY] {
-        let sample = Sample { t_us: 9_000_000, strain: odd, strain_2: None, deflection_mm: None, distance_mm: None };
+        let sample = Sample { t_us: 9_000_000, strain: odd, ..Sample::default() };
         assert_eq!(segmenter_2.push(sample), None);
     }
-    let sample = Sample { t_us: 5, strain: 0.0, strain_2: None, deflection_mm: None, distance_mm: None };
+    let sample = Sample { t_us: 5, ..Sample::default() };
     assert_eq!(segmenter_2.push(sample), None);
     assert_eq!(segmenter_2.counts().not_a_number, 2);
     assert_eq!(segmenter_2.counts().out_of_order, 1);
@@ -164,6 +158,10 @@ fn property_no_stream_of_odd_numbers_panics() {
                 strain_2: Some(number()),
                 deflection_mm: Some(number()),
                 distance_mm: Some(number()),
+                pressure_mpa: Some(number()),
+                setpoint_mpa: Some(number()),
+                driving: Some(number() > 0.0),
+                temperature_c: Some(number()),
             };
             segmenter.push(sample);
         }

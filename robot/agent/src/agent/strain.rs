@@ -81,6 +81,7 @@ impl Agent {
                 strain_2: value(line.strain_2.as_ref(), index),
                 deflection_mm: value(line.deflection_mm.as_ref(), index),
                 distance_mm: value(line.distance_mm.as_ref(), index),
+                ..Sample::default()
             };
             stream.newest_us = Some(sample.t_us);
             if let Some(Event::Contact(contact)) = stream.segmenter.push(sample) {
