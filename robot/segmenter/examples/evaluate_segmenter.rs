@@ -1,5 +1,6 @@
 //! Evaluates the segmenter on hours of simulated streams and prints the table of docs/segmenter.md:
-//! `cargo run --manifest-path robot/Cargo.toml --release -p vibrissa-segmenter --example evaluate_segmenter [HOURS] [SEED]`.
+//! `cargo run --manifest-path robot/Cargo.toml --release -p vibrissa-segmenter --example evaluate_segmenter [HOURS] [SEED] [SCENES]`;
+//! with a part of the names of scenes only these, with `table` only the table of streams that begin at rest.
 
 #[path = "../tests/stream/mod.rs"]
 mod stream;
@@ -18,8 +19,18 @@ fn main() {
     let mut arguments = std::env::args().skip(1);
     let hours: f64 = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(2.0);
     let seed: u64 = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(1_000);
-    scenes(seed, (hours * 20.0) as u64);
-    println!();
+    let only = arguments.next();
+    if only.as_deref() != Some("table") {
+        scenes(seed, (hours * 20.0) as u64, only.as_deref().unwrap_or_default());
+        println!();
+    }
+    if only.is_none_or(|only| only == "table") {
+        table(seed, hours);
+    }
+}
+
+/// Streams that begin at rest.
+fn table(seed: u64, hours: f64) {
     println!("{hours} hours of touches and {hours} quiet hours a row, seeds from {seed}");
     println!();
     println!(
@@ -48,13 +59,17 @@ fn main() {
 }
 
 /// Streams that begin anywhere, with the disturbances of real robots.
-fn scenes(seed: u64, streams: u64) {
+fn scenes(seed: u64, streams: u64, only: &str) {
     println!(
         "| scene | streams | right | inverted | touches | found | false an hour | strain error: median | 95 % | onset error, ms: 95 % | 99 % | slip-offs |"
     );
     println!("|:---{}|", "| ---: ".repeat(11));
     let base = Scene { seed, ..Scene::default() };
-    let row = |name: &str, scene: Scene| scene_row(name, &scene, streams);
+    let row = |name: &str, scene: Scene| {
+        if name.contains(only) {
+            scene_row(name, &scene, streams);
+        }
+    };
     for habit in HABITS {
         let seconds = if habit == Habit::LongHolds { 600.0 } else { 130.0 };
         let scene = Scene { habit, seconds, ..base };

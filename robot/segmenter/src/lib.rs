@@ -3,18 +3,26 @@
 //! Pure and streaming: [`Segmenter::push`] takes one [`Sample`] and returns at most one [`Event`]. It allocates once a
 //! contact, and does a bounded amount of work for each sample. There is no clock: time comes with the samples.
 //!
-//! Read in this order: [`Sample`] and [`Event`], [`Params`], `intake` (checks, glitches, rate), `baseline` (drift and
-//! noise), `segmenter` (the states), `touch` (one contact), `distance` (two gauges).
+//! Read in this order: [`Sample`] and [`Event`], [`Params`], `intake` with `glitch` and `shake` (from samples to bins),
+//! `baseline` (drift and noise), `rest` (which level is rest), `segmenter` (the states) with `air` and `settling`,
+//! `touch` (one contact), `distance` (two gauges), `condition` (how far findings can be relied on).
 //!
 //! docs/segmenter.md has the method, and how well it does on simulated streams.
 
+mod air;
 mod baseline;
+mod condition;
 mod distance;
+mod glitch;
 mod intake;
 mod params;
+mod rest;
 mod segmenter;
+mod settling;
+mod shake;
 mod touch;
 
+pub use condition::{Condition, Missing};
 pub use distance::{Distance, DistanceFusion};
 pub use params::Params;
 pub use segmenter::Segmenter;
@@ -45,7 +53,7 @@ pub struct Sample {
 /// A finding of the segmenter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
-    /// A contact has begun; its [`Contact`] follows at its end.
+    /// A contact has begun; its [`Contact`] follows at its end, unless samples are missing or the whisker shook.
     Onset {
         /// First estimate of when it began.
         t_us: u64,
@@ -107,6 +115,10 @@ pub struct Counts {
     pub not_a_number: u64,
     /// Samples at the gauge's limit.
     pub saturated: u64,
+    /// Samples that were glitches of the converter.
+    pub glitches: u64,
     /// Contacts without a measurement, as samples were missing.
     pub interrupted: u64,
+    /// Contacts that were held back for so long that they were left out.
+    pub doubtful: u64,
 }

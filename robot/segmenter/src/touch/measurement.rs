@@ -4,8 +4,6 @@ use super::series::{Line, Point, Ring};
 use super::{LEVEL_S, Touch, relative};
 use crate::{Contact, ContactKind, DistanceFusion, Params};
 
-/// Spacing of samples above which the median of three lags by a sample that counts. s.
-const MEDIAN_S: f64 = 0.0035;
 /// Part of the change between two samples that counts as the standard deviation of a strain before a slip-off.
 const BETWEEN: f64 = 0.5;
 
@@ -80,9 +78,6 @@ impl Touch {
                 .take_while(|point| point.t_s >= self.first.t_s && end_s - point.t_s < LEVEL_S + 0.1)
         };
         let level = points().filter(|point| end_s - point.t_s < LEVEL_S).map(|point| point.strain).fold(0.0, f64::max);
-        if level < 0.4 * self.peak.strain {
-            return None;
-        }
         let before = points().find(|point| point.strain >= 0.8 * level)?;
         let low =
             points().take_while(|point| point.t_s >= before.t_s).filter(|point| point.strain < 0.3 * level).last()?;
@@ -104,13 +99,8 @@ impl Touch {
             return None;
         }
         let (mut line, mut line_2, mut bins) = (Line::default(), Line::default(), 0.0);
-        let is_lagging = |point: &Point| period_s > MEDIAN_S && point.t_s > before.t_s - 0.5 * period_s;
         let spread_s = f64::max(0.08, 4.5 * period_s);
         for point in points().filter(|point| point.t_s <= before.t_s && before.t_s - point.t_s < spread_s) {
-            // The median of three gives the newest sample before a fall the strain of the one before it.
-            if is_lagging(&point) {
-                continue;
-            }
             if point.strain < 0.5 * level {
                 break;
             }
