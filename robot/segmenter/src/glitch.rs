@@ -65,9 +65,19 @@ impl Glitches {
         self.waiting.clear();
     }
 
-    /// Takes a sample; hands out those that are no glitch, and returns how many samples were.
-    pub(crate) fn push(&mut self, params: &Params, sample: Sample, out: &mut VecDeque<Sample>) -> u64 {
+    /// Takes a sample; hands out those that are no glitch, and returns how many samples were. While the whisker shakes,
+    /// only samples at the limit are glitches.
+    pub(crate) fn push(&mut self, params: &Params, sample: Sample, shakes: bool, out: &mut VecDeque<Sample>) -> u64 {
         let strains = pair(&sample);
+        if shakes {
+            out.extend(self.waiting.drain(..).filter(|sample| !at_limit(params, pair(sample))));
+            if at_limit(params, strains) {
+                return 1;
+            }
+            (self.good, self.step) = (Some(strains), Pair::default());
+            out.push_back(sample);
+            return 0;
+        }
         let Some(good) = self.good else {
             return self.begin(params, sample, out);
         };
@@ -141,7 +151,7 @@ impl Glitches {
         self.good = Some(pair(&before));
         self.accept(before, out);
         self.waiting.clear();
-        self.push(params, sample, out)
+        self.push(params, sample, false, out)
     }
 
     /// The strain is back at `good`: what waits is a glitch if it is flat.

@@ -88,7 +88,8 @@ impl Intake {
         } else if !first {
             self.period_s = if self.period_s == 0.0 { dt_s } else { self.period_s + 0.05 * (dt_s - self.period_s) };
         }
-        self.counts.glitches += self.glitches.push(params, sample, &mut self.good);
+        let shakes = self.shake.push(self.seconds(sample.t_us), sample.strain) || sample.driving == Some(true);
+        self.counts.glitches += self.glitches.push(params, sample, shakes, &mut self.good);
         gap
     }
 
@@ -114,7 +115,7 @@ impl Intake {
             self.count_2 = 0;
         }
         let t_s = (sample.t_us - self.first_us.unwrap_or(0)) as f64 * 1e-6;
-        let shaking = self.shake.push(t_s, sample.strain) || sample.driving == Some(true);
+        let shaking = self.shake.is_shaking() || sample.driving == Some(true);
         self.sum.t_s += t_s;
         self.sum.strain += sample.strain;
         if let Some(strain_2) = sample.strain_2 {

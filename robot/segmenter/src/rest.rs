@@ -25,7 +25,7 @@ const STILL: (f64, f64) = (4.0, 0.005);
 /// creep and loop leave.
 const SAME: (f64, f64) = (6.0, 0.1);
 /// Time in which the largest recent step is forgotten, and in which a stand follows the strain. s.
-const FORGET_S: f64 = 10.0;
+const FORGET_S: f64 = 30.0;
 const FOLLOW_S: f64 = 1.0;
 /// Part of each score that the next stand leaves.
 const FADE: f64 = 0.8;
@@ -37,6 +37,9 @@ const SIGN_SEEN: f64 = 1.0;
 const PROOF: f64 = 5.0;
 /// Lead that makes a level rest: the first time, against a level that is sure, and against one in doubt.
 const LEAD: (f64, f64, f64) = (1.25, 3.0, 1.0);
+/// Visits without one to rest that a level needs to become rest, if rest is sure and if it is in doubt: a vote between
+/// two levels of a touch is none against rest.
+const VISITS: (u32, u32) = (3, 2);
 /// Part of the scores that a gap or a step of air leaves.
 const SHAKEN: f64 = 0.3;
 /// Difference of deflections that counts, and motion without strain that proves rest, in at most so long. mm, s.
@@ -49,6 +52,8 @@ pub(crate) struct Level {
     pub(crate) strain: f64,
     pub(crate) strain_2: f64,
     score: f64,
+    /// Visits since the strain was last at rest.
+    visits: u32,
     last_s: f64,
 }
 
@@ -80,6 +85,8 @@ pub(crate) struct Rest {
     far_mm: Option<f64>,
     largest_step: f64,
     rest: Option<usize>,
+    /// How often another level became rest.
+    pub(crate) elections: u32,
     doubt: bool,
     /// Number of contacts in a row with one sign, with that sign.
     signs: i32,
@@ -132,7 +139,7 @@ impl Rest {
 
     /// All levels are different now; signs stay.
     pub(crate) fn forget(&mut self) {
-        *self = Rest { signs: self.signs, ..Rest::default() };
+        *self = Rest { signs: self.signs, elections: self.elections + 1, ..Rest::default() };
     }
 
     /// Rest is at this strain now: a contact has ended there, or air has moved it.
@@ -209,8 +216,7 @@ impl Rest {
                 self.run.free = true;
                 self.levels.iter_mut().for_each(|level| level.score = level.score.min(0.0));
                 self.levels[here].score = PROOF;
-                self.rest = Some(here);
-                self.doubt = false;
+                self.elect(Some(here));
                 true
             }
             _ => {
@@ -238,6 +244,10 @@ impl Rest {
         }
         self.levels.iter_mut().for_each(|level| level.score *= FADE);
         self.levels[here].score += VISIT;
+        self.levels[here].visits += 1;
+        if self.rest == Some(here) {
+            self.levels.iter_mut().for_each(|level| level.visits = 0);
+        }
         if let Some(before) = before {
             // The step goes from the level before to here, or far away and back to here.
             let (from, step, mm, to) = if returned {
@@ -287,6 +297,13 @@ impl Rest {
         oldest
     }
 
+    fn elect(&mut self, level: Option<usize>) {
+        self.elections += u32::from(self.rest != level);
+        self.rest = level;
+        self.doubt = false;
+        self.levels.iter_mut().for_each(|level| level.visits = 0);
+    }
+
     fn decide(&mut self) {
         let best = |but: Option<usize>| {
             let others = (0..self.levels.len()).filter(|index| Some(*index) != but);
@@ -297,16 +314,15 @@ impl Rest {
             None => {
                 let first = best(None);
                 if score(first) - score(best(first)).max(0.0) >= LEAD.0 {
-                    self.rest = first;
-                    self.doubt = false;
+                    self.elect(first);
                 }
             }
             Some(rest) => {
                 let other = best(Some(rest));
-                let lead = if self.doubt { LEAD.2 } else { LEAD.1 };
-                if other.is_some() && score(other) - score(Some(rest)) >= lead {
-                    self.rest = other;
-                    self.doubt = false;
+                let (lead, visits) = if self.doubt { (LEAD.2, VISITS.1) } else { (LEAD.1, VISITS.0) };
+                let returns = other.is_some_and(|other| self.levels[other].visits >= visits);
+                if returns && score(other) - score(Some(rest)) >= lead {
+                    self.elect(other);
                 } else if self.run.level == Some(rest) && score(Some(rest)) - score(other) >= lead {
                     self.doubt = false;
                 }

@@ -24,10 +24,12 @@ const AFTER: (f64, f64) = (0.02, 3.0);
 /// A contact has ended if its strain stays below this part of the largest for this long. s.
 const LOW: (f64, f64) = (0.3, 0.4);
 /// A contact is told so long after its onset, when it is certain that it was no shaking. s.
-const CERTAIN_S: f64 = 0.12;
+const CERTAIN_S: f64 = 0.18;
 /// Part of the samples that are glitches from which on several in a row are likely, and the shortest contact then, in s
 /// and samples.
 const GLITCHES: (f64, f64, f64) = (0.005, 0.06, 6.0);
+/// A touch whose deflection changes by less is held: what changes then with the air is the baseline. mm.
+const HELD_MM: f64 = 0.15;
 /// Contacts that are held back at most.
 const HELD: usize = 32;
 
@@ -49,7 +51,7 @@ enum State {
 struct Young {
     contact: Contact,
     certain_s: f64,
-    /// Rest was sure at its end.
+    /// Rest was sure at its begin.
     sure: bool,
 }
 
@@ -65,6 +67,10 @@ pub struct Segmenter {
     state: State,
     /// The reference was chosen as there was no other: it need not be rest.
     provisional: bool,
+    /// Elections of rest when the reference was chosen.
+    elections: u32,
+    /// Rest was sure when the contact in progress began.
+    sure: bool,
     /// A contact that may yet prove to be shaking.
     young: Option<Young>,
     held: VecDeque<Contact>,
@@ -75,6 +81,8 @@ pub struct Segmenter {
     last_end_s: f64,
     low_since_s: f64,
     in_air: bool,
+    /// Deflection when the air began to move the baseline.
+    air_mm: Option<f64>,
     before_gap_s: f64,
 }
 
@@ -91,6 +99,8 @@ impl Segmenter {
             ring: Ring::new(),
             state: State::Learning,
             provisional: true,
+            elections: 0,
+            sure: false,
             young: None,
             held: VecDeque::new(),
             out: VecDeque::new(),
@@ -100,6 +110,7 @@ impl Segmenter {
             low_since_s: 0.0,
             last_end_s: f64::NEG_INFINITY,
             in_air: false,
+            air_mm: None,
             before_gap_s: 0.0,
         }
     }
@@ -208,6 +219,7 @@ impl Segmenter {
         let moves = self.air.push(bin);
         if moves && !self.in_air {
             self.rest.shake();
+            self.air_mm = bin.deflection_mm;
         }
         self.in_air = moves;
         if !moves {
@@ -223,8 +235,13 @@ impl Segmenter {
                 self.state = State::Quiet { above: 0, sign: 1.0 };
             }
             State::Touch(touch) => {
-                touch.push(bin);
+                let held = self.air_mm.zip(bin.deflection_mm).is_some_and(|(mm, now)| (now - mm).abs() < HELD_MM);
+                touch.push_air(bin, held);
                 self.low_since_s = bin.t_s;
+                if held && !self.provisional {
+                    (self.baseline.strain, self.baseline.strain_2) = touch.baseline();
+                    self.rest.moved(self.baseline.strain, self.baseline.strain_2);
+                }
             }
             State::Learning | State::Away => {}
         }
@@ -251,14 +268,22 @@ impl Segmenter {
         };
         let off = (self.baseline.strain - rest.strain).abs() > self.rest.tolerance(sd);
         if is_here {
+            // A touch after which the strain stands at rest has ended, even if rest has moved meanwhile.
+            if let (State::Touch(touch), false) = (&self.state, self.provisional)
+                && touch.strain() < LOW.0 * touch.peak_strain()
+            {
+                self.end_touch(bin);
+            }
             if off || matches!(self.state, State::Away) {
                 self.held.clear();
                 self.refer_to(bin, rest.strain, rest.strain_2, true);
             }
             self.provisional = false;
+            self.elections = self.rest.elections;
         } else if !off {
             self.provisional = false;
-        } else if !self.provisional {
+            self.elections = self.rest.elections;
+        } else if !self.provisional && self.elections != self.rest.elections {
             self.held.clear();
             self.refer_to(bin, rest.strain, rest.strain_2, false);
         } else if let (State::Away, Some(here)) = (&self.state, self.rest.here()) {
@@ -269,6 +294,7 @@ impl Segmenter {
     fn refer_to(&mut self, bin: &Bin, strain: f64, strain_2: f64, is_here: bool) {
         self.young = self.young.filter(|young| young.sure);
         self.baseline.begin(bin.t_s, strain, strain_2);
+        self.elections = self.rest.elections;
         self.state = if is_here { State::Quiet { above: 0, sign: 1.0 } } else { State::Away };
     }
 
@@ -346,7 +372,8 @@ impl Segmenter {
         self.low_since_s = bin.t_s;
         let t_us = self.intake.time_us(touch.onset_s);
         self.state = State::Touch(Box::new(touch));
-        if self.rest.is_sure() {
+        self.sure = self.rest.is_sure() && !self.provisional;
+        if self.sure {
             self.out.push_back(Event::Onset { t_us, found_us: self.intake.time_us(bin.t_s) });
         }
     }
@@ -385,8 +412,7 @@ impl Segmenter {
             self.settle(bin);
             return;
         }
-        let sure = self.rest.is_sure() && !self.provisional;
-        self.young = Some(Young { contact, certain_s: touch.onset_s + CERTAIN_S, sure });
+        self.young = Some(Young { contact, certain_s: touch.onset_s + CERTAIN_S, sure: self.sure });
         self.last_peak = touch.peak_strain();
         self.last_sign = touch.sign();
         self.settle(bin);

@@ -1,17 +1,20 @@
 //! Whether the whisker shakes, as on a robot that drives: the strain goes to and fro, whatever its level.
 //!
-//! In 0.1 s a touch goes up, or down, or both: its path is at most twice its range. Shaking at 30 Hz has six times.
+//! In 0.15 s a touch goes up, or down, or both: its path is at most twice its range. Shaking at 30 Hz has nine times. A
+//! few glitches have a long path, too, but most of the samples between them stand still.
 
 use std::collections::VecDeque;
 
 /// Time that is looked at. s.
-const WINDOW_S: f64 = 0.1;
+const WINDOW_S: f64 = 0.15;
 /// Fewest samples in it that tell shaking.
-const FEWEST: usize = 6;
+const FEWEST: usize = 7;
 /// Samples are averaged over this time. s.
 const SPACING_S: f64 = 0.003_5;
 /// Path over range from which on it shakes.
 const TURNS: f64 = 2.9;
+/// Part of the steps that must be larger than this part of the range.
+const MOVING: (f64, f64) = (0.6, 0.1);
 /// Range from which on it shakes, in standard deviations of the noise.
 const RANGE_SDS: f64 = 10.0;
 /// A turn of the strain that counts, in standard deviations of the noise.
@@ -69,6 +72,12 @@ impl Shake {
             low = low.min(*strain);
             high = high.max(*strain);
         }
+        let range = high - low;
+        let steps = self.strains.iter().zip(self.strains.iter().skip(1));
+        let moving = steps.filter(|(before, after)| (after.1 - before.1).abs() > MOVING.1 * range).count();
+        if range < RANGE_SDS * self.calm_sd || (moving as f64) < MOVING.0 * (self.strains.len() - 1) as f64 {
+            return false;
+        }
         // The path from turn to turn, of those that are not the noise.
         let least = TURN_SDS * self.calm_sd;
         let first = self.strains.front().map_or(0.0, |(_, strain)| *strain);
@@ -83,9 +92,9 @@ impl Shake {
             }
         }
         path += (extreme - turn).abs();
-        let shakes = high - low > RANGE_SDS * self.calm_sd && path > TURNS * (high - low);
+        let shakes = path > TURNS * range;
         if shakes {
-            self.range = high - low;
+            self.range = range;
         }
         shakes
     }

@@ -24,8 +24,8 @@ const LEVEL_FALLS: (f64, f64) = (1.0, 0.35);
 const HOLD: (f64, f64) = (0.01, 1.0);
 /// Time constant with which the baseline follows the strain in a hold. s.
 const HOLD_FOLLOWS_S: f64 = 1.0;
-/// Deflection that shows that something presses. mm.
-const PRESSED_MM: f64 = 0.3;
+/// Deflection that shows that something presses, and for how long. mm, s.
+const PRESSED: (f64, f64) = (0.3, 1.0);
 /// Levels of the rise whose times are kept: each is 6 % above the one before.
 const LEVELS: usize = 96;
 const LEVEL_RATIO: f64 = 1.06;
@@ -61,6 +61,7 @@ pub(crate) struct Touch {
     level: f64,
     hold: f64,
     hold_since_s: f64,
+    pressed_s: f64,
     last: Point,
 }
 
@@ -106,6 +107,7 @@ impl Touch {
             level: 0.0,
             hold: 0.0,
             hold_since_s: first.t_s,
+            pressed_s: f64::NEG_INFINITY,
             last: below,
         };
         for age in (0..start).rev() {
@@ -143,8 +145,26 @@ impl Touch {
         self.level *= (1.0 - dt_s / LEVEL_FALLS.0).max(0.0);
         self.level = self.level.max(LEVEL_FALLS.1 * self.peak.strain).max(point.strain);
         self.follow_hold(&point, dt_s);
+        let deflections = self.onset_deflection_mm.zip(point.deflection_mm);
+        if deflections.is_some_and(|(onset, now)| now - onset > PRESSED.0) {
+            self.pressed_s = point.t_s;
+        }
         self.last = point;
         point.strain
+    }
+
+    /// Takes in a bin while air moves the baseline: all of the change in a hold is the air's.
+    pub(crate) fn push_air(&mut self, bin: &Bin, held: bool) {
+        if held && self.plateau.is_some() {
+            let point = relative(bin, (self.baseline, self.baseline_2), self.sign);
+            self.baseline += self.sign * (point.strain - self.last.strain);
+            if let (Some(now), Some(before)) = (point.strain_2, self.last.strain_2) {
+                self.baseline_2 += self.sign * (now - before);
+            }
+            self.last = Point { strain: self.last.strain, strain_2: self.last.strain_2, ..point };
+        } else {
+            self.push(bin);
+        }
     }
 
     /// In a hold what changes is the rubber and the drift: the baseline takes part in it.
@@ -179,10 +199,13 @@ impl Touch {
         self.calm
     }
 
-    /// Whether a deflection shows that something presses.
+    pub(crate) fn strain(&self) -> f64 {
+        self.last.strain
+    }
+
+    /// Whether a deflection shows that something presses, or did a moment ago.
     pub(crate) fn is_pressed(&self) -> bool {
-        let deflections = self.onset_deflection_mm.zip(self.last.deflection_mm);
-        deflections.is_some_and(|(onset, now)| now - onset > PRESSED_MM)
+        self.last.t_s - self.pressed_s < PRESSED.1
     }
 
     fn rise_level(&self, index: usize) -> f64 {
