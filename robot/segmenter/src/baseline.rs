@@ -24,7 +24,7 @@ const STILL: f64 = 6.0;
 /// And its standard deviation at most this multiple of the mean difference of samples, which glitches do not raise.
 const ROUGH: f64 = 4.0;
 /// Shaking in a range of fewer standard deviations is weak: the variance grows by this factor with each bin.
-const WEAK: (f64, f64) = (30.0, 1.05);
+const WEAK: (f64, f64) = (14.0, 1.05);
 /// Part of the range of the strain that is its noise when it begins to shake.
 const OF_RANGE: f64 = 0.1;
 
@@ -86,11 +86,12 @@ impl Baseline {
     }
 
     /// Takes note of whether the whisker shakes, in this range.
-    pub(crate) fn shake(&mut self, shaking: bool, range: f64) {
+    pub(crate) fn shake(&mut self, shaking: bool, range: f64, grain: f64) {
         self.shaking = usize::from(shaking);
         // The noise may be larger than was learned: weak shaking that does not end.
-        if shaking && range * range < WEAK.0 * WEAK.0 * self.variance[0] {
-            self.variance[0] *= WEAK.1;
+        let calm_sd = self.calm_sd(grain);
+        if shaking && range < WEAK.0 * calm_sd {
+            self.variance[0] = WEAK.1 * calm_sd * calm_sd;
         }
         if shaking && self.variance[1] == 0.0 {
             self.variance[1] = self.variance[0].max((OF_RANGE * range).powi(2));

@@ -25,6 +25,9 @@ const WEIGHT: f64 = 0.03;
 /// The same for a small difference among the first samples, and their number.
 const BEGIN_WEIGHT: f64 = 0.3;
 const BEGIN: u32 = 20;
+/// Time of the shortest touch, and part of glitches from which on a converter has glitches. us.
+const SHORTEST_TOUCH_US: u64 = 39_000;
+const HAS_GLITCHES: f64 = 0.003;
 /// Weight of a sample in the part of glitches.
 const PART_WEIGHT: f64 = 0.002;
 
@@ -89,7 +92,7 @@ impl Glitches {
             (strains[gauge] - good[gauge]).abs() <= params.glitch_sds * self.rough[gauge] + moved
         });
         if near {
-            let dropped = self.come_back(good, out);
+            let dropped = self.come_back(params, good, sample.t_us, out);
             self.accept(sample, out);
             return dropped;
         }
@@ -155,7 +158,8 @@ impl Glitches {
     }
 
     /// The strain is back at `good`: what waits is a glitch if it is flat.
-    fn come_back(&mut self, good: Pair, out: &mut VecDeque<Sample>) -> u64 {
+    fn come_back(&mut self, params: &Params, good: Pair, now_us: u64, out: &mut VecDeque<Sample>) -> u64 {
+        let Some(first) = self.waiting.front() else { return 0 };
         let strains = |gauge: usize| self.waiting.iter().map(move |sample| pair(sample)[gauge]);
         let flat = (0..2).all(|gauge| {
             let (low, high) = strains(gauge).fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
@@ -164,7 +168,12 @@ impl Glitches {
             // Glitches in a row may go both ways.
             high - low <= FLAT * height + noise || (low < good[gauge] - noise && high > good[gauge] + noise)
         });
-        if flat || self.waiting.len() > LONGEST {
+        // A run as long as the shortest touch is a glitch of a converter that has glitches.
+        let long = now_us - first.t_us > SHORTEST_TOUCH_US && !at_limit(params, pair(first));
+        if flat && self.waiting.len() == 1 {
+            self.part += PART_WEIGHT;
+        }
+        if (flat && (!long || self.part > HAS_GLITCHES)) || self.waiting.len() > LONGEST {
             let dropped = self.waiting.len() as u64;
             self.waiting.clear();
             self.part += PART_WEIGHT * dropped as f64;

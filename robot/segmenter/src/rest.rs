@@ -80,6 +80,8 @@ pub(crate) struct Rest {
     last_s: f64,
     /// Level of the last stand, its last deflection, and the farthest point since.
     at: Option<usize>,
+    /// The same, when what happened since is no evidence.
+    before_pause: Option<usize>,
     left_mm: Option<f64>,
     far: f64,
     far_mm: Option<f64>,
@@ -134,7 +136,7 @@ impl Rest {
     /// What happens now is no evidence.
     pub(crate) fn pause(&mut self) {
         self.run = Run::default();
-        self.at = None;
+        self.before_pause = self.at.take().or(self.before_pause);
     }
 
     /// All levels are different now; signs stay.
@@ -238,8 +240,10 @@ impl Rest {
         (level.strain, level.strain_2, level.last_s) = (strain, strain_2, self.run.since_s);
         self.run.level = Some(here);
         let returned = before == Some(here);
-        if returned && self.far.abs() < 2.0 * same {
-            self.at = before;
+        let paused = self.before_pause.take();
+        if (returned && self.far.abs() < 2.0 * same) || (before.is_none() && paused == Some(here)) {
+            self.at = Some(here);
+            (self.far, self.far_mm) = (0.0, None);
             return;
         }
         self.levels.iter_mut().for_each(|level| level.score *= FADE);

@@ -191,7 +191,7 @@ impl Segmenter {
     fn bin(&mut self, bin: &Bin) {
         self.ring.push(*bin);
         let grain = self.intake.grain;
-        self.baseline.shake(bin.shaking, self.intake.shake.range);
+        self.baseline.shake(bin.shaking, self.intake.shake.range, grain);
         self.intake.shake.calm_sd = if self.baseline.ready() { self.baseline.calm_sd(grain) } else { 0.0 };
         if !self.baseline.ready() {
             self.baseline.learn(bin, grain, self.intake.glitches.roughness());

@@ -11,7 +11,7 @@ const STILL: f64 = 0.01;
 const STILL_FILTERS_S: (f64, f64) = (0.015, 0.08);
 /// The strain is back if it is so near the reference, and changes by no more than that, as parts of the last contact's
 /// strain, for so long and so many bins. s.
-const BACK: (f64, f64, f64, u32) = (0.05, 0.015, 0.02, 3);
+const BACK: (f64, f64, f64, u32) = (0.05, 0.008, 0.02, 3);
 
 pub(crate) enum Settled {
     NotYet,
@@ -29,6 +29,7 @@ pub(crate) struct Settling {
     slow: f64,
     back_s: f64,
     back: u32,
+    first: f64,
     sum: f64,
     sum_2: f64,
 }
@@ -44,6 +45,7 @@ impl Settling {
             slow: bin.strain,
             back_s: bin.t_s,
             back: 0,
+            first: bin.strain,
             sum: 0.0,
             sum_2: 0.0,
         }
@@ -59,12 +61,12 @@ impl Settling {
         self.level_2 += weight * (strain_2 - self.level_2);
         self.slow += dt_s / (STILL_FILTERS_S.1 + dt_s) * (bin.strain - self.slow);
         let near = (bin.strain - reference).abs() < (BACK.0 * peak).max(3.0 * sd);
-        let mean = self.sum / f64::from(self.back.max(1));
-        if near && self.back > 0 && (bin.strain - mean).abs() > (BACK.1 * peak).max(3.0 * sd) {
+        if near && self.back > 0 && (bin.strain - self.first).abs() > (BACK.1 * peak).max(4.0 * sd) {
             self.back = 0;
         }
         if !near || self.back == 0 {
             (self.back, self.back_s, self.sum, self.sum_2) = (0, bin.t_s, 0.0, 0.0);
+            self.first = bin.strain;
         }
         if near {
             self.back += 1;
