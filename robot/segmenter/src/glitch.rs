@@ -101,7 +101,7 @@ impl Glitches {
         let to_limit = from_below && self.waiting.iter().any(|sample| at_limit(params, pair(sample)));
         let count = self.waiting.len();
         if count > LONGEST_WAIT || (count > LONGEST && !to_limit && self.agrees(good)) {
-            return self.change(good, out);
+            return self.change(params, good, out);
         }
         0
     }
@@ -118,14 +118,19 @@ impl Glitches {
     }
 
     /// The strain has changed: hands out what waits, but for the samples that do not fit the newest ones.
-    fn change(&mut self, good: Pair, out: &mut VecDeque<Sample>) -> u64 {
+    fn change(&mut self, params: &Params, good: Pair, out: &mut VecDeque<Sample>) -> u64 {
         let newest = self.waiting.len() - LONGEST - 1;
+        let clipped = self.waiting.iter().skip(newest).all(|sample| at_limit(params, pair(sample)));
+        let mut dropped = self.waiting.len();
+        self.waiting.retain(|sample| clipped || !at_limit(params, pair(sample)));
+        dropped -= self.waiting.len();
+        let newest = self.waiting.len().saturating_sub(LONGEST + 1);
         let middle = [0, 1].map(|gauge| {
             let mut strains: Vec<f64> = self.waiting.iter().skip(newest).map(|sample| pair(sample)[gauge]).collect();
             strains.sort_by(f64::total_cmp);
-            0.5 * (strains[LONGEST / 2] + strains[LONGEST / 2 + 1])
+            let half = strains.len() / 2;
+            strains.get(half).zip(strains.get(half.saturating_sub(1 - strains.len() % 2))).map_or(0.0, |(a, b)| 0.5 * (a + b))
         });
-        let mut dropped = 0;
         while let Some(sample) = self.waiting.pop_front() {
             let fits = (0..2).all(|gauge| {
                 let reach = (middle[gauge] - good[gauge]).abs() + 4.0 * self.rough[gauge];
@@ -138,7 +143,7 @@ impl Glitches {
             }
         }
         self.part += PART_WEIGHT * dropped as f64;
-        dropped
+        dropped as u64
     }
 
     /// Without a strain before it, two samples must agree.

@@ -83,6 +83,7 @@ pub(crate) struct Rest {
     /// The same, when what happened since is no evidence.
     before_pause: Option<usize>,
     left_mm: Option<f64>,
+    off: f64,
     far: f64,
     far_mm: Option<f64>,
     largest_step: f64,
@@ -162,9 +163,12 @@ impl Rest {
         self.largest_step *= (1.0 - dt_s / FORGET_S).max(0.0);
         if let Some(at) = self.at {
             let off = bin.strain - self.levels[at].strain;
-            if off.abs() > self.far.abs() {
-                (self.far, self.far_mm) = (off, bin.deflection_mm);
+            // Two bins must agree.
+            let both = if off * self.off > 0.0 { off.signum() * off.abs().min(self.off.abs()) } else { 0.0 };
+            if both.abs() > self.far.abs() {
+                (self.far, self.far_mm) = (both, bin.deflection_mm);
             }
+            self.off = off;
         }
         let still = STILL.0 * sd + STILL.1 * self.largest_step;
         let residual = bin.strain - self.run.strain;
