@@ -428,6 +428,11 @@ impl Segmenter {
         let reference = self.baseline.strain;
         let settled = settling.push(bin, reference, self.last_peak, sd, self.intake.period_s);
         let Settled::At(level, level_2) = settled else { return };
+        if (level - reference).abs() > (LOW.0 * self.last_peak).max(6.0 * sd) && !self.provisional {
+            // It fell, and is away again.
+            self.state = State::Away;
+            return;
+        }
         self.baseline.begin(bin.t_s, level, level_2);
         self.last_end_s = bin.t_s;
         self.state = State::Quiet { above: 0, sign: 1.0 };
