@@ -67,9 +67,17 @@ fn scenes(seed: u64, streams: u64, only: &str) {
     let base = Scene { seed, ..Scene::default() };
     let row = |name: &str, scene: Scene| {
         if name.contains(only) {
-            scene_row(name, &scene, streams);
+            scene_row(name, &scene, Params::default(), streams);
         }
     };
+    for habit in [Habit::OneInThree, Habit::LongHolds, Habit::Rare] {
+        let name = format!("{habit:?}, no motion, sign stated");
+        let seconds = if habit == Habit::LongHolds { 600.0 } else { 130.0 };
+        let scene = Scene { habit, seconds, motion: Motion::None, gap_s: 0.3, ..base };
+        if name.contains(only) {
+            scene_row(&name, &scene, Params { sign: 1.0, ..Params::default() }, streams);
+        }
+    }
     for habit in HABITS {
         let seconds = if habit == Habit::LongHolds { 600.0 } else { 130.0 };
         let scene = Scene { habit, seconds, ..base };
@@ -117,8 +125,8 @@ fn scenes(seed: u64, streams: u64, only: &str) {
     }
 }
 
-fn scene_row(name: &str, scene: &Scene, streams: u64) {
-    let verdict = judge_all(scene, Params::default(), streams);
+fn scene_row(name: &str, scene: &Scene, params: Params, streams: u64) {
+    let verdict = judge_all(scene, params, streams);
     let percent = |part: f64| format!("{:.1} %", 100.0 * part);
     let errors: Vec<f64> = verdict.strain.iter().map(|error| error.abs()).collect();
     println!(

@@ -129,7 +129,10 @@ impl Glitches {
             let mut strains: Vec<f64> = self.waiting.iter().skip(newest).map(|sample| pair(sample)[gauge]).collect();
             strains.sort_by(f64::total_cmp);
             let half = strains.len() / 2;
-            strains.get(half).zip(strains.get(half.saturating_sub(1 - strains.len() % 2))).map_or(0.0, |(a, b)| 0.5 * (a + b))
+            strains
+                .get(half)
+                .zip(strains.get(half.saturating_sub(1 - strains.len() % 2)))
+                .map_or(0.0, |(a, b)| 0.5 * (a + b))
         });
         while let Some(sample) = self.waiting.pop_front() {
             let fits = (0..2).all(|gauge| {

@@ -96,7 +96,6 @@ pub(crate) struct Rest {
 }
 
 impl Rest {
-    pub(crate) fn trace(&self) -> String { format!("rest {:?} doubt {} at {:?} run {:?} levels {:?} big {:.5}", self.rest, self.doubt, self.at, self.run.level, self.levels.iter().map(|l| format!("{:.5}:{:.1}", l.strain, l.score)).collect::<Vec<_>>(), self.largest_step) }
     /// The level that is rest, if that is decided.
     pub(crate) fn level(&self) -> Option<Level> {
         self.rest.map(|rest| self.levels[rest])
@@ -137,6 +136,7 @@ impl Rest {
     /// What happens now is no evidence.
     pub(crate) fn pause(&mut self) {
         self.run = Run::default();
+        self.largest_step = self.largest_step.max(self.far.abs());
         self.before_pause = self.at.take().or(self.before_pause);
     }
 

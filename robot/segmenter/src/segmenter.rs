@@ -156,7 +156,6 @@ impl Segmenter {
         self.watch.condition(&self.params, self.intake.shake.is_shaking(), self.intake.glitches.part)
     }
 
-    #[doc(hidden)] #[must_use] pub fn trace(&self) -> String { let st = match &self.state { State::Learning=>"L", State::Away=>"A", State::Quiet{..}=>"Q", State::Touch(_)=>"T", State::Settling(_)=>"S" }; format!("{st} prov {} base {:.5} sd {:.6} shake {} held {} {}", self.provisional, self.baseline.strain, self.baseline.sd(self.intake.grain), self.intake.shake.is_shaking(), self.held.len(), self.rest.trace()) }
     /// Takes the next sample.
     pub fn push(&mut self, sample: Sample) -> Option<Event> {
         if self.intake.push(&self.params, sample) {
