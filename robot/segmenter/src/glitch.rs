@@ -22,7 +22,7 @@ const BACK: f64 = 0.25;
 const STEEPER: f64 = 2.5;
 /// Weight of a sample in the mean of the differences of neighbours.
 const WEIGHT: f64 = 0.03;
-/// The same for a small difference among the first samples, and their number.
+/// The same for the first samples, and their number.
 const BEGIN_WEIGHT: f64 = 0.3;
 const BEGIN: u32 = 20;
 /// Time of the shortest touch, and part of glitches from which on a converter has glitches. us.
@@ -204,8 +204,8 @@ impl Glitches {
             self.step[gauge] = strains[gauge] - good[gauge];
             let most = 3.0 * self.rough[gauge];
             let step = self.step[gauge].abs();
-            // Even if the first steps are jumps, small ones soon tell how rough the stream is.
-            let weight = if self.begun < BEGIN && step < self.rough[gauge] { BEGIN_WEIGHT } else { WEIGHT };
+            // Whatever the first step is, the next ones soon tell how rough the stream is.
+            let weight = if self.begun < BEGIN { BEGIN_WEIGHT } else { WEIGHT };
             let first = self.rough[gauge] == 0.0;
             self.rough[gauge] += if first { step } else { weight * (step.min(most) - self.rough[gauge]) };
         }
