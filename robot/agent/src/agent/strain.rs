@@ -67,6 +67,7 @@ impl Agent {
         let strains = line.strain.as_slice();
         let stamp_us = line.t_us.or(line.t_ms.map(|t_ms| t_ms * 1000));
         let params = self.limits.segmenter;
+        let setpoint_mpa = Some(self.chambers[at].target_mpa);
         let stream = &mut self.chambers[at].stream;
         let stream = stream.get_or_insert_with(|| Box::new(Stream::new(params)));
         let first_us = stream.first_us(stamp_us, now.at.as_us(), strains.len() as u64, every_us, params);
@@ -81,6 +82,7 @@ impl Agent {
                 strain_2: value(line.strain_2.as_ref(), index),
                 deflection_mm: value(line.deflection_mm.as_ref(), index),
                 distance_mm: value(line.distance_mm.as_ref(), index),
+                setpoint_mpa,
                 ..Sample::default()
             };
             stream.newest_us = Some(sample.t_us);
