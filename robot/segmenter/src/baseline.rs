@@ -98,6 +98,13 @@ impl Baseline {
         }
     }
 
+    /// Noise that was learned in a movement, or grew with touches, comes back: neighbours hardly differ.
+    pub(crate) fn limit_noise(&mut self, roughness: f64, grain: f64) {
+        if self.shaking == 0 {
+            self.variance[0] = self.variance[0].min((ROUGH * roughness).powi(2) + grain * grain);
+        }
+    }
+
     /// Learns level and noise from the first time in which the strain is still.
     pub(crate) fn learn(&mut self, bin: &Bin, grain: f64, roughness: f64) {
         let still = self.learning.get_or_insert_with(|| Still::new(bin, bin.t_s));

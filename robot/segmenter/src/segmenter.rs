@@ -191,6 +191,7 @@ impl Segmenter {
         self.ring.push(*bin);
         let grain = self.intake.grain;
         self.baseline.shake(bin.shaking, self.intake.shake.range, grain);
+        self.baseline.limit_noise(self.intake.glitches.roughness(), grain);
         self.intake.shake.calm_sd = if self.baseline.ready() { self.baseline.calm_sd(grain) } else { 0.0 };
         if !self.baseline.ready() {
             self.baseline.learn(bin, grain, self.intake.glitches.roughness());

@@ -261,7 +261,8 @@ fn property_touches_of_a_second_are_found_at_10_hz_and_after_steps_of_air() {
 fn what_cannot_be_known_is_not_guessed() {
     let press = |t_s: f64| if (t_s % 3.0) < 1.0 { 0.5 * FULL } else { 0.0 };
     // Two levels that take turns, without motion or sign, and with the sign.
-    for (sign, condition, contacts) in [(0.0, Condition::Learning(Missing::Rest), 0..1), (1.0, Condition::Ready, 8..11)] {
+    for (sign, condition, contacts) in [(0.0, Condition::Learning(Missing::Rest), 0..1), (1.0, Condition::Ready, 8..11)]
+    {
         let mut segmenter = Segmenter::new(Params { sign, ..Params::default() });
         let mut random = Random(4);
         let mut found = 0;
