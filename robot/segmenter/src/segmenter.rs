@@ -226,16 +226,19 @@ impl Segmenter {
             return false;
         }
         self.rest.pause();
+        // While the base moves, the strain may be a touch's.
+        let still = self.air_mm.zip(bin.deflection_mm).is_none_or(|(mm, now)| (now - mm).abs() < HELD_MM);
         match &mut self.state {
-            State::Quiet { .. } | State::Settling(_) => {
+            State::Quiet { .. } | State::Settling(_) if still => {
                 self.baseline.follow_air(bin);
                 if !self.provisional {
                     self.rest.moved(self.baseline.strain, self.baseline.strain_2);
                 }
                 self.state = State::Quiet { above: 0, sign: 1.0 };
             }
+            State::Quiet { .. } | State::Settling(_) => self.state = State::Away,
             State::Touch(touch) => {
-                let held = self.air_mm.zip(bin.deflection_mm).is_some_and(|(mm, now)| (now - mm).abs() < HELD_MM);
+                let held = still && bin.deflection_mm.is_some();
                 touch.push_air(bin, held);
                 self.low_since_s = bin.t_s;
                 if held && !self.provisional {
