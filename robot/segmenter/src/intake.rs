@@ -78,7 +78,9 @@ impl Intake {
         self.first_us.get_or_insert(sample.t_us);
         let dt_s = if first { 0.0 } else { (sample.t_us - self.last_us) as f64 * 1e-6 };
         self.last_us = sample.t_us;
-        let gap = !first && dt_s > params.gap_s.max(5.0 * self.period_s);
+        // The first two samples tell the spacing.
+        let spaced = self.period_s > 0.0 || dt_s > 1.0;
+        let gap = !first && spaced && dt_s > params.gap_s.max(5.0 * self.period_s);
         if gap {
             self.glitches.gap();
             self.shake.gap();
