@@ -1,11 +1,14 @@
 //! Evaluates the segmenter on hours of simulated streams and prints the table of docs/segmenter.md:
-//! `cargo run --manifest-path robot/Cargo.toml --release -p vibrissa-segmenter --example evaluate_segmenter [HOURS] [SEED]`.
+//! `cargo run --manifest-path robot/Cargo.toml --release -p vibrissa-segmenter --example evaluate_segmenter [HOURS] [SEED] [SCENES]`;
+//! with a part of the names of scenes only these, with `table` only the table of streams that begin at rest.
 
 #[path = "../tests/stream/mod.rs"]
 mod stream;
 
 use std::time::Instant;
 
+use stream::scene::{Glitches, HABITS, Habit, Motion, Polarity, Scene};
+use stream::verdict::judge_all;
 use stream::{Plan, Score, evaluate, fused, quantile};
 use vibrissa_segmenter::{Params, Segmenter};
 
@@ -16,6 +19,18 @@ fn main() {
     let mut arguments = std::env::args().skip(1);
     let hours: f64 = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(2.0);
     let seed: u64 = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(1_000);
+    let only = arguments.next();
+    if only.as_deref() != Some("table") {
+        scenes(seed, (hours * 20.0) as u64, only.as_deref().unwrap_or_default());
+        println!();
+    }
+    if only.is_none_or(|only| only == "table") {
+        table(seed, hours);
+    }
+}
+
+/// Streams that begin at rest.
+fn table(seed: u64, hours: f64) {
     println!("{hours} hours of touches and {hours} quiet hours a row, seeds from {seed}");
     println!();
     println!(
@@ -41,6 +56,93 @@ fn main() {
         100.0 * f64::from(within) / f64::from(rounds)
     );
     cost(seed);
+}
+
+/// Streams that begin anywhere, with the disturbances of real robots.
+fn scenes(seed: u64, streams: u64, only: &str) {
+    println!(
+        "| scene | streams | right | inverted | touches | found | false an hour | strain error: median | 95 % | onset error, ms: 95 % | 99 % | slip-offs |"
+    );
+    println!("|:---{}|", "| ---: ".repeat(11));
+    let base = Scene { seed, ..Scene::default() };
+    let row = |name: &str, scene: Scene| {
+        if name.contains(only) {
+            scene_row(name, &scene, Params::default(), streams);
+        }
+    };
+    for habit in [Habit::OneInThree, Habit::LongHolds, Habit::Rare] {
+        let name = format!("{habit:?}, no motion, sign stated");
+        let seconds = if habit == Habit::LongHolds { 600.0 } else { 130.0 };
+        let scene = Scene { habit, seconds, motion: Motion::None, gap_s: 0.3, ..base };
+        if name.contains(only) {
+            scene_row(&name, &scene, Params { sign: 1.0, ..Params::default() }, streams);
+        }
+    }
+    for habit in HABITS {
+        let seconds = if habit == Habit::LongHolds { 600.0 } else { 130.0 };
+        let scene = Scene { habit, seconds, ..base };
+        row(&format!("{habit:?}, way told"), scene);
+        row(
+            &format!("{habit:?}, press told, minus"),
+            Scene { motion: Motion::Pressed, polarity: Polarity::Minus, ..scene },
+        );
+        row(&format!("{habit:?}, no motion"), Scene { motion: Motion::None, ..scene });
+        for gap_s in [0.1, 0.3, 1.0, 5.0] {
+            row(&format!("{habit:?}, gaps of {gap_s} s"), Scene { motion: Motion::Pressed, gap_s, ..scene });
+        }
+        row(&format!("{habit:?}, no motion, gaps of 0.3 s"), Scene { motion: Motion::None, gap_s: 0.3, ..scene });
+        row(&format!("{habit:?}, both ways"), Scene { polarity: Polarity::Mixed, ..scene });
+        row(
+            &format!("{habit:?}, both ways, no motion"),
+            Scene { polarity: Polarity::Mixed, motion: Motion::None, ..scene },
+        );
+        row(&format!("{habit:?}, 10 Hz"), Scene { motion: Motion::Pressed, rate_hz: 10.0, ..scene });
+        row(&format!("{habit:?}, 1000 Hz"), Scene { rate_hz: 1000.0, ..scene });
+        row(&format!("{habit:?}, steps of air"), Scene { air: true, ..scene });
+    }
+    for habit in [Habit::OneInThree, Habit::Rare] {
+        for (part, longest, at) in [
+            (0.01, 1, Some(0.2)),
+            (0.03, 1, Some(0.2)),
+            (0.01, 3, Some(0.2)),
+            (0.05, 3, Some(0.2)),
+            (0.01, 3, Some(-0.03)),
+            (0.01, 3, None),
+            (0.05, 3, None),
+        ] {
+            let glitches = Some(Glitches { part, longest, at });
+            let name = format!("{habit:?}, {} % glitches of 1 to {longest} at {at:?}", part * 100.0);
+            row(&name, Scene { habit, glitches, motion: Motion::Pressed, ..base });
+        }
+    }
+    for driving in [0.02, 0.1] {
+        for rate_hz in [80.0, 250.0, 1000.0] {
+            let scene = Scene { driving, rate_hz, habit: Habit::Nothing, seconds: 600.0, ..base };
+            row(&format!("driving {driving}, {rate_hz} Hz"), scene);
+            row(&format!("driving {driving}, {rate_hz} Hz, told"), Scene { tells_driving: true, ..scene });
+        }
+        row(&format!("driving {driving}, touches of 1 s in 3"), Scene { driving, habit: Habit::OneInThree, ..base });
+    }
+}
+
+fn scene_row(name: &str, scene: &Scene, params: Params, streams: u64) {
+    let verdict = judge_all(scene, params, streams);
+    let percent = |part: f64| format!("{:.1} %", 100.0 * part);
+    let errors: Vec<f64> = verdict.strain.iter().map(|error| error.abs()).collect();
+    println!(
+        "| {name} | {} | {} | {} | {} | {} | {:.1} | {} | {} | {:.0} | {:.0} | {} |",
+        verdict.streams,
+        percent(verdict.right_part()),
+        verdict.inverted,
+        verdict.touches,
+        percent(verdict.found_part()),
+        verdict.false_per_hour(),
+        percent(quantile(&errors, 0.5)),
+        percent(quantile(&errors, 0.95)),
+        quantile(&verdict.onset_ms, 0.95),
+        quantile(&verdict.onset_ms, 0.99),
+        if verdict.slips > 0 { percent(verdict.slip_part()) } else { "-".to_owned() },
+    );
 }
 
 /// Time that a sample takes.

@@ -3,24 +3,32 @@
 //! Pure and streaming: [`Segmenter::push`] takes one [`Sample`] and returns at most one [`Event`]. It allocates once a
 //! contact, and does a bounded amount of work for each sample. There is no clock: time comes with the samples.
 //!
-//! Read in this order: [`Sample`] and [`Event`], [`Params`], `intake` (checks, glitches, rate), `baseline` (drift and
-//! noise), `segmenter` (the states), `touch` (one contact), `distance` (two gauges).
+//! Read in this order: [`Sample`] and [`Event`], [`Params`], `intake` with `glitch` and `shake` (from samples to bins),
+//! `baseline` (drift and noise), `rest` (which level is rest), `segmenter` (the states) with `air` and `settling`,
+//! `touch` (one contact), `distance` (two gauges), `condition` (how far findings can be relied on).
 //!
 //! docs/segmenter.md has the method, and how well it does on simulated streams.
 
+mod air;
 mod baseline;
+mod condition;
 mod distance;
+mod glitch;
 mod intake;
 mod params;
+mod rest;
 mod segmenter;
+mod settling;
+mod shake;
 mod touch;
 
+pub use condition::{Condition, Missing};
 pub use distance::{Distance, DistanceFusion};
 pub use params::Params;
 pub use segmenter::Segmenter;
 
 /// Measurements of one time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Microseconds of any clock that does not jump.
     pub t_us: u64,
@@ -28,16 +36,24 @@ pub struct Sample {
     pub strain: f64,
     /// Strain at the second gauge (x = 11 mm), if there is one.
     pub strain_2: Option<f64>,
-    /// Way of the whisker's base against the object, with any offset, if known.
+    /// Way of the whisker's base against the object, with any offset, if known. It grows as the whisker is pressed.
     pub deflection_mm: Option<f64>,
     /// Distance of the object from the whisker's base, if the robot knows it from its motion.
     pub distance_mm: Option<f64>,
+    /// Air pressure in the whisker's chamber, if known. MPa.
+    pub pressure_mpa: Option<f64>,
+    /// Pressure to which the chamber is regulated, if known. MPa.
+    pub setpoint_mpa: Option<f64>,
+    /// Whether the robot drives, if known: its shaking is no contact.
+    pub driving: Option<bool>,
+    /// Temperature of the whisker, if known. °C.
+    pub temperature_c: Option<f64>,
 }
 
 /// A finding of the segmenter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
-    /// A contact has begun; its [`Contact`] follows at its end.
+    /// A contact has begun; its [`Contact`] follows at its end, unless samples are missing or the whisker shook.
     Onset {
         /// First estimate of when it began.
         t_us: u64,
@@ -99,6 +115,10 @@ pub struct Counts {
     pub not_a_number: u64,
     /// Samples at the gauge's limit.
     pub saturated: u64,
+    /// Samples that were glitches of the converter.
+    pub glitches: u64,
     /// Contacts without a measurement, as samples were missing.
     pub interrupted: u64,
+    /// Contacts that were held back for so long that they were left out.
+    pub doubtful: u64,
 }

@@ -7,14 +7,22 @@ pub struct Params {
     pub least_strain: f64,
     /// Strain at which a gauge is at its limit. m/m.
     pub strain_limit: f64,
+    /// Which way a touch moves the strain: 1 or -1; 0 if that is not known, or may be both.
+    pub sign: f64,
+    /// Fewest samples a second with which contacts can be told. Hz.
+    pub least_rate_hz: f64,
+    /// A sample is a jump if it is this many mean differences of neighbours away.
+    pub glitch_sds: f64,
     /// Threshold of the onset in standard deviations of the noise; two consecutive bins must exceed it.
     pub onset_sds: f64,
     /// Time constant of the baseline while nothing touches. s.
     pub baseline_s: f64,
     /// Part of the largest strain below which a contact has ended: more than creep and loop leave behind.
     pub release: f64,
-    /// Longest contact; after it the strain is the new baseline. s.
+    /// Longest contact that is certain without a deflection: a longer one may be a baseline that has moved. s.
     pub longest_s: f64,
+    /// A gap after which rest is learned anew. s.
+    pub forget_s: f64,
     /// Longest time that a slip-off takes. s.
     pub slip_s: f64,
     /// A slip-off falls faster than this part of the time of the rise.
@@ -40,10 +48,14 @@ impl Default for Params {
         Params {
             least_strain: 0.0,
             strain_limit: 0.05,
+            sign: 0.0,
+            least_rate_hz: 9.0,
+            glitch_sds: 10.0,
             onset_sds: 4.7,
             baseline_s: 1.0,
             release: 0.12,
             longest_s: 30.0,
+            forget_s: 60.0,
             slip_s: 0.045,
             slip_of_rise: 0.4,
             slip_of_deflection: 0.3,

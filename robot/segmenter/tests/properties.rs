@@ -2,14 +2,16 @@
 
 mod stream;
 
+use stream::scene::{Glitches, HABITS, Habit, Motion, Polarity, Scene};
+use stream::verdict::judge_all;
 use stream::{FULL, Plan, Random, Score, evaluate, fused, quantile, stream};
-use vibrissa_segmenter::{Contact, ContactKind, Event, Params, Sample, Segmenter};
+use vibrissa_segmenter::{Condition, Contact, ContactKind, Event, Missing, Params, Sample, Segmenter};
 
 fn score(rate_hz: f64, two_gauges: bool, motion: bool) -> Score {
     let mut score = Score::default();
     for seed in 0..4 {
         let touches = seed != 3;
-        let plan = Plan { seed: 500 + seed, rate_hz, two_gauges, motion, seconds: 400.0, touches };
+        let plan = Plan { seed: 500 + seed, rate_hz, two_gauges, motion, seconds: 200.0, touches };
         score.add(evaluate(&plan, Params::default()));
     }
     score
@@ -54,20 +56,15 @@ fn property_the_error_of_fused_distances_is_honest() {
 /// Samples of a touch of this height and length, half a second of quiet before and after.
 fn touch(rate_hz: f64, seconds: f64, change: impl Fn(usize, &mut Sample)) -> (Segmenter, Vec<Event>) {
     let mut random = Random(9);
-    let mut segmenter = Segmenter::new(Params::default());
+    // One touch alone does not tell which level is rest.
+    let mut segmenter = Segmenter::new(Params { sign: 1.0, ..Params::default() });
     let mut events = Vec::new();
     for index in 0..(rate_hz * (2.0 + seconds)) as usize {
         let t_s = index as f64 / rate_hz;
         let inside = (t_s - 1.0) / seconds;
         let strain = if (0.0..1.0).contains(&inside) { FULL * 0.5 * (1.0 - (2.0 * inside - 1.0).abs()) } else { 0.0 };
         let noise = FULL * 0.001 * random.normal();
-        let mut sample = Sample {
-            t_us: (t_s * 1e6) as u64 + 7,
-            strain: strain + noise,
-            strain_2: None,
-            deflection_mm: None,
-            distance_mm: None,
-        };
+        let mut sample = Sample { t_us: (t_s * 1e6) as u64 + 7, strain: strain + noise, ..Sample::default() };
         change(index, &mut sample);
         events.extend(segmenter.push(sample));
     }
@@ -89,7 +86,7 @@ fn a_touch_of_60_ms_is_one_contact() {
     for rate_hz in [50.0, 100.0, 250.0, 1000.0] {
         let (segmenter, events) = touch(rate_hz, 0.06, |_, _| {});
         let contacts = contacts(&events);
-        assert_eq!(contacts.len(), 1, "{rate_hz} Hz: {events:?}");
+        assert_eq!(contacts.len(), 1, "{rate_hz} Hz: {events:?} {:?}", segmenter.condition());
         assert_eq!(contacts[0].kind, ContactKind::Peak);
         assert!((segmenter.rate_hz() / rate_hz - 1.0).abs() < 0.02);
         assert!(contacts[0].onset_us.abs_diff(1_000_000) < 20_000, "{contacts:?}");
@@ -113,10 +110,10 @@ fn odd_samples_are_counted_and_change_nothing() {
     assert_eq!(plain, events);
     let mut segmenter_2 = segmenter.clone();
     for odd in [f64::NAN, f64::INFINITY] {
-        let sample = Sample { t_us: 9_000_000, strain: odd, strain_2: None, deflection_mm: None, distance_mm: None };
+        let sample = Sample { t_us: 9_000_000, strain: odd, ..Sample::default() };
         assert_eq!(segmenter_2.push(sample), None);
     }
-    let sample = Sample { t_us: 5, strain: 0.0, strain_2: None, deflection_mm: None, distance_mm: None };
+    let sample = Sample { t_us: 5, ..Sample::default() };
     assert_eq!(segmenter_2.push(sample), None);
     assert_eq!(segmenter_2.counts().not_a_number, 2);
     assert_eq!(segmenter_2.counts().out_of_order, 1);
@@ -129,6 +126,7 @@ fn a_saturated_gauge_is_marked() {
     let contacts = contacts(&events);
     assert_eq!(contacts.len(), 1);
     assert!(contacts[0].saturated);
+    assert_eq!(segmenter.condition(), Condition::Clipped);
     assert!(segmenter.counts().saturated > 0);
 }
 
@@ -164,6 +162,10 @@ fn property_no_stream_of_odd_numbers_panics() {
                 strain_2: Some(number()),
                 deflection_mm: Some(number()),
                 distance_mm: Some(number()),
+                pressure_mpa: Some(number()),
+                setpoint_mpa: Some(number()),
+                driving: Some(number() > 0.0),
+                temperature_c: Some(number()),
             };
             segmenter.push(sample);
         }
@@ -177,4 +179,104 @@ fn the_stream_of_a_seed_is_always_the_same() {
     stream(&plan, |sample| first.push(sample));
     stream(&plan, |sample| second.push(sample));
     assert_eq!(first, second);
+}
+
+/// A scene of each habit; long holds need more time.
+fn scenes(seed: u64) -> impl Iterator<Item = Scene> {
+    HABITS.into_iter().map(move |habit| {
+        let seconds = if habit == Habit::LongHolds { 400.0 } else { 60.0 };
+        Scene { seed, habit, seconds, ..Scene::default() }
+    })
+}
+
+#[test]
+fn property_a_stream_may_begin_anywhere_and_have_gaps() {
+    for (motion, polarity, gap_s) in [
+        (Motion::Way, Polarity::Plus, 0.0),
+        (Motion::Pressed, Polarity::Minus, 0.3),
+        (Motion::Way, Polarity::Mixed, 5.0),
+    ] {
+        for scene in scenes(300) {
+            let scene = Scene { motion, polarity, gap_s, ..scene };
+            let verdict = judge_all(&scene, Params::default(), 2);
+            assert_eq!((verdict.right, verdict.inverted), (verdict.streams, 0), "{scene:?}");
+        }
+    }
+}
+
+#[test]
+fn property_touches_of_both_ways_tell_rest_without_motion() {
+    let scene = Scene { seed: 305, polarity: Polarity::Mixed, motion: Motion::None, ..Scene::default() };
+    for habit in [Habit::OneInThree, Habit::Rare] {
+        let verdict = judge_all(&Scene { habit, ..scene }, Params::default(), 3);
+        assert_eq!(verdict.inverted, 0, "{habit:?}");
+        assert!(verdict.found_part() >= 0.9, "{habit:?}: {}", verdict.found_part());
+    }
+}
+
+#[test]
+fn property_glitches_neither_hide_touches_nor_make_them() {
+    for (part, longest, at) in [(0.01, 1, Some(0.2)), (0.05, 3, Some(0.2)), (0.01, 3, Some(-0.03)), (0.05, 3, None)] {
+        let glitches = Some(Glitches { part, longest, at });
+        let scene =
+            Scene { seed: 310, habit: Habit::OneInThree, motion: Motion::Pressed, glitches, ..Scene::default() };
+        let verdict = judge_all(&scene, Params::default(), 2);
+        assert!(verdict.found_part() >= 0.98, "{scene:?}: {}", verdict.found_part());
+        assert!(verdict.false_contacts <= 1, "{scene:?}: {}", verdict.false_contacts);
+    }
+}
+
+#[test]
+fn property_shaking_is_no_contact() {
+    for driving in [0.02, 0.1] {
+        for (rate_hz, tells_driving) in [(80.0, false), (250.0, false), (80.0, true)] {
+            let scene = Scene { seed: 320, habit: Habit::Nothing, driving, rate_hz, tells_driving, ..Scene::default() };
+            let verdict = judge_all(&scene, Params::default(), 3);
+            assert!(verdict.false_contacts <= 1, "{scene:?}: {}", verdict.false_per_hour());
+        }
+    }
+}
+
+#[test]
+fn property_slides_slip_offs_and_taps_are_found() {
+    for habit in [Habit::Slides, Habit::Tapping] {
+        let scene = Scene { seed: 330, habit, ..Scene::default() };
+        let verdict = judge_all(&scene, Params::default(), 3);
+        assert!(verdict.found_part() >= 0.95, "{habit:?}: {}", verdict.found_part());
+        assert!(habit == Habit::Tapping || verdict.slip_part() >= 0.9, "{}", verdict.slip_part());
+        assert!(quantile(&verdict.onset_ms, 0.99) <= 20.0);
+    }
+}
+
+#[test]
+fn property_touches_of_a_second_are_found_at_10_hz_and_after_steps_of_air() {
+    for (rate_hz, air, least) in [(10.0, false, 1.0), (80.0, true, 0.8)] {
+        let scene = Scene { seed: 340, habit: Habit::OneInThree, rate_hz, air, ..Scene::default() };
+        let verdict = judge_all(&scene, Params::default(), 3);
+        assert!(verdict.right_part() >= least, "{scene:?}: {} found", verdict.found_part());
+    }
+}
+
+#[test]
+fn what_cannot_be_known_is_not_guessed() {
+    let press = |t_s: f64| if (t_s % 3.0) < 1.0 { 0.5 * FULL } else { 0.0 };
+    // Two levels that take turns, without motion or sign, and with the sign.
+    for (sign, condition, contacts) in [(0.0, Condition::Learning(Missing::Rest), 0..1), (1.0, Condition::Ready, 8..11)]
+    {
+        let mut segmenter = Segmenter::new(Params { sign, ..Params::default() });
+        let mut random = Random(4);
+        let mut found = 0;
+        for index in 0..3_000_u64 {
+            let strain = press(index as f64 * 0.01 + 0.5) + FULL * 0.001 * random.normal();
+            let event = segmenter.push(Sample { t_us: index * 10_000, strain, ..Sample::default() });
+            found += usize::from(matches!(event, Some(Event::Contact(_))));
+        }
+        assert_eq!(segmenter.condition(), condition, "sign {sign}");
+        assert!(contacts.contains(&found), "sign {sign}: {found}");
+    }
+    let mut slow = Segmenter::new(Params::default());
+    for index in 0..50 {
+        slow.push(Sample { t_us: index * 200_000, ..Sample::default() });
+    }
+    assert_eq!(slow.condition(), Condition::Learning(Missing::Rate));
 }

@@ -11,9 +11,11 @@ use crate::driver::words::{self, Origin, SAMPLES_MAX, Samples};
 
 /// Shortest and longest time between two samples, in microseconds.
 const EVERY_US: (u64, u64) = (500, 100_000);
-/// Difference between the expected and the reported time of a sample beyond which a stream begins anew, in
+/// Difference between the expected and the reported time of a sample beyond which lines are missing or the clock was set, in
 /// microseconds.
 const JUMP_US: u64 = 1_000_000;
+/// Longest gap after which the segmenter still knows the levels of the strain, in microseconds.
+const REMEMBERED_US: u64 = 60_000_000;
 /// Part by which the time of an unstamped line follows that of its receipt: lines come early and late.
 const FOLLOWED: i64 = 50;
 
@@ -30,14 +32,16 @@ impl Stream {
         Self { segmenter: Segmenter::new(params), newest_us: None }
     }
 
-    /// Time of the first sample of a line by the stream's clock. After a jump the stream begins anew.
+    /// Time of the first sample of a line by the stream's clock. After a step back or a long gap the stream begins anew.
     fn first_us(&mut self, stamp_us: Option<u64>, received_us: u64, count: u64, every_us: u64, params: Params) -> u64 {
         let last_us = received_us.saturating_sub((count - 1) * every_us);
         let (first_us, expected_us) =
             (stamp_us.unwrap_or(last_us), self.newest_us.map(|newest_us| newest_us + every_us));
         let Some(expected_us) = expected_us else { return first_us };
         if first_us.abs_diff(expected_us) > JUMP_US {
-            *self = Self::new(params);
+            if !(expected_us..expected_us + REMEMBERED_US).contains(&first_us) {
+                *self = Self::new(params);
+            }
             return first_us;
         }
         match stamp_us {
@@ -78,6 +82,7 @@ impl Agent {
         let stamp_us = line.t_us.or(line.t_ms.map(|t_ms| t_ms * 1000));
         let params = self.limits.segmenter;
         let chamber = &mut self.chambers[at];
+        let setpoint_mpa = Some(chamber.target_mpa);
         let (stream, motion) = (&mut chamber.stream, &mut chamber.motion);
         let stream = stream.get_or_insert_with(|| Box::new(Stream::new(params)));
         let first_us = stream.first_us(stamp_us, now.at.as_us(), strains.len() as u64, every_us, params);
@@ -97,6 +102,8 @@ impl Agent {
                 strain_2: value(line.strain_2.as_ref(), index),
                 deflection_mm: value(line.deflection_mm.as_ref(), index),
                 distance_mm: value(line.distance_mm.as_ref(), index),
+                setpoint_mpa,
+                ..Sample::default()
             };
             stream.newest_us = Some(sample.t_us);
             if is_whole {

@@ -31,8 +31,9 @@ fn the_smallest_configuration_has_the_defaults() {
 
 #[test]
 fn a_program_that_is_the_driver_needs_no_way_to_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("agent.toml");
+    let folder = std::env::temp_dir().join(format!("vibrissa-robot-driven-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("agent.toml");
     let driver = "[driver]\n    command = [\"python3\", \"driver.py\"]";
     let read = |instead: &str| {
         std::fs::write(&path, EXAMPLE.replacen(driver, instead, 1)).unwrap();
@@ -51,6 +52,7 @@ fn a_program_that_is_the_driver_needs_no_way_to_it() {
     assert_eq!(problem, "driver: must be one table, because this program is the only driver");
     let problem = read("[driver]\npassword = \"hunter2").unwrap_err();
     assert!(problem.contains("line") && !problem.contains("hunter2"), "{problem}");
+    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]

@@ -4,8 +4,10 @@ use super::series::{Line, Point, Ring};
 use super::{LEVEL_S, Touch, relative};
 use crate::{Contact, ContactKind, DistanceFusion, Params};
 
-/// Spacing of samples above which the median of three lags by a sample that counts. s.
-const MEDIAN_S: f64 = 0.0035;
+/// The end of a contact in which a slip-off is looked for. s.
+const FALL_S: f64 = 0.15;
+/// A step of less than this part of the steepest one does not belong to the fall.
+const GENTLE: f64 = 0.25;
 /// Part of the change between two samples that counts as the standard deviation of a strain before a slip-off.
 const BETWEEN: f64 = 0.5;
 
@@ -79,10 +81,15 @@ impl Touch {
                 .map(|bin| relative(bin, (self.baseline, self.baseline_2), self.sign))
                 .take_while(|point| point.t_s >= self.first.t_s && end_s - point.t_s < LEVEL_S + 0.1)
         };
-        let level = points().filter(|point| end_s - point.t_s < LEVEL_S).map(|point| point.strain).fold(0.0, f64::max);
-        if level < 0.4 * self.peak.strain {
-            return None;
-        }
+        // The fall begins where the strain fell little before its steepest step.
+        let long_s = f64::max(FALL_S, 6.0 * period_s);
+        let steps = || {
+            let later = points().take_while(|point| end_s - point.t_s < long_s);
+            later.zip(points().skip(1)).map(|(after, before)| (before, before.strain - after.strain))
+        };
+        let steepest = steps().map(|(_, fall)| fall).fold(0.0, f64::max);
+        let falls = steps().skip_while(|(_, fall)| *fall < steepest).take_while(|(_, fall)| *fall > GENTLE * steepest);
+        let level = falls.last()?.0.strain;
         let before = points().find(|point| point.strain >= 0.8 * level)?;
         let low =
             points().take_while(|point| point.t_s >= before.t_s).filter(|point| point.strain < 0.3 * level).last()?;
@@ -104,13 +111,8 @@ impl Touch {
             return None;
         }
         let (mut line, mut line_2, mut bins) = (Line::default(), Line::default(), 0.0);
-        let is_lagging = |point: &Point| period_s > MEDIAN_S && point.t_s > before.t_s - 0.5 * period_s;
         let spread_s = f64::max(0.08, 4.5 * period_s);
         for point in points().filter(|point| point.t_s <= before.t_s && before.t_s - point.t_s < spread_s) {
-            // The median of three gives the newest sample before a fall the strain of the one before it.
-            if is_lagging(&point) {
-                continue;
-            }
             if point.strain < 0.5 * level {
                 break;
             }

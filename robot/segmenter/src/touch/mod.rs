@@ -17,6 +17,15 @@ const FLAT: f64 = 0.02;
 const PLATEAU_S: f64 = 0.3;
 /// The level before a fall is the largest strain in this time. s.
 const LEVEL_S: f64 = 0.3;
+/// Time constant with which the level falls that an end is compared with, and the part of the peak that stays: a slide
+/// to the tip gets weaker. s.
+const LEVEL_FALLS: (f64, f64) = (1.0, 0.35);
+/// A strain that stays within this part of it, and three standard deviations, for so long is a hold. s.
+const HOLD: (f64, f64) = (0.01, 1.0);
+/// Time constant with which the baseline follows the strain in a hold. s.
+const HOLD_FOLLOWS_S: f64 = 1.0;
+/// Deflection that shows that something presses, and for how long. mm, s.
+const PRESSED: (f64, f64) = (0.3, 1.0);
 /// Levels of the rise whose times are kept: each is 6 % above the one before.
 const LEVELS: usize = 96;
 const LEVEL_RATIO: f64 = 1.06;
@@ -48,6 +57,11 @@ pub(crate) struct Touch {
     plateau: Option<Sums>,
     plateau_point: Option<Point>,
     saturated: bool,
+    calm: bool,
+    level: f64,
+    hold: f64,
+    hold_since_s: f64,
+    pressed_s: f64,
     last: Point,
 }
 
@@ -89,6 +103,11 @@ impl Touch {
             plateau: None,
             plateau_point: None,
             saturated: false,
+            calm: ring.back().next().is_some_and(|bin| !bin.shaking),
+            level: 0.0,
+            hold: 0.0,
+            hold_since_s: first.t_s,
+            pressed_s: f64::NEG_INFINITY,
             last: below,
         };
         for age in (0..start).rev() {
@@ -122,17 +141,80 @@ impl Touch {
             self.level_next *= LEVEL_RATIO;
         }
         self.find_plateau(&point);
+        let dt_s = (point.t_s - self.last.t_s).max(0.0);
+        self.level *= (1.0 - dt_s / LEVEL_FALLS.0).max(0.0);
+        self.level = self.level.max(LEVEL_FALLS.1 * self.peak.strain).max(point.strain);
+        self.follow_hold(&point, dt_s);
+        let deflections = self.onset_deflection_mm.zip(point.deflection_mm);
+        if deflections.is_some_and(|(onset, now)| now - onset > PRESSED.0) {
+            self.pressed_s = point.t_s;
+        }
         self.last = point;
         point.strain
     }
 
-    fn level(&self, index: usize) -> f64 {
+    /// Takes in a bin while air moves the baseline: all of the change in a hold is the air's.
+    pub(crate) fn push_air(&mut self, bin: &Bin, held: bool) {
+        if held && self.plateau.is_some() {
+            let point = relative(bin, (self.baseline, self.baseline_2), self.sign);
+            self.baseline += self.sign * (point.strain - self.last.strain);
+            if let (Some(now), Some(before)) = (point.strain_2, self.last.strain_2) {
+                self.baseline_2 += self.sign * (now - before);
+            }
+            self.last = Point { strain: self.last.strain, strain_2: self.last.strain_2, ..point };
+        } else {
+            self.push(bin);
+        }
+    }
+
+    /// In a hold what changes is the rubber and the drift: the baseline takes part in it.
+    fn follow_hold(&mut self, point: &Point, dt_s: f64) {
+        let off = point.strain - self.hold;
+        if off.abs() > (HOLD.0 * self.hold).max(3.0 * self.sd) {
+            (self.hold, self.hold_since_s) = (point.strain, point.t_s);
+            return;
+        }
+        let weight = dt_s / (HOLD_FOLLOWS_S + dt_s);
+        if point.t_s - self.hold_since_s < HOLD.1 {
+            self.hold += weight * off;
+            return;
+        }
+        self.baseline += self.sign * weight * off;
+        if let (Some(strain_2), true) = (point.strain_2, point.strain > 0.0) {
+            self.baseline_2 += self.sign * weight * off * strain_2 / point.strain;
+        }
+    }
+
+    /// The strain of a touch without an end, which an end is compared with.
+    pub(crate) fn level(&self) -> f64 {
+        self.level
+    }
+
+    pub(crate) fn baseline(&self) -> (f64, f64) {
+        (self.baseline, self.baseline_2)
+    }
+
+    /// Whether it began while nothing shook.
+    pub(crate) fn began_calm(&self) -> bool {
+        self.calm
+    }
+
+    pub(crate) fn strain(&self) -> f64 {
+        self.last.strain
+    }
+
+    /// Whether a deflection shows that something presses, or did a moment ago.
+    pub(crate) fn is_pressed(&self) -> bool {
+        self.last.t_s - self.pressed_s < PRESSED.1
+    }
+
+    fn rise_level(&self, index: usize) -> f64 {
         self.level_first * LEVEL_RATIO.powi(index as i32)
     }
 
     /// Time at which the rise first reached this strain.
     fn reached_s(&self, strain: f64) -> f64 {
-        let index = (0..self.level_count).find(|index| self.level(*index) >= strain);
+        let index = (0..self.level_count).find(|index| self.rise_level(*index) >= strain);
         index.map_or(self.peak.t_s, |index| self.levels[index])
     }
 

@@ -1,6 +1,9 @@
 //! Simulated streams of strain, after the stand-ins for a real whisker: creep, loop, drift, noise, mains, converter;
 //! and the comparison of what the segmenter finds with the truth.
 
+pub(crate) mod scene;
+pub(crate) mod verdict;
+
 use vibrissa_segmenter::{Contact, DistanceFusion, Event, Params, Sample, Segmenter};
 
 /// Strain of a full response: 10 mm of deflection at 45 mm from the base.
@@ -238,7 +241,7 @@ pub(crate) fn stream(plan: &Plan, mut each: impl FnMut(Sample)) -> Vec<Truth> {
             strain: measured[0],
             strain_2: plan.two_gauges.then_some(measured[1]),
             deflection_mm: plan.motion.then_some(motion_mm + 0.02 * random.normal()),
-            distance_mm: None,
+            ..Sample::default()
         });
     }
     truths

@@ -1,0 +1,340 @@
+//! Which level of the strain is rest.
+//!
+//! A stream may begin in a touch, and air, gaps and slow changes move the baseline. So each level at which the strain
+//! stands still is a candidate for rest, and has a score. Four witnesses vote:
+//!
+//! - **Motion without strain.** The base moves, and the strain stands still: nothing touches. This proves rest.
+//! - **Pressure against the object.** Of two levels, rest is the one with less deflection.
+//! - **Sign.** A touch moves the strain the way that is stated, or that all contacts so far had.
+//! - **Return.** Rest recurs; touches differ. So a level gains by each visit. Two levels that take turns gain alike,
+//!   and this witness alone does not decide between them.
+//!
+//! Votes fade with each stand of the strain. Between steps all levels drift together.
+
+use crate::Params;
+use crate::intake::Bin;
+
+/// Levels that are remembered.
+const LEVELS: usize = 6;
+/// A stand lasts at least so long, and so many bins. s.
+const STAND_S: f64 = 0.08;
+const STAND_BINS: u32 = 4;
+/// A bin belongs to a stand within so many standard deviations, and this part of the largest recent step.
+const STILL: (f64, f64) = (4.0, 0.005);
+/// Two stands are at the same level within so many standard deviations, and this part of the largest recent step: what
+/// creep and loop leave.
+const SAME: (f64, f64) = (6.0, 0.1);
+/// Time in which the largest recent step is forgotten, and in which a stand follows the strain. s.
+const FORGET_S: f64 = 30.0;
+const FOLLOW_S: f64 = 1.0;
+/// Part of each score that the next stand leaves.
+const FADE: f64 = 0.8;
+/// Votes of a visit, of deflection, of a stated sign, of the sign of all contacts so far; and the largest score.
+const VISIT: f64 = 1.0;
+const DEFLECTION: f64 = 0.7;
+const SIGN: f64 = 2.0;
+const SIGN_SEEN: f64 = 1.0;
+const PROOF: f64 = 5.0;
+/// Lead that makes a level rest: the first time, against a level that is sure, and against one in doubt.
+const LEAD: (f64, f64, f64) = (1.25, 3.0, 1.0);
+/// Visits without one to rest that a level needs to become rest, if rest is sure and if it is in doubt: a vote between
+/// two levels of a touch is none against rest.
+const VISITS: (u32, u32) = (3, 2);
+/// Part of the scores that a gap or a step of air leaves.
+const SHAKEN: f64 = 0.3;
+/// Difference of deflections that counts, and motion without strain that proves rest, in at most so long. mm, s.
+const LESS_MM: f64 = 0.3;
+const FREE_MM: f64 = 1.0;
+const FREE_S: f64 = 0.5;
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Level {
+    pub(crate) strain: f64,
+    pub(crate) strain_2: f64,
+    score: f64,
+    /// Visits since the strain was last at rest.
+    visits: u32,
+    last_s: f64,
+}
+
+/// Bins in a row at one level.
+#[derive(Clone, Copy, Debug, Default)]
+struct Run {
+    strain: f64,
+    strain_2: f64,
+    since_s: f64,
+    count: u32,
+    /// The level that it is a stand at.
+    level: Option<usize>,
+    deflection_mm: Option<f64>,
+    /// Time and deflection with which motion is compared.
+    anchor: Option<(f64, f64)>,
+    free: bool,
+}
+
+/// The levels and their scores.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Rest {
+    levels: Vec<Level>,
+    run: Run,
+    last_s: f64,
+    /// Level of the last stand, its last deflection, and the farthest point since.
+    at: Option<usize>,
+    /// The same, when what happened since is no evidence.
+    before_pause: Option<usize>,
+    left_mm: Option<f64>,
+    off: f64,
+    far: f64,
+    far_mm: Option<f64>,
+    largest_step: f64,
+    rest: Option<usize>,
+    /// How often another level became rest.
+    pub(crate) elections: u32,
+    doubt: bool,
+    /// Number of contacts in a row with one sign, with that sign.
+    signs: i32,
+}
+
+impl Rest {
+    /// The level that is rest, if that is decided.
+    pub(crate) fn level(&self) -> Option<Level> {
+        self.rest.map(|rest| self.levels[rest])
+    }
+
+    /// Whether the strain stands at rest.
+    pub(crate) fn is_here(&self) -> bool {
+        self.rest.is_some() && self.rest == self.run.level
+    }
+
+    /// The level at which the strain stands.
+    pub(crate) fn here(&self) -> Option<Level> {
+        self.run.level.map(|level| self.levels[level])
+    }
+
+    pub(crate) fn is_sure(&self) -> bool {
+        self.rest.is_some() && !self.doubt
+    }
+
+    /// Largest difference of two visits to one level.
+    pub(crate) fn tolerance(&self, sd: f64) -> f64 {
+        (SAME.0 * sd).max(SAME.1 * self.largest_step)
+    }
+
+    /// A contact of this sign was found, and rest was sure.
+    pub(crate) fn contact(&mut self, sign: f64) {
+        let sign = if sign > 0.0 { 1 } else { -1 };
+        self.signs = if self.signs * sign < 0 { sign } else { (self.signs + sign).clamp(-20, 20) };
+    }
+
+    /// After a gap, or after a step of air, all levels may have moved.
+    pub(crate) fn shake(&mut self) {
+        self.levels.iter_mut().for_each(|level| level.score *= SHAKEN);
+        self.doubt = true;
+        self.pause();
+    }
+
+    /// What happens now is no evidence.
+    pub(crate) fn pause(&mut self) {
+        self.run = Run::default();
+        self.largest_step = self.largest_step.max(self.far.abs());
+        self.before_pause = self.at.take().or(self.before_pause);
+    }
+
+    /// All levels are different now; signs stay.
+    pub(crate) fn forget(&mut self) {
+        *self = Rest { signs: self.signs, elections: self.elections + 1, ..Rest::default() };
+    }
+
+    /// Rest is at this strain now: a contact has ended there, or air has moved it.
+    pub(crate) fn moved(&mut self, strain: f64, strain_2: f64) {
+        let Some(rest) = self.rest else { return };
+        let by = strain - self.levels[rest].strain;
+        let by_2 = strain_2 - self.levels[rest].strain_2;
+        for level in &mut self.levels {
+            level.strain += by;
+            level.strain_2 += by_2;
+        }
+    }
+
+    /// Looks at a bin; returns whether a stand began, or rest was proven. Stands within `same` are at one level.
+    pub(crate) fn push(&mut self, params: &Params, bin: &Bin, sd: f64, period_s: f64, same: f64) -> bool {
+        let dt_s = (bin.t_s - self.last_s).max(0.0);
+        self.last_s = bin.t_s;
+        self.largest_step *= (1.0 - dt_s / FORGET_S).max(0.0);
+        if let Some(at) = self.at {
+            let off = bin.strain - self.levels[at].strain;
+            // Two bins must agree.
+            let both = if off * self.off > 0.0 { off.signum() * off.abs().min(self.off.abs()) } else { 0.0 };
+            if both.abs() > self.far.abs() {
+                (self.far, self.far_mm) = (both, bin.deflection_mm);
+            }
+            self.off = off;
+        }
+        let still = STILL.0 * sd + STILL.1 * self.largest_step;
+        let residual = bin.strain - self.run.strain;
+        if self.run.count == 0 || residual.abs() > still {
+            if self.run.level.is_some() {
+                self.left_mm = self.run.deflection_mm;
+            }
+            self.run = Run {
+                strain: bin.strain,
+                strain_2: bin.strain_2.unwrap_or(0.0),
+                since_s: bin.t_s,
+                count: 1,
+                deflection_mm: bin.deflection_mm,
+                ..Run::default()
+            };
+            return false;
+        }
+        let weight = (1.0 / f64::from(self.run.count + 1)).max(dt_s / (FOLLOW_S + dt_s));
+        let by = weight * residual;
+        let by_2 = weight * (bin.strain_2.unwrap_or(0.0) - self.run.strain_2);
+        self.run.count += 1;
+        self.run.strain += by;
+        self.run.strain_2 += by_2;
+        self.run.deflection_mm = bin.deflection_mm;
+        if self.run.level.is_none() {
+            let long = bin.t_s - self.run.since_s >= STAND_S.max(2.5 * period_s);
+            if long && self.run.count >= STAND_BINS {
+                self.stand(params, same);
+                self.decide();
+                return true;
+            }
+            return false;
+        }
+        for level in &mut self.levels {
+            level.strain += by;
+            level.strain_2 += by_2;
+        }
+        self.moves_freely(bin)
+    }
+
+    /// Whether the base moves while the strain stands: the proof of rest.
+    fn moves_freely(&mut self, bin: &Bin) -> bool {
+        let (Some(here), Some(mm), false) = (self.run.level, bin.deflection_mm, self.run.free) else {
+            return false;
+        };
+        match self.run.anchor {
+            Some((at_s, at_mm)) if bin.t_s - at_s <= FREE_S => {
+                if (mm - at_mm).abs() < FREE_MM {
+                    return false;
+                }
+                self.run.free = true;
+                self.levels.iter_mut().for_each(|level| level.score = level.score.min(0.0));
+                self.levels[here].score = PROOF;
+                self.elect(Some(here));
+                true
+            }
+            _ => {
+                self.run.anchor = Some((bin.t_s, mm));
+                false
+            }
+        }
+    }
+
+    /// A stand begins: its level gains a visit, and the step to it is a vote.
+    fn stand(&mut self, params: &Params, same: f64) {
+        let Run { strain, strain_2, deflection_mm, .. } = self.run;
+        let before = self.at;
+        if let Some(at) = before {
+            self.largest_step = self.largest_step.max((strain - self.levels[at].strain).abs()).max(self.far.abs());
+        }
+        let here = self.nearest(strain, same).unwrap_or_else(|| self.new_level());
+        let level = &mut self.levels[here];
+        (level.strain, level.strain_2, level.last_s) = (strain, strain_2, self.run.since_s);
+        self.run.level = Some(here);
+        let returned = before == Some(here);
+        let paused = self.before_pause.take();
+        if (returned && self.far.abs() < 2.0 * same) || (before.is_none() && paused == Some(here)) {
+            self.at = Some(here);
+            (self.far, self.far_mm) = (0.0, None);
+            return;
+        }
+        self.levels.iter_mut().for_each(|level| level.score *= FADE);
+        self.levels[here].score += VISIT;
+        self.levels[here].visits += 1;
+        if self.rest == Some(here) {
+            self.levels.iter_mut().for_each(|level| level.visits = 0);
+        }
+        if let Some(before) = before {
+            // The step goes from the level before to here, or far away and back to here.
+            let (from, step, mm, to) = if returned {
+                (here, self.far, self.far_mm, None)
+            } else {
+                (before, strain - self.levels[before].strain, deflection_mm, Some(here))
+            };
+            if let (Some(left_mm), Some(mm)) = (self.left_mm, mm)
+                && (mm - left_mm).abs() > LESS_MM
+            {
+                self.vote(from, to, DEFLECTION * (mm - left_mm).signum());
+            }
+            let (sign, weight) = if params.sign == 0.0 {
+                (f64::from(self.signs.signum()), if self.signs.abs() >= 5 { SIGN_SEEN } else { 0.0 })
+            } else {
+                (params.sign, SIGN)
+            };
+            self.vote(from, to, weight * sign * step.signum());
+        }
+        self.at = Some(here);
+        (self.far, self.far_mm) = (0.0, None);
+        self.levels.iter_mut().for_each(|level| level.score = level.score.clamp(-PROOF, PROOF));
+    }
+
+    /// For the one level, against the other.
+    fn vote(&mut self, level: usize, against: Option<usize>, vote: f64) {
+        self.levels[level].score += vote;
+        if let Some(against) = against {
+            self.levels[against].score -= vote;
+        }
+    }
+
+    fn nearest(&self, strain: f64, within: f64) -> Option<usize> {
+        let off = |index: &usize| (self.levels[*index].strain - strain).abs();
+        (0..self.levels.len()).min_by(|a, b| off(a).total_cmp(&off(b))).filter(|index| off(index) <= within)
+    }
+
+    /// A place for a new level: that of the oldest one which is neither rest nor the last stand.
+    fn new_level(&mut self) -> usize {
+        if self.levels.len() < LEVELS {
+            self.levels.push(Level::default());
+            return self.levels.len() - 1;
+        }
+        let free = (0..LEVELS).filter(|index| Some(*index) != self.rest && Some(*index) != self.at);
+        let oldest = free.min_by(|a, b| self.levels[*a].last_s.total_cmp(&self.levels[*b].last_s)).unwrap_or(0);
+        self.levels[oldest] = Level::default();
+        oldest
+    }
+
+    fn elect(&mut self, level: Option<usize>) {
+        self.elections += u32::from(self.rest != level);
+        self.rest = level;
+        self.doubt = false;
+        self.levels.iter_mut().for_each(|level| level.visits = 0);
+    }
+
+    fn decide(&mut self) {
+        let best = |but: Option<usize>| {
+            let others = (0..self.levels.len()).filter(|index| Some(*index) != but);
+            others.max_by(|a, b| self.levels[*a].score.total_cmp(&self.levels[*b].score))
+        };
+        let score = |index: Option<usize>| index.map_or(0.0, |index| self.levels[index].score);
+        match self.rest {
+            None => {
+                let first = best(None);
+                if score(first) - score(best(first)).max(0.0) >= LEAD.0 {
+                    self.elect(first);
+                }
+            }
+            Some(rest) => {
+                let other = best(Some(rest));
+                let (lead, visits) = if self.doubt { (LEAD.2, VISITS.1) } else { (LEAD.1, VISITS.0) };
+                let returns = other.is_some_and(|other| self.levels[other].visits >= visits);
+                if returns && score(other) - score(Some(rest)) >= lead {
+                    self.elect(other);
+                } else if self.run.level == Some(rest) && score(Some(rest)) - score(other) >= lead {
+                    self.doubt = false;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! One whisker: the reference level, the contact in progress, and what may be told.
+//!
+//! All is relative to a reference level. While it is not certain that it is rest ([`Rest`]), contacts are held back;
+//! they are told once it is, and forgotten if another level is rest.
+
+mod contact;
+mod reference;
+
+use std::collections::VecDeque;
+
+use crate::air::Air;
+use crate::baseline::Baseline;
+use crate::condition::{Condition, Missing, Watch};
+use crate::intake::{Bin, Intake};
+use crate::rest::Rest;
+use crate::settling::Settling;
+use crate::touch::{Ring, Touch};
+use crate::{Contact, Counts, Event, Params, Sample};
+
+/// A contact has ended if its strain stays below this part of the largest for this long. s.
+const LOW: (f64, f64) = (0.3, 0.4);
+/// A contact is told so long after its onset, when it is certain that it was no shaking. s.
+const CERTAIN_S: f64 = 0.18;
+
+#[derive(Clone, Debug)]
+enum State {
+    /// The noise is not known.
+    Learning,
+    /// At another level than the reference: in a touch whose begin was not seen, or not known where.
+    Away,
+    /// At the reference; so many bins in a row exceed the threshold, in this direction.
+    Quiet { above: usize, sign: f64 },
+    /// Something touches.
+    Touch(Box<Touch>),
+    /// The contact has ended, and the whisker swings.
+    Settling(Settling),
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Young {
+    contact: Contact,
+    certain_s: f64,
+    /// Rest was sure at its begin.
+    sure: bool,
+}
+
+/// Finds the contacts of one whisker.
+#[derive(Clone, Debug)]
+pub struct Segmenter {
+    params: Params,
+    intake: Intake,
+    baseline: Baseline,
+    rest: Rest,
+    air: Air,
+    ring: Ring,
+    state: State,
+    /// The reference was chosen as there was no other: it need not be rest.
+    provisional: bool,
+    /// Elections of rest when the reference was chosen.
+    elections: u32,
+    /// Rest was sure when the contact in progress began.
+    sure: bool,
+    /// A contact that may yet prove to be shaking.
+    young: Option<Young>,
+    held: VecDeque<Contact>,
+    out: VecDeque<Event>,
+    watch: Watch,
+    last_peak: f64,
+    last_sign: f64,
+    last_end_s: f64,
+    low_since_s: f64,
+    in_air: bool,
+    /// Deflection when the air began to move the baseline.
+    air_mm: Option<f64>,
+    before_gap_s: f64,
+}
+
+impl Segmenter {
+    /// A segmenter that knows nothing yet.
+    #[must_use]
+    pub fn new(params: Params) -> Segmenter {
+        Segmenter {
+            params,
+            intake: Intake::default(),
+            baseline: Baseline::default(),
+            rest: Rest::default(),
+            air: Air::default(),
+            ring: Ring::new(),
+            state: State::Learning,
+            provisional: true,
+            elections: 0,
+            sure: false,
+            young: None,
+            held: VecDeque::new(),
+            out: VecDeque::new(),
+            watch: Watch::default(),
+            last_peak: 0.0,
+            last_sign: 0.0,
+            low_since_s: 0.0,
+            last_end_s: f64::NEG_INFINITY,
+            in_air: false,
+            air_mm: None,
+            before_gap_s: 0.0,
+        }
+    }
+
+    /// Numbers of samples and contacts that were left out.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.intake.counts
+    }
+
+    /// Samples per second; 0 before the third sample.
+    #[must_use]
+    pub fn rate_hz(&self) -> f64 {
+        if self.intake.period_s > 0.0 { 1.0 / self.intake.period_s } else { 0.0 }
+    }
+
+    /// Reference level, and the standard deviation of the noise after averaging to 250 values a second.
+    #[must_use]
+    pub fn baseline(&self) -> (f64, f64) {
+        (self.baseline.strain, self.baseline.sd(self.intake.grain))
+    }
+
+    /// How far its findings can be relied on.
+    #[must_use]
+    pub fn condition(&self) -> Condition {
+        let rate_hz = self.rate_hz();
+        if rate_hz > 0.0 && rate_hz < self.params.least_rate_hz {
+            return Condition::Learning(Missing::Rate);
+        }
+        if !self.baseline.ready() {
+            return Condition::Learning(Missing::Stillness);
+        }
+        if self.rest.level().is_none() {
+            return Condition::Learning(Missing::Rest);
+        }
+        let unexplained = match &self.state {
+            State::Touch(touch) => touch.age_s() > self.params.longest_s && !touch.is_pressed(),
+            State::Learning | State::Away | State::Quiet { .. } | State::Settling(_) => false,
+        };
+        if unexplained || !self.rest.is_sure() {
+            return Condition::Lost;
+        }
+        self.watch.condition(&self.params, self.intake.shake.is_shaking(), self.intake.glitches.part)
+    }
+
+    /// Takes the next sample.
+    pub fn push(&mut self, sample: Sample) -> Option<Event> {
+        if self.intake.push(&self.params, sample) {
+            self.gap(&sample);
+        }
+        while let Some(bin) = self.intake.next(&self.params) {
+            self.bin(&bin);
+            self.before_gap_s = bin.t_s;
+        }
+        self.out.pop_front()
+    }
+
+    fn gap(&mut self, sample: &Sample) {
+        if let State::Touch(_) = self.state {
+            self.intake.counts.interrupted += 1;
+        }
+        self.ring.clear();
+        self.young = None;
+        if self.baseline.ready() {
+            self.state = State::Away;
+            self.provisional = true;
+            self.rest.shake();
+            let gap_s = self.intake.seconds(sample.t_us) - self.before_gap_s;
+            if gap_s > self.params.forget_s {
+                self.rest.forget();
+            }
+        } else {
+            self.baseline = Baseline::default();
+        }
+    }
+
+    fn bin(&mut self, bin: &Bin) {
+        self.ring.push(*bin);
+        let grain = self.intake.grain;
+        self.baseline.shake(bin.shaking, self.intake.shake.range, grain);
+        self.baseline.limit_noise(self.intake.glitches.roughness(), grain);
+        self.intake.shake.calm_sd = if self.baseline.ready() { self.baseline.calm_sd(grain) } else { 0.0 };
+        if !self.baseline.ready() {
+            self.baseline.learn(bin, grain, self.intake.glitches.roughness());
+            if self.baseline.ready() {
+                self.state = State::Quiet { above: 0, sign: 1.0 };
+            }
+            return;
+        }
+        if self.moved_by_air(bin) {
+            return;
+        }
+        self.find_rest(bin);
+        self.forget_shaking(bin);
+        match &mut self.state {
+            State::Learning | State::Away => {}
+            State::Quiet { .. } => self.quiet(bin),
+            State::Touch(_) => self.touch(bin),
+            State::Settling(_) => self.settling(bin),
+        }
+        self.tell(bin);
+    }
+}

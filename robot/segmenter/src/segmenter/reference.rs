@@ -1,0 +1,143 @@
+//! The reference level: air that moves it, rest that is found, and contacts that may be told once it is rest.
+
+use super::{CERTAIN_S, LOW, Segmenter, State};
+use crate::intake::Bin;
+use crate::{Contact, Event};
+
+/// A touch whose deflection changes by less is held: what changes then with the air is the baseline. mm.
+const HELD_MM: f64 = 0.15;
+/// Contacts that are held back at most.
+const HELD: usize = 32;
+
+impl Segmenter {
+    /// Whether air moves the baseline now. At rest the reference follows; in a touch it is in doubt afterwards.
+    pub(super) fn moved_by_air(&mut self, bin: &Bin) -> bool {
+        let moves = self.air.push(bin);
+        if moves && !self.in_air {
+            self.rest.shake();
+            self.air_mm = bin.deflection_mm;
+        }
+        self.in_air = moves;
+        if !moves {
+            return false;
+        }
+        self.rest.pause();
+        // While the base moves, the strain may be a touch's.
+        let still = self.air_mm.zip(bin.deflection_mm).is_none_or(|(mm, now)| (now - mm).abs() < HELD_MM);
+        match &mut self.state {
+            State::Quiet { .. } | State::Settling(_) if still => {
+                self.baseline.follow_air(bin);
+                if !self.provisional {
+                    self.rest.moved(self.baseline.strain, self.baseline.strain_2);
+                }
+                self.state = State::Quiet { above: 0, sign: 1.0 };
+            }
+            State::Quiet { .. } | State::Settling(_) => self.state = State::Away,
+            State::Touch(touch) => {
+                let held = still && bin.deflection_mm.is_some();
+                touch.push_air(bin, held);
+                self.low_since_s = bin.t_s;
+                if held && !self.provisional {
+                    (self.baseline.strain, self.baseline.strain_2) = touch.baseline();
+                    self.rest.moved(self.baseline.strain, self.baseline.strain_2);
+                }
+            }
+            State::Learning | State::Away => {}
+        }
+        true
+    }
+
+    /// Learns which level is rest, and makes it the reference.
+    pub(super) fn find_rest(&mut self, bin: &Bin) {
+        let sd = self.baseline.sd(self.intake.grain);
+        let same = self.rest.tolerance(sd);
+        let same = match &self.state {
+            // A weak touch after a strong one is not rest.
+            State::Touch(touch) if !self.provisional => same.min((self.params.release * touch.level()).max(6.0 * sd)),
+            State::Learning | State::Away | State::Quiet { .. } | State::Touch(_) | State::Settling(_) => same,
+        };
+        if !self.rest.push(&self.params, bin, sd, self.intake.period_s, same) {
+            return;
+        }
+        let (Some(rest), is_here) = (self.rest.level(), self.rest.is_here()) else {
+            if let (State::Away, Some(here)) = (&self.state, self.rest.here()) {
+                self.refer_to(bin, here.strain, here.strain_2, true);
+            }
+            return;
+        };
+        let off = (self.baseline.strain - rest.strain).abs() > self.rest.tolerance(sd);
+        if is_here {
+            // A touch after which the strain stands at rest has ended, even if rest has moved meanwhile.
+            if let (State::Touch(touch), false) = (&self.state, self.provisional)
+                && touch.strain() < LOW.0 * touch.peak_strain()
+            {
+                self.end_touch(bin);
+            }
+            if off || matches!(self.state, State::Away) {
+                self.held.clear();
+                self.refer_to(bin, rest.strain, rest.strain_2, true);
+            }
+            self.provisional = false;
+            self.elections = self.rest.elections;
+        } else if !off {
+            self.provisional = false;
+            self.elections = self.rest.elections;
+        } else if !self.provisional && self.elections != self.rest.elections {
+            self.held.clear();
+            self.refer_to(bin, rest.strain, rest.strain_2, false);
+        } else if let (State::Away, Some(here)) = (&self.state, self.rest.here()) {
+            self.refer_to(bin, here.strain, here.strain_2, true);
+        }
+    }
+
+    fn refer_to(&mut self, bin: &Bin, strain: f64, strain_2: f64, is_here: bool) {
+        self.young = self.young.filter(|young| young.sure);
+        self.baseline.begin(bin.t_s, strain, strain_2);
+        self.elections = self.rest.elections;
+        self.state = if is_here { State::Quiet { above: 0, sign: 1.0 } } else { State::Away };
+    }
+
+    /// Shaking that begins looks like an onset.
+    pub(super) fn forget_shaking(&mut self, bin: &Bin) {
+        if !bin.shaking {
+            return;
+        }
+        self.young = None;
+        if let State::Touch(touch) = &self.state
+            && touch.age_s() < CERTAIN_S
+            && touch.began_calm()
+        {
+            self.state = State::Quiet { above: 0, sign: 1.0 };
+        }
+    }
+
+    /// Tells contacts that are certain.
+    pub(super) fn tell(&mut self, bin: &Bin) {
+        if let Some(young) = self.young
+            && bin.t_s >= young.certain_s
+        {
+            self.young = None;
+            if young.sure {
+                self.tell_contact(young.contact);
+            } else {
+                self.held.push_back(young.contact);
+            }
+            if self.held.len() > HELD {
+                self.held.pop_front();
+                self.intake.counts.doubtful += 1;
+            }
+        }
+        if !self.rest.is_sure() || self.provisional {
+            return;
+        }
+        while let Some(contact) = self.held.pop_front() {
+            self.tell_contact(contact);
+        }
+    }
+
+    fn tell_contact(&mut self, contact: Contact) {
+        self.rest.contact(contact.strain.signum());
+        self.watch.contact(&self.params, &contact);
+        self.out.push_back(Event::Contact(contact));
+    }
+}
