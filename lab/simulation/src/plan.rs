@@ -64,11 +64,19 @@ pub enum Kind {
     StoreFailover,
     /// An operator holds a whisker, and resumes it later.
     OperatorHolds,
+    /// A receiver of a webhook takes events after a time, which may be too long.
+    ReceiverSlow,
+    /// A receiver of a webhook answers with an error.
+    ReceiverFails,
+    /// A receiver of a webhook does not answer.
+    ReceiverSilent,
+    /// A receiver of a webhook takes events, and closes the connection without an answer.
+    ReceiverCuts,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 29] = [
         Self::SupervisorKilled,
         Self::SupervisorStopped,
         Self::SupervisorFrozen,
@@ -94,6 +102,10 @@ impl Kind {
         Self::StoreClockStepped,
         Self::StoreFailover,
         Self::OperatorHolds,
+        Self::ReceiverSlow,
+        Self::ReceiverFails,
+        Self::ReceiverSilent,
+        Self::ReceiverCuts,
     ];
 
     /// Its name in outputs.
@@ -125,6 +137,10 @@ impl Kind {
             Self::StoreClockStepped => "store's clock stepped",
             Self::StoreFailover => "store's last commits lost",
             Self::OperatorHolds => "operator holds a whisker",
+            Self::ReceiverSlow => "receiver slow",
+            Self::ReceiverFails => "receiver fails",
+            Self::ReceiverSilent => "receiver silent",
+            Self::ReceiverCuts => "receiver's answers lost",
         }
     }
 
@@ -146,6 +162,7 @@ impl Kind {
             Self::AnswersLost | Self::StoreAway | Self::StoreSlow => 20..6_000,
             Self::StoreFailover => 20..1_000,
             Self::OperatorHolds => 1_000..20_000,
+            Self::ReceiverSlow | Self::ReceiverFails | Self::ReceiverSilent | Self::ReceiverCuts => 500..20_000,
         }
     }
 }
@@ -165,7 +182,7 @@ pub struct Strike {
     pub kind: Kind,
     /// How long it lasts.
     pub lasts: Duration,
-    /// Number of the robot or supervisor that it strikes, modulo their number.
+    /// Number of the robot, supervisor or receiver that it strikes, modulo their number.
     pub victim: usize,
     /// Its measure: polls until a kill, size of a step, length of a delay; each fault takes its own range of it.
     pub measure: u64,

@@ -65,6 +65,16 @@ fn setpoints_that_expire_by_the_wrong_clock_are_found() {
 }
 
 #[test]
+fn events_that_count_as_delivered_before_the_request_are_found() {
+    fault_is_found(Fault::DeliveredBeforeRequest, Invariant::WebhookDelivered);
+}
+
+#[test]
+fn webhooks_that_nobody_holds_are_found() {
+    fault_is_found(Fault::NoHold, Invariant::WebhookOnce);
+}
+
+#[test]
 fn robots_that_take_any_setpoint_are_found() {
     misbehaviour_is_found(Misbehaviour::TakesAnySetpoint, Invariant::SetpointOnce);
 }

@@ -48,7 +48,7 @@ impl Rows for ModelStore {
             known(self.compensations.has(&row.compensation_id), "compensations")?;
             self.note(lease, FactRow::Response(row.clone()));
         }
-        rows.events.iter().for_each(|row| self.note(lease, FactRow::Event(row.clone())));
+        rows.events.iter().for_each(|row| self.append_event(lease, row.clone()));
         Ok(())
     }
 
