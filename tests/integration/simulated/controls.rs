@@ -71,7 +71,7 @@ fn events_that_count_as_delivered_before_the_request_are_found() {
 
 #[test]
 fn webhooks_that_nobody_holds_are_found() {
-    fault_is_found(Fault::NoHold, Invariant::WebhookOnce);
+    fault_is_found_by(&[Kind::ReceiverSlow, Kind::ReceiverSilent], Fault::NoHold, Invariant::WebhookOnce);
 }
 
 #[test]

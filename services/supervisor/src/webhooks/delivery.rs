@@ -91,10 +91,12 @@ impl Delivery {
     }
 }
 
-/// Identifier of an event for a target: the same at each attempt.
+/// Identifier of an event for a target: the same at each attempt. After a failover that lost events, a database gives their numbers
+/// to others, at another time.
 #[must_use]
 pub fn message_id(webhook_id: i64, event: &StoredEvent) -> String {
-    format!("vibrissa-{webhook_id}-{}", event.event_id)
+    let StoredEvent { event_id, recorded_us, .. } = event;
+    format!("vibrissa-{webhook_id}-{event_id}-{recorded_us}")
 }
 
 /// What becomes of an event after an attempt.
