@@ -79,6 +79,7 @@ impl Member {
             return;
         }
         self.starts += 1;
+        self.way.start();
         let process = Process::new(self.seed.wrapping_add(self.starts << 32), self.host.clone(), self.route.clone());
         let (stop, stopped) = watch::channel(false);
         let options = SupervisionOptions {

@@ -18,6 +18,8 @@ pub enum Kind {
     SupervisorKilled,
     /// A supervisor ends in order, and is started again later.
     SupervisorStopped,
+    /// A supervisor ends in order, and the next version of the program starts in its place.
+    SupervisorUpgraded,
     /// A supervisor stands still, and goes on later.
     SupervisorFrozen,
     /// The host's clock of a supervisor is stepped, and later set right.
@@ -76,9 +78,10 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 30] = [
         Self::SupervisorKilled,
         Self::SupervisorStopped,
+        Self::SupervisorUpgraded,
         Self::SupervisorFrozen,
         Self::HostClockStepped,
         Self::ToBrokerCut,
@@ -114,6 +117,7 @@ impl Kind {
         match self {
             Self::SupervisorKilled => "supervisor killed",
             Self::SupervisorStopped => "supervisor stopped",
+            Self::SupervisorUpgraded => "supervisor upgraded",
             Self::SupervisorFrozen => "supervisor frozen",
             Self::HostClockStepped => "host's clock stepped",
             Self::ToBrokerCut => "way to the broker cut",
@@ -147,7 +151,7 @@ impl Kind {
     /// Range of its duration, ms.
     const fn lasts_ms(self) -> std::ops::Range<u64> {
         match self {
-            Self::SupervisorKilled | Self::SupervisorStopped => 100..6_000,
+            Self::SupervisorKilled | Self::SupervisorStopped | Self::SupervisorUpgraded => 100..6_000,
             Self::SupervisorFrozen | Self::ToStoreCut | Self::FromStoreCut => 50..5_000,
             Self::HostClockStepped => 500..8_000,
             Self::ToBrokerCut | Self::FromBrokerCut | Self::RobotAway => 100..20_000,

@@ -222,7 +222,10 @@ impl World {
                 break;
             }
         }
-        // Each fault has ended. Supervisors that have ended in order start again.
+        // Each fault has ended. An upgrade goes on to its end, and supervisors that have ended in order start again.
+        for member in self.members.iter_mut().filter(|member| member.way.program() < self.server.program()) {
+            member.kill();
+        }
         self.members.iter_mut().for_each(Member::start);
         for robot in &self.robots {
             robot.with(Robot::rest);
@@ -245,6 +248,10 @@ impl World {
         let mut observations = self.observations();
         for Violation { invariant, what } in self.receivers.take_violations() {
             observations.record.violated(invariant, what);
+        }
+        for robot_id in self.server.data().take_overwritten() {
+            let what = format!("robot {robot_id} has the state of an earlier program");
+            observations.record.violated(Invariant::NewerStateKept, what);
         }
         self.receivers.take_steps().into_iter().for_each(|step| observations.history.add(step));
         if self.failover.is_none() {
@@ -338,7 +345,7 @@ impl World {
                     process.kill_after(measure % 500);
                 }
             }
-            Kind::SupervisorStopped => self.member(strike).stop(),
+            Kind::SupervisorStopped | Kind::SupervisorUpgraded => self.member(strike).stop(),
             Kind::SupervisorFrozen => {
                 if let Some(process) = self.member(strike).process() {
                     process.freeze();
@@ -399,7 +406,10 @@ impl World {
 
     fn end(&mut self, strike: &Strike) {
         match strike.kind {
-            Kind::SupervisorKilled | Kind::SupervisorStopped => {
+            Kind::SupervisorKilled | Kind::SupervisorStopped | Kind::SupervisorUpgraded => {
+                if strike.kind == Kind::SupervisorUpgraded {
+                    self.server.upgrade();
+                }
                 let member = self.member(strike);
                 member.kill();
                 member.start();

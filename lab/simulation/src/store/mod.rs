@@ -7,6 +7,7 @@
 mod at_hand;
 mod fleets;
 mod leases;
+mod programs;
 mod records;
 mod robots;
 mod rows;
@@ -30,6 +31,7 @@ mod tests;
 
 pub use at_hand::AtHand;
 pub use leases::Epoch;
+pub use programs::Program;
 
 use table::{Table, Undo};
 
@@ -41,6 +43,10 @@ type Of<K> = (String, K);
 pub struct ModelStore {
     /// The database's clock, µs since 1970 UTC.
     clock_us: i64,
+    /// The program that asks now.
+    program: Program,
+    /// Robots whose state an earlier program than theirs has changed.
+    overwritten: Vec<i64>,
     /// The last number that was given, in whatever table. It never returns.
     last_number: i64,
     leases: Table<String, LeaseRow>,
