@@ -274,8 +274,8 @@ pub trait Fleets {
 
 /// Webhooks, with their positions in the log of events.
 pub trait Webhooks {
-    /// The time of the database, µs since 1970 UTC, and the targets with something to do then.
-    fn due(&self) -> (i64, Vec<Due>);
+    /// The targets with something to do now.
+    fn due(&self) -> Vec<Due>;
     /// Takes hold of a target, and returns its next event; `None`, and no hold, if there is nothing to do or another supervisor
     /// holds it.
     fn take_job(&mut self, webhook_id: i64, holding: &Holding<'_>) -> Option<Job>;

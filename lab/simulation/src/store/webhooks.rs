@@ -185,7 +185,7 @@ impl ModelStore {
 }
 
 impl Webhooks for ModelStore {
-    fn due(&self) -> (i64, Vec<Due>) {
+    fn due(&self) -> Vec<Due> {
         let all = self.webhooks.iter().map(|(_, one)| one);
         let due = all.filter(|one| one.row.enabled && one.is_time(self.clock_us) && self.has_work(&one.row));
         let due = due.map(|one| Due {
@@ -193,16 +193,13 @@ impl Webhooks for ModelStore {
             holder: one.holder.clone(),
             held_until_us: if fault::is(Fault::NoHold) { 0 } else { one.held_until_us },
         });
-        (self.clock_us, due.collect())
+        due.collect()
     }
 
     fn take_job(&mut self, webhook_id: i64, holding: &Holding<'_>) -> Option<Job> {
         let (now_us, one) = (self.clock_us, self.webhooks.get(&webhook_id)?);
-        let has_lapsed = holding.seen.map_or(one.held_until_us <= now_us, |seen| one.held_until_us == seen);
-        let is_free = fault::is(Fault::NoHold)
-            || one.holder.as_deref() == Some(holding.holder)
-            || one.held_until_us == 0
-            || has_lapsed;
+        let is_own = one.holder.as_deref() == Some(holding.holder);
+        let is_free = is_own || [0, holding.seen].contains(&one.held_until_us) || fault::is(Fault::NoHold);
         if !one.row.enabled || !one.is_time(now_us) || !is_free {
             return None;
         }

@@ -94,19 +94,21 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn due_webhooks(&self, holder: &str, hold: Duration) -> Result<Vec<i64>, StoreError> {
-        let (now_us, due) = self.due().await?;
+        let due = self.due().await?;
         let (mut holds, now) = (self.holds.lock().unwrap_or_else(PoisonError::into_inner), Instant::now());
         holds.retain_holds(|webhook_id| due.iter().any(|due| due.webhook_id == webhook_id));
         let mut is_free = |due: &Due| {
-            let (renewal, left_us) = (due.held_until_us, due.held_until_us.saturating_sub(now_us));
-            let has_lapsed = holds.has_lapsed(due.webhook_id, &Reading { renewal, left_us, time_to_live: hold }, now);
+            let (renewal, time_to_live) = (due.held_until_us, hold);
+            // Also at the first reading: the database's clock may have been stepped.
+            let left_us = i64::MAX;
+            let has_lapsed = holds.has_lapsed(due.webhook_id, &Reading { renewal, left_us, time_to_live }, now);
             renewal == 0 || due.holder.as_deref() == Some(holder) || has_lapsed
         };
         Ok(due.iter().filter(|due| is_free(due)).map(|due| due.webhook_id).collect())
     }
 
-    /// The time of the database, µs since 1970 UTC, and the targets with something to do then.
-    async fn due(&self) -> Result<(i64, Vec<Due>), StoreError> {
+    /// The targets with something to do now.
+    async fn due(&self) -> Result<Vec<Due>, StoreError> {
         const WHAT: &str = "read the queues of the webhooks";
         if let Some(model) = &self.model {
             return model.query(WHAT, |model| Ok(model.due())).await;
@@ -119,7 +121,7 @@ impl Store {
         let due: Vec<Due> =
             on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql)).bind(now_us).fetch_all(pool).await)
                 .map_err(failed(WHAT))?;
-        Ok((now_us, due))
+        Ok(due)
     }
 
     /// Takes hold of a target, and returns its next event; `None`, and no hold, if there is nothing to do or
@@ -252,8 +254,8 @@ pub struct Holding<'a> {
     pub holder: &'a str,
     /// How long the hold lasts, µs.
     pub hold_us: i64,
-    /// The hold of another supervisor that has lapsed, or -1; `None` if none was read: then the database's clock decides.
-    pub seen: Option<i64>,
+    /// The hold of another supervisor that has lapsed, or -1.
+    pub seen: i64,
 }
 
 async fn take(
@@ -263,8 +265,7 @@ async fn take(
     set_aside: &SetAside,
 ) -> sqlx::Result<Option<Job>> {
     const HOLD: &str = "UPDATE webhooks SET holder = $2, held_until_us = $3 + $4 \
-         WHERE webhook_id = $1 AND enabled AND (next_us <= $3 OR last_us > $3) AND (holder = $2 OR held_until_us = 0 \
-         OR CASE WHEN CAST($5 AS BIGINT) IS NULL THEN held_until_us <= $3 ELSE held_until_us = CAST($5 AS BIGINT) END)";
+         WHERE webhook_id = $1 AND enabled AND (next_us <= $3 OR last_us > $3) AND (holder = $2 OR held_until_us IN (0, $5))";
     let now_us = now_us(tx).await?;
     let held = on!(&mut *tx, |tx| sqlx::query(HOLD)
         .bind(webhook_id)

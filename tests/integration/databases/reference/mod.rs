@@ -23,7 +23,7 @@ use crate::refused::Admin;
 use subject::{Behind, Subject};
 
 const RUNS: u64 = 16;
-const STEPS: u64 = 160;
+const STEPS: u64 = 210;
 
 /// What a caller can tell of an answer.
 fn text<T: std::fmt::Debug>(answer: Result<T, StoreError>) -> String {
