@@ -141,9 +141,10 @@ impl Webhooks {
             is_failing = problem.is_some();
         }
         let ended = futures_util::future::join_all(tasks.into_values());
-        let _ = timeout(STOP_PATIENCE, ended).await;
-        // Otherwise another supervisor would wait for the end of the hold.
-        let _ = timeout(STOP_PATIENCE, self.store.release_webhooks(&self.holder)).await;
+        // Otherwise another supervisor would wait for the end of the hold. While an attempt is under way, it must.
+        if timeout(STOP_PATIENCE, ended).await.is_ok() {
+            let _ = timeout(STOP_PATIENCE, self.store.release_webhooks(&self.holder)).await;
+        }
     }
 
     async fn measure(&self) -> Result<(), StoreError> {
