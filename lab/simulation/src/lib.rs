@@ -8,6 +8,7 @@ pub mod oracle;
 pub mod panics;
 pub mod plan;
 pub mod process;
+pub mod receivers;
 pub mod record;
 pub mod robots;
 pub mod scenario;

@@ -13,9 +13,11 @@ use vibrissa_supervisor::engine::{ContactRetention, Limits};
 use vibrissa_supervisor::mqtt::BrokerAddress;
 use vibrissa_supervisor::service::{BlackBoxOptions, LEASE_TIME_TO_LIVE};
 use vibrissa_supervisor::supervision::{Supervision, SupervisionOptions};
+use vibrissa_supervisor::webhooks::{Sender, Webhooks};
 
 use crate::broker::{ModelBroker, Route};
 use crate::process::{HostClock, Process};
+use crate::receivers::{PACE, Receivers};
 use crate::server::{StoreServer, StoreWay};
 
 /// Latency between supervisor and broker in one direction.
@@ -32,6 +34,7 @@ pub struct Member {
     pub route: Route,
     /// Its way to the store.
     pub way: Arc<StoreWay>,
+    receivers: Receivers,
     fleets: Vec<Name>,
     running: Option<Running>,
     starts: u64,
@@ -52,13 +55,14 @@ impl Member {
         number: usize,
         (seed, at_us, drift_ppm): (u64, i64, i64),
         fleets: &[Name],
-        (broker, server): (&ModelBroker, &StoreServer),
+        (broker, server, receivers): (&ModelBroker, &StoreServer, &Receivers),
     ) -> Self {
         Self {
             name: format!("supervisor-{number}"),
             host: Arc::new(HostClock::new(at_us, drift_ppm)),
             route: Route::new(broker.clone(), LATENCY),
             way: server.way(),
+            receivers: receivers.clone(),
             fleets: fleets.to_vec(),
             running: None,
             starts: 0,
@@ -75,6 +79,7 @@ impl Member {
             return;
         }
         self.starts += 1;
+        self.way.start();
         let process = Process::new(self.seed.wrapping_add(self.starts << 32), self.host.clone(), self.route.clone());
         let (stop, stopped) = watch::channel(false);
         let options = SupervisionOptions {
@@ -89,9 +94,12 @@ impl Member {
         };
         let store = Store::modelled(self.way.clone());
         let broker = BrokerAddress::new("broker", 1883);
+        let delivery = (Sender::over(Arc::new(self.receivers.clone())), PACE);
         process.enter(|| {
-            let supervision = Supervision::start(options, (store, true), broker, stopped);
+            let supervision = Supervision::start(options, (store, true), broker, stopped.clone());
             let supervision = supervision.expect("a supervision without files");
+            let (store, metrics) = (supervision.store.clone(), supervision.metrics.clone());
+            task::spawn(Webhooks::new(delivery, store, metrics, supervision.supervisor.clone()).run(stopped));
             task::spawn(supervision.ended());
         });
         self.running = Some(Running { process, stop });

@@ -18,6 +18,8 @@ pub enum Kind {
     SupervisorKilled,
     /// A supervisor ends in order, and is started again later.
     SupervisorStopped,
+    /// A supervisor ends in order, and the next version of the program starts in its place.
+    SupervisorUpgraded,
     /// A supervisor stands still, and goes on later.
     SupervisorFrozen,
     /// The host's clock of a supervisor is stepped, and later set right.
@@ -68,13 +70,22 @@ pub enum Kind {
     StoreFailover,
     /// An operator holds a whisker, and resumes it later.
     OperatorHolds,
+    /// A receiver of a webhook takes events after a time, which may be too long.
+    ReceiverSlow,
+    /// A receiver of a webhook answers with an error.
+    ReceiverFails,
+    /// A receiver of a webhook does not answer.
+    ReceiverSilent,
+    /// A receiver of a webhook takes events, and closes the connection without an answer.
+    ReceiverCuts,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 32] = [
         Self::SupervisorKilled,
         Self::SupervisorStopped,
+        Self::SupervisorUpgraded,
         Self::SupervisorFrozen,
         Self::HostClockStepped,
         Self::ToBrokerCut,
@@ -100,6 +111,10 @@ impl Kind {
         Self::StoreClockStepped,
         Self::StoreFailover,
         Self::OperatorHolds,
+        Self::ReceiverSlow,
+        Self::ReceiverFails,
+        Self::ReceiverSilent,
+        Self::ReceiverCuts,
     ];
 
     /// Its name in outputs.
@@ -108,6 +123,7 @@ impl Kind {
         match self {
             Self::SupervisorKilled => "supervisor killed",
             Self::SupervisorStopped => "supervisor stopped",
+            Self::SupervisorUpgraded => "supervisor upgraded",
             Self::SupervisorFrozen => "supervisor frozen",
             Self::HostClockStepped => "host's clock stepped",
             Self::ToBrokerCut => "way to the broker cut",
@@ -133,13 +149,17 @@ impl Kind {
             Self::StoreClockStepped => "store's clock stepped",
             Self::StoreFailover => "store's last commits lost",
             Self::OperatorHolds => "operator holds a whisker",
+            Self::ReceiverSlow => "receiver slow",
+            Self::ReceiverFails => "receiver fails",
+            Self::ReceiverSilent => "receiver silent",
+            Self::ReceiverCuts => "receiver's answers lost",
         }
     }
 
     /// Range of its duration, ms.
     const fn lasts_ms(self) -> std::ops::Range<u64> {
         match self {
-            Self::SupervisorKilled | Self::SupervisorStopped => 100..6_000,
+            Self::SupervisorKilled | Self::SupervisorStopped | Self::SupervisorUpgraded => 100..6_000,
             Self::ToStoreCut | Self::FromStoreCut => 50..5_000,
             Self::HostClockStepped => 500..8_000,
             // Longer than a robot may be silent.
@@ -156,6 +176,7 @@ impl Kind {
             Self::AnswersLost | Self::StoreAway | Self::StoreSlow | Self::StoreFull => 20..6_000,
             Self::StoreFailover => 20..1_000,
             Self::OperatorHolds => 1_000..20_000,
+            Self::ReceiverSlow | Self::ReceiverFails | Self::ReceiverSilent | Self::ReceiverCuts => 500..20_000,
         }
     }
 }
@@ -175,7 +196,7 @@ pub struct Strike {
     pub kind: Kind,
     /// How long it lasts.
     pub lasts: Duration,
-    /// Number of the robot or supervisor that it strikes, modulo their number.
+    /// Number of the robot, supervisor or receiver that it strikes, modulo their number.
     pub victim: usize,
     /// Its measure: polls until a kill, size of a step, length of a delay; each fault takes its own range of it.
     pub measure: u64,

@@ -9,7 +9,7 @@ use tokio::time::sleep;
 use vibrissa_store::model::{Model, ModelServer, Way};
 
 use crate::process::HostClock;
-use crate::store::ModelStore;
+use crate::store::{ModelStore, Program};
 
 /// Latency of the network in one direction.
 const LATENCY: Duration = Duration::from_micros(150);
@@ -35,6 +35,8 @@ struct Condition {
     is_full: bool,
     /// Time that a request takes.
     work: Duration,
+    /// The newest program that has been started with it.
+    program: Program,
 }
 
 impl StoreServer {
@@ -44,7 +46,7 @@ impl StoreServer {
         Self(Arc::new(Inner {
             data: Mutex::default(),
             clock: HostClock::new(clock_us, 0),
-            condition: Mutex::new(Condition { is_up: true, is_full: false, work: WORK }),
+            condition: Mutex::new(Condition { is_up: true, is_full: false, work: WORK, program: Program::Present }),
             leaders: watch::Sender::new(0),
         }))
     }
@@ -78,6 +80,17 @@ impl StoreServer {
         locked(&self.0.condition).work = work.unwrap_or(WORK);
     }
 
+    /// The newest program that has been started with it: an earlier one does not start any more.
+    #[must_use]
+    pub fn program(&self) -> Program {
+        locked(&self.0.condition).program
+    }
+
+    /// Starts the next program with it.
+    pub fn upgrade(&self) {
+        locked(&self.0.condition).program = Program::Next;
+    }
+
     /// Goes back to an earlier state, as after a failover to a server that lacks the last commits.
     pub fn fail_over_to(&self, earlier: ModelStore) {
         *locked(&self.0.data) = earlier;
@@ -87,7 +100,12 @@ impl StoreServer {
     /// A new way to it.
     #[must_use]
     pub fn way(&self) -> Arc<StoreWay> {
-        Arc::new(StoreWay { server: self.clone(), faults: Mutex::default(), changed: Notify::new() })
+        Arc::new(StoreWay {
+            server: self.clone(),
+            faults: Mutex::default(),
+            changed: Notify::new(),
+            program: Mutex::new(self.program()),
+        })
     }
 }
 
@@ -105,6 +123,8 @@ pub struct StoreWay {
     server: StoreServer,
     faults: Mutex<Faults>,
     changed: Notify,
+    /// The program of the supervisor.
+    program: Mutex<Program>,
 }
 
 impl StoreWay {
@@ -118,6 +138,17 @@ impl StoreWay {
     pub fn cut_answers(&self, is_cut: bool) {
         locked(&self.faults).is_answer_cut = is_cut;
         self.changed.notify_waiters();
+    }
+
+    /// A supervisor starts: with the newest program of the database.
+    pub fn start(&self) {
+        *locked(&self.program) = self.server.program();
+    }
+
+    /// Its program.
+    #[must_use]
+    pub fn program(&self) -> Program {
+        *locked(&self.program)
     }
 
     /// Breaks the connection after each request, or stops to do so.
@@ -166,7 +197,9 @@ impl ModelServer for StoreWay {
     }
 
     fn with(&self, work: &mut dyn FnMut(&mut dyn Model)) {
-        work(&mut *self.server.data());
+        let mut data = self.server.data();
+        data.set_program(self.program());
+        work(&mut *data);
     }
 
     fn leader_changes(&self) -> watch::Receiver<u64> {

@@ -17,6 +17,8 @@ pub struct Statistics {
     pub faults: BTreeMap<Kind, u64>,
     /// Contacts that robots made, setpoints that were decided, trims that were found.
     pub counts: [u64; 3],
+    /// Events that receivers of webhooks have taken.
+    pub delivered: u64,
     /// Raised alarms by kind.
     pub alarms: BTreeMap<String, u64>,
     /// Longest time from the end of a run's faults until all was settled.
@@ -38,6 +40,7 @@ impl Statistics {
         for (sum, count) in self.counts.iter_mut().zip(outcome.counts) {
             *sum += count;
         }
+        self.delivered += outcome.delivered;
         self.settled_after = self.settled_after.max(outcome.settled_after);
         for (kind, count) in &outcome.alarms {
             *self.alarms.entry(kind.clone()).or_default() += count;

@@ -17,6 +17,7 @@ use crate::invariants::{Invariant, Violation};
 use crate::member::Member;
 use crate::panics;
 use crate::plan::{Kind, Plan, Strike};
+use crate::receivers::{Manner, Receivers};
 use crate::record::{Record, Snapshot};
 use crate::robots::SimulatedRobot;
 use crate::scenario;
@@ -41,6 +42,8 @@ pub struct Outcome {
     pub simulated: Duration,
     /// Contacts that robots made, setpoints that were decided, trims that were found.
     pub counts: [u64; 3],
+    /// Events that receivers of webhooks have taken.
+    pub delivered: u64,
     /// Raised alarms by kind.
     pub alarms: BTreeMap<String, u64>,
     /// Time from the end of the faults until all was settled.
@@ -72,6 +75,7 @@ pub(crate) struct World {
     pub(crate) server: StoreServer,
     pub(crate) members: Vec<Member>,
     pub(crate) robots: Vec<SimulatedRobot>,
+    receivers: Receivers,
     observations: Arc<Mutex<Observations>>,
     /// The state before a failover under way.
     failover: Option<(ModelStore, Snapshot)>,
@@ -109,6 +113,7 @@ impl World {
         let mut random = ChaCha8Rng::seed_from_u64(plan.seed ^ 0x0077_6f72_6c64);
         let broker = ModelBroker::new(plan.seed, Limits::default());
         let server = StoreServer::new(BEGUN_US + random.random_range(-100_000..100_000));
+        let receivers = Receivers::new(&server);
         let fleets: Vec<_> = (0..plan.fleets).map(scenario::fleet).collect();
         let (scenarios, cut) = scenario::scenarios(plan);
         let mut robots = Vec::new();
@@ -126,8 +131,12 @@ impl World {
         let mut members = Vec::new();
         for number in 0..plan.supervisors {
             let (ahead_us, drift_ppm) = (random.random_range(-200_000..200_000), random.random_range(-50..50));
-            let mut member =
-                Member::new(number, (plan.seed, BEGUN_US + ahead_us, drift_ppm), &fleets, (&broker, &server));
+            let mut member = Member::new(
+                number,
+                (plan.seed, BEGUN_US + ahead_us, drift_ppm),
+                &fleets,
+                (&broker, &server, &receivers),
+            );
             member.start();
             members.push(member);
         }
@@ -137,6 +146,7 @@ impl World {
             server,
             members,
             robots,
+            receivers,
             observations,
             failover: None,
             settling: None,
@@ -212,7 +222,10 @@ impl World {
                 break;
             }
         }
-        // Each fault has ended. Supervisors that have ended in order start again.
+        // Each fault has ended. An upgrade goes on to its end, and supervisors that have ended in order start again.
+        for member in self.members.iter_mut().filter(|member| member.way.program() < self.server.program()) {
+            member.kill();
+        }
         self.members.iter_mut().for_each(Member::start);
         for robot in &self.robots {
             robot.with(Robot::rest);
@@ -220,6 +233,7 @@ impl World {
         self.settling = Some(Instant::now());
         let settled_by = Instant::now() + SETTLED_WITHIN;
         while !self.is_settled() && Instant::now() < settled_by {
+            self.receivers.redeliver();
             sleep(CHECKED_EVERY).await;
             if self.check() {
                 return self.outcome();
@@ -232,6 +246,14 @@ impl World {
     /// Takes in what has happened. Returns whether an invariant is violated.
     fn check(&self) -> bool {
         let mut observations = self.observations();
+        for Violation { invariant, what } in self.receivers.take_violations() {
+            observations.record.violated(invariant, what);
+        }
+        for robot_id in self.server.data().take_overwritten() {
+            let what = format!("robot {robot_id} has the state of an earlier program");
+            observations.record.violated(Invariant::NewerStateKept, what);
+        }
+        self.receivers.take_steps().into_iter().for_each(|step| observations.history.add(step));
         if self.failover.is_none() {
             observations.record.drain(&self.robots, &mut self.server.data());
         }
@@ -242,6 +264,7 @@ impl World {
         self.robots.iter().all(SimulatedRobot::is_receipted)
             && self.observations().record.pending().is_empty()
             && self.fleets().all(|fleet| self.server.data().is_owned(&fleet))
+            && self.receivers.first_missing().is_none()
     }
 
     fn fleets(&self) -> impl Iterator<Item = String> {
@@ -264,6 +287,9 @@ impl World {
         if let Some(first) = pending.first() {
             record.violated(Invariant::SetpointEnds, format!("{} setpoints, the first {first}", pending.len()));
         }
+        if let Some(id) = self.receivers.first_missing() {
+            record.violated(Invariant::WebhookDelivered, format!("{id} was not taken"));
+        }
         record.check_setpoints();
         for fleet in self.fleets() {
             if !self.server.data().is_owned(&fleet) {
@@ -275,15 +301,19 @@ impl World {
     fn outcome(&self) -> Outcome {
         let observations = self.observations();
         let (record, history) = (&observations.record, &observations.history);
+        let mut steps: Vec<Step> = history.steps().cloned().collect();
+        // Requests to receivers are added later.
+        steps.sort_by_key(|step| step.at);
         Outcome {
             violations: record.violations().to_vec(),
             simulated: self.begun.elapsed(),
             counts: record.counts(),
+            delivered: self.receivers.taken(),
             alarms: record.alarms().clone(),
             settled_after: self.settling.map_or(Duration::ZERO, |since| since.elapsed()),
             hash: history.hash(),
             steps_in_all: history.count(),
-            steps: history.steps().cloned().collect(),
+            steps,
         }
     }
 
@@ -320,7 +350,7 @@ impl World {
                     process.kill_after(measure % 500);
                 }
             }
-            Kind::SupervisorStopped => self.member(strike).stop(),
+            Kind::SupervisorStopped | Kind::SupervisorUpgraded => self.member(strike).stop(),
             Kind::SupervisorFrozen => {
                 if let Some(process) = self.member(strike).process() {
                     process.freeze();
@@ -375,12 +405,21 @@ impl World {
                 }
             }
             Kind::OperatorHolds => self.act(strike, "HOLD"),
+            Kind::ReceiverSlow => {
+                self.receivers.set(strike.victim, Manner::Slow(Duration::from_millis(measure % 12_000)));
+            }
+            Kind::ReceiverFails => self.receivers.set(strike.victim, Manner::Fails),
+            Kind::ReceiverSilent => self.receivers.set(strike.victim, Manner::Silent),
+            Kind::ReceiverCuts => self.receivers.set(strike.victim, Manner::Cuts),
         }
     }
 
     fn end(&mut self, strike: &Strike) {
         match strike.kind {
-            Kind::SupervisorKilled | Kind::SupervisorStopped => {
+            Kind::SupervisorKilled | Kind::SupervisorStopped | Kind::SupervisorUpgraded => {
+                if strike.kind == Kind::SupervisorUpgraded {
+                    self.server.upgrade();
+                }
                 let member = self.member(strike);
                 member.kill();
                 member.start();
@@ -413,9 +452,13 @@ impl World {
                     observations.record.drain(&self.robots, &mut self.server.data());
                     self.server.fail_over_to(before);
                     observations.record.lose_since(snapshot);
+                    self.receivers.lose_commits();
                 }
             }
             Kind::OperatorHolds => self.act(strike, "RELEASE"),
+            Kind::ReceiverSlow | Kind::ReceiverFails | Kind::ReceiverSilent | Kind::ReceiverCuts => {
+                self.receivers.set(strike.victim, Manner::Works);
+            }
             Kind::BrokerLinkReset
             | Kind::SubscriptionsForgotten
             | Kind::RobotCut

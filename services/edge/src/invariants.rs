@@ -96,6 +96,14 @@ invariants! {
     FaultIsTrue "FAULT_IS_TRUE" "a fault is reported only of a whisker that has it" [Simulation];
     FleetOwned "FLEET_OWNED" "in the end each fleet has one owner, which hears its robots" [Simulation Chaos];
     SetpointEnds "SETPOINT_ENDS" "in the end each setpoint has an end" [Simulation];
+    WebhookDelivered "WEBHOOK_DELIVERED" "in the end each webhook has got each committed event that it wants"
+        [Simulation];
+    WebhookInOrder "WEBHOOK_IN_ORDER" "a webhook gets events in the order of their commits, except dead letters"
+        [Simulation];
+    WebhookOnce "WEBHOOK_ONCE" "a webhook gets one request at a time" [Simulation];
+    WebhookIdOnce "WEBHOOK_ID_ONCE" "no two events of a webhook have the same identifier" [Simulation];
+    NewerStateKept "NEWER_STATE_KEPT" "a program keeps the state of a robot that a newer program has written"
+        [Simulation];
     NoPanic "NO_PANIC" "no part of the program panics" [Simulation Chaos Production];
 }
 

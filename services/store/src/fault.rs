@@ -15,6 +15,10 @@ pub enum Fault {
     NoFence,
     /// Rows are committed before the lease is checked. Only in a model.
     RowsBeforeFence,
+    /// An event counts as delivered to a webhook before its request is sent.
+    DeliveredBeforeRequest,
+    /// Supervisors deliver to a webhook that another one holds. Only in a model.
+    NoHold,
     /// The next epoch is the highest one of the database plus 1, whatever this process knows.
     EpochReuse,
     /// Setpoints expire by the clock of the supervisor's host, not by the robot's.
@@ -56,6 +60,8 @@ pub fn is(fault: Fault) -> bool {
         Fault::OffsetBeforeState => "offset_before_state",
         Fault::NoFence => "no_fence",
         Fault::RowsBeforeFence => "rows_before_fence",
+        Fault::DeliveredBeforeRequest => "delivered_before_request",
+        Fault::NoHold => "no_hold",
         Fault::EpochReuse => "epoch_reuse",
         Fault::ExpiryByHostClock => "expiry_by_host_clock",
         Fault::LateStatusCounts => "late_status_counts",

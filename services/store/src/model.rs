@@ -2,7 +2,7 @@
 //! on it.
 //!
 //! A [`Writer`](crate::Writer) on it has the same time limits, lost answers and changes of the leader as one on PostgreSQL.
-//! Queries of the REST API, webhooks, Kafka's publisher, archive and upkeep are in SQL only, and fail.
+//! Queries of the REST API, Kafka's publisher, archive and upkeep are in SQL only, and fail.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
@@ -25,6 +25,8 @@ use crate::decommission::Registered;
 use crate::policies::PolicyReading;
 use crate::refusals::RefusalRow;
 use crate::rollouts::{RobotError, RolloutRow};
+use crate::webhooks::WebhookRow;
+use crate::webhooks::queue::{Due, Holding, Job, Outcome, Queue};
 use crate::{
     ClockReport, FleetsHeard, JournalReading, Lease, LeaseCounts, LogPositions, NumberedWhisker, Renewal, SignedIn,
     StoreError, StoredRobots, Supervisor, failed,
@@ -142,7 +144,7 @@ pub(crate) fn atomically<T>(
 }
 
 /// The data, with PostgreSQL's meaning of each operation.
-pub trait Model: Leases + Rows + Robots + Fleets + Debug + Send {
+pub trait Model: Leases + Rows + Robots + Fleets + Webhooks + Debug + Send {
     /// Begins a transaction, or within one a part that can be undone alone.
     fn begin(&mut self);
     /// Ends what was begun last: keeps its changes, or undoes them.
@@ -268,4 +270,21 @@ pub trait Fleets {
     fn fleets_with_work(&self) -> Vec<FleetWork>;
     /// The action of this number.
     fn action(&self, action_id: i64) -> Option<Action>;
+}
+
+/// Webhooks, with their positions in the log of events.
+pub trait Webhooks {
+    /// The targets with something to do now.
+    fn due(&self) -> Vec<Due>;
+    /// Takes hold of a target, and returns its next event; `None`, and no hold, if there is nothing to do or another supervisor
+    /// holds it.
+    fn take_job(&mut self, webhook_id: i64, holding: &Holding<'_>) -> Option<Job>;
+    /// Stores the result of an attempt. Returns false, and stores nothing, if another supervisor holds the target now.
+    fn finish_job(&mut self, job: &Job, holder: &str, outcome: &Outcome) -> bool;
+    /// Lets go of all targets of a supervisor.
+    fn release_holds(&mut self, holder: &str);
+    /// All targets, in the order of their names.
+    fn webhooks(&self) -> Vec<WebhookRow>;
+    /// The queues of targets, in their order.
+    fn queues(&self, webhooks: &[WebhookRow]) -> Vec<Queue>;
 }

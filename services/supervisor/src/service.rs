@@ -204,7 +204,8 @@ impl Service {
         let mut supervision = Supervision::start_with(supervision, database, broker_of, beside, stopped.clone())?;
         let (readiness, action_notifier) = (supervision.readiness.clone(), supervision.action_notifier.clone());
         let supervisor = supervision.supervisor.clone();
-        let webhooks = Webhooks::new(&options.webhooks, store.clone(), metrics.clone(), supervisor);
+        let delivery = (options.webhooks.sender(), options.webhooks.pace);
+        let webhooks = Webhooks::new(delivery, store.clone(), metrics.clone(), supervisor);
         let app = App::new(
             store.clone(),
             metrics.clone(),

@@ -71,7 +71,7 @@ pub struct Supervision {
     /// Connects requests for actions with the fleets' engines.
     pub action_notifier: ActionNotifier,
     /// Identifier of this start of the supervisor; the owner in the leases.
-    pub(crate) supervisor: Arc<str>,
+    pub supervisor: Arc<str>,
     pub(crate) hold_back: HoldBack,
     ownership: JoinHandle<()>,
     /// Tasks that use the database.

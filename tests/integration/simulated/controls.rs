@@ -70,6 +70,16 @@ fn robots_that_are_silent_because_the_supervisor_stands_still_are_found() {
 }
 
 #[test]
+fn events_that_count_as_delivered_before_the_request_are_found() {
+    fault_is_found(Fault::DeliveredBeforeRequest, Invariant::WebhookDelivered);
+}
+
+#[test]
+fn webhooks_that_nobody_holds_are_found() {
+    fault_is_found_by(&[Kind::ReceiverSlow, Kind::ReceiverSilent], Fault::NoHold, Invariant::WebhookOnce);
+}
+
+#[test]
 fn robots_that_take_any_setpoint_are_found() {
     misbehaviour_is_found(Misbehaviour::TakesAnySetpoint, Invariant::SetpointOnce);
 }

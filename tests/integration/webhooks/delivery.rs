@@ -2,7 +2,6 @@
 
 use std::io::Write as _;
 use std::process::{Command, Stdio};
-use std::time::Duration;
 
 use serde_json::{Value, json};
 use vibrissa_protocol::{SetpointError, SetpointOutcome};
@@ -73,7 +72,8 @@ async fn a_robots_story(stage: Stage) {
         let event = request.json();
         schema.validate(&event).unwrap_or_else(|problem| panic!("{problem}: {event}"));
         assert_eq!(request.headers["content-type"], "application/json");
-        assert_eq!(request.headers["webhook-id"], format!("vibrissa-{webhook_id}-{}", request.event_id()));
+        let id = &request.headers["webhook-id"];
+        assert!(id.starts_with(&format!("vibrissa-{webhook_id}-{}-", request.event_id())), "{id}");
         assert_eq!((&event["data"]["fleet"], &event["data"]["robot"]), (&json!("f"), &json!("r")));
     }
     assert!(is_genuine(&secret, &requests[0]) && is_genuine(&secret, requests.last().unwrap()));
@@ -124,27 +124,6 @@ async fn a_robots_story_arrives_signed_and_in_order_from_sqlite() {
 #[tokio::test]
 async fn a_robots_story_arrives_signed_and_in_order_from_postgresql() {
     a_robots_story(Stage::postgres().await).await;
-}
-
-#[tokio::test]
-async fn two_supervisors_deliver_each_event_once_and_one_at_a_time() {
-    let stage = Stage::postgres().await;
-    let receiver = Receiver::start(Manner::Slow(Duration::from_millis(150))).await;
-    let (first, second) = (stage.supervisor("a", FAST).await, stage.supervisor("b", FAST).await);
-    stage.robot().await;
-    hook(&first, &receiver, json!({})).await;
-    let mut raw = stage.raw().await;
-    for trim_id in 1..=20 {
-        raw.trim(trim_id).await;
-    }
-    let ids = taken(&receiver, 20).await;
-    assert!(ids.is_sorted() && ids.len() == 20, "{ids:?}");
-    assert_eq!(receiver.busiest(), 1);
-    // What the one leaves, the other one delivers.
-    first.stop().await;
-    raw.trim(21).await;
-    taken(&receiver, 21).await;
-    second.stop().await;
 }
 
 #[tokio::test]

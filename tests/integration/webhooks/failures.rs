@@ -8,7 +8,9 @@ use vibrissa_tests::wait::until_true;
 use crate::receiver::{Manner, Receiver, Request};
 use crate::stage::{FAST, Stage, call, hook, shown, taken};
 
-async fn given_up_and_delivered_again(stage: Stage) {
+#[tokio::test]
+async fn dead_letters_are_shown_and_delivered_again() {
+    let stage = Stage::sqlite().await;
     let receiver = Receiver::start(Manner::Status(500)).await;
     let service = stage.supervisor("a", FAST).await;
     stage.robot().await;
@@ -59,16 +61,6 @@ async fn given_up_and_delivered_again(stage: Stage) {
     })
     .await;
     service.stop().await;
-}
-
-#[tokio::test]
-async fn dead_letters_are_shown_and_delivered_again_with_sqlite() {
-    given_up_and_delivered_again(Stage::sqlite().await).await;
-}
-
-#[tokio::test]
-async fn dead_letters_are_shown_and_delivered_again_with_postgresql() {
-    given_up_and_delivered_again(Stage::postgres().await).await;
 }
 
 #[tokio::test]

@@ -172,8 +172,6 @@ async fn a_disabled_webhook_keeps_its_place_and_a_repeated_request_creates_nothi
         (&shown(&service, 1).await["state"], &shown(&service, 1).await["waiting"]),
         (&json!("DISABLED"), &json!(1))
     );
-    tokio::time::sleep(std::time::Duration::from_millis(1500)).await;
-    assert!(receiver.requests().is_empty());
     let body = json!({ "name": "tickets", "url": receiver.url() });
     assert_eq!(call(&service, "PUT", "/v1/webhooks/1", Some(body)).await.status, 200);
     taken(&receiver, 1).await;

@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
 
 use serde_json::Value;
 use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
@@ -42,8 +40,6 @@ pub(crate) enum Manner {
     Status(u16),
     /// With a redirect to another path.
     Redirect,
-    /// With status 204 after this time.
-    Slow(Duration),
     /// Never.
     Silent,
 }
@@ -54,8 +50,6 @@ pub(crate) struct Receiver {
     address: SocketAddr,
     manner: Arc<Mutex<Manner>>,
     requests: Arc<Mutex<Vec<Request>>>,
-    busy: Arc<AtomicUsize>,
-    busiest: Arc<AtomicUsize>,
 }
 
 impl Receiver {
@@ -65,8 +59,6 @@ impl Receiver {
             address: listener.local_addr().unwrap(),
             manner: Arc::new(Mutex::new(manner)),
             requests: Arc::default(),
-            busy: Arc::default(),
-            busiest: Arc::default(),
         };
         let serving = receiver.clone();
         tokio::spawn(async move {
@@ -93,18 +85,11 @@ impl Receiver {
         let mut body = vec![0; headers["content-length"].parse().unwrap()];
         stream.read_exact(&mut body).await.ok()?;
         let manner = *self.manner.lock().unwrap_or_else(PoisonError::into_inner);
-        let busy = self.busy.fetch_add(1, Ordering::SeqCst) + 1;
-        self.busiest.fetch_max(busy, Ordering::SeqCst);
         let (status, more) = match manner {
             Manner::Status(status) => (status, ""),
             Manner::Redirect => (302, "Location: /elsewhere\r\n"),
-            Manner::Slow(pause) => {
-                tokio::time::sleep(pause).await;
-                (204, "")
-            }
             Manner::Silent => (0, ""),
         };
-        self.busy.fetch_sub(1, Ordering::SeqCst);
         let body = String::from_utf8(body).unwrap();
         let request = Request { path, headers, body, status };
         self.requests.lock().unwrap_or_else(PoisonError::into_inner).push(request);
@@ -132,10 +117,5 @@ impl Receiver {
     pub(crate) fn taken(&self) -> Vec<i64> {
         let requests = self.requests();
         requests.iter().filter(|one| (200..300).contains(&one.status)).map(Request::event_id).collect()
-    }
-
-    /// Largest number of requests at the same time.
-    pub(crate) fn busiest(&self) -> usize {
-        self.busiest.load(Ordering::SeqCst)
     }
 }

@@ -173,10 +173,3 @@ pub(crate) async fn taken(receiver: &Receiver, many: usize) -> Vec<i64> {
     until_true(&format!("{many} events"), async || receiver.taken().len() >= many).await;
     receiver.taken()
 }
-
-impl Stage {
-    /// URL of the database for a program.
-    pub(crate) fn address_text(&self) -> String {
-        self.server.as_ref().map_or_else(String::new, |server| Postgres::supervisor_url(server.port()))
-    }
-}

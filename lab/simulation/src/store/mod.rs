@@ -1,16 +1,18 @@
 //! A database in memory: the same operations as PostgreSQL has for supervisors, on plain maps, with a clock of its own.
 //!
 //! A clone is a snapshot. A failover that loses confirmed commits puts one in the place of the present state. Rows that
-//! nothing loads are kept as [`Fact`]s until [`ModelStore::take_facts`]. What remains grows with decisions and actions, and not
-//! with contacts. `tests/integration/databases/reference` compares its answers with those of both databases.
+//! nothing loads are kept as [`Fact`]s until [`ModelStore::take_facts`]. What remains grows with decisions, actions and
+//! events, and not with contacts. `tests/integration/databases/reference` compares its answers with those of both databases.
 
 mod at_hand;
 mod fleets;
 mod leases;
+mod programs;
 mod records;
 mod robots;
 mod rows;
 mod table;
+mod webhooks;
 
 use vibrissa_protocol::Name;
 use vibrissa_store::actions::Action;
@@ -29,6 +31,7 @@ mod tests;
 
 pub use at_hand::AtHand;
 pub use leases::Epoch;
+pub use programs::Program;
 
 use table::{Table, Undo};
 
@@ -42,6 +45,10 @@ pub struct ModelStore {
     clock_us: i64,
     /// No room is left on its disk for rows.
     is_full: bool,
+    /// The program that asks now.
+    program: Program,
+    /// Robots whose state an earlier program than theirs has changed.
+    overwritten: Vec<i64>,
     /// The last number that was given, in whatever table. It never returns.
     last_number: i64,
     leases: Table<String, LeaseRow>,
@@ -70,6 +77,11 @@ pub struct ModelStore {
     /// Alarms that stand.
     alarms: Table<i64, records::Alarm>,
     touch_tests: Table<String, ()>,
+    webhooks: Table<i64, webhooks::Webhook>,
+    /// Those that webhooks may get.
+    events: Table<i64, webhooks::LogEvent>,
+    /// By the number of the target and that of the event.
+    dead_letters: Table<(i64, i64), webhooks::Letter>,
     facts: Facts,
 }
 
@@ -163,7 +175,7 @@ impl ModelStore {
         self.facts.rows.push(Fact { fleet: lease.fleet().clone(), epoch: lease.epoch(), row });
     }
 
-    fn parts(&mut self) -> [&mut dyn Undo; 23] {
+    fn parts(&mut self) -> [&mut dyn Undo; 26] {
         [
             &mut self.leases,
             &mut self.numbers,
@@ -187,6 +199,9 @@ impl ModelStore {
             &mut self.versions,
             &mut self.alarms,
             &mut self.touch_tests,
+            &mut self.webhooks,
+            &mut self.events,
+            &mut self.dead_letters,
             &mut self.facts,
         ]
     }

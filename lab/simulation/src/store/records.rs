@@ -7,7 +7,7 @@ use vibrissa_store::calibrations::{ActivationRow, ActiveCalibration};
 use vibrissa_store::model::Violation;
 use vibrissa_store::rollouts::RolloutRow;
 
-use super::{FactRow, ModelStore, check, known, unique};
+use super::{ModelStore, check, known, unique};
 
 /// Greatest pressure of a setpoint, MPa.
 const PRESSURE_MAX_MPA: f64 = 0.2;
@@ -158,7 +158,7 @@ impl ModelStore {
             self.alarms.remove(&alarm_id);
             let event = EventRow::new(EventKind::AlarmCleared, cleared_us).of_robot(robot_id);
             let event = EventRow { word: Some(alarm.kind), whisker_id: alarm.whisker_id, ..event };
-            self.note(lease, FactRow::Event(event));
+            self.append_event(lease, event);
         }
     }
 

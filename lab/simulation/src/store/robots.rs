@@ -11,6 +11,7 @@ use vibrissa_store::refusals::RefusalRow;
 use vibrissa_store::rollouts::RobotError;
 use vibrissa_store::{Lease, NumberedWhisker, StoredRobot, StoredRobots};
 
+use super::programs::State;
 use super::{FactRow, ModelStore, known};
 
 /// A robot with its checkpoint.
@@ -18,7 +19,7 @@ use super::{FactRow, ModelStore, known};
 pub(super) struct Robot {
     pub(super) fleet: String,
     pub(super) robot: String,
-    pub(super) state: Option<Vec<u8>>,
+    pub(super) state: Option<State>,
     pub(super) journal_number: i64,
     pub(super) held: bool,
     pub(super) is_decommissioned: bool,
@@ -32,7 +33,7 @@ pub(super) struct Whisker {
     pub(super) whisker: i64,
     /// Index in its robot; `None` if it is not on the robot any more.
     pub(super) position: Option<i64>,
-    pub(super) state: Option<Vec<u8>>,
+    pub(super) state: Option<State>,
     pub(super) rollup: Option<Vec<u8>>,
     pub(super) held: bool,
 }
@@ -62,14 +63,15 @@ impl ModelStore {
 
     fn stored(&self, robot_id: i64, robot: &Robot) -> StoredRobot {
         let all = || self.whiskers.iter().filter(|(_, row)| row.robot_id == robot_id);
-        let mut placed: Vec<_> =
-            all().filter_map(|(id, row)| Some((row.position?, *id, row.state.clone()?, row.rollup.clone()))).collect();
+        let mut placed: Vec<_> = all()
+            .filter_map(|(id, row)| Some((row.position?, *id, self.read(row.state.as_ref()?), row.rollup.clone())))
+            .collect();
         placed.sort_by_key(|(position, ..)| *position);
         let boots = self.boots.range((robot_id, String::new())..(robot_id + 1, String::new()));
         StoredRobot {
             robot_id,
             robot: robot.robot.clone(),
-            state: robot.state.clone(),
+            state: robot.state.as_ref().map(|state| self.read(state)),
             whisker_ids: placed.iter().map(|(_, id, ..)| *id).collect(),
             whisker_states: placed.iter().map(|(_, _, state, _)| state.clone()).collect(),
             rollups: placed.into_iter().map(|(.., rollup)| rollup).collect(),

@@ -7,6 +7,7 @@ use vibrissa_store::fault::{self, Fault};
 use vibrissa_store::model::{Rows, Violation};
 use vibrissa_store::{JournalReading, Lease, LogPositions};
 
+use super::programs::State;
 use super::{FactRow, ModelStore, known, unique};
 
 impl ModelStore {
@@ -22,13 +23,18 @@ impl ModelStore {
     fn write_checkpoints(&mut self, rows: &BatchRows<'_>) {
         rows.layouts.iter().for_each(|layout| self.write_layout(layout));
         for new in rows.robots {
+            let former = self.robots.get(&new.robot_id).and_then(|row| row.state.as_ref()).map(State::program);
+            let state = self.state(new.robot_id, former, &new.state);
             self.robots.change(&new.robot_id, |row| {
-                (row.state, row.journal_number, row.held) = (Some(new.state.clone()), new.journal_number, new.held);
+                (row.state, row.journal_number, row.held) = (Some(state), new.journal_number, new.held);
             });
         }
         for new in rows.whiskers {
+            let Some(row) = self.whiskers.get(&new.whisker_id) else { continue };
+            let (robot_id, former) = (row.robot_id, row.state.as_ref().map(State::program));
+            let state = self.state(robot_id, former, &new.state);
             self.whiskers.change(&new.whisker_id, |row| {
-                (row.state, row.rollup) = (Some(new.state.clone()), Some(new.rollup.clone()));
+                (row.state, row.rollup) = (Some(state), Some(new.rollup.clone()));
                 (row.position, row.held) = (Some(new.position), new.held);
             });
         }
@@ -49,7 +55,7 @@ impl Rows for ModelStore {
             known(self.compensations.has(&row.compensation_id), "compensations")?;
             self.note(lease, FactRow::Response(row.clone()));
         }
-        rows.events.iter().for_each(|row| self.note(lease, FactRow::Event(row.clone())));
+        rows.events.iter().for_each(|row| self.append_event(lease, row.clone()));
         Ok(())
     }
 

@@ -155,6 +155,7 @@ fn tell(statistics: &Statistics, begun: Instant, out: &mut dyn Write) -> std::io
     writeln!(out, "pairs of faults  {pairs} of {all}, {} different sets at a time", statistics.sets.len())?;
     writeln!(out, "steps            {}", statistics.steps)?;
     writeln!(out, "contacts         {contacts}, {setpoints} setpoints, {trims} trims found")?;
+    writeln!(out, "webhooks         {} events taken", statistics.delivered)?;
     writeln!(out, "settled          {:.1} s after the last fault at most", statistics.settled_after.as_secs_f64())?;
     let alarms: Vec<String> = statistics.alarms.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
     writeln!(out, "alarms           {}", alarms.join(", "))?;

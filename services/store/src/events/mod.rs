@@ -95,7 +95,8 @@ impl StoredEvent {
     }
 
     /// Whether a webhook wants it.
-    pub(super) fn is_in(&self, interest: &Interest) -> bool {
+    #[must_use]
+    pub fn is_in(&self, interest: &Interest) -> bool {
         self.event_kind().is_some_and(|kind| interest.includes(&self.fleet, kind, self.word.as_deref()))
     }
 }

@@ -48,6 +48,9 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn webhooks(&self) -> Result<Vec<WebhookRow>, StoreError> {
+        if let Some(model) = &self.model {
+            return model.query("list the webhooks", |model| Ok(model.webhooks())).await;
+        }
         let sql = format!("SELECT {COLUMNS} FROM webhooks ORDER BY name LIMIT {WEBHOOKS_MAX}");
         let rows: Vec<Tried<WebhookRow>> =
             on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql)).fetch_all(pool).await)

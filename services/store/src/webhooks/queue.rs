@@ -2,7 +2,8 @@
 //!
 //! A supervisor that delivers to a target holds it: no other one does until it lets go, or until its time is up. That time
 //! is measured by the monotonic clock of the other one, see `lease_watch`: the database's clock may be stepped. The result
-//! of an attempt counts only if the supervisor still holds the target.
+//! of an attempt counts only if the supervisor still holds the target. If the last attempt is in the future, the database's clock
+//! was stepped back, and the pause after it is over.
 
 use std::sync::PoisonError;
 use std::time::Duration;
@@ -32,10 +33,13 @@ from_row! {
 
     /// A target with something to do.
     #[derive(Debug, Clone, PartialEq, Eq)]
-    struct Due {
-        webhook_id: i64,
-        holder: Option<String>,
-        held_until_us: i64,
+    pub struct Due {
+        /// Number of the target.
+        pub webhook_id: i64,
+        /// The supervisor that holds it.
+        pub holder: Option<String>,
+        /// End of the hold, µs since 1970 UTC by the database's clock; 0 if nobody holds it.
+        pub held_until_us: i64,
     }
 }
 
@@ -90,23 +94,34 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn due_webhooks(&self, holder: &str, hold: Duration) -> Result<Vec<i64>, StoreError> {
+        let due = self.due().await?;
+        let (mut holds, now) = (self.holds.lock().unwrap_or_else(PoisonError::into_inner), Instant::now());
+        holds.retain_holds(|webhook_id| due.iter().any(|due| due.webhook_id == webhook_id));
+        let mut is_free = |due: &Due| {
+            let (renewal, time_to_live) = (due.held_until_us, hold);
+            // Also at the first reading: the database's clock may have been stepped.
+            let left_us = i64::MAX;
+            let has_lapsed = holds.has_lapsed(due.webhook_id, &Reading { renewal, left_us, time_to_live }, now);
+            renewal == 0 || due.holder.as_deref() == Some(holder) || has_lapsed
+        };
+        Ok(due.iter().filter(|due| is_free(due)).map(|due| due.webhook_id).collect())
+    }
+
+    /// The targets with something to do now.
+    async fn due(&self) -> Result<Vec<Due>, StoreError> {
         const WHAT: &str = "read the queues of the webhooks";
+        if let Some(model) = &self.model {
+            return model.query(WHAT, |model| Ok(model.due())).await;
+        }
         let now_us = now_us_of(&self.pool).await.map_err(failed(WHAT))?;
         let sql = format!(
-            "SELECT webhook_id, holder, held_until_us FROM webhooks h WHERE enabled AND next_us <= $1 AND (EXISTS (SELECT 1 FROM events e WHERE e.audience = 'PEOPLE' AND (e.tx, e.event_id) > (h.done_tx, h.done_event) {}) OR EXISTS (SELECT 1 FROM webhook_dead_letters d WHERE d.webhook_id = h.webhook_id AND d.again))",
+            "SELECT webhook_id, holder, held_until_us FROM webhooks h WHERE enabled AND (next_us <= $1 OR last_us > $1) AND (EXISTS (SELECT 1 FROM events e WHERE e.audience = 'PEOPLE' AND (e.tx, e.event_id) > (h.done_tx, h.done_event) {}) OR EXISTS (SELECT 1 FROM webhook_dead_letters d WHERE d.webhook_id = h.webhook_id AND d.again))",
             settled(&self.pool)
         );
         let due: Vec<Due> =
             on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql)).bind(now_us).fetch_all(pool).await)
                 .map_err(failed(WHAT))?;
-        let (mut holds, now) = (self.holds.lock().unwrap_or_else(PoisonError::into_inner), Instant::now());
-        holds.retain_holds(|webhook_id| due.iter().any(|due| due.webhook_id == webhook_id));
-        let mut is_free = |due: &Due| {
-            let (renewal, left_us) = (due.held_until_us, due.held_until_us.saturating_sub(now_us));
-            let has_lapsed = holds.has_lapsed(due.webhook_id, &Reading { renewal, left_us, time_to_live: hold }, now);
-            renewal == 0 || due.holder.as_deref() == Some(holder) || has_lapsed
-        };
-        Ok(due.iter().filter(|due| is_free(due)).map(|due| due.webhook_id).collect())
+        Ok(due)
     }
 
     /// Takes hold of a target, and returns its next event; `None`, and no hold, if there is nothing to do or
@@ -122,6 +137,9 @@ impl Store {
     ) -> Result<Option<Job>, StoreError> {
         let seen = self.holds.lock().unwrap_or_else(PoisonError::into_inner).lapsed_hold(webhook_id, Instant::now());
         let holding = Holding { holder, hold_us: i64::try_from(hold.as_micros()).unwrap_or(i64::MAX), seen };
+        if let Some(model) = &self.model {
+            return model.query(WHAT, |model| Ok(model.take_job(webhook_id, &holding))).await;
+        }
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
         let job = take(&mut tx, webhook_id, &holding, &self.set_aside).await.map_err(failed(WHAT))?;
         tx.commit().await.map_err(failed(WHAT))?;
@@ -133,6 +151,9 @@ impl Store {
     /// # Errors
     /// The database cannot be written.
     pub async fn finish_webhook_job(&self, job: &Job, holder: &str, outcome: &Outcome) -> Result<bool, StoreError> {
+        if let Some(model) = &self.model {
+            return model.query(WHAT, |model| Ok(model.finish_job(job, holder, outcome))).await;
+        }
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
         let is_held = finish(&mut tx, job, holder, outcome).await.map_err(failed(WHAT))?;
         tx.commit().await.map_err(failed(WHAT))?;
@@ -158,6 +179,14 @@ impl Store {
     /// The database cannot be written.
     pub async fn release_webhooks(&self, holder: &str) -> Result<(), StoreError> {
         const SQL: &str = "UPDATE webhooks SET holder = NULL, held_until_us = 0 WHERE holder = $1";
+        if let Some(model) = &self.model {
+            return model
+                .query(WHAT, |model| {
+                    model.release_holds(holder);
+                    Ok(())
+                })
+                .await;
+        }
         on!(&self.pool, |pool| sqlx::query(SQL).bind(holder).execute(pool).await.map(drop)).map_err(failed(WHAT))
     }
 
@@ -167,6 +196,9 @@ impl Store {
     /// The database cannot be read.
     pub async fn webhook_queues(&self, webhooks: &[WebhookRow]) -> Result<Vec<Queue>, StoreError> {
         const WHAT: &str = "read the queues of the webhooks";
+        if let Some(model) = &self.model {
+            return model.query(WHAT, |model| Ok(model.queues(webhooks))).await;
+        }
         const DEAD: &str =
             "SELECT webhook_id, count(*) AS dead FROM webhook_dead_letters WHERE NOT again GROUP BY webhook_id";
         let dead: Vec<(i64, i64)> =
@@ -216,11 +248,14 @@ impl Store {
 }
 
 /// A supervisor that takes hold of a target.
-struct Holding<'a> {
-    holder: &'a str,
-    hold_us: i64,
-    /// The hold of another supervisor that has lapsed, or -1; `None` if none was read: then the database's clock decides.
-    seen: Option<i64>,
+#[derive(Debug, Clone, Copy)]
+pub struct Holding<'a> {
+    /// Its identifier.
+    pub holder: &'a str,
+    /// How long the hold lasts, µs.
+    pub hold_us: i64,
+    /// The hold of another supervisor that has lapsed, or -1.
+    pub seen: i64,
 }
 
 async fn take(
@@ -230,8 +265,7 @@ async fn take(
     set_aside: &SetAside,
 ) -> sqlx::Result<Option<Job>> {
     const HOLD: &str = "UPDATE webhooks SET holder = $2, held_until_us = $3 + $4 \
-         WHERE webhook_id = $1 AND enabled AND next_us <= $3 AND (holder = $2 OR held_until_us = 0 \
-         OR CASE WHEN CAST($5 AS BIGINT) IS NULL THEN held_until_us <= $3 ELSE held_until_us = CAST($5 AS BIGINT) END)";
+         WHERE webhook_id = $1 AND enabled AND (next_us <= $3 OR last_us > $3) AND (holder = $2 OR held_until_us IN (0, $5))";
     let now_us = now_us(tx).await?;
     let held = on!(&mut *tx, |tx| sqlx::query(HOLD)
         .bind(webhook_id)

@@ -317,7 +317,8 @@ impl Engine {
     /// Seals the open batches and starts to write them.
     fn begin_commit(&mut self) {
         // A suspect's checkpoint may be rejected, so its journal entries are needed for longer.
-        self.pipeline.begin(&mut self.workers, !self.suspects.is_empty());
+        let holds_journal = !self.suspects.is_empty() || self.workers.leave_robots();
+        self.pipeline.begin(&mut self.workers, holds_journal);
     }
 
     /// Waits until no transaction is being written.

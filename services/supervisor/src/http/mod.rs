@@ -67,7 +67,7 @@ use crate::params;
 use crate::readiness::Readiness;
 use crate::robots_file::RobotsFile;
 use crate::trace::Traces;
-use crate::webhooks::{WebhookOptions, Webhooks};
+use crate::webhooks::{Pace, WebhookOptions, Webhooks};
 use access::{Access, Gate, guests, origin};
 use client_address::{Network, TrustedProxies};
 pub use further_routes::FurtherRoutes;
@@ -134,7 +134,8 @@ impl App {
         stop: watch::Receiver<bool>,
     ) -> Self {
         let streams = Streams::new(StreamOptions::default());
-        let webhooks = Webhooks::new(&WebhookOptions::default(), store.clone(), metrics.clone(), "http".into());
+        let delivery = (WebhookOptions::default().sender(), Pace::default());
+        let webhooks = Webhooks::new(delivery, store.clone(), metrics.clone(), "http".into());
         let webhook_tests = Places::new("tests of webhooks", WEBHOOK_TESTS);
         Self {
             store,

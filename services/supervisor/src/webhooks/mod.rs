@@ -9,7 +9,7 @@ mod sending;
 pub mod signature;
 pub mod target;
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -20,8 +20,9 @@ use tracing::warn;
 use vibrissa_host::task;
 
 use crate::metrics::Metrics;
+pub use delivery::message_id;
 use delivery::{Delivery, HOLD};
-pub use sending::{AttemptResult, Message, Sender};
+pub use sending::{AttemptResult, Message, PATIENCE, Post, Sender};
 use target::Hosts;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::{Store, StoreError};
@@ -76,6 +77,14 @@ pub struct WebhookOptions {
     pub pace: Pace,
 }
 
+impl WebhookOptions {
+    /// Sends over HTTP to public addresses and to the allowed hosts.
+    #[must_use]
+    pub fn sender(&self) -> Sender {
+        Sender::new(Hosts::new(&self.allowed_hosts))
+    }
+}
+
 /// Sends events. Clones share their connections.
 #[derive(Debug, Clone)]
 pub struct Webhooks {
@@ -90,9 +99,8 @@ pub struct Webhooks {
 impl Webhooks {
     /// Sends nothing yet. `holder` is unique among the processes of the database.
     #[must_use]
-    pub fn new(options: &WebhookOptions, store: Store, metrics: Metrics, holder: Arc<str>) -> Self {
-        let sender = Sender::new(Hosts::new(&options.allowed_hosts));
-        Self { store, sender, pace: options.pace, metrics, holder }
+    pub fn new((sender, pace): (Sender, Pace), store: Store, metrics: Metrics, holder: Arc<str>) -> Self {
+        Self { store, sender, pace, metrics, holder }
     }
 
     /// Sends single requests, for tests of targets.
@@ -102,8 +110,8 @@ impl Webhooks {
     }
 
     /// Delivers until `stop` becomes true.
-    pub(crate) async fn run(self, mut stop: watch::Receiver<bool>) {
-        let mut tasks: HashMap<i64, JoinHandle<()>> = HashMap::new();
+    pub async fn run(self, mut stop: watch::Receiver<bool>) {
+        let mut tasks: BTreeMap<i64, JoinHandle<()>> = BTreeMap::new();
         let (mut measured, mut trimmed, mut is_prepared, mut is_failing) = (None, None, false, false);
         while timeout(LOOK_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
             let looked = async {
@@ -133,9 +141,10 @@ impl Webhooks {
             is_failing = problem.is_some();
         }
         let ended = futures_util::future::join_all(tasks.into_values());
-        let _ = timeout(STOP_PATIENCE, ended).await;
-        // Otherwise another supervisor would wait for the end of the hold.
-        let _ = timeout(STOP_PATIENCE, self.store.release_webhooks(&self.holder)).await;
+        // Otherwise another supervisor would wait for the end of the hold. While an attempt is under way, it must.
+        if timeout(STOP_PATIENCE, ended).await.is_ok() {
+            let _ = timeout(STOP_PATIENCE, self.store.release_webhooks(&self.holder)).await;
+        }
     }
 
     async fn measure(&self) -> Result<(), StoreError> {

@@ -1,8 +1,11 @@
 //! Sends a signed request to a target, within limits of time and size. No redirect is followed and no proxy is used,
 //! because either would lead past the check of addresses.
 
+use std::fmt::Debug;
+use std::sync::Arc;
 use std::time::Duration;
 
+use futures_util::future::BoxFuture;
 use rustls_native_certs::load_native_certs;
 use ureq::Agent;
 use ureq::config::Config;
@@ -18,7 +21,7 @@ use crate::outgoing;
 use vibrissa_edge::clock::wall_clock;
 
 /// Time limit of an attempt.
-pub(super) const PATIENCE: Duration = Duration::from_secs(10);
+pub const PATIENCE: Duration = Duration::from_secs(10);
 /// Time limit for the connection.
 const CONNECT_PATIENCE: Duration = Duration::from_secs(5);
 /// Size limit of an answer's headers in bytes. Its body is not read.
@@ -61,10 +64,16 @@ impl AttemptResult {
     }
 }
 
+/// A way to the targets: HTTP, or a model in simulated time.
+pub trait Post: Debug + Send + Sync {
+    /// Sends a request and waits for its answer, for at most [`PATIENCE`].
+    fn post(&self, message: Message) -> BoxFuture<'_, AttemptResult>;
+}
+
 /// Sends requests. Clones share their connections.
 #[derive(Debug, Clone)]
 pub struct Sender {
-    agent: Agent,
+    post: Arc<dyn Post>,
     hosts: Hosts,
 }
 
@@ -86,7 +95,14 @@ impl Sender {
             .user_agent(concat!("vibrissa/", env!("CARGO_PKG_VERSION")))
             .build();
         let resolver = Guard { hosts: hosts.clone(), resolver: DefaultResolver::default() };
-        Self { agent: Agent::with_parts(config, DefaultConnector::default(), resolver), hosts }
+        let agent = Agent::with_parts(config, DefaultConnector::default(), resolver);
+        Self { post: Arc::new(Http(agent)), hosts }
+    }
+
+    /// Sends another way.
+    #[must_use]
+    pub fn over(post: Arc<dyn Post>) -> Self {
+        Self { post, hosts: Hosts::new(&[]) }
     }
 
     /// The hosts that may have private addresses.
@@ -97,9 +113,21 @@ impl Sender {
 
     /// Sends a request and waits for its answer.
     pub async fn send(&self, message: Message) -> AttemptResult {
-        let agent = self.agent.clone();
-        let sent = task::blocking(move || send(&agent, &message)).await;
-        sent.unwrap_or_else(|problem| AttemptResult { status: None, failure: Some(problem.to_string()) })
+        self.post.post(message).await
+    }
+}
+
+/// HTTP, in a thread for each request.
+#[derive(Debug)]
+struct Http(Agent);
+
+impl Post for Http {
+    fn post(&self, message: Message) -> BoxFuture<'_, AttemptResult> {
+        let agent = self.0.clone();
+        Box::pin(async move {
+            let sent = task::blocking(move || send(&agent, &message)).await;
+            sent.unwrap_or_else(|problem| AttemptResult { status: None, failure: Some(problem.to_string()) })
+        })
     }
 }
 

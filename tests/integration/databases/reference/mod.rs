@@ -8,6 +8,7 @@ mod leases;
 mod records;
 mod steps;
 mod subject;
+mod webhooks;
 
 use std::sync::Arc;
 
@@ -18,10 +19,11 @@ use vibrissa_simulation::store::AtHand;
 use vibrissa_store::{Store, StoreError};
 
 use crate::Fresh;
+use crate::refused::Admin;
 use subject::{Behind, Subject};
 
 const RUNS: u64 = 16;
-const STEPS: u64 = 160;
+const STEPS: u64 = 210;
 
 /// What a caller can tell of an answer.
 fn text<T: std::fmt::Debug>(answer: Result<T, StoreError>) -> String {
@@ -39,6 +41,10 @@ fn text<T: std::fmt::Debug>(answer: Result<T, StoreError>) -> String {
 #[tokio::test]
 async fn property_the_model_answers_as_both_databases() {
     let (lite, server, at_hand) = (Fresh::sqlite().await, Fresh::postgres().await, Arc::new(AtHand::default()));
+    // Its transactions would keep events of others back for a moment.
+    let mut admin = Admin::of(&server).await;
+    admin.execute("ALTER SYSTEM SET autovacuum = off".to_owned()).await;
+    admin.execute("SELECT pg_reload_conf()".to_owned()).await;
     let modelled = Store::modelled(at_hand.clone());
     for seed in 0..RUNS {
         let fleet = Name::new(&format!("f{seed}")).unwrap();

@@ -12,12 +12,12 @@ use vibrissa_store::{Batch, LogPositions, StoredRobot};
 use vibrissa_tests::actions::asks;
 
 use super::subject::{Behind, KnownRobot, NOBODY, Subject};
-use super::{batches, text};
+use super::{batches, text, webhooks};
 use crate::rows;
 
 /// Takes a step, and tells it with the answers.
 pub(super) async fn step(subject: &mut Subject, random: &mut ChaCha8Rng) -> String {
-    match random.random_range(0..42) {
+    match random.random_range(0..54) {
         0..3 => register(subject, random).await,
         3..6 => lay_out(subject, random).await,
         6 => boot(subject, random).await,
@@ -35,7 +35,8 @@ pub(super) async fn step(subject: &mut Subject, random: &mut ChaCha8Rng) -> Stri
         36..39 => errors(subject, random).await,
         39 => former(subject).await,
         40 => decommission(subject, random).await,
-        _ => dispossessed(subject, random).await,
+        41 => dispossessed(subject, random).await,
+        _ => webhooks::step(subject, random).await,
     }
 }
 

@@ -12,7 +12,7 @@ use vibrissa_store::batch::Record;
 use vibrissa_store::events::Position;
 use vibrissa_store::{Batch, Lease, Refused, Store, StoreError, Supervisor, Writer};
 
-use super::text;
+use super::{text, webhooks};
 use crate::Fresh;
 use crate::refused::Admin;
 
@@ -54,6 +54,7 @@ pub(super) struct Subject {
     pub(super) boots: Vec<i64>,
     pub(super) actions: Vec<i64>,
     pub(super) calibrations: Vec<i64>,
+    pub(super) webhooks: webhooks::Known,
     /// Number of the last row of the journal.
     pub(super) journal: i64,
     /// Version of the last policy that was drawn.
@@ -78,8 +79,22 @@ impl Subject {
         writer.sign_in(&own("b"), &[]).await.unwrap();
         let lease = writer.acquire(&own("b"), fleet).await.unwrap().unwrap();
         let (robots, boots, actions, calibrations) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let (journal, policy, ticks) = (0, 0, 1_795_248_000_000_000);
-        Self { store, behind, writer, lease, lost, robots, boots, actions, calibrations, journal, policy, ticks }
+        let (webhooks, journal, policy, ticks) = (webhooks::Known::default(), 0, 0, 1_795_248_000_000_000);
+        Self {
+            store,
+            behind,
+            writer,
+            lease,
+            lost,
+            robots,
+            boots,
+            actions,
+            calibrations,
+            webhooks,
+            journal,
+            policy,
+            ticks,
+        }
     }
 
     pub(super) fn fleet(&self) -> Name {

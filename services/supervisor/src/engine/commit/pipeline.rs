@@ -201,8 +201,8 @@ impl Pipeline {
         self.rate = CheckpointRate::at_the_end(wall_clock());
     }
 
-    /// Seals the open batches and starts to write them. `holds_journal` if checkpoints may be rejected, so that journal entries
-    /// are needed for longer.
+    /// Seals the open batches and starts to write them. `holds_journal` if checkpoints may be rejected, or robots are left to a
+    /// newer program, so that journal entries are needed for longer.
     pub(crate) fn begin(&mut self, workers: &mut Workers, holds_journal: bool) {
         let Some(committer) = self.committer.take() else { return };
         let mut transaction = self.seal(workers, holds_journal);

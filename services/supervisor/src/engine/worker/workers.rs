@@ -100,6 +100,11 @@ impl Workers {
         self.workers.iter_mut().flat_map(|worker| worker.robots_mut().values_mut())
     }
 
+    /// Whether robots wait for a newer version of the program, which needs their journal entries.
+    pub(crate) fn leave_robots(&self) -> bool {
+        self.workers.iter().any(|worker| !worker.of_newer_program().is_empty())
+    }
+
     /// The robots that wait for a newer version of the program, in words; `None` without any.
     pub(crate) fn left_to_newer_program(&self) -> Option<String> {
         const NAMES_MAX: usize = 10;
