@@ -5,12 +5,15 @@ use std::collections::BTreeMap;
 use ros2_client::builtin_interfaces::Time;
 
 use crate::health::{self, Counts};
-use crate::messages::{Contact, DiagnosticArray, Float64, FluidPressure, Header};
-use crate::units::{Pressures, line_of};
+use crate::lines::{contact_line, estimate_message, goal_of, span_us, states_of, strain_line};
+use crate::messages::{self, Contact, DiagnosticArray, Fault, Float64, FluidPressure, Header, Strain, TouchTestGoal};
+use crate::stamps::{Stamp, judge};
+use crate::touch::Progress;
+use crate::units::Pressures;
 use crate::whisker::Whisker;
 use crate::words::{Estimate, FromAgent, LINE_MAX, Named, ToAgent, VERSION};
 
-/// Most whiskers of a robot: each has two or three topics.
+/// Most whiskers of a robot: each has four or five topics.
 pub const WHISKERS_MAX: usize = 256;
 /// Interval of reports on `/diagnostics`, seconds.
 const REPORT_EVERY_S: f64 = 1.0;
@@ -18,12 +21,20 @@ const REPORT_EVERY_S: f64 = 1.0;
 /// An event for the bridge.
 #[derive(Debug)]
 pub enum Input {
+    /// The way to the agent is open: at the start, and again after a loss.
+    Linked,
     /// A line from the agent, or the reason why none could be read.
     Line(Result<String, String>),
     /// A contact, or the reason why it cannot be decoded.
     Contact(Result<Contact, String>),
     /// A reading of a whisker's chamber, by its index in the agent's `hello`, or the reason why it cannot be decoded.
     Pressure(usize, Result<FluidPressure, String>),
+    /// Samples of a whisker's strain, by its index, or the reason why they cannot be decoded.
+    Strain(usize, Result<Strain, String>),
+    /// States of gauge and regulator, or the reason why they cannot be decoded.
+    Fault(Result<Fault, String>),
+    /// Progress of the touch test with this identifier.
+    Test(String, Progress),
     /// Messages that came faster than the bridge can pass them on.
     Shed(u64),
     /// Time has passed.
@@ -41,6 +52,10 @@ pub enum Output {
     Setpoint(usize, FluidPressure),
     /// Publishes the factor on the readings of a whisker, by index.
     ReadingGain(usize, Float64),
+    /// Publishes the estimate of a whisker, by index.
+    Estimate(usize, messages::Estimate),
+    /// Begins a touch test.
+    Test(TouchTestGoal),
     /// Publishes a report.
     Report(DiagnosticArray),
     /// Logs a problem.
@@ -69,39 +84,55 @@ pub struct Bridge {
 }
 
 impl Bridge {
-    /// A bridge that knows no whiskers yet, and its first line.
+    /// A bridge that knows no whiskers yet.
     #[must_use]
-    pub fn new(settings: Settings) -> (Self, Output) {
-        let hello = ToAgent::Hello { version: VERSION, name: "vibrissa-ros2".to_owned() };
-        let bridge = Self {
+    pub fn new(settings: Settings) -> Self {
+        Self {
             settings,
             whiskers: Vec::new(),
             index: BTreeMap::new(),
             counts: Counts::default(),
             reported_at_s: f64::NEG_INFINITY,
-        };
-        (bridge, Output::Line(hello))
+        }
     }
 
     /// Handles an input. `now_s` is a clock that never goes back; `stamp` is the time for ROS.
     pub fn step(&mut self, now_s: f64, stamp: Time, input: Input) -> Vec<Output> {
         let outputs = match input {
-            Input::Line(line) => self.line(now_s, line),
-            Input::Contact(contact) => self.contact(contact),
-            Input::Pressure(index, reading) => self.pressure(now_s, index, reading),
+            Input::Linked => {
+                Ok(vec![Output::Line(ToAgent::Hello { version: VERSION, name: "vibrissa-ros2".to_owned() })])
+            }
+            Input::Line(line) => self.line(now_s, stamp, line),
+            Input::Contact(contact) => self.contact(stamp, contact),
+            Input::Pressure(index, reading) => self.pressure(now_s, stamp, index, reading),
+            Input::Strain(index, samples) => self.strain(stamp, index, samples),
+            Input::Fault(fault) => self.fault(fault),
+            Input::Test(test_id, progress) => Ok(self.test(stamp, &test_id, progress)),
             Input::Shed(count) => {
                 self.counts.shed += count;
                 Ok(Vec::new())
             }
             Input::Tick => Ok(self.tick(now_s, stamp)),
         };
-        outputs.unwrap_or_else(|problem| {
-            self.counts.refuse(&problem);
-            vec![Output::Log(problem)]
-        })
+        outputs.unwrap_or_else(|problem| vec![self.refuse(problem)])
     }
 
-    fn line(&mut self, now_s: f64, line: Result<String, String>) -> Result<Vec<Output>, String> {
+    fn refuse(&mut self, problem: String) -> Output {
+        self.counts.refuse(&problem);
+        Output::Log(problem)
+    }
+
+    /// The time of a message for the agent; `None` if the time of receipt counts.
+    fn time(&mut self, now: Time, header: &Header, extra_us: i64) -> Option<u64> {
+        match judge(header.stamp, now, extra_us) {
+            Stamp::Good(t_us) => return Some(t_us),
+            Stamp::Unset => self.counts.unstamped += 1,
+            Stamp::Implausible => self.counts.misstamped += 1,
+        }
+        None
+    }
+
+    fn line(&mut self, now_s: f64, stamp: Time, line: Result<String, String>) -> Result<Vec<Output>, String> {
         let line = line?;
         if line.len() > LINE_MAX {
             return Err(format!("the agent sent a line of more than {LINE_MAX} bytes"));
@@ -121,11 +152,12 @@ impl Bridge {
                 Ok(vec![Output::ReadingGain(index, Float64 { data: reading_gain })])
             }
             FromAgent::Valve {} => Err("the agent pulses valves: set regulate = false for a ROS robot".to_owned()),
-            FromAgent::Test { test_id } => {
-                let failed = ToAgent::TestState { test_id, state: "FAILED" };
-                Ok(vec![Output::Line(failed), Output::Log("touch tests are not bridged: none was done".to_owned())])
+            FromAgent::Test(order) => {
+                self.find(&order.array, order.whisker)?;
+                self.counts.tests += 1;
+                Ok(vec![Output::Test(goal_of(order)?)])
             }
-            FromAgent::Estimate(estimate) => self.estimate(estimate),
+            FromAgent::Estimate(estimate) => self.estimate(stamp, estimate),
             FromAgent::Error { problem } => Err(format!("the agent refused a line: {problem}")),
             FromAgent::Other => Ok(Vec::new()),
         }
@@ -142,7 +174,8 @@ impl Bridge {
             // The agent says hello at the start and again as an answer.
             let is_same = whiskers.len() == self.whiskers.len() && whiskers.iter().all(known);
             let stop = || Output::Stop("the robot has other whiskers now: starting anew".to_owned());
-            return if is_same { Vec::new() } else { vec![stop()] };
+            let reported = || self.whiskers.iter().filter_map(Whisker::reported).map(Output::Line).collect();
+            return if is_same { reported() } else { vec![stop()] };
         }
         if whiskers.len() > WHISKERS_MAX {
             let many = whiskers.len();
@@ -157,10 +190,11 @@ impl Bridge {
         vec![Output::Open(whiskers)]
     }
 
-    fn estimate(&mut self, estimate: Estimate) -> Result<Vec<Output>, String> {
+    fn estimate(&mut self, stamp: Time, estimate: Estimate) -> Result<Vec<Output>, String> {
         let index = self.find(&estimate.array, estimate.whisker)?;
+        let message = estimate_message(stamp, &estimate);
         self.whiskers[index].estimate = Some(estimate);
-        Ok(Vec::new())
+        Ok(vec![Output::Estimate(index, message)])
     }
 
     fn find(&self, array: &str, whisker: u16) -> Result<usize, String> {
@@ -168,26 +202,76 @@ impl Bridge {
         found.ok_or_else(|| format!("no whisker {array:.64}/{whisker}: the robot's agent.toml names its whiskers"))
     }
 
-    fn contact(&mut self, contact: Result<Contact, String>) -> Result<Vec<Output>, String> {
+    fn contact(&mut self, now: Time, contact: Result<Contact, String>) -> Result<Vec<Output>, String> {
         let contact = contact.map_err(|problem| format!("an unreadable contact: {problem}"))?;
+        Ok(vec![self.contact_of(now, 0, contact)?])
+    }
+
+    fn contact_of(&mut self, now: Time, extra_us: i64, contact: Contact) -> Result<Output, String> {
         self.find(&contact.array, contact.whisker)?;
-        let line = line_of(contact)?;
+        let t_us = self.time(now, &contact.header, extra_us);
+        let line = contact_line(contact, t_us)?;
         self.counts.contacts += 1;
-        Ok(vec![Output::Line(ToAgent::Contact(line))])
+        Ok(Output::Line(ToAgent::Contact(line)))
     }
 
     fn pressure(
         &mut self,
         now_s: f64,
+        now: Time,
         index: usize,
         reading: Result<FluidPressure, String>,
     ) -> Result<Vec<Output>, String> {
         let reading = reading.map_err(|problem| format!("an unreadable pressure: {problem}"))?;
+        let t_us = self.time(now, &reading.header, 0);
         let whisker = self.whiskers.get_mut(index).ok_or("a pressure of an unknown whisker")?;
         let pressure_mpa = self.settings.pressures.gauge_mpa(reading.fluid_pressure);
         let pressure_mpa = pressure_mpa.map_err(|problem| format!("{}: {problem}", whisker.name()))?;
         self.counts.pressures += 1;
-        Ok(whisker.read(now_s, pressure_mpa).map(Output::Line).into_iter().collect())
+        Ok(whisker.read(now_s, t_us, pressure_mpa).map(Output::Line).into_iter().collect())
+    }
+
+    fn strain(&mut self, now: Time, index: usize, samples: Result<Strain, String>) -> Result<Vec<Output>, String> {
+        let samples = samples.map_err(|problem| format!("an unreadable message of strain: {problem}"))?;
+        let whisker = self.whiskers.get(index).ok_or("strain of an unknown whisker")?.named().clone();
+        let name = format!("{}/{}", whisker.array, whisker.whisker);
+        let span_us = i64::from(span_us(&name, &samples)?);
+        let t_us = self.time(now, &samples.header, span_us);
+        // The last sample has been taken now.
+        let begun_us = u64::try_from(now.to_nanos() / 1000 - span_us).unwrap_or_default();
+        let line = strain_line(&whisker, samples, t_us.unwrap_or(begun_us))?;
+        self.counts.strains += 1;
+        Ok(vec![Output::Line(ToAgent::Strain(line))])
+    }
+
+    fn fault(&mut self, fault: Result<Fault, String>) -> Result<Vec<Output>, String> {
+        let fault = fault.map_err(|problem| format!("an unreadable fault: {problem}"))?;
+        let index = self.find(&fault.array, fault.whisker)?;
+        let states = states_of(&fault)?;
+        Ok(vec![Output::Line(self.whiskers[index].report(states))])
+    }
+
+    fn test(&mut self, now: Time, test_id: &str, progress: Progress) -> Vec<Output> {
+        let state = |state: &'static str| Output::Line(ToAgent::TestState { test_id: test_id.to_owned(), state });
+        match progress {
+            Progress::Running => vec![state("RUNNING")],
+            Progress::Failed(problem) => {
+                let problem = format!("the touch test {test_id:.64} has failed: {problem}");
+                vec![self.refuse(problem), state("FAILED")]
+            }
+            Progress::Done { contacts, took_s } => {
+                // A contact of a long test may be as old as the test.
+                let extra_us = (took_s * 1e6) as i64;
+                let mut outputs = Vec::new();
+                for contact in contacts {
+                    let contact = Contact { test_id: test_id.to_owned(), ..contact };
+                    let output = self.contact_of(now, extra_us, contact);
+                    outputs.push(output.unwrap_or_else(|problem| self.refuse(problem)));
+                }
+                outputs.push(state("DONE"));
+                outputs
+            }
+        }
     }
 
     fn tick(&mut self, now_s: f64, stamp: Time) -> Vec<Output> {
