@@ -55,7 +55,11 @@ fn run(options: Options) -> Result<(), String> {
             match output {
                 Output::Line(line) => agent.say(&line)?,
                 Output::Open(whiskers) => tests = Some(TouchTests::new(node.open(topics(&whiskers)?)?)),
-                Output::Test(goal) => tests.iter_mut().for_each(|tests| tests.begin(now_s, goal.clone())),
+                Output::Test(goal) => {
+                    if let Some(tests) = &mut tests {
+                        tests.begin(now_s, goal);
+                    }
+                }
                 // A subscriber that does not confirm must not stop the others.
                 Output::Setpoint(index, setpoint) => log.problem(now_s, node.publish_setpoint(index, setpoint)),
                 Output::ReadingGain(index, factor) => log.problem(now_s, node.publish_gain(index, factor)),
