@@ -24,7 +24,7 @@ pub struct TouchTestServer {
 }
 
 /// Services of ROS are reliable and volatile.
-fn service_qos() -> QosProfile {
+pub(crate) fn service_qos() -> QosProfile {
     QosProfile::publisher_default()
         .reliability_reliable(WhenFull::Wait(PUBLISH_WAIT))
         .durability(Durability::Volatile)

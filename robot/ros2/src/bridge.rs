@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use ros2_client::builtin_interfaces::Time;
 
 use crate::health::{self, Counts};
+use crate::lifecycle::Activity;
 use crate::lines::{estimate_message, goal_of};
 use crate::messages::{
     Contact, DiagnosticArray, Estimate as EstimateMessage, Fault, Float64, FluidPressure, Header, Strain, TouchTestGoal,
@@ -36,6 +37,8 @@ pub enum Input {
     Strain(usize, Result<Strain, String>),
     /// States of gauge and regulator, or the reason why they cannot be decoded.
     Fault(Result<Fault, String>),
+    /// What the bridge does from now on.
+    Activity(Activity),
     /// Progress of the touch test with this identifier.
     Test(String, Progress),
     /// Messages that came faster than the bridge can pass them on.
@@ -74,6 +77,8 @@ pub struct Settings {
     pub robot: String,
     /// Meaning of pressures in ROS messages.
     pub pressures: Pressures,
+    /// What the bridge does at first: nothing, if the node has a lifecycle.
+    pub activity: Activity,
 }
 
 /// The state of the bridge.
@@ -82,6 +87,7 @@ pub struct Bridge {
     settings: Settings,
     whiskers: Vec<Whisker>,
     index: BTreeMap<(String, u16), usize>,
+    activity: Activity,
     counts: Counts,
     reported_at_s: f64,
 }
@@ -91,6 +97,7 @@ impl Bridge {
     #[must_use]
     pub fn new(settings: Settings) -> Self {
         Self {
+            activity: settings.activity,
             settings,
             whiskers: Vec::new(),
             index: BTreeMap::new(),
@@ -104,6 +111,15 @@ impl Bridge {
         let outputs = match input {
             Input::Linked => {
                 Ok(vec![Output::Line(ToAgent::Hello { version: VERSION, name: "vibrissa-ros2".to_owned() })])
+            }
+            Input::Contact(_) | Input::Pressure(..) | Input::Strain(..) | Input::Fault(_)
+                if self.activity == Activity::Idle =>
+            {
+                Ok(Vec::new())
+            }
+            Input::Activity(activity) => {
+                self.activity = activity;
+                Ok(Vec::new())
             }
             Input::Line(line) => self.line(now_s, stamp, line),
             Input::Contact(contact) => self.contact(stamp, contact),
@@ -148,6 +164,9 @@ impl Bridge {
             FromAgent::Test(order) => {
                 self.find(&order.array, order.whisker)?;
                 self.counts.tests += 1;
+                if self.activity != Activity::Active {
+                    return Ok(self.test(stamp, &order.test_id, Progress::Failed("the node is not active".to_owned())));
+                }
                 Ok(vec![Output::Test(goal_of(order)?)])
             }
             FromAgent::Estimate(estimate) => self.estimate(stamp, estimate),
@@ -199,7 +218,9 @@ impl Bridge {
         let mut outputs = Vec::new();
         for (index, whisker) in self.whiskers.iter_mut().enumerate() {
             outputs.extend(whisker.silence(now_s).map(Output::Line));
-            if let Some(pressure_mpa) = whisker.setpoint(now_s) {
+            if self.activity != Activity::Active {
+                whisker.release();
+            } else if let Some(pressure_mpa) = whisker.setpoint(now_s) {
                 let header = Header { stamp, frame_id: whisker.name() };
                 let fluid_pressure = self.settings.pressures.pa(pressure_mpa);
                 outputs.push(Output::Setpoint(index, FluidPressure { header, fluid_pressure, variance: 0.0 }));
@@ -208,7 +229,7 @@ impl Bridge {
         if now_s - self.reported_at_s >= REPORT_EVERY_S {
             self.reported_at_s = now_s;
             let header = Header { stamp, frame_id: String::new() };
-            let status = health::report(&self.settings.robot, now_s, &self.whiskers, &self.counts);
+            let status = health::report(&self.settings.robot, now_s, &self.whiskers, &self.counts, self.activity);
             outputs.push(Output::Report(DiagnosticArray { header, status }));
         }
         outputs

@@ -1,5 +1,6 @@
 //! Reports for `/diagnostics`: a status for each whisker, and one for the bridge.
 
+use crate::lifecycle::Activity;
 use crate::messages::{DiagnosticStatus, KeyValue, Level};
 use crate::whisker::Whisker;
 
@@ -61,8 +62,15 @@ fn of_whisker(robot: &str, now_s: f64, whisker: &Whisker) -> DiagnosticStatus {
 }
 
 /// The statuses of all whiskers and of the bridge.
-pub(crate) fn report(robot: &str, now_s: f64, whiskers: &[Whisker], counts: &Counts) -> Vec<DiagnosticStatus> {
+pub(crate) fn report(
+    robot: &str,
+    now_s: f64,
+    whiskers: &[Whisker],
+    counts: &Counts,
+    activity: Activity,
+) -> Vec<DiagnosticStatus> {
     let (level, message) = match (whiskers.is_empty(), counts.refused + counts.shed, counts.misstamped) {
+        _ if activity != Activity::Active => (Level::Warn, "the node is not active: no setpoints".to_owned()),
         (true, ..) => (Level::Error, "the agent has not named its whiskers".to_owned()),
         (false, 0, 0) => (Level::Ok, "all messages passed on".to_owned()),
         (false, 0, wrong) => (Level::Warn, format!("{wrong} messages with an implausible stamp since the start")),

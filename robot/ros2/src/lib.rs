@@ -5,9 +5,11 @@
 pub mod actions;
 pub mod bridge;
 mod health;
+pub mod lifecycle;
 mod lines;
 pub mod link;
 pub mod log;
+pub mod managed;
 pub mod messages;
 pub mod names;
 pub mod node;

@@ -8,8 +8,10 @@ use clap::Parser;
 use ros2_client::builtin_interfaces::Time;
 use vibrissa_ros2::actions::TouchTestServer;
 use vibrissa_ros2::bridge::{Bridge, Input, Output};
+use vibrissa_ros2::lifecycle::Activity;
 use vibrissa_ros2::link::AgentLink;
 use vibrissa_ros2::log::Limited;
+use vibrissa_ros2::managed::ManagedNode;
 use vibrissa_ros2::names::topics;
 use vibrissa_ros2::node::RosNode;
 use vibrissa_ros2::options::{Arguments, Options};
@@ -42,6 +44,8 @@ fn run(options: Options) -> Result<(), String> {
     }
     let (inputs, receive) = sync_channel(WAITING_MAX);
     let mut node = RosNode::join(options.scope, inputs.clone())?;
+    let is_managed = options.settings.activity == Activity::Idle;
+    let mut managed = is_managed.then(|| node.manage()).transpose()?;
     let (ended, has_ended) = sync_channel(1);
     let agent = AgentLink::open(options.agent, options.token, inputs, ended);
     let mut bridge = Bridge::new(options.settings);
@@ -85,6 +89,9 @@ fn run(options: Options) -> Result<(), String> {
         if ticked_at.elapsed() >= TICK {
             ticked_at = Instant::now();
             let now_s = begun.elapsed().as_secs_f64();
+            if let Some(activity) = managed.as_mut().and_then(ManagedNode::step) {
+                outputs.extend(bridge.step(now_s, Time::now(), Input::Activity(activity)));
+            }
             for input in tests.iter_mut().flat_map(|tests| tests.step(now_s)) {
                 outputs.extend(bridge.step(now_s, Time::now(), input));
             }

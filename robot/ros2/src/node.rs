@@ -20,6 +20,7 @@ use serde::de::DeserializeOwned;
 
 use crate::actions::TouchTestServer;
 use crate::bridge::Input;
+use crate::managed::ManagedNode;
 use crate::messages::{DiagnosticArray, Estimate, Float64, FluidPressure};
 use crate::remap::Names;
 use crate::subscriptions::Subscriptions;
@@ -160,6 +161,14 @@ impl RosNode {
         read.listen(self.inputs.clone(), Arc::clone(&self.shed));
         let action = self.scope.names.service("touch_test")?;
         TouchTestServer::open(&mut self.node, self.participant.clone(), self.scope.services, &action)
+    }
+
+    /// Opens the services of a managed node.
+    ///
+    /// # Errors
+    /// DDS refuses a topic.
+    pub fn manage(&mut self) -> Result<ManagedNode, String> {
+        ManagedNode::open(&mut self.node, &self.scope.names, self.scope.services)
     }
 
     fn subscribe<M: DeserializeOwned + 'static>(

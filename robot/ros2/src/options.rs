@@ -8,6 +8,7 @@ use ros2_client::{ParameterValue, ServiceMapping};
 use serde_json::Value;
 
 use crate::bridge::Settings;
+use crate::lifecycle::Activity;
 use crate::link::AgentAddress;
 use crate::node::NodeScope;
 use crate::params;
@@ -55,6 +56,9 @@ pub struct Arguments {
     /// File with the token of the agent's driver.token_file
     #[arg(long)]
     pub agent_token_file: Option<PathBuf>,
+    /// Be a managed node, which does nothing until it is configured and activated
+    #[arg(long)]
+    pub lifecycle: bool,
     /// Domain of ROS
     #[arg(long, env = "ROS_DOMAIN_ID", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=DOMAIN_MAX))]
     pub domain: u16,
@@ -107,6 +111,13 @@ impl Arguments {
                     self.robot = text.clone();
                     Ok(())
                 }
+                "lifecycle" => match value.as_bool() {
+                    Some(is_managed) => {
+                        self.lifecycle = is_managed;
+                        Ok(())
+                    }
+                    None => Err("must be true or false".to_owned()),
+                },
                 "agent" => text.parse().map(|agent| self.agent = Some(agent)),
                 "agent_token_file" => {
                     self.agent_token_file = Some(PathBuf::from(&text));
@@ -157,16 +168,18 @@ impl Options {
         let is_local = arguments.localhost
             || environment("ROS_LOCALHOST_ONLY") == "1"
             || environment("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST";
+        let activity = if arguments.lifecycle { Activity::Idle } else { Activity::Active };
         let meaning = if pressures == Pressures::Gauge { "gauge" } else { "absolute" };
         let text = |value: &str| ParameterValue::String(value.to_owned());
         let parameters = vec![
             ("pressures", text(meaning)),
             ("atmosphere_pa", ParameterValue::Double(arguments.atmosphere_pa)),
             ("robot", text(&arguments.robot)),
+            ("lifecycle", ParameterValue::Boolean(arguments.lifecycle)),
             ("agent", text(&agent.to_string())),
         ];
         Ok(Self {
-            settings: Settings { robot: arguments.robot, pressures },
+            settings: Settings { robot: arguments.robot, pressures, activity },
             logs_warnings: ros.logs_warnings(names.full().trim_start_matches('/').replace('/', ".").as_str()),
             scope: NodeScope {
                 domain: arguments.domain,

@@ -1,6 +1,7 @@
 //! Tests of the bridge without a network.
 
 mod definitions;
+mod lifecycle;
 mod messages;
 mod ros_args;
 mod touch;
@@ -9,6 +10,7 @@ use ros2_client::builtin_interfaces::Time;
 use serde_json::json;
 
 use crate::bridge::{Bridge, Input, Output, Settings};
+use crate::lifecycle::Activity;
 use crate::log::Limited;
 use crate::messages::{Contact, DiagnosticArray, Float64, FluidPressure, Header, Level};
 use crate::names::topics;
@@ -18,7 +20,7 @@ use crate::words::{Named, ToAgent};
 const ATMOSPHERE_PA: f64 = 101_325.0;
 
 fn bridge(pressures: Pressures) -> Bridge {
-    let mut bridge = Bridge::new(Settings { robot: "crawler".to_owned(), pressures });
+    let mut bridge = Bridge::new(Settings { robot: "crawler".to_owned(), pressures, activity: Activity::Active });
     let hello = bridge.step(0.0, Time::new(1, 0), Input::Linked);
     assert_eq!(hello, [Output::Line(ToAgent::Hello { version: 1, name: "vibrissa-ros2".to_owned() })]);
     let whiskers = json!([{"array": "left", "whisker": 0, "pressure_mpa": 0.1, "pressure_max_mpa": 0.2}]);

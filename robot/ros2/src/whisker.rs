@@ -154,6 +154,12 @@ impl Whisker {
         Some(self.fault(None, Some("FAULT")))
     }
 
+    /// Forgets the setpoint on its way: the next one begins at the measured pressure.
+    pub(crate) fn release(&mut self) {
+        self.moving = None;
+        self.published = None;
+    }
+
     /// The setpoint to publish now, MPa. It moves from the measured pressure to the commanded one, as fast as the
     /// command allows. It stops without a fresh reading and a fresh command: a board that hears no setpoint vents.
     pub(crate) fn setpoint(&mut self, now_s: f64) -> Option<f64> {

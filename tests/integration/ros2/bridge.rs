@@ -151,6 +151,29 @@ fn a_launch_file_starts_it_beside_an_agent_that_listens() {
 }
 
 #[test]
+fn a_managed_node_moves_no_air_before_it_is_activated() {
+    let Some(stage) = Stage::make(6) else { return };
+    let mut bridge = stage.bridge(&["--pressures", "absolute", "--lifecycle"]);
+    bridge.say(HELLO);
+    let peer = stage.peer(&[]);
+    // Its readings are not passed on, so the agent hears that they are missing.
+    bridge.hear("the fault", |line| {
+        assert!(line["type"] != "pressure" && line["type"] != "contact", "{line}");
+        is(line, "fault", 0).then_some(())
+    });
+    let manager = stage.peer(&["lifecycle"]);
+    let event = |start: &str, goal: &str| {
+        let wanted = json!([start, goal]);
+        manager.hear(goal, |line| (line["event"] == wanted).then_some(()));
+    };
+    event("configuring", "inactive");
+    event("inactive", "activating");
+    manager.hear("the state", |line| (line["state"] == "active").then_some(()));
+    set_pressure(&mut bridge, 0.06);
+    peer.hear("setpoint", |line| line["setpoint_pa"].as_f64());
+}
+
+#[test]
 fn bad_messages_are_counted_and_stop_nothing() {
     let Some(stage) = Stage::make(1) else { return };
     let mut bridge = stage.bridge(&["--pressures", "absolute"]);

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from cyclonedds.idl import IdlStruct
-from cyclonedds.idl.types import array, float64, int8, int32, int64, sequence, uint8, uint16, uint32
+from cyclonedds.idl.types import array, float64, int8, int32, int64, sequence, uint8, uint16, uint32, uint64
 
 
 @dataclass
@@ -176,3 +176,47 @@ class ParameterValue(IdlStruct, typename="rcl_interfaces::msg::dds_::ParameterVa
 @dataclass
 class GetParametersResponse(IdlStruct, typename="rcl_interfaces::srv::dds_::GetParameters_Response_"):
     values: sequence[ParameterValue]
+
+
+@dataclass
+class Transition(IdlStruct, typename="lifecycle_msgs::msg::dds_::Transition_"):
+    id: uint8
+    label: str
+
+
+@dataclass
+class State(IdlStruct, typename="lifecycle_msgs::msg::dds_::State_"):
+    id: uint8
+    label: str
+
+
+@dataclass
+class TransitionEvent(IdlStruct, typename="lifecycle_msgs::msg::dds_::TransitionEvent_"):
+    timestamp: uint64
+    transition: Transition
+    start_state: State
+    goal_state: State
+
+
+@dataclass
+class ChangeStateRequest(IdlStruct, typename="lifecycle_msgs::srv::dds_::ChangeState_Request_"):
+    call: Call
+    transition: Transition
+
+
+@dataclass
+class ChangeStateResponse(IdlStruct, typename="lifecycle_msgs::srv::dds_::ChangeState_Response_"):
+    call: Call
+    success: bool
+
+
+@dataclass
+class GetStateRequest(IdlStruct, typename="lifecycle_msgs::srv::dds_::GetState_Request_"):
+    call: Call
+    structure_needs_at_least_one_member: uint8
+
+
+@dataclass
+class GetStateResponse(IdlStruct, typename="lifecycle_msgs::srv::dds_::GetState_Response_"):
+    call: Call
+    current_state: State

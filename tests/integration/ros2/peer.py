@@ -2,7 +2,8 @@
 
 It simulates the chamber of whisker left-front/0, which follows its setpoints, touches something twice a second, reports
 a gauge, and does touch tests. It prints what it receives as lines of JSON: `peer.py NAMESPACE DOMAIN`. With a third
-argument `short` it only publishes a contact that ends too early, with `parameters` it reads the bridge's parameters.
+argument `short` it only publishes a contact that ends too early, with `parameters` it reads the bridge's parameters,
+and with `lifecycle` it configures and activates the bridge.
 """
 
 import json
@@ -24,6 +25,9 @@ from cyclonedds.sub import DataReader  # noqa: E402
 from cyclonedds.topic import Topic  # noqa: E402
 from cyclonedds.util import duration  # noqa: E402
 from messages import (  # noqa: E402
+    Call,
+    ChangeStateRequest,
+    ChangeStateResponse,
     Contact,
     DiagnosticArray,
     Estimate,
@@ -33,6 +37,8 @@ from messages import (  # noqa: E402
     GetParametersResponse,
     GetResultRequest,
     GetResultResponse,
+    GetStateRequest,
+    GetStateResponse,
     Header,
     Result,
     SendGoalRequest,
@@ -40,6 +46,8 @@ from messages import (  # noqa: E402
     ShortContact,
     Strain,
     Time,
+    Transition,
+    TransitionEvent,
 )
 
 ATMOSPHERE_PA = 101_325.0
@@ -118,6 +126,29 @@ def read_parameters(participant, namespace):
         time.sleep(0.1)
 
 
+def change_states(participant, namespace):
+    node = f"{namespace}/vibrissa"
+    changes = writer(participant, f"rq{node}/change_stateRequest", ChangeStateRequest, RELIABLE)
+    changed = reader(participant, f"rr{node}/change_stateReply", ChangeStateResponse, RELIABLE)
+    questions = writer(participant, f"rq{node}/get_stateRequest", GetStateRequest, RELIABLE)
+    states = reader(participant, f"rr{node}/get_stateReply", GetStateResponse, RELIABLE)
+    events = reader(participant, f"rt{node}/transition_event", TransitionEvent, RELIABLE)
+    call = Call([7] * 8, 0, 1)
+    while True:
+        questions.write(GetStateRequest(call, 0))
+        for reply in states.take(N=10):
+            state = reply.current_state.label
+            show(state=state)
+            next_label = {"unconfigured": "configure", "inactive": "activate"}.get(state)
+            if next_label:
+                changes.write(ChangeStateRequest(call, Transition(0, next_label)))
+        for reply in changed.take(N=10):
+            show(changed=reply.success)
+        for event in events.take(N=10):
+            show(event=[event.start_state.label, event.goal_state.label])
+        time.sleep(0.1)
+
+
 def main():
     namespace, domain = sys.argv[1], int(sys.argv[2])
     participant = DomainParticipant(domain)
@@ -125,6 +156,8 @@ def main():
         publish_short_contacts(participant, namespace)
     if sys.argv[3:] == ["parameters"]:
         read_parameters(participant, namespace)
+    if sys.argv[3:] == ["lifecycle"]:
+        change_states(participant, namespace)
     whisker = f"rt{namespace}/left_front/whisker_0"
     contacts = writer(participant, f"rt{namespace}/contacts", Contact, SENSOR_DATA)
     faults = writer(participant, f"rt{namespace}/faults", Fault, RELIABLE)
