@@ -123,6 +123,7 @@ impl Arguments {
                     self.agent_token_file = Some(PathBuf::from(&text));
                     Ok(())
                 }
+                "use_sim_time" if value == Value::Bool(false) => Ok(()),
                 _ => {
                     unknown.push(name.clone());
                     Ok(())

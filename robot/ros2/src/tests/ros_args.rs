@@ -2,6 +2,7 @@
 
 use clap::Parser;
 
+use crate::lifecycle::Activity;
 use crate::link::AgentAddress;
 use crate::options::{Arguments, Options};
 use crate::params::{Override, overrides};
@@ -159,8 +160,11 @@ fn parameters_replace_options() {
     assert_eq!(told.expect("options").settings.robot, "d");
     let told = options("--ros-args -p pressures:=gauge -p speed:=3 -p use_sim_time:=true").expect("options");
     assert_eq!(told.warnings.len(), 2, "{:?}", told.warnings);
+    let told = options("--ros-args -p pressures:=gauge -p use_sim_time:=false -p lifecycle:=true").expect("options");
+    assert_eq!((told.warnings.len(), told.settings.activity), (0, Activity::Idle));
     let wrong = [
         ("", "--pressures"),
+        ("--ros-args -p pressures:=gauge -p lifecycle:=perhaps", "must be true or false"),
         ("--ros-args -p pressures:=maybe", "the parameter pressures is maybe"),
         ("--ros-args -p pressures:=gauge -p atmosphere_pa:=1", "30000 to 120000"),
         ("--ros-args -p pressures:=gauge -p agent:=somewhere", "neither unix:PATH nor tcp:IP:PORT"),
