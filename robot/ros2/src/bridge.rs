@@ -1,16 +1,23 @@
 //! The bridge between the agent and ROS, without clock and network: `step(now, input)` returns what to send.
 
+mod messages;
+
 use std::collections::BTreeMap;
 
 use ros2_client::builtin_interfaces::Time;
 
 use crate::health::{self, Counts};
-use crate::messages::{Contact, DiagnosticArray, Float64, FluidPressure, Header};
-use crate::units::{Pressures, line_of};
+use crate::lifecycle::Activity;
+use crate::lines::{estimate_message, goal_of};
+use crate::messages::{
+    Contact, DiagnosticArray, Estimate as EstimateMessage, Fault, Float64, FluidPressure, Header, Strain, TouchTestGoal,
+};
+use crate::touch::Progress;
+use crate::units::Pressures;
 use crate::whisker::Whisker;
 use crate::words::{Estimate, FromAgent, LINE_MAX, Named, ToAgent, VERSION};
 
-/// Most whiskers of a robot: each has two or three topics.
+/// Most whiskers of a robot: each has four or five topics.
 pub const WHISKERS_MAX: usize = 256;
 /// Interval of reports on `/diagnostics`, seconds.
 const REPORT_EVERY_S: f64 = 1.0;
@@ -18,12 +25,22 @@ const REPORT_EVERY_S: f64 = 1.0;
 /// An event for the bridge.
 #[derive(Debug)]
 pub enum Input {
+    /// The way to the agent is open: at the start, and again after a loss.
+    Linked,
     /// A line from the agent, or the reason why none could be read.
     Line(Result<String, String>),
     /// A contact, or the reason why it cannot be decoded.
     Contact(Result<Contact, String>),
     /// A reading of a whisker's chamber, by its index in the agent's `hello`, or the reason why it cannot be decoded.
     Pressure(usize, Result<FluidPressure, String>),
+    /// Samples of a whisker's strain, by its index, or the reason why they cannot be decoded.
+    Strain(usize, Result<Strain, String>),
+    /// States of gauge and regulator, or the reason why they cannot be decoded.
+    Fault(Result<Fault, String>),
+    /// What the bridge does from now on.
+    Activity(Activity),
+    /// Progress of the touch test with this identifier.
+    Test(String, Progress),
     /// Messages that came faster than the bridge can pass them on.
     Shed(u64),
     /// Time has passed.
@@ -41,6 +58,10 @@ pub enum Output {
     Setpoint(usize, FluidPressure),
     /// Publishes the factor on the readings of a whisker, by index.
     ReadingGain(usize, Float64),
+    /// Publishes the estimate of a whisker, by index.
+    Estimate(usize, EstimateMessage),
+    /// Begins a touch test.
+    Test(TouchTestGoal),
     /// Publishes a report.
     Report(DiagnosticArray),
     /// Logs a problem.
@@ -56,6 +77,8 @@ pub struct Settings {
     pub robot: String,
     /// Meaning of pressures in ROS messages.
     pub pressures: Pressures,
+    /// What the bridge does at first: nothing, if the node has a lifecycle.
+    pub activity: Activity,
 }
 
 /// The state of the bridge.
@@ -64,44 +87,61 @@ pub struct Bridge {
     settings: Settings,
     whiskers: Vec<Whisker>,
     index: BTreeMap<(String, u16), usize>,
+    activity: Activity,
     counts: Counts,
     reported_at_s: f64,
 }
 
 impl Bridge {
-    /// A bridge that knows no whiskers yet, and its first line.
+    /// A bridge that knows no whiskers yet.
     #[must_use]
-    pub fn new(settings: Settings) -> (Self, Output) {
-        let hello = ToAgent::Hello { version: VERSION, name: "vibrissa-ros2".to_owned() };
-        let bridge = Self {
+    pub fn new(settings: Settings) -> Self {
+        Self {
+            activity: settings.activity,
             settings,
             whiskers: Vec::new(),
             index: BTreeMap::new(),
             counts: Counts::default(),
             reported_at_s: f64::NEG_INFINITY,
-        };
-        (bridge, Output::Line(hello))
+        }
     }
 
     /// Handles an input. `now_s` is a clock that never goes back; `stamp` is the time for ROS.
     pub fn step(&mut self, now_s: f64, stamp: Time, input: Input) -> Vec<Output> {
         let outputs = match input {
-            Input::Line(line) => self.line(now_s, line),
-            Input::Contact(contact) => self.contact(contact),
-            Input::Pressure(index, reading) => self.pressure(now_s, index, reading),
+            Input::Linked => {
+                Ok(vec![Output::Line(ToAgent::Hello { version: VERSION, name: "vibrissa-ros2".to_owned() })])
+            }
+            Input::Contact(_) | Input::Pressure(..) | Input::Strain(..) | Input::Fault(_)
+                if self.activity == Activity::Idle =>
+            {
+                Ok(Vec::new())
+            }
+            Input::Activity(activity) => {
+                self.activity = activity;
+                Ok(Vec::new())
+            }
+            Input::Line(line) => self.line(now_s, stamp, line),
+            Input::Contact(contact) => self.contact(stamp, contact),
+            Input::Pressure(index, reading) => self.pressure(now_s, stamp, index, reading),
+            Input::Strain(index, samples) => self.strain(stamp, index, samples),
+            Input::Fault(fault) => self.fault(fault),
+            Input::Test(test_id, progress) => Ok(self.test(stamp, &test_id, progress)),
             Input::Shed(count) => {
                 self.counts.shed += count;
                 Ok(Vec::new())
             }
             Input::Tick => Ok(self.tick(now_s, stamp)),
         };
-        outputs.unwrap_or_else(|problem| {
-            self.counts.refuse(&problem);
-            vec![Output::Log(problem)]
-        })
+        outputs.unwrap_or_else(|problem| vec![self.refuse(problem)])
     }
 
-    fn line(&mut self, now_s: f64, line: Result<String, String>) -> Result<Vec<Output>, String> {
+    fn refuse(&mut self, problem: String) -> Output {
+        self.counts.refuse(&problem);
+        Output::Log(problem)
+    }
+
+    fn line(&mut self, now_s: f64, stamp: Time, line: Result<String, String>) -> Result<Vec<Output>, String> {
         let line = line?;
         if line.len() > LINE_MAX {
             return Err(format!("the agent sent a line of more than {LINE_MAX} bytes"));
@@ -121,11 +161,15 @@ impl Bridge {
                 Ok(vec![Output::ReadingGain(index, Float64 { data: reading_gain })])
             }
             FromAgent::Valve {} => Err("the agent pulses valves: set regulate = false for a ROS robot".to_owned()),
-            FromAgent::Test { test_id } => {
-                let failed = ToAgent::TestState { test_id, state: "FAILED" };
-                Ok(vec![Output::Line(failed), Output::Log("touch tests are not bridged: none was done".to_owned())])
+            FromAgent::Test(order) => {
+                self.find(&order.array, order.whisker)?;
+                self.counts.tests += 1;
+                if self.activity != Activity::Active {
+                    return Ok(self.test(stamp, &order.test_id, Progress::Failed("the node is not active".to_owned())));
+                }
+                Ok(vec![Output::Test(goal_of(order)?)])
             }
-            FromAgent::Estimate(estimate) => self.estimate(estimate),
+            FromAgent::Estimate(estimate) => self.estimate(stamp, estimate),
             FromAgent::Error { problem } => Err(format!("the agent refused a line: {problem}")),
             FromAgent::Other => Ok(Vec::new()),
         }
@@ -142,7 +186,8 @@ impl Bridge {
             // The agent says hello at the start and again as an answer.
             let is_same = whiskers.len() == self.whiskers.len() && whiskers.iter().all(known);
             let stop = || Output::Stop("the robot has other whiskers now: starting anew".to_owned());
-            return if is_same { Vec::new() } else { vec![stop()] };
+            let reported = || self.whiskers.iter().filter_map(Whisker::reported).map(Output::Line).collect();
+            return if is_same { reported() } else { vec![stop()] };
         }
         if whiskers.len() > WHISKERS_MAX {
             let many = whiskers.len();
@@ -157,10 +202,11 @@ impl Bridge {
         vec![Output::Open(whiskers)]
     }
 
-    fn estimate(&mut self, estimate: Estimate) -> Result<Vec<Output>, String> {
+    fn estimate(&mut self, stamp: Time, estimate: Estimate) -> Result<Vec<Output>, String> {
         let index = self.find(&estimate.array, estimate.whisker)?;
+        let message = estimate_message(stamp, &estimate);
         self.whiskers[index].estimate = Some(estimate);
-        Ok(Vec::new())
+        Ok(vec![Output::Estimate(index, message)])
     }
 
     fn find(&self, array: &str, whisker: u16) -> Result<usize, String> {
@@ -168,33 +214,13 @@ impl Bridge {
         found.ok_or_else(|| format!("no whisker {array:.64}/{whisker}: the robot's agent.toml names its whiskers"))
     }
 
-    fn contact(&mut self, contact: Result<Contact, String>) -> Result<Vec<Output>, String> {
-        let contact = contact.map_err(|problem| format!("an unreadable contact: {problem}"))?;
-        self.find(&contact.array, contact.whisker)?;
-        let line = line_of(contact)?;
-        self.counts.contacts += 1;
-        Ok(vec![Output::Line(ToAgent::Contact(line))])
-    }
-
-    fn pressure(
-        &mut self,
-        now_s: f64,
-        index: usize,
-        reading: Result<FluidPressure, String>,
-    ) -> Result<Vec<Output>, String> {
-        let reading = reading.map_err(|problem| format!("an unreadable pressure: {problem}"))?;
-        let whisker = self.whiskers.get_mut(index).ok_or("a pressure of an unknown whisker")?;
-        let pressure_mpa = self.settings.pressures.gauge_mpa(reading.fluid_pressure);
-        let pressure_mpa = pressure_mpa.map_err(|problem| format!("{}: {problem}", whisker.name()))?;
-        self.counts.pressures += 1;
-        Ok(whisker.read(now_s, pressure_mpa).map(Output::Line).into_iter().collect())
-    }
-
     fn tick(&mut self, now_s: f64, stamp: Time) -> Vec<Output> {
         let mut outputs = Vec::new();
         for (index, whisker) in self.whiskers.iter_mut().enumerate() {
             outputs.extend(whisker.silence(now_s).map(Output::Line));
-            if let Some(pressure_mpa) = whisker.setpoint(now_s) {
+            if self.activity != Activity::Active {
+                whisker.release();
+            } else if let Some(pressure_mpa) = whisker.setpoint(now_s) {
                 let header = Header { stamp, frame_id: whisker.name() };
                 let fluid_pressure = self.settings.pressures.pa(pressure_mpa);
                 outputs.push(Output::Setpoint(index, FluidPressure { header, fluid_pressure, variance: 0.0 }));
@@ -203,7 +229,7 @@ impl Bridge {
         if now_s - self.reported_at_s >= REPORT_EVERY_S {
             self.reported_at_s = now_s;
             let header = Header { stamp, frame_id: String::new() };
-            let status = health::report(&self.settings.robot, now_s, &self.whiskers, &self.counts);
+            let status = health::report(&self.settings.robot, now_s, &self.whiskers, &self.counts, self.activity);
             outputs.push(Output::Report(DiagnosticArray { header, status }));
         }
         outputs

@@ -1,5 +1,6 @@
 //! Reports for `/diagnostics`: a status for each whisker, and one for the bridge.
 
+use crate::lifecycle::Activity;
 use crate::messages::{DiagnosticStatus, KeyValue, Level};
 use crate::whisker::Whisker;
 
@@ -11,6 +12,11 @@ const PROBLEM_MAX: usize = 200;
 pub(crate) struct Counts {
     pub(crate) contacts: u64,
     pub(crate) pressures: u64,
+    pub(crate) strains: u64,
+    pub(crate) tests: u64,
+    /// Messages without a stamp, and with one that cannot be a time of this clock: the time of receipt counted.
+    pub(crate) unstamped: u64,
+    pub(crate) misstamped: u64,
     /// Messages that came too fast.
     pub(crate) shed: u64,
     refused: u64,
@@ -56,15 +62,27 @@ fn of_whisker(robot: &str, now_s: f64, whisker: &Whisker) -> DiagnosticStatus {
 }
 
 /// The statuses of all whiskers and of the bridge.
-pub(crate) fn report(robot: &str, now_s: f64, whiskers: &[Whisker], counts: &Counts) -> Vec<DiagnosticStatus> {
-    let (level, message) = match (whiskers.is_empty(), counts.refused + counts.shed) {
-        (true, _) => (Level::Error, "the agent has not named its whiskers".to_owned()),
-        (false, 0) => (Level::Ok, "all messages passed on".to_owned()),
-        (false, lost) => (Level::Warn, format!("{lost} messages refused or shed since the start")),
+pub(crate) fn report(
+    robot: &str,
+    now_s: f64,
+    whiskers: &[Whisker],
+    counts: &Counts,
+    activity: Activity,
+) -> Vec<DiagnosticStatus> {
+    let (level, message) = match (whiskers.is_empty(), counts.refused + counts.shed, counts.misstamped) {
+        _ if activity != Activity::Active => (Level::Warn, "the node is not active: no setpoints".to_owned()),
+        (true, ..) => (Level::Error, "the agent has not named its whiskers".to_owned()),
+        (false, 0, 0) => (Level::Ok, "all messages passed on".to_owned()),
+        (false, 0, wrong) => (Level::Warn, format!("{wrong} messages with an implausible stamp since the start")),
+        (false, lost, _) => (Level::Warn, format!("{lost} messages refused or shed since the start")),
     };
     let values = vec![
         pair("contacts", counts.contacts),
         pair("pressures", counts.pressures),
+        pair("strains", counts.strains),
+        pair("touch_tests", counts.tests),
+        pair("stamps_unset", counts.unstamped),
+        pair("stamps_implausible", counts.misstamped),
         pair("refused", counts.refused),
         pair("shed", counts.shed),
         pair("last_problem", &counts.last_problem),

@@ -30,6 +30,77 @@ pub struct Contact {
     pub missed: bool,
 }
 
+/// `vibrissa_msgs/msg/Strain`: its file explains the fields.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the file explains them")]
+pub struct Strain {
+    pub header: Header,
+    pub strain: Vec<f64>,
+    pub strain_2: Vec<f64>,
+    pub every_us: u32,
+    pub deflection_m: Vec<f64>,
+    pub distance_m: Vec<f64>,
+    pub test_id: String,
+}
+
+/// `vibrissa_msgs/msg/Fault`: its file explains the fields.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the file explains them")]
+pub struct Fault {
+    pub header: Header,
+    pub array: String,
+    pub whisker: u16,
+    pub gauge: String,
+    pub regulator: String,
+}
+
+/// `vibrissa_msgs/msg/Estimate`: its file explains the fields.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the file explains them")]
+pub struct Estimate {
+    pub header: Header,
+    pub array: String,
+    pub whisker: u16,
+    pub length_m: f64,
+    pub length_low_m: f64,
+    pub length_high_m: f64,
+    pub condition: String,
+    pub gain_ratio: Vec<f64>,
+    pub gain: Vec<f64>,
+}
+
+/// Goal of `vibrissa_msgs/action/TouchTest`: its file explains the fields.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the file explains them")]
+pub struct TouchTestGoal {
+    pub test_id: String,
+    pub array: String,
+    pub whisker: u16,
+    pub kind: u8,
+    pub distances_m: Vec<f64>,
+    pub deflections_m: Vec<f64>,
+    pub contacts: u16,
+}
+
+/// Result of `vibrissa_msgs/action/TouchTest`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the file explains them")]
+pub struct TouchTestResult {
+    pub contacts: Vec<Contact>,
+    pub problem: String,
+}
+
+/// Feedback of `vibrissa_msgs/action/TouchTest`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the file explains them")]
+pub struct TouchTestFeedback {
+    pub contacts: u16,
+}
+
+impl ros2_client::Message for TouchTestGoal {}
+impl ros2_client::Message for TouchTestResult {}
+impl ros2_client::Message for TouchTestFeedback {}
+
 /// `sensor_msgs/msg/FluidPressure`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FluidPressure {

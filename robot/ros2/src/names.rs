@@ -2,13 +2,6 @@
 
 use crate::words::Named;
 
-/// Topics of a whisker, below the namespace.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct WhiskerTopics {
-    /// Its namespace, such as `/crawler/left/whisker_3`.
-    pub namespace: String,
-}
-
 /// A part of a ROS name: letters, digits and single underscores, no digit first.
 fn part(name: &str) -> String {
     let mut part = String::new();
@@ -21,11 +14,11 @@ fn part(name: &str) -> String {
     if begins_well { part } else { format!("array_{}", part.trim_start_matches('_')) }
 }
 
-/// The topics of all whiskers.
+/// Where the topics of the whiskers are, below the node's namespace: such as `left/whisker_3`.
 ///
 /// # Errors
 /// Two arrays would have the same topics.
-pub fn topics(namespace: &str, whiskers: &[Named]) -> Result<Vec<WhiskerTopics>, String> {
+pub fn topics(whiskers: &[Named]) -> Result<Vec<String>, String> {
     let mut arrays = std::collections::BTreeMap::new();
     let mut topics = Vec::new();
     for whisker in whiskers {
@@ -34,8 +27,7 @@ pub fn topics(namespace: &str, whiskers: &[Named]) -> Result<Vec<WhiskerTopics>,
         if *array != whisker.array {
             return Err(format!("the arrays {array} and {} would have the same topics: rename one", whisker.array));
         }
-        let namespace = format!("{}/{part}/whisker_{}", namespace.trim_end_matches('/'), whisker.whisker);
-        topics.push(WhiskerTopics { namespace });
+        topics.push(format!("{part}/whisker_{}", whisker.whisker));
     }
     Ok(topics)
 }

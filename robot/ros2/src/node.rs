@@ -4,31 +4,37 @@ use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{SyncSender, TrySendError};
+use std::sync::mpsc::SyncSender;
 use std::thread;
 use std::time::Duration;
 
-use futures::StreamExt;
 use futures::executor::block_on;
-use futures::stream::{LocalBoxStream, select_all};
 use ros2_client::qos::{Durability, History, WhenFull};
 use ros2_client::{
-    Context, CreateError, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher, QosProfile, Subscription,
+    Context, MessageTypeName, Name, Node, NodeName, NodeOptions, ParameterValue, Publisher, QosProfile, ServiceMapping,
+    Subscription,
 };
-use rustdds::DomainParticipantBuilder;
+use rustdds::{DomainParticipant, DomainParticipantBuilder, Topic};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::actions::TouchTestServer;
 use crate::bridge::Input;
-use crate::messages::{Contact, DiagnosticArray, Float64, FluidPressure};
-use crate::names::WhiskerTopics;
+use crate::managed::ManagedNode;
+use crate::messages::{DiagnosticArray, Estimate, Float64, FluidPressure};
+use crate::remap::Names;
+use crate::subscriptions::Subscriptions;
 
 /// Contacts that wait for the bridge.
 const CONTACTS_DEPTH: usize = 100;
 /// Readings of a whisker that wait: only the newest ones matter.
 const PRESSURES_DEPTH: usize = 5;
+/// Messages of strain of a whisker that wait: none should be lost.
+const STRAINS_DEPTH: usize = 50;
+const FAULTS_DEPTH: usize = 10;
 const REPORTS_DEPTH: usize = 10;
 /// Longest wait for a subscriber that does not confirm. Then the message is dropped, and the next one follows.
-const PUBLISH_WAIT: Duration = Duration::from_millis(20);
+pub(crate) const PUBLISH_WAIT: Duration = Duration::from_millis(20);
 
 /// Where the node is.
 #[derive(Debug, Clone)]
@@ -37,18 +43,24 @@ pub struct NodeScope {
     pub domain: u16,
     /// Whether it only reaches programs of this machine.
     pub is_local: bool,
-    /// Namespace of the node and its topics, such as `/crawler`.
-    pub namespace: String,
+    /// Name and namespace of the node, and rules for its topics.
+    pub names: Names,
+    /// How services are carried: Cyclone DDS has a way of its own.
+    pub services: ServiceMapping,
+    /// Values that the node's parameter services tell.
+    pub parameters: Vec<(&'static str, ParameterValue)>,
 }
 
 /// The node.
 pub struct RosNode {
     node: Node,
-    namespace: String,
+    participant: DomainParticipant,
+    scope: NodeScope,
     reports: Publisher<DiagnosticArray>,
     setpoints: Vec<Publisher<FluidPressure>>,
+    estimates: Vec<Publisher<Estimate>>,
     /// Topics of the whiskers, and the publishers of their factors: only robots that apply gains have them.
-    whiskers: Vec<WhiskerTopics>,
+    whiskers: Vec<String>,
     gains: BTreeMap<usize, Publisher<Float64>>,
     inputs: SyncSender<Input>,
     shed: Arc<AtomicU64>,
@@ -66,10 +78,6 @@ fn reliable(durability: Durability, depth: usize) -> QosProfile {
         .history(History::KeepLast { depth })
 }
 
-fn named(namespace: &str, name: &str) -> Result<Name, String> {
-    Name::new(namespace, name).map_err(|problem| format!("{namespace}/{name} is no ROS name: {problem:?}"))
-}
-
 fn failed(problem: impl std::fmt::Debug) -> String {
     format!("DDS: {problem:?}")
 }
@@ -78,71 +86,106 @@ impl RosNode {
     /// Joins a domain. Messages become inputs; those that come too fast are counted as shed.
     ///
     /// # Errors
-    /// The namespace is invalid, or the network is not available.
-    pub fn join(place: &NodeScope, inputs: SyncSender<Input>) -> Result<Self, String> {
-        let mut participant = DomainParticipantBuilder::new(place.domain);
-        if place.is_local {
+    /// A name is invalid, or the network is not available.
+    pub fn join(scope: NodeScope, inputs: SyncSender<Input>) -> Result<Self, String> {
+        let mut participant = DomainParticipantBuilder::new(scope.domain);
+        if scope.is_local {
             participant = participant.with_only_networks([IpAddr::V4(Ipv4Addr::LOCALHOST)]);
         }
-        let context = Context::from_domain_participant(participant.build().map_err(failed)?).map_err(failed)?;
-        let name = NodeName::new(&place.namespace, "vibrissa")
-            .map_err(|problem| format!("--namespace {}: {problem:?}", place.namespace))?;
-        let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
-        let mut node = context.new_node(name, options).map_err(failed)?;
+        let participant = participant.build().map_err(failed)?;
+        let context = Context::from_domain_participant(participant.clone()).map_err(failed)?;
+        let name = NodeName::new(scope.names.namespace(), scope.names.node())
+            .map_err(|problem| format!("the node {}: {problem}", scope.names.full()))?;
+        // The library carries parameter services in one way only.
+        let has_services = scope.services == ServiceMapping::Enhanced;
+        let mut options = NodeOptions::new().enable_rosout(false).start_parameter_services(has_services);
+        options = scope
+            .parameters
+            .iter()
+            .fold(options, |options, (name, value)| options.declare_parameter(name, value.clone()));
+        // The library asks about the first values, too.
+        let fixed = scope.parameters.clone();
+        let takes = move |name: &str, value: &ParameterValue| {
+            let is_same = fixed.iter().any(|(known, first)| *known == name && first == value);
+            if is_same { Ok(()) } else { Err(format!("{name} is fixed at the start of the program")) }
+        };
+        let mut node = context.new_node(name, options.parameter_validator(Box::new(takes))).map_err(failed)?;
         let spinner = node.spinner().map_err(failed)?;
         thread::spawn(move || block_on(spinner.spin()));
-        let topic = node.create_topic(
-            &named("/", "diagnostics")?,
-            MessageTypeName::new("diagnostic_msgs", "DiagnosticArray"),
-            &reliable(Durability::Volatile, REPORTS_DEPTH),
-        );
-        let reports = node.create_publisher(&topic.map_err(failed)?, None).map_err(failed)?;
-        let shed = Arc::new(AtomicU64::new(0));
-        let namespace = place.namespace.clone();
-        let (setpoints, whiskers, gains) = (Vec::new(), Vec::new(), BTreeMap::new());
-        Ok(Self { node, namespace, reports, setpoints, whiskers, gains, inputs, shed })
+        let qos = reliable(Durability::Volatile, REPORTS_DEPTH);
+        let topic = topic_of(&node, &scope.names, "/diagnostics", ("diagnostic_msgs", "DiagnosticArray"), &qos)?;
+        let reports = node.create_publisher(&topic, None).map_err(failed)?;
+        Ok(Self {
+            node,
+            participant,
+            scope,
+            reports,
+            setpoints: Vec::new(),
+            estimates: Vec::new(),
+            whiskers: Vec::new(),
+            gains: BTreeMap::new(),
+            inputs,
+            shed: Arc::default(),
+        })
     }
 
-    /// Opens the topics of the whiskers.
+    /// Opens the topics of the robot and of its whiskers, whose names are relative. Returns the action of touch tests.
     ///
     /// # Errors
     /// A name is invalid, or DDS refuses a topic.
-    pub fn open(&mut self, whiskers: &[WhiskerTopics]) -> Result<(), String> {
-        let namespace = self.namespace.clone();
-        let contacts: Subscription<Contact> =
-            self.subscribe(&namespace, "contacts", "vibrissa_msgs", "Contact", CONTACTS_DEPTH)?;
-        let mut pressures = Vec::new();
-        for whisker in whiskers {
-            let at = &whisker.namespace;
-            let readings: Subscription<FluidPressure> =
-                self.subscribe(at, "pressure", "sensor_msgs", "FluidPressure", PRESSURES_DEPTH)?;
-            pressures.push(readings);
-            let topic = self.node.create_topic(
-                &named(at, "setpoint")?,
-                MessageTypeName::new("sensor_msgs", "FluidPressure"),
-                &reliable(Durability::TransientLocal, 1),
-            );
-            let setpoints = self.node.create_publisher(&topic.map_err(failed)?, None).map_err(failed)?;
+    pub fn open(&mut self, whiskers: Vec<String>) -> Result<TouchTestServer, String> {
+        let faults = QosProfile::subscription_default()
+            .reliability_reliable(WhenFull::Wait(PUBLISH_WAIT))
+            .history(History::KeepLast { depth: FAULTS_DEPTH });
+        let mut read = Subscriptions {
+            contacts: self.subscribe("contacts", ("vibrissa_msgs", "Contact"), &sensor_data(CONTACTS_DEPTH))?,
+            faults: self.subscribe("faults", ("vibrissa_msgs", "Fault"), &faults)?,
+            pressures: Vec::new(),
+            strains: Vec::new(),
+        };
+        for at in &whiskers {
+            let pressures = sensor_data(PRESSURES_DEPTH);
+            read.pressures.push(self.subscribe(
+                &format!("{at}/pressure"),
+                ("sensor_msgs", "FluidPressure"),
+                &pressures,
+            )?);
+            let strains = sensor_data(STRAINS_DEPTH);
+            read.strains.push(self.subscribe(&format!("{at}/strain"), ("vibrissa_msgs", "Strain"), &strains)?);
+            let setpoints = self.publisher(&format!("{at}/setpoint"), ("sensor_msgs", "FluidPressure"))?;
             self.setpoints.push(setpoints);
+            let estimates = self.publisher(&format!("{at}/estimate"), ("vibrissa_msgs", "Estimate"))?;
+            self.estimates.push(estimates);
         }
-        self.whiskers = whiskers.to_vec();
-        let (inputs, shed) = (self.inputs.clone(), Arc::clone(&self.shed));
-        thread::spawn(move || listen(&contacts, &pressures, &inputs, &shed));
-        Ok(())
+        self.whiskers = whiskers;
+        read.listen(self.inputs.clone(), Arc::clone(&self.shed));
+        let action = self.scope.names.service("touch_test")?;
+        TouchTestServer::open(&mut self.node, self.participant.clone(), self.scope.services, &action)
+    }
+
+    /// Opens the services of a managed node.
+    ///
+    /// # Errors
+    /// DDS refuses a topic.
+    pub fn manage(&mut self) -> Result<ManagedNode, String> {
+        ManagedNode::open(&mut self.node, &self.scope.names, self.scope.services)
     }
 
     fn subscribe<M: DeserializeOwned + 'static>(
         &mut self,
-        namespace: &str,
         name: &str,
-        package: &str,
-        kind: &str,
-        depth: usize,
+        kind: (&str, &str),
+        qos: &QosProfile,
     ) -> Result<Subscription<M>, String> {
-        let kind = MessageTypeName::new(package, kind);
-        let topic = self.node.create_topic(&named(namespace, name)?, kind, &sensor_data(depth));
-        let created: Result<_, CreateError> = topic.and_then(|topic| self.node.create_subscription(&topic, None));
-        created.map_err(failed)
+        let topic = topic_of(&self.node, &self.scope.names, name, kind, qos)?;
+        self.node.create_subscription(&topic, None).map_err(failed)
+    }
+
+    /// A publisher whose newest message is also for subscribers that start later.
+    fn publisher<M: Serialize>(&mut self, name: &str, kind: (&str, &str)) -> Result<Publisher<M>, String> {
+        let qos = reliable(Durability::TransientLocal, 1);
+        let topic = topic_of(&self.node, &self.scope.names, name, kind, &qos)?;
+        self.node.create_publisher(&topic, None).map_err(failed)
     }
 
     /// Messages that were dropped since the last call.
@@ -159,6 +202,15 @@ impl RosNode {
         publisher.publish(setpoint).map_err(|problem| format!("setpoint: {}", problem.forget_data()))
     }
 
+    /// Publishes the estimate of a whisker.
+    ///
+    /// # Errors
+    /// Subscribers do not confirm it in time.
+    pub fn publish_estimate(&self, index: usize, estimate: Estimate) -> Result<(), String> {
+        let publisher = self.estimates.get(index).ok_or("the whisker has no topic")?;
+        publisher.publish(estimate).map_err(|problem| format!("estimate: {}", problem.forget_data()))
+    }
+
     /// Publishes the factor on a whisker's readings.
     ///
     /// # Errors
@@ -166,12 +218,8 @@ impl RosNode {
     pub fn publish_gain(&mut self, index: usize, factor: Float64) -> Result<(), String> {
         if !self.gains.contains_key(&index) {
             let whisker = self.whiskers.get(index).ok_or("the whisker has no topic")?;
-            let topic = self.node.create_topic(
-                &named(&whisker.namespace, "reading_gain")?,
-                MessageTypeName::new("std_msgs", "Float64"),
-                &reliable(Durability::TransientLocal, 1),
-            );
-            let publisher = self.node.create_publisher(&topic.map_err(failed)?, None).map_err(failed)?;
+            let name = format!("{whisker}/reading_gain");
+            let publisher = self.publisher(&name, ("std_msgs", "Float64"))?;
             self.gains.insert(index, publisher);
         }
         let publisher = self.gains.get(&index).ok_or("the whisker has no topic")?;
@@ -187,36 +235,8 @@ impl RosNode {
     }
 }
 
-/// Messages of a topic as inputs.
-fn inputs_of<'a, M: DeserializeOwned + 'static>(
-    topic: &'a Subscription<M>,
-    input: impl Fn(Result<M, String>) -> Input + 'a,
-) -> LocalBoxStream<'a, Input> {
-    let messages = topic.async_stream();
-    messages.map(move |got| input(got.map(|(message, _)| message).map_err(|problem| problem.to_string()))).boxed_local()
-}
-
-/// Hands messages to the bridge until it ends. While it is busy, messages are shed: newer ones follow.
-fn listen(
-    contacts: &Subscription<Contact>,
-    pressures: &[Subscription<FluidPressure>],
-    inputs: &SyncSender<Input>,
-    shed: &AtomicU64,
-) {
-    let mut streams = vec![inputs_of(contacts, Input::Contact)];
-    for (index, readings) in pressures.iter().enumerate() {
-        streams.push(inputs_of(readings, move |reading| Input::Pressure(index, reading)));
-    }
-    let mut all = select_all(streams);
-    block_on(async {
-        while let Some(input) = all.next().await {
-            match inputs.try_send(input) {
-                Ok(()) => {}
-                Err(TrySendError::Full(_)) => {
-                    shed.fetch_add(1, Ordering::Relaxed);
-                }
-                Err(TrySendError::Disconnected(_)) => return,
-            }
-        }
-    });
+fn topic_of(node: &Node, names: &Names, name: &str, kind: (&str, &str), qos: &QosProfile) -> Result<Topic, String> {
+    let full = names.topic(name)?;
+    let parsed = Name::parse(&full).map_err(|problem| format!("{full} is no name of ROS: {problem}"))?;
+    node.create_topic(&parsed, MessageTypeName::new(kind.0, kind.1), qos).map_err(failed)
 }

@@ -42,6 +42,10 @@ pub(crate) struct Whisker {
     published: Option<Timed<f64>>,
     /// When the silence was last reported; `None` while readings come.
     silent_at_s: Option<f64>,
+    /// States of gauge and regulator as a node reports them. Each reading repeats the regulator's: without it the agent
+    /// concludes one itself.
+    gauge: Option<&'static str>,
+    regulator: Option<&'static str>,
     pub(crate) estimate: Option<Estimate>,
     /// Factor on the readings; `None` for a robot that applies no gain.
     pub(crate) reading_gain: Option<f64>,
@@ -58,6 +62,8 @@ impl Whisker {
             moving: None,
             published: None,
             silent_at_s: None,
+            gauge: None,
+            regulator: None,
             estimate: None,
             reading_gain: None,
         }
@@ -66,6 +72,27 @@ impl Whisker {
     /// Its place: array/number.
     pub(crate) fn name(&self) -> String {
         format!("{}/{}", self.named.array, self.named.whisker)
+    }
+
+    /// The whisker as the agent names it.
+    pub(crate) fn named(&self) -> &Named {
+        &self.named
+    }
+
+    /// Takes states that a node reports; returns the line for the agent.
+    pub(crate) fn report(&mut self, [gauge, regulator]: [Option<&'static str>; 2]) -> ToAgent {
+        self.gauge = gauge.or(self.gauge);
+        self.regulator = regulator.or(self.regulator);
+        self.fault(gauge, regulator)
+    }
+
+    /// The line with all reported states, for an agent that has just come.
+    pub(crate) fn reported(&self) -> Option<ToAgent> {
+        (self.gauge.is_some() || self.regulator.is_some()).then(|| self.fault(self.gauge, self.regulator))
+    }
+
+    fn fault(&self, gauge: Option<&'static str>, regulator: Option<&'static str>) -> ToAgent {
+        ToAgent::Fault { array: self.named.array.clone(), whisker: self.named.whisker, gauge, regulator }
     }
 
     /// The newest reading, MPa, unless it is old.
@@ -104,7 +131,7 @@ impl Whisker {
     }
 
     /// Takes a reading; returns the line for the agent, unless one has just been sent.
-    pub(crate) fn read(&mut self, now_s: f64, pressure_mpa: f64) -> Option<ToAgent> {
+    pub(crate) fn read(&mut self, now_s: f64, t_us: Option<u64>, pressure_mpa: f64) -> Option<ToAgent> {
         self.reading = Some(Timed { at_s: now_s, value: pressure_mpa });
         let has_returned = self.silent_at_s.take().is_some();
         if !has_returned && now_s - self.passed_on_at_s < READING_EVERY_S {
@@ -112,7 +139,8 @@ impl Whisker {
         }
         self.passed_on_at_s = now_s;
         let (array, whisker) = (self.named.array.clone(), self.named.whisker);
-        Some(ToAgent::Pressure { array, whisker, pressure_mpa, regulator: has_returned.then_some("OK") })
+        let regulator = self.regulator.or(has_returned.then_some("OK"));
+        Some(ToAgent::Pressure { array, whisker, t_us, pressure_mpa, regulator })
     }
 
     /// The fault to report while readings do not come. It is repeated: the agent must not take this driver for silent.
@@ -123,8 +151,13 @@ impl Whisker {
             return None;
         }
         self.silent_at_s = Some(now_s);
-        let (array, whisker) = (self.named.array.clone(), self.named.whisker);
-        Some(ToAgent::Fault { array, whisker, regulator: "FAULT" })
+        Some(self.fault(None, Some("FAULT")))
+    }
+
+    /// Forgets the setpoint on its way: the next one begins at the measured pressure.
+    pub(crate) fn release(&mut self) {
+        self.moving = None;
+        self.published = None;
     }
 
     /// The setpoint to publish now, MPa. It moves from the measured pressure to the commanded one, as fast as the

@@ -33,6 +33,28 @@ pub struct Estimate {
     pub length_high_mm: f64,
     /// Condition, such as HEALTHY.
     pub condition: String,
+    /// Pairs of contact ratio and factor on the strain.
+    #[serde(default)]
+    pub gain: Vec<(f64, f64)>,
+}
+
+/// An order for a touch test.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct TestOrder {
+    /// Identifier of the test.
+    pub test_id: String,
+    /// Name of the array.
+    pub array: String,
+    /// Number of the whisker in its array.
+    pub whisker: u16,
+    /// WALL or TIP.
+    pub kind: String,
+    /// Distances from the base, mm.
+    pub distances_mm: Vec<f64>,
+    /// Deflections, mm.
+    pub deflections_mm: Vec<f64>,
+    /// Number of touches.
+    pub contacts: u16,
 }
 
 /// A line from the agent.
@@ -69,10 +91,7 @@ pub enum FromAgent {
     /// A pulse of a valve: only for boards without a regulator.
     Valve {},
     /// Do a touch test.
-    Test {
-        /// Identifier of the test.
-        test_id: String,
-    },
+    Test(TestOrder),
     /// The newest estimate of a whisker.
     Estimate(Estimate),
     /// The agent refused a line of ours.
@@ -98,15 +117,20 @@ pub enum ToAgent {
     },
     /// A contact.
     Contact(ContactLine),
+    /// Samples of strain.
+    Strain(StrainLine),
     /// A reading of a chamber.
     Pressure {
         /// Name of the array.
         array: String,
         /// Number of the whisker in its array.
         whisker: u16,
+        /// Time since 1970 UTC, us; without it the time of receipt counts.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        t_us: Option<u64>,
         /// Gauge pressure, MPa.
         pressure_mpa: f64,
-        /// Set to `OK` when readings return.
+        /// State of the regulator as a node reports it, and `OK` when readings return.
         #[serde(skip_serializing_if = "Option::is_none")]
         regulator: Option<&'static str>,
     },
@@ -116,14 +140,18 @@ pub enum ToAgent {
         array: String,
         /// Number of the whisker in its array.
         whisker: u16,
+        /// State of the gauge.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        gauge: Option<&'static str>,
         /// State of the regulator.
-        regulator: &'static str,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        regulator: Option<&'static str>,
     },
     /// Progress of a touch test.
     TestState {
         /// Identifier of the test.
         test_id: String,
-        /// Always `FAILED`.
+        /// `RUNNING`, `DONE` or `FAILED`.
         state: &'static str,
     },
 }
@@ -135,6 +163,9 @@ pub struct ContactLine {
     pub array: String,
     /// Number of the whisker in its array.
     pub whisker: u16,
+    /// Time since 1970 UTC, us; without it the time of receipt counts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub t_us: Option<u64>,
     /// Deflection, mm.
     pub deflection_mm: f64,
     /// Strain of the gauge.
@@ -160,4 +191,42 @@ pub struct ContactLine {
     /// False for a touch that did not come.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub touched: Option<bool>,
+}
+
+/// One sample, or consecutive ones.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Samples {
+    /// One sample, or one value for all samples.
+    One(f64),
+    /// Consecutive samples, the oldest first.
+    Many(Vec<f64>),
+}
+
+/// Samples of a strain gauge, as a line.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StrainLine {
+    /// Name of the array.
+    pub array: String,
+    /// Number of the whisker in its array.
+    pub whisker: u16,
+    /// Time of the first sample since 1970 UTC, us.
+    pub t_us: u64,
+    /// Strain, m/m.
+    pub strain: Samples,
+    /// Strain of the second gauge, m/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strain_2: Option<Samples>,
+    /// Time between samples, us.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub every_us: Option<u32>,
+    /// Way of the whisker's base, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deflection_mm: Option<Samples>,
+    /// Distance from the base, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance_mm: Option<Samples>,
+    /// Identifier of the touch test to which the samples belong.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub test_id: Option<String>,
 }

@@ -1,8 +1,11 @@
 //! Contacts and pressures come from ROS, setpoints and reports go to it, and bad messages are counted.
 
+use std::io::{BufRead, BufReader, Write};
+use std::os::unix::net::UnixListener;
+
 use serde_json::{Value, json};
 
-use crate::stage::{Stage, Talking};
+use crate::stage::{NAMESPACE, Stage, Talking};
 
 const ATMOSPHERE_PA: f64 = 101_325.0;
 const HELLO: &str = r#"{"type":"hello","version":1,"whiskers":[{"array":"left-front","whisker":0,"pressure_mpa":0.1,"pressure_max_mpa":0.2},{"array":"left-front","whisker":1,"pressure_mpa":0.1,"pressure_max_mpa":0.2}]}"#;
@@ -36,6 +39,12 @@ fn contacts_pressures_setpoints_and_reports_cross_the_bridge() {
     let reading =
         bridge.hear("pressure", |line| is(line, "pressure", 0).then(|| line["pressure_mpa"].as_f64().unwrap()));
     assert!((reading - 0.05).abs() < 1e-9, "{reading}");
+    // Stamps of this machine's clock count.
+    assert!(contact["t_us"].as_u64().is_some_and(|t_us| t_us > 1_600_000_000_000_000), "{contact}");
+    let strain = bridge.hear("strain", |line| is(line, "strain", 0).then(|| line.clone()));
+    assert_eq!((&strain["strain"], &strain["every_us"]), (&json!([0.001, 0.002, 0.003]), &json!(1000)));
+    assert_eq!(strain["deflection_mm"], json!(2.0));
+    bridge.hear("the state of the gauge", |line| (is(line, "fault", 0) && line["gauge"] == "OK").then_some(()));
     // The other whisker is silent, which must not pass as good health.
     bridge.hear("fault of the silent whisker", |line| is(line, "fault", 1).then_some(()));
 
@@ -55,8 +64,11 @@ fn contacts_pressures_setpoints_and_reports_cross_the_bridge() {
     });
 
     let estimate = json!({"type": "estimate", "array": "left-front", "whisker": 0, "length_mm": 54.2,
-        "length_low_mm": 53.1, "length_high_mm": 55.3, "condition": "TRIMMED", "gain": []});
+        "length_low_mm": 53.1, "length_high_mm": 55.3, "condition": "TRIMMED", "gain": [[0.5, 1.25]]});
     bridge.say(&estimate.to_string());
+    let published = peer.hear("the estimate", |line| line["estimate"].as_array().cloned());
+    assert!((published[0].as_f64().unwrap() - 0.0542).abs() < 1e-9, "{published:?}");
+    assert_eq!(published[1..], [json!("TRIMMED"), json!([0.5]), json!([1.25])]);
     let report = peer.hear("a report of the cut", |line| {
         (line["report"]["vibrissa: left-front/0"][1] == "trimmed").then(|| line.clone())
     });
@@ -70,6 +82,95 @@ fn contacts_pressures_setpoints_and_reports_cross_the_bridge() {
     bridge.hear("fault of a robot that is gone", |line| is(line, "fault", 0).then_some(()));
     bridge.hang_up();
     assert!(bridge.child.wait().unwrap().success());
+}
+
+#[test]
+fn a_touch_test_is_an_action_of_the_robots_node() {
+    let Some(stage) = Stage::make(4) else { return };
+    let mut bridge = stage.bridge(&["--pressures", "absolute"]);
+    bridge.say(HELLO);
+    let peer = stage.peer(&[]);
+    bridge.hear("a reading of the node", |line| is(line, "pressure", 0).then_some(()));
+    let order = json!({"type": "test", "test_id": "t1", "array": "left-front", "whisker": 0, "kind": "WALL",
+        "distances_mm": [50.0, 56.0], "deflections_mm": [2.0], "contacts": 2});
+    bridge.say(&order.to_string());
+    let goal = peer.hear("the goal", |line| line["goal"].as_array().cloned());
+    assert_eq!(goal, [json!("t1"), json!(1), json!([0.05, 0.056]), json!(2)]);
+    let state = |line: &Value| (line["test_id"] == "t1").then(|| line["state"].as_str().map(str::to_owned)).flatten();
+    assert_eq!(bridge.hear("its begin", state), "RUNNING");
+    let of_test = |line: &Value| (line["test_id"] == "t1" && line["type"] == "contact").then(|| line.clone());
+    let (touch, missed) = (bridge.hear("a touch", of_test), bridge.hear("a missed touch", of_test));
+    assert_eq!((&touch["strain"], &touch["touched"]), (&json!(0.0102), &Value::Null));
+    assert_eq!(missed["touched"], json!(false));
+    assert_eq!(bridge.hear("its end", state), "DONE");
+}
+
+#[test]
+fn a_launch_file_starts_it_beside_an_agent_that_listens() {
+    let Some(stage) = Stage::make(5) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (socket, file) = (folder.path().join("driver.sock"), folder.path().join("launch_params"));
+    let agent = UnixListener::bind(&socket).unwrap();
+    let parameters = format!(
+        "/**:\n  ros__parameters:\n    pressures: absolute\n    robot: crawler\n    agent: unix:{}\n",
+        socket.display()
+    );
+    std::fs::write(&file, parameters).unwrap();
+    let namespace = format!("__ns:={NAMESPACE}");
+    let rules = ["-r", "__node:=vibrissa", "-r", &namespace, "-r", "contacts:=touches", "-r", "touches:=contacts"];
+    let _bridge = stage.launched(&[&rules[..], &["--params-file", &file.display().to_string()]].concat());
+    // The second connection is that of an agent that has started again.
+    for pressure_mpa in [0.06, 0.07] {
+        let (mut stream, _) = agent.accept().unwrap();
+        let mut lines = BufReader::new(stream.try_clone().unwrap()).lines().map_while(Result::ok);
+        let mut hear = |kind: &str| {
+            let is_heard = |line: &String| serde_json::from_str::<Value>(line).unwrap()["type"] == kind;
+            lines.find(is_heard).unwrap_or_else(|| panic!("no {kind}"))
+        };
+        assert!(hear("hello").contains("vibrissa-ros2"));
+        writeln!(stream, "{HELLO}").unwrap();
+        let peer = stage.peer(&[]);
+        hear("pressure");
+        let line = json!({"type": "set_pressure", "array": "left-front", "whisker": 0, "pressure_mpa": pressure_mpa,
+            "slew_mpa_per_s": 0.05});
+        writeln!(stream, "{line}").unwrap();
+        peer.hear("the setpoint", |line| {
+            let mpa = (line["setpoint_pa"].as_f64()? - ATMOSPHERE_PA) * 1e-6;
+            ((mpa - pressure_mpa).abs() < 1e-6).then_some(())
+        });
+        // The topic of contacts has another name now.
+        peer.hear("a report", |line| {
+            let contacts = reported(line, "vibrissa: bridge", "contacts")?;
+            assert_eq!(contacts, "0", "{line}");
+            Some(())
+        });
+    }
+    let peer = stage.peer(&["parameters"]);
+    let parameters = peer.hear("parameters", |line| line["parameters"].as_array().cloned());
+    assert_eq!(parameters, [json!("absolute"), json!(ATMOSPHERE_PA), json!("crawler")]);
+}
+
+#[test]
+fn a_managed_node_moves_no_air_before_it_is_activated() {
+    let Some(stage) = Stage::make(6) else { return };
+    let mut bridge = stage.bridge(&["--pressures", "absolute", "--lifecycle"]);
+    bridge.say(HELLO);
+    let peer = stage.peer(&[]);
+    // Its readings are not passed on, so the agent hears that they are missing.
+    bridge.hear("the fault", |line| {
+        assert!(line["type"] != "pressure" && line["type"] != "contact", "{line}");
+        is(line, "fault", 0).then_some(())
+    });
+    let manager = stage.peer(&["lifecycle"]);
+    let event = |start: &str, goal: &str| {
+        let wanted = json!([start, goal]);
+        manager.hear(goal, |line| (line["event"] == wanted).then_some(()));
+    };
+    event("configuring", "inactive");
+    event("inactive", "activating");
+    manager.hear("the state", |line| (line["state"] == "active").then_some(()));
+    set_pressure(&mut bridge, 0.06);
+    peer.hear("setpoint", |line| line["setpoint_pa"].as_f64());
 }
 
 #[test]

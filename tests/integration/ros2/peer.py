@@ -1,8 +1,9 @@
 """A robot's ROS node, by another implementation of DDS (Cyclone DDS) and on 127.0.0.1 only.
 
-It simulates the chamber of whisker left-front/0, which follows its setpoints, and touches something twice a second. It
-prints what it receives as lines of JSON: `peer.py NAMESPACE DOMAIN`. With a third argument it only publishes a contact
-that ends too early.
+It simulates the chamber of whisker left-front/0, which follows its setpoints, touches something twice a second, reports
+a gauge, and does touch tests. It prints what it receives as lines of JSON: `peer.py NAMESPACE DOMAIN`. With a third
+argument `short` it only publishes a contact that ends too early, with `parameters` it reads the bridge's parameters,
+and with `lifecycle` it configures and activates the bridge.
 """
 
 import json
@@ -10,7 +11,6 @@ import math
 import os
 import sys
 import time
-from dataclasses import dataclass
 
 CONFIG = """<CycloneDDS><Domain><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces>
 <AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>
@@ -20,78 +20,39 @@ os.environ["CYCLONEDDS_URI"] = CONFIG
 
 from cyclonedds.core import Policy, Qos  # noqa: E402
 from cyclonedds.domain import DomainParticipant  # noqa: E402
-from cyclonedds.idl import IdlStruct  # noqa: E402
-from cyclonedds.idl.types import float64, int32, sequence, uint8, uint16, uint32  # noqa: E402
 from cyclonedds.pub import DataWriter  # noqa: E402
 from cyclonedds.sub import DataReader  # noqa: E402
 from cyclonedds.topic import Topic  # noqa: E402
 from cyclonedds.util import duration  # noqa: E402
+from messages import (  # noqa: E402
+    Call,
+    ChangeStateRequest,
+    ChangeStateResponse,
+    Contact,
+    DiagnosticArray,
+    Estimate,
+    Fault,
+    FluidPressure,
+    GetParametersRequest,
+    GetParametersResponse,
+    GetResultRequest,
+    GetResultResponse,
+    GetStateRequest,
+    GetStateResponse,
+    Header,
+    Result,
+    SendGoalRequest,
+    SendGoalResponse,
+    ShortContact,
+    Strain,
+    Time,
+    Transition,
+    TransitionEvent,
+)
 
 ATMOSPHERE_PA = 101_325.0
-
-
-@dataclass
-class Time(IdlStruct, typename="builtin_interfaces::msg::dds_::Time_"):
-    sec: int32
-    nanosec: uint32
-
-
-@dataclass
-class Header(IdlStruct, typename="std_msgs::msg::dds_::Header_"):
-    stamp: Time
-    frame_id: str
-
-
-@dataclass
-class Contact(IdlStruct, typename="vibrissa_msgs::msg::dds_::Contact_"):
-    header: Header
-    array: str
-    whisker: uint16
-    deflection_m: float64
-    strain: float64
-    place: uint8
-    distance_m: float64
-    distance_sd_m: float64
-    ratio: float64
-    ratio_sd: float64
-    test_id: str
-    missed: bool
-
-
-@dataclass
-class ShortContact(IdlStruct, typename="vibrissa_msgs::msg::dds_::Contact_"):
-    header: Header
-    array: str
-
-
-@dataclass
-class FluidPressure(IdlStruct, typename="sensor_msgs::msg::dds_::FluidPressure_"):
-    header: Header
-    fluid_pressure: float64
-    variance: float64
-
-
-@dataclass
-class KeyValue(IdlStruct, typename="diagnostic_msgs::msg::dds_::KeyValue_"):
-    key: str
-    value: str
-
-
-@dataclass
-class DiagnosticStatus(IdlStruct, typename="diagnostic_msgs::msg::dds_::DiagnosticStatus_"):
-    level: uint8
-    name: str
-    message: str
-    hardware_id: str
-    values: sequence[KeyValue]
-
-
-@dataclass
-class DiagnosticArray(IdlStruct, typename="diagnostic_msgs::msg::dds_::DiagnosticArray_"):
-    header: Header
-    status: sequence[DiagnosticStatus]
-
-
+# `STATUS_SUCCEEDED` of action_msgs/msg/GoalStatus.
+SUCCEEDED = 4
 SENSOR_DATA = Qos(Policy.Reliability.BestEffort, Policy.Durability.Volatile, Policy.History.KeepLast(5))
 RELIABLE = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.KeepLast(10))
 LATCHED = Qos(
@@ -103,37 +64,122 @@ def show(**what):
     print(json.dumps(what), flush=True)
 
 
-def header():
+def stamp():
     now = time.time()
-    return Header(Time(int(now), int(now % 1 * 1e9)), "")
+    return Time(int(now), int(now % 1 * 1e9))
 
 
-def contact(strain):
-    return Contact(header(), "left-front", 0, 0.002, strain, 1, 0.05, 0.0005, 0.0, 0.0, "", False)
+def header():
+    return Header(stamp(), "")
+
+
+def contact(strain, test_id="", missed=False):
+    return Contact(header(), "left-front", 0, 0.002, strain, 1, 0.05, 0.0005, 0.0, 0.0, test_id, missed)
+
+
+def writer(participant, name, kind, qos):
+    return DataWriter(participant, Topic(participant, name, kind), qos=qos)
+
+
+def reader(participant, name, kind, qos):
+    return DataReader(participant, Topic(participant, name, kind), qos=qos)
+
+
+class TouchTests:
+    """The server of the action touch_test, which has done each test when its result is requested."""
+
+    def __init__(self, participant, namespace):
+        name = f"{namespace}/touch_test/_action"
+        self.goals = reader(participant, f"rq{name}/send_goalRequest", SendGoalRequest, RELIABLE)
+        self.answers = writer(participant, f"rr{name}/send_goalReply", SendGoalResponse, RELIABLE)
+        self.requests = reader(participant, f"rq{name}/get_resultRequest", GetResultRequest, RELIABLE)
+        self.results = writer(participant, f"rr{name}/get_resultReply", GetResultResponse, RELIABLE)
+        self.accepted = {}
+
+    def step(self):
+        for request in self.goals.take(N=10):
+            self.accepted[tuple(request.goal_id)] = request.goal
+            show(goal=[request.goal.test_id, request.goal.kind, request.goal.distances_m, request.goal.contacts])
+            self.answers.write(SendGoalResponse(request.call, True, stamp()))
+        for request in self.requests.take(N=10):
+            goal = self.accepted[tuple(request.goal_id)]
+            touches = [contact(0.0102, goal.test_id), contact(0.0, goal.test_id, missed=True)]
+            self.results.write(GetResultResponse(request.call, SUCCEEDED, Result(touches, "")))
+
+
+def publish_short_contacts(participant, namespace):
+    short = writer(participant, f"rt{namespace}/contacts", ShortContact, SENSOR_DATA)
+    while True:
+        short.write(ShortContact(header(), "left-front"))
+        time.sleep(0.1)
+
+
+def read_parameters(participant, namespace):
+    service = f"{namespace}/vibrissa/get_parameters"
+    requests = writer(participant, f"rq{service}Request", GetParametersRequest, RELIABLE)
+    replies = reader(participant, f"rr{service}Reply", GetParametersResponse, RELIABLE)
+    while True:
+        requests.write(GetParametersRequest(["pressures", "atmosphere_pa", "robot"]))
+        for reply in replies.take(N=10):
+            pressures, atmosphere_pa, robot = reply.values
+            show(parameters=[pressures.string_value, atmosphere_pa.double_value, robot.string_value])
+        time.sleep(0.1)
+
+
+def change_states(participant, namespace):
+    node = f"{namespace}/vibrissa"
+    changes = writer(participant, f"rq{node}/change_stateRequest", ChangeStateRequest, RELIABLE)
+    changed = reader(participant, f"rr{node}/change_stateReply", ChangeStateResponse, RELIABLE)
+    questions = writer(participant, f"rq{node}/get_stateRequest", GetStateRequest, RELIABLE)
+    states = reader(participant, f"rr{node}/get_stateReply", GetStateResponse, RELIABLE)
+    events = reader(participant, f"rt{node}/transition_event", TransitionEvent, RELIABLE)
+    call = Call([7] * 8, 0, 1)
+    while True:
+        questions.write(GetStateRequest(call, 0))
+        for reply in states.take(N=10):
+            state = reply.current_state.label
+            show(state=state)
+            next_label = {"unconfigured": "configure", "inactive": "activate"}.get(state)
+            if next_label:
+                changes.write(ChangeStateRequest(call, Transition(0, next_label)))
+        for reply in changed.take(N=10):
+            show(changed=reply.success)
+        for event in events.take(N=10):
+            show(event=[event.start_state.label, event.goal_state.label])
+        time.sleep(0.1)
 
 
 def main():
     namespace, domain = sys.argv[1], int(sys.argv[2])
     participant = DomainParticipant(domain)
-    if len(sys.argv) > 3:
-        short = DataWriter(participant, Topic(participant, f"rt{namespace}/contacts", ShortContact), qos=SENSOR_DATA)
-        while True:
-            short.write(ShortContact(header(), "left-front"))
-            time.sleep(0.1)
+    if sys.argv[3:] == ["short"]:
+        publish_short_contacts(participant, namespace)
+    if sys.argv[3:] == ["parameters"]:
+        read_parameters(participant, namespace)
+    if sys.argv[3:] == ["lifecycle"]:
+        change_states(participant, namespace)
     whisker = f"rt{namespace}/left_front/whisker_0"
-    contacts = DataWriter(participant, Topic(participant, f"rt{namespace}/contacts", Contact), qos=SENSOR_DATA)
-    readings = DataWriter(participant, Topic(participant, f"{whisker}/pressure", FluidPressure), qos=SENSOR_DATA)
-    setpoints = DataReader(participant, Topic(participant, f"{whisker}/setpoint", FluidPressure), qos=LATCHED)
-    reports = DataReader(participant, Topic(participant, "rt/diagnostics", DiagnosticArray), qos=RELIABLE)
+    contacts = writer(participant, f"rt{namespace}/contacts", Contact, SENSOR_DATA)
+    faults = writer(participant, f"rt{namespace}/faults", Fault, RELIABLE)
+    readings = writer(participant, f"{whisker}/pressure", FluidPressure, SENSOR_DATA)
+    strains = writer(participant, f"{whisker}/strain", Strain, SENSOR_DATA)
+    setpoints = reader(participant, f"{whisker}/setpoint", FluidPressure, LATCHED)
+    estimates = reader(participant, f"{whisker}/estimate", Estimate, LATCHED)
+    reports = reader(participant, "rt/diagnostics", DiagnosticArray, RELIABLE)
+    tests = TouchTests(participant, namespace)
     pressure_pa = ATMOSPHERE_PA + 50_000.0
     for step in range(10_000):
         readings.write(FluidPressure(header(), pressure_pa, 0.0))
         if step % 10 == 0:
             # Every fourth contact has no strain, which the bridge must refuse.
             contacts.write(contact(math.nan if step % 40 == 0 else 0.0123))
+            strains.write(Strain(header(), [0.001, 0.002, 0.003], [], 1000, [0.002], [], ""))
+            faults.write(Fault(header(), "left-front", 0, "OK", ""))
         for setpoint in setpoints.take(N=100):
             pressure_pa = setpoint.fluid_pressure
             show(setpoint_pa=pressure_pa, frame_id=setpoint.header.frame_id)
+        for estimate in estimates.take(N=10):
+            show(estimate=[estimate.length_m, estimate.condition, estimate.gain_ratio, estimate.gain])
         for report in reports.take(N=100):
             show(
                 report={
@@ -141,6 +187,7 @@ def main():
                     for one in report.status
                 }
             )
+        tests.step()
         time.sleep(0.05)
 
 

@@ -15,7 +15,7 @@ use vibrissa_tests::python::environment_if_reachable;
 /// Time limit for a message.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// Tests that use a domain.
-const TESTS: u32 = 4;
+const TESTS: u32 = 7;
 /// Domains whose ports are below those that Linux gives to clients.
 const DOMAINS: u32 = 100;
 pub(crate) const NAMESPACE: &str = "/crawler";
@@ -130,7 +130,16 @@ impl Stage {
     pub(crate) fn bridge(&self, arguments: &[&str]) -> Talking {
         let mut command = Command::new(&self.program);
         command.args(["--localhost", "--namespace", NAMESPACE, "--robot", "crawler"]).args(arguments);
-        Talking::start(command.env("ROS_DOMAIN_ID", &self.domain))
+        // The peer carries services as Cyclone DDS does.
+        let environment = [("ROS_DOMAIN_ID", self.domain.as_str()), ("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")];
+        Talking::start(command.envs(environment))
+    }
+
+    /// Starts the program as a launch file would.
+    pub(crate) fn launched(&self, arguments: &[&str]) -> Talking {
+        let mut command = Command::new(&self.program);
+        let environment = [("ROS_DOMAIN_ID", self.domain.as_str()), ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")];
+        Talking::start(command.arg("--ros-args").args(arguments).envs(environment))
     }
 
     /// Starts the robot's node.

@@ -1,0 +1,176 @@
+//! The ways to the agent: standard input and output, or a socket at which it listens.
+
+use std::fmt;
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::os::unix::net::UnixStream;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use serde_json::json;
+
+use crate::bridge::Input;
+use crate::words::{LINE_MAX, ToAgent};
+
+/// Time limit of a connection, and of writing a line.
+const TIMEOUT: Duration = Duration::from_secs(3);
+/// Pause before the next attempt to reach the agent.
+const PAUSE: Duration = Duration::from_millis(500);
+
+/// Where the agent is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum AgentAddress {
+    /// At standard input and output.
+    Pipes,
+    /// At a Unix socket.
+    Unix(PathBuf),
+    /// At a TCP port.
+    Tcp(SocketAddr),
+}
+
+impl FromStr for AgentAddress {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("{text:?} is neither unix:PATH nor tcp:IP:PORT");
+        match text.split_once(':') {
+            Some(("unix", path)) if !path.is_empty() => Ok(Self::Unix(PathBuf::from(path))),
+            Some(("tcp", address)) => address.parse().map(Self::Tcp).map_err(|_| wrong()),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+impl fmt::Display for AgentAddress {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Pipes => formatter.write_str("standard input"),
+            Self::Unix(path) => write!(formatter, "unix:{}", path.display()),
+            Self::Tcp(address) => write!(formatter, "tcp:{address}"),
+        }
+    }
+}
+
+type Reader = Box<dyn Read + Send>;
+type Writer = Box<dyn Write + Send>;
+
+fn connect(address: &AgentAddress) -> io::Result<(Reader, Writer)> {
+    match address {
+        AgentAddress::Pipes => Ok((Box::new(io::stdin()), Box::new(io::stdout()))),
+        AgentAddress::Unix(path) => {
+            let stream = UnixStream::connect(path)?;
+            stream.set_write_timeout(Some(TIMEOUT))?;
+            Ok((Box::new(stream.try_clone()?), Box::new(stream)))
+        }
+        AgentAddress::Tcp(address) => {
+            let stream = TcpStream::connect_timeout(address, TIMEOUT)?;
+            stream.set_nodelay(true)?;
+            stream.set_write_timeout(Some(TIMEOUT))?;
+            Ok((Box::new(stream.try_clone()?), Box::new(stream)))
+        }
+    }
+}
+
+/// Reads lines until the agent closes the way; returns whether there were any. A line that is too long is refused,
+/// and the next one is read.
+fn read_lines(reader: Reader, inputs: &SyncSender<Input>) -> bool {
+    let (mut reader, mut has_heard) = (BufReader::new(reader), false);
+    loop {
+        let mut bytes = Vec::new();
+        let got = reader.by_ref().take(LINE_MAX as u64 + 1).read_until(b'\n', &mut bytes);
+        if !got.is_ok_and(|count| count > 0) {
+            return has_heard;
+        }
+        has_heard = true;
+        let is_whole = bytes.ends_with(b"\n");
+        if !is_whole && bytes.len() > LINE_MAX && reader.skip_until(b'\n').is_err() {
+            return has_heard;
+        }
+        let line = String::from_utf8(bytes).map_err(|_| "the agent sent a line that is not UTF-8".to_owned());
+        if inputs.send(Input::Line(line)).is_err() {
+            return has_heard;
+        }
+    }
+}
+
+/// The way to the agent. Lines from it become inputs.
+pub struct AgentLink {
+    address: AgentAddress,
+    writer: Arc<Mutex<Option<Writer>>>,
+}
+
+impl AgentLink {
+    /// Opens the way. A lost socket is opened again. `ended` hears the end of standard input, and whether it had lines.
+    #[must_use]
+    pub fn open(
+        address: AgentAddress,
+        token: Option<String>,
+        inputs: SyncSender<Input>,
+        ended: SyncSender<bool>,
+    ) -> Self {
+        let link = Self { address, writer: Arc::default() };
+        let (address, writer) = (link.address.clone(), Arc::clone(&link.writer));
+        thread::spawn(move || {
+            let mut logged = String::new();
+            loop {
+                let problem = match hold(&address, token.as_deref(), &writer, &inputs) {
+                    Ok(has_heard) if address == AgentAddress::Pipes => {
+                        // The program ends, and nobody may hear it any more.
+                        let _ = ended.send(has_heard);
+                        return;
+                    }
+                    Ok(_) => "the agent has closed the connection".to_owned(),
+                    Err(problem) => problem.to_string(),
+                };
+                *writer.lock().unwrap_or_else(PoisonError::into_inner) = None;
+                if problem != logged {
+                    eprintln!("vibrissa-ros2: {address}: {problem}; trying again");
+                    logged = problem;
+                }
+                thread::sleep(PAUSE);
+            }
+        });
+        link
+    }
+
+    /// Sends a line. Without a connection it is dropped: readings and contacts of then do not matter later.
+    ///
+    /// # Errors
+    /// Standard output is closed.
+    pub fn say(&self, line: &ToAgent) -> Result<(), String> {
+        let mut text = serde_json::to_string(line).map_err(|problem| problem.to_string())?;
+        text.push('\n');
+        let mut writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(open) = writer.as_mut() else { return Ok(()) };
+        match open.write_all(text.as_bytes()).and_then(|()| open.flush()) {
+            Err(problem) if self.address == AgentAddress::Pipes => Err(format!("the agent is gone: {problem}")),
+            Err(_) => {
+                // The reader hears it, too, and opens the way again.
+                *writer = None;
+                Ok(())
+            }
+            Ok(()) => Ok(()),
+        }
+    }
+}
+
+/// Connects, and reads lines until the connection ends.
+fn hold(
+    address: &AgentAddress,
+    token: Option<&str>,
+    shared: &Mutex<Option<Writer>>,
+    inputs: &SyncSender<Input>,
+) -> io::Result<bool> {
+    let (reader, mut writer) = connect(address)?;
+    if let Some(token) = token {
+        writeln!(writer, "{}", json!({ "type": "token", "token": token }))?;
+        writer.flush()?;
+    }
+    *shared.lock().unwrap_or_else(PoisonError::into_inner) = Some(writer);
+    inputs.send(Input::Linked).map_err(io::Error::other)?;
+    Ok(read_lines(reader, inputs))
+}
