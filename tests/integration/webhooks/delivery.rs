@@ -8,7 +8,7 @@ use vibrissa_protocol::{SetpointError, SetpointOutcome};
 use vibrissa_tests::wait::until_true;
 
 use crate::receiver::{Manner, Receiver, Request};
-use crate::stage::{FAST, LEARNED, Stage, call, hook, shown, taken};
+use crate::stage::{FAST, LEARNED, Stage, call, hook, shown};
 
 /// Verifies a request with the example of the document, which shares no code with the program.
 pub(crate) fn is_genuine(secret: &str, request: &Request) -> bool {

@@ -135,7 +135,7 @@ pub(crate) struct Engine {
 /// Why the engine does something.
 enum Cause {
     /// A transaction was written, or cannot be.
-    Written(Written),
+    Written(Box<Written>),
     /// The open batches are to be committed.
     CommitDue,
     /// So many messages have come; 0 after the last.
@@ -180,7 +180,7 @@ impl Engine {
             let due = self.pipeline.due();
             let are_few = self.pipeline.schedule().are_few();
             let cause = tokio::select! {
-                written = self.pipeline.written() => Cause::Written(written),
+                written = self.pipeline.written() => Cause::Written(Box::new(written)),
                 () = async { sleep_until(due.unwrap_or_else(Instant::now)).await }, if due.is_some() => Cause::CommitDue,
                 count = inbox.recv_many(&mut messages, MESSAGES_AT_A_TIME), if has_room => Cause::Messages(count),
                 Some(batch) = next_batch(&mut log), if has_room => Cause::Log(batch),
@@ -190,7 +190,7 @@ impl Engine {
             };
             self.excuse_own_standstill();
             match cause {
-                Cause::Written(written) => self.committed(written)?,
+                Cause::Written(written) => self.committed(*written)?,
                 Cause::CommitDue => {}
                 Cause::Messages(0) => break,
                 Cause::Messages(count) => {
