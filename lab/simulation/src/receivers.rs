@@ -29,6 +29,8 @@ pub const PACE: Pace = Pace {
 };
 /// After a failover that lost commits, holds of targets and positions may be those of before. A hold lasts for less than this.
 const UNCERTAIN: Duration = Duration::from_secs(30);
+/// A sender closes a request after this time, unless it stands still. Then its hold lapses, and another one sends.
+const CLOSED_AFTER: Duration = PATIENCE.saturating_add(LATENCY).saturating_add(LATENCY);
 /// Filters of the targets: fleets, kinds, and level.
 const FILTERS: [(Option<&str>, Option<&str>, &str); 3] = [
     (None, None, "WARNING"),
@@ -55,8 +57,8 @@ pub enum Manner {
 #[derive(Debug)]
 struct Receiver {
     manner: Manner,
-    /// Identifiers of the requests that it works on.
-    under_way: Vec<String>,
+    /// Identifiers of the requests that it works on, and their arrival.
+    under_way: Vec<(String, Instant)>,
     /// Number of the newest event of which a request has come.
     newest: i64,
     /// Body of each event that it has taken, by identifier.
@@ -165,14 +167,15 @@ impl Receivers {
         let is_certain = state.certain_from.is_none_or(|from| from <= Instant::now());
         let Some(receiver) = state.receivers.get_mut(&webhook_id) else { return Manner::Fails };
         let mut found = Vec::new();
-        if is_certain && let Some(other) = receiver.under_way.first() {
+        receiver.under_way.retain(|(_, since)| since.elapsed() <= CLOSED_AFTER);
+        if is_certain && let Some((other, _)) = receiver.under_way.first() {
             found.push((Invariant::WebhookOnce, format!("{} comes during {other}", message.id)));
         }
         if is_certain && event_id < receiver.newest && !is_dead {
             found.push((Invariant::WebhookInOrder, format!("{} comes after event {}", message.id, receiver.newest)));
         }
         receiver.newest = receiver.newest.max(event_id);
-        receiver.under_way.push(message.id.clone());
+        receiver.under_way.push((message.id.clone(), Instant::now()));
         let manner = receiver.manner;
         let (from, to) = ("webhooks".to_owned(), format!("receiver-{webhook_id}"));
         state.steps.push(Step { at: self.begun.elapsed(), from, to, what: format!("{} {manner:?}", message.id) });
@@ -194,7 +197,7 @@ impl Receivers {
     fn leaves(&self, message: &Message) {
         let mut state = self.state();
         for receiver in state.receivers.values_mut() {
-            receiver.under_way.retain(|id| *id != message.id);
+            receiver.under_way.retain(|(id, _)| *id != message.id);
         }
     }
 

@@ -100,7 +100,8 @@ invariants! {
         [Simulation];
     WebhookInOrder "WEBHOOK_IN_ORDER" "a webhook gets events in the order of their commits, except dead letters"
         [Simulation];
-    WebhookOnce "WEBHOOK_ONCE" "a webhook gets one request at a time" [Simulation];
+    WebhookOnce "WEBHOOK_ONCE" "a webhook gets one request at a time, unless a sender stands still during one"
+        [Simulation];
     WebhookIdOnce "WEBHOOK_ID_ONCE" "no two events of a webhook have the same identifier" [Simulation];
     NewerStateKept "NEWER_STATE_KEPT" "a program keeps the state of a robot that a newer program has written"
         [Simulation];
