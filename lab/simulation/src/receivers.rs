@@ -120,13 +120,13 @@ impl Receivers {
         state.receivers.values_mut().for_each(|receiver| receiver.newest = 0);
     }
 
-    /// What was wrong since the last time.
+    /// Violations since the last call.
     #[must_use]
     pub fn take_violations(&self) -> Vec<Violation> {
         std::mem::take(&mut self.state().violations)
     }
 
-    /// The requests since the last time.
+    /// Requests since the last call.
     #[must_use]
     pub fn take_steps(&self) -> Vec<Step> {
         std::mem::take(&mut self.state().steps)

@@ -23,7 +23,7 @@ const FIRST: Duration = Duration::from_secs(5);
 /// Time for each other speed.
 const OTHER: Duration = Duration::from_secs(2);
 
-/// What was heard at a device.
+/// Findings at a device.
 #[derive(Debug, Default)]
 struct Heard {
     bytes: usize,

@@ -5,7 +5,7 @@ use crate::{Contact, Params};
 /// State of a segmenter, the worst first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
-    /// It cannot tell contacts yet, as something is missing. Contacts are held back.
+    /// It cannot report contacts yet, as something is missing. Contacts are held back.
     Learning(Missing),
     /// Rest was known and is in doubt: after a gap, a step of air, or in a contact longer than `longest_s` without
     /// a deflection. Contacts are held back.
@@ -16,11 +16,11 @@ pub enum Condition {
     Clipped,
     /// The whisker shakes, or the converter has many glitches: only strong touches are found.
     Noisy,
-    /// Contacts are told as they end.
+    /// Contacts are reported as they end.
     Ready,
 }
 
-/// What a segmenter needs to tell contacts.
+/// What a segmenter needs to report contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Missing {
     /// A higher rate of samples.

@@ -84,7 +84,7 @@ impl Agent {
         Ok(())
     }
 
-    /// Tells a person what is wrong with a gauge.
+    /// Warns a person of a faulty gauge.
     pub(super) fn warn_of_gauge(&self, at: usize, finding: Option<Finding>, out: &mut Vec<Output>) {
         let Some(finding) = finding else { return };
         let Chamber { array, number, .. } = &self.chambers[at];

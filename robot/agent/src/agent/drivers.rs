@@ -73,7 +73,7 @@ impl Driver {
         self.is_there.then(|| self.heard + self.limits.silent_us)
     }
 
-    /// What a person should know of its silence.
+    /// A sentence about its silence for a person.
     fn silence(&self) -> String {
         match &self.problem {
             Some(problem) => {

@@ -1,4 +1,4 @@
-//! What the strains of a gauge tell of its wiring and its amplifier: a reversed polarity, and an end of the scale.
+//! Faults of a gauge's wiring and amplifier, seen in its strains: a reversed polarity, and an end of the scale.
 //!
 //! **Polarity.** A touch stretches the gauge. If the last contacts are compressions, all but a few, its wires are
 //! swapped, and the supervisor can use none of them.

@@ -1,4 +1,4 @@
-//! What a person at the robot should see of its whiskers and drivers: `vibrissa-robot monitor`.
+//! State of a robot's whiskers and drivers for a person at the robot: `vibrissa-robot monitor`.
 
 use std::collections::BTreeMap;
 
@@ -66,7 +66,7 @@ pub struct WhiskerView {
     pub refused: u64,
     /// Contacts that could not be sent, by reason.
     pub unused: BTreeMap<String, u64>,
-    /// What to do, if anything.
+    /// Advice; `None` if nothing is to be done.
     pub advice: Option<String>,
 }
 

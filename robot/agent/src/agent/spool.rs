@@ -10,7 +10,7 @@ use crate::store::{Payload, Record};
 /// Most messages that are asked back at once.
 const BACK_AT_ONCE: usize = 64;
 
-/// What the agent knows of the disk.
+/// State of the disk, as the agent knows it.
 #[derive(Debug)]
 pub(super) struct Spooling {
     /// Whether something waits there.

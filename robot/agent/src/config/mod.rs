@@ -184,8 +184,8 @@ impl Config {
         Self::from_toml_str(&text(path)?, path.parent().unwrap_or(Path::new("")))
     }
 
-    /// Reads a file for a program that is the driver itself and connects to `socket`. The file needs no way to the driver; one
-    /// that it names is not used.
+    /// Reads a file for a program that is the driver itself and connects to `socket`. The file needs no way to the driver;
+    /// another way in it has no effect.
     ///
     /// # Errors
     /// Those of [`Config::read`], and several drivers.

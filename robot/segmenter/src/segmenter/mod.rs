@@ -19,7 +19,7 @@ use crate::{Contact, Counts, Event, Params, Sample};
 
 /// A contact has ended if its strain stays below this part of the largest for this long. s.
 const LOW: (f64, f64) = (0.3, 0.4);
-/// A contact is told so long after its onset, when it is certain that it was no shaking. s.
+/// A contact is reported so long after its onset, when it is certain that it was no shaking. s.
 const CERTAIN_S: f64 = 0.18;
 
 #[derive(Clone, Debug)]
