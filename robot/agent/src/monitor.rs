@@ -86,6 +86,7 @@ pub fn text(snapshot: &Snapshot) -> String {
 
 fn line(whisker: &WhiskerView) -> String {
     let condition = whisker.condition.map_or_else(|| "-".to_owned(), |condition| condition.to_string());
+    let segmenter = whisker.segmenter.as_ref().map_or_else(String::new, |word| format!(" segmenter {word}"));
     let pressure = whisker.pressure_mpa.map_or_else(|| "?".to_owned(), |mpa| format!("{mpa:.4}"));
     let contact = whisker.contact_s.map_or_else(|| "no contact".to_owned(), |s| format!("contact {s:.0} s ago"));
     let unused: u64 = whisker.unused.values().sum();
@@ -93,7 +94,7 @@ fn line(whisker: &WhiskerView) -> String {
     let most = most.map_or_else(String::new, |(reason, _)| format!(" ({reason})"));
     let advice = whisker.advice.as_ref().map_or_else(String::new, |advice| format!(" -> {advice}"));
     format!(
-        "{}/{} {condition} regulator {} gauge {} {pressure} of {:.4} MPa, {contact}, {} refused, \
+        "{}/{} {condition} regulator {} gauge {}{segmenter} {pressure} of {:.4} MPa, {contact}, {} refused, \
          {unused} unused{most}{advice}\n",
         whisker.array, whisker.whisker, whisker.regulator, whisker.gauge, whisker.setpoint_mpa, whisker.refused
     )

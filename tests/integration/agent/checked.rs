@@ -90,7 +90,7 @@ async fn assisted() -> Report {
     let text = configuration(relay.address().port(), &driver)
         .replace("robot = \"r\"", "robot = \"r\"\napplies_gain = true\non_supervisor_loss = \"NOMINAL\"")
         .replace("place = \"RATIO\"", "place = \"RATIO\", strain_max = 0.5")
-        .replace("[outbox]", "[outbox]\nmessages = 200")
+        .replace("[outbox]", "[outbox]\nmessages = 200\ndisk_bytes = 0")
         .replace("[supervisor]", "[supervisor]\nlost_after_s = 20.0");
     let agent = agent(folder.path(), &text);
     let mut robot = Robot { folder, agent };

@@ -7,6 +7,7 @@ mod below_zero;
 mod boots;
 mod chamber;
 mod contacts;
+mod doubt;
 mod drivers;
 mod gauge_watch;
 mod lines;

@@ -7,6 +7,7 @@ use vibrissa_protocol::{Gauge, Name, Regulator, WhiskerCondition};
 
 use super::Agent;
 use super::chamber::Chamber;
+use super::doubt::remedy;
 use crate::contract::Now;
 use crate::driver::ToDriver;
 
@@ -54,6 +55,8 @@ pub struct WhiskerView {
     pub regulator: Regulator,
     /// Condition of the gauge.
     pub gauge: Gauge,
+    /// State of the segmenter, such as `READY` or `LEARNING`; `None` if no driver sends strain.
+    pub segmenter: Option<String>,
     /// Condition as the supervisor estimates it.
     pub condition: Option<WhiskerCondition>,
     /// The newest reading, in MPa.
@@ -103,6 +106,7 @@ impl Agent {
             whisker: chamber.number,
             regulator,
             gauge,
+            segmenter: chamber.stream.as_ref().map(|stream| stream.condition().word().to_owned()),
             condition,
             pressure_mpa: chamber.present_reading().map(|reading| reading.pressure_mpa),
             setpoint_mpa: chamber.target_mpa,
@@ -142,8 +146,9 @@ impl Agent {
             let most = chamber.unused.iter().max_by_key(|(_, count)| **count)?;
             contact_s.is_none().then(|| format!("no contact could be sent: {}", most.0))
         };
+        let doubt = || chamber.stream.as_ref().and_then(|stream| remedy(stream.condition())).map(str::to_owned);
         let quiet = || contact_s.is_none_or(|quiet_s| quiet_s > QUIET_S).then(|| "touch the whisker".to_owned());
         let broker = || (!self.connected).then(|| "the broker is not connected: see the agent's log".to_owned());
-        advice.or_else(broker).or_else(unused).or_else(quiet)
+        advice.or_else(broker).or_else(doubt).or_else(unused).or_else(quiet)
     }
 }

@@ -1,8 +1,9 @@
 //! Samples of strain gauges, of which the segmenter makes contacts.
 
 use vibrissa_protocol::PlaceKind;
-use vibrissa_segmenter::{Contact, Event, Params, Sample, Segmenter};
+use vibrissa_segmenter::{Condition, Contact, Event, Params, Sample, Segmenter};
 
+use super::doubt::Doubt;
 use super::motion::Joined;
 use super::{Agent, Output};
 use crate::contract::Now;
@@ -25,11 +26,17 @@ pub(super) struct Stream {
     segmenter: Segmenter,
     /// Time of the newest sample by the stream's clock: the board's, or moments for lines without a time.
     newest_us: Option<u64>,
+    doubt: Doubt,
 }
 
 impl Stream {
     pub(super) fn new(params: Params) -> Self {
-        Self { segmenter: Segmenter::new(params), newest_us: None }
+        Self { segmenter: Segmenter::new(params), newest_us: None, doubt: Doubt::default() }
+    }
+
+    /// How far the contacts can be relied on.
+    pub(super) fn condition(&self) -> Condition {
+        self.segmenter.condition()
     }
 
     /// Time of the first sample of a line by the stream's clock. After a step back or a long gap the stream begins anew.
@@ -136,6 +143,10 @@ impl Agent {
                 let saturated = gauge_watch.ended() || contact.saturated;
                 found.push((Contact { saturated, ..contact }, offset_us));
             }
+        }
+        let remedy = stream.doubt.watch(stream.segmenter.condition(), now.at);
+        if let Some(remedy) = remedy {
+            out.push(Output::Warn(format!("whisker {}/{}: {remedy}", chamber.array, chamber.number)));
         }
         findings.into_iter().for_each(|finding| self.warn_of_gauge(at, Some(finding), out));
         let mut taken = Ok(());
