@@ -112,7 +112,8 @@ fn regress_lines_that_are_no_orders_for_it_do_not_keep_it_from_venting() {
     ] {
         let mut bench = Bench::new();
         for _ in 0..3 {
-            bench.say(r#"{"type":"set_pressure","array":"left","whisker":1,"pressure_mpa":0.08,"slew_mpa_per_s":0.05}"#);
+            bench
+                .say(r#"{"type":"set_pressure","array":"left","whisker":1,"pressure_mpa":0.08,"slew_mpa_per_s":0.05}"#);
             bench.run(2.0);
         }
         for _ in 0..13 {
