@@ -53,7 +53,7 @@ pub enum Manner {
     Cuts,
 }
 
-/// A receiver.
+/// The receiver of one target.
 #[derive(Debug)]
 struct Receiver {
     manner: Manner,

@@ -145,7 +145,7 @@ impl StoreWay {
         *locked(&self.program) = self.server.program();
     }
 
-    /// Its program.
+    /// The version of the program that asks.
     #[must_use]
     pub fn program(&self) -> Program {
         *locked(&self.program)

@@ -1,5 +1,7 @@
 //! The world of a run: supervisors, robots, broker and store in one thread with tokio's paused clock.
 
+mod strikes;
+
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -31,7 +33,6 @@ const SETTLED_WITHIN: Duration = Duration::from_secs(180);
 /// Interval between two checks.
 const CHECKED_EVERY: Duration = Duration::from_millis(500);
 /// An hour in µs.
-const HOUR_US: i64 = 3_600_000_000;
 
 /// Result of a run.
 #[derive(Debug)]
@@ -324,199 +325,6 @@ impl World {
 
     fn observations(&self) -> MutexGuard<'_, Observations> {
         locked(&self.observations)
-    }
-
-    fn member(&mut self, strike: &Strike) -> &mut Member {
-        let count = self.members.len();
-        &mut self.members[strike.victim % count]
-    }
-
-    fn robot(&self, strike: &Strike) -> &SimulatedRobot {
-        &self.robots[strike.victim % self.robots.len()]
-    }
-
-    /// A step of a clock, µs: from a tenth of a second to two hours, either way.
-    fn step_us(strike: &Strike) -> i64 {
-        let size_us = (100_000.0 * 72_000.0_f64.powf((strike.measure >> 8) as f64 / (1_u64 << 56) as f64)) as i64;
-        let size_us = size_us.min(2 * HOUR_US);
-        if strike.measure & 1 == 0 { size_us } else { -size_us }
-    }
-
-    fn begin(&mut self, strike: &Strike) {
-        let measure = strike.measure;
-        match strike.kind {
-            Kind::SupervisorKilled => {
-                if let Some(process) = self.member(strike).process() {
-                    process.kill_after(measure % 500);
-                }
-            }
-            Kind::SupervisorStopped | Kind::SupervisorUpgraded => self.member(strike).stop(),
-            Kind::SupervisorFrozen => {
-                if let Some(process) = self.member(strike).process() {
-                    process.freeze();
-                }
-            }
-            Kind::HostClockStepped => self.member(strike).host.step(Self::step_us(strike)),
-            Kind::ToBrokerCut => self.member(strike).route.set_cut(Way::ToBroker, true),
-            Kind::FromBrokerCut => self.member(strike).route.set_cut(Way::ToClient, true),
-            Kind::BrokerLinkReset => self.member(strike).route.reset(),
-            Kind::SubscriptionsForgotten => {
-                let clients = self.broker.clients();
-                let receivers: Vec<_> = clients.iter().filter(|client| client.starts_with("vibrissa-")).collect();
-                if let Some(client) = receivers.get(strike.victim % receivers.len().max(1)) {
-                    self.broker.forget_subscriptions(client);
-                }
-            }
-            Kind::BrokerRestarted => {
-                self.broker.set_accepting(false);
-                self.broker.restart(crate::broker::Memory::Kept);
-            }
-            Kind::BrokerReplaced => {
-                self.broker.set_accepting(false);
-                self.broker.restart(crate::broker::Memory::Lost);
-            }
-            Kind::BrokerFrozen => self.broker.set_frozen(true),
-            Kind::Repetitions => self.broker.set_repetition(0.2),
-            Kind::SlowBroker | Kind::TopicsOvertake => {
-                let topics_overtake = strike.kind == Kind::TopicsOvertake;
-                // A status from before a setpoint is to arrive when its pressure is reached, after some seconds.
-                let most_ms = if topics_overtake { 8_000 } else { 3_000 };
-                let spread = Duration::from_millis(1 + measure % most_ms);
-                self.broker.set_delay(Way::ToClient, Delay { least: Duration::ZERO, spread });
-                self.broker.set_topics_overtake(topics_overtake);
-            }
-            Kind::RobotCut => self.robot(strike).cut(),
-            Kind::RobotAway => self.robot(strike).set_off(true),
-            Kind::RobotRestarted => self.robot(strike).with(Robot::restart_soon),
-            Kind::Hostile => self.hostile(strike),
-            Kind::ToStoreCut => self.member(strike).way.cut_requests(true),
-            Kind::FromStoreCut => self.member(strike).way.cut_answers(true),
-            Kind::AnswersLost => self.member(strike).way.lose_answers(true),
-            Kind::StoreSlow => self.server.set_work(Some(Duration::from_millis(20 + measure % 1_500))),
-            Kind::StoreAway => self.server.set_up(false),
-            Kind::StoreFull => self.server.set_full(true),
-            Kind::StoreClockStepped => self.server.clock().step(Self::step_us(strike)),
-            Kind::StoreFailover => {
-                if self.failover.is_none() {
-                    let mut observations = locked(&self.observations);
-                    let mut data = self.server.data();
-                    observations.record.drain(&self.robots, &mut data);
-                    self.failover = Some((data.clone(), observations.record.snapshot()));
-                }
-            }
-            Kind::OperatorHolds => self.act(strike, "HOLD"),
-            Kind::ReceiverSlow => {
-                self.receivers.set(strike.victim, Manner::Slow(Duration::from_millis(measure % 12_000)));
-            }
-            Kind::ReceiverFails => self.receivers.set(strike.victim, Manner::Fails),
-            Kind::ReceiverSilent => self.receivers.set(strike.victim, Manner::Silent),
-            Kind::ReceiverCuts => self.receivers.set(strike.victim, Manner::Cuts),
-        }
-    }
-
-    fn end(&mut self, strike: &Strike) {
-        match strike.kind {
-            Kind::SupervisorKilled | Kind::SupervisorStopped | Kind::SupervisorUpgraded => {
-                if strike.kind == Kind::SupervisorUpgraded {
-                    self.server.upgrade();
-                }
-                let member = self.member(strike);
-                member.kill();
-                member.start();
-            }
-            Kind::SupervisorFrozen => {
-                if let Some(process) = self.member(strike).process() {
-                    process.thaw();
-                }
-            }
-            Kind::HostClockStepped => self.member(strike).host.step(-Self::step_us(strike)),
-            Kind::ToBrokerCut => self.member(strike).route.set_cut(Way::ToBroker, false),
-            Kind::FromBrokerCut => self.member(strike).route.set_cut(Way::ToClient, false),
-            Kind::BrokerRestarted | Kind::BrokerReplaced => self.broker.set_accepting(true),
-            Kind::BrokerFrozen => self.broker.set_frozen(false),
-            Kind::Repetitions => self.broker.set_repetition(0.0),
-            Kind::SlowBroker | Kind::TopicsOvertake => {
-                self.broker.set_delay(Way::ToClient, Delay::default());
-                self.broker.set_topics_overtake(false);
-            }
-            Kind::RobotAway => self.robot(strike).set_off(false),
-            Kind::ToStoreCut => self.member(strike).way.cut_requests(false),
-            Kind::FromStoreCut => self.member(strike).way.cut_answers(false),
-            Kind::AnswersLost => self.member(strike).way.lose_answers(false),
-            Kind::StoreSlow => self.server.set_work(None),
-            Kind::StoreAway => self.server.set_up(true),
-            Kind::StoreFull => self.server.set_full(false),
-            Kind::StoreFailover => {
-                if let Some((before, snapshot)) = self.failover.take() {
-                    let mut observations = locked(&self.observations);
-                    observations.record.drain(&self.robots, &mut self.server.data());
-                    self.server.fail_over_to(before);
-                    observations.record.lose_since(snapshot);
-                    self.receivers.lose_commits();
-                }
-            }
-            Kind::OperatorHolds => self.act(strike, "RELEASE"),
-            Kind::ReceiverSlow | Kind::ReceiverFails | Kind::ReceiverSilent | Kind::ReceiverCuts => {
-                self.receivers.set(strike.victim, Manner::Works);
-            }
-            Kind::BrokerLinkReset
-            | Kind::SubscriptionsForgotten
-            | Kind::RobotCut
-            | Kind::RobotRestarted
-            | Kind::Hostile
-            | Kind::StoreClockStepped => {}
-        }
-    }
-
-    /// A client publishes damaged copies of robots' messages as another robot.
-    fn hostile(&self, strike: &Strike) {
-        let heard: Vec<(String, Vec<u8>)> = self.observations().heard.iter().cloned().collect();
-        let (broker, mut random) = (self.broker.clone(), ChaCha8Rng::seed_from_u64(strike.measure));
-        vibrissa_host::task::spawn(async move {
-            let id = format!("hostile-{}", random.random::<u32>());
-            let Ok(mut client) = Client::connect(&broker, ClientOptions::new(id)).await else { return };
-            for (topic, mut payload) in heard {
-                let levels: Vec<&str> = topic.rsplitn(3, '/').collect();
-                let [kind, _, fleet] = levels[..] else { continue };
-                for _ in 0..random.random_range(0..4) {
-                    let at = random.random_range(0..payload.len().max(1));
-                    if let Some(byte) = payload.get_mut(at) {
-                        *byte = *b"0123456789-.eE\"{}[]:,nutl\0\xff".choose(&mut random).unwrap_or(&b' ');
-                    }
-                }
-                client.publish(
-                    &format!("{fleet}/h{:02}/{kind}", random.random_range(0..5)),
-                    payload,
-                    QoS::AtLeastOnce,
-                    false,
-                );
-            }
-            sleep(Duration::from_millis(50)).await;
-        });
-    }
-
-    /// An operator's action on a whisker.
-    fn act(&self, strike: &Strike, kind: &str) {
-        let (fleet, robot) = self.robot(strike).with(|robot| (robot.fleet().to_string(), robot.name().to_string()));
-        let now_us = self.server.clock().now_us();
-        let action = vibrissa_store::actions::NewAction {
-            fleet: Some(fleet),
-            robot: Some(robot),
-            array: Some("left".to_owned()),
-            whisker: Some((strike.measure % 2) as i64),
-            compensation_id: None,
-            alarm_id: None,
-            kind: kind.to_owned(),
-            parameters: "{}".to_owned(),
-            reason: None,
-            actor: "operator".to_owned(),
-            role: "OPERATOR".to_owned(),
-            request_id: String::new(),
-            idempotency_key: None,
-            asked_us: now_us,
-            expires_us: now_us + 30_000_000,
-        };
-        self.server.data().request_action(&action);
     }
 }
 

@@ -111,7 +111,7 @@ async fn listen(path: &Path, baud: u32, time: Duration) -> std::io::Result<Heard
     Ok(heard)
 }
 
-/// What speaks at a device.
+/// The speaker at a device.
 async fn explore(path: PathBuf) -> String {
     let shown = path.display();
     let mut last = String::new();

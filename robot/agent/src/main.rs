@@ -31,7 +31,7 @@ struct Arguments {
     command: Option<Command>,
 }
 
-/// What to do instead of running the agent.
+/// Commands other than running the agent.
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Show the running agent: a line for each whisker, each second, with what to do

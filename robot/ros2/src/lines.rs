@@ -123,7 +123,7 @@ pub(crate) fn strain_line(whisker: &Named, strain: Strain, t_us: u64) -> Result<
 /// The states of gauge and regulator; `None` where the message says nothing.
 ///
 /// # Errors
-/// A word is unknown, or there is none.
+/// A word is unknown or missing.
 pub(crate) fn states_of(fault: &Fault) -> Result<[Option<&'static str>; 2], String> {
     let word = |field: &str, text: &str, words: &[&'static str]| {
         let known = words.iter().find(|word| **word == text).copied();

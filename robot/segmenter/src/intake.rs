@@ -64,7 +64,6 @@ impl Intake {
             sample.distance_mm,
             sample.pressure_mpa,
             sample.setpoint_mpa,
-            sample.temperature_c,
         ];
         if numbers.into_iter().flatten().any(|number| !number.is_finite()) {
             self.counts.not_a_number += 1;

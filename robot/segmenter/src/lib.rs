@@ -46,8 +46,6 @@ pub struct Sample {
     pub setpoint_mpa: Option<f64>,
     /// Whether the robot drives, if known: its shaking is no contact.
     pub driving: Option<bool>,
-    /// Temperature of the whisker, if known. °C.
-    pub temperature_c: Option<f64>,
 }
 
 /// A finding of the segmenter.

@@ -38,7 +38,7 @@ const PROOF: f64 = 5.0;
 /// Lead that makes a level rest: the first time, against a level that is sure, and against one in doubt.
 const LEAD: (f64, f64, f64) = (1.25, 3.0, 1.0);
 /// Visits without one to rest that a level needs to become rest, if rest is sure and if it is in doubt: a vote between
-/// two levels of a touch is none against rest.
+/// two levels of a touch does not count against rest.
 const VISITS: (u32, u32) = (3, 2);
 /// Part of the scores that a gap or a step of air leaves.
 const SHAKEN: f64 = 0.3;

@@ -165,7 +165,6 @@ fn property_no_stream_of_odd_numbers_panics() {
                 pressure_mpa: Some(number()),
                 setpoint_mpa: Some(number()),
                 driving: Some(number() > 0.0),
-                temperature_c: Some(number()),
             };
             segmenter.push(sample);
         }

@@ -15,7 +15,7 @@ use super::{FactRow, ModelStore};
 /// Readers of the events that webhooks may get.
 const PEOPLE: &str = "PEOPLE";
 
-/// A target.
+/// A row of the targets, with its hold.
 #[derive(Debug, Clone)]
 pub(super) struct Webhook {
     row: WebhookRow,
@@ -38,7 +38,7 @@ impl Webhook {
     }
 }
 
-/// A dead letter.
+/// An event that a target did not take.
 #[derive(Debug, Clone)]
 pub(super) struct Letter {
     /// Whether it is delivered again.

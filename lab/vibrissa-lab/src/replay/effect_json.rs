@@ -1,20 +1,21 @@
 //! Events of the replay as lines of JSON, with the names of the database and the contract, units last.
 
+mod errors;
+
 use std::io::{self, Write};
 
 use serde::Serialize;
 use vibrissa_core::mechanics::CONTACT_RATIOS;
 use vibrissa_core::robot::Robot;
 use vibrissa_core::robot::effect::{
-    CandidateRecord, Command, CommandKey, CompensationError, ContactRecord, Decision, Effect, ErrorBin, Refinement,
-    Response, Trim,
+    CandidateRecord, Command, CommandKey, ContactRecord, Decision, Effect, Response, Trim,
 };
 use vibrissa_core::units::Megapascal;
-use vibrissa_edge::interval::Z95;
 use vibrissa_edge::words::Word;
 use vibrissa_protocol as protocol;
 
 use super::replayer::{Happened, What};
+use errors::{ErrorLine, RefinementLine, error_line, refinement_line};
 
 /// Writes an event as one line.
 ///
@@ -240,51 +241,6 @@ struct ResponseLine {
     target_origin: &'static str,
 }
 
-#[derive(Serialize)]
-struct ErrorLine {
-    compensation: u32,
-    contacts: u32,
-    error: f64,
-    error_low: f64,
-    error_high: f64,
-    error_with_gain: Option<f64>,
-    error_with_gain_low: Option<f64>,
-    error_with_gain_high: Option<f64>,
-    air_error: Option<f64>,
-    air_error_low: Option<f64>,
-    air_error_high: Option<f64>,
-    pressure_mpa: f64,
-    bins: Vec<BinLine>,
-}
-
-#[derive(Serialize)]
-struct RefinementLine {
-    compensation: u32,
-    contacts: u32,
-    outcome: &'static str,
-    pressure_from_mpa: f64,
-    pressure_best_mpa: Option<f64>,
-    error: f64,
-    error_best: Option<f64>,
-    error_with_gain: f64,
-    error_with_own_gain: f64,
-    gain_published: bool,
-}
-
-#[derive(Serialize)]
-struct BinLine {
-    ratio: f64,
-    contacts: u32,
-    after_per_mm: f64,
-    before_per_mm: f64,
-    before_origin: &'static str,
-    target_per_mm: f64,
-    target_origin: &'static str,
-    error: f64,
-    error_low: f64,
-    error_high: f64,
-}
-
 /// `None` for an effect on a whisker that the robot does not have, which no step produces.
 fn json_form<'a>(
     effect: &'a Effect,
@@ -442,62 +398,4 @@ fn response_line(response: &Response, source: Option<&protocol::Contacts>) -> Re
         target_strain: response.target,
         target_origin: response.target_origin.word(),
     }
-}
-
-fn error_line(error: &CompensationError) -> ErrorLine {
-    let (error_low, error_high) = interval(error.mean, error.sd);
-    let with_gain = error.with_gain.map(|(mean, sd)| interval(mean, sd));
-    let air_alone = error.air_alone.map(|(mean, sd)| interval(mean, sd));
-    let bins = error.bins.iter().map(bin_line).collect();
-    ErrorLine {
-        compensation: error.compensation,
-        contacts: error.contacts,
-        error: error.mean,
-        error_low,
-        error_high,
-        error_with_gain: error.with_gain.map(|(mean, _)| mean),
-        error_with_gain_low: with_gain.map(|(low, _)| low),
-        error_with_gain_high: with_gain.map(|(_, high)| high),
-        air_error: error.air_alone.map(|(mean, _)| mean),
-        air_error_low: air_alone.map(|(low, _)| low),
-        air_error_high: air_alone.map(|(_, high)| high),
-        pressure_mpa: error.pressure.mpa(),
-        bins,
-    }
-}
-
-fn refinement_line(look: &Refinement) -> RefinementLine {
-    RefinementLine {
-        compensation: look.compensation,
-        contacts: look.contacts,
-        outcome: look.outcome.word(),
-        pressure_from_mpa: look.pressure_from.mpa(),
-        pressure_best_mpa: look.pressure_best.map(Megapascal::mpa),
-        error: look.error,
-        error_best: look.error_best.map(|(mean, _)| mean),
-        error_with_gain: look.error_with_gain,
-        error_with_own_gain: look.error_with_own_gain,
-        gain_published: look.gain_published,
-    }
-}
-
-fn bin_line(bin: &ErrorBin) -> BinLine {
-    let (error_low, error_high) = interval(bin.error, bin.sd);
-    BinLine {
-        ratio: bin.ratio,
-        contacts: bin.contacts,
-        after_per_mm: bin.after_per_mm,
-        before_per_mm: bin.before_per_mm,
-        before_origin: bin.before_origin.word(),
-        target_per_mm: bin.target_per_mm,
-        target_origin: bin.target_origin.word(),
-        error: bin.error,
-        error_low,
-        error_high,
-    }
-}
-
-/// The 95 % interval, as in the database.
-fn interval(mean: f64, sd: f64) -> (f64, f64) {
-    ((mean - Z95 * sd).max(0.0), mean + Z95 * sd)
 }

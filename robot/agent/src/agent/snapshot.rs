@@ -25,13 +25,13 @@ pub struct Snapshot {
     pub connected: bool,
     /// Contacts messages without a receipt in memory, and dropped ones.
     pub messages: (usize, u64),
-    /// The drivers.
+    /// State of each driver, in the order of the configuration.
     pub drivers: Vec<DriverView>,
-    /// The whiskers.
+    /// State of each whisker, in the order of the configuration.
     pub whiskers: Vec<WhiskerView>,
 }
 
-/// A driver.
+/// State of a driver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DriverView {
     /// Subject of sentences about it.
@@ -44,12 +44,12 @@ pub struct DriverView {
     pub refused: u64,
 }
 
-/// A whisker.
+/// State of a whisker.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WhiskerView {
-    /// Its array.
+    /// Name of its array.
     pub array: Name,
-    /// Its number.
+    /// Number within its array.
     pub whisker: u16,
     /// Condition of the regulator.
     pub regulator: Regulator,

@@ -90,6 +90,7 @@ impl Agent {
         let params = self.limits.segmenter;
         let chamber = &mut self.chambers[at];
         let setpoint_mpa = Some(chamber.target_mpa);
+        let pressure_mpa = chamber.present_reading().map(|reading| reading.pressure_mpa);
         let (stream, motion) = (&mut chamber.stream, &mut chamber.motion);
         let stream = stream.get_or_insert_with(|| Box::new(Stream::new(params)));
         let first_us = stream.first_us(stamp_us, now.at.as_us(), strains.len() as u64, every_us, params);
@@ -109,6 +110,7 @@ impl Agent {
                 strain_2: value(line.strain_2.as_ref(), index),
                 deflection_mm: value(line.deflection_mm.as_ref(), index),
                 distance_mm: value(line.distance_mm.as_ref(), index),
+                pressure_mpa,
                 setpoint_mpa,
                 ..Sample::default()
             };
