@@ -6,20 +6,18 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rumqttc::QoS;
 use tokio::time::{Instant, sleep, sleep_until};
 use vibrissa_simulator::{Robot, RobotConfig};
 
-use crate::broker::{Client, ClientOptions, Delay, Limits, ModelBroker, Observed, Way};
+use crate::broker::{Limits, ModelBroker, Observed};
 use crate::history::{History, Step};
 use crate::invariants::{Invariant, Violation};
 use crate::member::Member;
 use crate::panics;
-use crate::plan::{Kind, Plan, Strike};
-use crate::receivers::{Manner, Receivers};
+use crate::plan::Plan;
+use crate::receivers::Receivers;
 use crate::record::{Record, Snapshot};
 use crate::robots::SimulatedRobot;
 use crate::scenario;
@@ -32,7 +30,6 @@ const BEGUN_US: i64 = 1_800_000_000_000_000;
 const SETTLED_WITHIN: Duration = Duration::from_secs(180);
 /// Interval between two checks.
 const CHECKED_EVERY: Duration = Duration::from_millis(500);
-/// An hour in µs.
 
 /// Result of a run.
 #[derive(Debug)]

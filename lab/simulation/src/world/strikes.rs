@@ -17,6 +17,7 @@ use crate::plan::{Kind, Strike};
 use crate::receivers::Manner;
 use crate::robots::SimulatedRobot;
 
+/// An hour in µs.
 const HOUR_US: i64 = 3_600_000_000;
 
 impl World {
