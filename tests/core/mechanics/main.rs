@@ -1,5 +1,6 @@
 //! Compares the mechanics with independent numbers, the paper and brute force, and checks general properties.
 
+mod bench;
 mod brute_force;
 mod fit;
 mod golden;

@@ -1,41 +1,44 @@
-//! Fits a whisker's own calibration to readings under pressure without contact: eq. 32 and 33, then least squares.
+//! Fits a whisker's own calibration to readings of a bench, by weighted least squares.
 //!
-//! Each axial strain gives one modulus by eq. 33, hence one k2 = E2 / E. Readings have a roughly constant
-//! *relative* error (of the gauge factor and the amplifier), so the logarithms are fitted with equal weights:
-//! `ln k2 = ln(c + a exp(-b Q))`. On a linear scale the soft, high-pressure end, where setpoints are most sensitive to
-//! errors, would hardly count. The elongation gain is the mean logarithm of `delta_l k2(Q) E / Q` over the rows
-//! that have an elongation, with the fitted k2.
+//! Each strain without contact gives one modulus by eq. 32 and 33, hence the product E k2 of its pressure, and each
+//! elongation gives G / (E k2). Neither tells E from k2. A contact does. Its strain per deflection depends on k2 alone
+//! (eq. 31: level, slope over the place, and change with the pressure), and its force per deflection on both (eq. 9).
+//! Without readings of contacts, E is given. A wrong E scales `c` and `a` inversely, which changes the stiffness of the
+//! chamber relative to the cap and the body.
 //!
-//! E must be given: an axial strain determines only the product E k2. A wrong E scales `c` and `a` inversely, which
-//! changes the stiffness of the chamber relative to the cap and the body.
-//!
-//! The parameters are positive and are fitted as logarithms, so their intervals are asymmetric.
+//! The parameters are positive and are fitted as logarithms, so their intervals are asymmetric. Each has a wide
+//! assumption before the readings ([`Unknown`]). If a parameter's interval stays as wide as that, it is not determined.
 
-mod curve;
-mod readings;
+mod advice;
+mod bench;
+mod checks;
+mod least_squares;
+mod reading;
+mod start;
+mod unknowns;
 
-use nalgebra::Matrix3;
-use statrs::distribution::{ContinuousCDF, StudentsT};
+pub use advice::Advice;
+pub use bench::{BenchFit, Gauge, Given, Scatter, fit_bench, student_t};
+pub use reading::{BenchContact, BenchReading, Kind, Place, Quantity};
+pub use unknowns::{UNKNOWNS, Unknown};
 
-use self::curve::{Curve, Point, fit_curve};
-use self::readings::{MeanLog, log_elongation_gains, mean_log, measured_k2};
+use self::unknowns::Values;
 use super::calibration::Calibration;
 use super::geometry::Geometry;
-use super::model::{Formulation, Model};
+use super::model::Formulation;
 use super::model_error::ModelError;
+use super::sensitivity::ContactOnChamber;
 use crate::units::{Megapascal, Millimetre, Strain};
 
-/// Least number of strains above zero pressure: one more than parameters.
+/// Least number of strains above zero pressure without contacts: one more than parameters.
 const STRAINS_MIN: usize = 4;
 /// Least number of distinct pressures for three parameters.
 const PRESSURES_MIN: usize = 3;
-/// Largest standard error of a parameter's logarithm that still counts as determined: a factor of 150.
-const LOG_ERROR_MAX: f64 = 5.0;
 
 /// One reading of a whisker under pressure, without contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CalibrationRow {
-    /// Q: gauge pressure. Rows at zero pressure carry no information and are skipped.
+    /// Q: gauge pressure. At zero pressure, a strain shows the gauge's offset.
     pub pressure: Megapascal,
     /// Strain of the gauge due to the pressure; above 0.
     pub axial_strain: Option<Strain>,
@@ -57,10 +60,6 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    fn from_mean(logs: MeanLog) -> Self {
-        Self::from_log(logs.mean, logs.sd / logs.count.sqrt(), student_t(logs.count - 1.0))
-    }
-
     fn from_log(log: f64, log_error: f64, t: f64) -> Self {
         let value = log.exp();
         Self {
@@ -69,6 +68,24 @@ impl Parameter {
             low: (log - t * log_error).exp(),
             high: (log + t * log_error).exp(),
         }
+    }
+
+    fn at(unknown: Unknown, coordinate: f64, error: f64, t: f64) -> Self {
+        let number = |coordinate| Values::in_unit(unknown, coordinate);
+        let value = number(coordinate);
+        let standard_error = match unknown {
+            Unknown::GaugeOffset => number(error),
+            Unknown::C | Unknown::A | Unknown::B | Unknown::Modulus | Unknown::ElongationGain | Unknown::GaugeGain => {
+                value * error
+            }
+        };
+        Self { value, standard_error, low: number(coordinate - t * error), high: number(coordinate + t * error) }
+    }
+
+    /// Upper over lower end of the interval, for a parameter above 0.
+    #[must_use]
+    pub fn span(&self) -> f64 {
+        self.high / self.low
     }
 }
 
@@ -83,7 +100,7 @@ pub struct RowResidual {
     pub elongation_residual: Option<f64>,
 }
 
-/// A fitted calibration with its uncertainty.
+/// A calibration that was fitted to readings without contact, with its uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
     /// The calibration for a model. Without elongations in the rows, its elongation gain is the geometry's, by eq.
@@ -95,7 +112,7 @@ pub struct Fit {
     pub a: Parameter,
     /// Rate of softening per MPa.
     pub b_per_mpa: Parameter,
-    /// Elongation gain in mm, if elongations were measured. Its interval excludes the uncertainty of k2.
+    /// Elongation gain in mm, if elongations were measured.
     pub elongation_gain_mm: Option<Parameter>,
     /// One residual for each row, in the order of the rows.
     pub residuals: Vec<RowResidual>,
@@ -103,21 +120,6 @@ pub struct Fit {
     pub residual_sd: f64,
     /// Standard deviation of ln `delta_l` about the fit.
     pub elongation_residual_sd: Option<f64>,
-    /// Covariance of (ln c, ln a, ln b).
-    covariance: Matrix3<f64>,
-    /// Student's t for 95 %.
-    t: f64,
-}
-
-impl Fit {
-    /// k2 of the fit at a pressure with its 95 % confidence band, as in [`Parameter`].
-    #[must_use]
-    pub fn k2(&self, pressure: Megapascal) -> Parameter {
-        let curve = Curve { c: self.c.value, a: self.a.value, b_per_mpa: self.b_per_mpa.value };
-        let gradient = curve.log_gradient(pressure.mpa());
-        let variance = (gradient.transpose() * self.covariance * gradient).x;
-        Parameter::from_log(curve.k2(pressure.mpa()).ln(), variance.max(0.0).sqrt(), self.t)
-    }
 }
 
 /// Why readings do not determine a calibration.
@@ -157,8 +159,38 @@ pub enum FitError {
         /// The elongation in that row, mm.
         value_mm: f64,
     },
-    /// The strains do not show k2 falling toward a limit.
-    #[error("the strains do not determine {parameter}: add readings at more pressures from low to high")]
+    /// A force is below zero; the deflection of a contact is in its direction.
+    #[error("row {row}: the force of a contact must not be below 0 N, not {value_n}")]
+    ForceBelowZero {
+        /// Number of the row, counted from 1.
+        row: usize,
+        /// The force in that row, N.
+        value_n: f64,
+    },
+    /// The strains of the contacts are mostly below zero.
+    #[error("the strains of the contacts are below 0: the gauge is reversed, or reads at the side of the contact")]
+    GaugeReversed,
+    /// A contact lies on the chamber, where the model is invalid.
+    #[error("row {row}: {problem}")]
+    OnChamber {
+        /// Number of the row, counted from 1.
+        row: usize,
+        /// Place of the contact, and end of the chamber.
+        problem: ContactOnChamber,
+    },
+    /// E is to be fitted without a reading of a contact.
+    #[error("E must be given: strains and elongations without contact determine only its product with k2")]
+    ModulusWithoutContacts,
+    /// As many unknowns as readings.
+    #[error("{readings} readings show no scatter about {unknowns} unknowns: repeat readings")]
+    NoScatter {
+        /// Number of readings that count.
+        readings: usize,
+        /// Number of unknowns.
+        unknowns: usize,
+    },
+    /// The readings do not show k2 falling toward a limit, or leave a parameter as wide as it was assumed.
+    #[error("the readings do not determine {parameter}: add readings at more pressures from low to high")]
     NotDetermined {
         /// Name of the parameter that is not determined.
         parameter: &'static str,
@@ -175,73 +207,69 @@ pub enum FitError {
 /// # Errors
 /// The readings do not determine a calibration; the error names the failed condition.
 pub fn fit_calibration(geometry: &Geometry, youngs_modulus_mpa: f64, rows: &[CalibrationRow]) -> Result<Fit, FitError> {
-    geometry.check()?;
-    if !(youngs_modulus_mpa.is_finite() && youngs_modulus_mpa > 0.0) {
-        return Err(ModelError::NotPositive { name: "Young's modulus", value: youngs_modulus_mpa }.into());
-    }
-    let measured = measured_k2(geometry, youngs_modulus_mpa, rows)?;
-    let fitted = FittedCurve::new(&measured.iter().flatten().copied().collect::<Vec<_>>())?;
-    let curve = fitted.curve;
-    let log_gains = log_elongation_gains(&curve, youngs_modulus_mpa, rows)?;
-    let gain = mean_log(&log_gains)?;
-    let calibration = Calibration {
-        c: curve.c,
-        a: curve.a,
-        b_per_mpa: curve.b_per_mpa,
-        youngs_modulus_mpa,
-        elongation_gain_mm: gain.map_or_else(|| geometry.elongation_gain_mm(), |gain| gain.mean.exp()),
+    let given = Given {
+        geometry: *geometry,
+        formulation: Formulation::default(),
+        youngs_modulus_mpa: Some(youngs_modulus_mpa),
+        fits_gauge_gain: false,
     };
-    Model::new(*geometry, calibration, Formulation::default())?;
-    let residuals = measured.iter().zip(&log_gains).map(|(point, log_gain)| RowResidual {
-        k2: point.map(|point| point.log_k2.exp()),
-        k2_residual: point.map(|point| curve.residual(&point)),
-        elongation_residual: log_gain.zip(gain).map(|(log_gain, gain)| log_gain - gain.mean),
-    });
-    let [c, a, b_per_mpa] = fitted.parameters()?;
+    let (mut readings, mut row_of) = (Vec::new(), Vec::new());
+    for (at, row) in rows.iter().enumerate() {
+        let strain = row.axial_strain.map(|strain| (Quantity::AxialStrain, strain.ratio()));
+        let elongation = row.elongation.map(|elongation| (Quantity::Elongation, elongation.mm()));
+        for (quantity, value) in strain.into_iter().chain(elongation) {
+            readings.push(BenchReading { pressure: row.pressure, pressure_sd_mpa: 0.0, quantity, value, sd: None });
+            row_of.push(at + 1);
+        }
+    }
+    let fit = fit_bench(&given, &readings).map_err(|error| error.of_rows(&row_of))?;
+    let parameter = |unknown: Unknown| fit.parameter(unknown).copied();
+    let [Some(c), Some(a), Some(b_per_mpa)] = [Unknown::C, Unknown::A, Unknown::B].map(parameter) else {
+        return Err(FitError::NotDetermined { parameter: "k2" });
+    };
+    let mut residuals = vec![RowResidual { k2: None, k2_residual: None, elongation_residual: None }; rows.len()];
+    for ((reading, residual), row) in readings.iter().zip(&fit.residuals).zip(row_of) {
+        let (of, log) = (&mut residuals[row - 1], residual.map(f64::ln_1p));
+        match reading.kind() {
+            Some(Kind::Axial) => {
+                of.k2_residual = log.map(|log| -log);
+                of.k2 = log.map(|log| fit.model().k2(reading.pressure) * (-log).exp());
+            }
+            Some(Kind::Elongation) => of.elongation_residual = log,
+            Some(Kind::Zero | Kind::ContactStrain | Kind::ContactForce) | None => {}
+        }
+    }
     Ok(Fit {
-        calibration,
+        calibration: fit.calibration,
         c,
         a,
         b_per_mpa,
-        elongation_gain_mm: gain.map(Parameter::from_mean),
-        residuals: residuals.collect(),
-        residual_sd: fitted.residual_sd,
-        elongation_residual_sd: gain.map(|gain| gain.sd),
-        covariance: fitted.covariance,
-        t: fitted.t,
+        elongation_gain_mm: parameter(Unknown::ElongationGain),
+        residuals,
+        residual_sd: fit.scatter(Kind::Axial).unwrap_or(0.0),
+        elongation_residual_sd: fit.scatter(Kind::Elongation),
     })
 }
 
-/// The fitted curve with its scatter and uncertainty.
-struct FittedCurve {
-    curve: Curve,
-    covariance: Matrix3<f64>,
-    residual_sd: f64,
-    t: f64,
-}
-
-impl FittedCurve {
-    fn new(points: &[Point]) -> Result<Self, FitError> {
-        let (curve, unit_covariance) = fit_curve(points)?;
-        let degrees = (points.len() - 3) as f64;
-        let sum_of_squares: f64 = points.iter().map(|point| curve.residual(point).powi(2)).sum();
-        let variance = sum_of_squares / degrees;
-        Ok(Self { curve, covariance: unit_covariance * variance, residual_sd: variance.sqrt(), t: student_t(degrees) })
-    }
-
-    fn parameters(&self) -> Result<[Parameter; 3], FitError> {
-        let curve = &self.curve;
-        let named = [("c", curve.c), ("a", curve.a), ("b", curve.b_per_mpa)];
-        for (k, (parameter, _)) in named.into_iter().enumerate() {
-            if self.covariance[(k, k)].sqrt() > LOG_ERROR_MAX {
-                return Err(FitError::NotDetermined { parameter });
-            }
+impl FitError {
+    /// With the numbers of the rows that the readings came from.
+    #[must_use]
+    pub fn of_rows(self, row_of: &[usize]) -> Self {
+        let of = |row: usize| row_of.get(row - 1).copied().unwrap_or(row);
+        match self {
+            Self::StrainNotPositive { row, value } => Self::StrainNotPositive { row: of(row), value },
+            Self::ElongationNotPositive { row, value_mm } => Self::ElongationNotPositive { row: of(row), value_mm },
+            Self::ForceBelowZero { row, value_n } => Self::ForceBelowZero { row: of(row), value_n },
+            Self::OnChamber { row, problem } => Self::OnChamber { row: of(row), problem },
+            Self::NothingAboveZeroPressure
+            | Self::TooFewStrains { .. }
+            | Self::TooFewPressures { .. }
+            | Self::OneElongation
+            | Self::GaugeReversed
+            | Self::ModulusWithoutContacts
+            | Self::NoScatter { .. }
+            | Self::NotDetermined { .. }
+            | Self::Model(_) => self,
         }
-        Ok(std::array::from_fn(|k| Parameter::from_log(named[k].1.ln(), self.covariance[(k, k)].sqrt(), self.t)))
     }
-}
-
-/// Two-sided 95 % point of Student's t; infinite without a degree of freedom.
-fn student_t(degrees: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, degrees).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }

@@ -83,6 +83,16 @@ impl Geometry {
         self.l_mm + self.l3_mm
     }
 
+    /// Share of the second moment of area that the thin wall of eq. 5 and 6 leaves out, at the chamber's large and small
+    /// end: `1 - I2 / I2 exact`, with the wall between D2 (bar) - t and D2 (bar) + t.
+    #[must_use]
+    pub fn thin_wall_errors(&self) -> [f64; 2] {
+        [self.d2_mid_large_mm, self.d2_mid_small_mm].map(|mid_mm| {
+            let exact = ((mid_mm + self.t_mm).powi(4) - (mid_mm - self.t_mm).powi(4)) / 64.0;
+            1.0 - mid_mm.powi(3) * self.t_mm / 8.0 / exact
+        })
+    }
+
     /// Checks all conditions of the formulas; the error names the first that fails.
     pub(super) fn check(&self) -> Result<(), ModelError> {
         for (name, value) in self.named_sizes() {

@@ -6,7 +6,7 @@
 //! Read in this order: [`Geometry`] and [`Calibration`] (parameters of a whisker), [`Model`] (both, checked once),
 //! [`Morphology`] (the chamber under pressure, Table 2), [`Response`] (strain caused by a deflection, eq. 10-17 and
 //! 26-31), the two inverses [`Model::length_from_sensitivity`] and [`solve_setpoint`] (eq. 34), and
-//! [`fit_calibration`] (eq. 32-33).
+//! [`fit_bench`] (eq. 32-33, and readings of contacts).
 //!
 //! Where the paper has a misprint, the documentation of the item states the correction. In short: the strain is the
 //! mean over the gauge grid (eq. 15-17 and 29-31 omit the division by its length e); eq. 3 means `L3`; the inner
@@ -36,7 +36,10 @@ mod taper;
 
 pub use calibration::Calibration;
 pub use family::{FAMILY, FAMILY_STEP, Family, LogChanges, OTHER_FORMULATION};
-pub use fit::{CalibrationRow, Fit, FitError, Parameter, RowResidual, fit_calibration};
+pub use fit::{
+    Advice, BenchContact, BenchFit, BenchReading, CalibrationRow, Fit, FitError, Gauge, Given, Kind, Parameter, Place,
+    Quantity, RowResidual, Scatter, UNKNOWNS, Unknown, fit_bench, fit_calibration, student_t,
+};
 pub use geometry::Geometry;
 pub use length::{CutIntoChamber, LengthError};
 pub use model::{Formulation, Model};

@@ -67,7 +67,8 @@ impl Model {
         Self { calibration, formulation, ..self.clone() }
     }
 
-    fn precompute(g: Geometry, calibration: Calibration, formulation: Formulation) -> Self {
+    /// The model without a check, for steps of a fit: its results are finite for any positive calibration.
+    pub(super) fn precompute(g: Geometry, calibration: Calibration, formulation: Formulation) -> Self {
         let outer_radius_mm = |x_mm: f64| 0.5 * g.d2_large_mm * (1.0 - (x_mm - g.c_mm) / g.l2_mm);
         let mean_radius_mm = 0.5 * (outer_radius_mm(g.c_mm + NEAR_CAP_MM) + outer_radius_mm(g.l_mm));
         Self {

@@ -24,6 +24,15 @@ pub struct Response {
     pub strain_per_mm: f64,
 }
 
+impl Response {
+    /// Force per deflection at the contact, N/mm, for a rubber of this Young's modulus (eq. 9).
+    #[must_use]
+    pub fn force_n_per_mm(&self, youngs_modulus_mpa: f64) -> f64 {
+        let compliance_per_mm = self.delta1_per_mm + self.delta2_per_mm + self.delta3_per_mm;
+        std::f64::consts::PI * youngs_modulus_mpa / compliance_per_mm
+    }
+}
+
 /// The contact would lie on the chamber: the formulas are valid only beyond it (region 3).
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("the contact at {contact_mm} mm lies on the chamber, which ends at {chamber_end_mm} mm")]
@@ -102,6 +111,13 @@ impl Model {
         let kappa_slope = morphology.gauge.slope_at(contact_mm);
         let sensitivity = morphology.gauge_factor * kappa / (delta * self.geometry().e_mm);
         Ok((sensitivity, contact_mm * (kappa_slope / kappa - delta_slope / delta)))
+    }
+
+    /// Response to a contact at a distance from the base under pressure. A contact nearer than the chamber's end, or
+    /// farther out than the model is valid, is moved there.
+    pub(super) fn response_at_most(&self, contact_mm: f64, morphology: &Morphology) -> Response {
+        let farthest_mm = self.farthest_contact_mm(morphology).max(morphology.chamber_end_mm);
+        self.response_at(contact_mm.clamp(morphology.chamber_end_mm, farthest_mm), morphology)
     }
 
     /// [`Self::sensitivity_per_mm`] of a contact known to lie beyond the chamber.

@@ -195,6 +195,11 @@ fn fitted(measurements: &Measurements) -> Result<(Geometry, Vec<Measured>, Fit),
             | FitError::TooFewStrains { .. }
             | FitError::TooFewPressures { .. }
             | FitError::OneElongation
+            | FitError::ForceBelowZero { .. }
+            | FitError::GaugeReversed
+            | FitError::OnChamber { .. }
+            | FitError::ModulusWithoutContacts
+            | FitError::NoScatter { .. }
             | FitError::NotDetermined { .. }
             | FitError::Model(_) => "rows".to_owned(),
         };
