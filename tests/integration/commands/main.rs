@@ -1,5 +1,6 @@
 //! Commands of the program that need no broker and no database.
 
+mod bench;
 mod mechanics;
 mod options;
 mod program;

@@ -1,44 +1,61 @@
-//! `vibrissa-lab calibrate`: fits a whisker's calibration to readings under pressure.
+//! `vibrissa-lab calibrate`: fits a whisker's calibration to readings of a bench.
 
-mod readings;
+mod notes;
+mod report;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, ensure};
 use clap::Args;
-use vibrissa_core::mechanics::{Calibration, Fit, FitError, Formulation, Geometry, Parameter, fit_calibration};
+use vibrissa::config::choices::FormulationArg;
+use vibrissa_core::mechanics::{BenchReading, Calibration, FitError, Formulation, Geometry, Given, Kind, fit_bench};
+use vibrissa_core::units::{Millimetre, Strain};
+use vibrissa_edge::calibration_file::{self, CalibrationFile};
 use vibrissa_protocol::Name;
 
-use self::readings::{Reading, read};
+use self::report::Report;
+use super::bench_table::{Bench, HELP, Reading, read};
 use crate::figures::calibration;
-use vibrissa_edge::calibration_file::{self, CalibrationFile};
+
+/// Pressures that count as the paper's 0.002 MPa.
+const PAPER_RULE_MPA: std::ops::RangeInclusive<f64> = 0.001..=0.003;
 
 /// Arguments of `vibrissa-lab calibrate`.
 #[derive(Debug, Args)]
-#[command(after_long_help = "\
-The CSV file has a header. Columns, in any order:
-  pressure_mpa              gauge pressure of the chamber
-  strain                    axial strain of the gauge, m/m; or instead one of
-  strain_reading_um_per_m   instrument reading in um/m, which is divided by the gauge factor
-  strain_reading_mm_per_m   instrument reading in mm/m, likewise
-  elongation_mm             elongation of the chamber (optional)
-Columns are separated by commas, and numbers have a decimal point. An empty cell means no reading. Lines that start with
-# are ignored. At least 4 strains at 3 or more pressures above zero are needed. Example (docs/calibration-example.csv):
+#[command(after_long_help = format!("\
+{HELP}
+Without contacts, at least 4 strains at 3 or more pressures above zero are needed, and E is given. With contacts, E is \
+fitted. Example (docs/calibration-example.csv):
   pressure_mpa,strain_reading_um_per_m
   0.04,33400
   0.10,118200
-100 kPa are 0.1 MPa.")]
+docs/bench-example.csv has contacts, too."))]
 pub struct CalibrateArgs {
-    /// CSV file with the readings: pressure and strain without contact.
+    /// CSV file with the readings of the bench.
     #[arg(value_name = "FILE.csv")]
     file: PathBuf,
-    /// Young's modulus of the rubber, MPa; strains alone determine only its product with k2.
-    #[arg(long, default_value_t = Calibration::nguyen_2021().youngs_modulus_mpa, value_parser = positive)]
-    youngs_modulus_mpa: f64,
+    /// Young's modulus of the rubber, MPa. Default: fitted to the contacts of the file, and without contacts 1.1134.
+    #[arg(long, value_parser = positive)]
+    youngs_modulus_mpa: Option<f64>,
+    /// Take E as the modulus of the chamber's wall at 0.002 MPa, as the paper does. The file needs strains there.
+    #[arg(long, conflicts_with = "youngs_modulus_mpa")]
+    paper_rule: bool,
+    /// Fit a factor on all strains, too: for a gauge whose factor is not known. Needs forces or elongations.
+    #[arg(long)]
+    fit_gauge_gain: bool,
     /// Gauge factor, for instrument readings that were taken with a factor of 1.
     #[arg(long, default_value_t = 2.21, value_parser = positive)]
     gauge_factor: f64,
+    /// Length of the whisker, mm, for rows without length_mm.
+    #[arg(long, value_parser = length)]
+    length_mm: Option<Millimetre>,
+    /// Interpretation of the paper's equations.
+    #[arg(long, value_enum, default_value_t = FormulationArg::Published)]
+    formulation: FormulationArg,
+    /// Pitch of the fibres around the chamber, mm, to check their angle.
+    #[arg(long, value_parser = positive)]
+    fibre_pitch_mm: Option<f64>,
     /// Name of the model in factsheets; default: the name of the file.
     #[arg(long)]
     name: Option<Name>,
@@ -53,9 +70,27 @@ pub struct CalibrateArgs {
     svg: Option<PathBuf>,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err("must be above 0".to_owned()) }
+}
+
+pub(super) fn length(text: &str) -> Result<Millimetre, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    Millimetre::new(value).map_err(|error| error.to_string())
+}
+
+/// Where E comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Modulus {
+    /// The contacts of the file.
+    Fitted,
+    /// The caller, with `--youngs-modulus-mpa`.
+    Stated,
+    /// The paper's rubber, because the file has no contacts.
+    Assumed,
+    /// E2 at 0.002 MPa, with its standard error in MPa if it was read more than once.
+    PaperRule(Option<f64>),
 }
 
 /// Fits the readings, prints the result, and writes the requested files.
@@ -68,25 +103,64 @@ pub fn run(args: &CalibrateArgs, out: &mut dyn Write) -> Result<()> {
         Some(path) => *calibration_file::load(path, Formulation::default())?.1.geometry(),
         None => Geometry::nguyen_2021(),
     };
-    let readings = read(&args.file, args.gauge_factor)?;
-    let rows: Vec<_> = readings.iter().map(|reading| reading.row).collect();
-    let fit = fit_calibration(&geometry, args.youngs_modulus_mpa, &rows)
-        .map_err(|error| at_line(&args.file, &readings, error))?;
+    let bench = Bench { gauge_factor: args.gauge_factor, length: args.length_mm, chamber_end_mm: geometry.l_mm };
+    let table = read(&args.file, &bench)?;
+    let readings: Vec<BenchReading> = table.iter().map(|one| one.reading).collect();
+    let (modulus, youngs_modulus_mpa) = args.modulus(&geometry, &readings)?;
+    let given = Given {
+        geometry,
+        formulation: args.formulation.into(),
+        youngs_modulus_mpa,
+        fits_gauge_gain: args.fit_gauge_gain,
+    };
+    let fit = fit_bench(&given, &readings).map_err(|error| at_line(&args.file, &table, error))?;
+    // A given E is an assumption. Contacts, if there are any, measure it.
+    let by_contacts = match modulus {
+        Modulus::PaperRule(_) | Modulus::Stated if has_contacts(&readings) => {
+            fit_bench(&Given { youngs_modulus_mpa: None, ..given }, &readings).ok()
+        }
+        Modulus::PaperRule(_) | Modulus::Fitted | Modulus::Stated | Modulus::Assumed => None,
+    };
+    let mut warnings = notes::warnings(&fit, by_contacts.as_ref());
+    if has_contacts(&readings) {
+        let formulation = other(given.formulation);
+        let fitted = fit_bench(&Given { formulation, ..given }, &readings).ok();
+        warnings.extend(fitted.and_then(|fitted| notes::formulation(&fit, &fitted)));
+    }
     // Files first, so that they exist even if the reader of the report closes the pipe.
     if let Some(path) = &args.out {
-        write_toml(path, &args.file, &CalibrationFile::new(&name, &geometry, &fit.calibration))?;
+        let comment = report::comment(&args.file, &fit, modulus, &warnings);
+        write_toml(path, &comment, &CalibrationFile::new(&name, &geometry, &fit.calibration))?;
     }
     if let Some(path) = &args.svg {
-        calibration::draw(path, name.as_str(), &rows, &fit)?;
+        calibration::draw(path, name.as_str(), &readings, &fit)?;
     }
-    print_fit(&name, &geometry, &fit, out)?;
-    print_readings(&readings, &fit, out)?;
+    let report = Report { name: &name, table: &table, fit: &fit, modulus, geometry: &geometry };
+    report.print(out)?;
+    for warning in &warnings {
+        writeln!(out, "warning: {warning}")?;
+    }
+    for note in notes::notes(&geometry, &fit, &table, args.fibre_pitch_mm) {
+        writeln!(out, "note: {note}")?;
+    }
+    report.print_readings(out)?;
     for (done, path) in [("written", &args.out), ("drawn", &args.svg)] {
         if let Some(path) = path {
             writeln!(out, "{done}: {}", path.display())?;
         }
     }
     Ok(())
+}
+
+fn other(formulation: Formulation) -> Formulation {
+    match formulation {
+        Formulation::Published => Formulation::Consistent,
+        Formulation::Consistent => Formulation::Published,
+    }
+}
+
+fn has_contacts(readings: &[BenchReading]) -> bool {
+    readings.iter().any(|reading| reading.contact().is_some())
 }
 
 impl CalibrateArgs {
@@ -97,12 +171,44 @@ impl CalibrateArgs {
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy();
         Name::new(&stem).context("the file's name is not a valid model name: give one with --name")
     }
+
+    /// Where E comes from, and its value in MPa if it is given.
+    fn modulus(&self, geometry: &Geometry, readings: &[BenchReading]) -> Result<(Modulus, Option<f64>)> {
+        if self.paper_rule {
+            let (modulus_mpa, error_mpa) = paper_rule(geometry, readings).with_context(|| {
+                format!("{}: --paper-rule needs strains without contact at 0.002 MPa", self.file.display())
+            })?;
+            return Ok((Modulus::PaperRule(error_mpa), Some(modulus_mpa)));
+        }
+        Ok(match self.youngs_modulus_mpa {
+            Some(modulus_mpa) => (Modulus::Stated, Some(modulus_mpa)),
+            None if has_contacts(readings) => (Modulus::Fitted, None),
+            None => (Modulus::Assumed, Some(Calibration::nguyen_2021().youngs_modulus_mpa)),
+        })
+    }
+}
+
+/// E2 of the mean strain at 0.002 MPa, and its standard error if there are several strains.
+fn paper_rule(geometry: &Geometry, readings: &[BenchReading]) -> Option<(f64, Option<f64>)> {
+    let moduli_mpa: Vec<f64> = readings
+        .iter()
+        .filter(|reading| reading.kind() == Some(Kind::Axial) && PAPER_RULE_MPA.contains(&reading.pressure.mpa()))
+        .filter_map(|reading| {
+            geometry.youngs_modulus_from_axial_strain(reading.pressure, Strain::new(reading.value).ok()?)
+        })
+        .collect();
+    let count = moduli_mpa.len() as f64;
+    // The mean strain at one pressure belongs to the harmonic mean of the moduli.
+    let mean = count / moduli_mpa.iter().map(|one| one.recip()).sum::<f64>();
+    let squares: f64 = moduli_mpa.iter().map(|one| (one - mean).powi(2)).sum();
+    let error = (count > 1.0).then(|| (squares / (count - 1.0) / count).sqrt());
+    (count > 0.0).then_some((mean, error))
 }
 
 /// Replaces the fit's row numbers by the file's line numbers.
-fn at_line(path: &Path, readings: &[Reading], error: FitError) -> anyhow::Error {
+pub(super) fn at_line(path: &Path, table: &[Reading], error: FitError) -> anyhow::Error {
     let file = path.display();
-    let line = |row: usize| readings.get(row - 1).map_or(0, |reading| reading.line);
+    let line = |row: usize| table.get(row - 1).map_or(0, |reading| reading.line);
     match error {
         FitError::StrainNotPositive { row, value } => {
             anyhow!("{file}, line {}, strain: must be above 0 under pressure, not {value} m/m", line(row))
@@ -110,14 +216,29 @@ fn at_line(path: &Path, readings: &[Reading], error: FitError) -> anyhow::Error 
         FitError::ElongationNotPositive { row, value_mm } => {
             anyhow!("{file}, line {}, elongation_mm: must be above 0 under pressure, not {value_mm}", line(row))
         }
-        FitError::NotDetermined { .. } => anyhow!(
-            "{file}: {error}. The chamber must become softer with the pressure: its strain must rise faster than the \
-             pressure. Check the order of the columns, their units, and that nothing touched the whisker"
+        FitError::ForceBelowZero { row, value_n } => {
+            anyhow!("{file}, line {}, force_n: must not be below 0 N, not {value_n}", line(row))
+        }
+        FitError::OnChamber { row, problem } => {
+            anyhow!("{file}, line {}: {problem}. The model is valid beyond the chamber only", line(row))
+        }
+        FitError::NotDetermined { parameter: parameter @ ("c" | "a" | "b") } => anyhow!(
+            "{file}: the readings do not determine {parameter}: add readings at more pressures from low to high. The \
+             chamber must become softer with the pressure: its strain must rise faster than the pressure. Check the order \
+             of the columns, their units, and that nothing touched the whisker"
+        ),
+        FitError::NotDetermined { parameter } => anyhow!(
+            "{file}: the readings do not determine {parameter}: its interval is as wide as it was assumed before any reading. \
+             Add forces, and strains of contacts at two or more places (ratios 0.45 and 1) and at pressures from 0 to 0.2 MPa; \
+             or give E with --youngs-modulus-mpa, and leave out --fit-gauge-gain"
         ),
         FitError::NothingAboveZeroPressure
         | FitError::TooFewStrains { .. }
         | FitError::TooFewPressures { .. }
-        | FitError::OneElongation => anyhow!("{file}: {error}"),
+        | FitError::OneElongation
+        | FitError::GaugeReversed
+        | FitError::ModulusWithoutContacts
+        | FitError::NoScatter { .. } => anyhow!("{file}: {error}"),
         FitError::Model(_) => anyhow!(
             "{file}: these readings lead to an impossible chamber: {error}. Check the units of the strains, and \
              --gauge-factor: a strain of 0.01 m/m is a reading of 22100 um/m at a gauge factor of 2.21"
@@ -125,55 +246,8 @@ fn at_line(path: &Path, readings: &[Reading], error: FitError) -> anyhow::Error 
     }
 }
 
-fn print_fit(name: &Name, geometry: &Geometry, fit: &Fit, out: &mut dyn Write) -> Result<()> {
-    let calibration = &fit.calibration;
-    writeln!(out, "Calibration {name}: k2(Q) = c + a exp(-b Q), elongation = G Q / (k2(Q) E)\n")?;
-    writeln!(out, "{:<28} {:>11} {:>15}   95 % interval", "parameter", "value", "standard error")?;
-    let line = |out: &mut dyn Write, name: &str, p: &Parameter| {
-        writeln!(out, "{name:<28} {:>11.5} {:>15.5}   {:.5} to {:.5}", p.value, p.standard_error, p.low, p.high)
-    };
-    line(out, "c", &fit.c)?;
-    line(out, "a", &fit.a)?;
-    line(out, "b (1/MPa)", &fit.b_per_mpa)?;
-    let by_shape_mm = geometry.elongation_gain_mm();
-    match &fit.elongation_gain_mm {
-        Some(gain) => {
-            line(out, "G, elongation gain (mm)", gain)?;
-            writeln!(out, "{:<28} {by_shape_mm:>11.5}", "  G by geometry (eq. 24)")?;
-        }
-        None => writeln!(out, "{:<28} {by_shape_mm:>11.5}   by geometry (eq. 24)", "G, elongation gain (mm)")?,
-    }
-    writeln!(out, "{:<28} {:>11.5}   given", "E, Young's modulus (MPa)", calibration.youngs_modulus_mpa)?;
-    writeln!(out, "\nscatter of one strain reading: {:.2} %", 100.0 * fit.residual_sd)?;
-    if let Some(sd) = fit.elongation_residual_sd {
-        writeln!(out, "scatter of one elongation: {:.2} %", 100.0 * sd)?;
-    }
-    Ok(())
-}
-
-fn print_readings(readings: &[Reading], fit: &Fit, out: &mut dyn Write) -> Result<()> {
-    writeln!(
-        out,
-        "\n{:>5} {:>15} {:>11}   {:>9}   {:>13}   {:>20}",
-        "line", "pressure (MPa)", "strain", "k2", "residual (%)", "elongation res. (%)"
-    )?;
-    let cell = |value: Option<f64>, decimals: usize| value.map_or("-".to_owned(), |v| format!("{v:.decimals$}"));
-    for (reading, residual) in readings.iter().zip(&fit.residuals) {
-        let strain = cell(reading.row.axial_strain.map(|strain| strain.ratio()), 6);
-        let (k2, off) = (cell(residual.k2, 4), cell(residual.k2_residual.map(|off| 100.0 * off), 2));
-        let elongation_off = cell(residual.elongation_residual.map(|off| 100.0 * off), 2);
-        let (line, pressure_mpa) = (reading.line, reading.row.pressure.mpa());
-        writeln!(out, "{line:>5} {pressure_mpa:>15.4} {strain:>11}   {k2:>9}   {off:>13}   {elongation_off:>20}")?;
-    }
-    Ok(())
-}
-
-fn write_toml(path: &Path, from: &Path, file: &CalibrationFile) -> Result<()> {
+fn write_toml(path: &Path, comment: &str, file: &CalibrationFile) -> Result<()> {
     let body = toml::to_string(file).context("writing the calibration as TOML")?;
-    let from = from.file_name().unwrap_or_default().to_string_lossy();
-    let text = format!("# Whisker calibration, fitted to {from}: k2 = c + a exp(-b Q).\n{body}");
-    if path.is_symlink() {
-        anyhow::bail!("{} is a symbolic link: name the file itself", path.display());
-    }
-    std::fs::write(path, text).with_context(|| format!("writing {}", path.display()))
+    ensure!(!path.is_symlink(), "{} is a symbolic link: name the file itself", path.display());
+    std::fs::write(path, format!("{comment}{body}")).with_context(|| format!("writing {}", path.display()))
 }

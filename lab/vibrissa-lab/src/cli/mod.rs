@@ -1,5 +1,6 @@
 //! The command line of the laboratory.
 
+mod bench_table;
 pub mod calibrate;
 pub mod check_robot;
 pub mod demo;
@@ -8,6 +9,7 @@ pub mod paper;
 pub mod replay;
 pub mod simulate;
 pub mod solve;
+pub mod validate;
 
 mod assistant;
 
@@ -41,8 +43,10 @@ enum Command {
     Paper(paper::PaperArgs),
     /// Evaluate the core on simulated whiskers whose true state is known.
     Evaluate(evaluate::EvaluateArgs),
-    /// Fit a whisker's calibration to measurements of its chamber.
+    /// Fit a whisker's calibration to readings of a bench: pressure, strain, elongation, contacts.
     Calibrate(calibrate::CalibrateArgs),
+    /// Compare readings of a bench with a calibration, and draw the paper's figures for the whisker.
+    Validate(validate::ValidateArgs),
     #[command(flatten)]
     Service(Service),
 }
@@ -62,6 +66,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitCode> {
         Command::Paper(args) => paper::run(&args, &mut stdout()).map(done),
         Command::Evaluate(args) => evaluate::run(&args, &mut stdout()).map(done),
         Command::Calibrate(args) => calibrate::run(&args, &mut stdout()).map(done),
+        Command::Validate(args) => validate::run(&args, &mut stdout()),
         Command::Service(command) => command.run(&mut Cli::command()),
     }
 }

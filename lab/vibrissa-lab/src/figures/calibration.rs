@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use plotters::prelude::*;
-use vibrissa_core::mechanics::{CalibrationRow, Fit};
+use vibrissa_core::mechanics::{BenchFit, BenchReading, Kind, Unknown};
 use vibrissa_core::units::Megapascal;
 
 use super::{Axes, BLUE, Panel, VERMILION, chart, drawing, legend};
@@ -23,30 +23,31 @@ struct Band {
 ///
 /// # Errors
 /// The file cannot be written, or a reading's pressure is beyond the range of [`Megapascal`].
-pub fn draw(path: &Path, name: &str, rows: &[CalibrationRow], fit: &Fit) -> Result<()> {
-    let panels = if fit.elongation_gain_mm.is_some() { 2 } else { 1 };
+pub fn draw(path: &Path, name: &str, readings: &[BenchReading], fit: &BenchFit) -> Result<()> {
+    let panels = if fit.parameter(Unknown::ElongationGain).is_some() { 2 } else { 1 };
     let root = SVGBackend::new(path, (880, 480 * panels)).into_drawing_area();
     root.fill(&WHITE).map_err(drawing)?;
     let panels = root.split_evenly((panels as usize, 1));
-    let readings: Vec<(f64, f64)> = rows
-        .iter()
-        .zip(&fit.residuals)
-        .filter_map(|(row, residual)| Some((row.pressure.mpa(), residual.k2?)))
-        .collect();
+    // A strain's residual is that of 1 / k2.
+    let of_strain = |(reading, residual): (&BenchReading, &Option<f64>)| {
+        let k2 = fit.model().k2(reading.pressure) / (1.0 + (*residual)?);
+        (reading.kind() == Some(Kind::Axial)).then_some((reading.pressure.mpa(), k2))
+    };
+    let strains: Vec<(f64, f64)> = readings.iter().zip(&fit.residuals).filter_map(of_strain).collect();
     let k2 = |pressure| {
         let k2 = fit.k2(pressure);
         Band { low: k2.low, value: k2.value, high: k2.high }
     };
     let title = format!("{name}: modulus of the chamber's wall, relative to the rubber's");
-    panel(&panels[0], &title, "k2", &readings, k2)?;
-    if let (Some(below), Some(gain)) = (panels.get(1), &fit.elongation_gain_mm) {
-        let readings: Vec<(f64, f64)> =
-            rows.iter().filter_map(|row| Some((row.pressure.mpa(), row.elongation?.mm()))).collect();
+    panel(&panels[0], &title, "k2", &strains, k2)?;
+    if let (Some(below), Some(gain)) = (panels.get(1), fit.parameter(Unknown::ElongationGain)) {
+        let of_kind = readings.iter().filter(|reading| reading.kind() == Some(Kind::Elongation));
+        let elongations: Vec<(f64, f64)> = of_kind.map(|reading| (reading.pressure.mpa(), reading.value)).collect();
         let elongation = |pressure: Megapascal| {
             let per_gain = pressure.mpa() / (fit.k2(pressure).value * fit.calibration.youngs_modulus_mpa);
             Band { low: gain.low * per_gain, value: gain.value * per_gain, high: gain.high * per_gain }
         };
-        panel(below, &format!("{name}: elongation of the chamber"), "elongation (mm)", &readings, elongation)?;
+        panel(below, &format!("{name}: elongation of the chamber"), "elongation (mm)", &elongations, elongation)?;
     }
     root.present().map_err(drawing)
 }

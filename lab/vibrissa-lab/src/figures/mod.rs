@@ -1,5 +1,6 @@
 //! SVG figures of the paper's curves, of evaluations and of the demo, on a light ground, in the palette of Okabe and Ito.
 
+pub(crate) mod bench;
 pub mod calibration;
 pub mod detection;
 pub mod evaluation;
