@@ -11,6 +11,7 @@ fn paper_table_and_figures() {
     let line = |part: &str, number: &str| table.lines().any(|line| line.contains(part) && line.contains(number));
     assert!(line("case 1", "0.0480") && line("case 1", "1.5033") && line("case 1", "20.385"), "{table}");
     assert!(line("case 2", "0.1920") && line("case 2", "0.7365") && line("case 2", "36.1837"), "{table}");
+    assert!(line("k2 at 0.002 MPa", "contradicted") && line("k2 at the setpoint of case 1", "reproduced"), "{table}");
     for name in ["fig-7-normal-mode", "fig-8-pressure", "fig-9-compensation"] {
         let svg = std::fs::read_to_string(folder.path().join(format!("figures/{name}.svg"))).unwrap();
         assert!(svg.contains("strain") && svg.trim_end().ends_with("</svg>"), "{name}");
@@ -111,7 +112,7 @@ fn property_bad_readings_are_refused_with_line_and_column() {
         ),
         ("pressure_kpa,strain\n100,0.05\n", "unknown column \"pressure_kpa\""),
         ("pressure_kpa,strain\n100,0.05\n", "100 kPa are 0.1 MPa"),
-        ("pressure_mpa,strain\n", "the table has no rows below its header: write a header such as"),
+        ("pressure_mpa,strain\n", "the table has no readings below its header: write a header such as"),
         (
             "pressure_mpa,strain\n0.05,0.02\n0.1,0.03\n0.15,0.04\n0.2,0.045\n",
             "The chamber must become softer with the pressure",

@@ -1,5 +1,7 @@
 //! `vibrissa-lab paper`: the paper's compensation experiments beside the model's results.
 
+mod statements;
+
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -75,6 +77,7 @@ pub fn run(args: &PaperArgs, out: &mut dyn Write) -> Result<()> {
         .collect::<Result<Vec<_>>>()?;
     print_setpoints(&solved, out)?;
     print_errors(&solved, out)?;
+    statements::print(out)?;
     print_beyond(out)?;
     if let Some(folder) = &args.svg {
         std::fs::create_dir_all(folder).with_context(|| format!("creating the folder {}", folder.display()))?;
