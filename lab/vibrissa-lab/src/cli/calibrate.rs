@@ -122,10 +122,12 @@ pub fn run(args: &CalibrateArgs, out: &mut dyn Write) -> Result<()> {
         Modulus::PaperRule(_) | Modulus::Fitted | Modulus::Stated | Modulus::Assumed => None,
     };
     let mut warnings = notes::warnings(&fit, by_contacts.as_ref());
-    if has_contacts(&readings) {
+    if modulus == Modulus::Fitted {
         let formulation = other(given.formulation);
         let fitted = fit_bench(&Given { formulation, ..given }, &readings).ok();
         warnings.extend(fitted.and_then(|fitted| notes::formulation(&fit, &fitted)));
+        let fitted = fit_bench(&Given { fits_gauge_gain: true, ..given }, &readings).ok();
+        warnings.extend(fitted.filter(|_| !given.fits_gauge_gain).and_then(|fitted| notes::gauge_gain(&fitted)));
     }
     // Files first, so that they exist even if the reader of the report closes the pipe.
     if let Some(path) = &args.out {

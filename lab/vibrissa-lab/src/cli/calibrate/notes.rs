@@ -14,6 +14,8 @@ const CHAMBER_SHARE: std::ops::RangeInclusive<f64> = 0.15..=0.25;
 const FIBRE_ANGLE_MIN_DEG: f64 = 54.7;
 /// Share of a scatter that counts as clearly less.
 const CLEARLY_LESS: f64 = 0.8;
+/// Error of a gauge's factor that matters, as a ratio.
+const GAUGE_ERROR: f64 = 0.02;
 /// Deflection up to which the model's straight line errs by less than 1 %, mm.
 const STRAIGHT_MM: f64 = 3.0;
 
@@ -69,6 +71,19 @@ pub(super) fn formulation(fit: &BenchFit, other: &BenchFit) -> Option<String> {
             "the contacts scatter by {:.0} % less about the other reading of the equations: try --formulation {name}, here and \
              in the supervisor",
             100.0 * (1.0 - there / here)
+        )
+    })
+}
+
+/// A warning if a fitted gain of the gauge is clearly not 1.
+pub(super) fn gauge_gain(fitted: &BenchFit) -> Option<String> {
+    let gain = fitted.parameter(Unknown::GaugeGain)?;
+    let differs = !(gain.low..=gain.high).contains(&1.0) && (gain.value - 1.0).abs() > GAUGE_ERROR;
+    differs.then(|| {
+        format!(
+            "a gain of the gauge of {:.3} ({:.3} to {:.3}) explains the readings better: check the gauge factor, or try \
+             --fit-gauge-gain",
+            gain.value, gain.low, gain.high
         )
     })
 }
@@ -191,6 +206,28 @@ mod tests {
             let warning = formulation(&wrong, &right).unwrap();
             assert_eq!(warning.contains("--formulation published"), truth == Formulation::Published, "{warning}");
         }
+    }
+
+    #[test]
+    fn property_a_wrong_gauge_factor_is_warned_of() {
+        let truth = Model::nguyen_2021(Formulation::Published);
+        let given = Given {
+            geometry: Geometry::nguyen_2021(),
+            formulation: Formulation::Published,
+            youngs_modulus_mpa: None,
+            fits_gauge_gain: true,
+        };
+        let warning = |factor: f64| {
+            let mut readings = readings(&truth);
+            for reading in &mut readings {
+                if matches!(reading.quantity, Quantity::AxialStrain | Quantity::ContactStrain(_)) {
+                    reading.value *= factor;
+                }
+            }
+            gauge_gain(&fit_bench(&given, &readings).unwrap())
+        };
+        assert_eq!(warning(1.0), None);
+        assert!(warning(1.2).unwrap().contains("a gain of the gauge of 1."));
     }
 
     #[test]

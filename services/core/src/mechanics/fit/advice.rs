@@ -58,7 +58,7 @@ impl BenchFit {
         }
         for distance_mm in self.contacts_mm.into_iter().flatten() {
             let contact = BenchContact {
-                place: Place::Distance(Millimetre::known(distance_mm)),
+                place: Place::Distance(Millimetre::known(distance_mm.min(1000.0))),
                 place_sd: 0.0,
                 deflection_mm: DEFLECTION_MM,
                 deflection_sd_mm: 0.0,

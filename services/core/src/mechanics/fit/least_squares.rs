@@ -15,7 +15,7 @@ use super::unknowns::{Unknown, Values};
 use crate::mechanics::model::Model;
 
 /// Most steps of the fit.
-const STEPS_MAX: usize = 500;
+const STEPS_MAX: usize = 200;
 /// The fit ends with a step that changes no coordinate by this.
 const STEP_MIN: f64 = 1e-10;
 /// With more damping no step can reduce the sum of squares any more, except by rounding.
@@ -23,7 +23,7 @@ const DAMPING_MAX: f64 = 1e12;
 /// Step of the numerical derivatives.
 const DERIVATIVE_STEP: f64 = 1e-5;
 /// Most rounds of fit and scatter.
-const ROUNDS_MAX: usize = 40;
+const ROUNDS_MAX: usize = 15;
 /// Least scatter, so that exact readings have a finite weight.
 const SCATTER_MIN: f64 = 1e-9;
 /// Scatter in the first round, as a ratio; that of a gauge at zero pressure is in m/m.
