@@ -77,10 +77,21 @@ fn run_program(board: &str, folder: &Path, program: &Path, script: &str) -> Line
         let mut parts = line.splitn(3, ' ');
         let (Some(ms), Some(mpa), Some(rest)) = (parts.next(), parts.next(), parts.next()) else { continue };
         if let (Ok(ms), Ok(mpa)) = (ms.parse(), mpa.parse()) {
+            keeps_the_interface(rest);
             lines.push((ms, mpa, rest.to_owned()));
         }
     }
     lines
+}
+
+/// Fails if the agent would refuse the samples of this line.
+fn keeps_the_interface(line: &str) {
+    if let Some(every) = line.split("\"every_us\":").nth(1).and_then(|rest| rest.split(',').next()) {
+        assert!(every.parse().is_ok_and(|us: u32| (500..=100_000).contains(&us)), "{line}");
+    }
+    let (strains, ways) = (list(line, "strain").len(), list(line, "deflection_mm").len());
+    assert!(strains == 0 || ways == 0 || strains == ways, "{line}");
+    assert!(!line.starts_with('{') || line.ends_with('}'), "{line}");
 }
 
 fn set_pressure(ms: u32, mpa: f64) -> String {

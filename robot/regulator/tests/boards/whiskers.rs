@@ -143,6 +143,10 @@ fn six_whiskers_with_slides_lose_no_sample_and_end_their_pulses_in_time() {
             );
         }
     }
+    // Telling the configuration takes 60 lines, and holds up nothing.
+    for ms in (2_020..6_000).step_by(1_500) {
+        script += &format!("{ms} {{\"type\":\"configuration\"}}\n");
+    }
     let lines = run("mega", &folder, &sorted(script + &save(900) + "8000 !end\n"));
     for (array, whisker, ..) in SIX {
         let head = format!("{{\"type\":\"strain\",\"array\":\"{array}\",\"whisker\":{whisker},");
@@ -165,6 +169,7 @@ fn six_whiskers_with_slides_lose_no_sample_and_end_their_pulses_in_time() {
         }
     }
     assert_eq!(pulses, 24);
+    assert_eq!(of(&lines, &["\"configuration\",\"slot\":5,\"rate_hz\":100}"]).len(), 3);
 }
 
 fn time_of(line: &str, head: &str) -> Option<f64> {

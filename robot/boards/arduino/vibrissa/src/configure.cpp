@@ -203,26 +203,28 @@ bool check() {
 
 bool tell(uint8_t &at, Record record) {
     static const uint8_t LINES = (KEYS + 4) / 5;
-    while (at <= WHISKERS_MOST * LINES) {
-        if (out_room() < 240) return true;
-        uint8_t slot = at ? (at - 1) / LINES : 0, first = at ? (at - 1) % LINES * 5 : 0;
-        if (at == 0) {
-            put(PSTR("{\"type\":\"configuration\",\"record\":\""));
-            put(record == STORED ? PSTR("STORED") : record == UNSET ? PSTR("DEFAULT") : PSTR("BROKEN"));
-            put(PSTR("\",\"slots\":"));
-            put_number(WHISKERS_MOST);
-            put(PSTR(",\"baud\":"));
-            put_number(settings.baud);
-            put(PSTR("}\n"));
-        } else if (settings.whiskers[slot].used) {
-            put(PSTR("{\"type\":\"configuration\",\"slot\":"));
-            put_number(slot);
-            for (uint8_t key = first; key < KEYS && key < first + 5; key++) put_value(key, settings.whiskers[slot]);
-            put(PSTR("}\n"));
-        }
-        at++;
+    // Readings go first.
+    if (out_room() < SPARE_ROOM) return true;
+    if (at == 0) {
+        put(PSTR("{\"type\":\"configuration\",\"record\":\""));
+        put(record == STORED ? PSTR("STORED") : record == UNSET ? PSTR("DEFAULT") : PSTR("BROKEN"));
+        put(PSTR("\",\"slots\":"));
+        put_number(WHISKERS_MOST);
+        put(PSTR(",\"baud\":"));
+        put_number(settings.baud);
+        put(PSTR("}\n"));
+        at = 1;
+        return true;
     }
-    return false;
+    uint8_t slot = (at - 1) / LINES, first = (at - 1) % LINES * 5;
+    if (slot == WHISKERS_MOST) return false;
+    at++;
+    if (!settings.whiskers[slot].used) return true;
+    put(PSTR("{\"type\":\"configuration\",\"slot\":"));
+    put_number(slot);
+    for (uint8_t key = first; key < KEYS && key < first + 5; key++) put_value(key, settings.whiskers[slot]);
+    put(PSTR("}\n"));
+    return true;
 }
 
 }  // namespace vibrissa

@@ -11,7 +11,7 @@ enum Step : uint8_t { REFUSED, CHANGED, SAVE, DISCARD };
 __attribute__((noinline)) Step configure(const char *line);
 // Whether the settings as a whole can be used; otherwise says why they cannot.
 __attribute__((noinline)) bool check();
-// Lines that tell the configuration, from `at` = 0 on, as far as they fit; false after the last one.
+// The next line that tells the configuration, from `at` = 0 on, if it fits; false after the last one.
 __attribute__((noinline)) bool tell(uint8_t &at, Record record);
 
 }  // namespace vibrissa

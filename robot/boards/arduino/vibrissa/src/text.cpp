@@ -128,12 +128,6 @@ bool is_whole(const char *line) {
     return length && line[0] == '{' && line[length - 1] == '}';
 }
 
-// A line of 14 samples with the ways of a slide fits, and on a board with more memory those of six whiskers.
-#if RAMEND > 0x1000
-static const uint16_t OUT_SIZE = 2048;
-#else
-static const uint16_t OUT_SIZE = 432;
-#endif
 static char out[OUT_SIZE];
 static uint16_t out_begin, out_count;
 

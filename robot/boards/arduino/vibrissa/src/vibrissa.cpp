@@ -10,7 +10,7 @@ namespace vibrissa {
 
 static const uint16_t LINE_MOST = 200;
 // Between two steps of a regulator: of the only one, and of the next one.
-static const uint32_t ONE_STEP_US = 2000, STEP_US = 1000;
+static const uint32_t ONE_STEP_US = 2000, STEP_US = 1500;
 // Without a line `configure` for this long the changes are discarded.
 static const uint32_t CONFIGURE_MS = 60000;
 static const uint8_t NOTHING_TO_TELL = 255;

@@ -7,12 +7,14 @@
 namespace vibrissa {
 
 static const uint32_t PRESSURE_MS = 250, SILENT_MS = 5000, PULSE_MOST_US = 1000000, RELIEF_US = 100000;
+// Longest time between two samples that a line may tell.
+static const uint32_t EVERY_MOST_US = 100000;
 // A line is sent once its samples take so long.
 static const uint32_t LINE_US = 92000;
 // Without a clipped sample for this long the gauge counts as in order; a bad one is reported so often.
 static const uint32_t CLEAN_MS = 10000, REPORT_MS = 2000;
-// Between the samples of two whiskers, so that their lines do not come at once.
-static const uint32_t SHIFT_US = 1600;
+// Between two whiskers: with lines of 100 ms they come in turn, and samples of 10 ms are at least 0.8 ms apart.
+static const uint32_t SHIFT_US = 17300;
 
 void Whisker::begin(const WhiskerSettings &settings, bool is_locked, uint8_t slot) {
     set = &settings;
@@ -210,8 +212,10 @@ void Whisker::put_samples(void (*tick)()) {
     put_head(is_gauge ? PSTR("strain") : PSTR("motion"), first_ms);
     if (count > 1) {
         put(PSTR(",\"every_us\":"));
-        // An HX711 has a clock of its own.
-        put_number(set->sensor == HX711 ? (last_us - first_us) / (count - 1) : 1000000UL / set->rate_hz);
+        // An HX711 has a clock of its own. At 10 Hz a line has two samples only if it waited for room; the interface ends
+        // at 100 ms.
+        uint32_t every_us = set->sensor == HX711 ? (last_us - first_us) / (count - 1) : 1000000UL / set->rate_hz;
+        put_number(every_us < EVERY_MOST_US ? every_us : EVERY_MOST_US);
     }
     for (uint8_t list = is_gauge ? 0 : 1; list < (has_slide() ? 2 : 1); list++) {
         put(list ? PSTR(",\"deflection_mm\":[") : PSTR(",\"strain\":["));
