@@ -186,7 +186,8 @@ fn an_uno_serves_two_whiskers_with_slides_and_has_memory_left() {
     let keys = |whisker: u8, fill: u8, vent: u8, pressure: u8, strain: u8, mm: i32| {
         format!(
             "\"array\":\"front-left-array\",\"whisker\":{whisker},\"fill_pin\":{fill},\"vent_pin\":{vent},\
-             \"pressure_pin\":\"A{pressure}\",\"strain_sensor\":\"ANALOG\",\"strain_pin\":\"A{strain}\",\"slide_mm\":{mm}"
+             \"pressure_pin\":\"A{pressure}\",\"strain_sensor\":\"ANALOG\",\"strain_pin\":\"A{strain}\",\
+             \"slide_mm\":{mm}"
         )
     };
     let mut script = "50 !chamber 1 6 7 3\n50 !volts 1 2.6\n50 !volts 4 2.4\n50 !volts 2 1.0\n".to_owned();

@@ -212,8 +212,8 @@ void Whisker::put_samples(void (*tick)()) {
     put_head(is_gauge ? PSTR("strain") : PSTR("motion"), first_ms);
     if (count > 1) {
         put(PSTR(",\"every_us\":"));
-        // An HX711 has a clock of its own. At 10 Hz a line has two samples only if it waited for room; the interface ends
-        // at 100 ms.
+        // An HX711 has a clock of its own. At 10 Hz a line has two samples only if it waited for room; the interface
+        // ends at 100 ms.
         uint32_t every_us = set->sensor == HX711 ? (last_us - first_us) / (count - 1) : 1000000UL / set->rate_hz;
         put_number(every_us < EVERY_MOST_US ? every_us : EVERY_MOST_US);
     }
