@@ -198,6 +198,13 @@ bool check() {
             }
         }
     }
+    for (uint8_t slot = 0; slot < WHISKERS_MOST; slot++) {
+        const WhiskerSettings &set = settings.whiskers[slot];
+        // Beyond the end of the converter nobody would see a pressure above the limit.
+        if (!set.used || set.pressure_zero_v + set.limit_mpa * set.pressure_v_per_mpa <= 4.9f) continue;
+        refuse(slot, PSTR("limit_mpa is above 4.9 V of the pressure sensor"), PSTR("send a smaller limit_mpa"));
+        return false;
+    }
     return check_pins() && check_load();
 }
 
