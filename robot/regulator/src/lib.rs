@@ -5,7 +5,7 @@
 //! whatever else happens. There is no clock, no allocation, and no function of `libm`: the crate also runs on a
 //! microcontroller.
 //!
-//! `robot/boards/arduino/vibrissa_board/regulator.h` is the same algorithm in C++. A test runs both on the same readings and
+//! `robot/boards/arduino/vibrissa/src/regulator.h` is the same algorithm in C++. A test runs both on the same readings and
 //! compares every command and condition.
 //!
 //! docs/regulator.md has the state diagram, the reasons for the numbers, and the measurements.

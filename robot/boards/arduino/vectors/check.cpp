@@ -5,7 +5,7 @@
 #include <cstring>
 #include <string>
 
-#include "../vibrissa_board/regulator.h"
+#include "../vibrissa/src/regulator.h"
 
 static float from_bits(uint32_t bits) {
     float value;

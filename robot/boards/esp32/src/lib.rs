@@ -37,6 +37,9 @@ pub struct Readings {
     pub supply_mpa: Option<f32>,
     /// Strain of the gauge, m/m; not a number if it could not be read.
     pub strain: f32,
+    /// Way of the whisker's base by a slide potentiometer, mm, if there is one: without a way the agent makes no contacts of
+    /// the strain. Not a number if it could not be read.
+    pub deflection_mm: Option<f32>,
 }
 
 /// The board of one whisker.
@@ -56,6 +59,7 @@ pub struct Board<Fill, Vent> {
     silent: bool,
     pressure_mpa: f32,
     strains: [f32; SAMPLES],
+    ways_mm: [f32; SAMPLES],
     strain_count: usize,
     strain_first_us: u64,
     next_strain_us: u64,
@@ -93,6 +97,7 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
             silent: false,
             pressure_mpa: 0.0,
             strains: [0.0; SAMPLES],
+            ways_mm: [0.0; SAMPLES],
             strain_count: 0,
             strain_first_us: 0,
             next_strain_us: 0,
@@ -192,35 +197,40 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
         let (fill, vent) = self.valves.outputs(now_us);
         self.fill.set_state(fill.into()).map_err(|_| PinError)?;
         self.vent.set_state(vent.into()).map_err(|_| PinError)?;
-        self.report(now_us, readings.strain, lines);
+        self.report(now_us, readings, lines);
         Ok(())
     }
 
-    fn report<const N: usize>(&mut self, now_us: u64, strain: f32, lines: &mut Lines<N>) {
+    fn report<const N: usize>(&mut self, now_us: u64, readings: Readings, lines: &mut Lines<N>) {
         if !self.said_hello {
             self.said_hello =
                 lines.add(|line| line.write_str("{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa-board\"}"));
         }
         let (array, whisker) = (self.array, self.whisker);
+        let (strain, way_mm) = (readings.strain, readings.deflection_mm.unwrap_or_default());
         // JSON has no NaN: the next reading takes the place of one that failed.
-        if now_us >= self.next_strain_us && strain.is_finite() {
+        if now_us >= self.next_strain_us && strain.is_finite() && way_mm.is_finite() {
             // The grid of the samples is kept, unless the board was away for longer.
             self.next_strain_us = (self.next_strain_us + STRAIN_US).max(now_us.saturating_sub(STRAIN_US));
             if self.strain_count == 0 {
                 self.strain_first_us = now_us;
             }
             self.strains[self.strain_count] = strain;
+            self.ways_mm[self.strain_count] = way_mm;
             self.strain_count += 1;
             if self.strain_count == SAMPLES {
                 self.strain_count = 0;
                 let (ms, strains) = (self.strain_first_us / 1000, &self.strains);
+                let ways_mm = readings.deflection_mm.map(|_| &self.ways_mm);
                 lines.add(|line| {
                     write!(line, "{{\"type\":\"strain\",\"array\":\"{array}\",\"whisker\":{whisker},\"t_ms\":{ms}")?;
-                    write!(line, ",\"every_us\":{STRAIN_US},\"strain\":[")?;
-                    for (index, strain) in strains.iter().enumerate() {
-                        write!(line, "{}{strain:.6}", if index == 0 { "" } else { "," })?;
+                    write!(line, ",\"every_us\":{STRAIN_US},\"strain\":")?;
+                    write_list(line, strains, 6)?;
+                    if let Some(ways_mm) = ways_mm {
+                        line.write_str(",\"deflection_mm\":")?;
+                        write_list(line, ways_mm, 2)?;
                     }
-                    line.write_str("]}")
+                    line.write_str("}")
                 });
             }
         }
@@ -235,6 +245,13 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
             }
         }
     }
+}
+
+fn write_list(line: &mut impl core::fmt::Write, numbers: &[f32], places: usize) -> core::fmt::Result {
+    for (index, number) in numbers.iter().enumerate() {
+        write!(line, "{}{number:.places$}", if index == 0 { '[' } else { ',' })?;
+    }
+    line.write_str("]")
 }
 
 /// A pin could not be set.

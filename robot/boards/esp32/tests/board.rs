@@ -37,13 +37,24 @@ struct Bench {
     now_us: u64,
     mpa: f32,
     strain: f32,
+    way_mm: Option<f32>,
 }
 
 impl Bench {
     fn new() -> Bench {
         let (fill, vent) = (Pin::default(), Pin::default());
         let board = Board::new(fill.clone(), vent.clone(), "left", 1, 0.2).unwrap();
-        Bench { board, fill, vent, lines: Lines::default(), said: String::new(), now_us: 0, mpa: 0.0, strain: 0.000_1 }
+        Bench {
+            board,
+            fill,
+            vent,
+            lines: Lines::default(),
+            said: String::new(),
+            now_us: 0,
+            mpa: 0.0,
+            strain: 0.000_1,
+            way_mm: None,
+        }
     }
 
     fn say(&mut self, line: &str) {
@@ -63,7 +74,7 @@ impl Bench {
                 self.mpa -= self.mpa * 0.001;
             }
             let pressure_mpa = ((self.mpa / STEP_MPA).floor() + 0.5) * STEP_MPA;
-            let readings = Readings { pressure_mpa, supply_mpa: None, strain: self.strain };
+            let readings = Readings { pressure_mpa, supply_mpa: None, strain: self.strain, deflection_mm: self.way_mm };
             self.board.step(self.now_us, readings, &mut self.lines).unwrap();
             self.said.push_str(std::str::from_utf8(self.lines.waiting()).unwrap());
             self.lines.sent(usize::MAX);
@@ -158,4 +169,22 @@ fn a_strain_that_cannot_be_read_is_left_out() {
     bench.strain = 0.000_1;
     bench.run(0.3);
     assert!(bench.said.contains("\"strain\":[0.000100") && !bench.said.contains("NaN"), "{}", bench.said);
+}
+
+#[test]
+fn the_way_of_a_slide_is_in_the_lines_of_strain() {
+    let mut bench = Bench::new();
+    bench.run(0.3);
+    assert!(bench.said.contains("\"strain\"") && !bench.said.contains("deflection_mm"), "{}", bench.said);
+    bench.way_mm = Some(-3.456);
+    bench.run(0.3);
+    assert!(
+        bench.said.contains("],\"deflection_mm\":[-3.46,-3.46,-3.46,-3.46,-3.46,-3.46,-3.46,-3.46,-3.46,-3.46]}"),
+        "{}",
+        bench.said
+    );
+    bench.way_mm = Some(f32::NAN);
+    bench.said.clear();
+    bench.run(0.5);
+    assert!(!bench.said.contains("\"strain\"") && !bench.said.contains("NaN"), "{}", bench.said);
 }

@@ -31,6 +31,10 @@ const PRESSURE_V_PER_MPA: f32 = 4.0;
 /// Voltage of the strain amplifier at rest, V, and strain per volt, m/m.
 const STRAIN_ZERO_V: f32 = 2.5;
 const STRAIN_PER_VOLT: f32 = 0.002;
+/// Slide potentiometer that measures the way of the whisker's base: way in mm from 0 V to the voltage at its end, V. 0 mm without
+/// one; the agent then makes no contacts. Negative if it is turned round.
+const SLIDE_MM: f32 = 0.0;
+const SLIDE_END_V: f32 = 2.37;
 /// Conversions of which one reading is the mean.
 const CONVERSIONS: u32 = 8;
 /// Time without a step after which the hardware restarts the board, with both valves closed.
@@ -46,6 +50,7 @@ fn main() -> ! {
     let mut pins = AdcConfig::new();
     let mut pressure = pins.enable_pin_with_cal::<_, AdcCalCurve<ADC1>>(chip.GPIO0, Attenuation::_11dB);
     let mut strain = pins.enable_pin_with_cal::<_, AdcCalCurve<ADC1>>(chip.GPIO1, Attenuation::_11dB);
+    let mut slide = pins.enable_pin_with_cal::<_, AdcCalCurve<ADC1>>(chip.GPIO3, Attenuation::_11dB);
     let mut converter = Adc::new(chip.ADC1, pins);
     let mut usb = UsbSerialJtag::new(chip.USB_DEVICE);
     let mut watchdog = TimerGroup::new(chip.TIMG0).wdt;
@@ -60,9 +65,10 @@ fn main() -> ! {
             board.receive(now_us, byte);
         }
         let readings = Readings {
-            pressure_mpa: (volts(&mut converter, &mut pressure) - PRESSURE_ZERO_V) / PRESSURE_V_PER_MPA,
+            pressure_mpa: (DIVIDER * volts(&mut converter, &mut pressure) - PRESSURE_ZERO_V) / PRESSURE_V_PER_MPA,
             supply_mpa: None,
-            strain: (volts(&mut converter, &mut strain) - STRAIN_ZERO_V) * STRAIN_PER_VOLT,
+            strain: (DIVIDER * volts(&mut converter, &mut strain) - STRAIN_ZERO_V) * STRAIN_PER_VOLT,
+            deflection_mm: (SLIDE_MM != 0.0).then(|| volts(&mut converter, &mut slide) / SLIDE_END_V * SLIDE_MM),
         };
         // After an error the watchdog is not fed, and restarts the board.
         if board.step(now_us, readings, &mut lines).is_ok() {
@@ -72,7 +78,7 @@ fn main() -> ! {
     }
 }
 
-/// The voltage of a sensor, V; not a number if the converter failed.
+/// The voltage at a pin, V; not a number if the converter failed.
 fn volts<'a, Pin: AdcChannel>(
     converter: &mut Adc<'a, ADC1<'a>, Blocking>,
     pin: &mut AdcPin<Pin, ADC1<'a>, AdcCalCurve<ADC1<'a>>>,
@@ -84,7 +90,7 @@ fn volts<'a, Pin: AdcChannel>(
             Err(()) => return f32::NAN,
         }
     }
-    sum_mv as f32 / CONVERSIONS as f32 / 1000.0 * DIVIDER
+    sum_mv as f32 / CONVERSIONS as f32 / 1000.0
 }
 
 /// Sends as much as the USB host takes at once.

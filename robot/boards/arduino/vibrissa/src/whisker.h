@@ -1,0 +1,63 @@
+// One whisker of the board: its valves, its regulator, its watchdog and its samples.
+#pragma once
+
+#include "gauge.h"
+#include "regulator.h"
+#include "settings.h"
+#include "text.h"
+
+namespace vibrissa {
+
+// A line of strain has about 10 samples, and a few more if it has to wait for room.
+static const uint8_t SAMPLES = 10, SAMPLES_MOST = 14;
+
+class Whisker {
+  public:
+    // Both valves are closed. With a broken configuration they stay closed, and no pin becomes an output.
+    void begin(const WhiskerSettings &settings, bool locked, uint8_t slot);
+    // Closes the valves, and lets go of their pins: the resistors to ground keep the valves closed.
+    void release();
+    // Ends a pulse that is over.
+    void end_pulse() {
+        if (open_pin != NO_PIN && micros() - pulse_begin_us >= pulse_us) close_valves();
+    }
+    bool is_mine(const char *line) const;
+    // An order for this whisker.
+    __attribute__((noinline)) void obey(const char *line);
+    // Without an order for 5 s the setpoint becomes 0.
+    void watch();
+    __attribute__((noinline)) void regulate();
+    // Takes a sample if one is due, and sends a line if it is full. `tick` is called often meanwhile.
+    __attribute__((noinline)) void sample(void (*tick)());
+    // Sends a line of pressure if one is due.
+    __attribute__((noinline)) void report();
+
+  private:
+    const WhiskerSettings *set;
+    bool locked, by_hand, silent;
+    uint8_t open_pin;
+    uint32_t pulse_begin_us, pulse_us, last_order_ms, last_pressure_ms;
+    float pressure_mpa;
+    Regulator regulator;
+
+    Gauge gauge;
+    uint32_t due_us, first_us, last_us, first_ms;
+    // Strain in units of 1e-7, way in 0.01 mm.
+    int32_t strains[SAMPLES_MOST];
+    int16_t ways[SAMPLES_MOST];
+    uint8_t count;
+    // Since the last line, and as reported.
+    bool clipped, absent;
+    Sample reported;
+    uint32_t bad_ms, reported_ms;
+
+    bool has_slide() const { return set->slide_pin != NO_PIN && set->slide_mm != 0.0f; }
+    void open_valve(uint8_t pin, uint32_t us);
+    void close_valves();
+    void heard();
+    void put_head(const char *type_in_flash, uint32_t ms) const;
+    __attribute__((noinline)) void put_samples(void (*tick)());
+    __attribute__((noinline)) void put_gauge();
+};
+
+}  // namespace vibrissa
