@@ -12,7 +12,7 @@ use super::gauge_watch::GaugeWatch;
 use super::motion::Motion;
 use super::partial::Partials;
 use super::strain::Stream;
-use crate::config::DriverLimits;
+use crate::config::{DriverLimits, Sign, WhiskerConfig};
 use crate::contract::{Moment, Now, ReadingGain};
 use crate::driver::{Opening, ToDriver};
 
@@ -54,6 +54,8 @@ pub(super) struct Chamber {
     pub(super) nominal_mpa: f64,
     pub(super) max_mpa: f64,
     pub(super) place: PlaceKind,
+    /// The way in which a touch moves the strain.
+    pub(super) sign: Option<Sign>,
     /// Highest (epoch, version) seen for the whisker, in earlier boots, too.
     pub(super) seen: Option<(u64, u64)>,
     pub(super) target_mpa: f64,
@@ -98,13 +100,20 @@ pub(super) struct Chamber {
 
 impl Chamber {
     /// `limits` are those of the first driver that serves the whisker, until one reads its pressure.
-    pub(super) fn new(array: Name, facts: &WhiskerFacts, seen: Option<(u64, u64)>, limits: DriverLimits) -> Self {
+    pub(super) fn new(
+        array: Name,
+        facts: &WhiskerFacts,
+        more: WhiskerConfig,
+        seen: Option<(u64, u64)>,
+        limits: DriverLimits,
+    ) -> Self {
         Self {
             array,
             number: facts.whisker,
             nominal_mpa: facts.pressure_mpa,
             max_mpa: facts.pressure_max_mpa,
             place: facts.place.unwrap_or(PlaceKind::Ratio),
+            sign: more.sign,
             seen,
             target_mpa: facts.pressure_mpa,
             slew_mpa_per_s: limits.own_slew_mpa_per_s,

@@ -1,7 +1,7 @@
 //! Faults of a gauge's wiring and amplifier, seen in its strains: a reversed polarity, and an end of the scale.
 //!
-//! **Polarity.** A touch stretches the gauge. If the last contacts are compressions, all but a few, its wires are
-//! swapped, and the supervisor can use none of them.
+//! **Polarity.** A touch stretches the gauge, or moves its strain the way that `segmenter.sign` states. If the last contacts
+//! go the other way, all but a few, its wires are swapped, and the supervisor can use none of them.
 //!
 //! **End of the scale.** Where the amplifier or the converter ends, samples have one and the same value, the highest or
 //! lowest of all, while the deflection goes on. Such a strain is too small for its deflection, as that of a cut
@@ -9,8 +9,8 @@
 
 /// Contacts that decide about the polarity.
 const CONTACTS: u32 = 20;
-/// Of these so many must be compressions.
-const COMPRESSIONS: u32 = 19;
+/// Of these so many must go the other way.
+const OTHERS: u32 = 19;
 /// Way during which an unchanged strain is the end of the scale, in mm: a converter of 10 bits sees a hundredth of it.
 const WAY_MM: f64 = 0.2;
 /// Least difference of that strain from the first one of the stream: at rest a strain does not change either, in m/m.
@@ -21,7 +21,7 @@ const CLEAN: u8 = 10;
 /// Something that a person must correct at the gauge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Finding {
-    /// Touches are compressions.
+    /// Touches go the other way.
     Reversed,
     /// Strains end at this value.
     Clipped(f64),
@@ -38,8 +38,8 @@ struct Run {
 /// The strains of one gauge.
 #[derive(Debug, Default)]
 pub(super) struct GaugeWatch {
-    /// Signs of the last contacts, a bit for each compression, and their number.
-    compressions: u32,
+    /// The last contacts, a bit for each that goes the other way, and their number.
+    others: u32,
     contacts: u32,
     is_reversed: bool,
     first: Option<f64>,
@@ -56,13 +56,13 @@ pub(super) struct GaugeWatch {
 }
 
 impl GaugeWatch {
-    /// Takes the strain of a contact that is sent.
+    /// Takes the strain of a contact that is sent: positive if it goes the right way.
     pub(super) fn contact(&mut self, strain: f64) -> Option<Finding> {
-        self.compressions = self.compressions << 1 | u32::from(strain < 0.0);
+        self.others = self.others << 1 | u32::from(strain < 0.0);
         self.contacts = (self.contacts + 1).min(CONTACTS);
-        let negative = (self.compressions & ((1 << CONTACTS) - 1)).count_ones();
+        let others = (self.others & ((1 << CONTACTS) - 1)).count_ones();
         let was_reversed = self.is_reversed;
-        self.is_reversed = self.contacts == CONTACTS && negative >= COMPRESSIONS;
+        self.is_reversed = self.contacts == CONTACTS && others >= OTHERS;
         (self.is_reversed && !was_reversed).then_some(Finding::Reversed)
     }
 
@@ -117,12 +117,17 @@ impl GaugeWatch {
         false
     }
 
+    /// Whether the scale is known to end at this strain.
+    pub(super) fn is_end(&self, strain: f64) -> bool {
+        self.end == Some(strain)
+    }
+
     /// Whether the strains end below the deflections of the whisker.
     pub(super) fn is_clipped(&self) -> bool {
         self.end.is_some()
     }
 
-    /// Whether touches are compressions.
+    /// Whether touches go the other way.
     pub(super) fn is_reversed(&self) -> bool {
         self.is_reversed
     }
@@ -170,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_polarity_is_reversed_if_nearly_all_touches_are_compressions() {
+    fn a_polarity_is_reversed_if_nearly_all_touches_go_the_other_way() {
         let mut watch = GaugeWatch::default();
         // A whisker that is swept to both sides.
         assert!((0..100).all(|at| watch.contact(if at % 2 == 0 { -0.01 } else { 0.01 }).is_none()));

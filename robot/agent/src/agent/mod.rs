@@ -167,7 +167,8 @@ impl Agent {
                 let Some(first) = config.drivers.iter().find(|driver| driver.whiskers.contains(&place)) else {
                     continue;
                 };
-                chambers.push(Chamber::new(array.array.clone(), whisker, seen, first.limits));
+                let more = config.whiskers.get(&place).copied().unwrap_or_default();
+                chambers.push(Chamber::new(array.array.clone(), whisker, more, seen, first.limits));
             }
         }
         let places = chambers.iter().enumerate().map(|(at, one)| ((one.array.clone(), one.number), at)).collect();

@@ -1,14 +1,14 @@
 //! Checks of the values, and their conversion.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use vibrissa_protocol::{ARRAYS_MAX, ArrayFacts, CONTACTS_MAX, WHISKERS_MAX, WhiskerFacts};
+use vibrissa_protocol::{ARRAYS_MAX, ArrayFacts, CONTACTS_MAX, Name, WHISKERS_MAX, WhiskerFacts};
 use vibrissa_segmenter::Params;
 
 use super::file::{File, FileArray, FileBroker, FileWhisker};
-use super::{BadConfig, Limits};
+use super::{BadConfig, Limits, WhiskerConfig};
 use crate::mqtt::{Authorities, Broker, ClientCertificate, password_in};
 
 pub(super) type Checked = Result<(), BadConfig>;
@@ -102,6 +102,17 @@ impl FileBroker {
         };
         Ok(broker)
     }
+}
+
+/// What the factsheet does not have of each whisker.
+pub(super) fn whiskers(arrays: &[FileArray]) -> BTreeMap<(Name, u16), WhiskerConfig> {
+    let of = |array: &FileArray| {
+        let name = array.array.clone();
+        let whisker =
+            move |one: &FileWhisker| ((name.clone(), one.whisker), WhiskerConfig { sign: one.segmenter.sign });
+        array.whiskers.iter().map(whisker).collect::<Vec<_>>()
+    };
+    arrays.iter().flat_map(of).collect()
 }
 
 pub(super) fn arrays(arrays: Vec<FileArray>) -> Result<Vec<ArrayFacts>, BadConfig> {

@@ -90,6 +90,9 @@ lines! {
         deflection_mm: Option<f64>,
         /// Mean strain over the gauge, in m/m; absent with `touched: false`.
         strain: Option<f64>,
+        /// Whether the strain was at the end of the gauge's range.
+        #[serde(default)]
+        saturated: bool,
         /// Contact ratio.
         ratio: Option<f64>,
         /// Its standard deviation.

@@ -5,7 +5,8 @@
 //!
 //! - **Motion without strain.** The base moves, and the strain stands still: nothing touches. This proves rest.
 //! - **Pressure against the object.** Of two levels, rest is the one with less deflection.
-//! - **Sign.** A touch moves the strain the way that is stated, or that all contacts so far had.
+//! - **Sign.** A touch moves the strain the way that is stated, or that all contacts so far had. Where the deflection says
+//!   the opposite of what is stated, the deflection counts.
 //! - **Return.** Rest recurs; touches differ. So a level gains by each visit. Two levels that take turns gain alike,
 //!   and this witness alone does not decide between them.
 //!
@@ -196,8 +197,12 @@ impl Rest {
         self.moves_freely(bin)
     }
 
-    /// Whether the base moves while the strain stands: the proof of rest.
+    /// Whether the base moves while the strain stands: the proof of rest. At the end of the scale it stands in any touch.
     fn moves_freely(&mut self, bin: &Bin) -> bool {
+        if bin.saturated {
+            self.run.anchor = None;
+            return false;
+        }
         let (Some(here), Some(mm), false) = (self.run.level, bin.deflection_mm, self.run.free) else {
             return false;
         };

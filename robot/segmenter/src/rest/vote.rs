@@ -53,17 +53,17 @@ impl Rest {
             } else {
                 (before, strain - self.levels[before].strain, deflection_mm, Some(here))
             };
-            if let (Some(left_mm), Some(mm)) = (self.left_mm, mm)
-                && (mm - left_mm).abs() > LESS_MM
-            {
-                self.vote(from, to, DEFLECTION * (mm - left_mm).signum());
-            }
+            let way_mm = self.left_mm.zip(mm).map_or(0.0, |(left_mm, mm)| mm - left_mm);
+            let pressed = if way_mm.abs() > LESS_MM { DEFLECTION * way_mm.signum() } else { 0.0 };
             let (sign, weight) = if params.sign == 0.0 {
                 (f64::from(self.signs.signum()), if self.signs.abs() >= 5 { SIGN_SEEN } else { 0.0 })
             } else {
                 (params.sign, SIGN)
             };
-            self.vote(from, to, weight * sign * step.signum());
+            let signed = weight * sign * step.signum();
+            // A stated sign may be wrong: the deflection says so, and contacts get the sign that they have.
+            let is_refuted = params.sign != 0.0 && pressed * signed < 0.0;
+            self.vote(from, to, pressed + if is_refuted { 0.0 } else { signed });
         }
         self.at = Some(here);
         (self.far, self.far_mm) = (0.0, None);

@@ -142,7 +142,7 @@ impl Segmenter {
         if unexplained || !self.rest.is_sure() {
             return Condition::Lost;
         }
-        self.watch.condition(&self.params, self.intake.shake.is_shaking(), self.intake.glitches.part)
+        self.watch.condition(self.intake.shake.is_shaking(), self.intake.glitches.part)
     }
 
     /// Takes the next sample.
