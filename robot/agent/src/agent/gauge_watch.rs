@@ -13,7 +13,7 @@ const CONTACTS: u32 = 20;
 const OTHERS: u32 = 19;
 /// Way during which an unchanged strain is the end of the scale, in mm: a converter of 10 bits sees a hundredth of it.
 const WAY_MM: f64 = 0.2;
-/// Least difference of that strain from the first one of the stream: at rest a strain does not change either, in m/m.
+/// Least difference of that strain from rest: there a strain does not change either, in m/m.
 const LEAST: f64 = 5e-4;
 /// Contacts below the end of the scale after which it counts no more.
 const CLEAN: u8 = 10;
@@ -42,7 +42,6 @@ pub(super) struct GaugeWatch {
     others: u32,
     contacts: u32,
     is_reversed: bool,
-    first: Option<f64>,
     before: Option<f64>,
     lowest: f64,
     highest: f64,
@@ -66,21 +65,22 @@ impl GaugeWatch {
         (self.is_reversed && !was_reversed).then_some(Finding::Reversed)
     }
 
-    /// Takes a sample.
-    pub(super) fn sample(&mut self, strain: f64, deflection_mm: Option<f64>) -> Option<Finding> {
+    /// Takes a sample, and the strain to which contacts are relative. Until that is known, no end of the scale is.
+    pub(super) fn sample(&mut self, strain: f64, deflection_mm: Option<f64>, rest: Option<f64>) -> Option<Finding> {
         if !strain.is_finite() {
             return None;
         }
         let before = self.before.replace(strain);
-        let (Some(first), Some(before)) = (self.first, before) else {
-            (self.first, self.lowest, self.highest) = (Some(strain), strain, strain);
+        let Some(before) = before else {
+            (self.lowest, self.highest) = (strain, strain);
             return None;
         };
         // A single wrong sample of a cheap converter is no extreme.
         let (lower, higher) = (before.max(strain), before.min(strain));
         let is_beyond = lower < self.lowest || higher > self.highest;
         (self.lowest, self.highest) = (self.lowest.min(lower), self.highest.max(higher));
-        if is_beyond && self.end.is_some_and(|end| (strain > first) == (end > first)) {
+        let rest = rest?;
+        if is_beyond && self.end.is_some_and(|end| (strain > rest) == (end > rest)) {
             // The scale goes on.
             self.end = None;
         }
@@ -90,7 +90,7 @@ impl GaugeWatch {
             Some(run) if run.strain == strain => {
                 let is_extreme = strain == self.lowest || strain == self.highest;
                 let is_end =
-                    is_extreme && (strain - first).abs() >= LEAST && (deflection_mm - run.from_mm).abs() >= WAY_MM;
+                    is_extreme && (strain - rest).abs() >= LEAST && (deflection_mm - run.from_mm).abs() >= WAY_MM;
                 if !is_end || self.end == Some(strain) {
                     return None;
                 }
@@ -146,7 +146,7 @@ mod tests {
             for step in (0..50 + steps).chain((0..50 + steps).rev()) {
                 let way_mm = step as f64 * 0.02;
                 let strain = ((way_mm - 1.0).max(0.0) * 0.0046 / 1e-5).round() * 1e-5;
-                found.extend(watch.sample(strain.min(end), Some(way_mm)));
+                found.extend(watch.sample(strain.min(end), Some(way_mm), Some(0.0)));
             }
             watch.ended();
         }
@@ -168,9 +168,9 @@ mod tests {
     fn a_strain_beyond_it_shows_that_the_scale_goes_on() {
         let mut watch = GaugeWatch::default();
         touches(&mut watch, 3.0, 0.005, 1);
-        watch.sample(0.006, Some(2.0));
+        watch.sample(0.006, Some(2.0), Some(0.0));
         assert!(watch.is_clipped(), "one sample may be wrong");
-        watch.sample(0.006, Some(2.0));
+        watch.sample(0.006, Some(2.0), Some(0.0));
         assert!(!watch.is_clipped());
     }
 

@@ -3,7 +3,6 @@
 //! [`Agent::step`] takes one input and returns what to do. Call it with [`Input::Tick`] at [`Agent::next_deadline`],
 //! too. Deadlines are [`Moment`]s, which no correction of a clock moves.
 
-mod below_zero;
 mod boots;
 mod chamber;
 mod contacts;

@@ -54,6 +54,8 @@ impl Stream {
         }
         match stamp_us {
             Some(stamp_us) => stamp_us,
+            // A single sample tells no spacing: it has the time of its receipt.
+            None if every_us == 0 => first_us.max(expected_us + 1),
             None => expected_us.saturating_add_signed((first_us.cast_signed() - expected_us.cast_signed()) / FOLLOWED),
         }
     }
@@ -88,6 +90,7 @@ impl Agent {
         }
         self.hold_gauge(at, from)?;
         let stamp_us = line.t_us.or(line.t_ms.map(|t_ms| t_ms * 1000));
+        let driving = self.drives(at);
         let chamber = &mut self.chambers[at];
         let params = Params { sign: chamber.sign.map_or(0.0, Sign::factor), ..self.limits.segmenter };
         let setpoint_mpa = Some(chamber.target_mpa);
@@ -113,6 +116,7 @@ impl Agent {
                 distance_mm: value(line.distance_mm.as_ref(), index),
                 pressure_mpa,
                 setpoint_mpa,
+                driving,
                 ..Sample::default()
             };
             stream.newest_us = Some(sample.t_us);
@@ -141,7 +145,7 @@ impl Agent {
         let gauge_watch = &mut chamber.gauge_watch;
         let Some(stream) = &mut chamber.stream else { return Ok(()) };
         for (sample, offset_us) in samples {
-            findings.extend(gauge_watch.sample(sample.strain, sample.deflection_mm));
+            findings.extend(gauge_watch.sample(sample.strain, sample.deflection_mm, stream.segmenter.reference()));
             let saturated = gauge_watch.is_end(sample.strain);
             if let Some(Event::Contact(contact)) = stream.segmenter.push(Sample { saturated, ..sample }) {
                 let saturated = gauge_watch.ended() || contact.saturated;

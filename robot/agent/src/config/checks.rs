@@ -104,12 +104,14 @@ impl FileBroker {
     }
 }
 
-/// What the factsheet does not have of each whisker.
+/// Properties of each whisker that the factsheet does not have.
 pub(super) fn whiskers(arrays: &[FileArray]) -> BTreeMap<(Name, u16), WhiskerConfig> {
     let of = |array: &FileArray| {
         let name = array.array.clone();
-        let whisker =
-            move |one: &FileWhisker| ((name.clone(), one.whisker), WhiskerConfig { sign: one.segmenter.sign });
+        let whisker = move |one: &FileWhisker| {
+            let config = WhiskerConfig { sign: one.segmenter.sign, pressure_zero_mpa: one.pressure_zero_mpa };
+            ((name.clone(), one.whisker), config)
+        };
         array.whiskers.iter().map(whisker).collect::<Vec<_>>()
     };
     arrays.iter().flat_map(of).collect()
@@ -148,6 +150,7 @@ impl FileWhisker {
         within(key("length_mm"), self.length_mm, 1.0..=1000.0)?;
         within(key("pressure_max_mpa"), self.pressure_max_mpa, 0.0..=0.2)?;
         within(key("pressure_mpa"), self.pressure_mpa, 0.0..=self.pressure_max_mpa)?;
+        within(key("pressure_zero_mpa"), self.pressure_zero_mpa, -0.01..=0.01)?;
         if let Some(strain_max) = self.strain_max {
             within(key("strain_max"), strain_max, 1e-6..=1.0)?;
         }

@@ -232,6 +232,8 @@ pub(super) struct FileWhisker {
     pub(super) strain_max: Option<f64>,
     pub(super) place: Option<PlaceKind>,
     #[serde(default)]
+    pub(super) pressure_zero_mpa: f64,
+    #[serde(default)]
     pub(super) segmenter: FileWhiskerSegmenter,
 }
 

@@ -87,6 +87,8 @@ pub struct Config {
 pub struct WhiskerConfig {
     /// The way in which a touch moves the strain; `None` if it is not known, or if it may be both.
     pub sign: Option<Sign>,
+    /// Reading of its pressure sensor at an empty chamber, MPa.
+    pub pressure_zero_mpa: f64,
 }
 
 /// The way in which a touch moves the strain that a driver sends.

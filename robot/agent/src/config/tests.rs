@@ -169,6 +169,7 @@ neighbours = []
 strain_max = 0.01
 place = "TIP"
 segmenter.sign = "RISES"
+pressure_zero_mpa = 0.001
 "#;
 
 /// Keys without a default.

@@ -26,6 +26,8 @@ pub enum FromDriver {
     Fault(Fault),
     /// Progress of a touch test.
     TestState(TestState),
+    /// Whether the robot moves.
+    Driving(Driving),
 }
 
 /// `hello`: the driver introduces itself.
@@ -182,6 +184,13 @@ impl Samples {
     }
 }
 
+/// `driving`: the robot moves from now on, or stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub struct Driving {
+    /// Whether it moves.
+    pub driving: bool,
+}
+
 /// `test_state`: progress of a touch test.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 pub struct TestState {
@@ -234,7 +243,7 @@ struct Head<'a> {
 }
 
 /// The words of drivers, in an error.
-const WORDS: &str = "send one of hello, contact, strain, motion, pressure, fault, test_state";
+const WORDS: &str = "send one of hello, contact, strain, motion, pressure, fault, test_state, driving";
 
 impl FromDriver {
     /// Reads a line.
@@ -255,6 +264,7 @@ impl FromDriver {
             "pressure" => read(text, Self::Pressure),
             "fault" => read(text, Self::Fault),
             "test_state" => read(text, Self::TestState),
+            "driving" => read(text, Self::Driving),
             other => Err(BadLine::new(format!("{:?} is no word of a driver", cut(other)), WORDS)),
         }
     }

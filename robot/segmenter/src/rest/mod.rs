@@ -5,8 +5,8 @@
 //!
 //! - **Motion without strain.** The base moves, and the strain stands still: nothing touches. This proves rest.
 //! - **Pressure against the object.** Of two levels, rest is the one with less deflection.
-//! - **Sign.** A touch moves the strain the way that is stated, or that all contacts so far had. Where the deflection says
-//!   the opposite of what is stated, the deflection counts.
+//! - **Sign.** A touch moves the strain the way that is stated, or that all contacts so far had. Where the deflection
+//!   contradicts the stated sign, the deflection counts.
 //! - **Return.** Rest recurs; touches differ. So a level gains by each visit. Two levels that take turns gain alike,
 //!   and this witness alone does not decide between them.
 //!

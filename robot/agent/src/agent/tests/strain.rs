@@ -172,6 +172,26 @@ fn lines_of_a_wrong_shape_are_refused() {
 }
 
 #[test]
+fn regress_single_samples_without_a_time_have_that_of_their_receipt() {
+    let mut bench = bench(PlaceKind::Unknown);
+    let mut contacts = 0;
+    for at in 0..600_u64 {
+        bench.run(0.01);
+        let (way, noise) = (way_mm(at as f64 * 0.01, false), if at % 5 < 2 { 2e-6 } else { -1e-6 });
+        let strain = 1e-3 + 0.005 * way + noise;
+        bench.line(&format!(r#"{{"type":"strain","whisker":0,"strain":{strain:.7},"deflection_mm":{way}}}"#));
+        if at % 10 == 0 {
+            bench.read(0, 0.1);
+        }
+        for message in bench.contacts() {
+            bench.receipt("b1", message.seq + 1);
+            contacts += message.contacts.len();
+        }
+    }
+    assert_eq!(contacts, 1);
+}
+
+#[test]
 fn a_restarted_board_begins_a_new_stream() {
     let mut bench = bench(PlaceKind::Distance);
     let more = r#","deflection_mm":WAY,"distance_mm":52.5"#;
