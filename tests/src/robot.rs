@@ -259,6 +259,7 @@ impl HandRobot {
             tip: false,
             deflection_mm,
             strain: per_mm * deflection_mm * (1.0 + 0.02 * error),
+            saturated: false,
             pressure_mpa,
             temperature_c: 24.0,
             test_id: None,

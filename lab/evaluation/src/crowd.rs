@@ -186,6 +186,7 @@ impl Member {
                 strain,
                 pressure,
                 is_test: false,
+                saturated: false,
                 temperature_c: None,
             });
         }

@@ -52,6 +52,7 @@ impl Heard {
             FromDriver::Pressure(line) => ("pressure", Some(line.origin())),
             FromDriver::Fault(line) => ("fault", Some(line.origin())),
             FromDriver::TestState(_) => ("test_state", None),
+            FromDriver::Driving(_) => ("driving", None),
         };
         self.words.insert(kind.to_owned());
         let place = origin.map(|origin| match origin.array {

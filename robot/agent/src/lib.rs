@@ -4,9 +4,11 @@
 //! sockets and no clock. [`agent`] stands between the contract and a [`driver`], and is pure, too. [`store`] keeps what
 //! survives a restart, [`hub`] runs an agent, [`mqtt`] carries the messages of one robot over a connection that it renews, and [`config`] is
 //! `agent.toml`. [`preflight`] and [`exposure`] say what is wrong with it on this machine.
-//! [`monitor`] shows a running agent to a person, and [`discover`] the serial devices.
+//! [`monitor`] shows a running agent to a person, [`discover`] the serial devices, and [`calibrate`] measures what the
+//! configuration must know of gauges, sensors and valves.
 
 pub mod agent;
+pub mod calibrate;
 pub mod clock;
 pub mod config;
 pub mod contract;

@@ -12,7 +12,7 @@ use vibrissa_host::task;
 use vibrissa_program::log;
 use vibrissa_program::log_filter::log_filter;
 use vibrissa_program::signals::StopSignals;
-use vibrissa_robot::{Config, discover, exposure, hub, monitor, preflight};
+use vibrissa_robot::{Config, calibrate, discover, exposure, hub, monitor, preflight};
 
 /// The agent of one robot with soft whiskers: keeps the MQTT contract for a driver that speaks lines of JSON.
 #[derive(Debug, Parser)]
@@ -39,6 +39,15 @@ enum Command {
         /// Show it once
         #[arg(long)]
         once: bool,
+    },
+    /// Measure gauges, slides, pressure sensors and valves step by step, and write agent.toml. End the agent first. The chambers
+    /// stay below a fifth of pressure_max_mpa, and are empty at the end. A calibration that was stopped goes on.
+    Calibrate {
+        /// Whiskers such as left/0 instead of all
+        whiskers: Vec<String>,
+        /// Forget what a calibration that was stopped has found
+        #[arg(long)]
+        again: bool,
     },
     /// List the serial devices of this machine, and what speaks there
     Discover {
@@ -73,6 +82,13 @@ fn started(path: &Path, is_check: bool, command: Option<Command>) -> anyhow::Res
     let config = Config::read(path).with_context(|| path.display().to_string())?;
     if let Some(Command::Monitor { once }) = command {
         return runtime()?.block_on(monitor::watch(&config, once));
+    }
+    if let Some(Command::Calibrate { whiskers, again }) = command {
+        let runtime = runtime()?;
+        let outcome = runtime.block_on(calibrate::calibrate(&config, path, &whiskers, again));
+        // A thread still waits for a line of the terminal.
+        runtime.shutdown_background();
+        return outcome;
     }
     if is_check {
         config.broker.transport()?;

@@ -1,6 +1,6 @@
 //! How far the findings of a segmenter can be relied on.
 
-use crate::{Contact, Params};
+use crate::Contact;
 
 /// State of a segmenter, the worst first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,8 +10,6 @@ pub enum Condition {
     /// Rest was known and is in doubt: after a gap, a step of air, or in a contact longer than `longest_s` without
     /// a deflection. Contacts are held back.
     Lost,
-    /// The last contacts went against the sign that is stated: the gauge is wired the other way round.
-    Inverted,
     /// The last contact was beyond the gauge's limit: its strain is a lower bound.
     Clipped,
     /// The whisker shakes, or the converter has many glitches: only strong touches are found.
@@ -38,7 +36,6 @@ impl Condition {
         match self {
             Condition::Learning(_) => "LEARNING",
             Condition::Lost => "LOST",
-            Condition::Inverted => "INVERTED",
             Condition::Clipped => "CLIPPED",
             Condition::Noisy => "NOISY",
             Condition::Ready => "READY",
@@ -46,28 +43,22 @@ impl Condition {
     }
 }
 
-/// Contacts in a row against the stated sign that show a gauge to be inverted.
-const AGAINST: u32 = 3;
 /// Part of the samples that are many glitches.
 const MANY: f64 = 0.02;
 
 /// What the last contacts tell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Watch {
-    against: u32,
     clipped: bool,
 }
 
 impl Watch {
-    pub(crate) fn contact(&mut self, params: &Params, contact: &Contact) {
-        self.against = if contact.strain * params.sign < 0.0 { self.against.saturating_add(1) } else { 0 };
+    pub(crate) fn contact(&mut self, contact: &Contact) {
         self.clipped = contact.saturated;
     }
 
-    pub(crate) fn condition(self, params: &Params, shakes: bool, glitches: f64) -> Condition {
-        if params.sign != 0.0 && self.against >= AGAINST {
-            Condition::Inverted
-        } else if self.clipped {
+    pub(crate) fn condition(self, shakes: bool, glitches: f64) -> Condition {
+        if self.clipped {
             Condition::Clipped
         } else if shakes || glitches > MANY {
             Condition::Noisy

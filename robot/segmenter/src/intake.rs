@@ -124,7 +124,10 @@ impl Intake {
             self.count_2 += 1;
         }
         let limit = params.strain_limit;
-        if sample.strain.abs() >= limit || sample.strain_2.is_some_and(|strain_2| strain_2.abs() >= limit) {
+        if sample.saturated
+            || sample.strain.abs() >= limit
+            || sample.strain_2.is_some_and(|strain_2| strain_2.abs() >= limit)
+        {
             self.counts.saturated += 1;
             self.sum.saturated = true;
         }

@@ -46,6 +46,8 @@ pub struct Sample {
     pub setpoint_mpa: Option<f64>,
     /// Whether the robot drives, if known: its shaking is no contact.
     pub driving: Option<bool>,
+    /// Whether the converter or the gauge is known to end at this strain: it is a lower bound.
+    pub saturated: bool,
 }
 
 /// A finding of the segmenter.

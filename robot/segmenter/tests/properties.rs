@@ -204,6 +204,15 @@ fn property_a_stream_may_begin_anywhere_and_have_gaps() {
 }
 
 #[test]
+fn property_a_wrong_sign_is_refuted_by_the_motion() {
+    for scene in scenes(350) {
+        let scene = Scene { polarity: Polarity::Minus, ..scene };
+        let verdict = judge_all(&scene, Params { sign: 1.0, ..Params::default() }, 2);
+        assert_eq!((verdict.right, verdict.inverted), (verdict.streams, 0), "{scene:?}");
+    }
+}
+
+#[test]
 fn property_touches_of_both_ways_tell_rest_without_motion() {
     let scene = Scene { seed: 305, polarity: Polarity::Mixed, motion: Motion::None, ..Scene::default() };
     for habit in [Habit::OneInThree, Habit::Rare] {

@@ -48,6 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             strain: Strain::new(per_mm * deflection.mm() * (1.0 + error))?,
             pressure,
             is_test: false,
+            saturated: false,
             temperature_c: None,
         };
         effects.clear();

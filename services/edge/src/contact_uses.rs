@@ -18,6 +18,10 @@ pub const fn remedy(used: ContactUse) -> Option<&'static str> {
             "Exchange the two signal wires of the gauge, or change the sign of its gain in the driver. A touch must give a \
              positive strain."
         }
+        ContactUse::Saturated => {
+            "Touch with less deflection, or amplify the gauge less: beyond the end of its range the strain is too small for \
+             the deflection."
+        }
         ContactUse::OnChamber => {
             "Touch nearer the tip: the model holds beyond the chamber. If the touch was nearer the tip, check the zero of the \
              place and its unit, mm."

@@ -133,6 +133,7 @@ pub fn contact(contact: &protocol::Contact) -> Result<Contact<'_>, EdgeError> {
         place: place(contact.place())?,
         deflection: Millimetre::new(contact.deflection_mm)?,
         strain: Strain::new(contact.strain)?,
+        saturated: contact.saturated,
         pressure: Megapascal::new(contact.pressure_mpa)?,
         is_test: contact.test_id.is_some(),
         temperature_c: Some(contact.temperature_c),

@@ -18,6 +18,7 @@ fn message(contacts: usize) -> Contacts {
         tip: false,
         deflection_mm: 2.4,
         strain: 0.009_671_234_567,
+        saturated: false,
         pressure_mpa: 0.100_2,
         temperature_c: 24.1,
         test_id: None,

@@ -21,6 +21,8 @@ pub(crate) struct ByHand {
     pub(crate) effects: Vec<Effect>,
     boot_id: String,
     seq: u64,
+    /// Whether contacts are at the end of the gauge's range.
+    pub(crate) saturated: bool,
 }
 
 impl ByHand {
@@ -33,6 +35,7 @@ impl ByHand {
             effects: Vec::new(),
             boot_id: String::new(),
             seq: 0,
+            saturated: false,
         };
         assert_eq!(one.boots("b1", length_mm), [Outcome::Taken; 2]);
         one
@@ -114,6 +117,7 @@ impl ByHand {
             strain: Strain::new(strain).unwrap(),
             pressure: Megapascal::known(0.1),
             is_test: false,
+            saturated: self.saturated,
             temperature_c: None,
         };
         let contacts: Vec<Contact<'_>> = contacts.iter().map(contact).collect();

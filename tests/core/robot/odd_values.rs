@@ -66,6 +66,28 @@ fn regress_negative_strains_are_called_negative_and_not_weak() {
     }
 }
 
+/// Where the converter ends, the strain says only that it would have been larger.
+#[test]
+fn contacts_beyond_the_range_of_the_gauge_have_a_use_of_their_own_and_change_nothing() {
+    let mut one = ByHand::born(69.3);
+    for _ in 0..200 {
+        one.passes_s(0.1);
+        one.touched(&[(PLAIN, 0)]);
+    }
+    let known = |one: &ByHand| one.robot.whisker(0).map(|view| (view.length, view.condition));
+    let before = known(&one);
+    one.effects.clear();
+    one.saturated = true;
+    for _ in 0..50 {
+        one.passes_s(0.1);
+        one.touched(&[((PLAIN.0, 3.0 * PLAIN.1, PLAIN.2), 0)]);
+    }
+    let of_contact = |effect: &Effect| if let Effect::Contact(contact) = effect { Some(contact.used) } else { None };
+    let uses: Vec<Option<ContactUse>> = one.effects.iter().map(of_contact).collect();
+    assert_eq!(uses, [Some(ContactUse::Saturated); 50], "and no fault, trim or alarm");
+    assert_eq!(known(&one), before);
+}
+
 fn extreme(random: &mut ChaCha8Rng, most: f64) -> f64 {
     match random.random_range(0..8) {
         0 => f64::from_bits(1),

@@ -101,6 +101,7 @@ fn a_distance_beyond_the_estimated_length_is_not_used() {
             strain: Strain::known(0.01),
             pressure: world.core.whisker(5).unwrap().setpoint,
             is_test: false,
+            saturated: false,
             temperature_c: None,
         };
         let event = Event::Contacts { boot_id: &boot_id, seq, contacts: &[contact], missed: &[] };

@@ -128,6 +128,7 @@ impl LargeArray {
                 strain: Strain::known(per_mm * deflection_mm * (1.0 + error)),
                 pressure,
                 is_test: false,
+                saturated: false,
                 temperature_c: None,
             }
         };

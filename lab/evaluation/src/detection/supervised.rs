@@ -91,6 +91,7 @@ impl Supervised {
             strain: Strain::known(touch.strain),
             pressure: Megapascal::known(PRESSURE_MPA),
             is_test: false,
+            saturated: false,
             temperature_c: None,
         };
         let seq = self.contacts;

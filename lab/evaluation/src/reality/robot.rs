@@ -182,6 +182,7 @@ impl Robot {
             strain: Strain::known(touch.strain),
             pressure: Megapascal::known(pressure_mpa),
             is_test: false,
+            saturated: false,
             temperature_c: Some(self.course.temperature_c()),
         }
     }

@@ -200,6 +200,7 @@ mod tests {
             tip: false,
             deflection_mm: 2.4,
             strain: 0.009_671,
+            saturated: false,
             pressure_mpa: 0.1002,
             temperature_c: 24.1,
             test_id: None,

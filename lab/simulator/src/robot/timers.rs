@@ -188,6 +188,7 @@ pub(crate) fn contact_of(whisker: &Whisker, reading: &Reading, at_us: u64) -> Co
         tip: false,
         deflection_mm: reading.deflection_mm,
         strain: reading.strain,
+        saturated: false,
         pressure_mpa: whisker.regulator.reading_mpa(),
         temperature_c: reading.temperature_c,
         test_id: None,

@@ -191,6 +191,7 @@ mod tests {
             tip: false,
             deflection_mm: 1.0,
             strain: 0.01,
+            saturated: false,
             pressure_mpa: 0.1,
             temperature_c: 24.0,
             test_id: None,

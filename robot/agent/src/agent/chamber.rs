@@ -7,12 +7,11 @@ use vibrissa_protocol::{Gauge, Name, PlaceKind, Regulator, Setpoint, SetpointErr
 use vibrissa_regulator::{Command, Condition, Params};
 
 use super::ABSENT_AFTER_US;
-use super::below_zero::BelowZero;
 use super::gauge_watch::GaugeWatch;
 use super::motion::Motion;
 use super::partial::Partials;
 use super::strain::Stream;
-use crate::config::DriverLimits;
+use crate::config::{DriverLimits, Sign, WhiskerConfig};
 use crate::contract::{Moment, Now, ReadingGain};
 use crate::driver::{Opening, ToDriver};
 
@@ -54,6 +53,10 @@ pub(super) struct Chamber {
     pub(super) nominal_mpa: f64,
     pub(super) max_mpa: f64,
     pub(super) place: PlaceKind,
+    /// The way in which a touch moves the strain.
+    pub(super) sign: Option<Sign>,
+    /// Reading of the sensor at an empty chamber.
+    pub(super) zero_mpa: f64,
     /// Highest (epoch, version) seen for the whisker, in earlier boots, too.
     pub(super) seen: Option<(u64, u64)>,
     pub(super) target_mpa: f64,
@@ -83,7 +86,8 @@ pub(super) struct Chamber {
     /// Contacts of which one driver has said a part.
     pub(super) partials: Partials,
     pub(super) gauge_watch: GaugeWatch,
-    pub(super) below_zero: BelowZero,
+    /// The log names a reading below zero already.
+    pub(super) told_below_zero: bool,
     /// Contacts that could not be sent, by reason.
     pub(super) unused: BTreeMap<String, u64>,
     /// Moment of the last contact that was sent.
@@ -98,13 +102,21 @@ pub(super) struct Chamber {
 
 impl Chamber {
     /// `limits` are those of the first driver that serves the whisker, until one reads its pressure.
-    pub(super) fn new(array: Name, facts: &WhiskerFacts, seen: Option<(u64, u64)>, limits: DriverLimits) -> Self {
+    pub(super) fn new(
+        array: Name,
+        facts: &WhiskerFacts,
+        more: WhiskerConfig,
+        seen: Option<(u64, u64)>,
+        limits: DriverLimits,
+    ) -> Self {
         Self {
             array,
             number: facts.whisker,
             nominal_mpa: facts.pressure_mpa,
             max_mpa: facts.pressure_max_mpa,
             place: facts.place.unwrap_or(PlaceKind::Ratio),
+            sign: more.sign,
+            zero_mpa: more.pressure_zero_mpa,
             seen,
             target_mpa: facts.pressure_mpa,
             slew_mpa_per_s: limits.own_slew_mpa_per_s,
@@ -124,7 +136,7 @@ impl Chamber {
             motion: Motion::default(),
             partials: Partials::default(),
             gauge_watch: GaugeWatch::default(),
-            below_zero: BelowZero::default(),
+            told_below_zero: false,
             unused: BTreeMap::new(),
             contact_at: None,
             holder: None,
@@ -133,12 +145,17 @@ impl Chamber {
         }
     }
 
+    /// A pressure as the driver's sensor reads it. An empty chamber is one whatever its sensor reads.
+    pub(super) fn as_read(&self, mpa: f64) -> f64 {
+        if mpa > 0.0 { (mpa + self.zero_mpa).max(0.0) } else { mpa }
+    }
+
     /// The line that sets the pressure.
     pub(super) fn set_pressure(&self) -> ToDriver {
         ToDriver::SetPressure {
             array: self.array.clone(),
             whisker: self.number,
-            pressure_mpa: self.target_mpa,
+            pressure_mpa: self.as_read(self.target_mpa),
             slew_mpa_per_s: self.slew_mpa_per_s,
         }
     }

@@ -84,19 +84,27 @@ impl Agent {
         Ok(())
     }
 
+    /// Description of touches that go the other way, with the remedy.
+    pub(super) fn reversal(&self, at: usize) -> String {
+        match self.chambers[at].sign.filter(|_| self.chambers[at].stream.is_some()) {
+            None => "touches are compressions, which the supervisor cannot use: swap the two wires of the gauge, or state segmenter.sign = \"FALLS\" for \
+                     the whisker, if the agent makes its contacts"
+                .to_owned(),
+            Some(_) => "touches move the strain against segmenter.sign, so the supervisor cannot use them: the gauge or the board was changed, so measure it \
+                        anew (vibrissa-robot calibrate)"
+                .to_owned(),
+        }
+    }
+
     /// Warns a person of a faulty gauge.
     pub(super) fn warn_of_gauge(&self, at: usize, finding: Option<Finding>, out: &mut Vec<Output>) {
         let Some(finding) = finding else { return };
         let Chamber { array, number, .. } = &self.chambers[at];
         let what = match finding {
-            Finding::Reversed => {
-                "touches are compressions, which the supervisor cannot use: swap the two wires of the gauge, or change \
-                 the sign of the board's strain (STRAIN_PER_VOLT)"
-                    .to_owned()
-            }
+            Finding::Reversed => self.reversal(at),
             Finding::Clipped(strain) => format!(
                 "the strain stays at {strain} while the deflection goes on: the amplifier or the converter ends there, \
-                 and contacts there are left out; amplify less and raise STRAIN_PER_VOLT, or touch more softly"
+                 and the supervisor does not use such contacts; amplify less and raise STRAIN_PER_VOLT, or touch more softly"
             ),
         };
         out.push(Output::Warn(format!("whisker {array}/{number}: {what}")));
@@ -149,6 +157,7 @@ impl Agent {
             tip: line.tip,
             deflection_mm: line.deflection_mm.ok_or_else(|| missing("deflection_mm"))?,
             strain: line.strain.ok_or_else(|| missing("strain"))?,
+            saturated: line.saturated,
             pressure_mpa: pressure_mpa.ok_or_else(|| {
                 BadLine::new(
                     "no pressure of the whisker is known",

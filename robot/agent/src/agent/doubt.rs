@@ -47,7 +47,6 @@ pub(super) fn remedy(condition: Condition) -> Option<&'static str> {
         Condition::Lost => {
             "it is no longer known which strain is rest, so no contact is reported: release the whisker, then touch it again"
         }
-        Condition::Inverted => "touches are compressions: swap the two wires of the gauge",
         Condition::Clipped => {
             "the last contact was beyond the gauge's limit: amplify the gauge less, or touch more softly"
         }

@@ -24,6 +24,8 @@ pub(super) struct Driver {
     pub(super) array: Option<Name>,
     pub(super) limits: DriverLimits,
     pub(super) is_there: bool,
+    /// It says that the robot moves.
+    pub(super) says_driving: bool,
     /// Moment of its last line, or of its start.
     pub(super) heard: Moment,
     /// Lines since its start.
@@ -50,6 +52,7 @@ impl Driver {
             serves,
             limits: config.limits,
             is_there: false,
+            says_driving: false,
             heard: now.at,
             lines: 0,
             refused: 0,
@@ -64,7 +67,7 @@ impl Driver {
 
     /// It can be heard from now on.
     fn start(&mut self, now: Now) {
-        (self.is_there, self.heard) = (true, now.at);
+        (self.is_there, self.says_driving, self.heard) = (true, false, now.at);
         (self.lines, self.echoes, self.problem, self.times) = (0, 0, None, Times::default());
     }
 
@@ -97,8 +100,8 @@ impl Agent {
         let whiskers = serves.iter().map(|&at| &self.chambers[at]).map(|chamber| HelloWhisker {
             array: chamber.array.clone(),
             whisker: chamber.number,
-            pressure_mpa: chamber.target_mpa,
-            pressure_max_mpa: chamber.max_mpa,
+            pressure_mpa: chamber.as_read(chamber.target_mpa),
+            pressure_max_mpa: chamber.as_read(chamber.max_mpa),
         });
         out.push(Output::Tell(from, ToDriver::Hello { version: VERSION, whiskers: whiskers.collect() }));
         for at in serves {
@@ -153,6 +156,11 @@ impl Agent {
     /// Whether a whisker has more than one driver, so that values of several may be joined.
     pub(super) fn is_shared(&self, at: usize) -> bool {
         self.drivers.iter().filter(|driver| driver.serves.contains(&at)).count() > 1
+    }
+
+    /// Whether a driver of a whisker says that the robot moves; `None` if none does.
+    pub(super) fn drives(&self, at: usize) -> Option<bool> {
+        self.drivers.iter().any(|one| one.is_there && one.says_driving && one.serves.contains(&at)).then_some(true)
     }
 
     /// Whether any driver of a whisker is there.

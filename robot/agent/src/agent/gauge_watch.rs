@@ -1,7 +1,7 @@
 //! Faults of a gauge's wiring and amplifier, seen in its strains: a reversed polarity, and an end of the scale.
 //!
-//! **Polarity.** A touch stretches the gauge. If the last contacts are compressions, all but a few, its wires are
-//! swapped, and the supervisor can use none of them.
+//! **Polarity.** A touch stretches the gauge, or moves its strain the way that `segmenter.sign` states. If the last contacts
+//! go the other way, all but a few, its wires are swapped, and the supervisor can use none of them.
 //!
 //! **End of the scale.** Where the amplifier or the converter ends, samples have one and the same value, the highest or
 //! lowest of all, while the deflection goes on. Such a strain is too small for its deflection, as that of a cut
@@ -9,11 +9,11 @@
 
 /// Contacts that decide about the polarity.
 const CONTACTS: u32 = 20;
-/// Of these so many must be compressions.
-const COMPRESSIONS: u32 = 19;
+/// Of these so many must go the other way.
+const OTHERS: u32 = 19;
 /// Way during which an unchanged strain is the end of the scale, in mm: a converter of 10 bits sees a hundredth of it.
 const WAY_MM: f64 = 0.2;
-/// Least difference of that strain from the first one of the stream: at rest a strain does not change either, in m/m.
+/// Least difference of that strain from rest: there a strain does not change either, in m/m.
 const LEAST: f64 = 5e-4;
 /// Contacts below the end of the scale after which it counts no more.
 const CLEAN: u8 = 10;
@@ -21,7 +21,7 @@ const CLEAN: u8 = 10;
 /// Something that a person must correct at the gauge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Finding {
-    /// Touches are compressions.
+    /// Touches go the other way.
     Reversed,
     /// Strains end at this value.
     Clipped(f64),
@@ -38,11 +38,10 @@ struct Run {
 /// The strains of one gauge.
 #[derive(Debug, Default)]
 pub(super) struct GaugeWatch {
-    /// Signs of the last contacts, a bit for each compression, and their number.
-    compressions: u32,
+    /// The last contacts, a bit for each that goes the other way, and their number.
+    others: u32,
     contacts: u32,
     is_reversed: bool,
-    first: Option<f64>,
     before: Option<f64>,
     lowest: f64,
     highest: f64,
@@ -56,31 +55,32 @@ pub(super) struct GaugeWatch {
 }
 
 impl GaugeWatch {
-    /// Takes the strain of a contact that is sent.
+    /// Takes the strain of a contact that is sent: positive if it goes the right way.
     pub(super) fn contact(&mut self, strain: f64) -> Option<Finding> {
-        self.compressions = self.compressions << 1 | u32::from(strain < 0.0);
+        self.others = self.others << 1 | u32::from(strain < 0.0);
         self.contacts = (self.contacts + 1).min(CONTACTS);
-        let negative = (self.compressions & ((1 << CONTACTS) - 1)).count_ones();
+        let others = (self.others & ((1 << CONTACTS) - 1)).count_ones();
         let was_reversed = self.is_reversed;
-        self.is_reversed = self.contacts == CONTACTS && negative >= COMPRESSIONS;
+        self.is_reversed = self.contacts == CONTACTS && others >= OTHERS;
         (self.is_reversed && !was_reversed).then_some(Finding::Reversed)
     }
 
-    /// Takes a sample.
-    pub(super) fn sample(&mut self, strain: f64, deflection_mm: Option<f64>) -> Option<Finding> {
+    /// Takes a sample, and the strain to which contacts are relative. Until that is known, no end of the scale is.
+    pub(super) fn sample(&mut self, strain: f64, deflection_mm: Option<f64>, rest: Option<f64>) -> Option<Finding> {
         if !strain.is_finite() {
             return None;
         }
         let before = self.before.replace(strain);
-        let (Some(first), Some(before)) = (self.first, before) else {
-            (self.first, self.lowest, self.highest) = (Some(strain), strain, strain);
+        let Some(before) = before else {
+            (self.lowest, self.highest) = (strain, strain);
             return None;
         };
         // A single wrong sample of a cheap converter is no extreme.
         let (lower, higher) = (before.max(strain), before.min(strain));
         let is_beyond = lower < self.lowest || higher > self.highest;
         (self.lowest, self.highest) = (self.lowest.min(lower), self.highest.max(higher));
-        if is_beyond && self.end.is_some_and(|end| (strain > first) == (end > first)) {
+        let rest = rest?;
+        if is_beyond && self.end.is_some_and(|end| (strain > rest) == (end > rest)) {
             // The scale goes on.
             self.end = None;
         }
@@ -90,7 +90,7 @@ impl GaugeWatch {
             Some(run) if run.strain == strain => {
                 let is_extreme = strain == self.lowest || strain == self.highest;
                 let is_end =
-                    is_extreme && (strain - first).abs() >= LEAST && (deflection_mm - run.from_mm).abs() >= WAY_MM;
+                    is_extreme && (strain - rest).abs() >= LEAST && (deflection_mm - run.from_mm).abs() >= WAY_MM;
                 if !is_end || self.end == Some(strain) {
                     return None;
                 }
@@ -117,12 +117,17 @@ impl GaugeWatch {
         false
     }
 
+    /// Whether the scale is known to end at this strain.
+    pub(super) fn is_end(&self, strain: f64) -> bool {
+        self.end == Some(strain)
+    }
+
     /// Whether the strains end below the deflections of the whisker.
     pub(super) fn is_clipped(&self) -> bool {
         self.end.is_some()
     }
 
-    /// Whether touches are compressions.
+    /// Whether touches go the other way.
     pub(super) fn is_reversed(&self) -> bool {
         self.is_reversed
     }
@@ -141,7 +146,7 @@ mod tests {
             for step in (0..50 + steps).chain((0..50 + steps).rev()) {
                 let way_mm = step as f64 * 0.02;
                 let strain = ((way_mm - 1.0).max(0.0) * 0.0046 / 1e-5).round() * 1e-5;
-                found.extend(watch.sample(strain.min(end), Some(way_mm)));
+                found.extend(watch.sample(strain.min(end), Some(way_mm), Some(0.0)));
             }
             watch.ended();
         }
@@ -163,14 +168,14 @@ mod tests {
     fn a_strain_beyond_it_shows_that_the_scale_goes_on() {
         let mut watch = GaugeWatch::default();
         touches(&mut watch, 3.0, 0.005, 1);
-        watch.sample(0.006, Some(2.0));
+        watch.sample(0.006, Some(2.0), Some(0.0));
         assert!(watch.is_clipped(), "one sample may be wrong");
-        watch.sample(0.006, Some(2.0));
+        watch.sample(0.006, Some(2.0), Some(0.0));
         assert!(!watch.is_clipped());
     }
 
     #[test]
-    fn a_polarity_is_reversed_if_nearly_all_touches_are_compressions() {
+    fn a_polarity_is_reversed_if_nearly_all_touches_go_the_other_way() {
         let mut watch = GaugeWatch::default();
         // A whisker that is swept to both sides.
         assert!((0..100).all(|at| watch.contact(if at % 2 == 0 { -0.01 } else { 0.01 }).is_none()));

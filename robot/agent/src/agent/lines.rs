@@ -2,7 +2,6 @@
 
 use vibrissa_protocol::TouchTestOutcome;
 
-use super::below_zero::ZERO_MPA;
 use super::chamber::Reading;
 use super::{Agent, Output};
 use crate::contract::Now;
@@ -14,6 +13,12 @@ use crate::driver::{BadLine, FromDriver, LINE_MAX_BYTES, ToDriver, VERSION};
 pub(super) const ERRORS_PER_S: f64 = 20.0;
 /// Answers to `hello`, per second: each is a line for each whisker.
 pub(super) const GREETINGS_PER_S: f64 = 5.0;
+
+/// Largest reading below zero that is the zero of a sensor, in MPa: 5 % of the range of a chamber. Cheap sensors are off by
+/// up to 2.5 % of their own range.
+const ZERO_MPA: f64 = 0.01;
+/// Noise of a sensor whose zero is known, in MPa.
+const NOISE_MPA: f64 = 0.000_1;
 
 const WHISKERS: &str = "name a whisker of agent.toml; `array` is needed if the robot has several";
 const CLOCK: &str = "leave t_us and t_ms out, or send t_us in microseconds since 1970, or t_ms since the board's start";
@@ -90,6 +95,10 @@ impl Agent {
                 Ok(())
             }
             FromDriver::TestState(state) => self.test_state(from, &state, now, out),
+            FromDriver::Driving(line) => {
+                self.drivers[from].says_driving = line.driving;
+                Ok(())
+            }
         }
     }
 
@@ -164,17 +173,21 @@ impl Agent {
         Ok(())
     }
 
-    /// A pressure, where one a little below zero is that of an empty chamber.
+    /// The pressure of a reading: without the zero of its sensor, and 0 a little below zero.
     pub(super) fn above_zero(&mut self, at: usize, mpa: f64, out: &mut Vec<Output>) -> f64 {
         let chamber = &mut self.chambers[at];
-        let (pressure_mpa, is_first) = chamber.below_zero.clamp(mpa);
-        if is_first {
+        let pressure_mpa = mpa - chamber.zero_mpa;
+        if !(-ZERO_MPA..0.0).contains(&pressure_mpa) {
+            return pressure_mpa;
+        }
+        if pressure_mpa < -NOISE_MPA && !std::mem::replace(&mut chamber.told_below_zero, true) {
             out.push(Output::Warn(format!(
-                "whisker {}/{}: the pressure reads {mpa} MPa, and counts as 0: correct the zero of its sensor",
+                "whisker {}/{}: the pressure reads {mpa} MPa, and counts as 0: measure the zero of its sensor \
+                 (vibrissa-robot calibrate)",
                 chamber.array, chamber.number
             )));
         }
-        pressure_mpa
+        0.0
     }
 
     pub(super) fn test_at(&self, test_id: Option<&str>, whisker: Option<usize>) -> Result<Option<usize>, BadLine> {

@@ -3,7 +3,6 @@
 //! [`Agent::step`] takes one input and returns what to do. Call it with [`Input::Tick`] at [`Agent::next_deadline`],
 //! too. Deadlines are [`Moment`]s, which no correction of a clock moves.
 
-mod below_zero;
 mod boots;
 mod chamber;
 mod contacts;
@@ -167,7 +166,8 @@ impl Agent {
                 let Some(first) = config.drivers.iter().find(|driver| driver.whiskers.contains(&place)) else {
                     continue;
                 };
-                chambers.push(Chamber::new(array.array.clone(), whisker, seen, first.limits));
+                let more = config.whiskers.get(&place).copied().unwrap_or_default();
+                chambers.push(Chamber::new(array.array.clone(), whisker, more, seen, first.limits));
             }
         }
         let places = chambers.iter().enumerate().map(|(at, one)| ((one.array.clone(), one.number), at)).collect();

@@ -40,6 +40,7 @@ fn fill(line: &mut Contact, other: &Contact) {
     }
     line.deflection_mm = line.deflection_mm.or(other.deflection_mm);
     line.strain = line.strain.or(other.strain);
+    line.saturated |= other.saturated;
     line.pressure_mpa = line.pressure_mpa.or(other.pressure_mpa);
     line.temperature_c = line.temperature_c.or(other.temperature_c);
     line.test_id = line.test_id.take().or_else(|| other.test_id.clone());

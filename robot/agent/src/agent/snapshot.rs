@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use vibrissa_protocol::{Gauge, Name, Regulator, WhiskerCondition};
+use vibrissa_segmenter::Condition;
 
 use super::Agent;
 use super::chamber::Chamber;
@@ -106,7 +107,10 @@ impl Agent {
             whisker: chamber.number,
             regulator,
             gauge,
-            segmenter: chamber.stream.as_ref().map(|stream| stream.condition().word().to_owned()),
+            segmenter: chamber.stream.as_ref().map(|stream| {
+                let is_inverted = stream.condition() == Condition::Ready && chamber.gauge_watch.is_reversed();
+                if is_inverted { "INVERTED" } else { stream.condition().word() }.to_owned()
+            }),
             condition,
             pressure_mpa: chamber.present_reading().map(|reading| reading.pressure_mpa),
             setpoint_mpa: chamber.target_mpa,
@@ -134,7 +138,7 @@ impl Agent {
             Regulator::Ok | Regulator::Filling | Regulator::Venting => None,
         };
         if chamber.gauge_watch.is_reversed() {
-            return Some("swap the two wires of the gauge: touches are compressions".to_owned());
+            return Some(self.reversal(at));
         }
         if chamber.gauge_watch.is_clipped() {
             return Some(

@@ -6,6 +6,7 @@ use vibrissa_segmenter::{Condition, Contact, Event, Params, Sample, Segmenter};
 use super::doubt::Doubt;
 use super::motion::Joined;
 use super::{Agent, Output};
+use crate::config::Sign;
 use crate::contract::Now;
 use crate::driver::BadLine;
 use crate::driver::words::{self, Origin, SAMPLES_MAX, Samples};
@@ -53,6 +54,8 @@ impl Stream {
         }
         match stamp_us {
             Some(stamp_us) => stamp_us,
+            // A single sample tells no spacing: it has the time of its receipt.
+            None if every_us == 0 => first_us.max(expected_us + 1),
             None => expected_us.saturating_add_signed((first_us.cast_signed() - expected_us.cast_signed()) / FOLLOWED),
         }
     }
@@ -87,8 +90,9 @@ impl Agent {
         }
         self.hold_gauge(at, from)?;
         let stamp_us = line.t_us.or(line.t_ms.map(|t_ms| t_ms * 1000));
-        let params = self.limits.segmenter;
+        let driving = self.drives(at);
         let chamber = &mut self.chambers[at];
+        let params = Params { sign: chamber.sign.map_or(0.0, Sign::factor), ..self.limits.segmenter };
         let setpoint_mpa = Some(chamber.target_mpa);
         let pressure_mpa = chamber.present_reading().map(|reading| reading.pressure_mpa);
         let (stream, motion) = (&mut chamber.stream, &mut chamber.motion);
@@ -112,6 +116,7 @@ impl Agent {
                 distance_mm: value(line.distance_mm.as_ref(), index),
                 pressure_mpa,
                 setpoint_mpa,
+                driving,
                 ..Sample::default()
             };
             stream.newest_us = Some(sample.t_us);
@@ -140,8 +145,9 @@ impl Agent {
         let gauge_watch = &mut chamber.gauge_watch;
         let Some(stream) = &mut chamber.stream else { return Ok(()) };
         for (sample, offset_us) in samples {
-            findings.extend(gauge_watch.sample(sample.strain, sample.deflection_mm));
-            if let Some(Event::Contact(contact)) = stream.segmenter.push(sample) {
+            findings.extend(gauge_watch.sample(sample.strain, sample.deflection_mm, stream.segmenter.reference()));
+            let saturated = gauge_watch.is_end(sample.strain);
+            if let Some(Event::Contact(contact)) = stream.segmenter.push(Sample { saturated, ..sample }) {
                 let saturated = gauge_watch.ended() || contact.saturated;
                 found.push((Contact { saturated, ..contact }, offset_us));
             }
@@ -182,9 +188,6 @@ impl Agent {
         test_id: Option<String>,
     ) -> Result<Option<words::Contact>, BadLine> {
         let chamber = &self.chambers[at];
-        if found.saturated {
-            return Err(BadLine::new("a contact was beyond the limit of the gauge", "touch more softly"));
-        }
         let deflection_mm = found.deflection_mm.map(f64::abs).ok_or_else(|| {
             BadLine::new(
                 "a contact was found, but not how far the whisker was deflected",
@@ -219,7 +222,9 @@ impl Agent {
             t_us: None,
             t_ms: None,
             deflection_mm: Some(deflection_mm),
-            strain: Some(found.strain),
+            // The supervisor expects that a touch gives a positive strain.
+            strain: Some(found.strain * chamber.sign.map_or(1.0, Sign::factor)),
+            saturated: found.saturated,
             ratio: ratio.filter(|_| chamber.place == PlaceKind::Ratio),
             ratio_sd: None,
             distance_mm: distance.map(|(mm, _)| mm),

@@ -1,14 +1,14 @@
 //! Checks of the values, and their conversion.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use vibrissa_protocol::{ARRAYS_MAX, ArrayFacts, CONTACTS_MAX, WHISKERS_MAX, WhiskerFacts};
+use vibrissa_protocol::{ARRAYS_MAX, ArrayFacts, CONTACTS_MAX, Name, WHISKERS_MAX, WhiskerFacts};
 use vibrissa_segmenter::Params;
 
 use super::file::{File, FileArray, FileBroker, FileWhisker};
-use super::{BadConfig, Limits};
+use super::{BadConfig, Limits, WhiskerConfig};
 use crate::mqtt::{Authorities, Broker, ClientCertificate, password_in};
 
 pub(super) type Checked = Result<(), BadConfig>;
@@ -104,6 +104,19 @@ impl FileBroker {
     }
 }
 
+/// Properties of each whisker that the factsheet does not have.
+pub(super) fn whiskers(arrays: &[FileArray]) -> BTreeMap<(Name, u16), WhiskerConfig> {
+    let of = |array: &FileArray| {
+        let name = array.array.clone();
+        let whisker = move |one: &FileWhisker| {
+            let config = WhiskerConfig { sign: one.segmenter.sign, pressure_zero_mpa: one.pressure_zero_mpa };
+            ((name.clone(), one.whisker), config)
+        };
+        array.whiskers.iter().map(whisker).collect::<Vec<_>>()
+    };
+    arrays.iter().flat_map(of).collect()
+}
+
 pub(super) fn arrays(arrays: Vec<FileArray>) -> Result<Vec<ArrayFacts>, BadConfig> {
     within("number of arrays", arrays.len() as f64, 1.0..=ARRAYS_MAX as f64)?;
     let mut names = BTreeSet::new();
@@ -137,6 +150,7 @@ impl FileWhisker {
         within(key("length_mm"), self.length_mm, 1.0..=1000.0)?;
         within(key("pressure_max_mpa"), self.pressure_max_mpa, 0.0..=0.2)?;
         within(key("pressure_mpa"), self.pressure_mpa, 0.0..=self.pressure_max_mpa)?;
+        within(key("pressure_zero_mpa"), self.pressure_zero_mpa, -0.01..=0.01)?;
         if let Some(strain_max) = self.strain_max {
             within(key("strain_max"), strain_max, 1e-6..=1.0)?;
         }

@@ -8,6 +8,8 @@ use serde::{Deserialize, Deserializer};
 use vibrissa_protocol::{AirControl, ArrayType, Name, OnSupervisorLoss, PlaceKind, Task, TouchTestKind};
 use vibrissa_segmenter::Params;
 
+use super::Sign;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct File {
@@ -229,6 +231,16 @@ pub(super) struct FileWhisker {
     pub(super) neighbours: Vec<u16>,
     pub(super) strain_max: Option<f64>,
     pub(super) place: Option<PlaceKind>,
+    #[serde(default)]
+    pub(super) pressure_zero_mpa: f64,
+    #[serde(default)]
+    pub(super) segmenter: FileWhiskerSegmenter,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FileWhiskerSegmenter {
+    pub(super) sign: Option<Sign>,
 }
 
 fn default_whisker_model() -> String {

@@ -6,16 +6,17 @@ mod file;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
 use vibrissa_protocol::text_file::read_text;
 use vibrissa_protocol::{AirControl, Name, OnSupervisorLoss, plain};
 use vibrissa_segmenter::Params;
 
 use crate::contract::Facts;
 use crate::mqtt::{BadBroker, Broker};
-use checks::{arrays, limits, unfitting};
+use checks::{arrays, limits, unfitting, whiskers};
 use file::File;
 
 /// Size limit of the file, bytes.
@@ -77,6 +78,38 @@ pub struct Config {
     pub outbox_file: Option<PathBuf>,
     /// The drivers, at least one.
     pub drivers: Vec<DriverConfig>,
+    /// Properties of the whiskers that the factsheet does not have.
+    pub whiskers: BTreeMap<(Name, u16), WhiskerConfig>,
+}
+
+/// Properties of a whisker that the factsheet does not have.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WhiskerConfig {
+    /// The way in which a touch moves the strain; `None` if it is not known, or if it may be both.
+    pub sign: Option<Sign>,
+    /// Reading of its pressure sensor at an empty chamber, MPa.
+    pub pressure_zero_mpa: f64,
+}
+
+/// The way in which a touch moves the strain that a driver sends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Sign {
+    /// A touch makes it larger.
+    Rises,
+    /// A touch makes it smaller.
+    Falls,
+}
+
+impl Sign {
+    /// 1 or -1.
+    #[must_use]
+    pub fn factor(self) -> f64 {
+        match self {
+            Self::Rises => 1.0,
+            Self::Falls => -1.0,
+        }
+    }
 }
 
 /// Bounds and times of the agent.
@@ -216,6 +249,7 @@ impl Config {
         let limits = limits(&file)?;
         let broker = file.broker.checked(folder)?;
         let outbox_file = file.outbox.file.map(|path| folder.join(path));
+        let whiskers = whiskers(&file.arrays);
         let arrays = arrays(file.arrays)?;
         let drivers = file.driver.checked(folder, &arrays)?;
         check_air(file.air_control, file.on_supervisor_loss, &drivers)?;
@@ -227,7 +261,7 @@ impl Config {
             applies_gain: file.applies_gain,
             air_control: file.air_control,
         };
-        Ok(Self { fleet: file.fleet, robot: file.robot, facts, broker, limits, outbox_file, drivers })
+        Ok(Self { fleet: file.fleet, robot: file.robot, facts, broker, limits, outbox_file, drivers, whiskers })
     }
 }
 

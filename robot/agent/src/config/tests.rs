@@ -30,6 +30,17 @@ fn the_smallest_configuration_has_the_defaults() {
 }
 
 #[test]
+fn a_whisker_may_state_which_way_a_touch_moves_its_strain() {
+    let text = EXAMPLE.replacen("neighbours = [1]", "neighbours = [1], segmenter.sign = \"FALLS\"", 1);
+    let config = Config::from_toml_str(&text, Path::new("")).unwrap();
+    let signs: Vec<_> = config.whiskers.values().map(|whisker| whisker.sign).collect();
+    assert_eq!(signs, [Some(Sign::Falls), None]);
+    let text = EXAMPLE.replacen("neighbours = [1]", "segmenter.sign = \"UP\"", 1);
+    let problem = Config::from_toml_str(&text, Path::new("")).unwrap_err().to_string();
+    assert!(problem.contains("RISES") && problem.contains("FALLS"), "{problem}");
+}
+
+#[test]
 fn a_program_that_is_the_driver_needs_no_way_to_it() {
     let folder = std::env::temp_dir().join(format!("vibrissa-robot-driven-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
@@ -157,6 +168,8 @@ pressure_max_mpa = 0.2
 neighbours = []
 strain_max = 0.01
 place = "TIP"
+segmenter.sign = "RISES"
+pressure_zero_mpa = 0.001
 "#;
 
 /// Keys without a default.

@@ -26,6 +26,8 @@ pub enum FromDriver {
     Fault(Fault),
     /// Progress of a touch test.
     TestState(TestState),
+    /// Whether the robot moves.
+    Driving(Driving),
 }
 
 /// `hello`: the driver introduces itself.
@@ -90,6 +92,9 @@ lines! {
         deflection_mm: Option<f64>,
         /// Mean strain over the gauge, in m/m; absent with `touched: false`.
         strain: Option<f64>,
+        /// Whether the strain was at the end of the gauge's range.
+        #[serde(default)]
+        saturated: bool,
         /// Contact ratio.
         ratio: Option<f64>,
         /// Its standard deviation.
@@ -179,6 +184,13 @@ impl Samples {
     }
 }
 
+/// `driving`: the robot moves from now on, or stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub struct Driving {
+    /// Whether it moves.
+    pub driving: bool,
+}
+
 /// `test_state`: progress of a touch test.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 pub struct TestState {
@@ -231,7 +243,7 @@ struct Head<'a> {
 }
 
 /// The words of drivers, in an error.
-const WORDS: &str = "send one of hello, contact, strain, motion, pressure, fault, test_state";
+const WORDS: &str = "send one of hello, contact, strain, motion, pressure, fault, test_state, driving";
 
 impl FromDriver {
     /// Reads a line.
@@ -252,6 +264,7 @@ impl FromDriver {
             "pressure" => read(text, Self::Pressure),
             "fault" => read(text, Self::Fault),
             "test_state" => read(text, Self::TestState),
+            "driving" => read(text, Self::Driving),
             other => Err(BadLine::new(format!("{:?} is no word of a driver", cut(other)), WORDS)),
         }
     }

@@ -96,16 +96,7 @@ impl StoreFile {
     /// The file cannot be read or written, has another format, or is in use.
     pub fn open(path: &Path, bytes_max: u64) -> Result<(Self, Stored, Damage), StoreError> {
         let refused = |what| move |problem| StoreError::Refused { what, path: path.to_owned(), problem };
-        let lock = private::append(&beside(path, "lock")).map_err(refused("lock"))?;
-        match lock.try_lock() {
-            Ok(()) => {}
-            Err(std::fs::TryLockError::WouldBlock) => return Err(StoreError::InUse(path.to_owned())),
-            Err(std::fs::TryLockError::Error(problem)) => return Err(refused("lock")(problem)),
-        }
-        // A lock file is empty. Nothing is written to another one, and its mode stays.
-        if lock.metadata().map_err(refused("lock"))?.len() == 0 {
-            private::close_to_others(&lock).map_err(refused("lock"))?;
-        }
+        let lock = Self::lock(path)?;
         let (stored, mut damage) = match private::read(path) {
             Ok(file) => {
                 let found = read(path, &file)?;
@@ -122,6 +113,25 @@ impl StoreFile {
         let file = private::append(path).map_err(refused("open"))?;
         let bytes = file.metadata().map_err(refused("open"))?.len();
         Ok((Self { path: path.to_owned(), file, _lock: lock, bytes, bytes_max }, stored, damage))
+    }
+
+    /// Keeps agents from a file until the lock is dropped.
+    ///
+    /// # Errors
+    /// The file is in use, or its lock cannot be written.
+    pub fn lock(path: &Path) -> Result<File, StoreError> {
+        let refused = StoreError::refused("lock", path);
+        let lock = private::append(&beside(path, "lock")).map_err(&refused)?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(std::fs::TryLockError::WouldBlock) => return Err(StoreError::InUse(path.to_owned())),
+            Err(std::fs::TryLockError::Error(problem)) => return Err(refused(problem)),
+        }
+        // A lock file is empty. Nothing is written to another one, and its mode stays.
+        if lock.metadata().map_err(&refused)?.len() == 0 {
+            private::close_to_others(&lock).map_err(&refused)?;
+        }
+        Ok(lock)
     }
 
     /// Checks that a file, if it is there, is an outbox of this version, and changes nothing.

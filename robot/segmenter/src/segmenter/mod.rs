@@ -122,6 +122,12 @@ impl Segmenter {
         (self.baseline.strain, self.baseline.sd(self.intake.grain))
     }
 
+    /// Strain to which contacts are relative, once the noise is known. It need not be rest while that is not sure.
+    #[must_use]
+    pub fn reference(&self) -> Option<f64> {
+        self.baseline.ready().then_some(self.baseline.strain)
+    }
+
     /// How far its findings can be relied on.
     #[must_use]
     pub fn condition(&self) -> Condition {
@@ -142,7 +148,7 @@ impl Segmenter {
         if unexplained || !self.rest.is_sure() {
             return Condition::Lost;
         }
-        self.watch.condition(&self.params, self.intake.shake.is_shaking(), self.intake.glitches.part)
+        self.watch.condition(self.intake.shake.is_shaking(), self.intake.glitches.part)
     }
 
     /// Takes the next sample.

@@ -137,7 +137,7 @@ impl Segmenter {
 
     fn tell_contact(&mut self, contact: Contact) {
         self.rest.contact(contact.strain.signum());
-        self.watch.contact(&self.params, &contact);
+        self.watch.contact(&contact);
         self.out.push_back(Event::Contact(contact));
     }
 }

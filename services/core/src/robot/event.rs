@@ -191,6 +191,8 @@ pub struct Contact<'a> {
     pub deflection: Millimetre,
     /// Mean strain over the gauge.
     pub strain: Strain,
+    /// Whether the strain was at the end of the gauge's range: a lower bound.
+    pub saturated: bool,
     /// Pressure in the chamber.
     pub pressure: Megapascal,
     /// Whether the robot touched on request: then its place says nothing about the robot's habits.

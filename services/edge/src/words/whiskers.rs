@@ -31,6 +31,7 @@ words! {
         Unsettled => "UNSETTLED" "the pressure was on its way" (Info),
         TooWeak => "TOO_WEAK" "the strain was too small" (Warn),
         NegativeStrain => "NEGATIVE_STRAIN" "the strain was negative" (Bad),
+        Saturated => "SATURATED" "the strain was at the end of the gauge's range" (Warn),
         OnChamber => "ON_CHAMBER" "the touch was on the chamber" (Warn),
         NoPlace => "NO_PLACE" "the place was not known" (Warn),
         BeyondTip => "BEYOND_TIP" "the place was beyond the tip" (Warn),

@@ -54,6 +54,7 @@ impl<'a> Reader<'a> {
             tip: false,
             deflection_mm: self.field(b',', "\"deflection_mm\"")?.number()?,
             strain: self.field(b',', "\"strain\"")?.number()?,
+            saturated: false,
             pressure_mpa: self.field(b',', "\"pressure_mpa\"")?.number()?,
             temperature_c: self.field(b',', "\"temperature_c\"")?.number()?,
             test_id: None,

@@ -68,6 +68,10 @@ pub struct Contact {
     /// strain as measured, before any gain: the supervisor measures the gain with it.
     #[cfg_attr(feature = "documents", schemars(transform = STRAIN.in_schema()))]
     pub strain: f64,
+    /// Whether the strain was at the end of the gauge's or the converter's range: then it is a lower bound, and the
+    /// supervisor does not learn from the contact.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub saturated: bool,
     /// The chamber's measured gauge pressure in MPa.
     #[cfg_attr(feature = "documents", schemars(transform = PRESSURE_MPA.in_schema()))]
     pub pressure_mpa: f64,

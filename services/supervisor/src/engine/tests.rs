@@ -246,6 +246,7 @@ impl World {
             strain: Strain::known(strain),
             pressure,
             is_test: false,
+            saturated: false,
             temperature_c: None,
         }
     }
@@ -278,6 +279,7 @@ fn as_sent(contact: &Contact<'_>) -> protocol::Contact {
         tip: false,
         deflection_mm: contact.deflection.mm(),
         strain: contact.strain.ratio(),
+        saturated: false,
         pressure_mpa: contact.pressure.mpa(),
         temperature_c: contact.temperature_c.unwrap(),
         test_id: None,

@@ -272,6 +272,7 @@ impl Rig {
             strain: Strain::known(per_mm * deflection_mm * one.gain * (log_noise + warm).exp() + one.baseline_strain),
             pressure: one.pressure,
             is_test: false,
+            saturated: false,
             temperature_c: Some(*temperature_c),
         }
     }

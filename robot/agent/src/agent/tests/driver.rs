@@ -159,6 +159,30 @@ fn regress_an_empty_chamber_reads_the_zero_of_its_sensor() {
 }
 
 #[test]
+fn the_zero_of_a_sensor_is_in_no_pressure_of_the_contract_and_in_each_order() {
+    for zero_mpa in [-0.000_5, 0.002] {
+        let mut bench =
+            Bench::new(|config| config.whiskers.values_mut().for_each(|one| one.pressure_zero_mpa = zero_mpa));
+        bench.step(Input::Connected);
+        bench.step(Input::DriverStarted(0));
+        assert_eq!(bench.pressures(0), [0.1 + zero_mpa], "the sensor reads this at 0.1 MPa");
+        bench.take();
+        // With the noise of an empty chamber, and in a full one.
+        for (reading, pressure_mpa) in [(zero_mpa, 0.0), (zero_mpa - 0.000_05, 0.0), (0.1 + zero_mpa, 0.1)] {
+            bench.read(0, reading);
+            bench.touch(0);
+            bench.run(0.2);
+            let contact = &bench.contacts().pop().unwrap().contacts[0];
+            assert!((contact.pressure_mpa - pressure_mpa).abs() < 1e-12, "{reading}: {contact:?}");
+            bench.receipt("b1", 100);
+        }
+        assert_eq!(bench.warnings, [""; 0]);
+        bench.order(1, 0.0);
+        assert_eq!(bench.pressures(0).last(), Some(&0.0), "an empty chamber is empty");
+    }
+}
+
+#[test]
 fn regress_a_driver_whose_values_are_refused_is_not_silent() {
     for (line, restarts) in [
         (r#"{"type":"pressure","whisker":0,"pressure_mpa":7.0}"#, 0),

@@ -6,6 +6,7 @@ mod gains;
 mod restart;
 mod setpoints;
 mod several;
+mod slide;
 mod strain;
 mod valves;
 

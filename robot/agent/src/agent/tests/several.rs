@@ -187,6 +187,56 @@ fn parts_of_a_contact_are_joined_by_time_in_either_order() {
     }
 }
 
+/// Contacts of a board whose whisker is tapped for 0.1 s each second, as stones under a wheel do.
+fn tapped(bench: &mut Bench) -> usize {
+    for block in 0..200_u64 {
+        let list = |value: &dyn Fn(f64) -> f64| {
+            let values = (0..10).map(|at| format!("{:.7}", value((block * 10 + at) as f64 * 0.01)));
+            values.collect::<Vec<String>>().join(",")
+        };
+        let depth_mm = |s: f64| 2.0 * (1.0 - ((s % 1.0 - 0.5) / 0.05).abs()).max(0.0);
+        let strain = list(&|s| {
+            let noise = if ((s * 100.0) as u64).is_multiple_of(3) { 2e-6 } else { -1e-6 };
+            1e-3 + 0.001 * depth_mm(s) + noise
+        });
+        // A way through the air shows which level is rest.
+        let way = list(&|s| 20.0 + (s - 0.1).clamp(0.0, 0.3) * 10.0 + depth_mm(s));
+        bench.run(0.1);
+        bench.press(BOARD, 0);
+        bench.say(
+            BOARD,
+            &format!(
+                r#"{{"type":"strain","whisker":0,"strain":[{strain}],"deflection_mm":[{way}],"distance_mm":50,"every_us":10000}}"#
+            ),
+        );
+    }
+    bench.run(0.5);
+    bench.sent().len()
+}
+
+#[test]
+fn a_robot_that_says_it_drives_has_fewer_contacts_of_its_jolts() {
+    let contacts = |says: Option<bool>| {
+        let mut bench = bench(BOARD_AND_HOST, PlaceKind::Distance);
+        says.into_iter().for_each(|says| bench.say(HOST, &format!(r#"{{"type":"driving","driving":{says}}}"#)));
+        tapped(&mut bench)
+    };
+    let (unsaid, standing, driving) = (contacts(None), contacts(Some(false)), contacts(Some(true)));
+    assert!(unsaid >= 12 && standing >= 12, "{unsaid} and {standing} of 20");
+    assert!(driving < standing, "{driving} of {standing}");
+}
+
+#[test]
+fn a_driver_that_has_gone_drives_no_more() {
+    let mut bench = bench(BOARD_AND_HOST, PlaceKind::Distance);
+    bench.say(HOST, r#"{"type":"driving","driving":true}"#);
+    assert_eq!(bench.agent.drives(0), Some(true));
+    bench.step(Input::DriverEnded(HOST));
+    assert_eq!(bench.agent.drives(0), None);
+    bench.step(Input::DriverStarted(HOST));
+    assert_eq!(bench.agent.drives(0), None, "it has to say so again");
+}
+
 #[test]
 fn two_drivers_do_not_read_one_pressure_and_one_takes_over_from_another() {
     let mut bench = bench(BOARD_AND_HOST, PlaceKind::Ratio);

@@ -3,6 +3,7 @@
 use vibrissa_protocol::{Contact, PlaceKind};
 
 use super::*;
+use crate::config::Sign;
 
 /// Samples in a line, and the time between them.
 const COUNT: usize = 10;
@@ -18,8 +19,14 @@ enum Clock {
 
 /// A bench whose whiskers have a place.
 fn bench(place: PlaceKind) -> Bench {
+    bench_of(place, None)
+}
+
+/// The same, with a stated sign of the strain.
+fn bench_of(place: PlaceKind, sign: Option<Sign>) -> Bench {
     let mut bench = Bench::new(|config| {
         config.facts.arrays[0].whiskers.iter_mut().for_each(|whisker| whisker.place = Some(place));
+        config.whiskers.values_mut().for_each(|whisker| whisker.sign = sign);
     });
     bench.step(Input::Connected);
     bench.step(Input::DriverStarted(0));
@@ -36,6 +43,11 @@ fn way_mm(seconds: f64, slips: bool) -> f64 {
 
 /// Feeds six seconds with one touch; the contacts that were sent, and the problems that were answered.
 fn felt(bench: &mut Bench, clock: Clock, more: &str, slips: bool) -> (Vec<Contact>, Vec<String>) {
+    felt_by(bench, 0.005, clock, more, slips)
+}
+
+/// The same with so much strain a millimetre.
+fn felt_by(bench: &mut Bench, per_mm: f64, clock: Clock, more: &str, slips: bool) -> (Vec<Contact>, Vec<String>) {
     let begin_us = bench.now_us;
     let (mut contacts, mut problems) = (Vec::new(), Vec::new());
     for block in 0..60 {
@@ -46,7 +58,7 @@ fn felt(bench: &mut Bench, clock: Clock, more: &str, slips: bool) -> (Vec<Contac
         let list = |value: &dyn Fn(usize) -> f64| {
             (0..COUNT).map(|at| format!("{:.7}", value(at))).collect::<Vec<String>>().join(",")
         };
-        let strain = list(&|at| 1e-3 + 0.005 * deflection(at) + noise(at));
+        let strain = list(&|at| 1e-3 + per_mm * deflection(at) + noise(at));
         let way = list(&|at| 40.0 + way_mm(seconds(at), slips));
         bench.now_us =
             bench.now_us.max(begin_us + (block as u64 + 1) * COUNT as u64 * EVERY_US + (block as u64 % 3) * 3_000);
@@ -94,6 +106,33 @@ fn a_touch_becomes_one_contact_whatever_tells_the_time() {
 }
 
 #[test]
+fn a_strain_that_falls_in_a_touch_is_positive_for_the_supervisor_if_that_is_stated() {
+    let more = r#","deflection_mm":WAY,"distance_mm":52.5"#;
+    for (sign, per_mm) in [(None, 0.005), (Some(Sign::Rises), 0.005), (Some(Sign::Falls), -0.005)] {
+        let (contacts, problems) = felt_by(&mut bench_of(PlaceKind::Distance, sign), per_mm, Clock::Agent, more, false);
+        assert_eq!((contacts.len(), problems), (1, vec![]), "{sign:?}");
+        assert!((contacts[0].strain - 0.01).abs() < 2e-4, "{sign:?}: {:?}", contacts[0]);
+    }
+}
+
+#[test]
+fn regress_a_gauge_that_goes_against_its_stated_sign_is_told_once_and_shown() {
+    let more = r#","deflection_mm":WAY,"distance_mm":52.5"#;
+    for (sign, per_mm) in [(Sign::Rises, -0.005), (Sign::Falls, 0.005)] {
+        let mut bench = bench_of(PlaceKind::Distance, Some(sign));
+        let contacts: Vec<Contact> =
+            (0..25).flat_map(|_| felt_by(&mut bench, per_mm, Clock::Agent, more, false).0).collect();
+        assert_eq!(contacts.len(), 25, "{sign:?}");
+        assert!(contacts.iter().all(|contact| (contact.strain + 0.01).abs() < 4e-4), "{sign:?}: {contacts:?}");
+        let told = "whisker left/0: touches move the strain against segmenter.sign";
+        assert!(bench.warnings.len() == 1 && bench.warnings[0].starts_with(told), "{sign:?}: {:?}", bench.warnings);
+        let view = &bench.agent.snapshot(Now::of_us(bench.now_us)).whiskers[0];
+        assert_eq!(view.segmenter.as_deref(), Some("INVERTED"), "{sign:?}");
+        assert!(view.advice.as_ref().is_some_and(|advice| advice.contains("segmenter.sign")), "{view:?}");
+    }
+}
+
+#[test]
 fn a_slip_off_is_a_contact_at_the_tip_and_other_touches_of_such_whiskers_are_left_out() {
     let more = r#","deflection_mm":WAY"#;
     let (contacts, problems) = felt(&mut bench(PlaceKind::Tip), Clock::Board, more, true);
@@ -133,6 +172,26 @@ fn lines_of_a_wrong_shape_are_refused() {
 }
 
 #[test]
+fn regress_single_samples_without_a_time_have_that_of_their_receipt() {
+    let mut bench = bench(PlaceKind::Unknown);
+    let mut contacts = 0;
+    for at in 0..600_u64 {
+        bench.run(0.01);
+        let (way, noise) = (way_mm(at as f64 * 0.01, false), if at % 5 < 2 { 2e-6 } else { -1e-6 });
+        let strain = 1e-3 + 0.005 * way + noise;
+        bench.line(&format!(r#"{{"type":"strain","whisker":0,"strain":{strain:.7},"deflection_mm":{way}}}"#));
+        if at % 10 == 0 {
+            bench.read(0, 0.1);
+        }
+        for message in bench.contacts() {
+            bench.receipt("b1", message.seq + 1);
+            contacts += message.contacts.len();
+        }
+    }
+    assert_eq!(contacts, 1);
+}
+
+#[test]
 fn a_restarted_board_begins_a_new_stream() {
     let mut bench = bench(PlaceKind::Distance);
     let more = r#","deflection_mm":WAY,"distance_mm":52.5"#;
@@ -145,7 +204,7 @@ fn a_restarted_board_begins_a_new_stream() {
 fn regress_a_converter_that_ends_below_the_deflection_is_a_saturated_gauge() {
     let mut bench = bench(PlaceKind::Distance);
     // 4 mm of deflection at 0.0046 a millimetre, where the converter ends at 0.005.
-    let mut ended = Vec::new();
+    let (mut gauges, mut contacts) = (Vec::new(), Vec::new());
     for block in 0..60_usize {
         let way = |at: usize| way_mm((block * COUNT + at) as f64 * 0.01, false) * 2.0;
         let strains: Vec<String> = (0..COUNT)
@@ -160,10 +219,20 @@ fn regress_a_converter_that_ends_below_the_deflection_is_a_saturated_gauge() {
             strains.join(","),
             ways.join(",")
         ));
-        ended.extend(bench.statuses().pop());
+        let messages = bench.take().0;
+        gauges.extend(messages.iter().filter_map(|message| {
+            if let Message::Status(status) = message { Some(status.whiskers[0].gauge) } else { None }
+        }));
+        contacts.extend(
+            messages
+                .into_iter()
+                .filter_map(|one| if let Message::Contacts(one) = one { Some(one.contacts) } else { None }),
+        );
     }
-    let gauges: Vec<_> = ended.iter().map(|status| status.whiskers[0].gauge).collect();
+    let contacts = contacts.concat();
     assert!(gauges.contains(&vibrissa_protocol::Gauge::Saturated), "{gauges:?}");
     assert!(bench.warnings.len() == 1 && bench.warnings[0].contains("stays at 0.005"), "{:?}", bench.warnings);
-    assert_eq!(bench.agent.counts().contacts, 0);
+    // Its strain is a lower bound. Without a receipt it is sent again.
+    assert_eq!(bench.agent.counts().contacts, 1);
+    assert!(contacts[0].saturated && contacts[0].strain < 0.006 && contacts[0].deflection_mm > 3.9, "{contacts:?}");
 }

@@ -191,6 +191,8 @@ pub enum ContactUse {
     TooWeak,
     /// Nothing: the strain is negative, so the gauge's sign is wrong.
     NegativeStrain,
+    /// Nothing: the strain was at the end of the gauge's range, as the robot states.
+    Saturated,
     /// Nothing: on the chamber, where the model does not hold.
     OnChamber,
     /// Nothing: the robot does not know where on the whisker it was.

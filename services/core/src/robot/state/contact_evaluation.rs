@@ -70,6 +70,9 @@ impl Whisker {
             Err(used) => return ContactResult::unused(used),
         };
         self.learn_deflection(contact.deflection.mm());
+        if contact.saturated {
+            return ContactResult::unused(ContactUse::Saturated);
+        }
         let morphology = model.morphology(contact.pressure);
         let stated_sd = placed.ratio_sd.unwrap_or(params.noise.ratio);
         let expected = self.spread.expected(placed.ratio, stated_sd);

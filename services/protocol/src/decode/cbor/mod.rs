@@ -70,6 +70,7 @@ fn usual_contact(input: &mut Input<'_>) -> Option<Contact> {
         tip: false,
         deflection_mm,
         strain,
+        saturated: false,
         pressure_mpa,
         temperature_c,
         test_id: None,
@@ -87,7 +88,8 @@ macro_rules! set {
 }
 
 fn contact(input: &mut Input<'_>) -> Option<Contact> {
-    let (mut array, mut whisker, mut t_us, mut tip, mut test_id) = (None, None, None, None, None);
+    let (mut array, mut whisker, mut t_us, mut test_id) = (None, None, None, None);
+    let (mut tip, mut saturated) = (None, None);
     let (mut ratio, mut ratio_sd, mut distance_mm, mut distance_sd_mm) = (None, None, None, None);
     let (mut deflection_mm, mut strain, mut pressure_mpa, mut temperature_c) = (None, None, None, None);
     for _ in 0..Map::len(input).ok()?? {
@@ -104,6 +106,7 @@ fn contact(input: &mut Input<'_>) -> Option<Contact> {
             "distance_mm" => set!(distance_mm, input.number()?),
             "distance_sd_mm" => set!(distance_sd_mm, input.number()?),
             "tip" => set!(tip, input.truth()?),
+            "saturated" => set!(saturated, input.truth()?),
             "test_id" => set!(test_id, input.text()?.to_owned()),
             _ => return None,
         }
@@ -119,6 +122,7 @@ fn contact(input: &mut Input<'_>) -> Option<Contact> {
         tip: tip.unwrap_or(false),
         deflection_mm: deflection_mm?,
         strain: strain?,
+        saturated: saturated.unwrap_or(false),
         pressure_mpa: pressure_mpa?,
         temperature_c: temperature_c?,
         test_id,

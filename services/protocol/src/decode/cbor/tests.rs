@@ -183,12 +183,20 @@ fn any_contact() -> impl Strategy<Value = Contact> {
         any::<u16>(),
         any::<u64>(),
         (some(), some(), some(), some()),
-        any::<bool>(),
+        any::<(bool, bool)>(),
         prop::option::of(".{0,20}"),
         prop::collection::vec(any_number(), 4),
     )
         .prop_map(
-            |(array, whisker, t_us, (ratio, ratio_sd, distance_mm, distance_sd_mm), tip, test_id, numbers)| Contact {
+            |(
+                array,
+                whisker,
+                t_us,
+                (ratio, ratio_sd, distance_mm, distance_sd_mm),
+                (tip, saturated),
+                test_id,
+                numbers,
+            )| Contact {
                 array: Name::new(&array).unwrap(),
                 whisker,
                 t_us,
@@ -199,6 +207,7 @@ fn any_contact() -> impl Strategy<Value = Contact> {
                 tip,
                 deflection_mm: numbers[0],
                 strain: numbers[1],
+                saturated,
                 pressure_mpa: numbers[2],
                 temperature_c: numbers[3],
                 test_id,

@@ -68,6 +68,7 @@ fn contact(one: &Contact) -> Fields {
     fields.put_some("distance_mm", one.distance_mm).put_some("distance_sd_mm", one.distance_sd_mm);
     fields.put_some("tip", one.tip.then_some(true));
     fields.put("deflection_mm", one.deflection_mm).put("strain", one.strain);
+    fields.put_some("saturated", one.saturated.then_some(true));
     fields.put("pressure_mpa", one.pressure_mpa).put("temperature_c", one.temperature_c);
     fields.put_some("test_id", one.test_id.as_deref());
     fields

@@ -95,6 +95,7 @@ fn any_contact() -> impl Strategy<Value = Contact> {
             tip: false,
             deflection_mm: numbers[1],
             strain: numbers[2],
+            saturated: false,
             pressure_mpa: numbers[3],
             temperature_c: numbers[4],
             test_id: None,

@@ -124,11 +124,11 @@ impl OpenBatch {
         }
         // A message with an implausible time has changed the estimate of the robot's clock, too.
         let is_taken = matches!(outcome, Outcome::Taken | Outcome::BadTime);
-        // The journal has neither missed touches nor contacts of tests.
-        let is_of_test = matches!(event, Event::Contacts { contacts, missed, .. }
-            if !missed.is_empty() || contacts.iter().any(|contact| contact.is_test));
+        // The journal has neither missed touches nor contacts of tests or beyond the gauge's range.
+        let is_special = matches!(event, Event::Contacts { contacts, missed, .. }
+            if !missed.is_empty() || contacts.iter().any(|contact| contact.is_test || contact.saturated));
         let is_journalled = is_ordinary
-            && !is_of_test
+            && !is_special
             && known.durable != Durable::BeforeTakeover
             && match event {
                 // A contacts message that is not accepted can also give up a gap.

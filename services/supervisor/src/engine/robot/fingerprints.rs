@@ -92,6 +92,7 @@ mod tests {
             tip: false,
             deflection_mm: 2.4,
             strain,
+            saturated: false,
             pressure_mpa: 0.1,
             temperature_c: 24.0,
             test_id: None,

@@ -180,6 +180,7 @@ fn sample_of(used: ContactUse, row: &ContactRow) -> Sample {
             ContactUse::Unsettled
             | ContactUse::TooWeak
             | ContactUse::NegativeStrain
+            | ContactUse::Saturated
             | ContactUse::OnChamber
             | ContactUse::NoPlace
             | ContactUse::BeyondTip

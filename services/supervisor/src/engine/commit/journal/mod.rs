@@ -311,6 +311,7 @@ impl JournalContact {
             strain: Strain::new(self.strain).ok()?,
             pressure: Megapascal::new(self.pressure_mpa).ok()?,
             is_test: false,
+            saturated: false,
             temperature_c: Some(self.temperature_c),
         })
     }

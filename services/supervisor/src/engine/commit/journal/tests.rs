@@ -95,6 +95,7 @@ fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
         strain: Strain::known(0.001),
         pressure: Megapascal::known(0.1),
         is_test: false,
+        saturated: false,
         temperature_c: Some(21.0),
     };
     let mut journal = Journal::default();
@@ -111,6 +112,7 @@ fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
         tip: false,
         deflection_mm: 3.0,
         strain: 0.001,
+        saturated: false,
         pressure_mpa: 0.1,
         temperature_c,
         test_id: None,

@@ -1,0 +1,174 @@
+//! Findings of a calibration, and the file that keeps them until `agent.toml` is written.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use serde::{Deserialize, Serialize};
+use vibrissa_protocol::text_file::read_text;
+
+/// Size limit of the file, bytes.
+const FILE_BYTES_MAX: u64 = 1024 * 1024;
+
+/// A part of the calibration of one whisker.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub(super) enum Step {
+    /// The gauge at rest: zero, noise, rate.
+    Rest,
+    /// The way in which a touch moves the strain.
+    Sign,
+    /// The end of the converter.
+    Scale,
+    /// The travel of the slide.
+    Slide,
+    /// The zero of the pressure sensor.
+    Pressure,
+    /// Times of the valves.
+    Valves,
+}
+
+impl Step {
+    pub(super) const ALL: [Step; 6] = [Step::Rest, Step::Sign, Step::Scale, Step::Slide, Step::Pressure, Step::Valves];
+}
+
+/// Meaning of a finding for the person.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub(super) enum Verdict {
+    /// As it should be.
+    Good,
+    /// It works, but look at it.
+    Check,
+    /// It does not work.
+    Bad,
+    /// It could not be measured.
+    Skipped,
+}
+
+impl Verdict {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Check => "CHECK",
+            Self::Bad => "BAD",
+            Self::Skipped => "skipped",
+        }
+    }
+}
+
+/// One measured property with its verdict.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Finding {
+    /// Name of the measured property.
+    pub(super) what: String,
+    /// Value with its unit; empty if it could not be measured.
+    pub(super) value: String,
+    pub(super) verdict: Verdict,
+    /// Reason of the verdict, and the remedy.
+    pub(super) text: String,
+    /// Key of the whisker in `agent.toml`, and its value as TOML.
+    pub(super) change: Option<(String, String)>,
+}
+
+impl Finding {
+    pub(super) fn new(what: &str, value: String, verdict: Verdict, text: impl Into<String>) -> Self {
+        Self { what: what.to_owned(), value, verdict, text: text.into(), change: None }
+    }
+
+    pub(super) fn skipped(what: &str, text: &str) -> Self {
+        Self::new(what, String::new(), Verdict::Skipped, text)
+    }
+
+    /// With a value for `agent.toml`.
+    pub(super) fn writes(self, key: &str, value: String) -> Self {
+        Self { change: Some((key.to_owned(), value)), ..self }
+    }
+
+    /// The line that is printed.
+    pub(super) fn line(&self, whisker: &str) -> String {
+        let value = if self.value.is_empty() { String::new() } else { format!(" {}", self.value) };
+        let text = if self.text.is_empty() { String::new() } else { format!(": {}", self.text) };
+        format!("{whisker} {}{value} - {}{text}", self.what, self.verdict.word())
+    }
+}
+
+/// Findings by whisker (`ARRAY/NUMBER`) and step.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Findings(pub(super) BTreeMap<String, BTreeMap<Step, Vec<Finding>>>);
+
+impl Findings {
+    /// The file beside `agent.toml`.
+    pub(super) fn path(config: &Path) -> PathBuf {
+        let mut name = config.as_os_str().to_owned();
+        name.push(".calibration");
+        PathBuf::from(name)
+    }
+
+    /// Those of a calibration that was stopped; none without a file.
+    pub(super) fn read(path: &Path) -> anyhow::Result<Self> {
+        if !path.exists() {
+            return Ok(Self::default());
+        }
+        let text = read_text(path, FILE_BYTES_MAX).with_context(|| path.display().to_string())?;
+        let advice = || format!("{} is no file of this program: use --again to begin anew", path.display());
+        serde_json::from_str(&text).with_context(advice)
+    }
+
+    pub(super) fn write(&self, path: &Path) -> anyhow::Result<()> {
+        let mut text = serde_json::to_string_pretty(self)?;
+        text.push('\n');
+        replace(path, &text)
+    }
+
+    pub(super) fn has(&self, whisker: &str, step: Step) -> bool {
+        self.0.get(whisker).is_some_and(|steps| steps.contains_key(&step))
+    }
+
+    pub(super) fn add(&mut self, whisker: &str, step: Step, findings: Vec<Finding>) {
+        self.0.entry(whisker.to_owned()).or_default().insert(step, findings);
+    }
+}
+
+/// Replaces a file as a whole: after a power cut the old or the new one is there. It keeps its mode.
+pub(super) fn replace(path: &Path, text: &str) -> anyhow::Result<()> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".new");
+    let new = PathBuf::from(name);
+    let written = || -> std::io::Result<()> {
+        std::fs::write(&new, text)?;
+        if let Ok(old) = std::fs::metadata(path) {
+            std::fs::set_permissions(&new, old.permissions())?;
+        }
+        std::fs::File::open(&new)?.sync_all()?;
+        std::fs::rename(&new, path)
+    };
+    written().with_context(|| format!("cannot write {}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn findings_survive_the_end_of_the_program() {
+        let folder = std::env::temp_dir().join(format!("vibrissa-findings-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = Findings::path(&folder.join("agent.toml"));
+        assert_eq!(Findings::read(&path).unwrap(), Findings::default());
+        let mut findings = Findings::default();
+        let finding = Finding::new("sign", "FALLS".to_owned(), Verdict::Good, "")
+            .writes("segmenter.sign", "\"FALLS\"".to_owned());
+        assert_eq!(finding.line("left/0"), "left/0 sign FALLS - good");
+        findings.add("left/0", Step::Sign, vec![finding, Finding::skipped("slide", "no line has deflection_mm")]);
+        findings.write(&path).unwrap();
+        let again = Findings::read(&path).unwrap();
+        assert_eq!(again, findings);
+        assert!(
+            again.has("left/0", Step::Sign) && !again.has("left/0", Step::Rest) && !again.has("left/1", Step::Sign)
+        );
+        std::fs::write(&path, "{").unwrap();
+        assert!(Findings::read(&path).unwrap_err().to_string().contains("--again"));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
