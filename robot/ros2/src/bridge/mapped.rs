@@ -150,7 +150,7 @@ impl Bridge {
         }
     }
 
-    /// What is due for the mapping: constant readings, and topics that have become silent.
+    /// Constant readings that are due, and topics that have become silent.
     pub(super) fn mapped_tick(&mut self, now_s: f64) -> Vec<Output> {
         let Some(mapped) = &mut self.mapped else { return Vec::new() };
         let mut outputs: Vec<Output> = mapped.newly_silent(now_s).into_iter().map(Output::Log).collect();

@@ -45,7 +45,7 @@ impl Number {
     }
 }
 
-/// What a number tells of a whisker.
+/// Meaning of a number for a whisker.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Quantity {
     /// Strain, m/m.
@@ -89,7 +89,7 @@ pub struct MappedTopic {
     pub layout: Arc<Layout>,
     /// Places of seconds and nanoseconds of `header.stamp`, if the messages have it.
     pub stamp: Option<[Path; 2]>,
-    /// What its messages tell.
+    /// Its numbers, each of a whisker.
     pub uses: Vec<Use>,
 }
 

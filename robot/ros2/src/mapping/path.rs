@@ -36,7 +36,7 @@ impl fmt::Display for Path {
     }
 }
 
-/// Splits `a.b[c]` into names of fields, each with what is in the brackets after it.
+/// Splits `a.b[c]` into names of fields, each with the texts in the brackets after it.
 fn split(text: &str) -> Result<Vec<(&str, Vec<&str>)>, String> {
     let wrong = || format!("the field {text:.64} is no place: write it as data[0], wrench.force.z or position[slide]");
     let mut parts = Vec::new();

@@ -112,7 +112,7 @@ fn a_mapped_setpoint_has_the_unit_of_its_field_and_others_get_none() {
     assert!(matches!(setpoints_pa(&outputs)[..], [bar] if (bar - 1.0).abs() < 1e-9), "{outputs:?}");
     let is_of_1 = |output: &Output| matches!(output, Output::Setpoint(1, _));
     assert!(!outputs.iter().any(is_of_1), "{outputs:?}");
-    // The constant reading, and what nobody can set.
+    // The constant reading, and the order that nobody can carry out.
     let constant = outputs.iter().filter_map(|output| {
         let Output::Line(line) = output else { return None };
         serde_json::to_value(line).ok()
