@@ -119,7 +119,8 @@ impl Bridge {
     pub fn step(&mut self, now_s: f64, stamp: Time, input: Input) -> Vec<Output> {
         let outputs = match input {
             Input::Linked => {
-                Ok(vec![Output::Line(ToAgent::Hello { version: VERSION, name: "vibrissa-ros2".to_owned() })])
+                let (name, software_version) = ("vibrissa-ros2".to_owned(), env!("CARGO_PKG_VERSION"));
+                Ok(vec![Output::Line(ToAgent::Hello { version: VERSION, name, software_version })])
             }
             Input::Contact(_) | Input::Pressure(..) | Input::Strain(..) | Input::Fault(_) | Input::Mapped(..)
                 if self.activity == Activity::Idle =>

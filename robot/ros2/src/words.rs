@@ -114,6 +114,8 @@ pub enum ToAgent {
         version: u32,
         /// Name of the driver.
         name: String,
+        /// Version of this program.
+        software_version: &'static str,
     },
     /// A contact.
     Contact(ContactLine),

@@ -92,7 +92,7 @@ impl Channel {
                  the last will, with the boot_id of the same connection."
             }
             Self::Robot(RobotTopic::Factsheet) => {
-                "Retained. Arrays, whiskers and limits of the robot. Sent after each birth, and again on request. A \
+                "Retained. Arrays, whiskers and limits of the robot. Sent after each birth, on request, and when the versions of its programs are known. A \
                  robot whose broker has no retained messages (Retain Available is 0) publishes without the retain flag."
             }
             Self::Robot(RobotTopic::Contacts) => {
