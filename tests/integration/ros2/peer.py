@@ -3,7 +3,8 @@
 It simulates the chamber of whisker left-front/0, which follows its setpoints, touches something twice a second, reports
 a gauge, and does touch tests. It prints what it receives as lines of JSON: `peer.py NAMESPACE DOMAIN`. With a third
 argument `short` it only publishes a contact that ends too early, with `parameters` it reads the bridge's parameters,
-with `lifecycle` it configures and activates the bridge, and with `sensors` it is a robot of standard messages.
+with `lifecycle` it configures and activates the bridge, with `sensors` it is a robot of standard messages, and with `presses`
+such a robot that presses its whisker against a wall every two seconds.
 """
 
 import json
@@ -180,6 +181,24 @@ def publish_sensors(participant):
         time.sleep(0.05)
 
 
+def press(participant):
+    joints = writer(participant, "rt/joint_states", JointState, SENSOR_DATA)
+    gauges = writer(participant, "rt/gauges", Float32MultiArray, SENSOR_DATA)
+    chambers = writer(participant, "rt/chamber", Float64, SENSOR_DATA)
+    begun = time.monotonic()
+    for step in range(100_000):
+        phase_s = step * 0.02 % 2.0
+        # The deflections differ: a gauge that is stuck gives the same numbers again.
+        deepest_mm = 1.5 + step // 100 % 7 * 0.1
+        way_mm = deepest_mm * (min(max((phase_s - 0.5) / 0.3, 0.0), 1.0) - min(max((phase_s - 1.2) / 0.3, 0.0), 1.0))
+        noise = 0.002 * math.sin(7.0 * step)
+        joints.write(JointState(header(), ["slide_0"], [(10.0 + way_mm) * 1e-3], [], []))
+        gauges.write(Float32MultiArray(MultiArrayLayout([], 0), [1.0 + 4.6 * way_mm + noise, 56.0]))
+        if step % 10 == 0:
+            chambers.write(Float64(0.8))
+        time.sleep(max(0.0, begun + (step + 1) * 0.02 - time.monotonic()))
+
+
 def main():
     namespace, domain = sys.argv[1], int(sys.argv[2])
     participant = DomainParticipant(domain)
@@ -191,6 +210,8 @@ def main():
         change_states(participant, namespace)
     if sys.argv[3:] == ["sensors"]:
         publish_sensors(participant)
+    if sys.argv[3:] == ["presses"]:
+        press(participant)
     whisker = f"rt{namespace}/left_front/whisker_0"
     contacts = writer(participant, f"rt{namespace}/contacts", Contact, SENSOR_DATA)
     faults = writer(participant, f"rt{namespace}/faults", Fault, RELIABLE)
