@@ -5,6 +5,7 @@ use std::sync::Arc;
 use ros2_client::builtin_interfaces::Time;
 
 use super::{Bridge, Output};
+use crate::lifecycle::Activity;
 use crate::lines::{span_us, strain_line};
 use crate::mapping::{MappedTopic, Mapping, Quantity, Use, Value};
 use crate::messages::{Header, Strain};
@@ -153,8 +154,13 @@ impl Bridge {
     /// Constant readings that are due, and topics that have become silent.
     pub(super) fn mapped_tick(&mut self, now_s: f64) -> Vec<Output> {
         let Some(mapped) = &mut self.mapped else { return Vec::new() };
+        if self.activity == Activity::Idle {
+            // Nobody listens.
+            mapped.heard.iter_mut().for_each(|heard| *heard = (now_s, false));
+            return Vec::new();
+        }
         let mut outputs: Vec<Output> = mapped.newly_silent(now_s).into_iter().map(Output::Log).collect();
-        if self.activity == crate::lifecycle::Activity::Idle || now_s - mapped.constants_at_s < CONSTANT_EVERY_S {
+        if now_s - mapped.constants_at_s < CONSTANT_EVERY_S {
             return outputs;
         }
         mapped.constants_at_s = now_s;

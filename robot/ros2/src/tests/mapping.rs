@@ -139,6 +139,11 @@ fn a_topic_that_never_comes_is_named_once_in_the_log_and_in_each_report() {
     assert_eq!(summary(&late, "vibrissa: bridge"), (Level::Warn as u8, wanted.replace("10 s", "11 s")));
     message(&mut bridge, 11.2, "/gauges", &json!([0.001]));
     assert_eq!(summary(&report(tick(&mut bridge, 12.2)), "vibrissa: bridge").0, Level::Ok as u8);
+    // An unconfigured node does not listen.
+    bridge.step(12.3, Time::new(NOW_S, 0), Input::Activity(Activity::Idle));
+    assert!(!tick(&mut bridge, 40.0).iter().any(|one| matches!(one, Output::Log(_))));
+    bridge.step(40.1, Time::new(NOW_S, 0), Input::Activity(Activity::Active));
+    assert!(!tick(&mut bridge, 49.9).iter().any(|one| matches!(one, Output::Log(_))));
 }
 
 #[test]
