@@ -200,6 +200,7 @@ impl HandRobot {
             touch_tests: self.touch_tests.clone(),
             applies_gain: self.applies_gain,
             air_control: None,
+            software: Vec::new(),
         }
     }
 

@@ -1,14 +1,16 @@
 //! The agent of one robot: between its driver and the broker.
 
+use std::io::stdout;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::Context;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use tokio::runtime::Runtime;
 use tokio::sync::watch;
 use tracing_subscriber::EnvFilter;
 use vibrissa_host::task;
+use vibrissa_program::completions::{self, CompletionsArgs};
 use vibrissa_program::log;
 use vibrissa_program::log_filter::log_filter;
 use vibrissa_program::signals::StopSignals;
@@ -54,6 +56,8 @@ enum Command {
         /// Devices to listen at instead of all
         devices: Vec<PathBuf>,
     },
+    /// Print a script with which a shell completes commands and options
+    Completions(CompletionsArgs),
 }
 
 fn main() -> ExitCode {
@@ -78,6 +82,9 @@ fn started(path: &Path, is_check: bool, command: Option<Command>) -> anyhow::Res
     if let Some(Command::Discover { devices }) = command {
         runtime()?.block_on(discover::discover(devices));
         return Ok(());
+    }
+    if let Some(Command::Completions(shell)) = command {
+        return Ok(completions::run(&shell, &mut Arguments::command(), &mut stdout())?);
     }
     let config = Config::read(path).with_context(|| path.display().to_string())?;
     if let Some(Command::Monitor { once }) = command {

@@ -1,14 +1,17 @@
 //! The bridge between the agent and ROS, without clock and network: `step(now, input)` returns what to send.
 
+mod mapped;
 mod messages;
 
 use std::collections::BTreeMap;
 
+use mapped::Mapped;
 use ros2_client::builtin_interfaces::Time;
 
 use crate::health::{self, Counts};
 use crate::lifecycle::Activity;
 use crate::lines::{estimate_message, goal_of};
+use crate::mapping::{Mapping, Value};
 use crate::messages::{
     Contact, DiagnosticArray, Estimate as EstimateMessage, Fault, Float64, FluidPressure, Header, Strain, TouchTestGoal,
 };
@@ -37,6 +40,8 @@ pub enum Input {
     Strain(usize, Result<Strain, String>),
     /// States of gauge and regulator, or the reason why they cannot be decoded.
     Fault(Result<Fault, String>),
+    /// A message of the mapped topic with this index, or the reason why it cannot be decoded.
+    Mapped(usize, Result<Value, String>),
     /// What the bridge does from now on.
     Activity(Activity),
     /// Progress of the touch test with this identifier.
@@ -54,7 +59,7 @@ pub enum Output {
     Line(ToAgent),
     /// Opens the topics of these whiskers.
     Open(Vec<Named>),
-    /// Publishes the setpoint of a whisker, by index.
+    /// Publishes the setpoint of a whisker, by index. With a mapping the pressure is the number of the mapped field.
     Setpoint(usize, FluidPressure),
     /// Publishes the factor on the readings of a whisker, by index.
     ReadingGain(usize, Float64),
@@ -79,6 +84,8 @@ pub struct Settings {
     pub pressures: Pressures,
     /// What the bridge does at first: nothing, if the node has a lifecycle.
     pub activity: Activity,
+    /// Topics that exist already, and their values of whiskers.
+    pub mapping: Option<Mapping>,
 }
 
 /// The state of the bridge.
@@ -88,6 +95,7 @@ pub struct Bridge {
     whiskers: Vec<Whisker>,
     index: BTreeMap<(String, u16), usize>,
     activity: Activity,
+    mapped: Option<Mapped>,
     counts: Counts,
     reported_at_s: f64,
 }
@@ -99,6 +107,7 @@ impl Bridge {
         Self {
             activity: settings.activity,
             settings,
+            mapped: None,
             whiskers: Vec::new(),
             index: BTreeMap::new(),
             counts: Counts::default(),
@@ -110,9 +119,10 @@ impl Bridge {
     pub fn step(&mut self, now_s: f64, stamp: Time, input: Input) -> Vec<Output> {
         let outputs = match input {
             Input::Linked => {
-                Ok(vec![Output::Line(ToAgent::Hello { version: VERSION, name: "vibrissa-ros2".to_owned() })])
+                let (name, software_version) = ("vibrissa-ros2".to_owned(), env!("CARGO_PKG_VERSION"));
+                Ok(vec![Output::Line(ToAgent::Hello { version: VERSION, name, software_version })])
             }
-            Input::Contact(_) | Input::Pressure(..) | Input::Strain(..) | Input::Fault(_)
+            Input::Contact(_) | Input::Pressure(..) | Input::Strain(..) | Input::Fault(_) | Input::Mapped(..)
                 if self.activity == Activity::Idle =>
             {
                 Ok(Vec::new())
@@ -126,6 +136,7 @@ impl Bridge {
             Input::Pressure(index, reading) => self.pressure(now_s, stamp, index, reading),
             Input::Strain(index, samples) => self.strain(stamp, index, samples),
             Input::Fault(fault) => self.fault(fault),
+            Input::Mapped(topic, message) => self.mapped_message(now_s, stamp, topic, message),
             Input::Test(test_id, progress) => Ok(self.test(stamp, &test_id, progress)),
             Input::Shed(count) => {
                 self.counts.shed += count;
@@ -198,8 +209,22 @@ impl Bridge {
         if self.index.len() != whiskers.len() {
             return vec![Output::Stop("the agent names a whisker twice".to_owned())];
         }
-        self.whiskers = whiskers.iter().cloned().map(|named| Whisker::new(now_s, named)).collect();
+        if let Some(mut mapping) = self.settings.mapping.clone() {
+            if let Err(problem) = mapping.bind(&self.index) {
+                return vec![Output::Stop(problem)];
+            }
+            self.mapped = Some(Mapped::new(mapping, whiskers.len(), now_s));
+        }
+        let is_passive = |index: usize| self.mapping().is_some_and(|mapping| mapping.setpoint_of(index).is_none());
+        let known = whiskers.iter().cloned().enumerate();
+        self.whiskers = known.map(|(index, named)| Whisker::new(now_s, named, is_passive(index))).collect();
         vec![Output::Open(whiskers)]
+    }
+
+    /// The mapping, once the whiskers are known.
+    #[must_use]
+    pub fn mapping(&self) -> Option<&Mapping> {
+        self.mapped.as_ref().map(|mapped| &*mapped.mapping)
     }
 
     fn estimate(&mut self, stamp: Time, estimate: Estimate) -> Result<Vec<Output>, String> {
@@ -215,21 +240,25 @@ impl Bridge {
     }
 
     fn tick(&mut self, now_s: f64, stamp: Time) -> Vec<Output> {
-        let mut outputs = Vec::new();
+        let mut outputs = self.mapped_tick(now_s);
         for (index, whisker) in self.whiskers.iter_mut().enumerate() {
             outputs.extend(whisker.silence(now_s).map(Output::Line));
-            if self.activity != Activity::Active {
+            if self.activity != Activity::Active || whisker.is_passive() {
                 whisker.release();
             } else if let Some(pressure_mpa) = whisker.setpoint(now_s) {
                 let header = Header { stamp, frame_id: whisker.name() };
-                let fluid_pressure = self.settings.pressures.pa(pressure_mpa);
+                let pa = self.settings.pressures.pa(pressure_mpa);
+                let mapped = self.mapped.as_ref().and_then(|mapped| mapped.mapping.setpoint_of(index));
+                let fluid_pressure = mapped.map_or(pa, |mapped| mapped.number.inverse(pa));
                 outputs.push(Output::Setpoint(index, FluidPressure { header, fluid_pressure, variance: 0.0 }));
             }
         }
         if now_s - self.reported_at_s >= REPORT_EVERY_S {
             self.reported_at_s = now_s;
             let header = Header { stamp, frame_id: String::new() };
-            let status = health::report(&self.settings.robot, now_s, &self.whiskers, &self.counts, self.activity);
+            let silent = self.mapped.as_ref().map_or_else(Vec::new, |mapped| mapped.silent(now_s));
+            let state = (&self.counts, self.activity, silent);
+            let status = health::report(&self.settings.robot, now_s, &self.whiskers, state);
             outputs.push(Output::Report(DiagnosticArray { header, status }));
         }
         outputs

@@ -14,6 +14,8 @@ pub(crate) struct Counts {
     pub(crate) pressures: u64,
     pub(crate) strains: u64,
     pub(crate) tests: u64,
+    /// Messages of mapped topics.
+    pub(crate) mapped: u64,
     /// Messages without a stamp, and with one that cannot be a time of this clock: the time of receipt counted.
     pub(crate) unstamped: u64,
     pub(crate) misstamped: u64,
@@ -41,11 +43,14 @@ fn number(key: &str, value: Option<f64>) -> Option<KeyValue> {
 fn of_whisker(robot: &str, now_s: f64, whisker: &Whisker) -> DiagnosticStatus {
     let pressure_mpa = whisker.pressure_mpa(now_s);
     let condition = whisker.estimate.as_ref().map(|estimate| estimate.condition.as_str());
-    let (level, message) = match (pressure_mpa, condition) {
-        (None, _) => (Level::Stale, "no pressure readings".to_owned()),
-        (Some(_), None) => (Level::Ok, "no estimate yet".to_owned()),
-        (Some(_), Some(condition @ ("HEALTHY" | "LEARNING"))) => (Level::Ok, condition.to_lowercase()),
-        (Some(_), Some(condition)) => (Level::Warn, condition.to_lowercase().replace('_', " ")),
+    let (level, message) = match (pressure_mpa, whisker.unmet_mpa(now_s), condition) {
+        (None, ..) => (Level::Stale, "no pressure readings".to_owned()),
+        (Some(_), Some(mpa), _) => {
+            (Level::Warn, format!("the agent orders {mpa:.4} MPa, and the mapping has no setpoint for it"))
+        }
+        (Some(_), None, None) => (Level::Ok, "no estimate yet".to_owned()),
+        (Some(_), None, Some(condition @ ("HEALTHY" | "LEARNING"))) => (Level::Ok, condition.to_lowercase()),
+        (Some(_), None, Some(condition)) => (Level::Warn, condition.to_lowercase().replace('_', " ")),
     };
     let estimate = whisker.estimate.as_ref();
     let numbers = [
@@ -66,12 +71,12 @@ pub(crate) fn report(
     robot: &str,
     now_s: f64,
     whiskers: &[Whisker],
-    counts: &Counts,
-    activity: Activity,
+    (counts, activity, silent): (&Counts, Activity, Vec<String>),
 ) -> Vec<DiagnosticStatus> {
     let (level, message) = match (whiskers.is_empty(), counts.refused + counts.shed, counts.misstamped) {
         _ if activity != Activity::Active => (Level::Warn, "the node is not active: no setpoints".to_owned()),
         (true, ..) => (Level::Error, "the agent has not named its whiskers".to_owned()),
+        _ if !silent.is_empty() => (Level::Warn, silent.join("; ")),
         (false, 0, 0) => (Level::Ok, "all messages passed on".to_owned()),
         (false, 0, wrong) => (Level::Warn, format!("{wrong} messages with an implausible stamp since the start")),
         (false, lost, _) => (Level::Warn, format!("{lost} messages refused or shed since the start")),
@@ -81,6 +86,7 @@ pub(crate) fn report(
         pair("pressures", counts.pressures),
         pair("strains", counts.strains),
         pair("touch_tests", counts.tests),
+        pair("mapped", counts.mapped),
         pair("stamps_unset", counts.unstamped),
         pair("stamps_implausible", counts.misstamped),
         pair("refused", counts.refused),

@@ -10,6 +10,7 @@ mod lines;
 pub mod link;
 pub mod log;
 pub mod managed;
+pub mod mapping;
 pub mod messages;
 pub mod names;
 pub mod node;

@@ -58,7 +58,9 @@ fn run(options: Options) -> Result<(), String> {
         for output in outputs.drain(..) {
             match output {
                 Output::Line(line) => agent.say(&line)?,
-                Output::Open(whiskers) => tests = Some(TouchTests::new(node.open(topics(&whiskers)?)?)),
+                Output::Open(whiskers) => {
+                    tests = Some(TouchTests::new(node.open(topics(&whiskers)?, bridge.mapping())?));
+                }
                 Output::Test(goal) => {
                     if let Some(tests) = &mut tests {
                         tests.begin(now_s, goal);

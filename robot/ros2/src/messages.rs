@@ -119,6 +119,13 @@ pub struct Float64 {
     pub data: f64,
 }
 
+/// `std_msgs/msg/Float32`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Float32 {
+    /// The number.
+    pub data: f32,
+}
+
 /// `diagnostic_msgs/msg/KeyValue`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct KeyValue {

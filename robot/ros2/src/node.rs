@@ -16,12 +16,12 @@ use ros2_client::{
 };
 use rustdds::{DomainParticipant, DomainParticipantBuilder, Topic};
 use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 use crate::actions::TouchTestServer;
 use crate::bridge::Input;
 use crate::managed::ManagedNode;
-use crate::messages::{DiagnosticArray, Estimate, Float64, FluidPressure};
+use crate::mapping::{Mapping, MessageSeed, SetpointType};
+use crate::messages::{DiagnosticArray, Estimate, Float32, Float64, FluidPressure};
 use crate::remap::Names;
 use crate::subscriptions::Subscriptions;
 
@@ -31,6 +31,8 @@ const CONTACTS_DEPTH: usize = 100;
 const PRESSURES_DEPTH: usize = 5;
 /// Messages of strain of a whisker that wait: none should be lost.
 const STRAINS_DEPTH: usize = 50;
+/// Messages of a mapped topic that wait: it may have strain.
+const MAPPED_DEPTH: usize = 50;
 const FAULTS_DEPTH: usize = 10;
 const REPORTS_DEPTH: usize = 10;
 /// Longest wait for a subscriber that does not confirm. Then the message is dropped, and the next one follows.
@@ -57,13 +59,21 @@ pub struct RosNode {
     participant: DomainParticipant,
     scope: NodeScope,
     reports: Publisher<DiagnosticArray>,
-    setpoints: Vec<Publisher<FluidPressure>>,
+    /// Topics of setpoints; `None` for a whisker that a mapping leaves without.
+    setpoints: Vec<Option<SetpointTopic>>,
     estimates: Vec<Publisher<Estimate>>,
     /// Topics of the whiskers, and the publishers of their factors: only robots that apply gains have them.
     whiskers: Vec<String>,
     gains: BTreeMap<usize, Publisher<Float64>>,
     inputs: SyncSender<Input>,
     shed: Arc<AtomicU64>,
+}
+
+/// A topic that takes setpoints.
+enum SetpointTopic {
+    FluidPressure(Publisher<FluidPressure>),
+    Float64(Publisher<Float64>),
+    Float32(Publisher<Float32>),
 }
 
 /// Sensor data: the newest messages, without repetition.
@@ -129,11 +139,12 @@ impl RosNode {
         })
     }
 
-    /// Opens the topics of the robot and of its whiskers, whose names are relative. Returns the action of touch tests.
+    /// Opens the topics of the robot and of its whiskers, whose names are relative, and those of the mapping. Returns the
+    /// action of touch tests.
     ///
     /// # Errors
     /// A name is invalid, or DDS refuses a topic.
-    pub fn open(&mut self, whiskers: Vec<String>) -> Result<TouchTestServer, String> {
+    pub fn open(&mut self, whiskers: Vec<String>, mapping: Option<&Mapping>) -> Result<TouchTestServer, String> {
         let faults = QosProfile::subscription_default()
             .reliability_reliable(WhenFull::Wait(PUBLISH_WAIT))
             .history(History::KeepLast { depth: FAULTS_DEPTH });
@@ -142,8 +153,14 @@ impl RosNode {
             faults: self.subscribe("faults", ("vibrissa_msgs", "Fault"), &faults)?,
             pressures: Vec::new(),
             strains: Vec::new(),
+            mapped: Vec::new(),
         };
-        for at in &whiskers {
+        for topic in mapping.into_iter().flat_map(|mapping| &mapping.topics) {
+            let kind = topic.package_and_name().ok_or_else(|| format!("{} is no type", topic.kind))?;
+            let subscription = self.subscribe(&topic.topic, kind, &sensor_data(MAPPED_DEPTH))?;
+            read.mapped.push((subscription, MessageSeed(Arc::clone(&topic.layout))));
+        }
+        for (index, at) in whiskers.iter().enumerate() {
             let pressures = sensor_data(PRESSURES_DEPTH);
             read.pressures.push(self.subscribe(
                 &format!("{at}/pressure"),
@@ -152,7 +169,7 @@ impl RosNode {
             )?);
             let strains = sensor_data(STRAINS_DEPTH);
             read.strains.push(self.subscribe(&format!("{at}/strain"), ("vibrissa_msgs", "Strain"), &strains)?);
-            let setpoints = self.publisher(&format!("{at}/setpoint"), ("sensor_msgs", "FluidPressure"))?;
+            let setpoints = self.setpoint_topic(index, at, mapping)?;
             self.setpoints.push(setpoints);
             let estimates = self.publisher(&format!("{at}/estimate"), ("vibrissa_msgs", "Estimate"))?;
             self.estimates.push(estimates);
@@ -163,6 +180,26 @@ impl RosNode {
         TouchTestServer::open(&mut self.node, self.participant.clone(), self.scope.services, &action)
     }
 
+    /// The topic that takes the setpoints of a whisker: its own, or that of the mapping.
+    fn setpoint_topic(
+        &mut self,
+        index: usize,
+        at: &str,
+        mapping: Option<&Mapping>,
+    ) -> Result<Option<SetpointTopic>, String> {
+        let Some(mapping) = mapping else {
+            let own = self.publisher(&format!("{at}/setpoint"), ("sensor_msgs", "FluidPressure"))?;
+            return Ok(Some(SetpointTopic::FluidPressure(own)));
+        };
+        let Some(mapped) = mapping.setpoint_of(index) else { return Ok(None) };
+        let kind = mapped.written.name();
+        Ok(Some(match mapped.written {
+            SetpointType::FluidPressure => SetpointTopic::FluidPressure(self.publisher(&mapped.topic, kind)?),
+            SetpointType::Float64 => SetpointTopic::Float64(self.publisher(&mapped.topic, kind)?),
+            SetpointType::Float32 => SetpointTopic::Float32(self.publisher(&mapped.topic, kind)?),
+        }))
+    }
+
     /// Opens the services of a managed node.
     ///
     /// # Errors
@@ -171,7 +208,7 @@ impl RosNode {
         ManagedNode::open(&mut self.node, &self.scope.names, self.scope.services)
     }
 
-    fn subscribe<M: DeserializeOwned + 'static>(
+    fn subscribe<M: 'static>(
         &mut self,
         name: &str,
         kind: (&str, &str),
@@ -198,8 +235,16 @@ impl RosNode {
     /// # Errors
     /// Subscribers do not confirm it in time.
     pub fn publish_setpoint(&self, index: usize, setpoint: FluidPressure) -> Result<(), String> {
-        let publisher = self.setpoints.get(index).ok_or("the whisker has no topic")?;
-        publisher.publish(setpoint).map_err(|problem| format!("setpoint: {}", problem.forget_data()))
+        let topic = self.setpoints.get(index).and_then(Option::as_ref).ok_or("the whisker has no topic")?;
+        let data = setpoint.fluid_pressure;
+        let published = match topic {
+            SetpointTopic::FluidPressure(topic) => topic.publish(setpoint).map_err(|problem| problem.forget_data()),
+            SetpointTopic::Float64(topic) => topic.publish(Float64 { data }).map_err(|problem| problem.forget_data()),
+            SetpointTopic::Float32(topic) => {
+                topic.publish(Float32 { data: data as f32 }).map_err(|problem| problem.forget_data())
+            }
+        };
+        published.map_err(|problem| format!("setpoint: {problem}"))
     }
 
     /// Publishes the estimate of a whisker.

@@ -10,6 +10,7 @@ use serde_json::Value;
 use crate::bridge::Settings;
 use crate::lifecycle::Activity;
 use crate::link::AgentAddress;
+use crate::mapping::{Definitions, Mapping};
 use crate::node::NodeScope;
 use crate::params;
 use crate::remap::Names;
@@ -56,6 +57,9 @@ pub struct Arguments {
     /// File with the token of the agent's driver.token_file
     #[arg(long)]
     pub agent_token_file: Option<PathBuf>,
+    /// File that names existing topics, and their values of whiskers; setpoints then go only to topics that it names
+    #[arg(long)]
+    pub mapping: Option<PathBuf>,
     /// Be a managed node, which does nothing until it is configured and activated
     #[arg(long)]
     pub lifecycle: bool,
@@ -123,6 +127,10 @@ impl Arguments {
                     self.agent_token_file = Some(PathBuf::from(&text));
                     Ok(())
                 }
+                "mapping" => {
+                    self.mapping = Some(PathBuf::from(&text));
+                    Ok(())
+                }
                 "use_sim_time" if value == Value::Bool(false) => Ok(()),
                 _ => {
                     unknown.push(name.clone());
@@ -165,6 +173,8 @@ impl Options {
         if token.is_some() && agent == AgentAddress::Pipes {
             return Err("--agent-token-file needs --agent".to_owned());
         }
+        let definitions = Definitions::new(&environment("AMENT_PREFIX_PATH"));
+        let mapping = arguments.mapping.as_deref().map(|path| Mapping::read(path, &definitions)).transpose()?;
         let is_cyclone = environment("RMW_IMPLEMENTATION") == "rmw_cyclonedds_cpp";
         let is_local = arguments.localhost
             || environment("ROS_LOCALHOST_ONLY") == "1"
@@ -178,9 +188,10 @@ impl Options {
             ("robot", text(&arguments.robot)),
             ("lifecycle", ParameterValue::Boolean(arguments.lifecycle)),
             ("agent", text(&agent.to_string())),
+            ("mapping", text(&arguments.mapping.as_deref().map_or(String::new(), |path| path.display().to_string()))),
         ];
         Ok(Self {
-            settings: Settings { robot: arguments.robot, pressures, activity },
+            settings: Settings { robot: arguments.robot, pressures, activity, mapping },
             logs_warnings: ros.logs_warnings(names.full().trim_start_matches('/').replace('/', ".").as_str()),
             scope: NodeScope {
                 domain: arguments.domain,

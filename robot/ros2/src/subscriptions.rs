@@ -8,10 +8,11 @@ use std::thread;
 use futures::StreamExt;
 use futures::executor::block_on;
 use futures::stream::{LocalBoxStream, select_all};
-use ros2_client::Subscription;
+use ros2_client::{MessageInfo, ReadResult, Subscription};
 use serde::de::DeserializeOwned;
 
 use crate::bridge::Input;
+use crate::mapping::{MessageSeed, Value};
 use crate::messages::{Contact, Fault, FluidPressure, Strain};
 
 /// Subscriptions of the whole robot, and of its whiskers in their order.
@@ -20,6 +21,8 @@ pub(crate) struct Subscriptions {
     pub(crate) faults: Subscription<Fault>,
     pub(crate) pressures: Vec<Subscription<FluidPressure>>,
     pub(crate) strains: Vec<Subscription<Strain>>,
+    /// Mapped topics, with the readers of their messages.
+    pub(crate) mapped: Vec<(Subscription<Value>, MessageSeed)>,
 }
 
 /// Messages of a topic as inputs.
@@ -41,6 +44,13 @@ impl Subscriptions {
             }
             for (index, samples) in self.strains.iter().enumerate() {
                 streams.push(inputs_of(samples, move |samples| Input::Strain(index, samples)));
+            }
+            for (index, (topic, seed)) in self.mapped.iter().enumerate() {
+                let messages = topic.async_stream_seed(seed.clone());
+                let input = move |got: ReadResult<(Value, MessageInfo)>| {
+                    Input::Mapped(index, got.map(|(message, _)| message).map_err(|problem| problem.to_string()))
+                };
+                streams.push(messages.map(input).boxed_local());
             }
             let mut all = select_all(streams);
             block_on(async {

@@ -2,6 +2,7 @@
 
 mod definitions;
 mod lifecycle;
+mod mapping;
 mod messages;
 mod ros_args;
 mod touch;
@@ -20,9 +21,11 @@ use crate::words::{Named, ToAgent};
 const ATMOSPHERE_PA: f64 = 101_325.0;
 
 fn bridge(pressures: Pressures) -> Bridge {
-    let mut bridge = Bridge::new(Settings { robot: "crawler".to_owned(), pressures, activity: Activity::Active });
+    let settings = Settings { robot: "crawler".to_owned(), pressures, activity: Activity::Active, mapping: None };
+    let mut bridge = Bridge::new(settings);
     let hello = bridge.step(0.0, Time::new(1, 0), Input::Linked);
-    assert_eq!(hello, [Output::Line(ToAgent::Hello { version: 1, name: "vibrissa-ros2".to_owned() })]);
+    let (name, software_version) = ("vibrissa-ros2".to_owned(), env!("CARGO_PKG_VERSION"));
+    assert_eq!(hello, [Output::Line(ToAgent::Hello { version: 1, name, software_version })]);
     let whiskers = json!([{"array": "left", "whisker": 0, "pressure_mpa": 0.1, "pressure_max_mpa": 0.2}]);
     let opened = say(&mut bridge, 0.0, &json!({"type": "hello", "version": 1, "whiskers": whiskers}));
     assert!(matches!(&opened[..], [Output::Open(whiskers)] if whiskers.len() == 1));

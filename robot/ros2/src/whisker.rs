@@ -14,6 +14,8 @@ const SILENCE_EVERY_S: f64 = 2.0;
 const REPEAT_S: f64 = 1.0;
 /// Factors on readings that the contract allows.
 const GAINS: std::ops::RangeInclusive<f64> = 0.05..=20.0;
+/// Deviation from an order beyond which nothing has set it, MPa: the tolerance of the agent.
+const UNMET_MPA: f64 = 0.003;
 /// Smallest change that is published at once, MPa.
 const CHANGE_MPA: f64 = 1e-6;
 
@@ -34,6 +36,8 @@ struct Command {
 pub(crate) struct Whisker {
     named: Named,
     opened_at_s: f64,
+    /// Whether nothing takes its setpoints.
+    is_passive: bool,
     reading: Option<Timed<f64>>,
     passed_on_at_s: f64,
     command: Option<Timed<Command>>,
@@ -52,9 +56,10 @@ pub(crate) struct Whisker {
 }
 
 impl Whisker {
-    pub(crate) fn new(now_s: f64, named: Named) -> Self {
+    pub(crate) fn new(now_s: f64, named: Named, is_passive: bool) -> Self {
         Self {
             named,
+            is_passive,
             opened_at_s: now_s,
             reading: None,
             passed_on_at_s: f64::NEG_INFINITY,
@@ -77,6 +82,23 @@ impl Whisker {
     /// The whisker as the agent names it.
     pub(crate) fn named(&self) -> &Named {
         &self.named
+    }
+
+    /// Whether nothing takes its setpoints.
+    pub(crate) fn is_passive(&self) -> bool {
+        self.is_passive
+    }
+
+    /// The state of the regulator as a node reports it.
+    pub(crate) fn regulator(&self) -> Option<&'static str> {
+        self.regulator
+    }
+
+    /// The pressure that the agent orders and nothing can set, MPa.
+    pub(crate) fn unmet_mpa(&self, now_s: f64) -> Option<f64> {
+        let command = self.command.filter(|command| self.is_passive && now_s - command.at_s < COMMAND_STALE_S)?;
+        let ordered_mpa = command.value.pressure_mpa;
+        (self.pressure_mpa(now_s)? - ordered_mpa).abs().gt(&UNMET_MPA).then_some(ordered_mpa)
     }
 
     /// Takes states that a node reports; returns the line for the agent.

@@ -114,11 +114,29 @@ pub enum ToAgent {
         version: u32,
         /// Name of the driver.
         name: String,
+        /// Version of this program.
+        software_version: &'static str,
     },
     /// A contact.
     Contact(ContactLine),
     /// Samples of strain.
     Strain(StrainLine),
+    /// Where a whisker is, for its strain.
+    Motion {
+        /// Name of the array.
+        array: String,
+        /// Number of the whisker in its array.
+        whisker: u16,
+        /// Time since 1970 UTC, us; without it the time of receipt counts.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        t_us: Option<u64>,
+        /// Way of the whisker's base, mm.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        deflection_mm: Option<f64>,
+        /// Distance of the contact from the base, mm.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        distance_mm: Option<f64>,
+    },
     /// A reading of a chamber.
     Pressure {
         /// Name of the array.

@@ -72,7 +72,7 @@ fn is_done(services: ServiceMapping, name: &str) {
     let names = Names::new(&namespace, "vibrissa", Vec::new()).expect("names");
     let scope = NodeScope { domain, is_local: true, names, services, parameters: Vec::new() };
     let mut bridge = RosNode::join(scope, inputs).expect("the bridge's node");
-    let mut tests = TouchTests::new(bridge.open(vec!["left/whisker_0".to_owned()]).expect("topics"));
+    let mut tests = TouchTests::new(bridge.open(vec!["left/whisker_0".to_owned()], None).expect("topics"));
     let order = TouchTestGoal {
         test_id: "t1".to_owned(),
         array: "left".to_owned(),

@@ -30,7 +30,7 @@ pub use decode::{
 };
 pub use messages::{
     ArrayFacts, Connection, Contact, ContactPlace, Contacts, Distance, Estimate, Factsheet, MissedTouch, Receipt,
-    Request, Setpoint, SetpointState, Status, SupervisorRequest, SupervisorState, TestState, TouchTest,
+    Request, Setpoint, SetpointState, Software, Status, SupervisorRequest, SupervisorState, TestState, TouchTest,
     WhiskerEstimate, WhiskerFacts, WhiskerStatus,
 };
 pub use name::{BadName, BootId, Name};
@@ -40,8 +40,8 @@ pub use timestamp::Timestamp;
 pub use topic::{QualityOfService, RobotTopic, Topic};
 pub use words::{
     AirControl, ArrayType, ConnectionState, Gauge, OnSupervisorLoss, PlaceKind, Regulator, RequestKind, SetpointError,
-    SetpointOutcome, SetpointReason, SupervisorPresence, SupervisorRequestKind, Task, TouchTestError, TouchTestKind,
-    TouchTestOutcome, TouchTestReason, WhiskerCondition,
+    SetpointOutcome, SetpointReason, SoftwareKind, SupervisorPresence, SupervisorRequestKind, Task, TouchTestError,
+    TouchTestKind, TouchTestOutcome, TouchTestReason, WhiskerCondition,
 };
 
 /// Upper limit of sequence numbers and times (2^53), exclusive: every JSON reader represents smaller integers
@@ -53,6 +53,8 @@ pub const PAYLOAD_MAX_BYTES: usize = 256 * 1024;
 pub const CONTACTS_MAX: usize = 1000;
 /// Largest number of arrays in one `factsheet`.
 pub const ARRAYS_MAX: usize = 64;
+/// Largest number of programs in one `factsheet`.
+pub const SOFTWARE_MAX: usize = 64;
 /// Largest number of whiskers in one array.
 pub const WHISKERS_MAX: usize = 1024;
 /// Largest number of `held` ranges in one `receipt`.

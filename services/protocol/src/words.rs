@@ -101,6 +101,17 @@ words!(
     }
 );
 words!(
+    /// Kinds of programs of a robot.
+    SoftwareKind {
+        /// It keeps the contract.
+        Agent = "AGENT",
+        /// It reads sensors and moves valves, on a computer.
+        Driver = "DRIVER",
+        /// It does so on a board.
+        Firmware = "FIRMWARE",
+    }
+);
+words!(
     /// Behaviour of a robot's chambers without a supervisor.
     OnSupervisorLoss {
         /// Keep the last setpoint.

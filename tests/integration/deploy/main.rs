@@ -6,6 +6,7 @@ mod advisories;
 mod circles;
 mod clocks;
 mod compose;
+mod debian;
 mod documents;
 mod guidance;
 mod invariants;

@@ -15,15 +15,9 @@ fn units() -> (TempDir, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();
     let unit = |(name, arguments)| {
         let text = std::fs::read_to_string(project().join(format!("deploy/systemd/{name}.service"))).unwrap();
-        let installed = format!("/usr/local/bin/{name} ");
-        assert!(text.contains(&format!("ExecStart={installed}{arguments}\n")));
-        let addition = folder.path().join(format!("{name}.service.d/raspberry-pi.conf"));
-        if let Ok(text) = std::fs::read_to_string(project().join(format!("deploy/systemd/{name}-pi.conf"))) {
-            std::fs::create_dir(addition.parent().unwrap()).unwrap();
-            std::fs::write(addition, text).unwrap();
-        }
+        assert!(text.contains(&format!("ExecStart={name} {arguments}\n")));
         let path = folder.path().join(format!("{name}.service"));
-        std::fs::write(&path, text.replace(&installed, &format!("{PROGRAM} "))).unwrap();
+        std::fs::write(&path, text.replace(&format!("={name} "), &format!("={PROGRAM} "))).unwrap();
         path.to_str().unwrap().to_owned()
     };
     let units = UNITS.into_iter().map(unit).collect();

@@ -41,6 +41,52 @@ async fn supervisor(broker: &Mosquitto, folder: &Path) -> (Process, SocketAddr) 
     (process, http)
 }
 
+/// Slide and gauge of a robot that knows nothing of whiskers; the gauge's message also has the distance of the wall, mm.
+const MAPPING: &str = r#"
+whiskers:
+  left-front/0:
+    strain: {topic: /gauges, type: std_msgs/msg/Float32MultiArray, field: "data[0]", scale: 0.001}
+    deflection: {topic: /joint_states, type: sensor_msgs/msg/JointState, field: "position[slide_0]"}
+    distance: {topic: /gauges, type: std_msgs/msg/Float32MultiArray, field: "data[1]", scale: 0.001}
+    pressure: {topic: /chamber, type: std_msgs/msg/Float64, field: data, scale: 100000, offset: 101325}
+"#;
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_robot_of_standard_messages_is_supervised_without_orders_to_its_air() {
+    let Some(stage) = Stage::make(8) else { return };
+    let (broker, folder) = (Mosquitto::start(), tempfile::tempdir().unwrap());
+    let (_supervisor, http) = supervisor(&broker, folder.path()).await;
+    std::fs::write(folder.path().join("mapping.yaml"), MAPPING).unwrap();
+    let mut command = stage.command();
+    command.extend(["--mapping".to_owned(), "mapping.yaml".to_owned()]);
+    let config = format!(
+        r#"
+        fleet = "f"
+        robot = "crawler"
+        air_control = "NONE"
+        [broker]
+        url = "mqtt://127.0.0.1:{}"
+        [driver]
+        command = {command:?}
+        [[arrays]]
+        array = "left-front"
+        type = "TYPE_2"
+        whiskers = [{{ whisker = 0, length_mm = 70.0, pressure_mpa = 0.08, pressure_max_mpa = 0.2, place = "DISTANCE" }}]
+        "#,
+        broker.port(),
+    );
+    let config = Config::from_toml_str(&config, folder.path()).unwrap();
+    let (stop, stopping) = watch::channel(false);
+    let agent = tokio::spawn(hub::run(config, stopping));
+    let _peer = stage.peer(&["presses"]);
+    until_true("contacts", async || get(http, WHISKER).await["contacts"].as_u64() > Some(2)).await;
+    let whisker = get(http, WHISKER).await;
+    assert_eq!(whisker["fault"], Value::Null, "{whisker}");
+    assert!(whisker["pressure_mpa"].as_f64().is_some_and(|mpa| (mpa - 0.08).abs() < 1e-6), "{whisker}");
+    stop.send(true).unwrap();
+    agent.await.unwrap().unwrap();
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_ros_robot_is_supervised() {
     let Some(stage) = Stage::make(3) else { return };

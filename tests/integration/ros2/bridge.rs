@@ -29,8 +29,9 @@ fn reported<'a>(line: &'a Value, component: &str, key: &str) -> Option<&'a str> 
 fn contacts_pressures_setpoints_and_reports_cross_the_bridge() {
     let Some(stage) = Stage::make(0) else { return };
     let mut bridge = stage.bridge(&["--pressures", "absolute"]);
-    bridge
-        .hear("hello", |line| (line == &json!({"type": "hello", "version": 1, "name": "vibrissa-ros2"})).then_some(()));
+    let hello =
+        json!({"type": "hello", "version": 1, "name": "vibrissa-ros2", "software_version": env!("CARGO_PKG_VERSION")});
+    bridge.hear("hello", |line| (*line == hello).then_some(()));
     bridge.say(HELLO);
     let peer = stage.peer(&[]);
     let contact = bridge.hear("contact", |line| is(line, "contact", 0).then(|| line.clone()));

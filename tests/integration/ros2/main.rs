@@ -4,4 +4,5 @@
 
 mod agent;
 mod bridge;
+mod mapping;
 mod stage;

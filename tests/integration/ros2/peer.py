@@ -3,7 +3,8 @@
 It simulates the chamber of whisker left-front/0, which follows its setpoints, touches something twice a second, reports
 a gauge, and does touch tests. It prints what it receives as lines of JSON: `peer.py NAMESPACE DOMAIN`. With a third
 argument `short` it only publishes a contact that ends too early, with `parameters` it reads the bridge's parameters,
-and with `lifecycle` it configures and activates the bridge.
+with `lifecycle` it configures and activates the bridge, with `sensors` it is a robot of standard messages, and with `presses`
+such a robot that presses its whisker against a wall every two seconds.
 """
 
 import json
@@ -30,8 +31,11 @@ from messages import (  # noqa: E402
     ChangeStateResponse,
     Contact,
     DiagnosticArray,
+    DiagnosticStatus,
     Estimate,
     Fault,
+    Float32MultiArray,
+    Float64,
     FluidPressure,
     GetParametersRequest,
     GetParametersResponse,
@@ -40,6 +44,10 @@ from messages import (  # noqa: E402
     GetStateRequest,
     GetStateResponse,
     Header,
+    JointState,
+    KeyValue,
+    MultiArrayDimension,
+    MultiArrayLayout,
     Result,
     SendGoalRequest,
     SendGoalResponse,
@@ -48,6 +56,9 @@ from messages import (  # noqa: E402
     Time,
     Transition,
     TransitionEvent,
+    Vector3,
+    Wrench,
+    WrenchStamped,
 )
 
 ATMOSPHERE_PA = 101_325.0
@@ -149,6 +160,45 @@ def change_states(participant, namespace):
         time.sleep(0.1)
 
 
+def publish_sensors(participant):
+    """A robot that knows nothing of whiskers: odd lengths of texts and lists shift what follows them."""
+    joints = writer(participant, "rt/joint_states", JointState, SENSOR_DATA)
+    gauges = writer(participant, "rt/gauges", Float32MultiArray, SENSOR_DATA)
+    wrenches = writer(participant, "rt/wrench", WrenchStamped, SENSOR_DATA)
+    chambers = writer(participant, "rt/chamber", Float64, SENSOR_DATA)
+    diagnostics = writer(participant, "rt/valves", DiagnosticArray, RELIABLE)
+    setpoints = reader(participant, "rt/valve_command", Float64, LATCHED)
+    layout = MultiArrayLayout([MultiArrayDimension("gauge", 3, 3)], 0)
+    while True:
+        joints.write(JointState(header(), ["wheel", "slide_0"], [9.0, 0.0021], [], [1.0]))
+        gauges.write(Float32MultiArray(layout, [0.0, 0.25, 0.5]))
+        wrenches.write(WrenchStamped(header(), Wrench(Vector3(1.0, 2.0, 3.0), Vector3(4.0, 5.0, 6.0))))
+        chambers.write(Float64(0.8))
+        values = [KeyValue("supply", "4.5"), KeyValue("level", "2")]
+        diagnostics.write(DiagnosticArray(header(), [DiagnosticStatus(1, "fan", "", "x", []), DiagnosticStatus(0, "valve", "ok", "", values)]))
+        for setpoint in setpoints.take(N=100):
+            show(setpoint=setpoint.data)
+        time.sleep(0.05)
+
+
+def press(participant):
+    joints = writer(participant, "rt/joint_states", JointState, SENSOR_DATA)
+    gauges = writer(participant, "rt/gauges", Float32MultiArray, SENSOR_DATA)
+    chambers = writer(participant, "rt/chamber", Float64, SENSOR_DATA)
+    begun = time.monotonic()
+    for step in range(100_000):
+        phase_s = step * 0.02 % 2.0
+        # The deflections differ: a gauge that is stuck gives the same numbers again.
+        deepest_mm = 1.5 + step // 100 % 7 * 0.1
+        way_mm = deepest_mm * (min(max((phase_s - 0.5) / 0.3, 0.0), 1.0) - min(max((phase_s - 1.2) / 0.3, 0.0), 1.0))
+        noise = 0.002 * math.sin(7.0 * step)
+        joints.write(JointState(header(), ["slide_0"], [(10.0 + way_mm) * 1e-3], [], []))
+        gauges.write(Float32MultiArray(MultiArrayLayout([], 0), [1.0 + 4.6 * way_mm + noise, 56.0]))
+        if step % 10 == 0:
+            chambers.write(Float64(0.8))
+        time.sleep(max(0.0, begun + (step + 1) * 0.02 - time.monotonic()))
+
+
 def main():
     namespace, domain = sys.argv[1], int(sys.argv[2])
     participant = DomainParticipant(domain)
@@ -158,6 +208,10 @@ def main():
         read_parameters(participant, namespace)
     if sys.argv[3:] == ["lifecycle"]:
         change_states(participant, namespace)
+    if sys.argv[3:] == ["sensors"]:
+        publish_sensors(participant)
+    if sys.argv[3:] == ["presses"]:
+        press(participant)
     whisker = f"rt{namespace}/left_front/whisker_0"
     contacts = writer(participant, f"rt{namespace}/contacts", Contact, SENSOR_DATA)
     faults = writer(participant, f"rt{namespace}/faults", Fault, RELIABLE)

@@ -15,7 +15,7 @@ use vibrissa_tests::python::environment_if_reachable;
 /// Time limit for a message.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// Tests that use a domain.
-const TESTS: u32 = 7;
+const TESTS: u32 = 9;
 /// Domains whose ports are below those that Linux gives to clients.
 const DOMAINS: u32 = 100;
 pub(crate) const NAMESPACE: &str = "/crawler";

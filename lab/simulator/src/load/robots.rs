@@ -106,6 +106,7 @@ impl Robot {
             touch_tests: Vec::new(),
             applies_gain: false,
             air_control: None,
+            software: Vec::new(),
         })
     }
 

@@ -112,6 +112,7 @@ pub(super) fn facts(config: &RobotConfig) -> Facts {
         touch_tests: config.behaviour.touch_tests.clone(),
         applies_gain: config.robot.applies_gain,
         air_control: config.behaviour.air_control,
+        software: Vec::new(),
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Each driver has its own silence, times, rates and counts, so that a faulty one costs only what it alone gives.
 
-use vibrissa_protocol::{Name, TouchTestOutcome};
+use vibrissa_protocol::{Name, SOFTWARE_MAX, Software, SoftwareKind, TouchTestOutcome};
 
 use super::chamber::Chamber;
 use super::lines::{ERRORS_PER_S, GREETINGS_PER_S};
@@ -10,8 +10,17 @@ use super::times::{Rate, Times};
 use super::{Agent, Output};
 use crate::config::{DriverConfig, DriverLimits, Limits};
 use crate::contract::{Moment, Now};
-use crate::driver::words::HelloWhisker;
+use crate::driver::words::{Hello, HelloWhisker};
 use crate::driver::{ToDriver, VERSION};
+
+/// Longest name or version in a factsheet, in characters.
+const FACTS_TEXT_MAX: usize = 64;
+
+/// A text of a driver as a factsheet may have it; `None` if nothing is left.
+fn text_of_factsheet(text: &str) -> Option<String> {
+    let text: String = text.chars().filter(|one| !one.is_control()).take(FACTS_TEXT_MAX).collect();
+    Some(text).filter(|text| !text.is_empty())
+}
 
 /// State of a driver.
 #[derive(Debug)]
@@ -39,6 +48,8 @@ pub(super) struct Driver {
     pub(super) contact_rate: Rate,
     pub(super) error_rate: Rate,
     pub(super) greeting_rate: Rate,
+    /// Its programs, as its last `hello` named them.
+    pub(super) software: Vec<Software>,
 }
 
 impl Driver {
@@ -62,6 +73,7 @@ impl Driver {
             contact_rate: Rate::new(limits.contacts_per_s, now.at),
             error_rate: Rate::new(ERRORS_PER_S, now.at),
             greeting_rate: Rate::new(GREETINGS_PER_S, now.at),
+            software: Vec::new(),
         }
     }
 
@@ -92,6 +104,25 @@ impl Agent {
     pub(super) fn driver_started(&mut self, from: usize, now: Now, out: &mut Vec<Output>) {
         self.drivers[from].start(now);
         self.greet(from, now, out);
+    }
+
+    /// Takes the versions that a driver tells, and tells them to supervisors and people if they are new.
+    pub(super) fn learn_software(&mut self, from: usize, hello: &Hello, now: Now, out: &mut Vec<Output>) {
+        let driver = &mut self.drivers[from];
+        let name = text_of_factsheet(&hello.name).unwrap_or_else(|| driver.label.clone());
+        let versions = [
+            (SoftwareKind::Driver, hello.software_version.as_deref()),
+            (SoftwareKind::Firmware, hello.firmware_version.as_deref()),
+        ];
+        let known = versions.into_iter().filter_map(|(kind, version)| Some((kind, text_of_factsheet(version?)?)));
+        driver.software = known.map(|(kind, version)| Software { kind, name: name.clone(), version }).collect();
+        let agent = self.facts.software.iter().filter(|one| one.kind == SoftwareKind::Agent);
+        let drivers = self.drivers.iter().flat_map(|driver| &driver.software);
+        let software: Vec<Software> = agent.chain(drivers).take(SOFTWARE_MAX).cloned().collect();
+        if software != self.facts.software {
+            self.facts.software = software;
+            self.tell_facts(now, out);
+        }
     }
 
     /// Greets a driver, and tells it all it needs.

@@ -112,6 +112,7 @@ impl Agent {
             return Err(BadLine::new(problem, "send hello once, when the driver starts"));
         }
         self.greet(from, now, out);
+        self.learn_software(from, hello, now, out);
         Ok(())
     }
 

@@ -31,8 +31,15 @@ impl Agent {
         if self.may_miss_a_boot(now) {
             return self.reboot(now, out);
         }
-        let factsheet = self.voice.factsheet(now.stamp_us, &self.facts);
-        self.publish(RobotTopic::Factsheet, encode(&factsheet), out);
+        self.tell_facts(now, out);
+    }
+
+    /// Sends the factsheet, if a broker is connected: each number is sent.
+    pub(super) fn tell_facts(&mut self, now: Now, out: &mut Vec<Output>) {
+        if self.connected {
+            let factsheet = self.voice.factsheet(now.stamp_us, &self.facts);
+            self.publish(RobotTopic::Factsheet, encode(&factsheet), out);
+        }
     }
 
     pub(super) fn status(&mut self, now: Now, out: &mut Vec<Output>) {

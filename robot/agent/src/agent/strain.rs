@@ -104,7 +104,7 @@ impl Agent {
         // From the stream's clock to the robot's.
         let begin_us = if stamp_us.is_some() { first_us } else { now.at.as_us() };
         let offset_us = t_us.cast_signed().saturating_sub(begin_us.cast_signed());
-        let is_whole = line.deflection_mm.is_some() || motion.from(now).is_none_or(|other| other == from);
+        let is_whole = line.deflection_mm.is_some() || motion.from(now).is_none();
         // What waits comes first.
         let mut samples = if is_whole { motion.flush() } else { Vec::new() };
         for (index, &strain) in strains.iter().enumerate() {

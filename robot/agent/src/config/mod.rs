@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use vibrissa_protocol::text_file::read_text;
-use vibrissa_protocol::{AirControl, Name, OnSupervisorLoss, plain};
+use vibrissa_protocol::{AirControl, Name, OnSupervisorLoss, Software, SoftwareKind, plain};
 use vibrissa_segmenter::Params;
 
 use crate::contract::Facts;
@@ -260,12 +260,19 @@ impl Config {
             touch_tests: file.touch_tests,
             applies_gain: file.applies_gain,
             air_control: file.air_control,
+            software: vec![agent_software()],
         };
         Ok(Self { fleet: file.fleet, robot: file.robot, facts, broker, limits, outbox_file, drivers, whiskers })
     }
 }
 
 /// A robot without air neither regulates nor changes the pressure when the supervisor is lost.
+/// This program, as the factsheet names it.
+fn agent_software() -> Software {
+    let (name, version) = (env!("CARGO_PKG_NAME").to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+    Software { kind: SoftwareKind::Agent, name, version }
+}
+
 fn check_air(air: Option<AirControl>, loss: OnSupervisorLoss, drivers: &[DriverConfig]) -> Result<(), BadConfig> {
     let regulates = drivers.iter().any(|driver| driver.limits.regulate);
     if air == Some(AirControl::None) && (loss != OnSupervisorLoss::Hold || regulates) {

@@ -2,7 +2,7 @@
 
 use vibrissa_protocol::{
     AirControl, ArrayFacts, BootId, Connection, ConnectionState, Contact, Contacts, Factsheet, MissedTouch,
-    OnSupervisorLoss, SetpointState, Status, TestState, Timestamp, TouchTestKind, WhiskerStatus,
+    OnSupervisorLoss, SetpointState, Software, Status, TestState, Timestamp, TouchTestKind, WhiskerStatus,
 };
 
 use super::commands::CommandAnswer;
@@ -23,6 +23,8 @@ pub struct Facts {
     pub applies_gain: bool,
     /// Ways in which the robot can change the pressure of its chambers.
     pub air_control: Option<AirControl>,
+    /// Programs of the robot that are known.
+    pub software: Vec<Software>,
 }
 
 /// Boot id of a robot, and the next `seq` of each topic in that boot.
@@ -122,6 +124,7 @@ impl Voice {
             touch_tests: facts.touch_tests.clone(),
             applies_gain: facts.applies_gain,
             air_control: facts.air_control,
+            software: facts.software.clone(),
         }
     }
 

@@ -35,9 +35,15 @@ pub enum FromDriver {
 pub struct Hello {
     /// Version of the interface.
     pub version: u32,
-    /// Name of the driver, for logs.
+    /// Name of the driver, for logs and for the factsheet.
     #[serde(default)]
     pub name: String,
+    /// Version of the driver's program on a computer.
+    #[serde(default)]
+    pub software_version: Option<String>,
+    /// Version of the program on the board.
+    #[serde(default)]
+    pub firmware_version: Option<String>,
 }
 
 /// The whisker and the time of a line.

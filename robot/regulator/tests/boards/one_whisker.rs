@@ -13,7 +13,7 @@ fn the_board_says_hello_and_reports_at_its_rates() {
             lines.iter().map(|(_, _, line)| line.as_str()).filter(|line| line.starts_with('{')).collect();
         assert_eq!(
             said[0],
-            "{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa_board\",\"firmware\":\"0.2.0\",\"whiskers\":1,\
+            "{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa_board\",\"firmware_version\":\"0.2.0\",\"whiskers\":1,\
              \"configuration\":\"DEFAULT\"}"
         );
         let of = |word: &str| said.iter().filter(|line| line.contains(&format!("\"type\":\"{word}\""))).count();

@@ -12,7 +12,12 @@ use crate::words::ToAgent;
 impl Bridge {
     /// The time of a message for the agent; `None` if the time of receipt counts.
     fn time(&mut self, now: Time, header: &Header, extra_us: i64) -> Option<u64> {
-        match judge(header.stamp, now, extra_us) {
+        self.time_of(now, header.stamp, extra_us)
+    }
+
+    /// The time that a stamp tells; `None` if the time of receipt counts.
+    pub(super) fn time_of(&mut self, now: Time, stamp: Time, extra_us: i64) -> Option<u64> {
+        match judge(stamp, now, extra_us) {
             Stamp::Good(t_us) => return Some(t_us),
             Stamp::Unset => self.counts.unstamped += 1,
             Stamp::Implausible => self.counts.misstamped += 1,

@@ -174,6 +174,8 @@ fn parameters_replace_options() {
         ("--ros-args -p robot:=[", "has no value"),
         ("--ros-args --params-file /nowhere.yaml", "--params-file /nowhere.yaml"),
         ("--pressures gauge --agent-token-file /nowhere", "cannot read /nowhere"),
+        ("--pressures gauge --mapping /nowhere.yaml", "the mapping /nowhere.yaml: "),
+        ("--pressures gauge --ros-args -p mapping:=/nowhere.yaml", "the mapping /nowhere.yaml: "),
     ];
     for (line, expected) in wrong {
         let problem = options(line).expect_err(line);

@@ -92,8 +92,9 @@ impl Channel {
                  the last will, with the boot_id of the same connection."
             }
             Self::Robot(RobotTopic::Factsheet) => {
-                "Retained. Arrays, whiskers and limits of the robot. Sent after each birth, and again on request. A \
-                 robot whose broker has no retained messages (Retain Available is 0) publishes without the retain flag."
+                "Retained. Arrays, whiskers and limits of the robot. Sent after each birth, on request, and when the \
+                 versions of its programs are known. A robot whose broker has no retained messages (Retain Available \
+                 is 0) publishes without the retain flag."
             }
             Self::Robot(RobotTopic::Contacts) => {
                 "Contacts in batches. The robot stores each message, up to a limit, until a receipt covers its seq, \

@@ -6,8 +6,8 @@ use super::Checked;
 use crate::check::{LENGTH_MM, PLACE_MM, PRESSURE_MPA, STRAIN_MAX};
 use crate::name::short_text;
 use crate::{
-    ARRAYS_MAX, AirControl, ArrayType, BootId, Name, OnSupervisorLoss, PlaceKind, Refusal, Task, Timestamp,
-    TouchTestKind, WHISKERS_MAX, check,
+    ARRAYS_MAX, AirControl, ArrayType, BootId, Name, OnSupervisorLoss, PlaceKind, Refusal, SOFTWARE_MAX, SoftwareKind,
+    Task, Timestamp, TouchTestKind, WHISKERS_MAX, check,
 };
 
 /// `factsheet`: arrays and whiskers of a robot.
@@ -42,6 +42,26 @@ pub struct Factsheet {
     /// Ways in which the robot can change the pressure of its chambers; `FILL_AND_VENT` if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub air_control: Option<AirControl>,
+    /// Programs of the robot that are known, for people; absent if none is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "crate::shape::objects")]
+    #[cfg_attr(feature = "documents", schemars(length(max = SOFTWARE_MAX)))]
+    pub software: Vec<Software>,
+}
+
+/// A program of a robot.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "documents", derive(schemars::JsonSchema))]
+pub struct Software {
+    /// Kind of the program.
+    pub kind: SoftwareKind,
+    /// Name of the program.
+    #[serde(deserialize_with = "short_text")]
+    #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::identifier_field"))]
+    pub name: String,
+    /// Version of the program.
+    #[serde(deserialize_with = "short_text")]
+    #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::identifier_field"))]
+    pub version: String,
 }
 
 /// One array of whiskers.
@@ -107,6 +127,7 @@ impl Checked for Factsheet {
         check::integer("seq", self.seq)?;
         check::count("touch_tests", self.touch_tests.len(), TouchTestKind::ALL.len())?;
         check::count("arrays", self.arrays.len(), ARRAYS_MAX)?;
+        check::count("software", self.software.len(), SOFTWARE_MAX)?;
         check::each("arrays", &self.arrays, ArrayFacts::check)?;
         let mut names = BTreeSet::new();
         for (index, array) in self.arrays.iter().enumerate() {

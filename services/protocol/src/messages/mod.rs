@@ -20,7 +20,7 @@ pub use contacts::{Contact, ContactPlace, Contacts, Distance, MissedTouch};
 #[cfg(feature = "documents")]
 pub(crate) use estimate::WITHIN_INTERVAL;
 pub use estimate::{Estimate, WhiskerEstimate};
-pub use factsheet::{ArrayFacts, Factsheet, WhiskerFacts};
+pub use factsheet::{ArrayFacts, Factsheet, Software, WhiskerFacts};
 pub use receipt::Receipt;
 pub use request::Request;
 pub use setpoint::{Setpoint, SetpointState};

@@ -3,7 +3,6 @@
 pub mod api;
 pub mod backup;
 pub mod bulk;
-pub mod completions;
 pub mod config;
 pub mod contract;
 pub mod decommission;
@@ -25,6 +24,7 @@ use std::io::stdout;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use vibrissa_program::completions;
 use vibrissa_program::options::{decimal, lenient};
 
 /// Exit code of a command that has worked, and whose answer is no.
@@ -107,7 +107,7 @@ impl Command {
             Self::Record(args) => record::run(&args).map(done),
             Self::Contract(args) => contract::run(&args, &mut stdout()).map(done),
             Self::Metrics => metrics::run(&mut stdout()).map(done),
-            Self::Completions(args) => completions::run(&args, program, &mut stdout()).map(done),
+            Self::Completions(args) => Ok(completions::run(&args, program, &mut stdout()).map(done)?),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Drivers that speak, are silent, flood, or leave.
 
-use vibrissa_protocol::{Estimate, Gauge, Regulator, WhiskerCondition, WhiskerEstimate};
+use vibrissa_protocol::{Estimate, Gauge, Regulator, SoftwareKind, WhiskerCondition, WhiskerEstimate};
 
 use super::*;
 
@@ -44,6 +44,33 @@ fn a_driver_is_greeted_with_all_it_needs() {
             r#"{"type":"estimate","array":"left","whisker":1,"length_mm":61.0,"length_low_mm":60.5,"length_high_mm":61.5,"condition":"TRIMMED","gain":[[0.5,0.9]]}"#,
         ]
     );
+}
+
+#[test]
+fn versions_of_agent_driver_and_firmware_reach_the_factsheet_once() {
+    let mut bench = Bench::running();
+    let factsheets = |bench: &mut Bench| -> Vec<Vec<(SoftwareKind, String, String)>> {
+        let (messages, _) = bench.take();
+        let sheets = messages.into_iter().filter_map(|message| {
+            let Message::Factsheet(sheet) = message else { return None };
+            Some(sheet.software)
+        });
+        sheets.map(|all| all.into_iter().map(|one| (one.kind, one.name, one.version)).collect()).collect()
+    };
+    let agent = (SoftwareKind::Agent, "vibrissa-robot".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+    bench.take();
+    let hello =
+        r#"{"type":"hello","version":1,"name":"gripper","software_version":"1.4.0","firmware_version":"7\u0007"}"#;
+    bench.line(hello);
+    let driver = (SoftwareKind::Driver, "gripper".to_owned(), "1.4.0".to_owned());
+    let firmware = (SoftwareKind::Firmware, "gripper".to_owned(), "7".to_owned());
+    assert_eq!(factsheets(&mut bench), [vec![agent.clone(), driver, firmware]]);
+    bench.line(hello);
+    assert_eq!(factsheets(&mut bench), Vec::<Vec<_>>::new(), "nothing new");
+    let long = "9".repeat(100);
+    bench.line(&format!(r#"{{"type":"hello","version":1,"name":"","firmware_version":"{long}"}}"#));
+    let firmware = (SoftwareKind::Firmware, "the driver".to_owned(), "9".repeat(64));
+    assert_eq!(factsheets(&mut bench), [vec![agent, firmware]]);
 }
 
 #[test]

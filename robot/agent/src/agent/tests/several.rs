@@ -99,9 +99,9 @@ fn a_flood_of_one_driver_leaves_the_rates_of_another_one() {
     assert!(bench.sent().iter().any(|contact| contact.whisker == 1));
 }
 
-/// Strain of the board and motion of the host for six seconds with one touch; `late_us` is how late the host's lines
+/// Strain of the board and motion of `host` for six seconds with one touch; `late_us` is how late the host's lines
 /// come.
-fn touch_of_two(bench: &mut Bench, late_us: u64, gap_blocks: std::ops::Range<u64>, value: &str) {
+fn touch_of_two(bench: &mut Bench, host: usize, late_us: u64, gap_blocks: std::ops::Range<u64>, value: &str) {
     let begin_us = bench.now_us;
     let way_mm = |s: f64| ((s - 3.0) / 0.2).clamp(0.0, 1.0) * 2.0 - ((s - 4.0) / 0.2).clamp(0.0, 1.0) * 2.0;
     let motion = |block: u64| {
@@ -133,7 +133,7 @@ fn touch_of_two(bench: &mut Bench, late_us: u64, gap_blocks: std::ops::Range<u64
         bench.press(BOARD, 0);
         let heard = (block * 100_000).checked_sub(late_us).map(|us| us / 100_000);
         if let Some(heard) = heard.filter(|heard| !gap_blocks.contains(heard)) {
-            bench.say(HOST, &motion(heard));
+            bench.say(host, &motion(heard));
         }
     }
 }
@@ -144,7 +144,7 @@ fn regress_strain_of_a_board_and_motion_of_a_host_become_one_contact() {
         for (place, value) in [(PlaceKind::Distance, r#""distance_mm":52.5"#), (PlaceKind::Ratio, r#""ratio":0.75"#)] {
             let mut bench = bench(BOARD_AND_HOST, place);
             let begin_us = bench.now_us;
-            touch_of_two(&mut bench, late_us, 0..0, value);
+            touch_of_two(&mut bench, HOST, late_us, 0..0, value);
             let sent = bench.sent();
             assert_eq!(sent.len(), 1, "{late_us} {place}: {:?} {:?}", bench.to_driver, bench.to_others);
             let contact = &sent[0];
@@ -158,10 +158,19 @@ fn regress_strain_of_a_board_and_motion_of_a_host_become_one_contact() {
 }
 
 #[test]
+fn strain_and_motion_in_lines_of_one_driver_become_one_contact_too() {
+    let mut bench = bench(BOARD_AND_HOST, PlaceKind::Distance);
+    touch_of_two(&mut bench, BOARD, 300_000, 0..0, r#""distance_mm":52.5"#);
+    let sent = bench.sent();
+    assert_eq!(sent.len(), 1, "{:?}", bench.to_driver);
+    assert!((sent[0].deflection_mm - 2.0).abs() < 0.15 && sent[0].distance_mm == Some(52.5), "{:?}", sent[0]);
+}
+
+#[test]
 fn without_the_motion_of_its_time_no_contact_is_sent() {
     let mut bench = bench(BOARD_AND_HOST, PlaceKind::Distance);
     // The motion stops before the touch.
-    touch_of_two(&mut bench, 0, 25..75, r#""distance_mm":52.5"#);
+    touch_of_two(&mut bench, HOST, 0, 25..75, r#""distance_mm":52.5"#);
     assert_eq!(bench.sent(), []);
     assert_eq!(bench.agent.counts().contacts, 0);
 }

@@ -106,7 +106,7 @@ static void take_line(const char *line) {
 }
 
 static void put_hello() {
-    put(PSTR("{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa_board\",\"firmware\":\"" VIBRISSA_VERSION
+    put(PSTR("{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa_board\",\"firmware_version\":\"" VIBRISSA_VERSION
              "\",\"whiskers\":"));
     put_number(count_whiskers());
     put(PSTR(",\"configuration\":\""));

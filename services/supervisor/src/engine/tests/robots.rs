@@ -91,6 +91,7 @@ fn births_make_nothing_known_and_a_factsheet_without_its_birth_neither() {
             touch_tests: Vec::new(),
             applies_gain: false,
             air_control: Default::default(),
+            software: Vec::new(),
         };
         raw_message(robot, RobotTopic::Factsheet, protocol::encode(&facts))
     };

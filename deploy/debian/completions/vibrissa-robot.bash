@@ -1,0 +1,2 @@
+# Asks the program at the first completion, so that it always fits.
+eval "$(vibrissa-robot completions bash)"

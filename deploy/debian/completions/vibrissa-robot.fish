@@ -1,0 +1,1 @@
+vibrissa-robot completions fish | source

@@ -1,0 +1,1 @@
+vibrissa completions fish | source

@@ -1,0 +1,177 @@
+//! Messages of mapped topics as lines for the agent.
+
+use std::sync::Arc;
+
+use ros2_client::builtin_interfaces::Time;
+
+use super::{Bridge, Output};
+use crate::lifecycle::Activity;
+use crate::lines::{span_us, strain_line};
+use crate::mapping::{MappedTopic, Mapping, Quantity, Use, Value};
+use crate::messages::{Header, Strain};
+use crate::words::ToAgent;
+
+/// Time without a message after which a topic is reported as silent, seconds.
+const TOPIC_SILENT_S: f64 = 10.0;
+/// Interval of readings that are constant, seconds.
+const CONSTANT_EVERY_S: f64 = 1.0;
+/// Lowest level of diagnostics that is a fault: ERROR.
+const FAULT_LEVEL: f64 = 2.0;
+
+/// The mapped topics of a robot whose whiskers are known.
+#[derive(Debug)]
+pub(super) struct Mapped {
+    pub(super) mapping: Arc<Mapping>,
+    /// When each topic was last heard, and whether its silence was logged.
+    heard: Vec<(f64, bool)>,
+    /// Deflection and distance of each whisker, m.
+    motions: Vec<[Option<f64>; 2]>,
+    constants_at_s: f64,
+}
+
+impl Mapped {
+    pub(super) fn new(mapping: Mapping, whiskers: usize, now_s: f64) -> Self {
+        let heard = vec![(now_s, false); mapping.topics.len()];
+        let motions = vec![[None; 2]; whiskers];
+        Self { mapping: Arc::new(mapping), heard, motions, constants_at_s: f64::NEG_INFINITY }
+    }
+
+    fn silence(topic: &MappedTopic, age_s: f64) -> String {
+        let MappedTopic { topic, kind, .. } = topic;
+        format!("no message for {age_s:.0} s from {topic} ({kind}): is it published, with this type?")
+    }
+
+    /// Topics that are silent.
+    pub(super) fn silent(&self, now_s: f64) -> Vec<String> {
+        let topics = self.mapping.topics.iter().zip(&self.heard);
+        let silent = topics.filter(|(_, (at_s, _))| now_s - at_s >= TOPIC_SILENT_S);
+        silent.map(|(topic, (at_s, _))| Self::silence(topic, now_s - at_s)).collect()
+    }
+
+    /// Topics that have become silent since the last call.
+    fn newly_silent(&mut self, now_s: f64) -> Vec<String> {
+        let mut newly = Vec::new();
+        for (topic, (at_s, is_logged)) in self.mapping.topics.iter().zip(&mut self.heard) {
+            if now_s - *at_s >= TOPIC_SILENT_S && !std::mem::replace(is_logged, true) {
+                newly.push(Self::silence(topic, now_s - *at_s));
+            }
+        }
+        newly
+    }
+}
+
+impl Bridge {
+    /// Takes a message of the mapped topic with this index.
+    pub(super) fn mapped_message(
+        &mut self,
+        now_s: f64,
+        now: Time,
+        index: usize,
+        message: Result<Value, String>,
+    ) -> Result<Vec<Output>, String> {
+        let Some(mapped) = &mut self.mapped else { return Err("a message of a topic that is not mapped".to_owned()) };
+        let mapping = Arc::clone(&mapped.mapping);
+        let topic = mapping.topics.get(index).ok_or("a message of a topic that is not mapped")?;
+        mapped.heard[index] = (now_s, false);
+        let message = message.map_err(|problem| {
+            format!("an unreadable message of {}: {problem}; is its type {}?", topic.topic, topic.kind)
+        })?;
+        self.counts.mapped += 1;
+        let stamp = topic.stamp_of(&message);
+        let mut outputs = Vec::new();
+        for one in &topic.uses {
+            match self.use_value(now_s, now, stamp, one, &message) {
+                Ok(line) => outputs.extend(line.map(Output::Line)),
+                Err(problem) => outputs.push(self.refuse(format!("{}: {problem}", topic.topic))),
+            }
+        }
+        Ok(outputs)
+    }
+
+    fn use_value(
+        &mut self,
+        now_s: f64,
+        now: Time,
+        stamp: Option<Time>,
+        one: &Use,
+        message: &Value,
+    ) -> Result<Option<ToAgent>, String> {
+        let (Some(index), Some(mapped)) = (one.index, &mut self.mapped) else { return Ok(None) };
+        let values = one.number.of(message)?;
+        let first = values.first().copied().ok_or_else(|| format!("{}: the list is empty", one.number.path))?;
+        match &one.quantity {
+            Quantity::Strain { second, every_us } => {
+                let strain_2 = second.as_ref().map_or(Ok(Vec::new()), |second| second.of(message))?;
+                let header = Header { stamp: stamp.unwrap_or(Time::ZERO), frame_id: String::new() };
+                let samples = Strain {
+                    header,
+                    strain: values,
+                    strain_2,
+                    every_us: every_us.unwrap_or_default(),
+                    deflection_m: Vec::new(),
+                    distance_m: Vec::new(),
+                    test_id: String::new(),
+                };
+                let named = self.whiskers[index].named().clone();
+                let span_us = i64::from(span_us(&self.whiskers[index].name(), &samples)?);
+                let t_us = stamp.and_then(|stamp| self.time_of(now, stamp, span_us));
+                // The last sample has been taken now.
+                let begun_us = u64::try_from(now.to_nanos() / 1000 - span_us).unwrap_or_default();
+                let line = strain_line(&named, samples, t_us.unwrap_or(begun_us))?;
+                self.counts.strains += 1;
+                Ok(Some(ToAgent::Strain(line)))
+            }
+            Quantity::Deflection | Quantity::Distance => {
+                let motion = &mut mapped.motions[index];
+                let is_deflection = one.quantity == Quantity::Deflection;
+                motion[usize::from(!is_deflection)] = Some(first);
+                let [deflection, distance] = *motion;
+                // A line has both values. It goes with the deflection, if there is one.
+                if !is_deflection && deflection.is_some() {
+                    return Ok(None);
+                }
+                let t_us = stamp.and_then(|stamp| self.time_of(now, stamp, 0));
+                let named = self.whiskers[index].named();
+                let (array, whisker) = (named.array.clone(), named.whisker);
+                let [deflection_mm, distance_mm] =
+                    [deflection, distance].map(|metres| metres.map(|metres| metres * 1e3));
+                Ok(Some(ToAgent::Motion { array, whisker, t_us, deflection_mm, distance_mm }))
+            }
+            Quantity::Pressure => {
+                let t_us = stamp.and_then(|stamp| self.time_of(now, stamp, 0));
+                let pressure_mpa = self.settings.pressures.gauge_mpa(first)?;
+                self.counts.pressures += 1;
+                Ok(self.whiskers[index].read(now_s, t_us, pressure_mpa))
+            }
+            Quantity::Regulator => {
+                let regulator = if first < FAULT_LEVEL { "OK" } else { "FAULT" };
+                let whisker = &mut self.whiskers[index];
+                Ok((whisker.regulator() != Some(regulator)).then(|| whisker.report([None, Some(regulator)])))
+            }
+        }
+    }
+
+    /// Constant readings that are due, and topics that have become silent.
+    pub(super) fn mapped_tick(&mut self, now_s: f64) -> Vec<Output> {
+        let Some(mapped) = &mut self.mapped else { return Vec::new() };
+        if self.activity == Activity::Idle {
+            // Nobody listens.
+            mapped.heard.iter_mut().for_each(|heard| *heard = (now_s, false));
+            return Vec::new();
+        }
+        let mut outputs: Vec<Output> = mapped.newly_silent(now_s).into_iter().map(Output::Log).collect();
+        if now_s - mapped.constants_at_s < CONSTANT_EVERY_S {
+            return outputs;
+        }
+        mapped.constants_at_s = now_s;
+        let mapping = Arc::clone(&mapped.mapping);
+        for constant in &mapping.constants {
+            let Some(index) = constant.index else { continue };
+            match self.settings.pressures.gauge_mpa(constant.pa) {
+                Ok(mpa) => outputs.extend(self.whiskers[index].read(now_s, None, mpa).map(Output::Line)),
+                Err(problem) => outputs.push(self.refuse(format!("{}: {problem}", self.whiskers[index].name()))),
+            }
+        }
+        outputs
+    }
+}
