@@ -165,6 +165,7 @@ fn property_no_stream_of_odd_numbers_panics() {
                 pressure_mpa: Some(number()),
                 setpoint_mpa: Some(number()),
                 driving: Some(number() > 0.0),
+                saturated: number() > 0.5,
             };
             segmenter.push(sample);
         }
