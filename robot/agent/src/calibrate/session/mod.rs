@@ -1,5 +1,8 @@
 //! The links to the drivers during a calibration: as the agent talks to them, with all chambers empty.
 
+mod end;
+mod lines;
+
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::time::Duration;
@@ -16,8 +19,8 @@ use vibrissa_protocol::Name;
 use super::measure::Sample;
 use crate::config::{Config, DriverConfig};
 use crate::driver::link::{Door, Link};
-use crate::driver::words::{HelloWhisker, Origin, Samples};
-use crate::driver::{FromDriver, Lines, Opening, ToDriver, VERSION};
+use crate::driver::words::HelloWhisker;
+use crate::driver::{Lines, Opening, ToDriver, VERSION};
 
 /// Time limit for a driver to be reached, and for a line to be written.
 const REACH: Duration = Duration::from_secs(15);
@@ -26,18 +29,15 @@ const WRITE: Duration = Duration::from_secs(2);
 const LINES_MAX: usize = 1024;
 /// Longest pulse of the interface, ms.
 const PULSE_MAX_MS: f64 = 1000.0;
-/// Longest time for all chambers to be empty at the end, and the pressure that counts as empty.
-const VENT: Duration = Duration::from_secs(15);
-const EMPTY_MPA: f64 = 0.003;
 /// Slew of a change of pressure, MPa/s.
 const SLEW_MPA_PER_S: f64 = 0.05;
 
 /// A whisker: array and number.
-pub(super) type Place = (Name, u16);
+pub(in crate::calibrate) type Place = (Name, u16);
 
 /// Why a calibration ends early.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum Ended {
+pub(in crate::calibrate) enum Ended {
     #[error("{0} has gone")]
     Gone(String),
     #[error("no answer comes any more")]
@@ -48,12 +48,12 @@ pub(super) enum Ended {
 
 /// Lines of the drivers about the present whisker since the last question.
 #[derive(Debug, Default)]
-pub(super) struct Seen {
-    pub(super) strains: Vec<Sample>,
+pub(in crate::calibrate) struct Seen {
+    pub(in crate::calibrate) strains: Vec<Sample>,
     /// Time of receipt and reading of the sensor.
-    pub(super) pressures: Vec<(f64, f64)>,
+    pub(in crate::calibrate) pressures: Vec<(f64, f64)>,
     /// The newest way of the base.
-    pub(super) deflection_mm: Option<f64>,
+    pub(in crate::calibrate) deflection_mm: Option<f64>,
 }
 
 enum Heard {
@@ -79,7 +79,7 @@ enum Air {
 }
 
 /// Open links to all drivers.
-pub(super) struct Session<'a> {
+pub(in crate::calibrate) struct Session<'a> {
     ends: Vec<End>,
     heard: mpsc::Receiver<Heard>,
     answers: &'a mut mpsc::Receiver<String>,
@@ -102,7 +102,7 @@ pub(super) struct Session<'a> {
 }
 
 /// Tells the person at the terminal.
-pub(super) fn say(text: &str) {
+pub(in crate::calibrate) fn say(text: &str) {
     // Without a terminal the calibration goes on to its end, which closes the valves.
     let _ = writeln!(std::io::stdout(), "{text}").and_then(|()| std::io::stdout().flush());
 }
@@ -112,7 +112,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// One cannot be reached.
-    pub(super) async fn open(
+    pub(in crate::calibrate) async fn open(
         config: &Config,
         answers: &'a mut mpsc::Receiver<String>,
         signals: &'a mut StopSignals,
@@ -172,7 +172,7 @@ impl<'a> Session<'a> {
     }
 
     /// Turns to a whisker. All other chambers stay empty.
-    pub(super) fn turn_to(&mut self, place: &Place) {
+    pub(in crate::calibrate) fn turn_to(&mut self, place: &Place) {
         (self.present, self.air) = (Some(place.clone()), Air::Held(0.0));
         self.ceiling_mpa = f64::INFINITY;
         self.clear();
@@ -181,43 +181,43 @@ impl<'a> Session<'a> {
     }
 
     /// The lines about the present whisker.
-    pub(super) fn seen(&self) -> &Seen {
+    pub(in crate::calibrate) fn seen(&self) -> &Seen {
         &self.seen
     }
 
     /// Forgets the samples, but not the place of the base.
-    pub(super) fn clear(&mut self) {
+    pub(in crate::calibrate) fn clear(&mut self) {
         (self.seen.strains, self.seen.pressures) = (Vec::new(), Vec::new());
     }
 
     /// Seconds since the begin, as in [`Seen`].
-    pub(super) fn now_s(&self) -> f64 {
+    pub(in crate::calibrate) fn now_s(&self) -> f64 {
         self.began.elapsed().as_secs_f64()
     }
 
     /// Vents the present chamber as soon as its sensor reads more than this.
-    pub(super) fn guard(&mut self, ceiling_mpa: f64) {
+    pub(in crate::calibrate) fn guard(&mut self, ceiling_mpa: f64) {
         (self.ceiling_mpa, self.exceeded) = (ceiling_mpa, false);
     }
 
     /// Whether it was vented for that.
-    pub(super) fn has_exceeded(&self) -> bool {
+    pub(in crate::calibrate) fn has_exceeded(&self) -> bool {
         self.exceeded
     }
 
     /// The sensor of the present chamber reads this when it is empty.
-    pub(super) fn set_zero(&mut self, mpa: f64) {
+    pub(in crate::calibrate) fn set_zero(&mut self, mpa: f64) {
         self.zeros.extend(self.present.clone().map(|place| (place, mpa)));
     }
 
     /// Lets the driver hold this pressure, as its sensor reads it.
-    pub(super) async fn hold(&mut self, mpa: f64) {
+    pub(in crate::calibrate) async fn hold(&mut self, mpa: f64) {
         self.air = Air::Held(mpa);
         self.repeat().await;
     }
 
     /// Opens a valve of the present chamber for a pulse.
-    pub(super) async fn pulse(&mut self, open: Opening, for_ms: f64) {
+    pub(in crate::calibrate) async fn pulse(&mut self, open: Opening, for_ms: f64) {
         let for_ms = for_ms.min(PULSE_MAX_MS);
         self.air = Air::Pulsed(Instant::now() + Duration::from_secs_f64(for_ms / 1000.0));
         if let Some((array, whisker)) = self.present.clone() {
@@ -226,7 +226,7 @@ impl<'a> Session<'a> {
     }
 
     /// Asks the person, and waits for a line.
-    pub(super) async fn ask(&mut self, question: &str) -> Result<String, Ended> {
+    pub(in crate::calibrate) async fn ask(&mut self, question: &str) -> Result<String, Ended> {
         say(question);
         loop {
             if let Some(answer) = self.next(None).await? {
@@ -236,7 +236,11 @@ impl<'a> Session<'a> {
     }
 
     /// Listens for so long, or until something is seen; whether it was.
-    pub(super) async fn wait(&mut self, seconds: f64, mut done: impl FnMut(&Seen) -> bool) -> Result<bool, Ended> {
+    pub(in crate::calibrate) async fn wait(
+        &mut self,
+        seconds: f64,
+        mut done: impl FnMut(&Seen) -> bool,
+    ) -> Result<bool, Ended> {
         let until = Instant::now() + Duration::from_secs_f64(seconds);
         loop {
             if done(&self.seen) {
@@ -317,115 +321,6 @@ impl<'a> Session<'a> {
         // The end of its output tells that it has gone.
         if *is_there && !matches!(timeout(WRITE, write).await, Ok(Ok(()))) {
             tracing::debug!("{} reads nothing", self.ends[end].config.label);
-        }
-    }
-
-    async fn take(&mut self, end: usize, line: &[u8]) {
-        // A wrong line is the agent's to tell.
-        let Ok(word) = FromDriver::read(line) else { return };
-        let t_s = self.now_s();
-        match word {
-            FromDriver::Hello(_) => self.greet(end).await,
-            FromDriver::Strain(line) if self.is_present(end, &line.origin()) => {
-                let strains = line.strain.as_slice();
-                let ways = line.deflection_mm.as_ref().map(Samples::as_slice);
-                let every_s = line.every_us.unwrap_or(0) as f64 / 1e6;
-                for (at, &strain) in strains.iter().enumerate().filter(|(_, strain)| strain.is_finite()) {
-                    let way_mm = ways.and_then(|ways| ways.get(at).or(ways.last()).copied());
-                    self.seen.deflection_mm = way_mm.or(self.seen.deflection_mm);
-                    let before_s = (strains.len() - 1 - at) as f64 * every_s;
-                    let deflection_mm = self.seen.deflection_mm;
-                    self.seen.strains.push(Sample { t_s: t_s - before_s, strain, deflection_mm });
-                }
-            }
-            FromDriver::Motion(line) if self.is_present(end, &line.origin()) => {
-                let newest = line.deflection_mm.as_ref().and_then(|ways| ways.as_slice().last().copied());
-                self.seen.deflection_mm = newest.or(self.seen.deflection_mm);
-            }
-            FromDriver::Pressure(line) => {
-                let origin = line.origin();
-                if let Some(place) = self.place_of(end, &origin) {
-                    self.newest.insert(place, line.pressure_mpa);
-                }
-                if self.is_present(end, &origin) {
-                    self.seen.pressures.push((t_s, line.pressure_mpa));
-                    self.keep_below(line.pressure_mpa).await;
-                }
-            }
-            FromDriver::Strain(_)
-            | FromDriver::Motion(_)
-            | FromDriver::Contact(_)
-            | FromDriver::Fault(_)
-            | FromDriver::TestState(_)
-            | FromDriver::Driving(_) => {}
-        }
-    }
-
-    async fn keep_below(&mut self, mpa: f64) {
-        if mpa <= self.ceiling_mpa {
-            return;
-        }
-        self.exceeded = true;
-        self.hold(0.0).await;
-        self.pulse(Opening::Close, 0.0).await;
-        self.pulse(Opening::Vent, PULSE_MAX_MS).await;
-    }
-
-    fn place_of(&self, end: usize, origin: &Origin) -> Option<Place> {
-        let serves = &self.ends[end].config.whiskers;
-        serves
-            .iter()
-            .find(|(array, number)| {
-                *number == origin.whisker && origin.array.as_ref().is_none_or(|named| named == array)
-            })
-            .cloned()
-    }
-
-    fn is_present(&self, end: usize, origin: &Origin) -> bool {
-        self.present.is_some() && self.place_of(end, origin) == self.present
-    }
-
-    /// Empties all chambers, closes all valves, and ends the links; whether all chambers are known to be empty.
-    pub(super) async fn close(mut self) -> bool {
-        let until = Instant::now() + VENT;
-        let (mut is_empty, mut pulse_at) = (false, Instant::now());
-        (self.present, self.air) = (None, Air::Held(0.0));
-        self.newest.clear();
-        self.repeat().await;
-        while !is_empty && Instant::now() < until && self.ends.iter().any(|end| end.is_there) {
-            if Instant::now() >= pulse_at {
-                // Only drivers without a regulator need pulses: for others `set_pressure` is enough.
-                self.tell_valves(Opening::Vent, PULSE_MAX_MS, true).await;
-                pulse_at = Instant::now() + Duration::from_millis(500);
-            }
-            if let Ok(Some(heard)) = timeout_at(pulse_at, self.heard.recv()).await {
-                match heard {
-                    Heard::Line(end, line) => self.take(end, &line).await,
-                    Heard::Gone(end) => self.ends[end].is_there = false,
-                }
-            }
-            if Instant::now() >= self.repeat_at {
-                self.repeat().await;
-            }
-            let zero_mpa = |place| self.zeros.get(place).copied().unwrap_or(0.0);
-            let is_at_zero = |place| self.newest.get(place).is_some_and(|mpa| *mpa - zero_mpa(place) <= EMPTY_MPA);
-            is_empty = self.whiskers.keys().all(is_at_zero);
-        }
-        self.tell_valves(Opening::Close, 0.0, false).await;
-        for End { writer, child, .. } in self.ends {
-            Link { reader: Box::new(tokio::io::empty()), writer, child }.close().await;
-        }
-        is_empty
-    }
-
-    async fn tell_valves(&mut self, open: Opening, for_ms: f64, only_without_regulator: bool) {
-        for end in 0..self.ends.len() {
-            if only_without_regulator && !self.ends[end].config.limits.regulate {
-                continue;
-            }
-            for (array, whisker) in self.ends[end].config.whiskers.clone() {
-                self.tell(end, &ToDriver::Valve { array, whisker, open, for_ms }).await;
-            }
         }
     }
 }
