@@ -27,8 +27,9 @@ long whole(Part value, long most);
 // A whole object: of a line that lost its end, the last number may be another one.
 bool is_whole(const char *line);
 
-// Lines wait here, as a full serial buffer would hold up the valves. A line of 14 samples with the ways of a slide fits,
-// and on a board with more memory those of six whiskers. Lines that nobody waits for leave room for such a line.
+// Lines wait here, as a full serial buffer would hold up the valves. A line of 14 samples with the ways of a slide
+// fits. A board with more memory has room for those of six whiskers. Lines of the configuration leave room for such a
+// line.
 #if RAMEND > 0x1000
 static const uint16_t OUT_SIZE = 2048, SPARE_ROOM = 700;
 #else
