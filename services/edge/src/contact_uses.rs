@@ -10,6 +10,9 @@ pub const fn remedy(used: ContactUse) -> Option<&'static str> {
         ContactUse::Unsettled => {
             "Nothing to do while a pressure changes. If it lasts, check the regulator, and that at_setpoint is sent."
         }
+        ContactUse::Late => {
+            "Nothing to do after an interruption. If it lasts, check the robot's clock and its way to the broker."
+        }
         ContactUse::TooWeak => {
             "Touch with more deflection. If it lasts, check the gain of the gauge's amplifier, and that the strain is in m/m \
              and not in microstrain or volts."

@@ -74,7 +74,7 @@ export const ALARM_STATES = {
 };
 
 export const APPROVALS = {
-  AUTOMATIC: ["started without approval", "info", "circle"],
+  AUTOMATIC: ["automatic", "info", "circle"],
   PROPOSED: ["waiting for approval", "warn", "diamond"],
   APPROVED: ["approved", "good", "tick"],
   REFUSED: ["refused", "off", "ring"],

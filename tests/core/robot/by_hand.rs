@@ -108,6 +108,11 @@ impl ByHand {
 
     /// A contacts message, each contact with (contact ratio, deflection in mm, strain) and how far its time is ahead.
     pub(crate) fn touched(&mut self, contacts: &[((f64, f64, f64), i64)]) -> Outcome {
+        self.touched_at(0.1, contacts)
+    }
+
+    /// The same at a pressure of the chamber.
+    pub(crate) fn touched_at(&mut self, pressure_mpa: f64, contacts: &[((f64, f64, f64), i64)]) -> Outcome {
         let contact = |&((ratio, deflection_mm, strain), ahead_us): &((f64, f64, f64), i64)| Contact {
             array: ARRAY,
             whisker: 0,
@@ -115,7 +120,7 @@ impl ByHand {
             place: ContactPlace::Ratio { ratio: ContactRatio::new(ratio).unwrap(), sd: None },
             deflection: Millimetre::new(deflection_mm).unwrap(),
             strain: Strain::new(strain).unwrap(),
-            pressure: Megapascal::known(0.1),
+            pressure: Megapascal::known(pressure_mpa),
             is_test: false,
             saturated: self.saturated,
             temperature_c: None,

@@ -11,6 +11,7 @@ const ROBOT_7: &[u8] = include_bytes!("../../data/formats/robot-7.bin");
 const ROBOT_8: &[u8] = include_bytes!("../../data/formats/robot-8.bin");
 const ROBOT_9: &[u8] = include_bytes!("../../data/formats/robot-9.bin");
 const ROBOT_10: &[u8] = include_bytes!("../../data/formats/robot-10.bin");
+const ROBOT_11: &[u8] = include_bytes!("../../data/formats/robot-11.bin");
 const WHISKERS_5: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-5-0.bin"),
     include_bytes!("../../data/formats/whisker-5-1.bin"),
@@ -56,6 +57,11 @@ const WHISKERS_14: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-14-1.bin"),
     include_bytes!("../../data/formats/whisker-14-2.bin"),
 ];
+const WHISKERS_15: [&[u8]; 3] = [
+    include_bytes!("../../data/formats/whisker-15-0.bin"),
+    include_bytes!("../../data/formats/whisker-15-1.bin"),
+    include_bytes!("../../data/formats/whisker-15-2.bin"),
+];
 const WHISKERS_6: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-6-0.bin"),
     include_bytes!("../../data/formats/whisker-6-1.bin"),
@@ -67,12 +73,12 @@ fn restored(whiskers: [&[u8]; 3]) -> Result<Robot, RestoreError> {
 }
 
 #[test]
-fn golden_whiskers_of_older_versions_are_read_and_become_version_14() {
+fn golden_whiskers_of_older_versions_are_read_and_become_version_15() {
     let robot = restored(WHISKERS_5).unwrap();
     if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        for index in 0..WHISKERS_14.len() {
+        for index in 0..WHISKERS_15.len() {
             let bytes = robot.whisker_to_bytes(index).unwrap();
-            std::fs::write(format!("../data/formats/whisker-14-{index}.bin"), bytes).unwrap();
+            std::fs::write(format!("../data/formats/whisker-15-{index}.bin"), bytes).unwrap();
         }
     }
     for older in [
@@ -85,11 +91,12 @@ fn golden_whiskers_of_older_versions_are_read_and_become_version_14() {
         WHISKERS_12,
         WHISKERS_13,
         WHISKERS_14,
+        WHISKERS_15,
     ] {
         assert_eq!(robot, restored(older).unwrap());
     }
-    assert_eq!(robot.to_bytes().unwrap(), ROBOT_10);
-    for (index, bytes) in WHISKERS_14.into_iter().enumerate() {
+    assert_eq!(robot.to_bytes().unwrap(), ROBOT_11);
+    for (index, bytes) in WHISKERS_15.into_iter().enumerate() {
         assert_eq!(robot.whisker_to_bytes(index).unwrap(), bytes, "whisker {index}");
     }
     // A trimmed whisker in the middle of its compensation.
@@ -98,15 +105,15 @@ fn golden_whiskers_of_older_versions_are_read_and_become_version_14() {
 }
 
 #[test]
-fn golden_robots_of_older_versions_become_version_10() {
+fn golden_robots_of_older_versions_become_version_11() {
     let robot = restored(WHISKERS_6).unwrap();
     let bytes = robot.to_bytes().unwrap();
     if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        std::fs::write("../data/formats/robot-10.bin", &bytes).unwrap();
+        std::fs::write("../data/formats/robot-11.bin", &bytes).unwrap();
     }
-    assert_eq!((ROBOT_5[0], bytes[0]), (5, 10));
-    assert_eq!(bytes, ROBOT_10);
-    for head in [ROBOT_6, ROBOT_7, ROBOT_8, ROBOT_9, ROBOT_10] {
+    assert_eq!((ROBOT_5[0], bytes[0]), (5, 11));
+    assert_eq!(bytes, ROBOT_11);
+    for head in [ROBOT_6, ROBOT_7, ROBOT_8, ROBOT_9, ROBOT_10, ROBOT_11] {
         assert_eq!(Robot::restore(head, &WHISKERS_6.map(<[u8]>::to_vec)).unwrap(), robot);
     }
 }
@@ -114,13 +121,13 @@ fn golden_robots_of_older_versions_become_version_10() {
 #[test]
 fn regress_bytes_of_a_later_version_are_told_from_damaged_ones() {
     let of_whisker = |by: u8| {
-        let mut later = WHISKERS_14[0].to_vec();
+        let mut later = WHISKERS_15[0].to_vec();
         later[0] += by;
-        restored([&later, WHISKERS_14[1], WHISKERS_14[2]]).err()
+        restored([&later, WHISKERS_15[1], WHISKERS_15[2]]).err()
     };
     assert_eq!([of_whisker(1), of_whisker(100)], [Some(RestoreError::Newer); 2]);
     assert_eq!(of_whisker(101), Some(RestoreError::Whisker(0)), "no program had so many versions");
     let of_head = |version: u8| Robot::restore(&[&[version, 0], &ROBOT_9[2..]].concat(), &[]).err();
-    assert_eq!([of_head(11), of_head(110)], [Some(RestoreError::Newer); 2]);
-    assert_eq!([of_head(0), of_head(111)], [Some(RestoreError::Head); 2]);
+    assert_eq!([of_head(12), of_head(111)], [Some(RestoreError::Newer); 2]);
+    assert_eq!([of_head(0), of_head(112)], [Some(RestoreError::Head); 2]);
 }

@@ -107,13 +107,19 @@ fn regress_statuses_that_come_late_from_a_log_do_not_undo_a_setpoint() {
 
 #[test]
 fn golden_the_report_of_a_whisker_of_version_10_has_no_time_of_receipt() {
-    let (world, sent, _) = compensated();
-    let (head, now) = (world.core.to_bytes().unwrap(), world.core.whisker_to_bytes(0).unwrap());
-    // The time of receipt, 8 bytes, comes last; the version, 14, is in the first byte.
+    let mut robot = Taken::first_met();
+    for _ in 0..10 {
+        robot.holds(NOMINAL_MPA);
+    }
+    let whisker = Place { array: "left", whisker: 0 };
+    let sent = commands(robot.step(&Event::Operator(&OperatorAction::Setpoint { whisker, pressure_mpa: 0.06 })));
+    robot.reports(&sent[0], SetpointReport::Applied(Megapascal::known(0.06)));
+    let [head, now] = robot.stored();
+    // The time of receipt, 8 bytes, comes last; the version, 15, is in the first byte.
     let mut older = now[..now.len() - 8].to_vec();
-    older[0] -= 4;
+    older[0] -= 5;
     let restored = vibrissa_core::robot::Robot::restore(&head, &[older]).unwrap();
-    assert_eq!(restored.whisker(0).unwrap().setpoint, sent.pressure);
+    assert_eq!(restored.whisker(0).unwrap().setpoint, sent[0].pressure);
     let read = restored.whisker_to_bytes(0).unwrap();
     assert_eq!((&read[..now.len() - 8], &read[now.len() - 8..]), (&now[..now.len() - 8], &[0; 8][..]));
 }

@@ -1,5 +1,6 @@
 //! The core against simulated robots whose truth is known.
 
+mod arrival;
 mod assignment;
 mod by_hand;
 mod clocks;
@@ -16,6 +17,7 @@ mod gains;
 mod health;
 mod late_status;
 mod leak;
+mod located;
 mod nuisances;
 mod odd_values;
 mod old_boots;

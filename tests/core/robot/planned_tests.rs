@@ -119,6 +119,33 @@ fn after_a_restart_each_whisker_is_tested_one_after_another() {
 }
 
 #[test]
+fn whiskers_whose_contacts_state_no_place_are_tested_each_hour_by_default_and_their_cuts_are_found() {
+    let world_of = |places: Places, params: Params| {
+        let mut scenario = crate::scenario(7, ArrayType::Type2, &[70.0; WHISKERS]);
+        scenario.behaviour.places = places;
+        scenario.behaviour.touch_tests = vec![TouchTestKind::Wall];
+        scenario.behaviour.contacts_per_second = 0.5;
+        scenario.behaviour.contacts_per_message = 1;
+        scenario.robots[0].events = vec![cut(2, 5000.0)];
+        let mut world = World::new(&scenario, params);
+        world.run_until_s(4000.0);
+        let before = tests(&world);
+        world.run_until_s(8000.0);
+        (before, world)
+    };
+    let (before, world) = world_of(Places::Unknown, params());
+    assert!(before.iter().all(|test| test.reason == TestReason::Schedule), "{before:?}");
+    let whiskers: BTreeSet<usize> = before.iter().map(|test| test.whisker).collect();
+    assert_eq!(whiskers.len(), WHISKERS, "{before:?}");
+    assert_eq!(trimmed(&world), [2]);
+    // A robot that states its places is not moved, nor is one whose operator wants no tests.
+    assert_eq!(world_of(Places::Ratio, params()).0, []);
+    let mut never = params();
+    never.touch_tests.every_without_place = Micros(0);
+    assert_eq!(world_of(Places::Unknown, never).0, []);
+}
+
+#[test]
 fn each_whisker_is_tested_once_per_interval_and_the_limit_per_hour_holds() {
     for (per_hour, whole_intervals) in [(30, true), (5, false)] {
         let mut params = params();

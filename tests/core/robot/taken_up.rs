@@ -21,6 +21,11 @@ pub(crate) struct Taken {
 }
 
 impl Taken {
+    /// The stored bytes of the robot and of its first whisker.
+    pub(crate) fn stored(&self) -> [Vec<u8>; 2] {
+        [self.robot.to_bytes().unwrap(), self.robot.whisker_to_bytes(0).unwrap()]
+    }
+
     /// Met for the first time, in epoch 1.
     pub(crate) fn first_met() -> Self {
         let sheet = WhiskerSheet {

@@ -93,7 +93,7 @@ fn paths(path: &str, existing: &[(String, String)]) -> [String; 2] {
         let fill =
             |path: String, (name, known): &(String, String)| path.replace(&format!("{{{name}}}"), &value(name, known));
         let path = existing.iter().fold(path.to_owned(), fill);
-        if path.ends_with("/what-if") { format!("{path}?length_mm=62") } else { path }
+        path.clone() + required_query(&path)
     };
     let unknown = |name: &str, known: &str| match name {
         "fleet" => "nobody".to_owned(),
@@ -174,4 +174,37 @@ async fn what_would_be_done_is_told_and_not_done() {
     assert_eq!(served.json(whisker).await, before);
     let longer = served.get(&format!("{whisker}/what-if?length_mm=71")).await;
     assert_eq!((longer.status, &longer.json()["type"]), (409, &json!("/problems/refused")));
+}
+
+#[tokio::test]
+async fn the_place_of_a_touch_lies_within_its_interval_on_the_whisker() {
+    let served = Served::sqlite().await;
+    let whisker = "/v1/fleets/f/robots/r1/arrays/left/whiskers/1";
+    let ask = async |touch: &str| served.get(&format!("{whisker}/contact-place?{touch}")).await;
+    let number = |answer: &serde_json::Value, name: &str| answer[name].as_f64().unwrap();
+    let mut nearer_mm = 0.0;
+    for strain in ["0.013", "0.011", "0.009"] {
+        let answer = ask(&format!("strain={strain}&deflection_mm=2&pressure_mpa=0.1")).await;
+        assert_eq!(answer.status, 200, "{}", answer.body);
+        let answer = answer.json();
+        let [mm, low, high] = ["distance_mm", "distance_low_mm", "distance_high_mm"].map(|name| number(&answer, name));
+        assert!(low < mm && mm < high && high <= number(&answer, "length_mm") && mm > nearer_mm, "{answer}");
+        assert!((number(&answer, "ratio") * number(&answer, "length_mm") - mm).abs() < 1e-9, "{answer}");
+        nearer_mm = mm;
+    }
+    let negative = ask("strain=-0.01&deflection_mm=2").await;
+    assert_eq!((negative.status, &negative.json()["type"]), (409, &json!("/problems/refused")));
+    for (touch, field) in [("strain=2&deflection_mm=2", "strain"), ("strain=0.01&deflection_mm=0", "deflection_mm")] {
+        let wrong = ask(touch).await;
+        assert_eq!((wrong.status, &wrong.json()["errors"][0]["field"]), (422, &json!(field)), "{}", wrong.body);
+    }
+}
+
+/// The query that a path of the API requires.
+pub(crate) fn required_query(path: &str) -> &'static str {
+    match path.rsplit('/').next() {
+        Some("what-if") => "?length_mm=62",
+        Some("contact-place") => "?strain=0.01&deflection_mm=2",
+        _ => "",
+    }
 }

@@ -4,7 +4,7 @@ use vibrissa_supervisor::http::access::token::{NewToken, create};
 use vibrissa_supervisor::http::access::{Role, Scope};
 use vibrissa_tests::web::ask;
 
-use crate::document::{Document, NAMED_ROWS, get_operations};
+use crate::document::{Document, NAMED_ROWS, get_operations, required_query};
 use crate::served::Served;
 
 #[tokio::test]
@@ -53,7 +53,7 @@ async fn a_caller_with_one_fleet_sees_nothing_of_another() {
     for (path, _) in get_operations(&document.0).filter(|(path, _)| path.contains("{fleet}")) {
         let path =
             path.replace("{fleet}", "f").replace("{robot}", "r1").replace("{array}", "left").replace("{whisker}", "0");
-        let answer = get(&format!("{path}{}", if path.ends_with("what-if") { "?length_mm=60" } else { "" })).await;
+        let answer = get(&(path.clone() + required_query(&path))).await;
         assert_eq!(answer.status, 403, "{path}");
     }
 }

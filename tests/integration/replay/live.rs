@@ -94,7 +94,7 @@ async fn record() -> Recording {
     let mut recorder = recorder(&folder, broker.port());
     let log = folder.path().join("log");
     let said = |what: &str| std::fs::read_to_string(&log).is_ok_and(|text| text.contains(what));
-    until_true("the recorder's connection", async || said("robots are heard")).await;
+    until_true("the recorder's connection", async || said("MQTT broker: receiving")).await;
     let service = service(&folder, broker.port()).await;
     let fleet =
         Fleet::start(&Scenario::from_toml_str(SCENARIO).unwrap(), &Broker::new("127.0.0.1", broker.port())).unwrap();

@@ -202,8 +202,7 @@ fn take_epoch(bench: &mut Bench) {
         ),
         // Supervisors take the present time for an epoch, unless a higher one was given before.
         None if epoch > 0 && epoch <= present_epoch() => format!(
-            "epoch {epoch} was used, and the broker knows no supervisor: the next supervisor's epoch is the time at which \
-             it begins, and higher, so that the robot obeys it"
+            "epoch {epoch} was used: no lasting effect on the next supervisor, whose epoch is the time at which it begins"
         ),
         None if epoch > 0 => format!(
             "epoch {epoch} was used, and the broker knows no supervisor: RESTART THE ROBOT before it is supervised, \

@@ -29,7 +29,7 @@ mod modulus;
 mod morphology;
 mod profile;
 mod range;
-mod root;
+pub(crate) mod root;
 mod sensitivity;
 mod setpoint;
 mod taper;

@@ -13,7 +13,7 @@ const STEP_MPA: f64 = 1e-6;
 /// at most one step more than bisection; for smooth functions a dozen steps where bisection takes forty. `f_low`
 /// and `f_high` are the values at the ends; the sign of `f_low` gives the direction. Without a change of sign, the
 /// result lies at one of the ends.
-pub(super) fn root(
+pub(crate) fn root(
     (mut low, f_low): (f64, f64),
     (mut high, f_high): (f64, f64),
     tolerance: f64,

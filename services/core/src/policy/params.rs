@@ -51,14 +51,14 @@ macro_rules! policy_numbers {
                 own_role_cost {
                     key: PolicyOwnRoleCost,
                     default: 0.25, min: 0.0, max: 10.0, unit: "mean error",
-                    title: "Cost of losing an own role",
+                    title: "Penalty for using a neighbour",
                     doc: "Cost of a neighbour that gives up its own role, in units of mean error: the trimmed whisker \
                           itself is preferred unless a neighbour is better by more.",
                 }
                 change_margin {
                     key: PolicyChangeMargin,
                     default: 0.1, min: 0.0, max: 10.0, unit: "mean error",
-                    title: "Minimum gain of a change",
+                    title: "Change only if better by",
                     doc: "Minimum gain for changing an active assignment, in units of mean error, for each whisker \
                           that changes.",
                 }

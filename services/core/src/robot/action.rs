@@ -80,9 +80,7 @@ pub enum ActionProblem {
         highest: Megapascal,
     },
     /// A setpoint that cannot be sent now must not be sent later.
-    #[error(
-        "the robot is offline or silent, or has not said its time yet: a manual setpoint is sent now or not at all"
-    )]
+    #[error("the robot is not heard, so nothing was changed: a manual setpoint is sent now or not at all")]
     RobotOffline,
     /// The robot's times pass at another rate than the supervisor's.
     #[error(

@@ -5,7 +5,7 @@
 //! waits, sends or stores: the caller commits the effects together with the state, and then carries them out.
 //! The same events give the same effects, byte for byte.
 //!
-//! - [`event`], [`effect`], [`action`], [`params`], `view`, `what_if`: the interface.
+//! - [`event`], [`effect`], [`action`], [`params`], `view`, `what_if`, `locate`: the interface.
 //! - [`state`]: clock, message numbers, layout, whiskers.
 //! - [`health`]: contacts and the detector's verdicts, faults, gauges, changes common to an array, alarms.
 //! - [`compensation`]: who serves whom, the error of Eq. 35, the closed loop.
@@ -20,6 +20,7 @@ pub mod compensation;
 pub mod effect;
 pub mod event;
 pub mod health;
+mod locate;
 pub mod params;
 mod setpoints;
 pub mod state;
@@ -32,6 +33,7 @@ pub use codec::robot::RestoreError;
 pub use compensation::{Compensation, one_number};
 pub use effect::Effect;
 pub use event::Event;
+pub use locate::{LocateError, Located, Touch};
 pub use params::Params;
 pub use state::factsheet::Sheet;
 pub use state::head::Array;
@@ -292,7 +294,7 @@ impl Robot {
         }
         self.head.sequences.begin(boot_id);
         if !self.is_as_known(factsheet) {
-            self.lay_out(params, factsheet, effects);
+            self.lay_out(params, now, factsheet, effects);
         }
         // A whisker that is never heard becomes stale, too.
         for index in 0..self.whiskers.len() {

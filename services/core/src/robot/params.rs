@@ -125,6 +125,8 @@ pub struct TouchTestParams {
     pub after_pause: Micros,
     /// Such a whisker is tested when this time has passed since its last test; 0 for never.
     pub every: Micros,
+    /// The same for a whisker whose contacts state no place, where `every` is 0; 0 for never.
+    pub every_without_place: Micros,
 }
 
 impl Default for TouchTestParams {
@@ -137,6 +139,7 @@ impl Default for TouchTestParams {
             in_a_row: 3,
             after_pause: Micros(0),
             every: Micros(0),
+            every_without_place: Micros::from_s(3600.0),
         }
     }
 }

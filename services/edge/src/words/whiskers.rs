@@ -16,7 +16,7 @@ words! {
         SensitivityLoss => "SENSITIVITY_LOSS" "less sensitive" (Warn),
     }
     Fault {
-        Stale => "STALE" "stale: no contacts" (Warn),
+        Stale => "STALE" "silent" (Warn),
         Gauge(GaugeState::Open) => "GAUGE_OPEN" "gauge open" (Bad),
         Gauge(GaugeState::Short) => "GAUGE_SHORT" "gauge shorted" (Bad),
         Gauge(GaugeState::Saturated) => "GAUGE_SATURATED" "gauge saturated" (Bad),
@@ -29,6 +29,7 @@ words! {
         Learning => "LEARNING" "used to learn the whisker" (Info),
         Used => "USED" "used" (Good),
         Unsettled => "UNSETTLED" "the pressure was on its way" (Info),
+        Late => "LATE" "it came after a later change was found" (Info),
         TooWeak => "TOO_WEAK" "the strain was too small" (Warn),
         NegativeStrain => "NEGATIVE_STRAIN" "the strain was negative" (Bad),
         Saturated => "SATURATED" "the strain was at the end of the gauge's range" (Warn),

@@ -38,7 +38,7 @@ export default {
 
   view({ request, refusals, page }, _, refresh) {
     return [
-      trail(["Audit", link.audit()], ["Actions on many", link.bulk()]),
+      trail(["Audit", link.audit()], ["Bulk actions", link.bulk()]),
       h("h1", { tabindex: "-1" }, `Action ${request.action_id}: ${say(AUDIT_KINDS, request.kind)}`),
       facts([
         ["Progress", bar(request)],

@@ -40,7 +40,7 @@ export default {
   },
 
   view(data) {
-    const heading = h("h1", { tabindex: "-1" }, "Actions on many");
+    const heading = h("h1", { tabindex: "-1" }, "Bulk actions");
     if (!data) return [heading, h("p", { class: "empty" }, "This service offers no actions on many.")];
     return [
       trail(["Audit", link.audit()]),

@@ -22,7 +22,7 @@ export default {
         ["Measured errors in this stage", comparisonOf(rollout)],
         ["Comparisons in this stage", `${rollout.looks} of at most 3`],
         ["Probability that chance looks so much worse", rollout.probability === null ? null : percent(rollout.probability, 2)],
-        ["Rolled back at a probability of at most", percent(rollout.level / 6, 2)],
+        ["Rolls back if the changed robots are worse", `p ≤ ${percent(rollout.level / 6, 2)}`],
         ["Changed robots that complete a stage", rollout.robots],
         ["Began", time(rollout.started_at)],
         ["Stage began", time(rollout.stage_at)],

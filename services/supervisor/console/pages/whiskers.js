@@ -73,7 +73,7 @@ export default {
       h("h1", { tabindex: "-1" }, "Whiskers"),
       page.items.length ? whiskersActions(filterOf(state), refresh) : null,
       whiskers(fleets).view(page, {
-        caption: "Whiskers that are on a robot",
+        caption: "Whiskers on robots",
         columns: COLUMNS,
         key: (row) => `whisker-${row.fleet}-${row.robot}-${row.array}-${row.whisker}`,
         empty: "No whisker is known yet.",

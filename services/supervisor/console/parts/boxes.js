@@ -39,7 +39,7 @@ export function boxesTable(boxes) {
         { name: "File", cell: (row) => boxLink(row.black_box_id, `Save (${Math.ceil(row.bytes / 1000).toLocaleString("en")}\u00a0kB)`) },
       ],
     }),
-    boxes.length ? h("p", { class: "hint" }, "Play a file with ", h("code", {}, "vibrissa-lab replay FILE"), ".") : null,
+    boxes.length ? h("p", { class: "hint" }, "Replay: ", h("code", {}, "vibrissa-lab replay FILE")) : null,
   ];
 }
 

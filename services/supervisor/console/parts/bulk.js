@@ -115,7 +115,7 @@ async function follow(id, say) {
     say(words, "info", false);
     await new Promise((resolve) => setTimeout(resolve, PAUSE_MS));
   }
-  say("still under way, see the page of actions on many", "warn", true);
+  say("still under way, see the page of bulk actions", "warn", true);
 }
 
 /** "12 of 24 done, 1 refused, 2 expired". */
@@ -130,4 +130,4 @@ export function progressOf({ subjects, done, refused, expired }) {
 
 /** The link to the list of actions on many. */
 export const bulkLink = () =>
-  has("GET", "/v1/bulk-actions") ? h("a", { href: link.bulk() }, "Actions on many, with their progress") : null;
+  has("GET", "/v1/bulk-actions") ? h("a", { href: link.bulk() }, "Bulk actions, with their progress") : null;

@@ -245,8 +245,8 @@ impl BrokerLink {
             link.logged.clear();
             match side {
                 _ if is_quiet => {}
-                Side::Receiving => info!(%node, deaf_s, "connected to the MQTT broker: robots are heard"),
-                Side::Publishing => info!(%node, "connected to the MQTT broker: robots are answered"),
+                Side::Receiving => info!(%node, deaf_s, "connected to the MQTT broker: receiving"),
+                Side::Publishing => info!(%node, "connected to the MQTT broker: publishing"),
             }
         }
         was_closed_alone

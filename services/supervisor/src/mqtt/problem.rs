@@ -280,11 +280,9 @@ impl fmt::Display for Problem {
                 "it requires a client certificate: set mqtt.client_certificate_file and mqtt.client_key_file to one of \
                  an authority that it trusts",
             ),
-            Cause::CertificateRefused(alert) => write!(
-                f,
-                "it does not accept the client certificate in {}: {alert}",
-                self.certificate_file()
-            ),
+            Cause::CertificateRefused(alert) => {
+                write!(f, "it does not accept the client certificate in {}: {alert}", self.certificate_file())
+            }
             Cause::Tls(why) => write!(f, "the TLS handshake failed: {why}"),
             Cause::NotMqtt => self.not_mqtt(f),
             Cause::WrongVersion => f.write_str("it does not support MQTT 5: use a broker that does"),
@@ -293,11 +291,9 @@ impl fmt::Display for Problem {
                 write!(f, "it does not accept the connection {}", plain::reason_code(&format!("{code:?}")))
             }
             Cause::Lacks(what) => f.write_str(what),
-            Cause::Subscription(what) => write!(
-                f,
-                "it does not let {} subscribe to {what}. Until then robots are not heard",
-                self.user()
-            ),
+            Cause::Subscription(what) => {
+                write!(f, "it does not let {} subscribe to {what}. Until then robots are not heard", self.user())
+            }
             Cause::Publication { topic, why } => write!(
                 f,
                 "it rejects publications of {} on {topic}, {why}. Allow setpoint, receipt, request, estimate and \
@@ -310,10 +306,9 @@ impl fmt::Display for Problem {
                 "it has ended the connection because another client connected with the same client id, which is secret \
                  unless the broker or its log reveals it; reconnecting with a new one",
             ),
-            Cause::Closed => f.write_str(
-                "it has closed the connection without a reason: it may be stopping, or another client connected with the \
-                 same client id; reconnecting with a new one",
-            ),
+            Cause::Closed => {
+                f.write_str("it closed the connection without a reason; reconnecting with a new client id")
+            }
             Cause::Unheard { .. } => self.unheard(f),
             Cause::ProbeRefused { fleet, why } => write!(
                 f,

@@ -279,6 +279,10 @@ policy_numbers! { keys {
     TouchTestsEveryS: "touch_tests.every_s", ValueKind::Number { min: 0.0, max: 31_536_000.0 }, Some("0.0"),
         "Seconds after the last touch test of a whisker until the next one by the schedule. Only whiskers whose contacts \
          state no ratio; 0 for no schedule";
+    TouchTestsEveryWithoutPlaceS:
+        "touch_tests.every_without_place_s", ValueKind::Number { min: 0.0, max: 31_536_000.0 }, Some("3600.0"),
+        "The same where contacts state no place, so that only tests tell the whisker's length, and every_s is 0; 0 for no \
+         schedule";
 } }
 
 /// Environment variable and flag of a key.

@@ -15,6 +15,7 @@ pub(super) fn touch_tests(reader: &mut Reader) -> Option<TouchTestParams> {
     let contacts_between_false_alarms = reader.number(Key::TouchTestsContactsBetweenSuspicions);
     let after_pause_s = reader.number(Key::TouchTestsAfterPauseS);
     let every_s = reader.number(Key::TouchTestsEveryS);
+    let every_without_place_s = reader.number(Key::TouchTestsEveryWithoutPlaceS);
     Some(TouchTestParams {
         per_hour: per_hour?,
         contacts_between_false_alarms: contacts_between_false_alarms?,
@@ -23,5 +24,6 @@ pub(super) fn touch_tests(reader: &mut Reader) -> Option<TouchTestParams> {
         in_a_row: in_a_row?,
         after_pause: Micros::from_s(after_pause_s?),
         every: Micros::from_s(every_s?),
+        every_without_place: Micros::from_s(every_without_place_s?),
     })
 }

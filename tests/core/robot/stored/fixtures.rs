@@ -22,16 +22,17 @@ struct Fixture {
 
 /// The newest first.
 const FIXTURES: &[Fixture] = &[
-    Fixture { head: 10, whiskers: 14, becomes: 0xe554_907b_87b7_d4d4 },
-    Fixture { head: 10, whiskers: 13, becomes: 0x89c2_31c7_465d_4817 },
-    Fixture { head: 10, whiskers: 12, becomes: 0x80cb_c622_1bba_9e42 },
-    Fixture { head: 9, whiskers: 11, becomes: 0xed13_9bc0_7a92_1493 },
-    Fixture { head: 8, whiskers: 10, becomes: 0xac33_3e12_1882_4509 },
-    Fixture { head: 8, whiskers: 9, becomes: 0x61bc_3cd2_724e_2ea3 },
-    Fixture { head: 7, whiskers: 8, becomes: 0x8d92_238b_3716_ec61 },
-    Fixture { head: 6, whiskers: 7, becomes: 0x7294_6c4c_f1a0_1147 },
-    Fixture { head: 5, whiskers: 6, becomes: 0x9046_3a70_139d_a928 },
-    Fixture { head: 5, whiskers: 5, becomes: 0x4091_a256_c232_2f98 },
+    Fixture { head: 11, whiskers: 15, becomes: 0xf5b1_673b_aa92_1cab },
+    Fixture { head: 10, whiskers: 14, becomes: 0xd13d_1796_25d9_1f8c },
+    Fixture { head: 10, whiskers: 13, becomes: 0xa719_1336_a588_20b7 },
+    Fixture { head: 10, whiskers: 12, becomes: 0xa1fb_c8bb_837b_ec6a },
+    Fixture { head: 9, whiskers: 11, becomes: 0x31a5_0adb_9847_11c3 },
+    Fixture { head: 8, whiskers: 10, becomes: 0x8232_6d69_e4d2_0728 },
+    Fixture { head: 8, whiskers: 9, becomes: 0x7193_35bb_e09f_551a },
+    Fixture { head: 7, whiskers: 8, becomes: 0x03cd_9dd0_9494_c959 },
+    Fixture { head: 6, whiskers: 7, becomes: 0xb9b4_e60d_a3d2_1318 },
+    Fixture { head: 5, whiskers: 6, becomes: 0xf0a0_be04_65b5_1f77 },
+    Fixture { head: 5, whiskers: 5, becomes: 0xc276_016c_f401_cdd0 },
 ];
 
 impl Fixture {

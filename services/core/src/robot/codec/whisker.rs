@@ -15,7 +15,7 @@ use crate::robot::state::whisker::{Air, DecisionBasis, Holds, Whisker};
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 14;
+const VERSION: u32 = 15;
 /// Bytes of a version up to this one are taken for those of a newer program; beyond it they are damaged.
 const NEWEST_VERSION: u32 = VERSION + 100;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
@@ -24,7 +24,7 @@ const FIRST_MARKED: u32 = 6;
 pub(super) const FLAGS: [&str; 9] =
     ["given_up", "drifting", "drift_told", "undecided", "unserved", "shift_told", "held", "fault", "whole is unknown"];
 /// Names of the parts that few whiskers have, in stored order.
-pub(super) const PARTS: [&str; 15] = [
+pub(super) const PARTS: [&str; 16] = [
     "pending_trim",
     "whole_offset",
     "own",
@@ -40,6 +40,7 @@ pub(super) const PARTS: [&str; 15] = [
     "flapping",
     "vents",
     "gauge_range",
+    "changed_at",
 ];
 /// Names of the flags of [`Air`], in stored order.
 pub(super) const AIR_FLAGS: [&str; 4] = ["measured", "moved", "learned_at", "unheld_since"];
@@ -90,6 +91,7 @@ impl Whisker {
             self.rare.flapping.is_some(),
             self.rare.vents.is_some(),
             self.sheet.strain_max.is_some(),
+            self.rare.changed_at != Micros::default(),
         ]
     }
 }
@@ -118,7 +120,7 @@ impl BorshSerialize for Whisker {
         self.rare.unsteady.iter().try_for_each(|one| one.serialize(writer))?;
         self.desired.iter().try_for_each(|one| one.serialize(writer))?;
         self.command.iter().try_for_each(|one| one.serialize(writer))?;
-        let [.., refused, waits, _, _, set, _, _, _] = self.has_parts();
+        let [.., refused, waits, _, _, set, _, _, _, changed] = self.has_parts();
         if refused {
             write_numbers(&self.refused_servers, writer)?;
         }
@@ -133,7 +135,11 @@ impl BorshSerialize for Whisker {
         self.rare.flapping.iter().try_for_each(|one| one.serialize(writer))?;
         self.rare.vents.iter().try_for_each(|one| one.serialize(writer))?;
         let range = self.sheet.strain_max.map(|strain_max| (strain_max, self.rare.largest_deflection_mm));
-        range.iter().try_for_each(|one| one.serialize(writer))
+        range.iter().try_for_each(|one| one.serialize(writer))?;
+        if changed {
+            self.rare.changed_at.serialize(writer)?;
+        }
+        Ok(())
     }
 }
 
@@ -146,10 +152,10 @@ impl BorshDeserialize for Whisker {
             Some(version @ FIRST_MARKED..=VERSION) => (version, encoding::read_u32(reader)?),
             Some(_) => return Err(encoding::invalid("a whisker of another version")),
         };
-        let bits_of = |flags: u32| flags.min(u16::MAX.into()) as u16;
+        let bits_of = |flags: u32| u16::try_from(flags).map_err(|_| encoding::invalid("unknown flag bits are set"));
         let [given_up, drifting, drift_told, undecided, unserved, shift_told, held, fault, untold] =
-            encoding::unpack_flags(bits_of(flags))?;
-        let has = encoding::unpack_flags(bits_of(encoding::read_u32(reader)?))?;
+            encoding::unpack_flags(bits_of(flags)?)?;
+        let has = encoding::unpack_flags(bits_of(encoding::read_u32(reader)?)?)?;
         let [
             pending_trim,
             whole_offset,
@@ -170,6 +176,8 @@ impl BorshDeserialize for Whisker {
             vents,
             // Not before version 14.
             gauge_range,
+            // Not before version 15.
+            changed,
         ] = has;
         let array =
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
@@ -227,6 +235,7 @@ impl BorshDeserialize for Whisker {
                 flapping: None,
                 vents: None,
                 largest_deflection_mm: 0.0,
+                changed_at: Micros::default(),
             }),
             desired: of(desired, reader)?,
             command: of(command, reader)?,
@@ -260,6 +269,9 @@ impl BorshDeserialize for Whisker {
             let (strain_max, largest_deflection_mm) = BorshDeserialize::deserialize_reader(reader)?;
             read.sheet.strain_max = Some(strain_max);
             read.rare.get_or_insert().largest_deflection_mm = largest_deflection_mm;
+        }
+        if changed {
+            read.rare.get_or_insert().changed_at = BorshDeserialize::deserialize_reader(reader)?;
         }
         Ok(read)
     }

@@ -187,6 +187,8 @@ pub enum ContactUse {
     Used,
     /// Nothing: the pressure was on its way.
     Unsettled,
+    /// Nothing: it happened before a change of the whisker or its pressure, and arrived after it.
+    Late,
     /// Nothing: strain too small.
     TooWeak,
     /// Nothing: the strain is negative, so the gauge's sign is wrong.

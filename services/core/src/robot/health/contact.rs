@@ -4,9 +4,10 @@ use crate::detection::{Change, Checks, HypothesisKind, Verdict};
 use crate::estimation::LengthEstimate;
 use crate::mechanics::Offset;
 use crate::robot::Robot;
-use crate::robot::effect::{Condition, ContactRecord, Effect, Trim, WhiskerIndex};
+use crate::robot::effect::{Condition, ContactRecord, ContactUse, Effect, Trim, WhiskerIndex};
 use crate::robot::event::Contact;
 use crate::robot::params::Params;
+use crate::robot::state::place::Placed;
 use crate::robot::state::rare_state::PendingTrim;
 use crate::units::Micros;
 
@@ -23,6 +24,16 @@ impl Robot {
             effects.push(Effect::UnknownWhisker { position });
             return;
         };
+        if self.is_late(now, index, contact.robot_time) {
+            let whisker = &mut self.whiskers[index];
+            whisker.heard = Some(now);
+            let length = whisker.filter.length();
+            let (used, ratio) = (ContactUse::Late, Placed::on(&length, contact.place).ok().map(|placed| placed.ratio));
+            let unused =
+                ContactRecord { position, whisker: index, ratio, used, residual: None, standardised: None, length };
+            effects.push(Effect::Contact(unused));
+            return;
+        }
         let suspicious = self.whiskers[index].detector.is_suspicious();
         let checks = if suspicious {
             Checks { others: self.others_feel(params, index), touch_test: self.can_confirm(params, now, index) }
@@ -47,6 +58,9 @@ impl Robot {
         }));
         self.refresh_fault(params, now, index, effects);
         if let Some((seen, ratio)) = felt.innovation.zip(felt.ratio) {
+            if !matches!(felt.verdict, Verdict::Quiet | Verdict::Looking | Verdict::Unconfirmed) {
+                self.changed_at(index, contact.robot_time);
+            }
             self.gain_wandered(params, index, felt.wandered);
             self.conclude(params, index, felt.verdict, effects);
             self.test_change(params, index, &felt);
@@ -65,6 +79,7 @@ impl Robot {
             Verdict::Quiet if whisker.condition == Condition::Learning && learned => {
                 self.set_condition(index, Condition::Healthy, effects);
             }
+            Verdict::Quiet if whisker.is_decided_after_doubt() => self.end_doubt(index, effects),
             Verdict::Quiet | Verdict::Looking | Verdict::Unconfirmed => {}
             Verdict::Alarm => {
                 self.ask_others(index);
@@ -107,8 +122,10 @@ impl Robot {
                 self.rescale(params, index, change);
                 self.set_condition(index, Condition::SensitivityLoss, effects);
             }
-            // Recovery after SENSITIVITY_LOSS looks like a cut.
-            HypothesisKind::Shorter if whisker.regains(params, change) => self.rescale(params, index, change),
+            HypothesisKind::Shorter if whisker.regains(params, change) => {
+                self.rescale(params, index, change);
+                self.doubt_length(params, index, change, effects);
+            }
             HypothesisKind::Shorter => {
                 whisker.jump(change);
                 whisker.doubt_gain(params);

@@ -9,4 +9,5 @@ mod fault_changes;
 pub(in crate::robot) mod faults;
 pub(in crate::robot) mod flapping;
 pub(in crate::robot) mod gauge;
+pub(in crate::robot) mod regained;
 pub mod standing;

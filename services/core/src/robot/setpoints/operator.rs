@@ -27,8 +27,14 @@ impl Robot {
             OperatorAction::Retry(place) => self.retry(place),
             OperatorAction::RefuseTouchTest(place) => self.refuse_test(now, place, effects),
             OperatorAction::TouchTest(place) => self.test_by_hand(params, now, place, effects),
-            OperatorAction::Replaced(place) => self.at(place).map(|index| self.replaced(params, index, effects)),
-            OperatorAction::Rebaseline(place) => self.at(place).map(|index| self.rebaseline(params, index, effects)),
+            OperatorAction::Replaced(place) => self.at(place).map(|index| {
+                self.replaced(params, index, effects);
+                self.changed_now(now, index);
+            }),
+            OperatorAction::Rebaseline(place) => self.at(place).map(|index| {
+                self.rebaseline(params, index, effects);
+                self.changed_now(now, index);
+            }),
         };
         done.map_or_else(Outcome::Refused, |()| Outcome::Taken)
     }

@@ -12,6 +12,7 @@ use crate::robot::state::tracked::Whiskers;
 use crate::robot::state::whisker::{Air, Desired, Whisker};
 use crate::robot::{Array, Compensation, Robot};
 use crate::text::ShortText;
+use crate::units::Micros;
 
 /// Where the whiskers of a new layout come from, and where those of the old one go.
 struct Moves {
@@ -50,7 +51,13 @@ impl Robot {
 
     /// Takes another layout: unchanged whiskers keep their state, and the compensations between them go on. The others
     /// start anew.
-    pub(in crate::robot) fn lay_out(&mut self, params: &Params, factsheet: &Factsheet, effects: &mut Vec<Effect>) {
+    pub(in crate::robot) fn lay_out(
+        &mut self,
+        params: &Params,
+        now: Micros,
+        factsheet: &Factsheet,
+        effects: &mut Vec<Effect>,
+    ) {
         let moves = self.moves(factsheet);
         self.end_moved(factsheet, &moves, effects);
         let mut old: Vec<Option<Whisker>> = self.whiskers.take().into_iter().map(Some).collect();
@@ -67,6 +74,11 @@ impl Robot {
         share_models(&mut new, params.model_names());
         self.whiskers = Whiskers::changed(new);
         self.renew_index();
+        for fate in &moves.to {
+            if let Fate::Replaced(index) = *fate {
+                self.changed_now(now, index);
+            }
+        }
         for one in &mut self.head.compensations {
             let moved = |index: WhiskerIndex| moves.to[index].index().unwrap_or(index) as u32;
             (one.target, one.compensator) = (moved(one.target()), moved(one.compensator()));

@@ -1,5 +1,6 @@
 //! The state of a robot: its clock, its message numbers, its layout and its whiskers.
 
+pub(in crate::robot) mod arrival;
 pub(in crate::robot) mod clock;
 pub(in crate::robot) mod contact_evaluation;
 pub(in crate::robot) mod deadline;

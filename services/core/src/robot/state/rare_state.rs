@@ -69,6 +69,9 @@ pub(in crate::robot) struct RareState {
     pub vents: Option<Flapping<Vent>>,
     /// Largest usual deflection of its contacts, mm; 0 if the factsheet states no range of the gauge.
     pub largest_deflection_mm: f32,
+    /// Time of the contact that showed the newest change, or of a replacement, by the robot's clock; 0 before the first.
+    /// Contacts from before are no evidence any more.
+    pub changed_at: Micros,
 }
 
 static NONE: RareState = RareState {
@@ -86,6 +89,7 @@ static NONE: RareState = RareState {
     flapping: None,
     vents: None,
     largest_deflection_mm: 0.0,
+    changed_at: Micros(0),
 };
 
 /// The rare state of a whisker. It reads as [`NONE`] until something is put into it.

@@ -89,8 +89,13 @@ impl Whisker {
         if !(log_loss > 0.0 && loss_mm >= LOSS_MIN_MM) {
             return;
         }
-        let mut test = LengthTest::new(whole_mm);
-        test.evidence.hardly_below(whole_mm - 2.0 * loss_mm - LOSS_BEYOND_MM);
+        self.want_test_of_loss(whole_mm, loss_mm);
+    }
+
+    /// Begins a measurement of a length that may have lost this much.
+    pub(in crate::robot) fn want_test_of_loss(&mut self, length_mm: f64, loss_mm: f64) {
+        let mut test = LengthTest::new(length_mm);
+        test.evidence.hardly_below(length_mm - 2.0 * loss_mm - LOSS_BEYOND_MM);
         test.wanted = Some(TestReason::Change);
         self.rare.get_or_insert().length_test = Some(Box::new(test));
     }

@@ -95,7 +95,11 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         whisker.heard = Some(now);
         let length_mm = whisker.filter.length().length.mm();
-        let rare = whisker.rare.get_or_insert();
+        if self.is_late(now, index, missed.robot_time) {
+            effects.push(Effect::MissedTouch { whisker: index });
+            return;
+        }
+        let rare = self.whiskers[index].rare.get_or_insert();
         let test = rare.length_test.get_or_insert_with(|| Box::new(LengthTest::new(length_mm)));
         effects.push(Effect::MissedTouch { whisker: index });
         if test.is_only_followed() {
@@ -169,6 +173,9 @@ impl Robot {
                 self.refute_cut(params, index);
             }
             let whisker = &mut self.whiskers[index];
+            if whisker.has_doubtful_length() {
+                whisker.learn_measured_length(whisker.sheet.length, posterior.sd_mm.hypot(SHARED_SD_MM));
+            }
             // Silence that is refuted was a change of habits.
             if whisker.is_reach_silent() {
                 whisker.forget_reach();
@@ -193,11 +200,17 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         let Ok(length) = Millimetre::new(length_mm) else { return };
         let length_before_mm = whisker.filter.length().length.mm();
-        if !whisker.filter.measured_length(length, sd_mm) {
+        let is_for_change = whisker.rare.length_test.as_ref().is_some_and(|test| test.is_for_change());
+        let is_after_loss = is_for_change && whisker.rare.whole_offset.is_some();
+        let is_taken = match is_after_loss {
+            true => whisker.learn_measured_length(length, sd_mm),
+            false => whisker.filter.measured_length(length, sd_mm),
+        };
+        if !is_taken {
             return;
         }
         whisker.detector = crate::detection::Detector::default();
-        if whisker.rare.length_test.as_ref().is_some_and(|test| test.is_for_change()) {
+        if is_for_change && !is_after_loss {
             whisker.take_gain_back(params);
         }
         if whisker.is_at_nominal_pressure() {
@@ -219,9 +232,9 @@ impl Whisker {
         self.rare.reach.as_ref().is_some_and(|reach| reach.is_silent())
     }
 
-    /// Whether silence near the tip keeps it suspected, whatever its sensitivity says.
+    /// Whether silence near the tip, or a doubtful length, keeps it suspected, whatever its sensitivity says.
     pub(in crate::robot) fn keeps_suspicion(&self) -> bool {
-        self.is_reach_silent() && self.rare.length_test.is_some()
+        self.is_reach_silent() && self.rare.length_test.is_some() || self.has_doubtful_length()
     }
 
     fn touched_at(&mut self, params: &Params, is_test: bool, distance_mm: f64, sd_mm: f64) {

@@ -1,8 +1,9 @@
 //! Tests after a pause of a whisker's contacts, after a restart of its robot, and on a schedule.
 //!
 //! A whisker whose contacts state distances, or no place at all, may have been cut while nothing touched it, and its
-//! contacts show that late or never. One whose robot states ratios to the present length is not tested: its robot knows
-//! the length. Tests of this kind follow one after another on a robot, so that its work goes on.
+//! contacts show that late or never. Without a place no contact tells anything, so such whiskers are tested by default.
+//! One whose robot states ratios to the present length is not tested: its robot knows the length. Tests of this kind
+//! follow one after another on a robot, so that its work goes on.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -21,34 +22,65 @@ pub(in crate::robot) struct TestTimes {
     /// Time of the last request or proposal of a test, by the supervisor's clock; before the first one, the time at which
     /// the schedule began, or 0.
     tested: Micros,
-    /// Its contacts state no ratio to the present length.
-    needs_tests: bool,
+    need: Need,
     /// A pause is over, or the robot has started anew, and it was not tested since.
     is_due: bool,
+}
+
+/// Need for planned tests, by the place that the whisker's last contact stated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
+enum Need {
+    /// A ratio to the present length: its robot knows the length. Or no contact yet.
+    #[default]
+    None,
+    /// A distance or the tip.
+    Reach,
+    /// No place: only tests tell anything about the whisker.
+    Place,
+}
+
+impl Need {
+    fn of(place: ContactPlace) -> Self {
+        match place {
+            ContactPlace::Ratio { .. } => Self::None,
+            ContactPlace::Distance(_) | ContactPlace::Tip(_) => Self::Reach,
+            ContactPlace::Unknown => Self::Place,
+        }
+    }
 }
 
 crate::optional_parts::optional_fields!(TestTimes: ;
     touched: *touched > Micros::default(),
     tested: *tested > Micros::default(),
-    needs_tests: *needs_tests,
+    need: *need != Need::None,
     is_due: *is_due,
 );
 
 impl TouchTestParams {
-    fn plans_any(&self) -> bool {
-        self.after_pause > Micros(0) || self.every > Micros(0)
+    fn plans(&self, need: Need) -> bool {
+        need != Need::None && (self.after_pause > Micros(0) || self.every(need) > Micros(0))
+    }
+
+    /// Time between two tests by the schedule; 0 for none.
+    fn every(&self, need: Need) -> Micros {
+        match need {
+            Need::None => Micros(0),
+            Need::Place if self.every == Micros(0) => self.every_without_place,
+            Need::Reach | Need::Place => self.every,
+        }
     }
 }
 
 impl TestTimes {
     /// Reason for a test that is due now.
     fn due(&self, params: &TouchTestParams, now: Micros) -> Option<TestReason> {
-        if !self.needs_tests {
+        let every = params.every(self.need);
+        if self.need == Need::None {
             None
         } else if self.is_due && params.after_pause > Micros(0) {
             Some(TestReason::Pause)
         } else {
-            (params.every > Micros(0) && now.since(self.tested) >= params.every).then_some(TestReason::Schedule)
+            (every > Micros(0) && now.since(self.tested) >= every).then_some(TestReason::Schedule)
         }
     }
 }
@@ -56,7 +88,9 @@ impl TestTimes {
 impl Robot {
     /// Notes the time of a contact, and whether a pause has ended with it.
     pub(in crate::robot) fn note_touch(&mut self, params: &Params, contact: &Contact<'_>) {
-        if !params.touch_tests.plans_any() {
+        let can_test = self.head.touch_tests.tip || self.head.touch_tests.wall;
+        let begins = can_test && !contact.is_test && params.touch_tests.plans(Need::of(contact.place));
+        if self.head.test_times.is_empty() && !begins {
             return;
         }
         let Some(index) = self.find(contact.array, contact.whisker) else { return };
@@ -66,7 +100,7 @@ impl Robot {
         let Some(times) = times.get_mut(index) else { return };
         let pause = params.touch_tests.after_pause;
         if !contact.is_test {
-            times.needs_tests = !matches!(contact.place, ContactPlace::Ratio { .. });
+            times.need = Need::of(contact.place);
             let is_over = times.touched > Micros(0) && contact.robot_time.since(times.touched) >= pause;
             times.is_due |= is_over && pause > Micros(0);
         }
@@ -85,7 +119,7 @@ impl Robot {
     /// Begins the measurement of the next whisker that is due.
     pub(in crate::robot) fn plan_tests(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
         let can_test = self.head.touch_tests.tip || self.head.touch_tests.wall;
-        if !params.touch_tests.plans_any() || !can_test || self.head.test_times.is_empty() {
+        if !can_test || self.head.test_times.is_empty() {
             return;
         }
         if self.head.test_times.iter().any(|times| times.tested == Micros(0)) {

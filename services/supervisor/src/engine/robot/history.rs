@@ -178,6 +178,7 @@ fn sample_of(used: ContactUse, row: &ContactRow) -> Sample {
             ContactUse::Used => Use::Used,
             ContactUse::Learning => Use::Learning,
             ContactUse::Unsettled
+            | ContactUse::Late
             | ContactUse::TooWeak
             | ContactUse::NegativeStrain
             | ContactUse::Saturated

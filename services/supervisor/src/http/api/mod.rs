@@ -12,6 +12,7 @@ pub mod bulk_actions;
 pub mod bulk_fleets;
 pub mod calibrations;
 pub mod compensations;
+pub mod contact_place;
 pub mod contact_uses;
 pub mod contacts;
 pub mod dead_letters;
@@ -68,6 +69,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(notes::routes())
         .merge(quarantine::routes())
         .merge(contacts::routes())
+        .merge(contact_place::routes())
         .merge(contact_uses::routes())
         .merge(history::routes())
         .merge(me::routes())

@@ -52,7 +52,7 @@ fn robot(params: &Params, kind: ArrayKind, lengths_mm: &[f64], neighbours: impl 
         air_control: Default::default(),
     };
     let mut robot = Robot::new(1, Numbers::default());
-    robot.lay_out(params, &factsheet, &mut Vec::new());
+    robot.lay_out(params, Micros::default(), &factsheet, &mut Vec::new());
     for whisker in robot.whiskers.without_mark() {
         whisker.condition = Condition::Healthy;
     }

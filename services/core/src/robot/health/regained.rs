@@ -1,0 +1,96 @@
+//! A rise of sensitivity after a loss of about the same size: the loss is over, or the whisker was cut.
+//!
+//! The readings cannot tell one from the other, and both explanations lead to the same level. So neither is taken as certain:
+//! the whisker is suspected, and the interval of its length holds both lengths. A touch test decides, where the robot offers one;
+//! otherwise a person does. No pressure changes meanwhile, because the whisker reads as it did while it was whole.
+
+use crate::detection::Change;
+use crate::estimation::filter::Wander;
+use crate::robot::Robot;
+use crate::robot::effect::{Condition, Effect, WhiskerIndex};
+use crate::robot::params::Params;
+use crate::robot::state::rare_state::PendingTrim;
+use crate::robot::state::whisker::Whisker;
+use crate::units::Millimetre;
+
+/// Standard deviation of the length in doubt, as a share of the cut that would explain the rise: the cut is well within the
+/// 95 % interval.
+const DOUBT_SHARE: f64 = 0.7;
+/// Largest standard deviation of a length in doubt, mm. The filter is linear: beyond this the length would leave what the
+/// contacts tell.
+const DOUBT_SD_MAX_MM: f64 = 4.0;
+/// A difference from the whole length that is a cut: at least this, mm, and this many standard deviations.
+const LOSS_MIN_MM: f64 = 0.5;
+const LOSS_MIN_SD: f64 = 3.0;
+/// A length of a whole whisker with at least this standard deviation is in doubt, mm.
+const DOUBT_SD_MM: f64 = 0.6;
+
+impl Robot {
+    /// Puts the length of a whisker in doubt after a rise that took back its loss of sensitivity.
+    pub(super) fn doubt_length(
+        &mut self,
+        params: &Params,
+        index: WhiskerIndex,
+        change: &Change,
+        effects: &mut Vec<Effect>,
+    ) {
+        let can_test = self.head.touch_tests.tip || self.head.touch_tests.wall;
+        let whisker = &mut self.whiskers[index];
+        let Some(model) = whisker.model(params) else { return };
+        let slope = whisker.log_slope_with_length(model);
+        let length_mm = whisker.filter.length().length.mm();
+        let loss_mm = length_mm * (1.0 - change.size.exp());
+        let sd_mm = (DOUBT_SHARE * loss_mm).min(DOUBT_SD_MAX_MM);
+        // A rise that is smaller than the least doubt is within the interval already.
+        if sd_mm < DOUBT_SD_MM {
+            return;
+        }
+        whisker.filter.doubt_gain(slope * sd_mm / length_mm, slope);
+        if can_test && whisker.rare.length_test.is_none() {
+            whisker.want_test_of_loss(length_mm, loss_mm);
+        }
+        self.set_condition(index, Condition::Suspected, effects);
+    }
+
+    /// The length is certain again. If it is another one, the whisker was cut.
+    pub(super) fn end_doubt(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let whisker = &mut self.whiskers[index];
+        let (length, whole_mm) = (whisker.filter.length(), whisker.sheet.length.mm());
+        if whole_mm - length.length.mm() > LOSS_MIN_MM.max(LOSS_MIN_SD * length.sd_mm) {
+            let confirmed =
+                PendingTrim { length_before_mm: whole_mm, contacts_since_change: 0, contacts_since_confirmed: 0 };
+            whisker.rare.get_or_insert().pending_trim = Some(confirmed);
+            self.call_trim(index, effects);
+        } else {
+            self.set_condition(index, Condition::Healthy, effects);
+        }
+    }
+}
+
+impl Whisker {
+    /// Whether a loss of sensitivity was taken back, by its end or by a cut.
+    pub(in crate::robot) fn has_doubtful_length(&self) -> bool {
+        self.was_in_doubt() && self.filter.length().sd_mm >= DOUBT_SD_MM
+    }
+
+    /// Whether a suspicion is that of [`Robot::doubt_length`]: the whisker has lost its response while whole, and no cut is
+    /// confirmed.
+    fn was_in_doubt(&self) -> bool {
+        self.condition == Condition::Suspected
+            && self.rare.whole_offset.is_some()
+            && self.rare.pending_trim.is_none()
+            && self.is_at_nominal_pressure()
+    }
+
+    /// Whether it is suspected only because its length was in doubt, and is not any more.
+    pub(super) fn is_decided_after_doubt(&self) -> bool {
+        self.was_in_doubt() && self.detector.is_calm() && self.rare.length_test.is_none() && !self.keeps_suspicion()
+    }
+
+    /// Takes in a length that was measured otherwise, and moves the offset with it, so that readings are predicted as before.
+    /// False if no real whisker has that length.
+    pub(in crate::robot) fn learn_measured_length(&mut self, length: Millimetre, sd_mm: f64) -> bool {
+        let still = Wander { length_mm: 0.0, baseline_strain: 0.0, offset: 0.0 };
+        self.filter.observe_length(&self.noise, length, sd_mm).is_some_and(|seen| self.filter.learn(&seen, still))
+    }
+}
