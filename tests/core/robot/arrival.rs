@@ -78,6 +78,7 @@ fn take(one: &mut ByHand, begun: Micros, told: &Told) {
         pressure: Megapascal::known(PRESSURE_MPA),
         is_test: false,
         temperature_c: None,
+        saturated: false,
     };
     let contacts: Vec<Contact<'_>> = told.contacts.iter().map(contact).collect();
     one.now = begun.after(Micros::from_s(told.arrives_s));

@@ -104,7 +104,7 @@ impl Agent {
             Finding::Reversed => self.reversal(at),
             Finding::Clipped(strain) => format!(
                 "the strain stays at {strain} while the deflection goes on: the amplifier or the converter ends there, \
-                 and the supervisor does not use such contacts; amplify less and raise STRAIN_PER_VOLT, or touch more softly"
+                 and the supervisor does not use such contacts; amplify less and raise the strain per volt of the board, or touch more softly"
             ),
         };
         out.push(Output::Warn(format!("whisker {array}/{number}: {what}")));
