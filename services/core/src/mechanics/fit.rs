@@ -12,13 +12,15 @@
 mod advice;
 mod bench;
 mod checks;
+mod given;
 mod least_squares;
 mod reading;
 mod start;
 mod unknowns;
 
 pub use advice::Advice;
-pub use bench::{BenchFit, Gauge, Given, Scatter, fit_bench, student_t};
+pub use bench::{BenchFit, Scatter, fit_bench, student_t};
+pub use given::{Gauge, Given};
 pub use reading::{BenchContact, BenchReading, Kind, Place, Quantity};
 pub use unknowns::{UNKNOWNS, Unknown};
 

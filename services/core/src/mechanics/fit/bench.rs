@@ -3,13 +3,13 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use super::given::{Gauge, Given};
 use super::least_squares::{Problem, Scattered, group_of};
 use super::reading::{BenchReading, Kind};
 use super::unknowns::{UNKNOWNS, Unknown, Values};
 use super::{FitError, Parameter, checks};
 use crate::mechanics::calibration::Calibration;
-use crate::mechanics::geometry::Geometry;
-use crate::mechanics::model::{Formulation, Model};
+use crate::mechanics::model::Model;
 use crate::units::Megapascal;
 
 /// Least fall of k2, as a share of its limit.
@@ -18,34 +18,6 @@ const LEAST_FALL: f64 = 1e-3;
 const ASSUMED_SHARE_MAX: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Correlation from which two unknowns count as hardly distinct.
 const HARDLY_DISTINCT: f64 = 0.98;
-
-/// The given numbers of a fit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Given {
-    /// Shape of the whisker.
-    pub geometry: Geometry,
-    /// Reading of the equations under pressure.
-    pub formulation: Formulation,
-    /// E in MPa; `None` to fit it, which needs readings of contacts.
-    pub youngs_modulus_mpa: Option<f64>,
-    /// Whether a factor on all strains is fitted; otherwise it is 1.
-    pub fits_gauge_gain: bool,
-}
-
-/// Factor and offset of the gauge: `strain read = gain * strain + offset`. A contact's strain is a difference and has no
-/// offset.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gauge {
-    /// Factor on all strains.
-    pub gain: f64,
-    /// Reading at zero pressure without contact, m/m.
-    pub offset: f64,
-}
-
-impl Gauge {
-    /// A gauge that reads true strains.
-    pub const TRUE: Self = Self { gain: 1.0, offset: 0.0 };
-}
 
 /// The scatter of one kind of reading about the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]

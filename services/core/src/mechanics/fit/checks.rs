@@ -1,6 +1,6 @@
 //! Conditions on readings and on the fitted curve.
 
-use super::bench::Given;
+use super::given::Given;
 use super::reading::{BenchReading, Kind, Quantity};
 use super::{FitError, PRESSURES_MIN, STRAINS_MIN};
 use crate::mechanics::model::Model;

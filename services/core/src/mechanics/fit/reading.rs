@@ -1,6 +1,6 @@
 //! One number read at the bench, and the model's number for it.
 
-use super::bench::Gauge;
+use super::given::Gauge;
 use crate::mechanics::model::Model;
 use crate::mechanics::sensitivity::ContactOnChamber;
 use crate::units::{ContactRatio, Megapascal, Millimetre};

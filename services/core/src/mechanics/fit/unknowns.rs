@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::bench::Gauge;
+use super::given::Gauge;
 use crate::mechanics::calibration::Calibration;
 use crate::mechanics::geometry::Geometry;
 
