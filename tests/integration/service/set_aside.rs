@@ -30,7 +30,8 @@ const PLANTED: [&str; 25] = [
     "UPDATE robots SET state = x'ff' WHERE robot = 'head'",
     "UPDATE whiskers SET state = x'ff' WHERE robot_id = (SELECT robot_id FROM robots WHERE robot = 'whisker')",
     "UPDATE boots SET boot_id = BAD WHERE robot_id = (SELECT robot_id FROM robots WHERE robot = 'boot')",
-    "UPDATE robots SET state = CAST(x'0b00' || substr(state, 3) AS BLOB) WHERE robot = 'newer'",
+    // Version 64: newer than this program, and not so much that it is damage.
+    "UPDATE robots SET state = CAST(x'4000' || substr(state, 3) AS BLOB) WHERE robot = 'newer'",
     // Journal.
     "INSERT INTO journal (fleet, number, entries) VALUES ('f', 1000001, x'ff')",
     // Actions: one without text, one of whose parameters are no JSON, and one to execute.

@@ -69,8 +69,8 @@ async fn get_contact_place(
     let invalid = Problem::invalid;
     let touch = Touch {
         strain: Strain::new(query.strain).map_err(|_| invalid("strain", "must be -1 to 1"))?,
-        deflection: Millimetre::new(query.deflection_mm)
-            .map_err(|_| invalid("deflection_mm", "must be above 0 and at most 1000"))?,
+        deflection: (Millimetre::new(query.deflection_mm).ok().filter(|deflection| deflection.mm() > 0.0))
+            .ok_or_else(|| invalid("deflection_mm", "must be above 0 and at most 1000"))?,
         pressure: (query.pressure_mpa.map(Megapascal::new).transpose())
             .map_err(|_| invalid("pressure_mpa", "must be 0 to 1"))?,
     };
