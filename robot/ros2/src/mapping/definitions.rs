@@ -63,9 +63,9 @@ pub enum Kind {
     Float32,
     /// A number of 64 bits.
     Float64,
-    /// A text.
+    /// A text in UTF-8.
     Text,
-    /// Another message.
+    /// A message within the message.
     Message(Arc<Layout>),
     /// A list of any length.
     List(Box<Kind>),

@@ -17,11 +17,11 @@ pub use value::{MessageSeed, Value};
 /// A number of a message, in the unit of the quantity: `scale` times the field, plus `offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Number {
-    /// Its place.
+    /// Field of the message.
     pub path: Path,
-    /// Factor.
+    /// Factor on the field.
     pub scale: f64,
-    /// Summand.
+    /// Added after the factor, in the unit of the quantity.
     pub offset: f64,
 }
 
