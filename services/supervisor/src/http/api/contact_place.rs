@@ -9,7 +9,7 @@ use utoipa_axum::routes;
 use vibrissa_core::robot::Touch;
 use vibrissa_core::units::{Megapascal, Millimetre, Strain};
 
-use super::paths::WhiskerPath;
+use super::paths::{Learned, WhiskerPath};
 use crate::http::App;
 use crate::http::extract::{Path, Query};
 use crate::http::problem::{Kind, Problem};
@@ -74,10 +74,7 @@ async fn get_contact_place(
         pressure: (query.pressure_mpa.map(Megapascal::new).transpose())
             .map_err(|_| invalid("pressure_mpa", "must be 0 to 1"))?,
     };
-    let stored = app.store.robot_state(at.fleet.as_str(), at.robot.as_str()).await?;
-    let Some(stored) = stored else { return Err(at.unknown(&app.store).await) };
-    let robot = stored.robot().map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))?;
-    let Some(index) = robot.find(at.array.as_str(), at.whisker) else { return Err(at.unknown(&app.store).await) };
+    let Learned { robot, index, .. } = at.learned(&app.store).await?;
     let params = app.params_of(at.fleet.as_str()).await?;
     let located = robot.locate(&params, index, &touch);
     let located = located.map_err(|error| Problem::new(Kind::Refused, error.to_string()))?;

@@ -2,9 +2,11 @@
 
 use serde::Deserialize;
 use utoipa::IntoParams;
+use vibrissa_core::robot::Robot;
+use vibrissa_core::robot::effect::WhiskerIndex;
 use vibrissa_protocol::Name;
 
-use crate::http::problem::Problem;
+use crate::http::problem::{Kind, Problem};
 use vibrissa_store::list::{Filter, Selection, Value};
 use vibrissa_store::lists::robots::{ARRAYS, ArraySummary, ROBOTS, RobotSummary};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
@@ -81,7 +83,30 @@ pub struct WhiskerPath {
     pub whisker: u16,
 }
 
+/// Learned state of a whisker's robot, as of the last checkpoint.
+#[derive(Debug)]
+pub struct Learned {
+    /// State of the robot.
+    pub robot: Robot,
+    /// Number of the robot in the database.
+    pub robot_id: i64,
+    /// Index of the whisker in `robot`.
+    pub index: WhiskerIndex,
+}
+
 impl WhiskerPath {
+    /// Learned state of the whisker's robot.
+    ///
+    /// # Errors
+    /// The whisker is unknown, or its state cannot be read.
+    pub async fn learned(&self, store: &Store) -> Result<Learned, Problem> {
+        let stored = store.robot_state(self.fleet.as_str(), self.robot.as_str()).await?;
+        let Some(stored) = stored else { return Err(self.unknown(store).await) };
+        let robot = stored.robot().map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))?;
+        let Some(index) = robot.find(self.array.as_str(), self.whisker) else { return Err(self.unknown(store).await) };
+        Ok(Learned { robot, robot_id: stored.robot_id, index })
+    }
+
     /// Filters that select this whisker from a list.
     #[must_use]
     pub fn filters(&self) -> Vec<Filter> {

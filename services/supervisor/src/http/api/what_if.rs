@@ -14,7 +14,7 @@ use vibrissa_edge::words::Word;
 use vibrissa_host::task;
 
 use super::model::per_mm;
-use super::paths::WhiskerPath;
+use super::paths::{Learned, WhiskerPath};
 use crate::http::App;
 use crate::http::extract::{Path, Query};
 use crate::http::problem::{Kind, Problem};
@@ -271,12 +271,9 @@ async fn get_what_if(
 ) -> Result<Json<WhatIfAnswer>, Problem> {
     let length = Millimetre::new(query.length_mm).ok().filter(|length| length.mm() >= 1.0);
     let length = length.ok_or_else(|| Problem::invalid("length_mm", "must be 1 to 1000"))?;
-    let stored = app.store.robot_state(at.fleet.as_str(), at.robot.as_str()).await?;
-    let Some(stored) = stored else { return Err(at.unknown(&app.store).await) };
-    let robot = stored.robot().map_err(|problem| Problem::new(Kind::Internal, problem.to_string()))?;
-    let Some(index) = robot.find(at.array.as_str(), at.whisker) else { return Err(at.unknown(&app.store).await) };
+    let Learned { robot, robot_id, index } = at.learned(&app.store).await?;
     // Assigning compensators in a large array takes a while.
-    let (params, robot_id) = (app.params_of(at.fleet.as_str()).await?, stored.robot_id);
+    let params = app.params_of(at.fleet.as_str()).await?;
     let answered = task::blocking(move || {
         let answer = robot.what_if(&params, index, length)?;
         let curve = by_ratio(&robot, &params, index, length, &answer);
