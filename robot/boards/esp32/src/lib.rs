@@ -203,8 +203,9 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
 
     fn report<const N: usize>(&mut self, now_us: u64, readings: Readings, lines: &mut Lines<N>) {
         if !self.said_hello {
+            // A restart may have cut a line: the first end of line separates it from this one.
             self.said_hello =
-                lines.add(|line| line.write_str("{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa-board\"}"));
+                lines.add(|line| line.write_str("\n{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa-board\"}"));
         }
         let (array, whisker) = (self.array, self.whisker);
         let (strain, way_mm) = (readings.strain, readings.deflection_mm.unwrap_or_default());

@@ -227,3 +227,17 @@ fn the_lines_of_the_document_configure_six_whiskers() {
     assert_eq!(of(&lines, &["\"SAVED\""]).len(), 1);
     assert!(of(&lines, &["\"hello\"", "\"whiskers\":6,\"configuration\":\"STORED\""]).len() == 1);
 }
+
+#[test]
+fn regress_a_restart_in_the_middle_of_a_line_does_not_spoil_hello() {
+    const RESTARTS: usize = 30;
+    for board in ["uno", "mega"] {
+        let Some(folder) = compiled(board) else { return };
+        let script: String = (1..=RESTARTS).map(|index| format!("{} !restart\n", 397 * index)).collect();
+        let lines = run(board, &folder, &(script + "12500 !end\n"));
+        let cut = lines.iter().filter(|(_, _, line)| line.starts_with('{') && !line.ends_with('}')).count();
+        assert!(cut >= RESTARTS / 4, "only {cut} lines were cut");
+        let hello = |line: &&str| line.starts_with("{\"type\":\"hello\"") && line.ends_with('}');
+        assert_eq!(of(&lines, &["hello"]).into_iter().filter(hello).count(), RESTARTS + 1, "{board}");
+    }
+}

@@ -77,10 +77,16 @@ fn run_program(board: &str, folder: &Path, program: &Path, script: &str) -> Line
         let mut parts = line.splitn(3, ' ');
         let (Some(ms), Some(mpa), Some(rest)) = (parts.next(), parts.next(), parts.next()) else { continue };
         if let (Ok(ms), Ok(mpa)) = (ms.parse(), mpa.parse()) {
-            keeps_the_interface(rest);
             lines.push((ms, mpa, rest.to_owned()));
         }
     }
+    // A restart may cut the line before `hello`: the agent refuses that line alone.
+    for (at, (_, _, line)) in lines.iter().enumerate() {
+        if !lines.get(at + 1).is_some_and(|(_, _, next)| next.starts_with("{\"type\":\"hello\"")) {
+            keeps_the_interface(line);
+        }
+    }
+    lines.retain(|(_, _, line)| !line.is_empty());
     lines
 }
 

@@ -106,7 +106,8 @@ static void take_line(const char *line) {
 }
 
 static void put_hello() {
-    put(PSTR("{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa_board\",\"firmware_version\":\"" VIBRISSA_VERSION
+    // A restart may have cut a line: the first end of line separates it from this one.
+    put(PSTR("\n{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa_board\",\"firmware_version\":\"" VIBRISSA_VERSION
              "\",\"whiskers\":"));
     put_number(count_whiskers());
     put(PSTR(",\"configuration\":\""));
