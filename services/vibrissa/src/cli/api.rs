@@ -13,15 +13,22 @@ use vibrissa_store::secret::Secret;
 use crate::config::address::web_url;
 use vibrissa_supervisor::outgoing::failure;
 
-/// Arguments of the commands that use the API.
+/// Address of a supervisor, and the token for it.
 #[derive(Debug, Args)]
-pub struct ApiArgs {
+pub struct ConnectionArgs {
     /// URL of the supervisor.
     #[arg(long, env = "VIBRISSA_URL", default_value = "http://127.0.0.1:8080", value_parser = web_url)]
     url: Url,
     /// File with the API token; not needed on loopback.
     #[arg(long, env = "VIBRISSA_TOKEN_FILE", value_name = "FILE")]
     token_file: Option<PathBuf>,
+}
+
+/// Arguments of the commands that print answers of the API.
+#[derive(Debug, Args)]
+pub struct ApiArgs {
+    #[command(flatten)]
+    connection: ConnectionArgs,
     /// Print JSON, one line per row.
     #[arg(long)]
     pub(super) json: bool,
@@ -42,6 +49,16 @@ pub(super) struct Api {
 }
 
 impl ApiArgs {
+    /// A client with these arguments; sends nothing yet.
+    ///
+    /// # Errors
+    /// The token file cannot be read.
+    pub(super) fn open(&self) -> anyhow::Result<Api> {
+        self.connection.open()
+    }
+}
+
+impl ConnectionArgs {
     /// A client with these arguments; sends nothing yet.
     ///
     /// # Errors

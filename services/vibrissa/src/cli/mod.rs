@@ -8,6 +8,7 @@ pub mod contract;
 pub mod decommission;
 pub mod ending;
 pub mod export;
+pub mod mcp;
 pub mod metrics;
 pub mod progress;
 pub mod record;
@@ -20,7 +21,7 @@ pub mod watch;
 pub mod whiskers;
 pub mod words;
 
-use std::io::stdout;
+use std::io::{stdin, stdout};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -65,6 +66,8 @@ pub enum Command {
     Record(record::RecordArgs),
     /// Print or write the MQTT contract for robot engineers: AsyncAPI 3.0 and JSON Schemas.
     Contract(contract::ContractArgs),
+    /// Serve the reading operations of the API to an assistant: Model Context Protocol on standard input and output.
+    Mcp(api::ConnectionArgs),
     /// Print the reference of all Prometheus metrics with labels and meaning, in Markdown.
     Metrics,
     /// Print a script with which a shell completes commands, options and words.
@@ -106,6 +109,7 @@ impl Command {
             Self::Export(args) => export::run(&args, &mut stdout()).map(done),
             Self::Record(args) => record::run(&args).map(done),
             Self::Contract(args) => contract::run(&args, &mut stdout()).map(done),
+            Self::Mcp(args) => mcp::run(&args, &mut stdin().lock(), &mut stdout()).map(done),
             Self::Metrics => metrics::run(&mut stdout()).map(done),
             Self::Completions(args) => Ok(completions::run(&args, program, &mut stdout()).map(done)?),
         }
