@@ -18,6 +18,7 @@ async fn paper_the_demo_ends_as_expected() {
         mqtt_port: 0,
         http: "127.0.0.1:0".parse().unwrap(),
         serving: Serving::Never,
+        opens_browser: false,
     };
     assert!(run(&options).await.unwrap(), "see the report above");
     let picture = std::fs::read_to_string(folder.path().join("demo.svg")).unwrap();

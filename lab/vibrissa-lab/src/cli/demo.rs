@@ -29,6 +29,9 @@ pub struct DemoArgs {
     /// Like --serve, at once and without the scripted part.
     #[arg(long)]
     live: bool,
+    /// With --serve or --live: open the console in the browser.
+    #[arg(long)]
+    open: bool,
 }
 
 /// Runs the demo; true if it succeeded.
@@ -48,6 +51,7 @@ pub fn run(args: DemoArgs) -> anyhow::Result<bool> {
             (false, true) => Serving::AfterReport,
             (false, false) => Serving::Never,
         },
+        opens_browser: args.open,
     };
     runtime()?.block_on(demo::run(&options))
 }

@@ -46,6 +46,8 @@ pub struct DemoOptions {
     pub http: SocketAddr,
     /// Whether the robots go on touching, for a person who lets incidents happen.
     pub serving: Serving,
+    /// Whether to open the console in a browser, while the demo serves.
+    pub opens_browser: bool,
 }
 
 /// Whether and when the demo serves a person.
@@ -104,7 +106,7 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
             "The supervisor learns the whiskers from {CONTACTS_PER_SECOND} contacts of each a second (time-lapse)."
         );
         live::learn(&service.store).await?;
-        live::run(&service, &fleet, &incidents).await?;
+        live::run(&service, &fleet, &incidents, options.opens_browser).await?;
         fleet.stop().await;
         service.stop().await;
         return Ok(true);
@@ -122,8 +124,10 @@ pub async fn run(options: &DemoOptions) -> anyhow::Result<bool> {
     let drawn = picture::draw(&service.store, &picture_file).await;
     drawn.with_context(|| format!("drawing {}", picture_file.display()))?;
     println!("\nDatabase: {}\nChart:    {}", database.display(), picture_file.display());
-    if options.serving == Serving::AfterReport {
-        live::run(&service, &fleet, &incidents).await?;
+    if options.serving == Serving::Never {
+        println!("Next: the same with a console, where you break whiskers yourself: demo --live --open");
+    } else {
+        live::run(&service, &fleet, &incidents, options.opens_browser).await?;
     }
     fleet.stop().await;
     service.stop().await;

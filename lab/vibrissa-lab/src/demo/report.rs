@@ -8,8 +8,11 @@ use vibrissa_protocol::Name;
 use vibrissa_simulator::Fleet;
 
 use super::scenario::{INCIDENTS, Incident, MULTIPLIES, What};
-use vibrissa_edge::words::Word;
+use vibrissa_core::robot::effect::{AlarmKind, Condition};
+use vibrissa_edge::guidance;
+use vibrissa_edge::words::{Word, Words, named};
 use vibrissa_store::Store;
+use vibrissa_store::lists::alarms::{ALARMS, AlarmRow};
 use vibrissa_store::lists::compensations::{COMPENSATIONS, CompensationSummary};
 use vibrissa_store::lists::happenings::{TRIMS, Trim};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
@@ -35,9 +38,18 @@ pub(super) struct Outcome {
 pub(super) async fn story(store: &Store) -> anyhow::Result<Vec<String>> {
     let mut lines: Vec<(i64, String)> = Vec::new();
     for change in store.health_changes().await? {
-        let [was, becomes] = [&change.was, &change.becomes].map(|word| word.as_deref().unwrap_or("no fault"));
-        let line = format!("{}/{}/{}: {was} -> {becomes}", change.robot, change.array, change.whisker);
-        lines.push((change.recorded_us, line));
+        let becomes = match (&change.was, &change.becomes) {
+            (_, Some(word)) => in_words(word),
+            (Some(word), None) => format!("no longer {}", in_words(word)),
+            (None, None) => continue,
+        };
+        lines.push((change.recorded_us, format!("{}/{}/{}: {becomes}", change.robot, change.array, change.whisker)));
+    }
+    for alarm in store.all::<AlarmRow>(&ALARMS, Vec::new()).await? {
+        let place = [Some(alarm.robot), alarm.array, alarm.whisker.map(|whisker| whisker.to_string())];
+        let hint = guidance::of_word(&alarm.kind).map_or("", |guidance| guidance.hint);
+        let name: Vec<_> = place.into_iter().flatten().collect();
+        lines.push((alarm.raised_at.0, format!("{}: alarm, {}. {hint}", name.join("/"), in_words(&alarm.kind))));
     }
     for state in store.setpoint_history().await? {
         let line = format!(
@@ -48,6 +60,13 @@ pub(super) async fn story(store: &Store) -> anyhow::Result<Vec<String>> {
     }
     lines.sort_by_key(|(at_us, _)| *at_us);
     Ok(lines.into_iter().map(|(_, line)| line).collect())
+}
+
+/// The label of a condition, a fault or a kind of alarm.
+fn in_words(word: &str) -> String {
+    let label =
+        named::<Condition>(word).and_then(Words::label).or_else(|| named::<AlarmKind>(word).and_then(Words::label));
+    label.unwrap_or(word).to_owned()
 }
 
 /// Whether all incidents are detected.

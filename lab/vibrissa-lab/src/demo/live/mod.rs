@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use anyhow::Context;
 use tokio::sync::mpsc;
+use tokio::time::Instant;
 use vibrissa_host::random;
 use vibrissa_simulator::Fleet;
 use vibrissa_simulator::clock::now_us;
@@ -51,16 +52,25 @@ pub(super) async fn learn(store: &Store) -> anyhow::Result<()> {
 }
 
 /// Lets the robots touch in real time and carries out commands, until `quit` or Ctrl-C.
-pub(super) async fn run(service: &Service, fleet: &Fleet, incidents: &Incidents) -> anyhow::Result<()> {
+pub(super) async fn run(
+    service: &Service,
+    fleet: &Fleet,
+    incidents: &Incidents,
+    opens_browser: bool,
+) -> anyhow::Result<()> {
     for robot in fleet.robots() {
         robot.with(|robot| robot.touch_at_rate(CONTACTS_PER_SECOND / robot.whiskers().len() as f64, now_us()));
     }
+    let console = format!("http://{}/", service.http);
     incidents.open(fleet.robots(), &service.store, &service.action_notifier);
     println!(
         "\nThe robots go on touching, {CONTACTS_PER_SECOND} times a second each, until Ctrl-C.\n\
-         Console: http://{}/\nBreak a whisker on the page of a robot (\"Demo\"), or type here:\n{MENU}",
-        service.http
+         Console: {console}\nNext: type \"cut 5 whisker 2\", and open the console to see what follows. Or break a whisker there, on the page \
+         of a robot (\"Demo\").\n{MENU}",
     );
+    if opens_browser {
+        open(&console);
+    }
     let mut story = Story::from_now(&service.store).await?;
     let mut lines = Some(terminal::lines());
     let mut last: WhiskerName = FIRST_WHISKER.parse().map_err(anyhow::Error::msg)?;
@@ -90,6 +100,14 @@ pub(super) async fn run(service: &Service, fleet: &Fleet, incidents: &Incidents)
     }
 }
 
+/// Opens an address in the person's browser.
+fn open(address: &str) {
+    let program = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
+    if let Err(problem) = std::process::Command::new(program).arg(address).spawn() {
+        println!("{program} does not start ({problem}): open {address} yourself");
+    }
+}
+
 /// The next line; never without standard input.
 async fn next(lines: &mut Option<mpsc::Receiver<String>>) -> Option<String> {
     match lines {
@@ -103,8 +121,9 @@ fn asker() -> Asker {
     Asker { caller: Caller::local(), request_id: random::hex(), idempotency_key: None }
 }
 
-/// Prints events once.
+/// Prints events once, with the seconds since the robots touch in real time.
 struct Story {
+    begun: Instant,
     printed: usize,
     measured: Vec<i64>,
 }
@@ -112,16 +131,18 @@ struct Story {
 impl Story {
     /// The events from now on.
     async fn from_now(store: &Store) -> anyhow::Result<Self> {
-        let mut story = Self { printed: report::story(store).await?.len(), measured: Vec::new() };
+        let mut story =
+            Self { begun: Instant::now(), printed: report::story(store).await?.len(), measured: Vec::new() };
         story.measured(store).await?;
         Ok(story)
     }
 
     async fn tell(&mut self, store: &Store) -> anyhow::Result<()> {
         let lines = report::story(store).await?;
-        lines.iter().skip(self.printed).for_each(|line| println!("  {line}"));
+        let new = lines.iter().skip(self.printed).cloned().chain(self.measured(store).await?);
+        let seconds = self.begun.elapsed().as_secs_f64();
+        new.for_each(|line| println!("{seconds:6.1} s  {line}"));
         self.printed = self.printed.max(lines.len());
-        self.measured(store).await?.iter().for_each(|line| println!("  {line}"));
         Ok(())
     }
 
