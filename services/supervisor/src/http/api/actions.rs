@@ -30,8 +30,8 @@ pub(super) fn routes() -> OpenApiRouter<App> {
         .routes(routes!(refuse_whisker_test))
         .routes(routes!(hold_robot))
         .routes(routes!(release_robot))
-        .routes(routes!(approve))
-        .routes(routes!(refuse))
+        .routes(routes!(approve_compensation))
+        .routes(routes!(refuse_compensation))
 }
 
 /// A manual setpoint.
@@ -236,7 +236,7 @@ async fn of_compensation(
     ),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
-async fn approve(
+async fn approve_compensation(
     State(app): State<App>,
     Path(at): Path<CompensationPath>,
     asker: Asker,
@@ -256,7 +256,7 @@ async fn approve(
     ),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
-async fn refuse(
+async fn refuse_compensation(
     State(app): State<App>,
     Path(at): Path<CompensationPath>,
     asker: Asker,

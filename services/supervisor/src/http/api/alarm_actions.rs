@@ -21,7 +21,10 @@ use vibrissa_store::lists::actions::ActionRow;
 use vibrissa_store::time::Time;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(acknowledge)).routes(routes!(shelve)).routes(routes!(unshelve))
+    OpenApiRouter::new()
+        .routes(routes!(acknowledge_alarm))
+        .routes(routes!(shelve_alarm))
+        .routes(routes!(unshelve_alarm))
 }
 
 /// Longest time for which an alarm can be shelved, in µs (30 days), so that no alarm is forgotten.
@@ -102,7 +105,7 @@ async fn say(
     responses((status = 200, description = "The alarm is acknowledged", body = ActionRow)),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
-async fn acknowledge(
+async fn acknowledge_alarm(
     State(app): State<App>,
     Path(at): Path<AlarmPath>,
     asker: Asker,
@@ -123,7 +126,7 @@ async fn acknowledge(
     responses((status = 200, description = "The alarm is shelved", body = ActionRow)),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
-async fn shelve(
+async fn shelve_alarm(
     State(app): State<App>,
     Path(at): Path<AlarmPath>,
     asker: Asker,
@@ -142,7 +145,7 @@ async fn shelve(
     responses((status = 200, description = "The alarm is no longer shelved", body = ActionRow)),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
-async fn unshelve(
+async fn unshelve_alarm(
     State(app): State<App>,
     Path(at): Path<AlarmPath>,
     asker: Asker,

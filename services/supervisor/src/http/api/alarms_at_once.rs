@@ -23,7 +23,10 @@ use crate::http::moment::Moment;
 use crate::http::problem::Problem;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(acknowledge_all)).routes(routes!(shelve_all)).routes(routes!(unshelve_all))
+    OpenApiRouter::new()
+        .routes(routes!(acknowledge_alarms))
+        .routes(routes!(shelve_alarms))
+        .routes(routes!(unshelve_alarms))
 }
 
 /// The alarms that a request concerns.
@@ -156,7 +159,7 @@ async fn say(app: &App, asker: Asker, request: Request) -> Result<Json<AlarmsCha
     responses((status = 200, description = "The alarms", body = AlarmsChanged)),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
-async fn acknowledge_all(
+async fn acknowledge_alarms(
     State(app): State<App>,
     asker: Asker,
     Body(body): Body<AlarmsAtOnce>,
@@ -175,7 +178,7 @@ async fn acknowledge_all(
     responses((status = 200, description = "The alarms", body = AlarmsChanged)),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
-async fn shelve_all(
+async fn shelve_alarms(
     State(app): State<App>,
     asker: Asker,
     Body(body): Body<ShelfAtOnce>,
@@ -195,7 +198,7 @@ async fn shelve_all(
     responses((status = 200, description = "The alarms", body = AlarmsChanged)),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
-async fn unshelve_all(
+async fn unshelve_alarms(
     State(app): State<App>,
     asker: Asker,
     Body(body): Body<AlarmsAtOnce>,

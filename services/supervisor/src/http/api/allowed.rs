@@ -30,7 +30,7 @@ const BODY_BYTES_MAX: usize = 1024 * 1024;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
-        .routes(routes!(get_allowed, put_allowed, delete_allowed))
+        .routes(routes!(get_allowed_robots, put_allowed_robots, delete_allowed_robots))
         .layer(DefaultBodyLimit::max(BODY_BYTES_MAX))
 }
 
@@ -104,7 +104,7 @@ async fn in_force(app: &App, at: &FleetPath) -> Result<Option<AllowedReading>, P
         headers(("ETag" = String, description = "Version of the list"))
     ))
 )]
-async fn get_allowed(State(app): State<App>, Path(at): Path<FleetPath>) -> Result<Response, Problem> {
+async fn get_allowed_robots(State(app): State<App>, Path(at): Path<FleetPath>) -> Result<Response, Problem> {
     let reading = in_force(&app, &at).await?;
     let version = reading.as_ref().map_or(0, |reading| reading.version);
     let sorted = |names: Vec<String>| {
@@ -197,7 +197,7 @@ async fn set(
     responses((status = 200, description = "The list is set", body = ActionRow)),
     extensions(("x-required-role" = json!("ENGINEER")))
 )]
-async fn put_allowed(
+async fn put_allowed_robots(
     State(app): State<App>,
     Path(at): Path<FleetPath>,
     headers: HeaderMap,
@@ -225,7 +225,7 @@ async fn put_allowed(
     responses((status = 200, description = "The list is removed", body = ActionRow)),
     extensions(("x-required-role" = json!("ENGINEER")))
 )]
-async fn delete_allowed(
+async fn delete_allowed_robots(
     State(app): State<App>,
     Path(at): Path<FleetPath>,
     headers: HeaderMap,

@@ -23,7 +23,10 @@ use crate::http::page::{Page, list_query};
 use crate::http::problem::{Kind, Problem};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(list_bulk)).routes(routes!(get_bulk)).routes(routes!(stop_bulk))
+    OpenApiRouter::new()
+        .routes(routes!(list_bulk_actions))
+        .routes(routes!(get_bulk_action))
+        .routes(routes!(stop_bulk_action))
 }
 
 list_query! {
@@ -49,7 +52,7 @@ fn seen_by(caller: &Caller) -> Option<Filter> {
     get, path = "/v1/bulk-actions", tag = "actions", params(BulkQuery),
     responses((status = 200, description = "A page of requests", body = Page<BulkRow>))
 )]
-async fn list_bulk(
+async fn list_bulk_actions(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     listing: Listing,
@@ -94,7 +97,7 @@ async fn detail(app: &App, caller: &Caller, action_id: i64) -> Result<BulkDetail
     get, path = "/v1/bulk-actions/{action_id}", tag = "actions", params(BulkPath),
     responses((status = 200, description = "The request", body = BulkDetail))
 )]
-async fn get_bulk(
+async fn get_bulk_action(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     Path(at): Path<BulkPath>,
@@ -115,7 +118,7 @@ fn is_for_engineers(kind: &str) -> bool {
     responses((status = 200, description = "The request is stopped", body = BulkDetail)),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
-async fn stop_bulk(
+async fn stop_bulk_action(
     State(app): State<App>,
     Path(at): Path<BulkPath>,
     asker: Asker,

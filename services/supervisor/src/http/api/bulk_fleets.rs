@@ -25,7 +25,7 @@ use crate::http::extract::{Body, Path};
 use crate::http::problem::Problem;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(set_policies)).routes(routes!(activate_in_many))
+    OpenApiRouter::new().routes(routes!(set_policies)).routes(routes!(activate_calibration_in_fleets))
 }
 
 /// Most robots that are read to find their fleets.
@@ -142,7 +142,7 @@ async fn set_policies(
     responses((status = 200, description = "The fleets", body = Started)),
     extensions(("x-required-role" = json!("ENGINEER")))
 )]
-async fn activate_in_many(
+async fn activate_calibration_in_fleets(
     State(app): State<App>,
     Path(at): Path<CalibrationPath>,
     asker: Asker,

@@ -34,10 +34,10 @@ use vibrissa_store::lists::calibrations::{
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
-        .routes(routes!(list_calibrations, upload))
+        .routes(routes!(list_calibrations, upload_calibration))
         .routes(routes!(get_calibration))
-        .routes(routes!(get_use))
-        .routes(routes!(activate))
+        .routes(routes!(get_calibration_use))
+        .routes(routes!(activate_calibration))
 }
 
 /// Maximum number of rows of measurements.
@@ -216,7 +216,7 @@ fn fitted(measurements: &Measurements) -> Result<(Geometry, Vec<Measured>, Fit),
     responses((status = 201, description = "The calibration is stored", body = CalibrationDetail)),
     extensions(("x-required-role" = json!("ENGINEER")))
 )]
-async fn upload(
+async fn upload_calibration(
     State(app): State<App>,
     asker: Asker,
     Body(measurements): Body<Measurements>,
@@ -370,7 +370,7 @@ pub struct CalibrationUses {
     get, path = "/v1/calibrations/{calibration_id}/use", tag = "calibrations", params(CalibrationPath),
     responses((status = 200, description = "The fleets", body = CalibrationUses))
 )]
-async fn get_use(
+async fn get_calibration_use(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     Path(at): Path<CalibrationPath>,
@@ -426,7 +426,7 @@ pub struct ActivationPath {
     ),
     extensions(("x-required-role" = json!("ENGINEER")))
 )]
-async fn activate(
+async fn activate_calibration(
     State(app): State<App>,
     Path(at): Path<ActivationPath>,
     asker: Asker,

@@ -21,7 +21,10 @@ use vibrissa_store::webhooks::DEAD_LETTERS_MAX;
 use vibrissa_store::webhooks::dead::{DeadLetterRow, Fate};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(list_dead_letters)).routes(routes!(redeliver)).routes(routes!(discard))
+    OpenApiRouter::new()
+        .routes(routes!(list_dead_letters))
+        .routes(routes!(redeliver_dead_letters))
+        .routes(routes!(discard_dead_letters))
 }
 
 /// An event that a webhook has not taken after all attempts.
@@ -125,7 +128,7 @@ async fn settle(
     responses((status = 200, description = "They are about to be delivered", body = DeadLettersChanged)),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
-async fn redeliver(
+async fn redeliver_dead_letters(
     State(app): State<App>,
     asker: Asker,
     Path(at): Path<WebhookPath>,
@@ -142,7 +145,7 @@ async fn redeliver(
     responses((status = 200, description = "They are deleted", body = DeadLettersChanged)),
     extensions(("x-required-role" = json!("OPERATOR")))
 )]
-async fn discard(
+async fn discard_dead_letters(
     State(app): State<App>,
     asker: Asker,
     Path(at): Path<WebhookPath>,

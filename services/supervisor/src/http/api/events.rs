@@ -23,7 +23,7 @@ use crate::http::problem::{Kind, Problem};
 use vibrissa_store::events::{Position, StoredEvent};
 
 pub(super) fn routes() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(follow))
+    OpenApiRouter::new().routes(routes!(follow_events))
 }
 
 /// Interval at which the database is polled for changes written by other supervisors.
@@ -95,7 +95,7 @@ enum Standing {
     params(EventsQuery, ("Last-Event-ID" = Option<String>, Header, description = "ID of the last event received", pattern = "^[0-9]{1,18}\\.[0-9]{1,18}$")),
     responses((status = 200, description = "A stream of events; the data of each is an Event", body = LogEvent, content_type = "text/event-stream"))
 )]
-async fn follow(
+async fn follow_events(
     State(app): State<App>,
     Extension(caller): Extension<Caller>,
     Extension(credential): Extension<Credential>,

@@ -31,13 +31,13 @@ use crate::http::words::words;
 
 pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
-        .routes(routes!(start))
+        .routes(routes!(start_rollout))
         .routes(routes!(list_rollouts))
         .routes(routes!(get_rollout))
-        .routes(routes!(pause))
-        .routes(routes!(resume))
-        .routes(routes!(advance))
-        .routes(routes!(roll_back))
+        .routes(routes!(pause_rollout))
+        .routes(routes!(resume_rollout))
+        .routes(routes!(advance_rollout))
+        .routes(routes!(roll_back_rollout))
 }
 
 /// Level if the request states none.
@@ -112,7 +112,7 @@ async fn change(app: &App, at: &FleetPath, body: &mut NewRollout) -> Result<(&'s
     ),
     extensions(("x-required-role" = json!("ENGINEER")))
 )]
-async fn start(
+async fn start_rollout(
     State(app): State<App>,
     Path(at): Path<FleetPath>,
     asker: Asker,
@@ -245,11 +245,11 @@ macro_rules! orders {
 
 orders! {
     /// Pause a roll-out: robots stay as they are, and errors are not compared.
-    pause = "/v1/rollouts/{rollout_id}/pause", RolloutPause, "The roll-out is paused";
+    pause_rollout = "/v1/rollouts/{rollout_id}/pause", RolloutPause, "The roll-out is paused";
     /// Resume a paused roll-out.
-    resume = "/v1/rollouts/{rollout_id}/resume", RolloutResume, "The roll-out is running";
+    resume_rollout = "/v1/rollouts/{rollout_id}/resume", RolloutResume, "The roll-out is running";
     /// Advance a roll-out to its next stage, whatever the errors say. After the stage of 25 % the change is in force everywhere.
-    advance = "/v1/rollouts/{rollout_id}/advance", RolloutAdvance, "The next stage has begun";
+    advance_rollout = "/v1/rollouts/{rollout_id}/advance", RolloutAdvance, "The next stage has begun";
     /// Roll a change back: the changed robots get the fleet's policy and calibrations again. The roll-out ends.
-    roll_back = "/v1/rollouts/{rollout_id}/roll_back", RolloutBack, "The change is taken back";
+    roll_back_rollout = "/v1/rollouts/{rollout_id}/roll_back", RolloutBack, "The change is taken back";
 }
