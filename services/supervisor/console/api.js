@@ -77,13 +77,39 @@ export async function learn() {
   schemas = components?.schemas ?? {};
   const routes = new Map();
   for (const [path, item] of Object.entries(paths)) {
-    for (const method of Object.keys(item)) routes.set(`${method.toUpperCase()} ${shape(path)}`, item[method]);
+    for (const [word, operation] of Object.entries(item)) {
+      const method = word.toUpperCase();
+      routes.set(`${method} ${shape(path)}`, { ...operation, method, route: path });
+    }
   }
   served = routes;
 }
 
 function shape(path) {
   return path.replace(/\{[^}]*\}/g, "{}");
+}
+
+/** All operations of the service's document, in its order. */
+export function operations() {
+  return [...(served ?? [])].map(([, told]) => {
+    const content = (one) => Object.entries(one?.content ?? {})[0] ?? [];
+    const answers = Object.entries(told.responses).map(([status, one]) => {
+      const [type, { schema } = {}] = content(one);
+      return { status, description: one.description, type, schema };
+    });
+    return {
+      id: told.operationId,
+      method: told.method,
+      route: told.route,
+      subject: told.tags?.[0] ?? "others",
+      summary: told.summary ?? "",
+      description: told.description ?? "",
+      role: told["x-required-role"],
+      parameters: told.parameters ?? [],
+      body: content(told.requestBody)[1]?.schema,
+      answers,
+    };
+  });
 }
 
 /** Whether a route exists, for example `has("POST", "/v1/compensations/{}/approve")`. */

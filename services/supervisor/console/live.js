@@ -18,6 +18,7 @@ const SILENCE_MS = 60_000;
 export class Live {
   #onChange;
   #onState;
+  #onEvent;
   #state = "";
   #lastId = null;
   #retries = 0;
@@ -28,10 +29,14 @@ export class Live {
   #wake = null;
   #isListening = false;
 
-  /** `onChange()` is called after changes, `onState(state)` when the connection's state changes. */
-  constructor(onChange, onState) {
+  /**
+   * `onChange()` is called after changes, `onState(state)` when the connection's state changes, and `onEvent({ event, data })`
+   * for each event.
+   */
+  constructor(onChange, onState, onEvent) {
     this.#onChange = onChange;
     this.#onState = onState;
+    this.#onEvent = onEvent;
   }
 
   /** Starts, also again after a sign-in. */
@@ -129,7 +134,9 @@ export class Live {
     }
   }
 
-  #heard({ event, id }) {
+  #heard(told) {
+    const { event, id } = told;
+    this.#onEvent(told);
     if (id !== null) this.#lastId = id;
     if (event === "reset") this.#lastId = null;
     this.#gather();

@@ -6,6 +6,7 @@ import { h, morphChildren } from "./dom.js";
 import { Live } from "./live.js";
 import { mark } from "./marks.js";
 import { problemPanel } from "./notices.js";
+import { heard, startNotifications } from "./notify.js";
 import { badge, forget, identify, isKnown, isSession } from "./rights.js";
 import { find, navigation } from "./router.js";
 import { offersSignIn, signInForm, signOut, token } from "./session.js";
@@ -29,6 +30,7 @@ let isDirty = false;
 const live = new Live(
   () => refresh(),
   (state) => document.getElementById("connection").replaceChildren(mark(...STATES[state])),
+  heard,
 );
 
 /** Whether the page of an address is shown, in whatever state (search, order). */
@@ -134,6 +136,7 @@ addEventListener("hashchange", ({ oldURL, newURL }) => {
   if (pageOf(oldURL) !== pageOf(newURL)) document.querySelector("dialog")?.close();
   show(true);
 });
+startNotifications(document.getElementById("notifications"));
 startShortcuts(document.getElementById("shortcuts"));
 showZoneChoice(document.getElementById("zone"));
 onZone(() => refresh());

@@ -29,6 +29,8 @@ export const link = {
   rollout: (id) => `#/rollouts/${part(id)}`,
   policy: (fleet) => `#/policy/${part(fleet)}`,
   webhooks: () => "#/webhooks",
+  operations: () => "#/api",
+  operation: (id) => `#/api/${part(id)}`,
   webhook: (id) => `#/webhooks/${part(id)}`,
   alarm: (id) => `#/alarms?alarm_id=${part(id)}`,
 };

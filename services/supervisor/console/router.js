@@ -13,6 +13,8 @@ import compensations from "./pages/compensations.js";
 import fleet from "./pages/fleet.js";
 import fleets from "./pages/fleets.js";
 import nowhere from "./pages/nowhere.js";
+import operation from "./pages/operation.js";
+import operations from "./pages/operations.js";
 import policy from "./pages/policy.js";
 import robot from "./pages/robot.js";
 import rollout from "./pages/rollout.js";
@@ -48,6 +50,8 @@ const PAGES = [
   ["policy/:fleet", policy],
   ["webhooks", webhooks],
   ["webhooks/:id", webhook],
+  ["api", operations],
+  ["api/:id", operation],
 ];
 
 const MAIN = [

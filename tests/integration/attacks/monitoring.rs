@@ -33,7 +33,7 @@ async fn the_listener_for_monitoring_serves_nothing_else() {
         ("/readyz", 200),
         ("/metrics", 200),
         ("/", 404),
-        ("/docs/", 404),
+        ("/console/main.js", 404),
         ("/openapi.json", 404),
         ("/v1/whiskers", 404),
         ("/v1/events", 404),

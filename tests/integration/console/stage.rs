@@ -183,6 +183,8 @@ impl Stage {
             ("policy", "policy"),
             ("webhooks", "webhooks"),
             ("audit", "audit"),
+            ("api", "api"),
+            ("operation", "api/list_compensations"),
             ("nowhere", "no/such/page"),
         ];
         pages.into_iter().map(|(name, address)| (name, format!("#/{address}"))).collect()

@@ -14,11 +14,6 @@ pub mod client_address;
 mod completion;
 mod console;
 pub mod csv_rows;
-#[cfg(feature = "api-page")]
-mod docs;
-#[cfg(not(feature = "api-page"))]
-#[path = "no_docs.rs"]
-mod docs;
 pub mod document;
 pub mod extract;
 mod fleets;
@@ -342,7 +337,6 @@ pub fn router(app: App) -> (Router, Document) {
         .merge(sign_in::routes().route_layer(from_fn_with_state(app.access.clone(), guests::limit_sign_ins)))
         .route("/livez", get(health::livez))
         .with_state(app.clone())
-        .merge(docs::routes())
         .merge(console::routes());
     (around(router, &app), document)
 }

@@ -12,7 +12,7 @@ const PROXY_HEADERS: [&str; 3] = ["via", "forwarded", "x-real-ip"];
 
 /// Pages that links on other sites may open: they contain no data, and read their data from this origin. The identity
 /// provider leads back to `/auth/callback`, which requires the cookie of an attempt.
-const PAGES: [&str; 5] = ["/", "/docs", "/docs/", "/docs/index.html", "/auth/callback"];
+const PAGES: [&str; 2] = ["/", "/auth/callback"];
 
 /// Without a token, only a client on this machine that uses a local host name is admitted. A proxy would admit everyone
 /// who reaches it, and a foreign host name may belong to another site whose name resolves to loopback.

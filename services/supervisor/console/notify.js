@@ -1,0 +1,68 @@
+// Notifications of the browser about new alarms, while the console is open but not in sight. Each browser chooses for
+// itself; webhooks reach people whose console is closed.
+
+import { ALARM_KINDS, say } from "./words.js";
+
+const KEY = "vibrissa-notify";
+/** Alarms within this time make one notification. */
+const GATHER_MS = 3_000;
+/** Alarms that a notification names. */
+const NAMED_MAX = 3;
+
+const isOffered = () => typeof Notification === "function";
+
+function isOn() {
+  try {
+    return isOffered() && Notification.permission === "granted" && localStorage.getItem(KEY) === "on";
+  } catch {
+    return false;
+  }
+}
+
+let waiting = [];
+
+/** Takes an event of the service's stream; a new alarm that is more than a warning becomes a notification. */
+export function heard({ event, data }) {
+  if (event !== "change" || !isOn() || !document.hidden) return;
+  const { type, data: told } = JSON.parse(data);
+  if (type !== "ALARM_RAISED" || told.level === "WARNING") return;
+  if (!waiting.length) setTimeout(tell, GATHER_MS);
+  waiting.push(told);
+}
+
+function tell() {
+  const alarms = waiting;
+  waiting = [];
+  const line = ({ robot, array, whisker, alarm }) =>
+    `${robot}${array ? ` ${array} ${whisker}` : ""}: ${say(ALARM_KINDS, alarm.kind)}`;
+  const more = alarms.length > NAMED_MAX ? [`and ${alarms.length - NAMED_MAX} more`] : [];
+  const body = [...alarms.slice(0, NAMED_MAX).map(line), ...more].join("\n");
+  const title = alarms.length === 1 ? "New alarm" : `${alarms.length} new alarms`;
+  const shown = new Notification(title, { body, icon: "console/icon.svg", tag: "vibrissa-alarms" });
+  shown.onclick = () => {
+    focus();
+    location.hash = "#/alarms";
+    shown.close();
+  };
+}
+
+/** Makes a button that switches the notifications; a browser without them hides it. */
+export function startNotifications(button) {
+  button.hidden = !isOffered();
+  const show = () => {
+    button.setAttribute("aria-pressed", String(isOn()));
+    button.textContent = isOn() ? "Notifications of alarms: on" : "Notify me of alarms";
+  };
+  button.addEventListener("click", async () => {
+    const next = isOn() ? "off" : "on";
+    const answer = next === "on" ? await Notification.requestPermission() : "granted";
+    try {
+      localStorage.setItem(KEY, answer === "granted" ? next : "off");
+    } catch {
+      // A browser that stores nothing sends no notifications.
+    }
+    show();
+    if (answer === "denied") button.textContent = "This browser blocks notifications of this page";
+  });
+  if (isOffered()) show();
+}
