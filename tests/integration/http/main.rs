@@ -5,6 +5,7 @@
 mod access;
 mod alarms;
 mod alarms_at_once;
+mod board;
 mod bulk;
 mod contact_uses;
 mod document;
