@@ -117,8 +117,8 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
   }
 }
 
-/** The field that searches while somebody types. */
-export function searchField(state, hint, words = "Search") {
+/** The field that searches while somebody types. A bare one shows its hint alone. */
+export function searchField(state, hint, isBare = false) {
   let typing = 0;
   const start = (event) => {
     const q = event.target.value.trim();
@@ -129,7 +129,7 @@ export function searchField(state, hint, words = "Search") {
   return h(
     "label",
     { class: "tool" },
-    h("span", {}, words),
+    h("span", { class: isBare ? "unseen" : null }, isBare ? hint : "Search"),
     h("input", {
       id: "search",
       type: "search",
@@ -144,13 +144,13 @@ export function searchField(state, hint, words = "Search") {
 }
 
 /** A field with the options of a filter. */
-export function choiceField({ name, label, options, empty = "all" }, state) {
+export function choiceField({ name, label, options, empty = "all", isBare = false }, state) {
   const option = ([value, words]) => h("option", { value, selected: (state[name] ?? "") === value }, words);
   const choose = (event) => change({ [name]: event.target.value, cursor: null, at: null });
   return h(
     "label",
     { class: "tool" },
-    h("span", {}, label),
+    h("span", { class: isBare ? "unseen" : null }, label),
     h(
       "select",
       { id: `filter-${name}`, name, "data-of-address": true, onchange: choose },

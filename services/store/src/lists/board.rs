@@ -98,8 +98,8 @@ where
 }
 
 /// The statement of the worst whiskers: cut ones without a compensation, then faulty ones, worn ones and compensated ones, each by
-/// the length that is missing. Whiskers of a robot that is not heard have no fault of their own. Error and time are read for the
-/// few rows of the answer alone.
+/// the length that is missing. Whiskers of a robot that is not heard have no fault of their own. Connection, error and time
+/// are read for the few rows of the answer alone.
 fn worst<DB: Database>(filters: &[Filter], limit: i64) -> QueryBuilder<DB>
 where
     i64: for<'q> Encode<'q, DB> + Type<DB>,
@@ -108,15 +108,16 @@ where
     String: for<'q> Encode<'q, DB> + Type<DB>,
 {
     let mut sql = QueryBuilder::<DB>::new(concat!(
-        "SELECT q.fleet, q.robot, y.\"array\", q.whisker, connection, condition, fault, compensated_by, lost_mm, \
+        "SELECT p.fleet, p.robot, y.\"array\", q.whisker, ",
+        presence!("p"),
+        " AS connection, q.condition, q.fault, compensated_by, lost_mm, \
          (SELECT error FROM compensation_errors e WHERE e.compensation_id = q.compensated_by \
           ORDER BY recorded_us DESC, compensation_error_id DESC LIMIT 1) AS error, \
-         coalesce(CASE WHEN condition = 'TRIMMED' THEN \
+         coalesce(CASE WHEN q.condition = 'TRIMMED' THEN \
            (SELECT max(detected_us) FROM trims t WHERE t.whisker_id = q.whisker_id) END, \
           (SELECT max(raised_us) FROM alarms a WHERE a.whisker_id = q.whisker_id AND cleared_us IS NULL)) AS since \
-         FROM (SELECT r.fleet, r.robot, w.array_id, w.whisker_id, w.whisker, w.condition, w.fault, ",
-        presence!("r"),
-        " AS connection, c.served AS compensated_by, w.whole_length_mm - w.length_mm AS lost_mm, \
+         FROM (SELECT w.robot_id, w.array_id, w.whisker_id, w.whisker, w.condition, w.fault, \
+          c.served AS compensated_by, w.whole_length_mm - w.length_mm AS lost_mm, \
           CASE WHEN w.condition = 'TRIMMED' AND c.served IS NULL THEN 0 WHEN w.fault IS NOT NULL THEN 1 \
            WHEN w.condition <> 'TRIMMED' THEN 2 ELSE 3 END AS urgency \
           FROM whiskers w JOIN robots r ON r.robot_id = w.robot_id LEFT JOIN \
@@ -130,7 +131,10 @@ where
     ));
     push_filters(&mut sql, filters);
     sql.push(" ORDER BY urgency, lost_mm DESC, w.whisker_id LIMIT ").push_bind(limit);
-    sql.push(") q JOIN arrays y ON y.array_id = q.array_id ORDER BY urgency, lost_mm DESC, whisker_id");
+    sql.push(
+        ") q JOIN arrays y ON y.array_id = q.array_id JOIN robots p ON p.robot_id = q.robot_id \
+         ORDER BY urgency, lost_mm DESC, q.whisker_id",
+    );
     sql
 }
 

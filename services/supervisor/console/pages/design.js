@@ -13,7 +13,7 @@ const AT = "2026-11-29T03:04:05.000Z";
 
 const whisker = (whisker, more) => ({
   fleet: "hall-1",
-  robot: "crawler-with-a-long-name-that-is-never-broken-17",
+  robot: "crawler-with-a-long-name-17",
   array: "left",
   whisker,
   connection: "ONLINE",

@@ -105,8 +105,8 @@ export function boardTools(told) {
   return h(
     "form",
     { class: "tools", role: "search", "aria-label": "Find robots", onsubmit: (event) => event.preventDefault() },
-    searchField(state, "Search robots", "Search robots"),
-    by.length ? choiceField({ name: "by", label: "Groups", options: by, empty: "by fleet" }, state) : null,
+    searchField(state, "Search robots", true),
+    by.length ? choiceField({ name: "by", label: "Groups", options: by, empty: "by fleet", isBare: true }, state) : null,
     state.q || state.label || state.state
       ? h("a", { href: changed({ q: null, label: null, state: null }) }, "Show all")
       : null,

@@ -168,22 +168,24 @@ async fn get_board(
     filters.extend(Filter::labels("r.robot_id", query.label.as_ref().map(|LabelFilter(label)| label)));
     filters.extend(query.q.as_ref().map(|q| Filter::Contains(&["r.fleet", "r.robot", "r.model"], q.to_string())));
     let from_us = wall_clock().0 as i64 - HOUR_US * HOURS as i64;
-    let (rows, errors, hours) = tokio::join!(
+    let (rows, errors, hours, whiskers) = tokio::join!(
         app.store.board_robots(&filters),
         errors(&app, &filters),
-        app.store.changes_by_hour(&of_fleets, from_us)
+        app.store.changes_by_hour(&of_fleets, from_us),
+        app.store.worst_whiskers(&filters, WHISKERS_MAX)
     );
-    let (rows, errors, hours) = (rows?, errors?, hours?);
+    let (rows, errors, hours, mut whiskers) = (rows?, errors?, hours?, whiskers?);
 
     let by = query.by.as_ref().map(|LabelKeyText(key)| key.as_str());
     let (groups, group_of) = groups(&rows, by);
     let is_named = |row: &&BoardRow| query.state.is_none_or(|state| state_of(row).0 == state);
     let named: Vec<&BoardRow> = rows.iter().filter(is_named).collect();
     let folded = named.len() > NAMED_MAX;
+    // Which robots are in a state is known only now.
     if query.state.is_some() && !folded {
         filters.push(Filter::IsOneOfNumbers("r.robot_id", named.iter().map(|row| row.robot_id).collect()));
+        whiskers = app.store.worst_whiskers(&filters, WHISKERS_MAX).await?;
     }
-    let whiskers = app.store.worst_whiskers(&filters, WHISKERS_MAX).await?;
     let robot = |row: &BoardRow| {
         let (state, whiskers) = state_of(row);
         let group = group_of.get(&group(row, by)).copied().unwrap_or_default();
