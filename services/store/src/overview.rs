@@ -33,7 +33,7 @@ from_row! {
     pub struct HourOfChanges {
         /// Name of the kind, as in [`Changes`].
         pub kind: String,
-        /// Number of the hour, from 0 at the beginning of the time that was asked for.
+        /// Number of the hour, from 0 at the beginning of the span.
         pub hour: i64,
         /// Number of changes.
         pub changes: i64,

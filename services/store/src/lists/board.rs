@@ -56,7 +56,7 @@ from_row! {
         pub whisker: i64,
         /// Connection state of the robot.
         pub connection: String,
-        /// Mechanical condition.
+        /// Mechanical condition, such as `TRIMMED`.
         pub condition: String,
         /// Fault; null without one.
         pub fault: Option<String>,

@@ -141,7 +141,7 @@ pub struct BoardWhisker {
 /// Numbers of changes in each of the last 24 hours, the present hour last.
 #[derive(Debug, Default, Serialize, ToSchema)]
 pub struct BoardChanges {
-    /// Detected trims.
+    /// Trims that the supervisor detected.
     pub trims: [i64; HOURS],
     /// Alarms that were raised.
     pub alarms: [i64; HOURS],
