@@ -18,7 +18,7 @@ const ROBOTS: usize = 10_000;
 const REQUESTS: usize = 7;
 
 /// Requests: the name in the table, the path, and whether it is a page of a table.
-const PAGES: [(&str, &str, bool); 12] = [
+const PAGES: [(&str, &str, bool); 14] = [
     ("robots of a fleet", "/v1/robots?fleet=big&limit=50", true),
     ("robots by attention", "/v1/robots?sort=attention&limit=50", true),
     ("whiskers of a robot", "/v1/whiskers?fleet=big&robot=robot-5000&limit=50", true),
@@ -29,6 +29,8 @@ const PAGES: [(&str, &str, bool); 12] = [
     ("setpoints in a state", "/v1/setpoints?state=REJECTED&limit=50", true),
     ("alarms by urgency", "/v1/alarms?sort=urgency&limit=50", true),
     ("fleets", "/v1/fleets", true),
+    ("board of all robots", "/v1/board", true),
+    ("board of the faulty robots", "/v1/board?state=FAULTY", true),
     ("overview of all fleets", "/v1/overview", false),
     ("overview of a fleet", "/v1/overview?fleet=big", false),
 ];

@@ -213,6 +213,11 @@ impl Labels {
         self.0.remove(key.as_str()).is_some()
     }
 
+    /// Keys and values, by key.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().map(|(key, value)| (key.as_str(), value.as_str()))
+    }
+
     /// Value of a label; `None` without it.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&str> {

@@ -2,15 +2,12 @@
 //! a bounded number of rows by an index, so that it costs the same in a fleet of ten robots and of ten thousand.
 
 use serde::Serialize;
-use sqlx::postgres::PgRow;
-use sqlx::sqlite::SqliteRow;
-use sqlx::{Database, Encode, FromRow, Postgres, QueryBuilder, Sqlite, Type};
+use sqlx::{Database, Encode, FromRow, QueryBuilder, Type};
 use utoipa::ToSchema;
 
-use super::database::Either;
 use super::from_row::from_row;
 use super::list::{Filter, push_filters};
-use super::{Store, StoreError, failed};
+use super::{Store, StoreError};
 
 /// Most changes of a kind that are counted.
 pub const CHANGES_MAX: i64 = 100_000;
@@ -29,6 +26,17 @@ from_row! {
         pub alarms: i64,
         /// Number of whiskers that people marked as replaced.
         pub whiskers_replaced: i64,
+    }
+
+    /// Number of changes of a kind in an hour.
+    #[derive(Debug, Clone, PartialEq, Eq)]
+    pub struct HourOfChanges {
+        /// Name of the kind, as in [`Changes`].
+        pub kind: String,
+        /// Number of the hour, from 0 at the beginning of the span.
+        pub hour: i64,
+        /// Number of changes.
+        pub changes: i64,
     }
 
     /// Number of compensations whose error is in a bin.
@@ -96,18 +104,24 @@ from_row! {
     }
 }
 
-/// Each kind of change: its rows up to the time, and how to join them to the fleets' robots. Without filters nothing is joined:
-/// the changes are counted from an index alone.
-const CHANGES: [(&str, &str, &str); 4] = [
-    ("trims", "trims c WHERE c.detected_us >= ", OF_ROBOT),
-    ("setpoints_applied", "setpoints c WHERE c.state = 'APPLIED' AND c.issued_us >= ", OF_ROBOT),
+/// Each kind of change: its name, the column of its time, its rows up to the time, and how to join them to the fleets'
+/// robots. Without filters nothing is joined: the changes are counted from an index alone.
+const CHANGES: [(&str, &str, &str, &str); 4] = [
+    ("trims", "c.detected_us", "trims c WHERE c.detected_us >= ", OF_ROBOT),
+    ("setpoints_applied", "c.issued_us", "setpoints c WHERE c.state = 'APPLIED' AND c.issued_us >= ", OF_ROBOT),
     (
         "alarms",
+        "c.raised_us",
         "alarms c WHERE c.raised_us >= ",
         " AND coalesce(c.robot_id, (SELECT w.robot_id FROM whiskers w WHERE w.whisker_id = c.whisker_id)) \
          IN (SELECT r.robot_id FROM robots r WHERE true",
     ),
-    ("whiskers_replaced", "actions r WHERE r.kind = 'REPLACED' AND r.state = 'DONE' AND r.asked_us >= ", " AND (true"),
+    (
+        "whiskers_replaced",
+        "r.asked_us",
+        "actions r WHERE r.kind = 'REPLACED' AND r.state = 'DONE' AND r.asked_us >= ",
+        " AND (true",
+    ),
 ];
 /// The condition that the robot of a change is one of those that the filters select, which follow.
 const OF_ROBOT: &str = " AND c.robot_id IN (SELECT r.robot_id FROM robots r WHERE true";
@@ -121,15 +135,46 @@ where
     String: for<'q> Encode<'q, DB> + Type<DB>,
 {
     let mut sql = QueryBuilder::<DB>::new("SELECT ");
-    for (at, (name, rows, of_fleet)) in CHANGES.into_iter().enumerate() {
+    for (at, (name, _, rows, of_fleet)) in CHANGES.into_iter().enumerate() {
         sql.push(if at == 0 { "" } else { ", " }).push("(SELECT count(*) FROM (SELECT 1 AS one FROM ").push(rows);
-        sql.push_bind(from_us);
-        if !filters.is_empty() {
-            sql.push(of_fleet);
-            push_filters(&mut sql, filters);
-            sql.push(")");
-        }
-        sql.push(" LIMIT ").push_bind(CHANGES_MAX).push(") q) AS ").push(name);
+        push_changes(&mut sql, filters, from_us, of_fleet);
+        sql.push(" q) AS ").push(name);
+    }
+    sql
+}
+
+/// Appends the end of the statement of one kind of change: time, fleets and limit.
+fn push_changes<DB: Database>(sql: &mut QueryBuilder<DB>, filters: &[Filter], from_us: i64, of_fleet: &str)
+where
+    i64: for<'q> Encode<'q, DB> + Type<DB>,
+    f64: for<'q> Encode<'q, DB> + Type<DB>,
+    bool: for<'q> Encode<'q, DB> + Type<DB>,
+    String: for<'q> Encode<'q, DB> + Type<DB>,
+{
+    sql.push_bind(from_us);
+    if !filters.is_empty() {
+        sql.push(of_fleet);
+        push_filters(sql, filters);
+        sql.push(")");
+    }
+    sql.push(" LIMIT ").push_bind(CHANGES_MAX).push(")");
+}
+
+/// The statement of the changes since a time by hour; the filters concern the columns `r.fleet` and `r.robot_id`.
+fn changes_by_hour<DB: Database>(filters: &[Filter], from_us: i64) -> QueryBuilder<DB>
+where
+    i64: for<'q> Encode<'q, DB> + Type<DB>,
+    f64: for<'q> Encode<'q, DB> + Type<DB>,
+    bool: for<'q> Encode<'q, DB> + Type<DB>,
+    String: for<'q> Encode<'q, DB> + Type<DB>,
+{
+    let mut sql = QueryBuilder::<DB>::new("");
+    for (at, (name, time, rows, of_fleet)) in CHANGES.into_iter().enumerate() {
+        sql.push(if at == 0 { "SELECT '" } else { " UNION ALL SELECT '" }).push(name).push("' AS kind, (at_us - ");
+        sql.push_bind(from_us).push(") / 3600000000 AS hour, count(*) AS changes FROM (SELECT ").push(time);
+        sql.push(" AS at_us FROM ").push(rows);
+        push_changes(&mut sql, filters, from_us, of_fleet);
+        sql.push(" q GROUP BY 2");
     }
     sql
 }
@@ -181,21 +226,24 @@ where
 macro_rules! rows {
     ($store:expr, $what:literal, $statement:ident($($argument:expr),*)) => {
         match &$store.pool {
-            Either::Sqlite(pool) => {
-                let mut sql = $statement::<Sqlite>($($argument),*);
-                all::<_, SqliteRow, _>(sql.build_query_as().persistent(false).fetch_all(pool).await)
+            $crate::database::Either::Sqlite(pool) => {
+                let mut sql = $statement::<sqlx::Sqlite>($($argument),*);
+                let found = sql.build_query_as().persistent(false).fetch_all(pool).await;
+                $crate::overview::all::<_, sqlx::sqlite::SqliteRow, _>(found)
             }
-            Either::Postgres(pool) => {
-                let mut sql = $statement::<Postgres>($($argument),*);
-                all::<_, PgRow, _>(sql.build_query_as().persistent(false).fetch_all(pool).await)
+            $crate::database::Either::Postgres(pool) => {
+                let mut sql = $statement::<sqlx::Postgres>($($argument),*);
+                let found = sql.build_query_as().persistent(false).fetch_all(pool).await;
+                $crate::overview::all::<_, sqlx::postgres::PgRow, _>(found)
             }
         }
-        .map_err(failed($what))
+        .map_err($crate::failed($what))
     };
 }
+pub(crate) use rows;
 
 /// Names the row's type for the compiler.
-fn all<T, R, E>(found: Result<Vec<T>, E>) -> Result<Vec<T>, E>
+pub(crate) fn all<T, R, E>(found: Result<Vec<T>, E>) -> Result<Vec<T>, E>
 where
     R: sqlx::Row,
     T: for<'r> FromRow<'r, R>,
@@ -212,6 +260,15 @@ impl Store {
         let found: Vec<Changes> = rows!(self, "count the changes", changes(filters, from_us))?;
         let none = Changes { trims: 0, setpoints_applied: 0, alarms: 0, whiskers_replaced: 0 };
         Ok(found.into_iter().next().unwrap_or(none))
+    }
+
+    /// Numbers of changes since a time by hour; hours without changes are missing. The filters concern the columns
+    /// `r.fleet` and `r.robot_id`.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn changes_by_hour(&self, filters: &[Filter], from_us: i64) -> Result<Vec<HourOfChanges>, StoreError> {
+        rows!(self, "count the changes by hour", changes_by_hour(filters, from_us))
     }
 
     /// The newest measured errors of the compensations in force, counted in bins of a width; empty bins are missing. The

@@ -5,7 +5,7 @@ import { change, changed, pathOf, stateOf } from "./address.js";
 import { get } from "./api.js";
 import { h } from "./dom.js";
 import { csvLink } from "./save.js";
-import { table } from "./table.js";
+import { empty as nothingHere, table } from "./table.js";
 import { savedViews } from "./views.js";
 
 /** Rows of a page. */
@@ -24,29 +24,34 @@ const ASKED = new WeakMap();
  * `descends` makes the greatest value first at the first click.
  */
 export function browser({ route, what, filters = [], search = null, rows = ROWS }) {
-  const known = [...filters.map(({ name }) => name), "q", "sort", "order", "cursor"];
+  const known = [...filters.map(({ name }) => name), "q", "sort", "order", "cursor", "at"];
 
   return {
     /** Reads the page that the address asks for; `fixed` are parameters that the page itself sets. */
     async load(state, fixed = {}) {
       const asked = Object.fromEntries(Object.entries(state).filter(([name]) => known.includes(name)));
-      const query = { limit: rows, ...asked, ...fixed };
+      // The number of the first row is for people; the service knows the cursor alone.
+      const query = { limit: rows, ...asked, at: undefined, ...fixed };
       const page = await get(route, query);
       ASKED.set(page, [route, query]);
       return page;
     },
 
-    /** The tools, the table (or `body` for rows that are no table), and the links to other pages of the list. The page is one of `load`. */
-    view(page, { caption, columns, key, empty, body = null }) {
+    /**
+     * The tools, the table (or `body` for rows that are no table), and the links to other pages of the list. The page is one of
+     * `load`. Without a caption the table tells its rows, of `total` if no filter narrows them. `actions` stand beside the tools.
+     */
+    view(page, { caption, columns, key, empty, body = null, total = null, actions = null }) {
       const state = stateOf(location.hash);
       const isNarrowed = [...filters.map(({ name }) => name), "q"].some((name) => state[name]);
-      const nothing = isNarrowed ? `No ${what} match.` : empty;
+      const all = changed(Object.fromEntries(known.map((name) => [name, null])));
+      const nothing = isNarrowed ? nothingHere(`No ${what} match.`, [`Show all ${what}`, all]) : empty;
       return [
-        tools(page, state, isNarrowed),
+        tools(page, state, isNarrowed, actions),
         body && page.items.length
           ? body
           : table({
-              caption,
+              caption: caption ?? range(page, state, isNarrowed ? null : total),
               columns: (columns ?? []).map((column) => ({ ...column, heading: column.sort && heading(column, state) })),
               rows: page.items,
               key,
@@ -57,49 +62,36 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
     },
   };
 
-  function tools(page, state, isNarrowed) {
+  /** Which rows the page shows, and of how many if that is known: "2,088 whiskers, 51 to 100". */
+  function range({ items, next_cursor: next }, { at, cursor }, total) {
+    const first = cursor ? Number(at) : 1;
+    const last = first + items.length - 1;
+    const all = total ?? (next ? null : last);
+    const name = (many) => (many === 1 ? what.slice(0, -1) : what);
+    const many = all === null || !all ? what[0].toUpperCase() + what.slice(1) : `${all.toLocaleString("en")} ${name(all)}`;
+    const isWhole = !cursor && !next;
+    return isWhole || !first ? many : `${many}, ${first.toLocaleString("en")} to ${last.toLocaleString("en")}`;
+  }
+
+  function tools(page, state, isNarrowed, actions) {
     return h(
       "form",
       { class: "tools", role: "search", "aria-label": `Find ${what}`, onsubmit: (event) => event.preventDefault() },
-      search === null ? null : searchField(state),
-      filters.map((filter) => (filter.text ? textField(filter, state) : choice(filter, state))),
+      search === null ? null : searchField(state, search),
+      filters.map((filter) => (filter.text ? textField(filter, state) : choiceField(filter, state))),
       isNarrowed
         ? h("a", { href: changed(Object.fromEntries(known.map((name) => [name, null]))) }, "Show all")
         : null,
       page.items.length ? csvLink(...ASKED.get(page)) : null,
       savedViews(),
-    );
-  }
-
-  function searchField(state) {
-    let typing = 0;
-    const start = (event) => {
-      const q = event.target.value.trim();
-      clearTimeout(typing);
-      const path = pathOf(location.hash);
-      typing = setTimeout(() => pathOf(location.hash) === path && change({ q, cursor: null }), TYPING_MS);
-    };
-    return h(
-      "label",
-      { class: "tool" },
-      h("span", {}, "Search"),
-      h("input", {
-        id: "search",
-        type: "search",
-        name: "q",
-        maxlength: 100,
-        placeholder: search,
-        value: state.q ?? "",
-        "data-of-address": true,
-        oninput: start,
-      }),
+      actions,
     );
   }
 
   /** A field for a text that must match exactly. */
   function textField({ name, label, maxlength = 64, placeholder, title, suggestions, clean }, state) {
     const told = (text) => (clean ? clean(text) : text.trim());
-    const choose = (event) => change({ [name]: told(event.target.value), cursor: null });
+    const choose = (event) => change({ [name]: told(event.target.value), cursor: null, at: null });
     const id = `filter-${name}`;
     const listed = suggestions ? `${id}-suggestions` : null;
     const value = state[name] ?? "";
@@ -113,30 +105,58 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
     );
   }
 
-  function choice({ name, label, options, empty = "all" }, state) {
-    const option = ([value, words]) => h("option", { value, selected: (state[name] ?? "") === value }, words);
-    const choose = (event) => change({ [name]: event.target.value, cursor: null });
-    return h(
-      "label",
-      { class: "tool" },
-      h("span", {}, label),
-      h(
-        "select",
-        { id: `filter-${name}`, name, "data-of-address": true, onchange: choose },
-        [["", empty], ...options].map(option),
-      ),
-    );
-  }
-
   function pager(page, state) {
     if (!page.next_cursor && !state.cursor) return null;
+    const first = state.cursor ? Number(state.at ?? 1) : 1;
     return h(
       "nav",
       { class: "pager", "aria-label": `Pages of ${what}` },
-      state.cursor ? h("a", { href: changed({ cursor: null }) }, "First page") : null,
-      page.next_cursor ? h("a", { href: changed({ cursor: page.next_cursor }) }, "Next page") : null,
+      state.cursor ? h("a", { href: changed({ cursor: null, at: null }) }, "First page") : null,
+      page.next_cursor ? h("a", { href: changed({ cursor: page.next_cursor, at: first + page.items.length }) }, "Next page") : null,
     );
   }
+}
+
+/** The field that searches while somebody types. A bare one shows its hint alone. */
+export function searchField(state, hint, isBare = false) {
+  let typing = 0;
+  const start = (event) => {
+    const q = event.target.value.trim();
+    clearTimeout(typing);
+    const path = pathOf(location.hash);
+    typing = setTimeout(() => pathOf(location.hash) === path && change({ q, cursor: null, at: null }), TYPING_MS);
+  };
+  return h(
+    "label",
+    { class: "tool" },
+    h("span", { class: isBare ? "unseen" : null }, isBare ? hint : "Search"),
+    h("input", {
+      id: "search",
+      type: "search",
+      name: "q",
+      maxlength: 100,
+      placeholder: hint,
+      value: state.q ?? "",
+      "data-of-address": true,
+      oninput: start,
+    }),
+  );
+}
+
+/** A field with the options of a filter. */
+export function choiceField({ name, label, options, empty = "all", isBare = false }, state) {
+  const option = ([value, words]) => h("option", { value, selected: (state[name] ?? "") === value }, words);
+  const choose = (event) => change({ [name]: event.target.value, cursor: null, at: null });
+  return h(
+    "label",
+    { class: "tool" },
+    h("span", { class: isBare ? "unseen" : null }, label),
+    h(
+      "select",
+      { id: `filter-${name}`, name, "data-of-address": true, onchange: choose },
+      [["", empty], ...options].map(option),
+    ),
+  );
 }
 
 /** The heading of a column as a link that sorts by it, or turns its order round. */
@@ -150,12 +170,15 @@ function heading({ name, sort, descends = false, isDefault = false }, state) {
     order: isSorting ? (isDescending ? "descending" : "ascending") : null,
     content: h(
       "a",
-      { href: changed({ sort, order, cursor: null }) },
+      { href: changed({ sort, order, cursor: null, at: null }) },
       name,
       isSorting ? h("span", { "aria-hidden": "true" }, `\u00a0${arrow}`) : null,
     ),
   };
 }
+
+/** The number of rows that the filters select, if the page has all of them; otherwise null. */
+export const shownOf = (page, state) => (page.next_cursor || state.cursor ? null : page.items.length);
 
 /** Options of a filter from words of the API: `{ WORD: "label" }` or `{ WORD: ["label", ...] }`. */
 export function optionsOf(words) {

@@ -48,8 +48,16 @@ export function ago(at, now = Date.now()) {
   return unit ? relative.format(Math.trunc(seconds / unit[1]), unit[0]) : relative.format(seconds, "second");
 }
 
+const AGES = [
+  ["d", 86_400],
+  ["h", 3_600],
+  ["min", 60],
+  ["s", 1],
+];
+
 const DAY = { dateStyle: "medium" };
 const CLOCK = { timeStyle: "medium" };
+const SHORT = { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" };
 
 /** A moment in the console's time zone: "10:15:03 CET", with the date unless it is today. */
 export function moment(at) {
@@ -59,12 +67,24 @@ export function moment(at) {
   return `${clock} ${zoneName(when)}`;
 }
 
-/** A time and its age; the exact UTC time as tooltip. It breaks only between the two. */
+/** A time, short: the clock of today, or the day with hour and minute. The tooltip has all of it, with age and zone. */
 export function time(at) {
   if (!at) return NONE;
-  const [absolute, age] = [moment(at), `(${ago(at)})`].map((text) => text.replaceAll(" ", GAP));
-  return h("time", { datetime: at, title: `${at} (UTC)` }, `${absolute} ${age}`);
+  const when = new Date(at);
+  const isToday = dateFormat(DAY).format(when) === dateFormat(DAY).format(Date.now());
+  return stamped(at, isToday ? dateFormat(CLOCK).format(when) : dateFormat(SHORT).format(when));
 }
+
+/** The age of a time, short: "5 min". The tooltip has the time. */
+export function age(at, now = Date.now()) {
+  if (!at) return NONE;
+  const seconds = Math.max(0, Math.round((now - new Date(at).getTime()) / 1000));
+  const [many, unit] = AGES.map(([word, size]) => [Math.trunc(seconds / size), word]).find(([many]) => many > 0) ?? [0, "s"];
+  return stamped(at, `${many}${GAP}${unit}`);
+}
+
+const stamped = (at, words) =>
+  h("time", { datetime: at, title: `${moment(at)}, ${ago(at)}; ${at} (UTC)` }, words.replaceAll(" ", GAP));
 
 /** A value, or a dash for a missing one. */
 export const orNone = (value) => value ?? NONE;

@@ -5,22 +5,28 @@ import { learn } from "./api.js";
 import { h, morphChildren } from "./dom.js";
 import { Live } from "./live.js";
 import { mark } from "./marks.js";
+import { navigation, startMenu } from "./menu.js";
 import { problemPanel } from "./notices.js";
 import { heard, startNotifications } from "./notify.js";
+import { openAlarms } from "./parts/alarm-count.js";
 import { badge, forget, identify, isKnown, isSession } from "./rights.js";
-import { find, navigation } from "./router.js";
+import { find } from "./router.js";
 import { offersSignIn, signInForm, signOut, token } from "./session.js";
 import { startShortcuts } from "./shortcuts.js";
 import { showZoneChoice } from "./zone-choice.js";
 import { onZone } from "./zone.js";
 
 const main = document.getElementById("main");
+/** States of the connection: a word, tone and shape, and what else there is room for on a wide screen. */
 const STATES = {
-  live: ["live", "good", "circle"],
-  polling: ["live, polled every 2 seconds", "good", "circle"],
-  reconnecting: ["reconnecting", "warn", "dots"],
-  offline: ["offline: the page may be outdated", "bad", "gap"],
+  live: ["live", "good", "circle", ""],
+  polling: ["live", "good", "circle", ", polled every 2 seconds"],
+  reconnecting: ["reconnecting", "warn", "dots", ""],
+  offline: ["offline", "bad", "gap", ": the page may be outdated"],
 };
+
+/** Open alarms, null while their number is unknown. */
+let alarms = null;
 
 /** The present view; its number reveals answers that came too late. */
 let shown = { number: 0, page: null, parts: null };
@@ -29,7 +35,12 @@ let isDirty = false;
 
 const live = new Live(
   () => refresh(),
-  (state) => document.getElementById("connection").replaceChildren(mark(...STATES[state])),
+  (state) => {
+    const [words, tone, shape, more] = STATES[state];
+    const told = mark(words, tone, shape);
+    if (more) told.append(h("span", { class: "wide-only" }, more));
+    document.getElementById("connection").replaceChildren(told);
+  },
   heard,
 );
 
@@ -43,13 +54,14 @@ async function show(isNavigation) {
   const number = isNavigation ? shown.number + 1 : shown.number;
   if (isNavigation) {
     shown = { number, page, parts };
-    document.getElementById("nav").replaceChildren(navigation(address));
+    showAlarms(address);
     if (!isShown(address)) main.setAttribute("aria-busy", "true");
   }
   let content;
   try {
     await Promise.all([learn(), identify()]);
-    const data = await page.load(parts, state);
+    const [data, open] = await Promise.all([page.load(parts, state), openAlarms()]);
+    alarms = open;
     content = page.view(data, parts, refresh);
     live.told(true);
   } catch (problem) {
@@ -73,6 +85,14 @@ async function failed(problem, isNavigation) {
   return [h("h1", { tabindex: "-1" }, "Cannot show this page"), problemPanel(problem, () => show(true))];
 }
 
+/** Shows the menu of an address with the number of open alarms. */
+function showAlarms(address) {
+  morphChildren(document.getElementById("nav"), h("nav", {}, navigation(address, alarms)));
+  const count = document.getElementById("menu-count");
+  count.hidden = !alarms;
+  count.textContent = alarms ? alarms.toLocaleString("en") : "";
+}
+
 function put(content, address) {
   const next = h("main", {}, content);
   const isSameAddress = isShown(address);
@@ -81,7 +101,8 @@ function put(content, address) {
   else main.replaceChildren(...next.childNodes);
   main.removeAttribute("aria-busy");
   const heading = main.querySelector("h1");
-  document.title = `${heading?.textContent ?? ""} \u2013 vibrissa`;
+  document.title = `${alarms ? `(${alarms.toLocaleString("en")}) ` : ""}${heading?.textContent ?? ""} \u2013 vibrissa`;
+  showAlarms(address);
   document.getElementById("user").replaceChildren(...badge());
   document.getElementById("sign-out").hidden = token() === null && !isSession();
   // After a link, focus the heading, so that screen readers announce the new page. The first page has no predecessor. A refresh
@@ -137,6 +158,7 @@ addEventListener("hashchange", ({ oldURL, newURL }) => {
   show(true);
 });
 startNotifications(document.getElementById("notifications"));
+startMenu(document.getElementById("menu"));
 startShortcuts(document.getElementById("shortcuts"));
 showZoneChoice(document.getElementById("zone"));
 onZone(() => refresh());

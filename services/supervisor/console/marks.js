@@ -38,9 +38,9 @@ export function shapeOf(shape) {
   return s("svg", { viewBox: "0 0 16 16", "aria-hidden": "true", class: "shape" }, SHAPES[shape]?.() ?? SHAPES.ring());
 }
 
-/** A shape and words in a tone. */
+/** A shape and words in a tone; no shape if it is null. */
 export function mark(words, tone, shape) {
-  return h("span", { class: `mark ${tone}` }, shapeOf(shape), h("span", {}, words));
+  return h("span", { class: `mark ${tone}` }, shape === null ? null : shapeOf(shape), h("span", {}, words));
 }
 
 /** The mark for a word of the API. */

@@ -7,7 +7,7 @@ const part = encodeURIComponent;
 
 /** Addresses within the page. */
 export const link = {
-  fleets: () => "#/fleets",
+  fleets: (state = {}) => address("/fleets", state),
   fleet: (fleet) => `#/fleets/${part(fleet)}`,
   robot: ({ fleet, robot }) => `#/fleets/${part(fleet)}/robots/${part(robot)}`,
   whisker: ({ fleet, robot, array, whisker }) =>

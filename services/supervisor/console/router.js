@@ -1,7 +1,6 @@
 // Addresses within the page, and their views.
 
 import { pathOf, stateOf } from "./address.js";
-import { h } from "./dom.js";
 import alarms from "./pages/alarms.js";
 import audit from "./pages/audit.js";
 import bulkAction from "./pages/bulk-action.js";
@@ -54,18 +53,6 @@ const PAGES = [
   ["api/:id", operation],
 ];
 
-const MAIN = [
-  ["Fleets", "#/fleets", "fleets"],
-  ["Alarms", "#/alarms", "alarms"],
-  ["Whiskers", "#/whiskers", "whiskers"],
-  ["Compensations", "#/compensations", "compensations"],
-  ["What if", "#/what-if", "what-if"],
-  ["Calibrations", "#/calibrations", "calibrations"],
-  ["Policy", "#/policy", "policy"],
-  ["Webhooks", "#/webhooks", "webhooks"],
-  ["Audit", "#/audit", "audit"],
-];
-
 /** The view of an address, its parameters by name, and its state (search, filters, order). */
 export function find(hash) {
   const told = pathOf(hash).replace(/^\/?/, "").split("/");
@@ -75,8 +62,18 @@ export function find(hash) {
     const parts = match(pattern.split("/"), told);
     if (parts) return { page, parts, state };
   }
-  return { page: nowhere, parts: {}, state };
+  return { page: told.join("/") === "design" ? design : nowhere, parts: {}, state };
 }
+
+/** The page of all parts in all states. Only debug builds of the service have its file. */
+const design = {
+  async load(parts, state) {
+    const page = await import("./pages/design.js").then((module) => module.default, () => nowhere);
+    return { page, told: await page.load(parts, state) };
+  },
+
+  view: ({ page, told }, parts, refresh) => page.view(told, parts, refresh),
+};
 
 function match(pattern, told) {
   if (pattern.length !== told.length) return null;
@@ -94,14 +91,4 @@ function decoded(part) {
   } catch {
     return part;
   }
-}
-
-/** Links to the main pages; the present one is marked. */
-export function navigation(hash) {
-  const path = pathOf(hash);
-  const first = path.replace(/^\/?/, "").split("/")[0] || "fleets";
-  const current = (target, address) => (target !== first ? null : pathOf(address) === path ? "page" : "true");
-  const item = ([words, address, target]) =>
-    h("li", {}, h("a", { href: address, "aria-current": current(target, address) }, words));
-  return h("ul", {}, MAIN.map(item));
 }

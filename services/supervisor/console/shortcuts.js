@@ -2,21 +2,11 @@
 // slips of a finger may press single keys.
 
 import { h } from "./dom.js";
+import { BY_KEY } from "./menu.js";
 
 const KEY = "vibrissa-shortcuts";
 /** Time within which the second key must follow. */
 const PAIR_MS = 1_500;
-
-const PAGES = {
-  f: ["Fleets", "#/fleets"],
-  a: ["Alarms", "#/alarms"],
-  w: ["Whiskers", "#/whiskers"],
-  c: ["Compensations", "#/compensations"],
-  i: ["What if", "#/what-if"],
-  k: ["Calibrations", "#/calibrations"],
-  p: ["Policy", "#/policy"],
-  u: ["Audit", "#/audit"],
-};
 
 const isOn = () => {
   try {
@@ -42,11 +32,16 @@ let begunAt = -Infinity;
 /** Handles a key; it does nothing while somebody types, in a dialog, or with Ctrl, Alt or Meta. */
 function pressed(event) {
   const { key, target } = event;
+  if (key === "Escape" && target.id === "search") {
+    // The browser would empty the field.
+    event.preventDefault();
+    return void target.blur();
+  }
   if (event.ctrlKey || event.altKey || event.metaKey || event.isComposing || event.defaultPrevented) return;
   if (!isOn() || isTyping(target) || document.querySelector("dialog[open]")) return;
   const isSecond = event.timeStamp - begunAt < PAIR_MS;
   begunAt = -Infinity;
-  if (isSecond && PAGES[key]) location.hash = PAGES[key][1];
+  if (isSecond && BY_KEY[key]) location.hash = BY_KEY[key][1];
   else if (key === "g") begunAt = event.timeStamp;
   else if (key === "?") showShortcuts();
   else if (key === "/" && document.getElementById("search")) document.getElementById("search").focus();
@@ -61,8 +56,8 @@ export function showShortcuts() {
   const rows = [
     [keys("?"), "Show this list"],
     [keys("/"), "Search in the table of the page"],
-    ...Object.entries(PAGES).map(([key, [words]]) => [keys("g", key), words]),
-    [keys("Esc"), "Close a dialog"],
+    ...Object.entries(BY_KEY).map(([key, [words]]) => [keys("g", key), words]),
+    [keys("Esc"), "Leave the search, close a dialog or a menu"],
   ];
   const dialog = h(
     "dialog",

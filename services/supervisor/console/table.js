@@ -7,8 +7,8 @@ import { h } from "./dom.js";
  * A table. `columns` are `{ name, cell(row), numeric, head }`; a row's `head` cell names it. `heading` of a column,
  * `{ content, order }`, replaces its name. Without rows, `empty` is shown instead.
  */
-export function table({ caption, columns, rows, empty, key }) {
-  if (!rows.length) return h("p", { class: "empty" }, empty);
+export function table({ caption, columns, rows, empty: nothing, key }) {
+  if (!rows.length) return empty(nothing);
   const heading = ({ name, numeric, heading: told }) =>
     h(
       "th",
@@ -37,6 +37,17 @@ export function table({ caption, columns, rows, empty, key }) {
       h("thead", { role: "rowgroup" }, h("tr", { role: "row" }, columns.map(heading))),
       h("tbody", { role: "rowgroup" }, rows.map(line)),
     ),
+  );
+}
+
+/** Words where nothing is to be shown, and `[words, address]` of a button that leads on. Elements are shown as they are. */
+export function empty(told, button) {
+  if (told instanceof Node) return told;
+  return h(
+    "div",
+    { class: "nothing-here" },
+    h("p", { class: "empty" }, told),
+    button ? h("a", { class: "button", href: button[1] }, button[0]) : null,
   );
 }
 

@@ -38,6 +38,20 @@ export const FAULTS = marked(declared.FAULTS, { STALE: "clock", LEAK: "drop", SU
 
 export const CONNECTIONS = marked(declared.CONNECTIONS, { CONNECTION_BROKEN: "gap", SILENT: "clock" });
 
+/** States of a robot on the board, the worst first: words, tone and the letter of its tile. */
+export const ROBOT_STATES = {
+  UNCOMPENSATED: ["trimmed, not compensated", "bad", "X"],
+  FAULTY: ["faulty", "bad", "F"],
+  CONNECTION_BROKEN: ["connection broken", "bad", "B"],
+  SILENT: ["silent", "bad", "S"],
+  ALARM: ["other alarm", "warn", "A"],
+  WORN: ["worn or suspected", "warn", "W"],
+  OFFLINE: ["offline", "off", "O"],
+  COMPENSATED: ["trimmed, compensated", "info", "C"],
+  LEARNING: ["being learned", "info", "L"],
+  HEALTHY: ["healthy", "good", "\u00b7"],
+};
+
 export const SETPOINT_STATES = marked(declared.SETPOINT_STATES, { EXPIRED: "clock" });
 
 export const TEST_STATES = marked(declared.TEST_STATES, { EXPIRED: "clock" });

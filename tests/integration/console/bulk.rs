@@ -55,7 +55,7 @@ async fn looks_right(stage: &mut Stage, name: &str) {
 async fn all_24_robots_shown_are_held_after_a_dry_run_and_their_progress_is_shown() {
     let (mut stage, _robots) = many().await;
     stage.open("#/fleets/f?label=hall%3D2").await;
-    press(&mut stage, "Hold all shown").await;
+    press(&mut stage, "Hold 24 robots").await;
     let text = words(&mut stage, DIALOG).await;
     for part in ["Hold 24 robots", "f, many-000", "f, many-023", "Pressures do not change"] {
         assert!(text.contains(part), "{part}: {text}");
@@ -70,13 +70,13 @@ async fn all_24_robots_shown_are_held_after_a_dry_run_and_their_progress_is_show
     let robots: Value = serde_json::from_str(&robots).unwrap();
     assert_eq!(robots["items"].as_array().unwrap().len(), ROBOTS);
     // The same question again finds nothing more to hold.
-    press(&mut stage, "Hold all shown").await;
+    press(&mut stage, "Hold 24 robots").await;
     assert!(words(&mut stage, DIALOG).await.contains("Hold no robots"));
     stage.browser.press("Escape").await;
     // A whisker of a held robot cannot be released alone, and the page says so.
     stage.open("#/whiskers?label=hall&q=many-003").await;
     stage.browser.until("the page", "document.querySelector('h1').textContent === 'Whiskers'").await;
-    press(&mut stage, "Release all shown").await;
+    press(&mut stage, "Release 2 whiskers").await;
     assert!(words(&mut stage, DIALOG).await.contains("Release 2 whiskers"));
     stage.browser.js(&format!("{DIALOG}.querySelector('form').requestSubmit()")).await;
     stage.browser.until("they are refused", &format!("{notice}.includes('0 of 2 done, 2 refused: ROBOT_HELD')")).await;

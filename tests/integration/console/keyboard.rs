@@ -6,10 +6,10 @@ use serde_json::json;
 
 use crate::stage::Stage;
 
-/// Names of all usable elements. A name stays the same when news draw the element again, or add others with other texts.
+/// Names of all usable elements, of which a board of tiles is one. A name stays the same when news draw the element again, or add others with other texts.
 const USABLE: &str = "(() => { \
     window.named = () => { const seen = new Map(); return [...document.querySelectorAll('a[href], button, input, select, textarea, summary')] \
-    .filter((one) => one.getClientRects().length && one.checkVisibility() && !one.disabled) \
+    .filter((one) => one.tabIndex >= 0 && one.getClientRects().length && one.checkVisibility() && !one.disabled) \
     .map((one) => { const kind = [one.localName, one.id, one.getAttribute('href'), one.name, one.type, \
             one.localName === 'button' ? one.textContent : ''].join(' '); \
         seen.set(kind, (seen.get(kind) ?? 0) + 1); return [`${kind} ${seen.get(kind)}`, one]; }); }; \

@@ -4,11 +4,13 @@
 
 mod alarms;
 mod axe;
+mod board;
 mod browser;
 mod browsing;
 mod bulk;
 mod charts;
 mod checks;
+mod design;
 mod following;
 mod incidents;
 mod interface;

@@ -39,18 +39,18 @@ pub(crate) async fn upload(stage: &mut Stage, model: &str, content: &str) {
 }
 
 #[tokio::test]
-async fn the_overview_shows_arrays_errors_and_changes_with_links() {
+async fn the_board_shows_robots_errors_and_changes_with_links() {
     let mut stage = with_a_compensation().await;
     let overview = ask(stage.service.http, "GET", "/v1/overview", &[]).await.unwrap().json();
     for page in ["#/fleets", "#/fleets/f"] {
         stage.open(page).await;
-        let links = "[...document.querySelectorAll('.arrays a')].map((one) => one.getAttribute('href')).sort()";
+        let links = "[...document.querySelectorAll('a.tile')].map((one) => one.getAttribute('href')).sort()";
         assert_eq!(stage.browser.js(links).await, json!(["#/fleets/f/robots/r", "#/fleets/f/robots/wide"]), "{page}");
-        // Sign and colour of the cut whisker, beside words that say the same.
-        let cut = "document.querySelectorAll('.arrays a[href$=\"/r\"] .one.info .shape').length";
-        assert_eq!(stage.browser.js(cut).await, json!(1), "{page}");
-        let words = "document.querySelector('.arrays a[href$=\"/r\"] .what').textContent";
-        assert!(stage.browser.js(words).await.as_str().unwrap().contains("left 0 trimmed"), "{page}");
+        // Letter and colour of the robot with the cut whisker, and words that say the same.
+        let tile = "document.querySelector('a.tile[href$=\"/r\"]')";
+        assert_eq!(stage.browser.js(&format!("{tile}.querySelector('.letter').textContent")).await, "C", "{page}");
+        let words = stage.browser.js(&format!("{tile}.ariaLabel")).await;
+        assert!(words.as_str().unwrap().contains("trimmed, compensated: 1 whisker"), "{page}: {words}");
         let counts = "[...document.querySelectorAll('.changes strong')].map((one) => Number(one.textContent))";
         let expected = ["trims", "alarms", "setpoints_applied", "whiskers_replaced"].map(|name| overview[name].clone());
         assert_eq!(stage.browser.js(counts).await, json!(expected), "{page}");
@@ -173,9 +173,19 @@ async fn keys_lead_to_pages_and_to_the_search_but_not_while_typing() {
         stage.browser.press(key).await;
         stage.browser.until(hash, &format!("location.hash === '{hash}'")).await;
     }
+    // Each page of the menu has a key, and the list of shortcuts names it.
+    let keys = "import('/console/menu.js').then(({ BY_KEY }) => Object.values(BY_KEY).map(([, address]) => address))";
+    let known = stage.browser.js(keys).await;
+    let menu = stage.browser.js("[...document.querySelectorAll('#nav a')].map((one) => one.hash)").await;
+    let menu = menu.as_array().unwrap();
+    assert!(menu.len() > 8 && menu.iter().all(|page| known.as_array().unwrap().contains(page)), "{menu:?} {known}");
     stage.open("#/whiskers").await;
     stage.browser.press("/").await;
     assert_eq!(stage.browser.js("document.activeElement.id").await, "search");
+    // Esc leaves the field, and keeps its text.
+    stage.browser.press("Escape").await;
+    assert_eq!(stage.browser.js("document.activeElement === document.body").await, true);
+    stage.browser.press("/").await;
     // In the field the same keys are text.
     stage.browser.press("g").await;
     stage.browser.press("a").await;

@@ -17,13 +17,12 @@ const LOOK: &str = include_str!("look.js");
 /// Beginning of the comment in the PNG file: its keyword, no compression, no language.
 const KEYWORD: &[u8] = b"vibrissa-look\0\0\0\0\0";
 /// The parts of the page that are in the picture.
-const PARTS: [&str; 8] = [
+const PARTS: [&str; 7] = [
     "body > header",
     "main > .trail",
-    "main > h1",
+    "main > .headline",
     "main > .marks",
     "main > .facts",
-    "main > .buttons",
     "main > section:nth-of-type(1)",
     "main > section:nth-of-type(2)",
 ];

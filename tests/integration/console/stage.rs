@@ -17,7 +17,7 @@ use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
 use vibrissa_supervisor::webhooks::{Pace, WebhookOptions};
 use vibrissa_tests::robot::{HandRobot, array};
-use vibrissa_tests::wait::until_true;
+use vibrissa_tests::wait::{PATIENCE, until_true};
 use vibrissa_tests::web::try_get;
 
 use crate::browser::Browser;
@@ -84,6 +84,24 @@ impl Stage {
         let file = SqliteConnectOptions::new().filename(self.folder.path().join("vibrissa.sqlite3"));
         let mut link = file.connect().await.unwrap();
         sqlx::query_scalar("SELECT hex(sealed) FROM console_sessions").fetch_one(&mut link).await.unwrap()
+    }
+
+    /// Writes robots `more-1`, `more-2` .. of fleet `f` into the database, without any that connects. They are in ten halls by
+    /// their label, and no state is stored that a supervisor could load.
+    pub(crate) async fn crowd(&self, robots: u32) {
+        let file = SqliteConnectOptions::new().filename(self.folder.path().join("vibrissa.sqlite3"));
+        let mut link = file.busy_timeout(PATIENCE).connect().await.unwrap();
+        for (into, values) in [
+            (
+                "robots(robot_id, fleet, robot, connection, model, updated_us, labels)",
+                "1000 + i, 'f', 'more-' || i, 'ONLINE', 'm', 1, 'hall=' || i % 10",
+            ),
+            ("arrays(array_id, robot_id, \"array\", array_type, whiskers)", "1000 + i, 1000 + i, 'left', 'TYPE_1', 1"),
+        ] {
+            let numbers = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < $1)";
+            let sql = format!("{numbers} INSERT INTO {into} SELECT {values} FROM n");
+            sqlx::query(sqlx::AssertSqlSafe(sql)).bind(robots).execute(&mut link).await.unwrap();
+        }
     }
 
     async fn on(http: HttpOptions, access: AccessOptions, change: impl FnOnce(&mut Params)) -> Self {

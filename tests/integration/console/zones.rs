@@ -23,11 +23,11 @@ async fn choose(stage: &mut Stage, zone: &str) {
     stage.browser.until("the page is shown again", &format!("Number(main.dataset.shows) > {shows}")).await;
 }
 
-/// Waits until every time on the page, and the range of its charts, names the zone.
+/// Waits until every time on the page names the zone in its tooltip, and the range of the charts in its text.
 async fn all_name(stage: &mut Stage, name: &str) {
     let times = "[...document.querySelectorAll('main time')]";
     let texts = format!(
-        "{times}.length > 2 && {times}.every((one) => one.textContent.includes('{name}')) \
+        "{times}.length > 2 && {times}.every((one) => one.title.includes('{name}')) \
          && document.querySelector('.toolbar .hint').textContent.includes('{name} to ')"
     );
     stage.browser.until(name, &texts).await;

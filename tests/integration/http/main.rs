@@ -6,6 +6,7 @@ mod access;
 mod alarms;
 mod alarms_at_once;
 mod assistant;
+mod board;
 mod bulk;
 mod contact_uses;
 mod document;

@@ -3,6 +3,7 @@
 pub mod actions;
 pub mod alarms;
 pub mod black_boxes;
+pub mod board;
 pub mod bulk;
 pub mod calibrations;
 pub mod compensations;

@@ -41,7 +41,7 @@ export default {
 
   view(data) {
     const heading = h("h1", { tabindex: "-1" }, "Bulk actions");
-    if (!data) return [heading, h("p", { class: "empty" }, "This service offers no actions on many.")];
+    if (!data) return [heading, h("p", { class: "empty" }, "This service offers no bulk actions.")];
     return [
       trail(["Audit", link.audit()]),
       heading,

@@ -1,14 +1,14 @@
 // A fleet with its robots, those that need attention first.
 
 import { get, has } from "../api.js";
-import { browser, optionsOf } from "../browse.js";
+import { browser, optionsOf, shownOf } from "../browse.js";
 import { h } from "../dom.js";
-import { count, time } from "../format.js";
+import { age, count } from "../format.js";
 import { markOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
+import { board, boardOf } from "../parts/board.js";
 import { robotsActions } from "../parts/bulk.js";
 import { LABEL_COLUMN, LABEL_FILTER } from "../parts/labels.js";
-import { hasOverview, overview, OVERVIEW } from "../parts/overview.js";
 import { proposals, proposalsOf } from "../parts/proposals.js";
 import { trail } from "../table.js";
 import { CONNECTIONS } from "../words.js";
@@ -47,7 +47,7 @@ const COLUMNS = [
     cell: (row) => `${row.whiskers_healthy} of ${row.whiskers} healthy, in ${count(row.arrays, "array")}`,
   },
   LABEL_COLUMN,
-  { name: "Last message", cell: (row) => time(row.updated_at) },
+  { name: "Last message", cell: (row) => age(row.updated_at) },
 ];
 
 /** The filters of the address as conditions of an action on many. */
@@ -62,7 +62,7 @@ export default {
       get(api.fleet(fleet)),
       robots.load(state, { fleet }),
       proposalsOf({ fleet }),
-      hasOverview() ? get(OVERVIEW, { fleet }) : null,
+      boardOf({ ...state, label: undefined, q: undefined }, fleet),
     ]);
     return { about, page, waiting, told, state };
   },
@@ -85,12 +85,12 @@ export default {
         has("GET", ROUTES.policy) ? h("a", { href: link.policy(fleet) }, "Policy") : null,
       ),
       proposals(waiting, refresh),
-      overview(told, fleet),
-      page.items.length ? robotsActions(filterOf(fleet, state), refresh) : null,
+      about.robots ? board(told, { fleet }) : null,
       robots.view(page, {
-        caption: "Robots",
         columns: COLUMNS,
         key: (row) => `robot-${row.robot}`,
+        total: about.robots,
+        actions: page.items.length ? robotsActions(filterOf(fleet, state), shownOf(page, state), refresh) : null,
         empty: "No robot of this fleet is known yet.",
       }),
     ];

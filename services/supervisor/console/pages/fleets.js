@@ -1,74 +1,60 @@
-// All fleets, those that need attention first.
+// The first page: how all robots are, in one look.
 
-import { get, list } from "../api.js";
+import { list } from "../api.js";
 import { h } from "../dom.js";
 import { count } from "../format.js";
 import { mark } from "../marks.js";
-import { link } from "../places.js";
-import { hasOverview, overview, OVERVIEW } from "../parts/overview.js";
+import { board, boardOf, boardTools, verdict } from "../parts/board.js";
 import { proposals, proposalsOf } from "../parts/proposals.js";
 import { readiness, shortcomings } from "../parts/readiness.js";
+import { empty } from "../table.js";
 
 export default {
-  async load() {
+  async load(_, state) {
     const [fleets, waiting, told, ready] = await Promise.all([
       list("/v1/fleets", { sort: "attention", order: "descending" }),
       proposalsOf({}),
-      hasOverview() ? get(OVERVIEW) : null,
+      boardOf(state),
       readiness(),
     ]);
     return { fleets, waiting, told, ready };
   },
 
   view({ fleets, waiting, told, ready }, _, refresh) {
+    const left = fleets.filter((fleet) => !fleet.supervised);
+    const of = new Map(fleets.map((fleet) => [fleet.fleet, fleet]));
     return [
-      h("h1", { tabindex: "-1" }, "Fleets"),
-      h("p", { class: "summary" }, summary(fleets)),
+      h(
+        "div",
+        { class: "headline" },
+        h("h1", { tabindex: "-1" }, "Fleets"),
+        fleets.length ? h("p", { class: "summary" }, summary(fleets, told)) : null,
+        fleets.length ? boardTools(told) : null,
+      ),
       shortcomings(ready),
+      left.length
+        ? h("p", { class: "marks" }, left.slice(0, 5).map((fleet) => mark(`no supervisor of ${fleet.fleet}`, "bad", "gap")))
+        : null,
       proposals(waiting, refresh),
       fleets.length
-        ? h("ul", { class: "cards" }, fleets.map(card))
-        : h(
-            "p",
-            { class: "empty" },
-            "No fleet is known yet. Start the service with --fleet to supervise one.",
-          ),
-      fleets.length ? overview(told) : null,
+        ? board(told, { more: (group) => of.has(group) && !of.get(group).supervised && mark("no supervisor now", "bad", "gap") })
+        : empty("No fleet is known yet. Start the service with --fleet and a name, and let a robot connect."),
     ];
   },
 };
 
-function summary(fleets) {
-  const troubled = fleets.filter((fleet) => fleet.attention > 0).length;
-  if (!fleets.length) return "";
-  const alarms = shelved(fleets.reduce((sum, fleet) => sum + fleet.alarms_shelved, 0), " ", ".");
-  if (troubled) return `${count(troubled, "fleet")} of ${fleets.length} ${troubled === 1 ? "needs" : "need"} attention.`;
-  return fleets.some(isTroubled) ? `No alarm waits, but not all whiskers are well.${alarms}` : `Nothing needs attention.${alarms}`;
+function summary(fleets, told) {
+  const [alarms, shelved] = ["alarms", "alarms_shelved"].map((name) => fleets.reduce((sum, fleet) => sum + fleet[name], 0));
+  const open = alarms ? ` ${count(alarms, "alarm")[0].toUpperCase()}${count(alarms, "alarm").slice(1)} open` : " No alarms are open";
+  return `${told ? verdict(told) : ""}${open}${shelved ? `, ${count(shelved, "alarm")} shelved` : ""}.`;
 }
 
 /** Whether whiskers are out of order, although perhaps no alarm says so any more. */
 const isTroubled = (row) => row.whiskers_uncompensated > 0 || row.whiskers_faulty > 0;
 
-/** Words for alarms that people have shelved: what they concern is still there. */
-const shelved = (alarms, before, after) => (alarms ? `${before}${count(alarms, "alarm")} ${alarms === 1 ? "is" : "are"} shelved${after}` : "");
-
 /** How many robots are there, in words. */
 export const present = (fleet) =>
   `${count(fleet.robots, "robot")}, ${fleet.robots_online} online${fleet.robots_silent ? `, ${fleet.robots_silent} silent` : ""}`;
-
-function card(fleet) {
-  return h(
-    "li",
-    { class: "card", "data-key": `fleet-${fleet.fleet}` },
-    h("h2", {}, h("a", { href: link.fleet(fleet.fleet) }, fleet.fleet)),
-    h("p", { class: "marks" }, supervision(fleet), health(fleet)),
-    h(
-      "p",
-      {},
-      `${present(fleet)}. ${count(fleet.whiskers, "whisker")[0].toUpperCase()}${count(fleet.whiskers, "whisker").slice(1)}, ${fleet.whiskers_healthy} healthy.`,
-    ),
-  );
-}
 
 /** The mark for a fleet's supervisor. */
 export function supervision(fleet) {
@@ -81,7 +67,8 @@ export function supervision(fleet) {
 export function health(row) {
   const marks = [
     row.whiskers_uncompensated && mark(`${row.whiskers_uncompensated} trimmed, not compensated`, "bad", "stump"),
-    row.whiskers_faulty && mark(count(row.whiskers_faulty, "faulty whisker"), "bad", "cross"),
+    // The whiskers of a silent robot have no fault of their own.
+    row.whiskers_faulty && row.connection !== "SILENT" && mark(count(row.whiskers_faulty, "faulty whisker"), "bad", "cross"),
     row.whiskers_compensated && mark(`${row.whiskers_compensated} trimmed, compensated`, "info", "propped"),
     row.whiskers_worn && mark(`${row.whiskers_worn} worn or suspected`, "warn", "slope"),
     row.whiskers_learning && mark(`${row.whiskers_learning} being learned`, "info", "dots"),

@@ -10,7 +10,8 @@ import { api, link } from "../places.js";
 import { boxesOf, boxesTable } from "../parts/boxes.js";
 import { decisionsTable } from "../parts/decisions.js";
 import { incidents } from "../parts/incidents.js";
-import { robotLabels } from "../parts/labels.js";
+import { labelActions, labelChips } from "../parts/labels.js";
+import { firstAndMenu } from "../parts/menu.js";
 import { notesOf, robotNotes } from "../parts/notes.js";
 import { proposals } from "../parts/proposals.js";
 import { refusalsOf, refusalsPart } from "../parts/refusals.js";
@@ -39,18 +40,21 @@ export default {
     const running = decided.filter((one) => one.compensator_whisker !== null);
     const without = decided.filter((one) => one.compensator_whisker === null);
     const arrays = Map.groupBy(whiskers, (whisker) => whisker.array);
-    const actions = robotActions(about, refresh);
     return [
       trail(["Fleets", link.fleets()], [`Fleet ${fleet}`, link.fleet(fleet)]),
-      h("h1", { tabindex: "-1" }, `Robot ${robot}`),
+      h(
+        "div",
+        { class: "headline" },
+        h("h1", { tabindex: "-1" }, `Robot ${robot}`),
+        firstAndMenu([...robotActions(about, refresh), ...labelActions(about, refresh)]),
+      ),
       h("p", { class: "marks" }, markOf(CONNECTIONS, about.connection), health(about)),
       facts([
         ["Model", about.model],
         ["Last message", time(about.updated_at)],
+        ["Labels", h("div", { class: "of-labels" }, labelChips(about.labels))],
         ["Whiskers", `${count(about.whiskers, "whisker")}, ${about.whiskers_healthy} healthy`],
       ]),
-      actions.length ? h("div", { class: "buttons" }, actions) : null,
-      robotLabels(about, refresh),
       incidents(whiskers, refresh),
       proposals(waiting, refresh),
       proposedTests(tests, refresh),

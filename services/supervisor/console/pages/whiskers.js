@@ -1,11 +1,12 @@
 // The whiskers of all fleets: find one by name, condition or fault.
 
-import { browser, optionsOf } from "../browse.js";
+import { list } from "../api.js";
+import { browser, optionsOf, shownOf } from "../browse.js";
 import { h } from "../dom.js";
-import { interval, mm, mpa, time } from "../format.js";
+import { age, interval, mm, mpa } from "../format.js";
 import { marksOf } from "../marks.js";
 import { link, whiskerName } from "../places.js";
-import { fleetFilter, fleetsOf } from "../parts/fleets.js";
+import { fleetFilter } from "../parts/fleets.js";
 import { whiskersActions } from "../parts/bulk.js";
 import { LABEL_FILTER } from "../parts/labels.js";
 import { CONDITIONS } from "../words.js";
@@ -52,7 +53,7 @@ const COLUMNS = [
   { name: "Whole", numeric: true, cell: (row) => mm(row.whole_length_mm, 1) },
   { name: "Pressure", numeric: true, cell: (row) => mpa(row.pressure_mpa) },
   { name: "Contacts", sort: "contacts", descends: true, numeric: true, cell: (row) => row.contacts.toLocaleString("en") },
-  { name: "Last message", cell: (row) => time(row.heard_at) },
+  { name: "Last message", cell: (row) => age(row.heard_at) },
 ];
 
 /** The filters of the address as conditions of an action on many. */
@@ -64,16 +65,18 @@ function filterOf({ fleet, condition, faulty, held, label, q }) {
 
 export default {
   async load(_, state) {
-    const fleets = await fleetsOf();
-    return { fleets, state, page: await whiskers(fleets).load(state) };
+    const all = await list("/v1/fleets", { sort: "fleet" });
+    const fleets = all.map(({ fleet }) => fleet);
+    const total = all.reduce((sum, { whiskers }) => sum + whiskers, 0);
+    return { fleets, total, state, page: await whiskers(fleets).load(state) };
   },
 
-  view({ fleets, state, page }, _, refresh) {
+  view({ fleets, total, state, page }, _, refresh) {
     return [
       h("h1", { tabindex: "-1" }, "Whiskers"),
-      page.items.length ? whiskersActions(filterOf(state), refresh) : null,
       whiskers(fleets).view(page, {
-        caption: "Whiskers on robots",
+        total,
+        actions: page.items.length ? whiskersActions(filterOf(state), shownOf(page, state), refresh) : null,
         columns: COLUMNS,
         key: (row) => `whisker-${row.fleet}-${row.robot}-${row.array}-${row.whisker}`,
         empty: "No whisker is known yet.",

@@ -5,6 +5,7 @@ import { actionButton } from "../dialog.js";
 import { h } from "../dom.js";
 import { count } from "../format.js";
 import { link, whiskerName } from "../places.js";
+import { menu } from "./menu.js";
 
 const LOOKS_MAX = 600;
 const PAUSE_MS = 500;
@@ -38,11 +39,11 @@ const WHISKERS = {
   },
 };
 
-/** Buttons for all robots that the filter shows, on all pages. */
-export const robotsActions = (filter, done) => buttons("/v1/robots", "robot", ROBOTS, filter, done);
+/** A menu for all robots that the filter selects, on all pages; `many` is their number, null if it is unknown. */
+export const robotsActions = (filter, many, done) => buttons("/v1/robots", "robot", ROBOTS, { filter, many }, done);
 
-/** Buttons for all whiskers that the filter shows, on all pages. */
-export const whiskersActions = (filter, done) => buttons("/v1/whiskers", "whisker", WHISKERS, filter, done);
+/** A menu for all whiskers that the filter selects, on all pages. */
+export const whiskersActions = (filter, many, done) => buttons("/v1/whiskers", "whisker", WHISKERS, { filter, many }, done);
 
 /** A button to release the whiskers of the alarms VENTED that the filter of alarms shows. */
 export function ventedAction({ fleet, robot, array, label, q }, done) {
@@ -53,15 +54,15 @@ export function ventedAction({ fleet, robot, array, label, q }, done) {
   return actionButton({ path, prepare }, done, "Release all vented");
 }
 
-function buttons(route, noun, actions, filter, done) {
+function buttons(route, noun, actions, { filter, many }, done) {
   const offered = Object.entries(actions).filter(([one]) => has("POST", `${route}/${one}`));
   if (!offered.length) return null;
   const button = ([one, { verb, what, grave }]) => {
     const path = `${route}/${one}`;
     const prepare = () => prepared({ path, noun, verb, what: [what], grave, body: { filter } });
-    return actionButton({ path, prepare, grave }, done, `${verb} all shown`);
+    return actionButton({ path, prepare, grave }, done, `${verb} ${many === null ? `all ${noun}s of these filters` : count(many, noun)}`);
   };
-  return h("div", { class: "buttons at-once" }, offered.map(button));
+  return h("div", { class: "buttons at-once" }, menu("Bulk actions", offered.map(button)));
 }
 
 /**

@@ -61,7 +61,7 @@ export function server(row) {
     { href: link.whisker(names(row, row.compensator_whisker)) },
     `whisker ${row.compensator_whisker}`,
   );
-  return h("span", {}, whisker, `: ${say(CASES, row.case)}`);
+  return h("span", { class: "mixed" }, whisker, `: ${say(CASES, row.case)}`);
 }
 
 /** The candidates of a decision with reasons. */

@@ -24,14 +24,13 @@ export function labelChips(labels) {
   return h("ul", { class: "labels" }, known.map(chip));
 }
 
-/** The labels of a robot with the buttons to change them. */
-export function robotLabels(robot, done) {
+/** The buttons that change the labels of a robot. */
+export function labelActions(robot, done) {
   const keys = Object.keys(robot.labels ?? {});
-  const buttons = [
+  return [
     has("PUT", ROUTE) ? actionButton(setting(robot), done) : null,
     keys.length && has("DELETE", ROUTE) ? actionButton(removal(robot, keys), done) : null,
-  ];
-  return h("div", { class: "buttons of-labels" }, h("span", {}, "Labels:"), labelChips(robot.labels), buttons);
+  ].filter(Boolean);
 }
 
 const at = (robot, key) => `${api.robot(robot)}/labels/${encodeURIComponent(key)}`;
@@ -40,7 +39,7 @@ const reasonOf = (values) => values.reason?.trim() || undefined;
 function setting(robot) {
   return {
     title: `Set a label of ${robot.robot}`,
-    what: ["Labels group robots for filters and for actions on many robots. They change nothing at the robot."],
+    what: ["Labels group robots for filters, for the board and for bulk actions. They change nothing at the robot."],
     fields: [
       {
         name: "key",

@@ -31,6 +31,32 @@ words! {
 }
 
 words! {
+    /// State of a robot on the board, the worst first. Each robot is in one of them, so that their numbers add up.
+    pub enum RobotStateWord {
+        /// A trimmed whisker has no compensation.
+        Uncompensated = "UNCOMPENSATED",
+        /// A whisker has a fault.
+        Faulty = "FAULTY",
+        /// Its connection has broken: nothing is known of its whiskers.
+        ConnectionBroken = "CONNECTION_BROKEN",
+        /// It is connected, but not heard.
+        Silent = "SILENT",
+        /// Another alarm stands.
+        Alarm = "ALARM",
+        /// A whisker is worn or suspected.
+        Worn = "WORN",
+        /// It has announced that it leaves.
+        Offline = "OFFLINE",
+        /// All trimmed whiskers are compensated.
+        Compensated = "COMPENSATED",
+        /// Whiskers are being learned.
+        Learning = "LEARNING",
+        /// All whiskers are healthy.
+        Healthy = "HEALTHY",
+    }
+}
+
+words! {
     /// Length of the intervals over which contacts are aggregated.
     pub enum ResolutionWord {
         /// Intervals of one minute.

@@ -7,6 +7,7 @@ pub mod alarms_at_once;
 pub mod allowed;
 pub mod audit;
 pub mod black_boxes;
+pub mod board;
 pub mod bulk;
 pub mod bulk_actions;
 pub mod bulk_fleets;
@@ -55,6 +56,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(allowed::routes())
         .merge(audit::routes())
         .merge(black_boxes::routes())
+        .merge(board::routes())
         .merge(bulk::routes())
         .merge(bulk_actions::routes())
         .merge(bulk_fleets::routes())

@@ -129,7 +129,7 @@ async fn get_overview(
     Ok(Json(Overview { from, trims, setpoints_applied, alarms, whiskers_replaced, errors, robots }))
 }
 
-async fn errors(app: &App, filters: &[Filter]) -> Result<Vec<OverviewErrors>, Problem> {
+pub(super) async fn errors(app: &App, filters: &[Filter]) -> Result<Vec<OverviewErrors>, Problem> {
     let counted = app.store.error_bins(filters, BIN_WIDTH, BINS.into()).await?;
     let compensations = |bin: u8| {
         let found = counted.iter().find(|one| one.bin == i64::from(bin));

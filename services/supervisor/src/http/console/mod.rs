@@ -67,6 +67,7 @@ files!(
     "live.js"
     "main.js"
     "marks.js"
+    "menu.js"
     "notices.js"
     "notify.js"
     "pages/alarms.js"
@@ -77,6 +78,7 @@ files!(
     "pages/calibrations.js"
     "pages/compensation.js"
     "pages/compensations.js"
+    "pages/design.js"
     "pages/fleet.js"
     "pages/fleets.js"
     "pages/nowhere.js"
@@ -93,7 +95,9 @@ files!(
     "pages/what-if.js"
     "pages/whisker.js"
     "pages/whiskers.js"
+    "parts/alarm-count.js"
     "parts/alarms.js"
+    "parts/board.js"
     "parts/boxes.js"
     "parts/bulk.js"
     "parts/contact-uses.js"
@@ -101,15 +105,17 @@ files!(
     "parts/fleets.js"
     "parts/incidents.js"
     "parts/labels.js"
+    "parts/menu.js"
     "parts/notes.js"
-    "parts/overview.js"
     "parts/proposals.js"
     "parts/readiness.js"
     "parts/refusals.js"
     "parts/rollouts.js"
     "parts/since.js"
+    "parts/spark.js"
     "parts/tests.js"
     "parts/webhooks.js"
+    "parts/worst.js"
     "places.js"
     "rights.js"
     "router.js"
@@ -119,13 +125,13 @@ files!(
     "shortcuts.js"
     "sse.js"
     "styles/base.css"
+    "styles/board.css"
     "styles/cards.css"
     "styles/charts.css"
     "styles/forms.css"
     "styles/interface.css"
     "styles/layout.css"
     "styles/lists.css"
-    "styles/overview.css"
     "styles/pictures.css"
     "styles/runbooks.css"
     "table.js"
@@ -138,8 +144,14 @@ files!(
     "zone.js"
 );
 
+/// The page of all parts in all states, for people who change the console. Only debug builds serve it.
+const DESIGN: &str = "pages/design.js";
+
 /// The content of a file, if there is one of that name.
 fn content(name: &str) -> Option<Cow<'static, [u8]>> {
+    if name == DESIGN && !cfg!(debug_assertions) {
+        return None;
+    }
     if name == declared::PATH {
         return Some(declared::MODULE.as_bytes().into());
     }
