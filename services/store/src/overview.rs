@@ -194,8 +194,10 @@ macro_rules! rows {
     };
 }
 
+pub(super) use rows;
+
 /// Names the row's type for the compiler.
-fn all<T, R, E>(found: Result<Vec<T>, E>) -> Result<Vec<T>, E>
+pub(super) fn all<T, R, E>(found: Result<Vec<T>, E>) -> Result<Vec<T>, E>
 where
     R: sqlx::Row,
     T: for<'r> FromRow<'r, R>,
