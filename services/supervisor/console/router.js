@@ -2,6 +2,7 @@
 
 import { pathOf, stateOf } from "./address.js";
 import { h } from "./dom.js";
+import alarmStatistics from "./pages/alarm-statistics.js";
 import alarms from "./pages/alarms.js";
 import audit from "./pages/audit.js";
 import bulkAction from "./pages/bulk-action.js";
@@ -18,6 +19,7 @@ import robot from "./pages/robot.js";
 import rollout from "./pages/rollout.js";
 import rollouts from "./pages/rollouts.js";
 import setpoints from "./pages/setpoints.js";
+import timeline from "./pages/timeline.js";
 import trims from "./pages/trims.js";
 import webhook from "./pages/webhook.js";
 import webhooks from "./pages/webhooks.js";
@@ -32,6 +34,8 @@ const PAGES = [
   ["fleets/:fleet/robots/:robot/arrays/:array/whiskers/:whisker", whisker],
   ["whiskers", whiskers],
   ["alarms", alarms],
+  ["alarm-statistics", alarmStatistics],
+  ["timeline", timeline],
   ["compensations", compensations],
   ["compensations/:id", compensation],
   ["calibrations", calibrations],
@@ -53,6 +57,7 @@ const PAGES = [
 const MAIN = [
   ["Fleets", "#/fleets", "fleets"],
   ["Alarms", "#/alarms", "alarms"],
+  ["Timeline", "#/timeline", "timeline"],
   ["Whiskers", "#/whiskers", "whiskers"],
   ["Compensations", "#/compensations", "compensations"],
   ["What if", "#/what-if", "what-if"],

@@ -10,6 +10,7 @@ const PAIR_MS = 1_500;
 const PAGES = {
   f: ["Fleets", "#/fleets"],
   a: ["Alarms", "#/alarms"],
+  t: ["Timeline", "#/timeline"],
   w: ["Whiskers", "#/whiskers"],
   c: ["Compensations", "#/compensations"],
   i: ["What if", "#/what-if"],
