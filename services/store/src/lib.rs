@@ -9,6 +9,7 @@
 pub mod actions;
 pub mod address;
 pub mod aggregates;
+pub mod alarm_statistics;
 pub mod alarms;
 pub mod alarms_at_once;
 pub mod allowed;

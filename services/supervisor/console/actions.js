@@ -13,11 +13,11 @@ const withReason = (values) => ({ reason: values.reason?.trim() || undefined });
 
 const offered = (base, name) => has("POST", `${base}/${name}`);
 
-/** Buttons for the actions on a whisker that the service offers. */
-export function whiskerActions(whisker, done) {
+/** Each action on a whisker, made when it is needed: an alarm's whisker has its names only. */
+function whiskerWork(whisker) {
   const name = `whisker ${whiskerName(whisker)} of ${whisker.robot}`;
-  const at = api.whisker(whisker);
-  const all = {
+  const nominal = whisker.nominal_pressure_mpa === undefined ? "" : ` of ${mpa(whisker.nominal_pressure_mpa)}`;
+  return {
     setpoint: () => ({ title: `Set the pressure of ${name}`, moves: whisker, ...setpoint(whisker) }),
     hold: () => ({
       title: `Hold ${name}`,
@@ -31,9 +31,7 @@ export function whiskerActions(whisker, done) {
       title: `Release ${name}`,
       moves: whisker,
       what: [
-        "The supervisor takes over again: the chamber returns to the pressure of its compensation, or to its nominal pressure of " +
-          mpa(whisker.nominal_pressure_mpa) +
-          ", and decisions are made again.",
+        `The supervisor takes over again: the chamber returns to the pressure of its compensation, or to its nominal pressure${nominal}, and decisions are made again.`,
       ],
       button: "Release",
     }),
@@ -62,14 +60,57 @@ export function whiskerActions(whisker, done) {
       button: "Relearn baseline",
       grave: true,
     }),
+    retry: () => ({
+      title: `Try the setpoint of ${name} again`,
+      moves: whisker,
+      what: ["Use this once the cause is removed. The supervisor decides anew, and sends the robot the pressure that follows."],
+      button: "Try again",
+    }),
   };
+}
+
+/** Buttons for these actions on a whisker, as far as the service offers them. */
+function buttonsFor(whisker, names, done) {
+  const all = whiskerWork(whisker);
+  return names
+    .filter((one) => offered(ROUTES.whisker, one))
+    .map((one) =>
+      actionButton({ reason: "optional", path: `${api.whisker(whisker)}/${one}`, body: withReason, ...all[one]() }, done),
+    );
+}
+
+/** Buttons for the actions on a whisker that the service offers. */
+export function whiskerActions(whisker, done) {
   // A release also fills a whisker again that its robot has vented.
   const isEmpty = whisker.setpoint_mpa === 0 && whisker.nominal_pressure_mpa > 0;
-  const isShown = { hold: !whisker.held, release: whisker.held !== false || isEmpty };
-  const shown = Object.keys(all).filter((one) => isShown[one] ?? true);
-  return shown
-    .filter((one) => offered(ROUTES.whisker, one))
-    .map((one) => actionButton({ reason: "optional", path: `${at}/${one}`, body: withReason, ...all[one]() }, done));
+  // Only an alarm says that a setpoint has failed.
+  const isShown = { hold: !whisker.held, release: whisker.held !== false || isEmpty, retry: false };
+  const shown = Object.keys(whiskerWork(whisker)).filter((one) => isShown[one] ?? true);
+  return buttonsFor(whisker, shown, done);
+}
+
+/** What to do about each kind of alarm of a whisker, the best first. */
+const WORK = {
+  SETPOINT_FAILED: ["retry", "hold"],
+  VENTED: ["release"],
+  UNCOMPENSATED: ["touch_test", "replaced"],
+  LEAK: ["hold", "replaced"],
+  REGULATOR: ["hold"],
+  GAUGE_OPEN: ["replaced"],
+  GAUGE_SHORT: ["replaced"],
+  GAUGE_SATURATED: ["rebaseline", "replaced"],
+  GAUGE: ["replaced"],
+  STALE: ["touch_test"],
+  REACH_LOST: ["touch_test", "replaced"],
+  SENSITIVITY_LOSS: ["touch_test", "rebaseline"],
+  ERODING: ["replaced"],
+  BASELINE_DRIFT: ["rebaseline"],
+};
+
+/** Buttons that mend the cause of a standing alarm of a whisker. */
+export function workActions(alarm, done) {
+  if (alarm.cleared_at !== null || alarm.array === null) return [];
+  return buttonsFor(alarm, WORK[alarm.kind] ?? [], done);
 }
 
 function setpoint(whisker) {
@@ -189,6 +230,29 @@ export function proposalActions(proposal, done) {
   return [actionButton(complete(approve, "approve"), done), actionButton(complete(refuse, "refuse"), done)];
 }
 
+/** A button that takes a compensation in force back; the robot's chamber returns to its pressure from before. */
+export function undoActions(decision, done) {
+  const { compensator_whisker: whisker, ended_at: ended, approval, pressure_before_mpa: before } = decision;
+  const isInForce = whisker !== null && !ended && (approval === "AUTOMATIC" || approval === "APPROVED");
+  if (!isInForce || !offered(ROUTES.whisker, "setpoint")) return [];
+  const subject = { ...decision, whisker };
+  const name = `whisker ${whiskerName(subject)} of ${decision.robot}`;
+  const action = {
+    title: `Take the compensation by ${name} back`,
+    moves: subject,
+    what: [
+      `The chamber returns to ${mpa(before)}, its pressure from before, and the compensation ends. The robot feels the cut again.`,
+      "The whisker is held, so that the supervisor does not decide the same again. Release it on its page.",
+    ],
+    button: "Undo",
+    grave: true,
+    reason: "optional",
+    path: `${api.whisker(subject)}/setpoint`,
+    body: (values) => ({ pressure_mpa: before, ...withReason(values) }),
+  };
+  return [actionButton(action, done)];
+}
+
 /** Buttons to acknowledge, shelve and unshelve an alarm. */
 export function alarmActions(alarm, done) {
   const at = api.alarm(alarm.alarm_id);
@@ -200,44 +264,10 @@ export function alarmActions(alarm, done) {
     actions.push(
       actionButton({ path: `${at}/${one}`, body: withReason, reason: "optional", ...action }, done, action.short),
     );
-  if (alarm.kind === "SETPOINT_FAILED" && alarm.cleared_at === null) actions.push(...retryActions(alarm, done));
-  if (alarm.kind === "VENTED" && alarm.cleared_at === null) actions.push(...releaseActions(alarm, done));
   if (alarm.state === "UNACKNOWLEDGED") add("acknowledge", { title: `Acknowledge ${name}`, ...ACKNOWLEDGE });
   if (alarm.state === "UNACKNOWLEDGED" || alarm.state === "ACKNOWLEDGED") add("shelve", shelve(name));
   if (alarm.state === "SHELVED") add("unshelve", { title: `Unshelve ${name}`, ...UNSHELVE });
   return actions;
-}
-
-/** A button to try the failed setpoint of a whisker again. */
-function retryActions(whisker, done) {
-  if (!offered(ROUTES.whisker, "retry")) return [];
-  const action = {
-    title: `Try the setpoint of whisker ${whiskerName(whisker)} of ${whisker.robot} again`,
-    moves: whisker,
-    what: ["Use this once the cause is removed. The supervisor decides anew, and sends the robot the pressure that follows."],
-    button: "Try again",
-    reason: "optional",
-    path: `${api.whisker(whisker)}/retry`,
-    body: withReason,
-  };
-  return [actionButton(action, done)];
-}
-
-/** A button to fill a vented whisker again. */
-function releaseActions(whisker, done) {
-  if (!offered(ROUTES.whisker, "release")) return [];
-  const action = {
-    title: `Release whisker ${whiskerName(whisker)} of ${whisker.robot}`,
-    moves: whisker,
-    what: [
-      "Use this once the robot may fill the chamber again. The supervisor takes over again: the chamber returns to the pressure of its compensation, or to its nominal pressure.",
-    ],
-    button: "Release",
-    reason: "optional",
-    path: `${api.whisker(whisker)}/release`,
-    body: withReason,
-  };
-  return [actionButton(action, done)];
 }
 
 const ACKNOWLEDGE = {

@@ -7,6 +7,7 @@ import { h } from "./dom.js";
 import { csvLink } from "./save.js";
 import { empty as nothingHere, table } from "./table.js";
 import { savedViews } from "./views.js";
+import { fromField, toField } from "./zone.js";
 
 /** Rows of a page. */
 const ROWS = 50;
@@ -19,7 +20,7 @@ const ASKED = new WeakMap();
 /**
  * A list of the API as a table: `{ route, what, filters, search, rows }`. `what` names the rows in the plural,
  * `filters` are `{ name, label, options: [[value, words]] }` with the API's parameter as name, or `{ name, label, text: true }`
- * for a text, with `suggestions` of it, and `clean` to normalise it; `empty` names the choice of no filter. And `search` is the hint
+ * for a text, with `suggestions` of it, and `clean` to normalise it, or `{ name, label, time: true }` for a time; `empty` names the choice of no filter. And `search` is the hint
  * of the search field, or null without one. A column of the table with `sort` (the API's sort key) can order it;
  * `descends` makes the greatest value first at the first click.
  */
@@ -78,7 +79,7 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
       "form",
       { class: "tools", role: "search", "aria-label": `Find ${what}`, onsubmit: (event) => event.preventDefault() },
       search === null ? null : searchField(state, search),
-      filters.map((filter) => (filter.text ? textField(filter, state) : choiceField(filter, state))),
+      filters.map((filter) => (filter.time ? timeField : filter.text ? textField : choiceField)(filter, state)),
       isNarrowed
         ? h("a", { href: changed(Object.fromEntries(known.map((name) => [name, null]))) }, "Show all")
         : null,
@@ -102,6 +103,20 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
       h("span", {}, label),
       h("input", { ...attributes, onchange: choose }),
       suggestions ? h("datalist", { id: listed }, suggestions.map((value) => h("option", { value }))) : null,
+    );
+  }
+
+  /** A field for a date and a time in the console's time zone; the address has them in UTC. */
+  function timeField({ name, label }, state) {
+    const told = (text) => (text ? new Date(fromField(text)).toISOString() : null);
+    const choose = (event) => change({ [name]: told(event.target.value), since: null, cursor: null });
+    const at = Date.parse(state[name]);
+    const value = Number.isFinite(at) ? toField(at) : "";
+    return h(
+      "label",
+      { class: "tool" },
+      h("span", {}, label),
+      h("input", { type: "datetime-local", id: `filter-${name}`, name, value, "data-of-address": true, onchange: choose }),
     );
   }
 

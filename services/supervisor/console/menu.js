@@ -7,6 +7,7 @@ import { h } from "./dom.js";
 const MAIN = [
   ["Fleets", "#/fleets", "fleets", "f"],
   ["Alarms", "#/alarms", "alarms", "a"],
+  ["Timeline", "#/timeline", "timeline", "t"],
   ["Whiskers", "#/whiskers", "whiskers", "w"],
   ["Compensations", "#/compensations", "compensations", "c"],
   ["What if", "#/what-if", "what-if", "i"],
@@ -18,7 +19,7 @@ const MAIN = [
 
 /** Pages that others lead to. */
 const BESIDE = [
-  ["Trims", "#/trims", "trims", "t"],
+  ["Trims", "#/trims", "trims", "m"],
   ["Setpoints", "#/setpoints", "setpoints", "s"],
   ["Bulk actions", "#/bulk", "bulk", "b"],
   ["Roll-outs", "#/rollouts", "rollouts", "r"],

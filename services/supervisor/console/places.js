@@ -20,6 +20,8 @@ export const link = {
   alarms: (state = {}) => address("/alarms", state),
   trims: (state = {}) => address("/trims", state),
   setpoints: (state = {}) => address("/setpoints", state),
+  timeline: (state = {}) => address("/timeline", state),
+  alarmStatistics: (state = {}) => address("/alarm-statistics", state),
   whatIf: (state = {}) => address("/what-if", state),
   calibrations: () => "#/calibrations",
   calibration: (id) => `#/calibrations/${part(id)}`,

@@ -1,6 +1,7 @@
 // Addresses within the page, and their views.
 
 import { pathOf, stateOf } from "./address.js";
+import alarmStatistics from "./pages/alarm-statistics.js";
 import alarms from "./pages/alarms.js";
 import audit from "./pages/audit.js";
 import bulkAction from "./pages/bulk-action.js";
@@ -19,6 +20,7 @@ import robot from "./pages/robot.js";
 import rollout from "./pages/rollout.js";
 import rollouts from "./pages/rollouts.js";
 import setpoints from "./pages/setpoints.js";
+import timeline from "./pages/timeline.js";
 import trims from "./pages/trims.js";
 import webhook from "./pages/webhook.js";
 import webhooks from "./pages/webhooks.js";
@@ -33,6 +35,8 @@ const PAGES = [
   ["fleets/:fleet/robots/:robot/arrays/:array/whiskers/:whisker", whisker],
   ["whiskers", whiskers],
   ["alarms", alarms],
+  ["alarm-statistics", alarmStatistics],
+  ["timeline", timeline],
   ["compensations", compensations],
   ["compensations/:id", compensation],
   ["calibrations", calibrations],

@@ -21,6 +21,7 @@ export {
   SETPOINT_REASONS,
   TEST_KINDS,
   TEST_REASONS,
+  TIMELINE_KINDS,
 } from "./declared.js";
 
 /** The shape of a tone, for words without a shape of their own. */

@@ -13,7 +13,7 @@ use crate::time::Time;
 
 from_row! {
     /// An alarm about a whisker, or about a robot as a whole.
-    #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+    #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     pub struct AlarmRow {
         /// Number of the alarm.
         #[schema(minimum = 0)]
@@ -55,6 +55,28 @@ from_row! {
         /// Labels of the robot, by key.
         #[schema(value_type = std::collections::BTreeMap<String, String>)]
         pub labels: RobotLabels,
+        /// Length that the whisker has lost by now, mm; null for an alarm about the robot as a whole.
+        pub lost_mm: Option<f64>,
+        /// Number of the newest decision about the whisker that has not ended; null without one.
+        #[schema(minimum = 0)]
+        pub compensation_id: Option<i64>,
+        /// Most frequent reason for which that decision refused a candidate, such as `NEEDS_BELOW_RANGE`; null unless the whisker
+        /// is not compensated.
+        pub refused: Option<String>,
+        /// Number of candidates that were refused for this reason; null unless the whisker is not compensated.
+        #[schema(minimum = 0)]
+        pub refused_candidates: Option<i64>,
+        /// State of the newest setpoint of the whisker that was not applied: `REJECTED`, `FAILED` or `EXPIRED`; null unless the
+        /// alarm is about setpoints and stands.
+        pub failed_state: Option<String>,
+        /// Reason that the robot gave for rejecting it; null without one.
+        pub failed_error: Option<String>,
+        /// Pressure that it was to reach, MPa; null unless the alarm is about setpoints and stands.
+        pub failed_pressure_mpa: Option<f64>,
+        /// Number of setpoints of the whisker that were not applied since the last one that was; null unless the alarm is
+        /// about setpoints and stands.
+        #[schema(minimum = 0)]
+        pub failed_attempts: Option<i64>,
     }
 
     /// How many alarms a folded row stands for.
@@ -93,7 +115,7 @@ from_row! {
 }
 
 /// A standing alarm, or the newest one of a storm.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FoldedRow {
     /// The alarm itself.
     pub row: AlarmRow,
@@ -126,7 +148,8 @@ sorts! {
 sorts! {
     /// Sort keys of the list of folded alarms.
     pub enum FoldedSort {
-        /// Arrays and storms by their most urgent alarm, then by their newest one; in an array by urgency.
+        /// Arrays and storms by their most urgent alarm, then by the most length lost, then by their newest alarm; in an array by
+        /// urgency.
         Place = "place" Whole Down,
     }
 }
@@ -143,8 +166,8 @@ sorts! {
 macro_rules! rows {
     ($condition:literal) => {
         concat!(
-            "SELECT t.*, {urgency} AS urgency FROM (SELECT s.alarm_id, r.robot_id, r.labels, fleet, robot, \"array\", w.whisker, s.kind, \
-             s.raised_us AS raised_at, standing, cleared_us AS cleared_at, acknowledged_us AS acknowledged_at, \
+            "SELECT t.*, {urgency} AS urgency FROM (SELECT s.alarm_id, r.robot_id, r.labels, fleet, robot, \"array\", w.whisker, w.whisker_id, \
+             w.whole_length_mm - w.length_mm AS lost_mm, s.kind, s.raised_us AS raised_at, standing, cleared_us AS cleared_at, acknowledged_us AS acknowledged_at, \
              acknowledged_by, acknowledged_reason, shelved_until_us AS shelved_until, shelved_by, shelved_reason, \
              CASE WHEN NOT standing THEN 'CLEARED' WHEN shelved_until_us IS NOT NULL THEN 'SHELVED' \
              WHEN acknowledged_us IS NULL THEN 'UNACKNOWLEDGED' ELSE 'ACKNOWLEDGED' END AS state, ",
@@ -157,11 +180,63 @@ macro_rules! rows {
     };
 }
 
+/// The newest setpoint of the row's whisker that was not applied, if the alarm is about setpoints: one of its columns.
+macro_rules! failed {
+    ($column:literal) => {
+        concat!(
+            "(SELECT p.",
+            $column,
+            " FROM setpoints p WHERE q.kind = 'SETPOINT_FAILED' AND q.standing AND p.whisker_id = q.whisker_id \
+             AND p.state IN ('REJECTED', 'FAILED', 'EXPIRED') ORDER BY p.issued_us DESC LIMIT 1)"
+        )
+    };
+}
+
+/// The newest decision about the row's whisker that has not ended.
+macro_rules! decision {
+    () => {
+        "SELECT max(c.compensation_id) FROM compensations c WHERE c.target_whisker_id = q.whisker_id AND c.ended_us IS NULL"
+    };
+}
+
+/// The most frequent reason for which the newest decision about the row's whisker refused candidates: one column of it.
+macro_rules! refused {
+    ($column:literal) => {
+        concat!(
+            "(SELECT ",
+            $column,
+            " FROM compensation_candidates k WHERE q.kind = 'UNCOMPENSATED' AND k.refused IS NOT NULL AND k.compensation_id = (",
+            decision!(),
+            ") GROUP BY k.refused ORDER BY count(*) DESC, min(k.ordinal) LIMIT 1)"
+        )
+    };
+}
+
+/// How bad an alarm is, and why: for the rows of a page alone.
+const WHY: &str = concat!(
+    ", (",
+    decision!(),
+    ") AS compensation_id, ",
+    refused!("k.refused"),
+    " AS refused, ",
+    refused!("count(*)"),
+    " AS refused_candidates, ",
+    failed!("state"),
+    " AS failed_state, ",
+    failed!("error"),
+    " AS failed_error, ",
+    failed!("pressure_mpa"),
+    " AS failed_pressure_mpa, CASE WHEN q.kind = 'SETPOINT_FAILED' AND q.standing THEN (SELECT count(*) FROM setpoints p \
+     WHERE p.whisker_id = q.whisker_id AND p.state IN ('REJECTED', 'FAILED', 'EXPIRED') AND p.issued_us > coalesce(\
+     (SELECT max(t.issued_us) FROM setpoints t WHERE t.whisker_id = q.whisker_id AND t.state = 'APPLIED'), 0)) END \
+     AS failed_attempts"
+);
+
 /// All alarms, standing and cleared.
 pub static ALARMS: List = List {
     what: "list the alarms",
     select: rows!("true"),
-    details: "",
+    details: WHY,
     keys: &[],
     sorts: AlarmSort::SORTS,
     id: "alarm_id",
@@ -171,7 +246,8 @@ pub static ALARMS: List = List {
 pub static STANDING: List = List { what: "list the standing alarms", select: rows!("a.cleared_us IS NULL"), ..ALARMS };
 
 /// The standing alarms by robot and array, with storms folded. `place` orders them: the urgency of the row's array or storm, the
-/// number of the newest alarm in it, and the row's own urgency, in one number.
+/// length that its whiskers have lost at most, in tenths of a millimetre up to 102.3 mm, the number of the newest alarm in it, and
+/// the row's own urgency, in one number.
 pub static FOLDED: List = List {
     what: "list the folded alarms",
     select: concat!(
@@ -193,11 +269,14 @@ pub static FOLDED: List = List {
           ON of_fleet = fleet AND of_kind = kind AND of_burst = burst WHERE newest IS NULL OR newest = alarm_id), \
          placed AS (SELECT folded.*, \
           CASE WHEN newest IS NULL THEN max(urgency) OVER g ELSE urgency END AS most, \
-          coalesce(newest, max(alarm_id) OVER g) AS last FROM folded \
+          CASE WHEN newest IS NULL THEN max(lost) OVER g ELSE lost END AS worst, \
+          coalesce(newest, max(alarm_id) OVER g) AS last FROM \
+          (SELECT f.*, CASE WHEN lost_mm > 102.3 THEN 1023 WHEN lost_mm > 0 THEN CAST(10 * lost_mm AS BIGINT) ELSE 0 END AS lost \
+          FROM folded f) folded \
           WINDOW g AS (PARTITION BY fleet, robot, \"array\", newest)) \
-         SELECT placed.*, most * 35184372088832 + last * 32 + urgency AS place FROM placed"
+         SELECT placed.*, most * 288230376151711744 + worst * 281474976710656 + last * 32 + urgency AS place FROM placed"
     ),
-    details: "",
+    details: WHY,
     keys: &[],
     sorts: FoldedSort::SORTS,
     id: "alarm_id",

@@ -19,6 +19,7 @@ pub mod refusals;
 pub mod robots;
 pub mod rollouts;
 pub mod setpoints;
+pub mod timeline;
 pub mod touch_tests;
 pub mod whiskers;
 

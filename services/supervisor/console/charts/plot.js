@@ -6,8 +6,9 @@ import { labels, nearest, numberLabels, reachOf } from "./scale.js";
 
 /** Height of a chart, and width of the vertical axis, which is the same in all charts so that their times align. */
 const HEIGHT_PX = 200;
-export const LEFT_PX = 58;
-export const RIGHT_PX = 14;
+export const LEFT_PX = 64;
+/** Half a label of the axis of time, so that the last one is whole. */
+export const RIGHT_PX = 34;
 /** A value is shown at the cursor if it is this near, as a part of the chart's width. */
 const NEAR = 0.05;
 

@@ -45,20 +45,34 @@ export function showRange(range) {
 
 /**
  * Begin and end of a range at present. A range that ends now includes the newest contact, also if the robot's clock is
- * ahead. Without a range: the shortest one that contains the newest contact.
+ * ahead. Without a range: the shortest one that contains the newest contact, and the newest event if it is at most a day older.
  */
-export function windowOf(range, newest, now = Date.now()) {
+export function windowOf(range, newest, now = Date.now(), event = null) {
   if (range?.from !== undefined) return range;
-  const fitting = ([name, , ms]) => (range ? name === range.name : now - newest < ms);
+  const isNear = event !== null && newest !== null && newest - event < DAY_MS;
+  const needed = isNear ? Math.min(newest, event) : newest;
+  const fitting = ([name, , ms]) => (range ? name === range.name : now - needed < ms);
   const [, , span] = RANGES.find(fitting) ?? RANGES.at(newest === null ? 0 : -1);
   const to = Math.max(now, newest === null ? 0 : newest + 1);
   return { from: to - span, to };
 }
 
-/** Name of the range that a window without one has. */
-export function nameOf(range, { from, to }) {
-  if (range) return range.name ?? null;
-  return RANGES.find(([, , ms]) => ms === to - from)?.[0] ?? null;
+/** Shortest window around data, and shortest time before an event, ms. */
+const LEAST_MS = 60_000;
+const BEFORE_MS = 30_000;
+
+/**
+ * The part of a window that has data: with the newest event in its first third if there is one, and else all of it. The margins
+ * keep the first and the last point off the frame.
+ */
+export function fitted(window, rows, event) {
+  const inside = rows.filter(({ at }) => at >= window.from && at <= window.to);
+  if (!inside.length) return window;
+  const [first, last] = [inside[0].at, inside.at(-1).at];
+  const isInside = event !== null && event > first && event <= last;
+  const begin = isInside ? Math.max(first, event - Math.max(BEFORE_MS, (last - event) / 2)) : first;
+  const span = Math.max(last - begin, LEAST_MS);
+  return { from: Math.round(last - 1.03 * span), to: Math.round(last + 0.02 * span) };
 }
 
 /** Resolution of the data in a window: `contacts` (single ones, or means of equal intervals), `minute` or `hour`. */

@@ -2,7 +2,7 @@
 
 import { h } from "../dom.js";
 import { count, moment } from "../format.js";
-import { nameOf, RANGES, showQuantity, shownQuantity } from "./range.js";
+import { RANGES, showQuantity, shownQuantity } from "./range.js";
 import { QUANTITIES } from "./series.js";
 
 const RESOLUTIONS = {
@@ -17,13 +17,13 @@ export class Toolbar {
   quantity = shownQuantity(Object.keys(QUANTITIES));
   #status = h("p", { class: "hint" });
   #ranges;
-  #reset;
+  #newest;
 
   constructor(on) {
     const button = (words, onclick, label = null) =>
       h("button", { type: "button", "aria-label": label, onclick }, words);
     this.#ranges = RANGES.map(([name, words]) => [name, button(words, () => on.choose({ name }))]);
-    this.#reset = button("Reset", () => on.choose(null), "Reset the range");
+    this.#newest = button("Newest", () => on.choose(null));
     const choice = ([name, { label }]) => h("option", { value: name, selected: name === this.quantity }, label);
     const select = h(
       "select",
@@ -36,6 +36,7 @@ export class Toolbar {
       h(
         "div",
         { class: "buttons", role: "group", "aria-label": "Range" },
+        this.#newest,
         this.#ranges.map(([, one]) => one),
       ),
       h(
@@ -45,14 +46,13 @@ export class Toolbar {
         button("\u203a", () => on.move(0.5), "Later"),
         button("+", () => on.scale(0.5), "Zoom in"),
         button("\u2212", () => on.scale(2), "Zoom out"),
-        this.#reset,
       ),
       h("p", { class: "inline-field" }, h("label", { for: "quantity" }, "Sensitivity as"), select),
       this.#status,
       h(
         "p",
         { class: "hint" },
-        "Drag over a chart to zoom, double-click to reset. With the keyboard: arrow keys, Home and End move the cursor, + and \u2212 zoom, 0 resets.",
+        "Drag over a chart to zoom, double-click for the newest. + and \u2212 keep the right end, or the cursor's place. With the keyboard: arrow keys, Home and End move the cursor, + and \u2212 zoom, 0 shows the newest.",
       ),
     );
   }
@@ -65,9 +65,8 @@ export class Toolbar {
 
   /** Shows the range, and how much data is in it. */
   show(range, window, { rows, resolution }) {
-    const name = nameOf(range, window);
-    for (const [one, button] of this.#ranges) button.setAttribute("aria-pressed", String(one === name));
-    this.#reset.disabled = range === null;
+    for (const [one, button] of this.#ranges) button.setAttribute("aria-pressed", String(one === range?.name));
+    this.#newest.setAttribute("aria-pressed", String(range === null));
     const contacts = rows.reduce((sum, row) => sum + row.contacts, 0);
     const kept = range?.from === undefined ? "follows new data" : "chosen range; new data appear if they lie in it";
     this.#status.textContent = `${moment(window.from)} to ${moment(window.to)} (${kept}). ${count(contacts, "contact")}, ${RESOLUTIONS[resolution]}.`;

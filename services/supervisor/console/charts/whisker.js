@@ -1,7 +1,7 @@
 // `<whisker-charts>`: sensitivity, length, pressure and error of a whisker over one range of time, with its events.
 //
 // Attributes: `fleet`, `robot`, `array`, `whisker`, `whole` (whole length, mm),
-// `nominal` (nominal pressure, MPa). New data are loaded when `version` changes.
+// `nominal` (nominal pressure, MPa), `event` (time of the newest event, ms since 1970). New data are loaded when `version` changes.
 
 import { problemPanel } from "../notices.js";
 import { h } from "../dom.js";
@@ -10,7 +10,7 @@ import { EventLane } from "./lane.js";
 import { errorsOf, newestOf, rowsOf, setpointsOf } from "./data.js";
 import { eventsOf, KINDS } from "./events.js";
 import { Plot } from "./plot.js";
-import { limited, rangeOf, showRange, windowOf } from "./range.js";
+import { fitted, limited, rangeOf, resolutionOf, showRange, windowOf } from "./range.js";
 import { dataOf, specs } from "./series.js";
 import { Toolbar } from "./toolbar.js";
 import { ValueTables } from "./values.js";
@@ -82,6 +82,11 @@ class WhiskerCharts extends HTMLElement {
     return { fleet, robot, array, whisker: Number(whisker) };
   }
 
+  /** Time of the newest event, in ms since 1970; null without one. */
+  get #event() {
+    return this.hasAttribute("event") ? Number(this.getAttribute("event")) : null;
+  }
+
   /** Builds the charts, which depend on the quantity of the sensitivity. */
   #rebuild() {
     this.#plots.forEach((plot) => plot.close());
@@ -126,16 +131,17 @@ class WhiskerCharts extends HTMLElement {
   /** Shows what is known of the new range, and loads the rest. */
   #changed() {
     this.#cursor = null;
-    this.#window = windowOf(this.#range, this.#newest);
+    // Without a range the data decide about the window.
+    if (this.#range) this.#window = windowOf(this.#range, this.#newest);
     if (this.#found) this.#draw();
     this.#load();
   }
 
   #scale(factor) {
     const { from, to } = this.#window;
-    const middle = this.#cursor ?? (from + to) / 2;
-    // The cursor keeps its place.
-    this.#choose(limited({ from: middle - (middle - from) * factor, to: middle + (to - middle) * factor }));
+    // The cursor keeps its place; without one, the right end, where new data appear.
+    const kept = this.#cursor ?? to;
+    this.#choose(limited({ from: kept - (kept - from) * factor, to: kept + (to - kept) * factor }));
   }
 
   #move(part) {
@@ -159,10 +165,14 @@ class WhiskerCharts extends HTMLElement {
     const [whisker, range] = [this.#whisker, this.#range];
     try {
       this.#newest = await newestOf(whisker);
-      const window = windowOf(range, this.#newest);
+      const whole = windowOf(range, this.#newest, Date.now(), this.#event);
+      const all = range ? null : await rowsOf(whisker, whole);
+      const window = range ? whole : fitted(whole, all.rows, this.#event);
       if (range === this.#range) this.#window = window;
+      // A shorter window may have finer data.
+      const isFine = all && resolutionOf(whole) === resolutionOf(window) && all.resolution !== "means";
       const [{ rows, resolution }, errors, setpoints] = await Promise.all([
-        rowsOf(whisker, window),
+        isFine ? all : rowsOf(whisker, window),
         errorsOf(whisker, window),
         setpointsOf(whisker, window),
       ]);
@@ -208,8 +218,8 @@ class WhiskerCharts extends HTMLElement {
 
 customElements.define("whisker-charts", WhiskerCharts);
 
-/** The charts of a whisker; `now` is the time of the page's last look, so that ranges which end now move on. */
-export function whiskerCharts(whisker, now = Date.now()) {
+/** The charts of a whisker; `event` is the time of its newest event, in ms since 1970 or null, and `now` is the time of the page's last look, so that ranges which end now move on. */
+export function whiskerCharts(whisker, event = null, now = Date.now()) {
   const { fleet, robot, array, whisker: number } = whisker;
   const version = [
     whisker.contacts,
@@ -227,6 +237,7 @@ export function whiskerCharts(whisker, now = Date.now()) {
     whisker: number,
     whole: whisker.whole_length_mm,
     nominal: whisker.nominal_pressure_mpa,
+    event,
     version: version.join(" "),
   });
 }

@@ -1,16 +1,18 @@
 // Alarms: the standing ones by robot and array, the most urgent first, with storms folded; and the cleared ones.
 // The address holds filters and page; the service groups, orders and counts.
 
-import { list } from "../api.js";
-import { alarmActions, alarmsActions } from "../actions.js";
+import { changed } from "../address.js";
+import { has, list } from "../api.js";
+import { alarmActions, alarmsActions, workActions } from "../actions.js";
 import { browser, optionsOf } from "../browse.js";
 import { h } from "../dom.js";
 import { count } from "../format.js";
 import { mark } from "../marks.js";
-import { alarmGroups, storms } from "../parts/alarms.js";
+import { alarmGroups, shelved, storms } from "../parts/alarms.js";
 import { fleetFilter, fleetsOf } from "../parts/fleets.js";
 import { LABEL_FILTER } from "../parts/labels.js";
 import { fromOf, SINCE } from "../parts/since.js";
+import { link } from "../places.js";
 import { ALARM_KINDS, ALARM_LEVELS } from "../words.js";
 
 const STATES = [
@@ -21,6 +23,9 @@ const STATES = [
 ];
 
 const RAISED = "Alarms that were raised in this time, the newest first, whether they still stand or not.";
+
+/** Most shelved alarms below the others. */
+const SHELVED = 20;
 
 const FILTERS = ["fleet", "robot", "array", "kind", "level", "state", "label", "q"];
 
@@ -63,29 +68,35 @@ export default {
     const isFlat = state.fold === "no";
     const route = isFlat ? "/v1/alarms" : "/v1/alarms/folded";
     const fixed = { ...filter, ...(isFlat ? { standing: true, sort: "urgency" } : { sort: undefined, order: undefined }) };
-    const [page, counts] = await Promise.all([
+    const { open, ...conditions } = filter;
+    const isFirst = open && !state.cursor;
+    const [page, counts, silenced] = await Promise.all([
       alarms(fleets, route).load(state, fixed),
       list("/v1/alarms/counts", filter),
+      isFirst ? list("/v1/alarms", { ...conditions, state: "SHELVED", standing: true, sort: "urgency", limit: SHELVED }) : [],
     ]);
-    return { fleets, page, filter, counts, members: await storms(page.items, filter, state.storm) };
+    return { fleets, page, filter, counts, silenced, members: await storms(page.items, filter, state.storm) };
   },
 
-  view({ fleets, page, filter, counts, members, since }, _, refresh) {
+  view({ fleets, page, filter, counts, silenced = [], members, since }, _, refresh) {
+    const actions = (row) => ({ work: workActions(row, refresh), alarm: alarmActions(row, refresh) });
     return [
       h("h1", { tabindex: "-1" }, "Alarms"),
-      counts ? summary(counts) : h("p", { class: "summary" }, since ? RAISED : "Alarms whose cause is over, the newest first."),
+      has("GET", "/v1/alarms/statistics") ? h("p", { class: "links" }, h("a", { href: link.alarmStatistics() }, "Statistics")) : null,
+      counts ? summary(counts, filter) : h("p", { class: "summary" }, since ? RAISED : "Alarms whose cause is over, the newest first."),
       alarms(fleets, "").view(page, {
         body: [
           counts ? atOnce(counts, filter, refresh) : null,
-          page.items.length ? alarmGroups(page.items, members, (row) => alarmActions(row, refresh)) : null,
+          page.items.length ? alarmGroups(page.items, members, actions) : null,
         ],
         empty: "No standing alarms.",
       }),
+      shelved(silenced, actions),
     ];
   },
 };
 
-function summary(counts) {
+function summary(counts, filter) {
   const total = sum(counts, "alarms");
   if (!total) return h("p", { class: "summary" }, "No standing alarms.");
   const open = sum(counts, "unacknowledged");
@@ -94,7 +105,11 @@ function summary(counts) {
   const marks = levels.map((level) => {
     const [words, tone, shape] = ALARM_LEVELS[level];
     const alarms = sum(kinds.get(level) ?? [], "alarms");
-    return alarms ? mark(`${alarms.toLocaleString("en")} ${words.split(":")[0]}`, tone, shape) : null;
+    if (!alarms) return null;
+    const isChosen = filter.level === level;
+    const href = changed({ level: isChosen ? null : level, cursor: null });
+    const shown = mark(`${alarms.toLocaleString("en")} ${words.split(":")[0]}`, tone, shape);
+    return h("a", { class: "level", href, "aria-current": isChosen ? "true" : null }, shown);
   });
   return [
     h(

@@ -3,15 +3,19 @@
 import { get } from "../api.js";
 import { h } from "../dom.js";
 import { percent, time } from "../format.js";
-import { changeOf, comparisonOf, rolloutActions, rolloutMarks } from "../parts/rollouts.js";
-import { link } from "../places.js";
+import { changeOf, comparisonOf, concerned, expectedEnd, rolloutActions, rolloutMarks } from "../parts/rollouts.js";
+import { api, link } from "../places.js";
 import { facts, section, table, trail } from "../table.js";
 import { ROLLOUT_EVENTS, ROLLOUT_STAGES, say } from "../words.js";
 
 export default {
-  load: ({ id }) => get(`/v1/rollouts/${encodeURIComponent(id)}`),
+  async load({ id }) {
+    const found = await get(`/v1/rollouts/${encodeURIComponent(id)}`);
+    const fleet = await get(api.fleet(found.rollout.fleet)).catch(() => null);
+    return { ...found, robots: fleet?.robots };
+  },
 
-  view({ rollout, events }, _, refresh) {
+  view({ rollout, events, robots }, _, refresh) {
     const actions = rolloutActions(rollout, refresh);
     return [
       trail(["Policy", link.policies()], ["Roll-outs", link.rollouts()]),
@@ -19,6 +23,8 @@ export default {
       h("p", { class: "marks" }, rolloutMarks(rollout)),
       facts([
         ["Change", changeOf(rollout)],
+        ["Robots concerned", concerned(rollout, robots)],
+        ["This stage ends", expectedEnd(rollout)],
         ["Measured errors in this stage", comparisonOf(rollout)],
         ["Comparisons in this stage", `${rollout.looks} of at most 3`],
         ["Probability that chance looks so much worse", rollout.probability === null ? null : percent(rollout.probability, 2)],

@@ -1,13 +1,14 @@
 // Alarms as cards by robot and array, each with what to do, and storms of alarms as one card.
 
 import { changed } from "../address.js";
-import { list } from "../api.js";
+import { list, withQuery } from "../api.js";
 import { h } from "../dom.js";
-import { count, time } from "../format.js";
+import { count, mm, time } from "../format.js";
 import { mark, markOf } from "../marks.js";
 import { link, whiskerName } from "../places.js";
 import { boxLink } from "./boxes.js";
-import { ALARM_KINDS, ALARM_LEVELS, ALARM_STATES, say } from "../words.js";
+import { whyNotSet } from "./story.js";
+import { ALARM_KINDS, ALARM_LEVELS, ALARM_STATES, REFUSALS, say } from "../words.js";
 
 /** Most alarms of an unfolded storm that are shown on the page. */
 const MEMBERS = 50;
@@ -66,20 +67,42 @@ function cards(rows, actions) {
 }
 
 function card(row, actions) {
-  const buttons = actions(row);
   return h(
     "li",
     { class: `alarm ${row.level.toLowerCase()}`, "data-key": `alarm-${row.alarm_id}`, "data-kind": row.kind },
     h(
       "div",
       { class: "about" },
-      h("h3", {}, level(row), subject(row)),
+      h("h3", {}, level(row), subject(row), howBad(row)),
+      why(row),
       h("p", { class: "marks" }, state(row), h("span", {}, "raised ", time(row.raised_at)), cleared(row), boxLink(row.black_box_id)),
-      h("p", {}, row.hint),
+      row.cleared_at ? null : h("p", {}, row.hint),
       guidance(row),
     ),
-    buttons.length ? h("div", { class: "buttons" }, buttons) : null,
+    buttonsOf(actions(row)),
   );
+}
+
+/** The buttons that mend the cause, and then those about the alarm itself. */
+function buttonsOf({ work, alarm }) {
+  if (!work.length && !alarm.length) return null;
+  return h("div", { class: "buttons work" }, work.length ? h("div", { class: "mend" }, work) : null, h("div", { class: "about-it" }, alarm));
+}
+
+/** How much of the whisker is missing. */
+function howBad({ lost_mm: lost }) {
+  return lost >= 0.5 ? h("span", { class: "how-bad" }, `${mm(lost, 1)} lost`) : null;
+}
+
+/** Why exactly: attempts at a setpoint, or reasons of a decision, with a link to it. */
+function why(row) {
+  const notSet = whyNotSet(row);
+  const refused = row.refused ? `${count(row.refused_candidates, "candidate")} refused: ${say(REFUSALS, row.refused)}` : null;
+  const words = notSet ?? refused;
+  const isDecided = ["UNCOMPENSATED", "PROPOSED"].includes(row.kind) && row.compensation_id !== null;
+  if (!words && !isDecided) return null;
+  const to = row.kind === "PROPOSED" ? "Judge the proposal" : "Decision and alternatives";
+  return h("p", { class: "why" }, words, words && isDecided ? " \u00b7 " : null, isDecided ? h("a", { href: link.compensation(row.compensation_id) }, to) : null);
 }
 
 /** The mark of an alarm's level with its kind as words. */
@@ -104,8 +127,18 @@ function guidance(row) {
     {},
     h("summary", {}, "Likely causes and runbook"),
     row.causes.length ? h("ol", {}, row.causes.map((cause) => h("li", {}, cause))) : null,
-    h("p", {}, h("a", { href: row.runbook_url.replace(/^\/(.*\/)?(?=runbooks\/)/, ""), target: "_blank", rel: "noreferrer" }, "Runbook")),
+    h("p", {}, h("a", { href: runbook(row), target: "_blank", rel: "noreferrer" }, isOne(row) ? `Runbook for ${row.robot}` : "Runbook")),
   );
+}
+
+const isOne = (row) => !isStorm(row);
+
+/** The address of the runbook; this service fills in the names of the alarm's subject. */
+function runbook(row) {
+  const { fleet, robot, array, whisker } = row;
+  if (!row.runbook_url.startsWith("/")) return row.runbook_url;
+  const own = row.runbook_url.replace(/^\/(.*\/)?(?=runbooks\/)/, "");
+  return withQuery(own, isOne(row) ? { fleet, robot, array, whisker } : { fleet });
 }
 
 function state(alarm) {
@@ -122,6 +155,16 @@ function state(alarm) {
   ];
 }
 
+/** Shelved alarms, so that nobody forgets them; null without any. */
+export function shelved(rows, actions) {
+  if (!rows.length) return null;
+  return [
+    h("h2", {}, "Shelved"),
+    h("p", { class: "hint" }, "Their causes still exist. They are silent until the time that somebody has set, and stand again then."),
+    h("ul", { class: "alarms shelved" }, rows.map((row) => member(row, actions, say(ALARM_KINDS, row.kind)))),
+  ];
+}
+
 /** One card for all alarms of a storm, and its alarms once it is unfolded. */
 function storm(row, members, actions) {
   const known = members.get(stormOf(row));
@@ -132,7 +175,7 @@ function storm(row, members, actions) {
       "h2",
       { class: "place" },
       h("a", { href: link.fleet(row.fleet) }, row.fleet),
-      `, ${count(robots, "robot")}: ${count(alarms, "alarm")} of one kind`,
+      row.kind === "ROBOT_SILENT" ? `: ${count(robots, "robot")} silent or not connected` : `, ${count(robots, "robot")}: ${count(alarms, "alarm")} of one kind`,
     ),
     h(
       "div",
@@ -179,16 +222,15 @@ function cardsOfStorm(rows, alarms, all, actions) {
 }
 
 /** An alarm of a storm: only where it is, because its kind and what to do are told once. */
-function member(row, actions) {
+function member(row, actions, kind = null) {
   const where =
     row.array === null
       ? h("a", { href: link.robot(row) }, row.robot)
       : h("a", { href: link.whisker(row) }, `${row.robot}, whisker ${whiskerName(row)}`);
-  const buttons = actions(row);
   return h(
     "li",
     { class: "alarm", "data-key": `member-${row.alarm_id}` },
-    h("div", { class: "about" }, h("p", { class: "marks" }, where, state(row), h("span", {}, time(row.raised_at)), boxLink(row.black_box_id))),
-    buttons.length ? h("div", { class: "buttons" }, buttons) : null,
+    h("div", { class: "about" }, h("p", { class: "marks" }, kind ? h("strong", {}, kind) : null, where, howBad(row), state(row), h("span", {}, time(row.raised_at)), boxLink(row.black_box_id))),
+    buttonsOf(actions(row)),
   );
 }

@@ -5,6 +5,7 @@ import { count, interval, mm, mpa, orNone, percent, time } from "../format.js";
 import { mark, markOf } from "../marks.js";
 import { link, names } from "../places.js";
 import { table } from "../table.js";
+import { decisionPicture } from "./effect.js";
 import { APPROVALS, CASES, END_REASONS, LOOKS, REFUSALS, say, SETPOINT_REASONS, SETPOINT_STATES } from "../words.js";
 
 /** A predicted or measured error with its interval. */
@@ -42,10 +43,16 @@ export function decisionColumns() {
           ? "\u2013"
           : `${mpa(row.pressure_before_mpa)} \u2192 ${mpa(row.held_pressure_mpa ?? row.pressure_mpa)}`,
     },
-    { name: "Predicted error", numeric: true, cell: (row) => error(row, "predicted_error") },
-    { name: "Measured error", numeric: true, cell: (row) => error(row, "measured_error") },
+    { name: "Predicted and measured error", cell: errors },
     { name: "State", cell: standing },
   ];
+}
+
+/** Both errors as a picture with the newest of them in words. */
+function errors(row) {
+  if (row.compensator_whisker === null) return "\u2013";
+  const newest = row.measured_error === null ? `${percent(row.predicted_error)} predicted` : `${percent(row.measured_error)} measured`;
+  return h("span", { class: "outlook" }, decisionPicture(row), h("span", {}, newest));
 }
 
 /** Decisions, the newest first. */

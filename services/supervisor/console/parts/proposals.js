@@ -3,9 +3,9 @@
 import { has, list } from "../api.js";
 import { proposalActions } from "../actions.js";
 import { h } from "../dom.js";
-import { interval, mpa, percent } from "../format.js";
 import { link } from "../places.js";
 import { section } from "../table.js";
+import { effect } from "./effect.js";
 
 /** Most proposals that a page shows. */
 const SHOWN_MAX = 20;
@@ -46,11 +46,7 @@ function proposal(row, refresh) {
         `${row.robot}: whisker ${row.array} ${row.compensator_whisker} to compensate for ${whom}`,
       ),
     ),
-    h(
-      "p",
-      {},
-      `From ${mpa(row.pressure_before_mpa)} to ${mpa(row.pressure_mpa)}; predicted error ${interval(row.predicted_error, row.predicted_error_low, row.predicted_error_high, percent)}.`,
-    ),
+    effect(row),
     h("div", { class: "buttons" }, proposalActions(row, refresh)),
   );
 }

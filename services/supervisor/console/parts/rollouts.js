@@ -1,9 +1,9 @@
 // Staged roll-outs: buttons to begin one, its marks, and the buttons to pause, advance and roll it back.
 
-import { has } from "../api.js";
+import { get, has } from "../api.js";
 import { actionButton } from "../dialog.js";
 import { h } from "../dom.js";
-import { count, percent } from "../format.js";
+import { ago, count, percent } from "../format.js";
 import { markOf } from "../marks.js";
 import { api, link } from "../places.js";
 import { MODES, ROLLOUT_STAGES, ROLLOUT_STATES, say } from "../words.js";
@@ -37,6 +37,9 @@ const RULES = [
   },
 ];
 
+/** Share of the robots that each stage concerns. */
+const SHARES = { FEW: 0.05, QUARTER: 0.25, ALL: 1 };
+
 const WHAT =
   "5 % of the fleet's robots get the change, then 25 %, then all. After each stage the measured compensation errors of changed and unchanged robots are compared. If the changed ones are worse, they get what is in force now.";
 
@@ -58,7 +61,19 @@ export function rolloutButton({ fleet, title, what, fields = [], change, words }
       reason: reasonOf(values),
     }),
   };
-  return actionButton(action, done, words);
+  // The dialog says whom the change concerns.
+  const prepare = async () => {
+    const { robots } = await get(api.fleet(fleet));
+    return { ...action, what: [...action.what, concernedBy(robots)] };
+  };
+  return actionButton({ path: action.path, prepare }, done, words);
+}
+
+/** How many robots each stage concerns. */
+function concernedBy(robots) {
+  const few = Math.max(1, Math.round(SHARES.FEW * robots));
+  const quarter = Math.max(few, Math.round(SHARES.QUARTER * robots));
+  return `Fleet of ${count(robots, "robot")}: about ${count(few, "robot")} first, then ${quarter.toLocaleString("en")}, then all. A stage ends when enough changed robots have a measured error, so robots without a compensation do not speed it up.`;
 }
 
 /** The link to the list of roll-outs. */
@@ -88,6 +103,23 @@ export function comparisonOf(row) {
   if (!row.changed_robots && !row.unchanged_robots) return "no errors measured in this stage yet";
   const group = (error, robots, noun) => `${error === null ? "no error" : percent(error)} of ${count(robots, noun)}`;
   return `median ${group(row.changed_error, row.changed_robots, "changed robot")}, ${group(row.unchanged_error, row.unchanged_robots, "unchanged robot")}`;
+}
+
+/** Whom a roll-out concerns now, of all robots of its fleet. */
+export function concerned(row, robots) {
+  if (!Number.isFinite(robots)) return null;
+  const now = Math.min(robots, Math.max(1, Math.round((SHARES[row.stage] ?? 1) * robots)));
+  return `about ${count(now, "robot")} now, ${robots.toLocaleString("en")} in all`;
+}
+
+/** When the present stage is expected to end, from the robots that have a measured error so far; null once it has ended. */
+export function expectedEnd(row, now = Date.now()) {
+  if (row.state !== "RUNNING" || row.stage === "ALL") return null;
+  const missing = row.robots - row.changed_robots;
+  if (missing <= 0) return "at the next comparison";
+  if (!row.changed_robots) return "not known yet: no changed robot has a measured error";
+  const each = (now - Date.parse(row.stage_at)) / row.changed_robots;
+  return `${ago(now + missing * each, now)}, at the pace so far: ${count(missing, "measured robot")} missing`;
 }
 
 const ORDERS = {

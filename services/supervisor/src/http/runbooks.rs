@@ -9,9 +9,13 @@ use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Redirect, Response};
 use axum::routing::get;
 
+use serde::Deserialize;
+
 use super::accept::preferred;
+use super::extract::Query;
 use super::problem::Problem;
 use vibrissa_edge::guidance::RUNBOOKS;
+use vibrissa_protocol::Name;
 
 /// The page that lists the others.
 const FIRST: &str = "README.md";
@@ -80,28 +84,80 @@ pages! {
 pub(super) fn routes() -> Router<super::App> {
     Router::new().route("/runbooks", get(async || Redirect::permanent(&format!("{RUNBOOKS}/{FIRST}")))).route(
         "/runbooks/{name}",
-        get(async |extract::Path(name): extract::Path<String>, headers: HeaderMap| page(&name, &headers)),
+        get(async |extract::Path(name): extract::Path<String>, Query(subject): Query<Subject>, headers: HeaderMap| {
+            page(&name, &subject, &headers)
+        }),
     )
 }
 
-fn page(name: &str, headers: &HeaderMap) -> Response {
+/// The names that replace the placeholders of a page.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Subject {
+    fleet: Option<Name>,
+    robot: Option<Name>,
+    array: Option<Name>,
+    whisker: Option<u16>,
+}
+
+impl Subject {
+    /// The page with its placeholders replaced where they are words of their own: ROBOT, but not `ROBOT_SILENT`.
+    fn fill(&self, text: &str) -> String {
+        let name = |name: &Option<Name>| name.as_ref().map(Name::to_string);
+        let names = [
+            ("FLEET", name(&self.fleet)),
+            ("ROBOT", name(&self.robot)),
+            ("ARRAY", name(&self.array)),
+            ("NUMBER", self.whisker.map(|whisker| whisker.to_string())),
+        ];
+        let is_of_word = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+        let mut filled = String::with_capacity(text.len());
+        let mut rest = text;
+        while !rest.is_empty() {
+            let word = rest.find(|letter| !is_of_word(letter)).unwrap_or(rest.len());
+            let known = names.iter().find(|(placeholder, _)| *placeholder == &rest[..word]);
+            filled.push_str(known.and_then(|(_, name)| name.as_deref()).unwrap_or(&rest[..word]));
+            let end = rest[word..].find(is_of_word).map_or(rest.len(), |at| word + at);
+            filled.push_str(&rest[word..end]);
+            rest = &rest[end..];
+        }
+        filled
+    }
+}
+
+fn page(name: &str, subject: &Subject, headers: &HeaderMap) -> Response {
     let Some((_, text)) = PAGES.iter().find(|(known, _)| *known == name) else {
         return Problem::not_found(format_args!("runbook called {name}: {RUNBOOKS}/{FIRST} lists them"))
             .into_response();
     };
+    let text = subject.fill(text);
     let vary = (header::VARY, "accept");
     if preferred(headers, &["text/plain", "text/html"]) == Some(1) {
         let content = (header::CONTENT_TYPE, "text/html; charset=utf-8");
         let policy = (header::CONTENT_SECURITY_POLICY, hypertext::POLICY);
-        return ([content, policy, vary], hypertext::of(text)).into_response();
+        return ([content, policy, vary], hypertext::of(&text)).into_response();
     }
     // Browsers show this type, and would only save text/markdown.
-    ([(header::CONTENT_TYPE, "text/plain; charset=utf-8"), vary], *text).into_response()
+    ([(header::CONTENT_TYPE, "text/plain; charset=utf-8"), vary], text).into_response()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn placeholders_that_are_words_of_their_own_are_replaced() {
+        let subject = Subject {
+            fleet: Some(Name::new("lab").unwrap()),
+            robot: Some(Name::new("crawler-1").unwrap()),
+            array: None,
+            whisker: Some(2),
+        };
+        let page = "ROBOT_SILENT: `/v1/fleets/FLEET/robots/ROBOT/arrays/ARRAY/whiskers/NUMBER`, FLEETS \u{2264} NUMBER";
+        let filled = "ROBOT_SILENT: `/v1/fleets/lab/robots/crawler-1/arrays/ARRAY/whiskers/2`, FLEETS \u{2264} 2";
+        assert_eq!(subject.fill(page), filled);
+        assert_eq!(Subject::default().fill(page), page);
+    }
 
     #[test]
     fn each_page_of_the_folder_is_served() {

@@ -2,6 +2,7 @@
 
 pub mod actions;
 pub mod alarm_actions;
+pub mod alarm_statistics;
 pub mod alarms;
 pub mod alarms_at_once;
 pub mod allowed;
@@ -35,6 +36,7 @@ pub mod refusals;
 pub mod robots;
 pub mod rollouts;
 pub mod setpoints;
+pub mod timeline;
 pub mod touch_tests;
 pub mod webhooks;
 pub mod what_if;
@@ -52,6 +54,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(policy::routes())
         .merge(alarms::routes())
         .merge(alarm_actions::routes())
+        .merge(alarm_statistics::routes())
         .merge(alarms_at_once::routes())
         .merge(allowed::routes())
         .merge(audit::routes())
@@ -80,6 +83,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(happenings::routes())
         .merge(compensations::routes())
         .merge(setpoints::routes())
+        .merge(timeline::routes())
         .merge(touch_tests::routes())
         .merge(errors::routes())
         .merge(webhooks::routes())

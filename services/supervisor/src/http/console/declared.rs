@@ -12,7 +12,7 @@ use vibrissa_core::robot::effect::{
 use vibrissa_core::robot::event::ArrayKind;
 use vibrissa_core::rollout::Stage;
 use vibrissa_edge::actions::AuditKind;
-use vibrissa_edge::events::{EventKind, webhook_kinds};
+use vibrissa_edge::events::{Audience, EventKind, webhook_kinds};
 use vibrissa_edge::guidance::Level;
 use vibrissa_edge::presence::Presence;
 use vibrissa_edge::words::Words;
@@ -39,6 +39,7 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
         ("ALARM_LEVELS", words::<Level>()),
         ("AUDIT_KINDS", words::<AuditKind>()),
         ("EVENT_KINDS", told_of(webhook_kinds().into_iter().chain([EventKind::Test]))),
+        ("TIMELINE_KINDS", told_of(EventKind::all().into_iter().filter(|kind| is_in_timeline(*kind)))),
         ("ARRAY_TYPES", words::<ArrayKind>()),
         ("ROLLOUT_STAGES", words::<Stage>()),
         ("MODES", words::<Mode>()),
@@ -50,6 +51,11 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
         module
     })
 });
+
+/// Whether the timeline has events of this kind. It shows the decisions of people about alarms as their actions.
+fn is_in_timeline(kind: EventKind) -> bool {
+    kind.audience() != Audience::Kafka && !matches!(kind, EventKind::AlarmHandled | EventKind::Test)
+}
 
 fn words<T: Words + Copy>() -> Value {
     told_of(T::all())
