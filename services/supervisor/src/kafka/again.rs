@@ -3,23 +3,25 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
 
-use rskafka::client::partition::{OffsetAt, PartitionClient};
-use rskafka::record::RecordAndOffset;
 use tracing::error;
 
-use super::client::{KafkaError, Log, within};
+use super::client::KafkaError;
+use super::record::Record;
 use super::topic::FleetTopic;
+use super::wire::{self, Brokers, OffsetAt};
 use crate::log_inbox::{LogRange, LogRecord, Skipped};
 
 /// What a recovery has read ahead.
 pub(super) struct Again {
-    log: Log,
+    brokers: Brokers,
+    /// Number of partitions of the topic.
+    count: u32,
     partitions: BTreeMap<u32, Partition>,
 }
 
 /// A partition that is read again.
 struct Partition {
-    client: PartitionClient,
+    client: wire::Partition,
     /// First and next offset of the partition when it was opened.
     earliest: i64,
     latest: i64,
@@ -27,7 +29,7 @@ struct Partition {
     begin: i64,
     /// Next offset to read.
     next: i64,
-    read: VecDeque<RecordAndOffset>,
+    read: VecDeque<Record>,
 }
 
 impl fmt::Debug for Again {
@@ -37,10 +39,10 @@ impl fmt::Debug for Again {
 }
 
 impl Partition {
-    async fn open(log: &Log, topic: &str, range: LogRange) -> Result<Self, KafkaError> {
-        let client = log.open(topic, range.partition).await?;
-        let earliest = within(client.get_offset(OffsetAt::Earliest)).await?;
-        let latest = within(client.get_offset(OffsetAt::Latest)).await?;
+    async fn open(brokers: &Brokers, topic: &str, range: LogRange) -> Result<Self, KafkaError> {
+        let client = brokers.open(topic, range.partition).await?;
+        let earliest = client.offset(OffsetAt::Earliest).await?;
+        let latest = client.offset(OffsetAt::Latest).await?;
         Ok(Self { client, earliest, latest, begin: range.from, next: range.from, read: VecDeque::new() })
     }
 
@@ -51,15 +53,17 @@ impl Partition {
 }
 
 impl Again {
-    pub(super) fn new(log: Log) -> Self {
-        Self { log, partitions: BTreeMap::new() }
+    /// Connects, and has read nothing.
+    pub(super) async fn start(topic: &FleetTopic) -> Result<Self, KafkaError> {
+        let brokers = topic.connector.brokers().await?;
+        let count = brokers.partitions_now(&topic.name).await?;
+        Ok(Self { brokers, count, partitions: BTreeMap::new() })
     }
 
     /// The messages of records that were read before. Ranges of a partition in rising order are read together.
     pub(super) async fn records(&mut self, of: &FleetTopic, range: LogRange) -> Result<Vec<LogRecord>, KafkaError> {
-        let partitions = self.log.partitions(&of.name)?;
         if !self.partitions.get(&range.partition).is_some_and(|partition| partition.is_before(range)) {
-            let opened = Partition::open(&self.log, &of.name, range).await?;
+            let opened = Partition::open(&self.brokers, &of.name, range).await?;
             self.partitions.insert(range.partition, opened);
         }
         let Some(partition) = self.partitions.get_mut(&range.partition) else { return Ok(Vec::new()) };
@@ -76,7 +80,7 @@ impl Again {
         partition.begin = to;
         partition.next = partition.next.max(first);
         while partition.next < end {
-            let read = of.fetch((&partition.client, partitions), partition.next).await?;
+            let read = of.fetch((&partition.client, self.count), partition.next).await?;
             if read.next == partition.next {
                 break;
             }

@@ -15,11 +15,7 @@ pub(super) fn cause(problem: &Error) -> String {
     if let Some((_, defect)) = text.split_once("invalid peer certificate: ") {
         return plain::certificate(defect);
     }
-    let remedy = if has(&["Unimplemented compression: Lz4"]) {
-        "a batch is compressed with lz4, which is not read: set compression.type of the topic or the bridge to gzip or snappy"
-    } else if has(&["Unimplemented compression: Zstd"]) {
-        "a batch is compressed with zstd, which is not read: set compression.type of the topic or the bridge to gzip or snappy"
-    } else if has(&["onnection refused"]) {
+    let remedy = if has(&["onnection refused"]) {
         "no broker listens there: start the brokers, or correct kafka.url"
     } else if has(&["lookup address", "Name or service", "No address"]) {
         "no address is known for a broker: correct kafka.url, the brokers' advertised.listeners, or DNS"

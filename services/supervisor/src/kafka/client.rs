@@ -1,4 +1,5 @@
-//! Connections to the log. Each operation has a time limit; after a failure everything is connected anew.
+//! Connections to the log. Each operation has a time limit; after a failure everything is connected anew. `wire` has
+//! those of the readers.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -12,18 +13,20 @@ use rskafka::client::{Client, ClientBuilder, Credentials, SaslConfig};
 use rustls::pki_types::CertificateDer;
 use rustls::pki_types::pem::{self, PemObject};
 use rustls::{ClientConfig, RootCertStore};
-use tokio::sync::Mutex;
 use tokio::time::timeout;
 use vibrissa_protocol::plain;
 use vibrissa_protocol::text_file::pem_of;
 
 use super::cause::{cause, of_tls};
+use super::defect::Defect;
 use crate::kafka_options::{KafkaOptions, SaslMechanism};
 
 /// Time limit for one operation, such as a write that all replicas acknowledge.
 pub(super) const PATIENCE: Duration = Duration::from_secs(10);
+/// How the supervisor names itself to the brokers.
+pub(super) const CLIENT: &str = "vibrissa";
 /// Largest answer of a broker.
-const ANSWER_BYTES_MAX: usize = 64 * 1024 * 1024;
+pub(super) const ANSWER_BYTES_MAX: usize = 64 * 1024 * 1024;
 
 /// Why the log cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -54,6 +57,9 @@ pub enum KafkaError {
     /// The certificate of a broker is not trusted.
     #[error("the certificate of a broker cannot be trusted, check kafka.ca_file and the host in kafka.url: {}", cause(.0))]
     NotTrusted(Error),
+    /// A batch cannot be read.
+    #[error("{0}")]
+    Defect(#[from] Defect),
     /// The log answers with an error, or the connection fails.
     #[error("{}", cause(.0))]
     Failed(Error),
@@ -76,13 +82,12 @@ impl From<Error> for KafkaError {
 impl KafkaError {
     /// Whether the answer has come and cannot be read: it would be the same again.
     pub(super) fn is_unreadable(&self) -> bool {
-        let Self::Failed(problem) = self else { return false };
         matches!(
-            problem,
-            Error::InvalidResponse(_)
-                | Error::Request(
+            self,
+            Self::Defect(_)
+                | Self::Failed(Error::Request(
                     RequestError::ReadError(_) | RequestError::ReadVersionedError(_) | RequestError::TooMuchData { .. }
-                )
+                ))
         )
     }
 
@@ -99,14 +104,25 @@ impl KafkaError {
 /// Makes connections.
 #[derive(Debug, Clone)]
 pub(super) struct Connector {
-    options: KafkaOptions,
-    tls: Option<Arc<ClientConfig>>,
+    pub(super) options: KafkaOptions,
+    pub(super) tls: Option<Arc<ClientConfig>>,
 }
 
 impl Connector {
     pub(super) fn new(options: &KafkaOptions) -> Result<Self, KafkaError> {
         let tls = options.is_encrypted.then(|| tls(options)).transpose()?;
         Ok(Self { options: options.clone(), tls })
+    }
+
+    /// How the supervisor proves who it is; `None` if the brokers do not ask.
+    pub(super) fn sasl(&self) -> Option<SaslConfig> {
+        let credentials = self.options.credentials.as_ref()?;
+        let own = Credentials::new(credentials.username.clone(), credentials.password.reveal().to_owned());
+        Some(match credentials.mechanism {
+            SaslMechanism::Plain => SaslConfig::Plain(own),
+            SaslMechanism::ScramSha256 => SaslConfig::ScramSha256(own),
+            SaslMechanism::ScramSha512 => SaslConfig::ScramSha512(own),
+        })
     }
 
     /// Connects to a broker, and learns the topics.
@@ -119,31 +135,26 @@ impl Connector {
             deadline: Some(PATIENCE / 5),
         };
         let mut builder = ClientBuilder::new(self.options.brokers.clone())
-            .client_id("vibrissa")
+            .client_id(CLIENT)
             .max_message_size(ANSWER_BYTES_MAX)
             .backoff_config(backoff);
         if let Some(tls) = &self.tls {
             builder = builder.tls_config(tls.clone());
         }
-        if let Some(credentials) = &self.options.credentials {
-            let own = Credentials::new(credentials.username.clone(), credentials.password.reveal().to_owned());
-            builder = builder.sasl_config(match credentials.mechanism {
-                SaslMechanism::Plain => SaslConfig::Plain(own),
-                SaslMechanism::ScramSha256 => SaslConfig::ScramSha256(own),
-                SaslMechanism::ScramSha512 => SaslConfig::ScramSha512(own),
-            });
+        if let Some(sasl) = self.sasl() {
+            builder = builder.sasl_config(sasl);
         }
         within(async {
             let client = builder.build().await?;
             let partitions = partitions_of(&client).await?;
-            Ok(Log { client, partitions, open: BTreeMap::new() })
+            Ok::<_, Error>(Log { client, partitions, open: BTreeMap::new() })
         })
         .await
     }
 }
 
 /// Runs an operation within the time limit.
-pub(super) async fn within<T>(work: impl Future<Output = Result<T, Error>>) -> Result<T, KafkaError> {
+pub(super) async fn within<T, E: Into<KafkaError>>(work: impl Future<Output = Result<T, E>>) -> Result<T, KafkaError> {
     match timeout(PATIENCE, work).await {
         Ok(done) => done.map_err(Into::into),
         Err(_) => Err(KafkaError::NoAnswer),
@@ -156,7 +167,7 @@ async fn partitions_of(client: &Client) -> Result<BTreeMap<String, u32>, Error> 
     Ok(topics.into_iter().map(|topic| (topic.name, topic.partitions.len() as u32)).collect())
 }
 
-/// A connection to the log.
+/// A connection to the log, for writing.
 pub(super) struct Log {
     client: Client,
     /// Number of partitions by topic when the connection was made.
@@ -167,17 +178,8 @@ pub(super) struct Log {
 impl Log {
     /// Number of partitions of a topic, at least one.
     pub(super) fn partitions(&self, topic: &str) -> Result<u32, KafkaError> {
-        number_in(&self.partitions, topic)
-    }
-
-    /// Number of partitions that a topic has now, at least one.
-    pub(super) async fn partitions_now(&self, topic: &str) -> Result<u32, KafkaError> {
-        number_in(&within(partitions_of(&self.client)).await?, topic)
-    }
-
-    /// A new client of a partition, connected.
-    pub(super) async fn open(&self, topic: &str, partition: u32) -> Result<PartitionClient, KafkaError> {
-        within(self.client.partition_client(topic, partition as i32, UnknownTopicHandling::Error)).await
+        let known = self.partitions.get(topic).copied().filter(|&count| count > 0);
+        known.ok_or_else(|| KafkaError::NoTopic(topic.to_owned()))
     }
 
     /// A partition, connected.
@@ -186,41 +188,10 @@ impl Log {
         if let Some(open) = self.open.get(&at) {
             return Ok(open.clone());
         }
-        let client = Arc::new(self.open(topic, partition).await?);
+        let opening = self.client.partition_client(topic, partition as i32, UnknownTopicHandling::Error);
+        let client = Arc::new(within(opening).await?);
         self.open.insert(at, client.clone());
         Ok(client)
-    }
-}
-
-fn number_in(partitions: &BTreeMap<String, u32>, topic: &str) -> Result<u32, KafkaError> {
-    let known = partitions.get(topic).copied().filter(|&count| count > 0);
-    known.ok_or_else(|| KafkaError::NoTopic(topic.to_owned()))
-}
-
-/// A connection that several tasks use.
-pub(super) struct SharedLog {
-    connector: Connector,
-    log: Mutex<Option<Arc<Log>>>,
-}
-
-impl SharedLog {
-    pub(super) fn new(connector: Connector) -> Self {
-        Self { connector, log: Mutex::default() }
-    }
-
-    /// The connection, which is made if there is none.
-    pub(super) async fn get(&self) -> Result<Arc<Log>, KafkaError> {
-        let mut log = self.log.lock().await;
-        if let Some(log) = &*log {
-            return Ok(log.clone());
-        }
-        Ok(log.insert(Arc::new(self.connector.connect().await?)).clone())
-    }
-
-    /// Forgets a connection after a failure. Who uses it still may go on.
-    pub(super) async fn forget(&self, failed: &Arc<Log>) {
-        let mut log = self.log.lock().await;
-        log.take_if(|log| Arc::ptr_eq(log, failed));
     }
 }
 

@@ -1,14 +1,16 @@
-//! Reads records past those that cannot be read: a batch that is damaged, compressed in an unknown way, or has impossible
-//! times must not keep the records after it away.
+//! Reads records past those that cannot be read: a batch that is damaged, or unpacks to too many bytes, must not keep
+//! the records after it away.
 
 use std::ops::RangeInclusive;
+use std::time::Duration;
 
-use rskafka::client::partition::{OffsetAt, PartitionClient};
-use rskafka::record::RecordAndOffset;
 use tracing::error;
 
-use super::client::{KafkaError, within};
+use super::batch;
+use super::client::KafkaError;
+use super::record::Record;
 use super::topic::FleetTopic;
+use super::wire::{OffsetAt, Partition};
 use crate::log_inbox::Skipped;
 
 /// Bytes of one read, at least and at most.
@@ -18,12 +20,12 @@ const READ_BYTES: RangeInclusive<i32> = 64 * 1024..=1024 * 1024;
 const ALL_READS_BYTES: i32 = 16 * 1024 * 1024;
 /// A read of so many bytes answers with one batch, however long it is.
 const ONE_BATCH: i32 = 1;
-/// Time for which a broker waits for new records, ms. It bounds the delay after a change of the leader, not that of records.
-const WAIT_MS: i32 = 500;
+/// Time for which a broker waits for new records. It bounds the delay after a change of the leader, not that of records.
+const WAIT: Duration = Duration::from_millis(500);
 
 /// Some records.
 pub(super) struct Fetched {
-    pub(super) records: Vec<RecordAndOffset>,
+    pub(super) records: Vec<Record>,
     /// Offset from which the next read begins.
     pub(super) next: i64,
     /// Offset after the last record of the partition.
@@ -36,29 +38,31 @@ fn read_bytes(partitions: u32) -> i32 {
     each.clamp(*READ_BYTES.start(), *READ_BYTES.end())
 }
 
+/// Reads once, without a further try.
+async fn read(partition: &Partition, at: i64, bytes: i32) -> Result<Fetched, KafkaError> {
+    let (answer, end) = partition.fetch(at, bytes, WAIT).await?;
+    let read = batch::read(answer, at, end)?;
+    Ok(Fetched { records: read.records, next: read.next, end })
+}
+
 impl FleetTopic {
     /// Reads records of one of so many partitions from an offset on. Records that cannot be read are set aside after
     /// some tries: counted, and logged.
     pub(super) async fn fetch(
         &self,
-        (partition, partitions): (&PartitionClient, u32),
+        (partition, partitions): (&Partition, u32),
         at: i64,
     ) -> Result<Fetched, KafkaError> {
         let mut problem = None;
         // If an answer cannot be read, its first batch is tried alone, and once more.
         for bytes in [read_bytes(partitions), ONE_BATCH, ONE_BATCH] {
-            match within(partition.fetch_records(at, 1..bytes + 1, WAIT_MS)).await {
-                Ok((records, end)) => {
-                    // A batch without records is a mark of a transaction.
-                    let after_mark = if bytes == ONE_BATCH && at < end { at + 1 } else { at };
-                    let next = records.last().map_or(after_mark, |last| last.offset + 1);
-                    return Ok(Fetched { records, next, end });
-                }
+            match read(partition, at, bytes).await {
+                Ok(fetched) => return Ok(fetched),
                 Err(why) if why.is_unreadable() => problem = Some(why),
                 Err(why) => return Err(why),
             }
         }
-        let end = within(partition.get_offset(OffsetAt::Latest)).await?.max(at + 1);
+        let end = partition.offset(OffsetAt::Latest).await?.max(at + 1);
         let mut search = Search::new(at, end);
         while let Some(next) = search.next() {
             search.tell(next, can_read(partition, next).await?);
@@ -67,10 +71,10 @@ impl FleetTopic {
         self.skipped(Skipped::Unreadable, next.abs_diff(at));
         let problem = problem.map(|why| why.to_string()).unwrap_or_default();
         error!(
-            fleet = %self.fleet, topic = %self.name, partition = partition.partition(), from = at, to = next, problem,
+            fleet = %self.fleet, topic = %self.name, partition = partition.number(), from = at, to = next, problem,
             "records of the log cannot be read and are set aside: robots send contacts without a receipt again"
         );
-        self.tell_set_aside(partition.partition(), (at, next), &problem);
+        self.tell_set_aside(partition.number(), (at, next), &problem);
         Ok(Fetched { records: Vec::new(), next, end })
     }
 }
@@ -108,8 +112,8 @@ impl Search {
     }
 }
 
-async fn can_read(partition: &PartitionClient, at: i64) -> Result<bool, KafkaError> {
-    match within(partition.fetch_records(at, 1..ONE_BATCH + 1, WAIT_MS)).await {
+async fn can_read(partition: &Partition, at: i64) -> Result<bool, KafkaError> {
+    match read(partition, at, ONE_BATCH).await {
         Ok(_) => Ok(true),
         Err(why) if why.is_unreadable() => Ok(false),
         Err(why) => Err(why),

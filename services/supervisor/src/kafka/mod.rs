@@ -1,16 +1,22 @@
 //! A partitioned log, Apache Kafka: events go out to it, and contacts may come from it.
 //!
 //! Nothing here decides about a robot. [`publisher`] carries the log of events of a fleet to Kafka, [`reader`] reads all
-//! partitions of a topic ([`partition`]), [`again`] reads them for a recovery, [`client`] has the connections.
+//! partitions of a topic ([`partition`]), [`again`] reads them for a recovery, [`client`] and
+//! [`wire`] have the connections. [`batch`], [`record`] and [`unpack`] read what the brokers send.
 
 mod again;
+mod batch;
 mod cause;
 mod client;
+mod defect;
 mod fetch;
 mod partition;
 mod publisher;
 mod reader;
+mod record;
 mod topic;
+mod unpack;
+mod wire;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64};

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use rskafka::client::partition::OffsetAt;
 use tokio::sync::mpsc;
 use tracing::{error, info, warn};
 
-use super::client::{KafkaError, Log, SharedLog, within};
+use super::client::KafkaError;
 use super::topic::FleetTopic;
+use super::wire::{Brokers, OffsetAt, SharedBrokers};
 use crate::backoff::Backoff;
 use crate::log_inbox::{LogBatch, LogRange, Skipped};
 
@@ -17,7 +17,7 @@ const RECORDS_AT_A_TIME: usize = 512;
 /// Reads one partition.
 pub(super) struct PartitionReader {
     pub(super) of: FleetTopic,
-    pub(super) log: Arc<SharedLog>,
+    pub(super) log: Arc<SharedBrokers>,
     pub(super) partition: u32,
     /// Next offset to read; `None` for the first record.
     pub(super) next: Option<i64>,
@@ -53,12 +53,12 @@ impl PartitionReader {
     }
 
     /// Reads over one connection. Returns without an error when the engine is gone.
-    async fn read(&mut self, log: &Log, batches: &mpsc::Sender<LogBatch>) -> Result<(), KafkaError> {
+    async fn read(&mut self, log: &Brokers, batches: &mpsc::Sender<LogBatch>) -> Result<(), KafkaError> {
         let (of, partition) = (self.of.clone(), self.partition);
         let (fleet, topic) = (&of.fleet, &of.name);
         let client = log.open(topic, partition).await?;
-        let earliest = within(client.get_offset(OffsetAt::Earliest)).await?;
-        let latest = within(client.get_offset(OffsetAt::Latest)).await?;
+        let earliest = client.offset(OffsetAt::Earliest).await?;
+        let latest = client.offset(OffsetAt::Latest).await?;
         let mut at = self.next.unwrap_or(earliest);
         if at < earliest {
             of.skipped(Skipped::Deleted, at.abs_diff(earliest));

@@ -12,9 +12,10 @@ use tracing::{error, warn};
 use vibrissa_host::task;
 
 use super::again::Again;
-use super::client::{KafkaError, SharedLog};
+use super::client::KafkaError;
 use super::partition::PartitionReader;
 use super::topic::FleetTopic;
+use super::wire::SharedBrokers;
 use crate::backoff::Backoff;
 use crate::log_inbox::{LogBatch, LogRange, LogRecord, LogSource, NextOffsets, Recall};
 
@@ -86,7 +87,7 @@ impl LogReader {
     async fn try_records(&self, again: &mut Option<Again>, range: LogRange) -> Result<Vec<LogRecord>, KafkaError> {
         let again = match again {
             Some(again) => again,
-            none => none.insert(Again::new(self.topic.connector.connect().await?)),
+            none => none.insert(Again::start(&self.topic).await?),
         };
         again.records(&self.topic, range).await
     }
@@ -95,7 +96,7 @@ impl LogReader {
     /// their first record.
     pub(crate) async fn run(self, mut from: NextOffsets, batches: mpsc::Sender<LogBatch>) {
         self.topic.metrics.log_ingest.set(1);
-        let (log, mut tasks) = (Arc::new(SharedLog::new(self.topic.connector.clone())), JoinSet::new());
+        let (log, mut tasks) = (Arc::new(SharedBrokers::new(self.topic.connector.clone())), JoinSet::new());
         let (mut known, mut backoff, mut logged) = (0, Backoff::default(), None);
         loop {
             match self.count(&log).await {
@@ -137,7 +138,7 @@ impl LogReader {
     }
 
     /// Number of partitions that the topic has now.
-    async fn count(&self, shared: &SharedLog) -> Result<u32, KafkaError> {
+    async fn count(&self, shared: &SharedBrokers) -> Result<u32, KafkaError> {
         let log = shared.get().await?;
         let counted = log.partitions_now(&self.topic.name).await;
         if counted.is_err() {

@@ -4,18 +4,17 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rskafka::record::RecordAndOffset;
+use bytes::Bytes;
 use vibrissa_protocol::{Name, RobotTopic, Topic};
 
 use super::client::Connector;
+use super::record::Record;
 use crate::link_state::LinkState;
 use crate::log_inbox::{LogRecord, Skipped};
 use crate::metrics::FleetMetrics;
 use crate::readiness::Readiness;
 use crate::set_aside::Reader;
 
-/// Headers with the MQTT topic, as bridges name them.
-const TOPIC_HEADERS: [&str; 3] = ["topic", "mqtt_topic", "mqtt.topic"];
 /// The part of a fleet that is not ready then.
 const PART: &str = "log";
 
@@ -87,9 +86,8 @@ impl FleetTopic {
     }
 
     /// The message of a record.
-    pub(super) fn message(&self, record: RecordAndOffset) -> Result<LogRecord, Skipped> {
-        let RecordAndOffset { record, offset } = record;
-        let topic = address(record.key.as_deref(), &record.headers)?;
+    pub(super) fn message(&self, record: Record) -> Result<LogRecord, Skipped> {
+        let topic = address(record.key.as_deref(), &record.topics)?;
         let Topic::Robot { fleet, robot, kind } = &topic else { return Err(Skipped::NoTopic) };
         if *fleet != self.fleet {
             return Err(Skipped::OtherFleet);
@@ -98,8 +96,9 @@ impl FleetTopic {
             return Err(Skipped::OtherMessage);
         }
         let (robot, kind) = (robot.clone(), *kind);
-        let payload = record.value.ok_or(Skipped::NoValue)?.into();
-        Ok(LogRecord { offset, topic, robot, kind, payload })
+        // A part of the batch would keep all of the batch in memory.
+        let payload = Bytes::copy_from_slice(&record.value.ok_or(Skipped::NoValue)?);
+        Ok(LogRecord { offset: record.offset, topic, robot, kind, payload })
     }
 }
 
@@ -109,10 +108,10 @@ fn are_connected(partitions: &BTreeMap<u32, PartitionState>) -> bool {
 
 /// The MQTT topic of a record. A key names the robot, and a header must not name another one: brokers and bridges protect
 /// keys, while anybody who writes may add headers.
-fn address(key: Option<&[u8]>, headers: &BTreeMap<String, Vec<u8>>) -> Result<Topic, Skipped> {
+fn address(key: Option<&[u8]>, headers: &[Option<Bytes>]) -> Result<Topic, Skipped> {
     let text = |bytes: &[u8]| std::str::from_utf8(bytes).ok().map(str::to_owned);
     let topic_in = |text: &str| Topic::parse(text).ok().filter(|topic| matches!(topic, Topic::Robot { .. }));
-    let values = TOPIC_HEADERS.iter().filter_map(|&name| text(headers.get(name)?));
+    let values = headers.iter().flatten().filter_map(|value| text(value));
     let header = values.filter_map(|value| topic_in(&value)).next();
     let key = key.and_then(text).unwrap_or_default();
     if let Some(of_key) = topic_in(&key) {
@@ -137,22 +136,22 @@ mod tests {
     #[test]
     fn regress_a_header_does_not_name_another_robot_than_the_key() {
         const TOPIC: &str = "whisker/v1/f/r/contacts";
-        let addressed = |key: Option<&str>, headers: &[(&str, &str)]| {
-            let headers = headers.iter().map(|(name, value)| ((*name).to_owned(), value.as_bytes().to_vec())).collect();
+        let addressed = |key: Option<&str>, headers: &[&'static str]| {
+            let headers: Vec<_> = headers.iter().map(|value| Some(Bytes::from(*value))).collect();
             address(key.map(str::as_bytes), &headers).map(|topic| topic.to_string())
         };
         let found = Ok(TOPIC.to_owned());
-        assert_eq!(addressed(Some("f/r"), &[("topic", TOPIC)]), found);
-        assert_eq!(addressed(Some("r"), &[("topic", TOPIC)]), found, "a key with the robot alone");
+        assert_eq!(addressed(Some("f/r"), &[TOPIC]), found);
+        assert_eq!(addressed(Some("r"), &[TOPIC]), found, "a key with the robot alone");
         assert_eq!(addressed(Some(TOPIC), &[]), found);
-        assert_eq!(addressed(None, &[("mqtt.topic", TOPIC)]), found);
-        assert_eq!(addressed(Some("some key"), &[("mqtt_topic", TOPIC)]), found, "a key of another form");
-        assert_eq!(addressed(Some(TOPIC), &[("topic", "vibrissa.messages")]), found, "a header of another meaning");
-        assert_eq!(addressed(None, &[("topic", "vibrissa.messages"), ("mqtt_topic", TOPIC)]), found);
+        assert_eq!(addressed(None, &[TOPIC]), found);
+        assert_eq!(addressed(Some("some key"), &[TOPIC]), found, "a key of another form");
+        assert_eq!(addressed(Some(TOPIC), &["vibrissa.messages"]), found, "a header of another meaning");
+        assert_eq!(addressed(None, &["vibrissa.messages", TOPIC]), found);
         for key in ["f/other", "g/r", "other", "r2", "whisker/v1/f/other/contacts", "whisker/v1/f/r/status"] {
-            assert_eq!(addressed(Some(key), &[("topic", TOPIC)]), Err(Skipped::Contradiction), "{key}");
+            assert_eq!(addressed(Some(key), &[TOPIC]), Err(Skipped::Contradiction), "{key}");
         }
         assert_eq!(addressed(Some("f/r"), &[]), Err(Skipped::NoTopic));
-        assert_eq!(addressed(None, &[("topic", "whisker/v1/f/supervisor/state")]), Err(Skipped::NoTopic));
+        assert_eq!(addressed(None, &["whisker/v1/f/supervisor/state"]), Err(Skipped::NoTopic));
     }
 }
