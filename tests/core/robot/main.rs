@@ -1,5 +1,6 @@
 //! The core against simulated robots whose truth is known.
 
+mod air_patterns;
 mod arrival;
 mod assignment;
 mod by_hand;

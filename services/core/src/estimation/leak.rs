@@ -17,10 +17,14 @@
 //! **Refills.** If a regulator refills a leak faster than the readings can follow, the pressure shows no falling
 //! line, but valve activity at a constant setpoint ([`super::refill`]). Then no rate is reported, because that of
 //! the line would be wrong.
+//!
+//! **Patterns.** A regulator that dithers or hunts looks like a leak. Its own pattern is learned first, and a leak is called
+//! for evidence beyond it ([`super::air_habit`]).
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use super::air_habit::OTHERS;
 use super::leak_test::LeakTest;
 use super::pool::Pool;
 use super::refill::Refills;
@@ -89,6 +93,8 @@ const VENT_REFILLS: f64 = 1.2;
 const LEAST_MPA: f64 = 0.005;
 /// A status older than the previous readings by more than this means that the robot's clock was set back.
 const CLOCK_SET_BACK: Micros = Micros(10_000_000);
+/// Part of each threshold that counts while a leak is called.
+const STILL: f64 = 0.5;
 /// Names of the flags of a stored [`LeakWatch`], in stored order.
 pub(crate) const FLAGS: [&str; 8] =
     ["quiet_from", "refills by status", "refills by contacts", "closed", "open", "rate", "is_leaking", "test"];
@@ -136,22 +142,12 @@ struct Bin {
 
 /// What the readings of a longer time show.
 struct Evidence {
-    /// Part of each threshold that counts: half while a leak is called.
-    part: f64,
     /// Lower bound of the loss that refills replace, per second.
     refilled: f64,
-    is_refilled: bool,
+    /// Refills, leaps and the falling line, relative to their thresholds.
+    relative: [f64; OTHERS],
     /// Rate of the falling lines.
     fitted: Option<Interval>,
-}
-
-impl Evidence {
-    fn shows_leak(&self, params: &LeakParams) -> bool {
-        // The test is repeated for the chamber's whole life, so the threshold lies well beyond the interval's bound.
-        let surely = |rate: Interval| rate.mean - 1.6 * (rate.mean - rate.low);
-        let fallen = self.fitted.map_or(0.0, |rate| if self.part < 1.0 { rate.mean } else { surely(rate) });
-        self.is_refilled || fallen > self.part * params.rate_max_per_s
-    }
 }
 
 impl LeakWatch {
@@ -181,7 +177,8 @@ impl LeakWatch {
     pub fn read(&mut self, params: &LeakParams, source: Source, at: Micros, pressure: Megapascal) {
         if source == Source::Status && at.after(CLOCK_SET_BACK) < self.bin.since.max(self.quiet_from) {
             // Only contacts are sent again: the robot's clock was set back.
-            *self = Self { closed: self.closed, is_leaking: self.is_leaking, ..Self::default() };
+            let test = std::mem::take(&mut self.test).begun_anew();
+            *self = Self { closed: self.closed, is_leaking: self.is_leaking, test, ..Self::default() };
         }
         if !self.is_quiet(at) {
             return;
@@ -245,12 +242,16 @@ impl LeakWatch {
     /// Updates the rate, and calls a leak that the line or the refills show. Its end is left to the test of the statuses,
     /// once all evidence has fallen to half of its threshold.
     fn judge(&mut self, params: &LeakParams) {
-        let Some(evidence) = self.evidence(params) else { return };
-        let Evidence { refilled, is_refilled, fitted, .. } = evidence;
-        if !self.is_leaking && evidence.shows_leak(params) {
-            self.is_leaking = true;
-            self.test.begin(true);
+        let Some(Evidence { refilled, relative, fitted }) = self.evidence(params) else { return };
+        if !self.is_leaking {
+            self.test.learn_others(relative);
+            if self.test.is_exceeded_by(relative, 1.0) {
+                self.is_leaking = true;
+                self.test.begin(true);
+            }
         }
+        let part = if self.is_leaking { STILL } else { 1.0 };
+        let is_refilled = relative[..2].iter().any(|&one| one > part);
         if fitted.is_some_and(|rate| refilled > rate.high.max(0.0)) {
             // The line does not explain the refills: it belongs to an earlier time, or refills are faster than the
             // readings.
@@ -262,7 +263,7 @@ impl LeakWatch {
     }
 
     fn seems_to_leak(&self, params: &LeakParams) -> bool {
-        self.evidence(params).is_some_and(|evidence| evidence.shows_leak(params))
+        self.evidence(params).is_some_and(|evidence| self.test.is_exceeded_by(evidence.relative, STILL))
     }
 
     /// What the readings of a longer time show. None before the first average.
@@ -271,9 +272,12 @@ impl LeakWatch {
         let greatest = |of: &dyn Fn(&Refills) -> f64| self.refills.iter().map(of).fold(0.0, f64::max);
         let refilled = greatest(&|refills| refills.least_mpa_per_s(params.refill_mpa)) / mpa;
         let leaps = greatest(&Refills::least_leaps_per_s);
-        let part = if self.is_leaking { 0.5 } else { 1.0 };
-        let is_refilled = refilled > part * params.rate_max_per_s || leaps > part * params.leaps_max_per_s;
-        Some(Evidence { part, refilled, is_refilled, fitted: self.fitted_rate_per_s(params) })
+        let fitted = self.fitted_rate_per_s(params);
+        // The test is repeated for the chamber's whole life, so the threshold lies well beyond the interval's bound.
+        let surely = |rate: Interval| rate.mean - 1.6 * (rate.mean - rate.low);
+        let fallen = fitted.map_or(0.0, |rate| if self.is_leaking { rate.mean } else { surely(rate) });
+        let (rate_max, leaps_max) = (params.rate_max_per_s, params.leaps_max_per_s);
+        Some(Evidence { refilled, relative: [refilled / rate_max, leaps / leaps_max, fallen / rate_max], fitted })
     }
 
     /// Whether the chamber leaks.

@@ -7,6 +7,7 @@
 //! [`uncertainty`] gives the uncertainty of Eq. 35 over the cases of [`cubature`]. [`trend`] fits lines to long series;
 //! [`erosion`] and [`leak`] use it, and [`refill`] detects a regulator that refills a leak.
 
+mod air_habit;
 pub mod bins;
 pub mod cubature;
 pub mod erosion;

@@ -5,10 +5,6 @@
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
-/// Half a step of the sensor, in smallest refills: these are about one step.
-const HALF_STEP: f64 = 0.5;
-/// Variance of the rounding to a step, in smallest refills squared.
-pub(super) const ROUNDING: f64 = HALF_STEP * HALF_STEP / 3.0;
 /// Random walk of a pressure behind shut valves, in refills per square root of a second: temperature, creep.
 const WALK: f64 = 0.01;
 /// The same for the middle of a band.
@@ -48,6 +44,20 @@ pub(super) struct Reading {
     pub refills: f64,
     pub gap_s: f64,
     pub noise: f64,
+    /// Half a step of the sensor, in smallest refills.
+    pub half_step: f64,
+}
+
+impl Reading {
+    /// Variance of its error, in smallest refills squared: noise, and the rounding to a step.
+    pub(super) fn variance(&self) -> f64 {
+        self.noise + rounding(self.half_step)
+    }
+}
+
+/// Variance of the rounding to a step, in smallest refills squared.
+pub(super) fn rounding(half_step: f64) -> f64 {
+    half_step.powi(2) / 3.0
 }
 
 impl Track {
@@ -68,21 +78,32 @@ impl Track {
 
     /// The pressure falls, and jumps at times. Predicts a reading, learns from it, and returns its density.
     pub(super) fn fall(&mut self, loss: Loss, reading: &Reading) -> f64 {
+        self.drift(loss, reading, 1.0)
+    }
+
+    /// The same for a pressure that rises at the rate of a loss, and is vented.
+    pub(super) fn rise(&mut self, loss: Loss, reading: &Reading) -> f64 {
+        self.drift(loss, reading, -1.0)
+    }
+
+    /// The pressure falls if `down` is 1, and rises if it is -1.
+    fn drift(&mut self, loss: Loss, reading: &Reading, down: f64) -> f64 {
         let fallen = loss.per_s * reading.gap_s * f64::from(self.refills);
         let fall = fallen.min(FALL_MAX);
         let variance = f64::from(self.variance) + WALK.powi(2) * reading.gap_s + (loss.sd * fall).powi(2);
         // Relative to the reading, so that small numbers remain.
-        let mean = -self.off(reading.refills) - fall;
+        let mean = -self.off(reading.refills) - down * fall;
         let refilled = RARE + (fallen / REFILL.0).min(REFILLED_MAX);
         let jumped = variance + REFILL.1.powi(2);
         let cases = [
             (1.0 - refilled - RARE - ANYWHERE, mean, variance),
-            (refilled, mean + REFILL.0, jumped),
-            (RARE, mean - REFILL.0, jumped),
+            (refilled, mean + down * REFILL.0, jumped),
+            (RARE, mean - down * REFILL.0, jumped),
         ];
-        let (mut density, mut first, mut second) = (ANYWHERE, 0.0, ANYWHERE * (reading.noise + ROUNDING));
+        let anywhere = ANYWHERE * 2.0 * reading.half_step;
+        let (mut density, mut first, mut second) = (anywhere, 0.0, anywhere * reading.variance());
         for (share, mean, variance) in cases {
-            let Some(seen) = Seen::new(mean, variance, reading.noise) else { continue };
+            let Some(seen) = Seen::new(mean, variance, reading) else { continue };
             let weight = share * seen.share;
             density += weight;
             first += weight * seen.mean;
@@ -97,20 +118,20 @@ impl Track {
     /// The pressure is anywhere in a band of this width, whatever it was at the last reading. Predicts a reading, learns the
     /// middle of the band from it, and returns its density.
     pub(super) fn scatter(&mut self, width: f64, reading: &Reading) -> f64 {
-        let error = reading.noise + ROUNDING;
+        let (step, error) = (2.0 * reading.half_step, reading.variance());
         let variance = f64::from(self.variance) + MIDDLE_WALK.powi(2) * reading.gap_s;
         let off = self.off(reading.refills);
         let sd = (variance + error).sqrt();
         let [low, high] = [off - 0.5 * width, off + 0.5 * width].map(|edge| normal(edge / sd).0);
-        let density = (1.0 - ANYWHERE) * (high - low) / width;
+        let density = step * (1.0 - ANYWHERE) * (high - low) / width;
         let spread = width.powi(2) / 12.0 + error;
-        *self = if density < ANYWHERE {
+        *self = if density < step * ANYWHERE {
             Self::new(reading.refills, spread)
         } else {
             let gain = variance / (variance + spread);
             Self::new(reading.refills - off * (1.0 - gain), variance * (1.0 - gain))
         };
-        density + ANYWHERE
+        density + step * ANYWHERE
     }
 }
 
@@ -125,13 +146,13 @@ struct Seen {
 
 impl Seen {
     /// The step's middle is 0. None if the step is too improbable.
-    fn new(mean: f64, variance: f64, noise: f64) -> Option<Self> {
-        let all = variance + noise;
+    fn new(mean: f64, variance: f64, reading: &Reading) -> Option<Self> {
+        let all = variance + reading.noise;
         let sd = all.sqrt();
-        let [low, high] = [-HALF_STEP - mean, HALF_STEP - mean].map(|edge| edge / sd);
+        let [low, high] = [-reading.half_step - mean, reading.half_step - mean].map(|edge| edge / sd);
         let ([below, at_low], [until, at_high]) = (normal(low).into(), normal(high).into());
         let share: f64 = until - below;
-        if share < LEAST_SHARE {
+        if share < LEAST_SHARE * 2.0 * reading.half_step {
             return None;
         }
         let first: f64 = (at_low - at_high) / share;
@@ -167,20 +188,27 @@ mod tests {
 
     #[test]
     fn property_a_step_that_is_read_leaves_the_mean_and_variance_that_sums_give() {
-        for (mean, variance, noise) in [(0.0, 0.01, 0.06), (0.4, 0.3, 0.06), (-1.2, 2.0, 0.1), (0.9, 0.05, 0.2)] {
+        for (mean, variance, noise, half_step) in [
+            (0.0, 0.01, 0.06, 0.5),
+            (0.4, 0.3, 0.06, 0.5),
+            (-1.2, 2.0, 0.1, 0.5),
+            (0.9, 0.05, 0.2, 0.5),
+            (0.3, 0.2, 0.1, 0.1),
+        ] {
             let (mut share, mut first, mut second) = (0.0, 0.0, 0.0);
             let (sd, noise_sd) = (f64::sqrt(variance), f64::sqrt(noise));
             for k in -6000..6000 {
                 let z = f64::from(k) / 1000.0;
                 let x = mean + sd * z;
-                let read = normal((HALF_STEP - x) / noise_sd).0 - normal((-HALF_STEP - x) / noise_sd).0;
+                let read = normal((half_step - x) / noise_sd).0 - normal((-half_step - x) / noise_sd).0;
                 let weight = normal(z).1 * read / 1000.0;
                 share += weight;
                 first += weight * x;
                 second += weight * x * x;
             }
             let (first, second) = (first / share, second / share);
-            let seen = Seen::new(mean, variance, noise).expect("a likely step");
+            let reading = Reading { refills: 0.0, gap_s: 1.0, noise, half_step };
+            let seen = Seen::new(mean, variance, &reading).expect("a likely step");
             assert!((seen.share - share).abs() < 1e-5, "{share} {}", seen.share);
             assert!((seen.mean - first).abs() < 1e-4, "{first} {}", seen.mean);
             assert!((seen.variance - (second - first * first)).abs() < 1e-4, "{second} {}", seen.variance);

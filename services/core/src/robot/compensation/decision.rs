@@ -242,6 +242,7 @@ impl Whisker {
         };
         let faulty = match self.fault {
             Some(Fault::Gauge(_)) => true,
+            Some(Fault::Leak) if self.has_doubtful_leak(params) => false,
             Some(Fault::Leak) if self.holds_setpoint(params) && serving.reading_gain().is_some() => false,
             Some(Fault::Leak | Fault::Regulator) => !serving.refining.keeps_pressure(),
             Some(Fault::Stale | Fault::SupplyLow) | None => false,

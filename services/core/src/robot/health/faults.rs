@@ -26,6 +26,7 @@ impl Robot {
     ) {
         let Some(index) = self.find(entry.array, entry.whisker) else { return };
         let whisker = &mut self.whiskers[index];
+        let was_doubtful = whisker.has_doubtful_leak(params);
         whisker.heard = Some(now);
         whisker.air.measure(entry.pressure);
         whisker.air.regulator = entry.regulator;
@@ -38,6 +39,10 @@ impl Robot {
         whisker.watch_leak(params, robot_time, entry);
         whisker.watch_pressure(params, now);
         self.refresh_fault(params, now, index, effects);
+        if was_doubtful && !self.whiskers[index].has_doubtful_leak(params) {
+            // It served on while the leak was in doubt.
+            self.head.undecided = true;
+        }
         self.follow_pressure(params, index, params.health.settled_within_mpa);
     }
 
@@ -204,6 +209,11 @@ impl Whisker {
         let off_by_mpa = |measured: Megapascal| (measured.mpa() - self.air.setpoint.mpa()).abs();
         self.air.unheld_since.is_none()
             && self.air.measured().is_none_or(|measured| off_by_mpa(measured) <= params.health.held_within_mpa)
+    }
+
+    /// Whether only its readings show a leak, and its pressure is held: then it may be none, and a compensation serves on.
+    pub(in crate::robot) fn has_doubtful_leak(&self, params: &Params) -> bool {
+        self.fault == Some(Fault::Leak) && self.air.regulator != RegulatorState::Leak && self.holds_setpoint(params)
     }
 
     /// Whether it was heard once, and then not for too long a time in which it could be heard.

@@ -6,7 +6,7 @@ use crate::estimation::filter::{LENGTH, STATES};
 use crate::mechanics::{Formulation, Objective, UsualContacts};
 use crate::policy::{Fitness, LongerForShorter, propose};
 use crate::robot::Numbers;
-use crate::robot::event::{ArrayKind, ArraySheet, Factsheet, TouchTests, WhiskerSheet};
+use crate::robot::event::{ArrayKind, ArraySheet, Factsheet, RegulatorState, TouchTests, WhiskerSheet};
 use crate::units::{Megapascal, Micros, Millimetre};
 
 /// Numbers without a pattern, the same each time.
@@ -350,14 +350,33 @@ fn a_pressure_that_is_on_its_way_back_decides_nothing() {
     robot.whiskers[0].pressure_set(first.pressure, &params);
     // A fault that comes and goes before the release is carried out; meanwhile the estimate has moved up.
     robot.whiskers[0].fault = Some(Fault::Leak);
+    robot.whiskers[0].air.regulator = RegulatorState::Leak;
     decide(&params, &mut robot);
     assert_eq!(pairs(&robot), []);
     robot.whiskers[0].fault = None;
+    robot.whiskers[0].air.regulator = RegulatorState::Ok;
     set_length(&params, &mut robot.whiskers[0], 65.2);
     decide(&params, &mut robot);
     assert_eq!(pairs(&robot), [(0, 0)]);
     assert!(robot.head.compensations[0].pressure > first.pressure, "{:?}", robot.head.compensations[0]);
     assert_eq!(robot.head.compensations[0].pressure_before, robot.whiskers[0].sheet.pressure);
+}
+
+#[test]
+fn a_leak_that_only_readings_show_ends_a_compensation_once_the_pressure_is_not_held() {
+    let params = Params::nguyen_2021(Formulation::Published);
+    let mut robot = robot(&params, ArrayKind::Type2, &[70.0], |_| Vec::new());
+    cut(&params, &mut robot, 0, 65.0);
+    decide(&params, &mut robot);
+    let pressure = robot.head.compensations[0].pressure;
+    robot.whiskers[0].pressure_set(pressure, &params);
+    robot.whiskers[0].air.measure(pressure);
+    robot.whiskers[0].fault = Some(Fault::Leak);
+    decide(&params, &mut robot);
+    assert_eq!(pairs(&robot), [(0, 0)], "it may be no leak");
+    robot.whiskers[0].air.measure(Megapascal::ZERO);
+    decide(&params, &mut robot);
+    assert_eq!(pairs(&robot), []);
 }
 
 #[test]
