@@ -94,7 +94,7 @@ impl Stage {
         for (into, values) in [
             (
                 "robots(robot_id, fleet, robot, connection, model, updated_us, labels)",
-                "1000 + i, 'f', 'more-' || i, 'ONLINE', 'm', 1, 'hall=' || i % 10",
+                "1000 + i, 'f', 'more-' || i, 'ONLINE', 'm', 1, 'hall=' || (i % 10)",
             ),
             ("arrays(array_id, robot_id, \"array\", array_type, whiskers)", "1000 + i, 1000 + i, 'left', 'TYPE_1', 1"),
         ] {

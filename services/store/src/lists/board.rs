@@ -111,8 +111,9 @@ where
         "SELECT p.fleet, p.robot, y.\"array\", q.whisker, ",
         presence!("p"),
         " AS connection, q.condition, q.fault, compensated_by, lost_mm, \
-         (SELECT error FROM compensation_errors e WHERE e.compensation_id = q.compensated_by \
-          ORDER BY recorded_us DESC, compensation_error_id DESC LIMIT 1) AS error, \
+         (SELECT error FROM compensation_errors e WHERE e.compensation_error_id = \
+          (SELECT max(compensation_error_id) FROM compensation_errors n \
+           WHERE n.compensation_id = q.compensated_by)) AS error, \
          coalesce(CASE WHEN q.condition = 'TRIMMED' THEN \
            (SELECT max(detected_us) FROM trims t WHERE t.whisker_id = q.whisker_id) END, \
           (SELECT max(raised_us) FROM alarms a WHERE a.whisker_id = q.whisker_id AND cleared_us IS NULL)) AS since \

@@ -61,7 +61,7 @@ export function board(told, { fleet, more = () => null } = {}) {
       filters(told, state),
       told.folded ? foldedGroups(told, state) : tileGroups(told, state, { fleet, more }),
     ),
-    aside(told, fleet, Boolean(state.label || state.q)),
+    aside(told, fleet, !fleet && Boolean(state.label || state.q)),
   );
 }
 

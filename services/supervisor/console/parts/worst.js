@@ -63,7 +63,7 @@ function row(whisker, fleet) {
       h("span", { class: "name" }, whiskerName(whisker), " ", h("small", {}, `${who}${away}`)),
       h("span", { class: "unseen" }, ` ${words} `),
       h("strong", { class: "magnitude" }, magnitude),
-      whisker.since ? age(whisker.since) : h("span", {}),
+      h("small", {}, whisker.since ? age(whisker.since) : null),
     ),
   );
 }
