@@ -15,6 +15,7 @@ mod keycloak;
 mod provider;
 mod stage;
 mod story;
+mod tale;
 mod touch_tests;
 mod vented;
 mod webhooks;

@@ -28,4 +28,5 @@ mod series;
 mod served;
 mod sign_in;
 mod streams;
+mod timeline;
 mod words;
