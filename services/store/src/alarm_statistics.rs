@@ -120,7 +120,7 @@ pub struct Span {
 /// Statistics of the alarms of a span.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AlarmStatistics {
-    /// The numbers.
+    /// The numbers of the whole span.
     pub numbers: AlarmNumbers,
     /// Numbers by kind.
     pub kinds: Vec<KindCount>,

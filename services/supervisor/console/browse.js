@@ -20,7 +20,8 @@ const ASKED = new WeakMap();
 /**
  * A list of the API as a table: `{ route, what, filters, search, rows }`. `what` names the rows in the plural,
  * `filters` are `{ name, label, options: [[value, words]] }` with the API's parameter as name, or `{ name, label, text: true }`
- * for a text, with `suggestions` of it, and `clean` to normalise it, or `{ name, label, time: true }` for a time; `empty` names the choice of no filter. And `search` is the hint
+ * for a text, with `suggestions` of it, and `clean` to normalise it, or `{ name, label, time: true }` for a time; `clears` names
+ * filters that a choice replaces; `empty` names the choice of no filter. And `search` is the hint
  * of the search field, or null without one. A column of the table with `sort` (the API's sort key) can order it;
  * `descends` makes the greatest value first at the first click.
  */
@@ -109,7 +110,7 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
   /** A field for a date and a time in the console's time zone; the address has them in UTC. */
   function timeField({ name, label }, state) {
     const told = (text) => (text ? new Date(fromField(text)).toISOString() : null);
-    const choose = (event) => change({ [name]: told(event.target.value), since: null, cursor: null });
+    const choose = (event) => change({ [name]: told(event.target.value), since: null, cursor: null, at: null });
     const at = Date.parse(state[name]);
     const value = Number.isFinite(at) ? toField(at) : "";
     return h(
@@ -159,9 +160,10 @@ export function searchField(state, hint, isBare = false) {
 }
 
 /** A field with the options of a filter. */
-export function choiceField({ name, label, options, empty = "all", isBare = false }, state) {
+export function choiceField({ name, label, options, empty = "all", isBare = false, clears = [] }, state) {
   const option = ([value, words]) => h("option", { value, selected: (state[name] ?? "") === value }, words);
-  const choose = (event) => change({ [name]: event.target.value, cursor: null, at: null });
+  const cleared = Object.fromEntries(clears.map((other) => [other, null]));
+  const choose = (event) => change({ ...cleared, [name]: event.target.value, cursor: null, at: null });
   return h(
     "label",
     { class: "tool" },

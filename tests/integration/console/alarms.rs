@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use vibrissa_protocol::{ArrayType, ConnectionState, RobotTopic, SetpointError, SetpointOutcome};
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
-use vibrissa_tests::web::try_get;
+use vibrissa_tests::web::{send, try_get};
 
 use crate::checks::{complaints, overflow};
 use crate::stage::Stage;
@@ -96,6 +96,10 @@ async fn a_hundred_and_twenty_silent_robots_are_one_row_that_unfolds_and_is_ackn
     let acknowledged = items(&stage, "/v1/alarms?state=ACKNOWLEDGED&limit=1000").await;
     assert_eq!(acknowledged.len(), ALL);
     assert!(acknowledged.iter().all(|alarm| alarm["acknowledged_reason"] == "the switch of hall 2"));
+    // The statistics call so many at once a flood.
+    stage.open("#/alarm-statistics").await;
+    let verdict = text(&mut stage, ".summary").await;
+    assert!(verdict.starts_with("120 alarms") && verdict.contains("flood"), "{verdict}");
     assert_eq!(items(&stage, "/v1/audit?kind=ALARM_ACKNOWLEDGE&limit=1000").await.len(), ALL);
     stage.is_clean();
     stage.stop().await;
@@ -119,7 +123,23 @@ async fn filters_of_alarms_are_in_the_address_and_buttons_are_visible_on_a_phone
          one.width > 40 && one.height >= 44 && one.left >= 0 && one.right <= innerWidth)"
     );
     assert_eq!(stage.browser.js(&buttons).await, json!(true));
-    assert_eq!(stage.browser.js(&format!("{card}.querySelectorAll('button').length")).await, json!(2));
+    // A touch test and a replacement mend it; it may be acknowledged and shelved.
+    assert_eq!(stage.browser.js(&format!("{card}.querySelectorAll('.mend button').length")).await, json!(2));
+    assert_eq!(stage.browser.js(&format!("{card}.querySelectorAll('.about-it button').length")).await, json!(2));
+    let how_bad = stage.browser.js(&format!("{card}.querySelector('.how-bad').innerText")).await;
+    let how_bad = how_bad.as_str().unwrap();
+    assert!(how_bad.ends_with("mm lost") && how_bad.starts_with(['4', '5']), "{how_bad}");
+    let why = stage.browser.js(&format!("{card}.querySelector('.why').innerText")).await;
+    assert!(why.as_str().unwrap().contains("refused: the predicted error is above the policy's limit"), "{why}");
+    let runbook = stage.browser.js(&format!("{card}.querySelector('details a').href")).await;
+    let runbook = runbook.as_str().unwrap().split_once("/runbooks/").unwrap().1.to_owned();
+    assert!(runbook.ends_with("?fleet=f&robot=r&array=left&whisker=0"), "{runbook}");
+    let (status, words) = try_get(stage.service.http, &format!("/runbooks/{runbook}")).await.unwrap();
+    assert_eq!(
+        (status, words.contains("/v1/fleets/f/robots/r/arrays/left/whiskers/0/replaced")),
+        (200, true),
+        "{words}"
+    );
     for scheme in ["light", "dark"] {
         stage.browser.prefers(scheme).await;
         assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new(), "{scheme}");
@@ -161,6 +181,21 @@ async fn filters_of_alarms_are_in_the_address_and_buttons_are_visible_on_a_phone
     stage.open("#/fleets/f").await;
     stage.browser.until("it is offline", "document.querySelector('main tbody').innerText.includes('offline')").await;
     assert!(!text(&mut stage, "main tbody").await.contains("nothing needs attention"));
+
+    // A shelved alarm stays visible, with the end of the silence and the reason.
+    let alarm = items(&stage, "/v1/alarms?standing=true&kind=UNCOMPENSATED").await[0]["alarm_id"].clone();
+    let until = stage.browser.js("new Date(Date.now() + 3_600_000).toISOString()").await;
+    let body = json!({ "until": until, "reason": "a new one is ordered" });
+    let shelve = format!("/v1/alarms/{alarm}/shelve");
+    let shelved = send(stage.service.http, "POST", &shelve, &[], Some(&body)).await.unwrap();
+    assert_eq!(shelved.status, 200, "{}", shelved.body);
+    stage.open("#/alarms").await;
+    stage.browser.until("it is shelved", "!!document.querySelector('.alarms.shelved')").await;
+    let shelved = text(&mut stage, ".alarms.shelved").await;
+    for part in ["no compensator available", "until", "a new one is ordered", "Unshelve"] {
+        assert!(shelved.contains(part), "{part}: {shelved}");
+    }
+    assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());
     stage.is_clean();
     stage.stop().await;
 }
@@ -177,6 +212,8 @@ async fn a_failed_setpoint_is_tried_again_with_the_button_of_its_alarm() {
     stage.open("#/alarms").await;
     let button = "[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('Try again'))";
     stage.browser.until("the button", &format!("!!{button}")).await;
+    let why = text(&mut stage, ".alarm[data-kind=SETPOINT_FAILED] .why").await;
+    assert!(why.contains("not set: 1 attempt rejected by the robot: the robot has a newer setpoint"), "{why}");
     stage.browser.js(&format!("{button}.click()")).await;
     stage.browser.until("a dialog", "document.querySelector('dialog[open]')").await;
     assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());

@@ -8,7 +8,7 @@ use crate::checks::complaints;
 use crate::stage::Stage;
 
 const PATH: &str = "/v1/fleets/f/robots/r/arrays/left/whiskers/0";
-const WHISKER: &str = "#/fleets/f/robots/r/arrays/left/whiskers/0";
+const WHISKER: &str = "#/fleets/f/robots/r/arrays/left/whiskers/0?tab=charts";
 /// Text of the chosen range.
 const STATUS: &str = "document.querySelector('.toolbar .hint').textContent";
 /// Plotting area of the chart of lengths.
@@ -26,7 +26,9 @@ async fn with_a_compensation() -> Stage {
 
 async fn query(stage: &mut Stage) -> String {
     let hash = stage.browser.js("location.hash").await;
-    hash.as_str().unwrap().split_once('?').map_or_else(String::new, |(_, query)| query.to_owned())
+    // Without the tab, which every address of charts has.
+    let hash = hash.as_str().unwrap().replace("tab=charts", "");
+    hash.split_once('?').map_or_else(String::new, |(_, query)| query.trim_start_matches('&').to_owned())
 }
 
 /// A place in the chart of lengths, as parts of its width and height.
@@ -58,7 +60,10 @@ async fn a_range_is_chosen_zoomed_and_reset_and_is_part_of_the_address() {
     stage.open(WHISKER).await;
     let pressed =
         |name: &str| format!("document.querySelector('.toolbar [aria-pressed=true]')?.textContent === '{name}'");
-    stage.browser.until("the shortest range", &pressed("1 hour")).await;
+    stage.browser.until("the newest", &pressed("Newest")).await;
+    // All contacts are of one second: the window is the shortest one around them, and not an hour.
+    let reach = "document.querySelector('.toolbar .hint').textContent";
+    assert!(stage.browser.js(reach).await.as_str().unwrap().contains("follows new data"));
     assert_eq!(query(&mut stage).await, "");
     for (words, name) in [("24 hours", "24h"), ("7 days", "7d"), ("30 days", "30d"), ("1 hour", "1h")] {
         let button =
@@ -85,12 +90,19 @@ async fn a_range_is_chosen_zoomed_and_reset_and_is_part_of_the_address() {
         stage.browser.mouse("mousePressed", middle, clicks).await;
         stage.browser.mouse("mouseReleased", middle, clicks).await;
     }
-    stage.browser.until("no zoom", &pressed("1 hour")).await;
+    stage.browser.until("no zoom", &pressed("Newest")).await;
     assert_eq!(query(&mut stage).await, "");
     stage.browser.js("history.back()").await;
     stage.browser.until("the zoom again", &format!("{STATUS}.includes('chosen range')")).await;
-    stage.browser.click("document.querySelector('[aria-label=\"Reset the range\"]')").await;
-    stage.browser.until("no zoom again", &pressed("1 hour")).await;
+    // + keeps the right end.
+    let end = "new URLSearchParams(location.hash.split('?')[1]).get('to')";
+    let before = stage.browser.js(end).await;
+    stage.browser.click("document.querySelector('[aria-label=\"Zoom in\"]')").await;
+    stage.browser.until("half of it", &format!("Math.abs(({span}) - {minutes} / 2) < 0.1")).await;
+    assert_eq!(stage.browser.js(end).await, before);
+    let newest = "[...document.querySelectorAll('.toolbar button')].find((one) => one.textContent === 'Newest')";
+    stage.browser.click(newest).await;
+    stage.browser.until("no zoom again", &pressed("Newest")).await;
     stage.is_clean();
     stage.stop().await;
 }
@@ -106,7 +118,7 @@ async fn the_resolution_follows_the_range() {
     ] {
         stage.browser.load("about:blank").await;
         let before = stage.browser.asked().len();
-        stage.open(&format!("{WHISKER}?range={range}")).await;
+        stage.open(&format!("{WHISKER}&range={range}")).await;
         let asked = stage.browser.asked();
         let asked = &asked[before..];
         assert!(asked.iter().any(|url| url.contains(PATH) && url.contains(wanted)), "{range}: {asked:?}");
@@ -129,7 +141,7 @@ async fn the_cursor_tells_the_values_with_the_mouse_and_with_the_keyboard() {
     stage.open("#/fleets").await;
     let end = |by: i32| format!("encodeURIComponent(new Date({newest} + {by}).toISOString())");
     let range = stage.browser.js(&format!("`from=${{{}}}&to=${{{}}}`", end(-1_000), end(200))).await;
-    stage.open(&format!("{WHISKER}?{}", range.as_str().unwrap())).await;
+    stage.open(&format!("{WHISKER}&{}", range.as_str().unwrap())).await;
     // Without a cursor the chart names the newest values.
     let lengths = ask(stage.service.http, "GET", &format!("{PATH}/lengths"), &[]).await.unwrap().json();
     let lengths = lengths["items"].as_array().unwrap().clone();
@@ -183,7 +195,7 @@ async fn new_contacts_appear_without_a_reload_and_without_losing_the_zoom() {
          return `from=${encodeURIComponent(ends[0])}&to=${encodeURIComponent(ends[1])}`; })()";
     stage.open("#/fleets").await;
     let range = stage.browser.js(now).await;
-    stage.open(&format!("{WHISKER}?{}", range.as_str().unwrap())).await;
+    stage.open(&format!("{WHISKER}&{}", range.as_str().unwrap())).await;
     stage.browser.js("window.untouched = document.querySelector('[data-chart=length] canvas')").await;
     let contacts = format!("Number({STATUS}.match(/([\\d,]+) contact/)[1].replace(',', ''))");
     let before = stage.browser.js(&contacts).await.as_u64().unwrap();
@@ -206,7 +218,7 @@ async fn events_are_marked_and_lead_to_their_decision_and_alarm() {
     let held =
         vibrissa_tests::web::send(stage.service.http, "POST", &format!("{PATH}/hold"), &[], Some(&json!({}))).await;
     assert_eq!(held.unwrap().status, 200);
-    stage.open(WHISKER).await;
+    stage.open(&format!("{WHISKER}&range=1h")).await;
     let words =
         "[...document.querySelectorAll('.lane button')].map((one) => one.getAttribute('aria-label')).join('; ')";
     stage.browser.until("marks", "document.querySelector('.lane button')").await;

@@ -26,13 +26,15 @@ async fn a_trim_its_compensation_and_its_setpoint_appear_on_the_whiskers_page() 
     let (setpoint, _) = stage.robot.setpoint().await;
     stage.robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
     let pressure = format!("{:.4}", setpoint.pressure_mpa);
+    stage.browser.click("document.querySelector('.tabs a[href*=\"tab=history\"]')").await;
     let row = format!(
         "[...document.querySelectorAll('section[aria-labelledby=part-setpoints] tbody tr')].some((row) => \
          row.innerText.includes('{pressure}') && row.innerText.includes('applied'))"
     );
     stage.browser.until("the setpoint is applied", &row).await;
-    let chosen = "[...document.querySelectorAll('section[aria-labelledby=part-newest-decision] tbody tr')].filter((row) => \
-                  row.innerText.includes('chosen')).length";
+    stage.browser.click("document.querySelector('.tabs a[href*=\"tab=decisions\"]')").await;
+    let chosen =
+        "[...document.querySelectorAll('.alternatives > li')].filter((row) => row.innerText.includes('chosen')).length";
     stage.browser.until("a candidate was chosen", &format!("({chosen}) === 1")).await;
     assert_eq!(stage.browser.js("window.untouched === document.querySelector('h1')").await, json!(true));
     stage.is_clean();
@@ -58,7 +60,7 @@ async fn what_somebody_opened_and_focused_stays_so_when_news_come() {
     stage.cut().await;
     let (setpoint, _) = stage.robot.setpoint().await;
     stage.robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
-    stage.open(WHISKER).await;
+    stage.open(&format!("{WHISKER}?tab=history")).await;
     stage.browser.until("a history", "document.querySelector('main summary')").await;
     stage
         .browser

@@ -18,6 +18,7 @@ mod keycloak;
 mod provider;
 mod stage;
 mod story;
+mod tale;
 mod touch_tests;
 mod vented;
 mod webhooks;

@@ -11,9 +11,11 @@ use crate::checks::complaints;
 use crate::stage::Stage;
 
 const WHISKER: &str = "#/fleets/f/robots/r/arrays/left/whiskers/1";
+const HISTORY: &str = "#/fleets/f/robots/r/arrays/left/whiskers/1?tab=history";
 
 /// Waits until a row of the table of touch tests contains a text.
 async fn row_says(stage: &mut Stage, text: &str) {
+    stage.open(HISTORY).await;
     let rows = "[...document.querySelectorAll('[data-key^=test-]')]";
     stage.browser.until(text, &format!("{rows}.some((row) => row.innerText.includes('{text}'))")).await;
 }
@@ -29,9 +31,10 @@ async fn a_test_is_requested_followed_and_its_length_shown() {
     stage.robot.touch_tests = vec![TouchTestKind::Wall];
     stage.robot.birth().await;
     stage.robot.settle().await;
-    stage.open(WHISKER).await;
+    stage.open(HISTORY).await;
     let empty = "document.body.innerText.includes('No touch test was requested yet.')";
     stage.browser.until("no test", empty).await;
+    stage.open(WHISKER).await;
     press(&mut stage, "Touch test", "a look at it").await;
     let test = stage.robot.touch_test().await;
     row_says(&mut stage, "not answered yet").await;
@@ -101,6 +104,7 @@ async fn a_proposed_test_is_shown_and_started_by_an_operator() {
     assert_eq!((&proposed[0]["reason"], &proposed[0]["ended_at"]), (&"SCHEDULE".into(), &Value::Null));
     stage.open(WHISKER).await;
     row_says(&mut stage, "waits for an operator").await;
+    stage.open(WHISKER).await;
     press(&mut stage, "Touch test", "go ahead").await;
     let test = stage.robot.touch_test().await;
     assert_eq!((test.whisker, test.reason), (1, TouchTestReason::Schedule));

@@ -10,6 +10,7 @@ use vibrissa_store::lists::happenings::TRIMS;
 use vibrissa_store::lists::notes::NOTES;
 use vibrissa_store::lists::refusals::REFUSALS;
 use vibrissa_store::lists::setpoints::SETPOINTS;
+use vibrissa_store::lists::timeline::TIMELINE;
 use vibrissa_store::lists::whiskers::WHISKERS;
 use vibrissa_store::{DatabaseAddress, Store};
 use vibrissa_tests::postgres::Postgres;
@@ -18,6 +19,11 @@ use crate::Fresh;
 
 fn text(column: &'static str, value: &str) -> Vec<Filter> {
     vec![Filter::Is(column, Value::Text(value.to_owned()))]
+}
+
+/// Entries since a time.
+fn recent() -> Vec<Filter> {
+    vec![Filter::AtLeast("at", Value::Whole(1))]
 }
 
 type Page = (&'static List, Vec<Filter>, &'static str);
@@ -42,6 +48,8 @@ fn selected() -> Vec<Page> {
         (&WHISKERS, vec![Filter::IsOneOfNumbers("robot_id", vec![1, 2, 3])], "whiskers_of_"),
         (&REFUSALS, [text("fleet", "f"), text("robot", "r")].concat(), "refusals"),
         (&NOTES, [text("fleet", "f"), text("robot", "r")].concat(), "notes_of_robot"),
+        (&TIMELINE, recent(), "events_by_time"),
+        (&TIMELINE, recent(), "actions_in_order"),
     ]
 }
 

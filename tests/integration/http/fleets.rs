@@ -17,7 +17,9 @@ use crate::served::Served;
 const HALLS: [&str; 2] = ["hall-1", "hall-2"];
 const OTHERS: [&str; 4] = ["hall_1", "Hall-1", "whole-hall-1", "other"];
 /// Lists whose rows come from actions, messages or roll-outs, of which the test makes none.
-const EMPTY: [&str; 3] = ["/v1/quarantine", "/v1/rollouts", "/v1/bulk-actions"];
+const EMPTY: [&str; 4] = ["/v1/quarantine", "/v1/rollouts", "/v1/bulk-actions", "/v1/timeline"];
+/// Both ends of the statistics of alarms: without them they are those of a week until now.
+const SPAN: &str = "from=2020-01-01T00:00:00Z&to=2100-01-01T00:00:00Z";
 
 /// A service with robots, happenings and alarms in each fleet.
 async fn site(served: Served) -> Served {
@@ -111,6 +113,7 @@ async fn a_pattern_selects_the_same_rows_in_every_list_and_in_tokens() {
             // An overview has the time from which changes count, a day ago if none is given.
             let more = if path == "/v1/overview" { "from=2020-01-01T00:00:00Z" } else { "limit=1000" };
             let more = if path == "/v1/board" { "by=hall" } else { more };
+            let more = if path == "/v1/alarms/statistics" { SPAN } else { more };
             let more = if path.starts_with("/v1/errors/by") || path == "/v1/alarms/counts" { "robot=r1" } else { more };
             let whole = all.json(&format!("{path}?{more}")).await;
             let seen = halls.json(&format!("{path}?{more}")).await;

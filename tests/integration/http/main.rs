@@ -30,4 +30,5 @@ mod series;
 mod served;
 mod sign_in;
 mod streams;
+mod timeline;
 mod words;

@@ -48,7 +48,7 @@ from_row! {
 sorts! {
     /// Sort keys of the timeline.
     pub enum TimelineSort {
-        /// By time.
+        /// By time of the event or the request.
         At = "at" Whole Down,
     }
 }

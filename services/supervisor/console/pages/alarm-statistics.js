@@ -11,7 +11,10 @@ import { section, table, trail } from "../table.js";
 import { ALARM_KINDS, ALARM_LEVELS, say } from "../words.js";
 
 const ROUTE = "/v1/alarms/statistics";
-/** Alarms in an hour that one person can answer, and those beyond which nobody can: ISA-18.2's figures of 150 and 300 a day. */
+/**
+ * Alarms in an hour that one person can answer, and those beyond which nobody can: ISA-18.2's figures of 150 and 300 a
+ * day.
+ */
 const RATES = [6, 12];
 const SPANS = SINCE.options;
 
@@ -34,10 +37,22 @@ export default {
       span(since),
       h("ul", { class: "figures" }, figures(found)),
       section("Levels", levels(found)),
-      section("Most alarms", subjects(found.top, "The ten whiskers or robots and kinds with the most alarms", "No alarms in this time.", found.alarms)),
+      section(
+        "Most alarms",
+        subjects(
+          found.top,
+          "The ten whiskers or robots and kinds with the most alarms",
+          "No alarms in this time.",
+          found.alarms,
+        ),
+      ),
       section(
         "Chattering",
-        subjects(found.chattering, "Alarms that came three times or more within ten minutes", "None: no alarm came and went three times within ten minutes."),
+        subjects(
+          found.chattering,
+          "Alarms that came three times or more within ten minutes",
+          "None: no alarm came and went three times within ten minutes.",
+        ),
       ),
       section("Standing for more than a day", stale(found)),
       found.is_limited ? h("p", { class: "hint" }, "Only the newest 100,000 alarms of this time are counted.") : null,
@@ -47,7 +62,12 @@ export default {
 
 function verdict({ alarms, alarms_per_hour: rate, floods }) {
   if (!alarms) return "No alarms in this time.";
-  const load = rate < RATES[0] ? "one person can answer all of them" : rate < RATES[1] ? "one person can hardly answer all of them" : "more than one person can answer";
+  const load =
+    rate < RATES[0]
+      ? "one person can answer all of them"
+      : rate < RATES[1]
+        ? "one person can hardly answer all of them"
+        : "more than one person can answer";
   return `${count(alarms, "alarm")}, ${rateWords(rate)}: ${load}${floods ? `, and ${count(floods, "flood")} of more than 10 in ten minutes` : ""}.`;
 }
 
@@ -62,7 +82,16 @@ function span(since) {
       "label",
       { class: "tool" },
       h("span", {}, "Time"),
-      h("select", { id: "filter-since", name: "since", "data-of-address": true, onchange: (event) => change({ since: event.target.value }) }, options),
+      h(
+        "select",
+        {
+          id: "filter-since",
+          name: "since",
+          "data-of-address": true,
+          onchange: (event) => change({ since: event.target.value }),
+        },
+        options,
+      ),
     ),
   );
 }
@@ -71,19 +100,38 @@ function figures(found) {
   const one = (value, words, tone = null) => h("li", { class: tone }, h("strong", {}, value), h("span", {}, words));
   const rate = found.alarms_per_hour;
   return [
-    one(rate.toFixed(rate < 1 ? 2 : 1), "alarms in an hour", rate < RATES[0] ? "good" : rate < RATES[1] ? "warn" : "bad"),
-    one(found.busiest_ten_minutes.toLocaleString("en"), "at most in ten minutes", found.busiest_ten_minutes > 10 ? "bad" : "good"),
+    one(
+      rate.toFixed(rate < 1 ? 2 : 1),
+      "alarms in an hour",
+      rate < RATES[0] ? "good" : rate < RATES[1] ? "warn" : "bad",
+    ),
+    one(
+      found.busiest_ten_minutes.toLocaleString("en"),
+      "at most in ten minutes",
+      found.busiest_ten_minutes > 10 ? "bad" : "good",
+    ),
     one(duration(found.median_duration_s), "median duration"),
     one(duration(found.longest_duration_s), "longest duration"),
     one(found.standing.toLocaleString("en"), "standing now"),
-    one(found.standing_over_a_day.toLocaleString("en"), "standing for more than a day", found.standing_over_a_day ? "warn" : "good"),
+    one(
+      found.standing_over_a_day.toLocaleString("en"),
+      "standing for more than a day",
+      found.standing_over_a_day ? "warn" : "good",
+    ),
   ];
 }
 
 /** "42 s", "3.5 min", "2.1 h", "4 days". */
 export function duration(seconds) {
   if (!Number.isFinite(seconds)) return "\u2013";
-  const [value, unit] = seconds < 90 ? [seconds, "s"] : seconds < 5_400 ? [seconds / 60, "min"] : seconds < 172_800 ? [seconds / 3_600, "h"] : [seconds / 86_400, "days"];
+  const [value, unit] =
+    seconds < 90
+      ? [seconds, "s"]
+      : seconds < 5_400
+        ? [seconds / 60, "min"]
+        : seconds < 172_800
+          ? [seconds / 3_600, "h"]
+          : [seconds / 86_400, "days"];
   return `${value.toFixed(value < 10 && unit !== "s" ? 1 : 0)}\u00a0${unit}`;
 }
 
@@ -117,7 +165,12 @@ function subjects(rows, caption, empty, all = null) {
     columns: [
       { name: "Alarm", head: true, cell: (row) => say(ALARM_KINDS, row.kind) },
       { name: "Where", cell: place },
-      { name: "Alarms", numeric: true, cell: (row) => `${row.alarms.toLocaleString("en")}${all ? ` (${Math.round((100 * row.alarms) / all)}\u00a0%)` : ""}` },
+      {
+        name: "Alarms",
+        numeric: true,
+        cell: (row) =>
+          `${row.alarms.toLocaleString("en")}${all ? ` (${Math.round((100 * row.alarms) / all)}\u00a0%)` : ""}`,
+      },
       { name: "Chattering", numeric: true, cell: (row) => row.chattering || "\u2013" },
       { name: "Last raised", cell: (row) => time(row.last_raised_at) },
     ],

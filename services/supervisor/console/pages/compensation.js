@@ -1,4 +1,5 @@
-// A decision: its effect on the robot, the certainty of the prediction, the alternatives, and the buttons to approve, refuse or
+// A decision: its effect on the robot, the certainty of the prediction, the alternatives, and the buttons to approve,
+// refuse or
 // undo it.
 
 import { get } from "../api.js";
@@ -32,7 +33,13 @@ export default {
 
 const targetFact = (decision) => [
   "Target",
-  h("span", {}, "whisker ", targetLink(decision), `, whole length ${mm(decision.target_length_mm, 1)}, at ${mpa(decision.target_pressure_mpa)}`),
+  h(
+    "span",
+    {},
+    "whisker ",
+    targetLink(decision),
+    `, whole length ${mm(decision.target_length_mm, 1)}, at ${mpa(decision.target_pressure_mpa)}`,
+  ),
 ];
 
 /** A decision that found no compensator: why, and what to do. */
@@ -84,7 +91,9 @@ function somebody(decision, id, refresh) {
           ? "not yet"
           : `${error(decision, "measured_error")}${decision.measured_contacts ? `, ${decision.measured_contacts.toLocaleString("en")} contacts` : ""}`,
       ],
-      air && decision.measured_error_with_gain !== null ? ["Measured error with gain", error(decision, "measured_error_with_gain")] : null,
+      air && decision.measured_error_with_gain !== null
+        ? ["Measured error with gain", error(decision, "measured_error_with_gain")]
+        : null,
       air ? null : ["Measured error by air alone", error(decision, "measured_air_error")],
       ["Number", id],
     ]),

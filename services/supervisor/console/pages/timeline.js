@@ -22,7 +22,7 @@ const timeline = (fleets) =>
     what: "events",
     rows: ROWS,
     filters: [
-      { ...SINCE, empty: "last 24 hours" },
+      { ...SINCE, empty: "last 24 hours", clears: ["from", "to"] },
       { name: "from", label: "From", time: true },
       { name: "to", label: "To", time: true },
       ...fleetFilter(fleets),
@@ -68,7 +68,8 @@ export default {
       h("p", { class: "links" }, spans(Date.now()).map(quick)),
       timeline(fleets).view(page, {
         body: entriesList(page.items, { withFleet: fleets.length > 1, empty: "" }),
-        empty: "Nothing happened in this time. The log keeps trims, alarms and compensations for a week, and other events for a day.",
+        empty:
+          "Nothing happened in this time. The log keeps trims, alarms and compensations for a week, and other events for a day.",
       }),
     ];
   },

@@ -63,7 +63,11 @@ export default {
     const story = storyOf({ whisker: about, trim: newestTrim(trims), decision: newest, alarms });
     const actions = whiskerActions(about, refresh);
     return [
-      trail(["Fleets", link.fleets()], [`Fleet ${fleet}`, link.fleet(fleet)], [`Robot ${robot}`, link.robot({ fleet, robot })]),
+      trail(
+        ["Fleets", link.fleets()],
+        [`Fleet ${fleet}`, link.fleet(fleet)],
+        [`Robot ${robot}`, link.robot({ fleet, robot })],
+      ),
       h("h1", { tabindex: "-1" }, `Whisker ${array} ${whisker} of ${robot}`),
       h("p", { id: "story", class: `story ${story.tone}` }, shapeOf(SHAPES[story.tone]), h("span", {}, story.text)),
       h("p", {}, marksOf(about)),
@@ -88,7 +92,9 @@ const LOADS = {
       boxesOf(own),
     ]);
     const histories = has("GET", "/v1/setpoints/{}")
-      ? await Promise.all(setpoints.slice(0, HISTORIES).map((one) => get(`/v1/setpoints/${encodeURIComponent(one.command_id)}`)))
+      ? await Promise.all(
+          setpoints.slice(0, HISTORIES).map((one) => get(`/v1/setpoints/${encodeURIComponent(one.command_id)}`)),
+        )
       : [];
     return { setpoints: setpoints.map((one, index) => histories[index] ?? one), tests, changes, boxes };
   },
@@ -120,7 +126,11 @@ const VIEWS = {
       newest ? section("Newest decision", decision(newest, refresh)) : null,
       section(
         "All decisions",
-        decisionsTable([...targets, ...others], "Decisions about it, and those in which it is the compensator", "No decisions yet: the whisker was never found cut."),
+        decisionsTable(
+          [...targets, ...others],
+          "Decisions about it, and those in which it is the compensator",
+          "No decisions yet: the whisker was never found cut.",
+        ),
       ),
     ];
   },
@@ -133,7 +143,8 @@ const VIEWS = {
   ],
 };
 
-const newestTrim = (trims) => [...trims].sort((one, other) => other.detected_at.localeCompare(one.detected_at))[0] ?? null;
+const newestTrim = (trims) =>
+  [...trims].sort((one, other) => other.detected_at.localeCompare(one.detected_at))[0] ?? null;
 
 /** Time of the newest trim or decision, in ms since 1970; null without one. */
 function newestEvent(newest, trims) {
@@ -206,7 +217,8 @@ function of(whisker, newest) {
 /** The measured error of the compensation in force. */
 function errorFacts(newest) {
   if (!newest || newest.ended_at || newest.compensator_whisker === null || newest.approval === "PROPOSED") return [];
-  if (!Number.isFinite(newest.measured_error)) return [["Measured error", "not yet: it needs contacts at the new pressure"]];
+  if (!Number.isFinite(newest.measured_error))
+    return [["Measured error", "not yet: it needs contacts at the new pressure"]];
   const contacts = newest.measured_contacts ? `, ${newest.measured_contacts.toLocaleString("en")} contacts` : "";
   const air = Number.isFinite(newest.measured_air_error);
   return [

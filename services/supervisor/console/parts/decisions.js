@@ -51,7 +51,10 @@ export function decisionColumns() {
 /** Both errors as a picture with the newest of them in words. */
 function errors(row) {
   if (row.compensator_whisker === null) return "\u2013";
-  const newest = row.measured_error === null ? `${percent(row.predicted_error)} predicted` : `${percent(row.measured_error)} measured`;
+  const newest =
+    row.measured_error === null
+      ? `${percent(row.predicted_error)} predicted`
+      : `${percent(row.measured_error)} measured`;
   return h("span", { class: "outlook" }, decisionPicture(row), h("span", {}, newest));
 }
 

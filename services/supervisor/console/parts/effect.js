@@ -37,7 +37,11 @@ export function certaintyOf(decision) {
   const { predicted_error: error, predicted_error_low: low, predicted_error_high: high } = decision;
   if (!Number.isFinite(error)) return null;
   const words = `Predicted reading error ${interval(error, low, high, percent)}; 100 % if nothing is done.`;
-  if (high >= 1) return { tone: "bad", words: `${words} It may be no better than doing nothing: measure by a touch test, or refuse.` };
+  if (high >= 1)
+    return {
+      tone: "bad",
+      words: `${words} It may be no better than doing nothing: measure by a touch test, or refuse.`,
+    };
   if (high - low > VAGUE) return { tone: "warn", words: `${words} The prediction is vague.` };
   return { tone: "good", words };
 }
@@ -48,7 +52,8 @@ function spoken(rows) {
 }
 
 /**
- * Errors with their 95 % intervals on one scale from 0 to 120 %: `rows` are `{ name, tone, value, low, high }`, `limit` the
+ * Errors with their 95 % intervals on one scale from 0 to 120 %: `rows` are `{ name, tone, value, low, high }`, `limit`
+ * the
  * error that the policy allows. The line at 100 % is that of doing nothing.
  */
 export function errorPicture(rows, { limit = null } = {}) {
@@ -57,27 +62,46 @@ export function errorPicture(rows, { limit = null } = {}) {
   const x = (error) => 6 + (Math.min(Math.max(error, 0), END) / END) * (WIDTH - 12);
   const line = (at, style) => s("line", { x1: x(at), x2: x(at), y1: 2, y2: HEIGHT - 13, class: style });
   const one = ({ tone, value, low, high }) => [
-    Number.isFinite(low) ? s("line", { x1: x(low), x2: Math.max(x(high), x(low) + 1), y1: 9, y2: 9, class: `reach ${tone}` }) : null,
+    Number.isFinite(low)
+      ? s("line", { x1: x(low), x2: Math.max(x(high), x(low) + 1), y1: 9, y2: 9, class: `reach ${tone}` })
+      : null,
     high > END ? s("path", { d: `M${x(END) - 5} 4l5 5l-5 5`, class: `more ${tone}` }) : null,
     s("circle", { cx: x(value), cy: 9, r: 4, class: `value ${tone}` }),
   ];
   const label = (at, words) => s("text", { x: x(at), y: HEIGHT - 2 }, words);
   return s(
     "svg",
-    { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, width: WIDTH, height: HEIGHT, class: "errors", role: "img", "aria-label": spoken(known) },
+    {
+      viewBox: `0 0 ${WIDTH} ${HEIGHT}`,
+      width: WIDTH,
+      height: HEIGHT,
+      class: "errors",
+      role: "img",
+      "aria-label": spoken(known),
+    },
     s("line", { x1: x(0), x2: x(END), y1: 9, y2: 9, class: "scale" }),
     line(0, "tick"),
     line(0.5, "tick"),
     line(1, "nothing-done"),
     limit === null ? null : line(limit, "limit"),
     known.map(one),
-    [[0, "0"], [0.5, "50"], [1, "100\u00a0%"]].map(([at, words]) => label(at, words)),
+    [
+      [0, "0"],
+      [0.5, "50"],
+      [1, "100\u00a0%"],
+    ].map(([at, words]) => label(at, words)),
   );
 }
 
 /** Predicted and measured error of a decision as one picture. */
 export function decisionPicture(decision) {
-  const of = (name, words, tone) => ({ name: words, tone, value: decision[name], low: decision[`${name}_low`], high: decision[`${name}_high`] });
+  const of = (name, words, tone) => ({
+    name: words,
+    tone,
+    value: decision[name],
+    low: decision[`${name}_low`],
+    high: decision[`${name}_high`],
+  });
   return errorPicture([of("predicted_error", "predicted", "b"), of("measured_error", "measured", "a")]);
 }
 
@@ -89,7 +113,11 @@ export function effect(decision) {
   return h(
     "div",
     { class: "effect" },
-    h("ul", { class: "what-changes" }, sentences.map((words) => h("li", {}, words))),
+    h(
+      "ul",
+      { class: "what-changes" },
+      sentences.map((words) => h("li", {}, words)),
+    ),
     h(
       "div",
       { class: "outlook" },
@@ -101,4 +129,8 @@ export function effect(decision) {
 
 /** A link to the target of a decision. */
 export const targetLink = (decision) =>
-  h("a", { href: link.whisker(names(decision, decision.target_whisker)) }, `${decision.array} ${decision.target_whisker}`);
+  h(
+    "a",
+    { href: link.whisker(names(decision, decision.target_whisker)) },
+    `${decision.array} ${decision.target_whisker}`,
+  );

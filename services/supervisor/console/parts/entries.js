@@ -34,11 +34,23 @@ const fault = (word) => (word ? say(FAULTS, word) : "no fault");
 
 /** Words, tone and shape of each kind of entry. */
 const KINDS = {
-  TRIM: ({ trim }) => ["bad", "stump", `cut found: ${mm(trim.length_before_mm, 1)} to ${mm(trim.length_after_mm, 1)} after ${count(trim.contacts_to_detect, "contact")}`],
+  TRIM: ({ trim }) => [
+    "bad",
+    "stump",
+    `cut found: ${mm(trim.length_before_mm, 1)} to ${mm(trim.length_after_mm, 1)} after ${count(trim.contacts_to_detect, "contact")}`,
+  ],
   ALARM_RAISED: (_, { word }) => ["warn", "bell", `alarm: ${say(ALARM_KINDS, word)}`],
   ALARM_CLEARED: (_, { word }) => ["good", "bell", `alarm over: ${say(ALARM_KINDS, word)}`],
-  CONDITION_CHANGED: ({ condition }) => ["info", "slope", `${say(CONDITIONS, condition.was)} to ${say(CONDITIONS, condition.becomes)}`],
-  FAULT_CHANGED: ({ fault: { was, becomes } }) => [becomes ? "bad" : "good", becomes ? "cross" : "circle", `${fault(was)} to ${fault(becomes)}`],
+  CONDITION_CHANGED: ({ condition }) => [
+    "info",
+    "slope",
+    `${say(CONDITIONS, condition.was)} to ${say(CONDITIONS, condition.becomes)}`,
+  ],
+  FAULT_CHANGED: ({ fault: { was, becomes } }) => [
+    becomes ? "bad" : "good",
+    becomes ? "cross" : "circle",
+    `${fault(was)} to ${fault(becomes)}`,
+  ],
   WHISKER_GONE: ({ gone }) => ["off", "ring", `whisker ${gone.array} ${gone.whisker} is not on the robot any more`],
   DECISION: decided,
   COMPENSATION_BEGUN: ({ compensation: one }, { array }) => [
@@ -46,7 +58,11 @@ const KINDS = {
     "propped",
     `compensation begun: ${one.case === "SELF_COMPENSATION" ? say(CASES, one.case) : `${array} ${one.compensator_whisker}, ${say(CASES, one.case)}`}${one.pressure_mpa === null ? "" : `, to ${mpa(one.pressure_mpa)}`}`,
   ],
-  COMPENSATION_ENDED: ({ compensation }) => ["warn", "ring", `compensation ended: ${say(END_REASONS, compensation.end_reason)}`],
+  COMPENSATION_ENDED: ({ compensation }) => [
+    "warn",
+    "ring",
+    `compensation ended: ${say(END_REASONS, compensation.end_reason)}`,
+  ],
   PROPOSAL_ENDED: ({ compensation }) => ["off", "ring", `proposal ended: ${say(END_REASONS, compensation.end_reason)}`],
   SETPOINT: setpoint,
   SETPOINT_STATE: setpoint,
@@ -56,12 +72,24 @@ const KINDS = {
     "dial",
     `reading error ${percent(error.error)} at ${mpa(error.pressure_mpa)}${many > 1 ? `, measured ${count(many, "time")}` : ""}`,
   ],
-  REFINEMENT: ({ refinement: one }) => ["info", "dial", `pressure reviewed: ${say(LOOKS, one.outcome)}${one.outcome === "REFINED" ? `, ${one.pressure_from_mpa.toFixed(4)} to ${mpa(one.pressure_best_mpa)}` : ""}`],
+  REFINEMENT: ({ refinement: one }) => [
+    "info",
+    "dial",
+    `pressure reviewed: ${say(LOOKS, one.outcome)}${one.outcome === "REFINED" ? `, ${one.pressure_from_mpa.toFixed(4)} to ${mpa(one.pressure_best_mpa)}` : ""}`,
+  ],
   TOUCH_TEST: ({ touch_test: test }) => ["info", "hand", `touch test: ${say(TEST_STATES, test.state)}`],
   POLICY: ({ policy }) => ["info", "hand", `policy ${policy.version} in force`],
   CALIBRATION: ({ calibration }) => ["info", "hand", `calibration of ${calibration.model} in force`],
-  ROLLOUT: ({ rollout }) => ["info", "dots", `roll-out ${rollout.rollout_id}: ${say(ROLLOUT_STATES, rollout.state)}, ${say(ROLLOUT_STAGES, rollout.stage)}`],
-  QUARANTINED: ({ quarantine }) => ["warn", "gap", `a message of ${quarantine.robot} was put into quarantine: ${quarantine.topic}`],
+  ROLLOUT: ({ rollout }) => [
+    "info",
+    "dots",
+    `roll-out ${rollout.rollout_id}: ${say(ROLLOUT_STATES, rollout.state)}, ${say(ROLLOUT_STAGES, rollout.stage)}`,
+  ],
+  QUARANTINED: ({ quarantine }) => [
+    "warn",
+    "gap",
+    `a message of ${quarantine.robot} was put into quarantine: ${quarantine.topic}`,
+  ],
   ACTION: acted,
 };
 
@@ -87,8 +115,12 @@ function setpoint({ setpoint: one }, { steps = [] }) {
 }
 
 function acted(parameters, { word, actor, reason, state }) {
-  const known = Object.entries(parameters).filter(([name, value]) => value !== null && typeof value !== "object" && !SILENT.includes(name));
-  const shown = known.slice(0, PARAMETERS).map(([name, value]) => `${name.replaceAll("_", " ")} ${String(value).slice(0, 60)}`);
+  const known = Object.entries(parameters).filter(
+    ([name, value]) => value !== null && typeof value !== "object" && !SILENT.includes(name),
+  );
+  const shown = known
+    .slice(0, PARAMETERS)
+    .map(([name, value]) => `${name.replaceAll("_", " ")} ${String(value).slice(0, 60)}`);
   const told = [...shown, ...(known.length > PARAMETERS ? ["..."] : [])].join(", ");
   const result = state === "DONE" ? "" : `, ${say(ACTION_STATES, state)}`;
   return [
@@ -111,7 +143,9 @@ function keyOf({ kind, data, fleet, robot }) {
   return kind === "ERROR" ? `${fleet}/${robot} error ${data.error.compensation_id}` : null;
 }
 
-/** Entries that another one of the same moment tells, too: the condition after a cut, and the begin of what was decided. */
+/**
+ * Entries that another one of the same moment tells, too: the condition after a cut, and the begin of what was decided.
+ */
 function repeated(entries) {
   const where = ({ at, fleet, robot, array, whisker }) => `${at} ${fleet}/${robot}/${array}/${whisker}`;
   const of = (kind) => new Set(entries.filter((one) => one.kind === kind).map(where));
@@ -122,7 +156,8 @@ function repeated(entries) {
 }
 
 /**
- * Entries, the newest first, with those of one setpoint and repeated measurements folded into the newest of them, and without
+ * Entries, the newest first, with those of one setpoint and repeated measurements folded into the newest of them, and
+ * without
  * those that another one of the same moment tells.
  */
 export function folded(entries) {
@@ -134,12 +169,17 @@ export function folded(entries) {
     const key = keyOf(entry);
     const isError = entry.kind === "ERROR";
     // A measurement is folded only into the line before it: other entries between them are worth their place.
-    const line = isError ? (lastError?.key === key && lines.at(-1) === lastError.line ? lastError.line : null) : key && known.get(key);
+    const line = isError
+      ? lastError?.key === key && lines.at(-1) === lastError.line
+        ? lastError.line
+        : null
+      : key && known.get(key);
     if (line) {
       line.many += 1;
       line.steps.push(entry);
       // Only the decision of a setpoint knows its reason.
-      if (entry.data.setpoint) line.data = { ...line.data, setpoint: { ...entry.data.setpoint, ...present(line.data.setpoint) } };
+      if (entry.data.setpoint)
+        line.data = { ...line.data, setpoint: { ...entry.data.setpoint, ...present(line.data.setpoint) } };
       continue;
     }
     const next = { ...entry, many: 1, steps: [entry] };
@@ -154,7 +194,11 @@ const present = (part) => Object.fromEntries(Object.entries(part).filter(([, val
 
 function placeOf({ kind, data, action_id: action, word }) {
   const compensation =
-    data.decision?.compensation_id ?? data.compensation?.compensation_id ?? data.error?.compensation_id ?? data.refinement?.compensation_id ?? data.setpoint?.compensation_id;
+    data.decision?.compensation_id ??
+    data.compensation?.compensation_id ??
+    data.error?.compensation_id ??
+    data.refinement?.compensation_id ??
+    data.setpoint?.compensation_id;
   if (compensation !== null && compensation !== undefined) return [link.compensation(compensation), "decision"];
   if (kind.startsWith("ALARM")) return [link.alarms(), "alarms"];
   if (kind === "ROLLOUT") return [link.rollout(data.rollout.rollout_id), "roll-out"];
@@ -164,14 +208,19 @@ function placeOf({ kind, data, action_id: action, word }) {
 
 function subject(entry, withFleet) {
   if (!entry.fleet) return null;
-  const fleet = withFleet && entry.robot ? [h("a", { href: link.fleet(entry.fleet) }, entry.fleet), ", "] : null;
+  const fleet = withFleet && entry.robot ? h("a", { href: link.fleet(entry.fleet) }, entry.fleet) : null;
   return [fleet, named(entry)];
 }
 
 function named(entry) {
   if (entry.array !== null && entry.array !== undefined)
-    return [h("a", { href: link.robot(entry) }, entry.robot), ", ", h("a", { href: link.whisker(entry) }, `whisker ${whiskerName(entry)}`)];
-  return entry.robot ? h("a", { href: link.robot(entry) }, entry.robot) : h("a", { href: link.fleet(entry.fleet) }, `fleet ${entry.fleet}`);
+    return [
+      h("a", { href: link.robot(entry) }, entry.robot),
+      h("a", { href: link.whisker(entry) }, `whisker ${whiskerName(entry)}`),
+    ];
+  return entry.robot
+    ? h("a", { href: link.robot(entry) }, entry.robot)
+    : h("a", { href: link.fleet(entry.fleet) }, `fleet ${entry.fleet}`);
 }
 
 const CLOCK = { timeStyle: "medium" };
@@ -183,7 +232,8 @@ function clock(at) {
 }
 
 /**
- * The list of entries. `isOfWhisker` leaves their subject out, because the page names it; `withFleet` names the fleet, where there
+ * The list of entries. `isOfWhisker` leaves their subject out, because the page names it; `withFleet` names the fleet,
+ * where there
  * are several.
  */
 export function entriesList(entries, { isOfWhisker = false, withFleet = false, empty }) {
@@ -201,7 +251,12 @@ export function entriesList(entries, { isOfWhisker = false, withFleet = false, e
       { "data-key": `entry-${entry.steps.at(-1).entry_id}`, "data-kind": entry.kind },
       clock(entry.at),
       h("span", { class: `sign ${tone}` }, shapeOf(shape)),
-      h("span", { class: "what" }, isOfWhisker ? null : h("span", { class: "who" }, subject(entry, withFleet)), h("span", {}, words)),
+      h(
+        "span",
+        { class: "what" },
+        isOfWhisker ? null : h("span", { class: "who" }, subject(entry, withFleet)),
+        h("span", {}, words),
+      ),
       place ? h("a", { class: "to", href: place[0] }, place[1]) : null,
     );
     return [heading, told];

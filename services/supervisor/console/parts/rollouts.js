@@ -112,7 +112,9 @@ export function concerned(row, robots) {
   return `about ${count(now, "robot")} now, ${robots.toLocaleString("en")} in all`;
 }
 
-/** When the present stage is expected to end, from the robots that have a measured error so far; null once it has ended. */
+/**
+ * When the present stage is expected to end, from the robots that have a measured error so far; null once it has ended.
+ */
 export function expectedEnd(row, now = Date.now()) {
   if (row.state !== "RUNNING" || row.stage === "ALL") return null;
   const missing = row.robots - row.changed_robots;

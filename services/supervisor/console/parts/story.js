@@ -14,7 +14,8 @@ const capital = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
 const perHour = (value) => percent(value * 3600, 1);
 
 /**
- * The sentence about a whisker: `{ tone, text }`. `whisker` is its row, `trim` its newest trim, `decision` its newest decision
+ * The sentence about a whisker: `{ tone, text }`. `whisker` is its row, `trim` its newest trim, `decision` its newest
+ * decision
  * with candidates, `alarms` its standing alarms, all as in the API; those that there are not are null or empty.
  */
 export function storyOf({ whisker, trim = null, decision = null, alarms = [] }) {
@@ -60,7 +61,10 @@ function conditionOf(whisker, trim, decision) {
           : `healthy: ${known} after ${contacts}${trim ? "" : ", and no cut was found"}`,
       };
     case "SUSPECTED":
-      return { tone: "warn", text: `perhaps cut: ${known}; ${doubt ? "readings do not tell, so measure it by a touch test" : "more contacts or a touch test decide"}` };
+      return {
+        tone: "warn",
+        text: `perhaps cut: ${known}; ${doubt ? "readings do not tell, so measure it by a touch test" : "more contacts or a touch test decide"}`,
+      };
     case "ERODING":
       return { tone: "warn", text: `wearing off: ${known}${left(whisker)}` };
     case "SENSITIVITY_LOSS":
@@ -95,10 +99,16 @@ function remedy(whisker, decision) {
   if (decision.compensator_whisker === null) return { tone: "bad", text: `not compensated: ${whyNobody(decision)}` };
   const how = change(decision);
   if (decision.approval === "PROPOSED" && !decision.ended_at)
-    return { tone: "warn", text: `waiting for approval: ${how}, predicted reading error ${errorOf(decision, "predicted_error")}` };
+    return {
+      tone: "warn",
+      text: `waiting for approval: ${how}, predicted reading error ${errorOf(decision, "predicted_error")}`,
+    };
   if (decision.approval === "REFUSED") return { tone: "bad", text: `not compensated: an operator refused ${how}` };
   if (decision.ended_at)
-    return { tone: "bad", text: `not compensated any more: ${say(END_REASONS, decision.end_reason)} at ${moment(decision.ended_at)}` };
+    return {
+      tone: "bad",
+      text: `not compensated any more: ${say(END_REASONS, decision.end_reason)} at ${moment(decision.ended_at)}`,
+    };
   if (NOT_SET.includes(decision.setpoint_state))
     return { tone: "bad", text: `pressure not set, ${say(SETPOINT_STATES, decision.setpoint_state)}: ${how}` };
   return result(decision, how);
@@ -106,7 +116,11 @@ function remedy(whisker, decision) {
 
 function result(decision, how) {
   const [name, contacts] = measured(decision);
-  if (name === null) return { tone: "info", text: `${how}, reading error not measured yet, predicted ${errorOf(decision, "predicted_error")}` };
+  if (name === null)
+    return {
+      tone: "info",
+      text: `${how}, reading error not measured yet, predicted ${errorOf(decision, "predicted_error")}`,
+    };
   // By definition (Eq. 35) the error is 100 % if nothing is done.
   const error = decision[name];
   const tone = error < 0.5 ? "good" : "warn";
@@ -131,7 +145,9 @@ export function change(decision) {
   const before = decision.pressure_before_mpa;
   const after = decision.held_pressure_mpa ?? decision.pressure_mpa;
   if (Math.abs(after - before) < SAME_MPA)
-    return [who, `the gain on the readings alone, ${own ? "own" : "its"} pressure stays ${mpa(before)}`].filter(Boolean).join(" by ");
+    return [who, `the gain on the readings alone, ${own ? "own" : "its"} pressure stays ${mpa(before)}`]
+      .filter(Boolean)
+      .join(" by ");
   const pressure = `pressure ${before.toFixed(4)} to ${mpa(after)}`;
   return own ? `own ${pressure}` : `${who}, its ${pressure}`;
 }
@@ -140,14 +156,24 @@ export function change(decision) {
 export function whyNobody(decision) {
   const refused = decision.candidates?.filter((one) => one.refused) ?? [];
   if (!refused.length) return "there is no candidate";
-  const reasons = [...Map.groupBy(refused, (one) => one.refused)].sort(([, one], [, other]) => other.length - one.length);
+  const reasons = [...Map.groupBy(refused, (one) => one.refused)].sort(
+    ([, one], [, other]) => other.length - one.length,
+  );
   return reasons
-    .map(([reason, rows]) => `${rows.map((row) => `${decision.array} ${row.whisker}`).join(", ")}: ${say(REFUSALS, reason)}`)
+    .map(
+      ([reason, rows]) =>
+        `${rows.map((row) => `${decision.array} ${row.whisker}`).join(", ")}: ${say(REFUSALS, reason)}`,
+    )
     .join("; ");
 }
 
 /** Why setpoints were not applied: "3 attempts expired". */
-export function whyNotSet({ failed_attempts: attempts, failed_state: state, failed_error: error, failed_pressure_mpa: pressure }) {
+export function whyNotSet({
+  failed_attempts: attempts,
+  failed_state: state,
+  failed_error: error,
+  failed_pressure_mpa: pressure,
+}) {
   if (!attempts) return null;
   const why = error ? `: ${say(SETPOINT_ERRORS, error)}` : "";
   return `${mpa(pressure)} not set: ${count(attempts, "attempt")} ${say(SETPOINT_STATES, state)}${why}`;

@@ -58,11 +58,11 @@ list_query! {
     }
 }
 
-/// What happened between two times, the newest first: the recorded events with the full names of their subjects, and the
-/// actions of people.
+/// Events between two times, the newest first, with the full names of their subjects, and the actions of people in this
+/// time.
 ///
 /// The log keeps trims, alarms, changes of condition, begins and ends of compensations and failed setpoints for a week, and
-/// other events for a day. Actions are kept as the audit log is.
+/// other events for a day. The audit log keeps the actions.
 #[utoipa::path(
     get, path = "/v1/timeline", tag = "happenings", params(TimelineQuery),
     responses((status = 200, description = "A page of the timeline", body = Page<TimelineRow>))
