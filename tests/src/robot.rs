@@ -263,6 +263,8 @@ impl HandRobot {
             saturated: false,
             pressure_mpa,
             temperature_c: 24.0,
+            angle_deg: None,
+            angle_sd_deg: None,
             test_id: None,
         }
     }

@@ -121,7 +121,7 @@ fn whisker_sheet(whisker: &protocol::WhiskerFacts, known: &[&str]) -> Result<Whi
     })
 }
 
-/// One contact of a whisker.
+/// One contact of a whisker, with the strain that its gauge would read in its own plane.
 ///
 /// # Errors
 /// A value is out of range.
@@ -132,7 +132,7 @@ pub fn contact(contact: &protocol::Contact) -> Result<Contact<'_>, EdgeError> {
         robot_time: Micros(contact.t_us),
         place: place(contact.place())?,
         deflection: Millimetre::new(contact.deflection_mm)?,
-        strain: Strain::new(contact.strain)?,
+        strain: Strain::new(contact.strain / contact.share_in_gauge_plane())?,
         saturated: contact.saturated,
         pressure: Megapascal::new(contact.pressure_mpa)?,
         is_test: contact.test_id.is_some(),

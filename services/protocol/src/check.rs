@@ -72,6 +72,10 @@ pub(crate) const PLACE_MM: Range = range!(between -100000 and 100000 " mm");
 pub(crate) const STRAIN: Range = range!(zero or magnitude 1e-9 to 1 " (m/m)");
 /// Largest strain that a gauge reads, in m/m.
 pub(crate) const STRAIN_MAX: Range = range!(above 0 to 1 " (m/m)");
+/// Angle of a contact to the plane of the gauge, in degrees.
+pub(crate) const ANGLE_DEG: Range = range!(between -75 and 75 " degrees");
+/// Standard deviation of such an angle, in degrees.
+pub(crate) const ANGLE_SD_DEG: Range = range!(above 0 to 45 " degrees");
 /// Gauge pressure, in MPa.
 pub(crate) const PRESSURE_MPA: Range = range!(between 0 and 1 " MPa");
 /// Temperature, in degrees Celsius.

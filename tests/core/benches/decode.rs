@@ -21,6 +21,8 @@ fn message(contacts: usize) -> Contacts {
         saturated: false,
         pressure_mpa: 0.100_2,
         temperature_c: 24.1,
+        angle_deg: None,
+        angle_sd_deg: None,
         test_id: None,
     };
     let boot_id = BootId::new("5c0e1fb08d6b4fb1a8e2").expect("a boot id");

@@ -3,7 +3,7 @@
 //! The robots of these tests touch at distances that are spread evenly between 0.45 and the whole of 70 mm.
 
 use vibrissa_core::mechanics::Formulation;
-use vibrissa_core::robot::effect::{AlarmKind, Condition, Effect, TestKind, TestState, Trim};
+use vibrissa_core::robot::effect::{AlarmKind, Condition, Effect, TestKind, TestReason, TestState, TouchTest, Trim};
 use vibrissa_core::robot::{Event, OperatorAction, Outcome, Params, Place};
 use vibrissa_evaluation::World;
 use vibrissa_protocol::{ArrayType, Task, TouchTestKind};
@@ -51,8 +51,9 @@ fn property_a_cut_is_suspected_by_silence_and_decided_by_a_touch_test() {
                 assert!(off_mm < 3.0 * trim.length_after.sd_mm && off_mm < 1.5, "{kind:?}, seed {seed}: {trim:?}");
             }
             // Ten contacts each: a cut is called within thirty contacts of tests.
+            let suspected = |test: &TouchTest| (test.reason == TestReason::Suspicion).then_some(test.whisker);
             let tested: Vec<usize> =
-                world.picked(|effect| if let Effect::Test(test) = effect { Some(test.whisker) } else { None });
+                world.picked(|effect| if let Effect::Test(test) = effect { suspected(test) } else { None });
             for whisker in 0..LENGTHS_MM.len() {
                 let tests = tested.iter().filter(|&&of| of == whisker).count();
                 assert!((1..=3).contains(&tests), "{kind:?}, seed {seed}: {tests} tests of {whisker}");

@@ -203,6 +203,8 @@ mod tests {
             saturated: false,
             pressure_mpa: 0.1002,
             temperature_c: 24.1,
+            angle_deg: None,
+            angle_sd_deg: None,
             test_id: None,
         };
         Contacts { boot_id: BootId::new("b").unwrap(), seq, contacts: vec![contact(0), contact(1)], missed: Vec::new() }

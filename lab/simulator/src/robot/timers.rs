@@ -191,6 +191,8 @@ pub(crate) fn contact_of(whisker: &Whisker, reading: &Reading, at_us: u64) -> Co
         saturated: false,
         pressure_mpa: whisker.regulator.reading_mpa(),
         temperature_c: reading.temperature_c,
+        angle_deg: None,
+        angle_sd_deg: None,
         test_id: None,
     }
 }

@@ -194,6 +194,8 @@ mod tests {
             saturated: false,
             pressure_mpa: 0.1,
             temperature_c: 24.0,
+            angle_deg: None,
+            angle_sd_deg: None,
             test_id: None,
         }
     }

@@ -165,6 +165,8 @@ impl Agent {
                 )
             })?,
             temperature_c: line.temperature_c.or(chamber.temperature_c).unwrap_or(self.limits.temperature_c),
+            angle_deg: None,
+            angle_sd_deg: None,
             test_id: line.test_id,
         };
         Ok(self.alone(vec![contact], vec![]))

@@ -459,6 +459,18 @@ impl LengthFilter {
         self.become_if_sound(after);
     }
 
+    /// The length while whole was never known better than by this standard deviation, mm: the offset was learned with the same
+    /// error. `log_slope` is the change of log sensitivity with log length in the middle of the contact ratios, and at the tip.
+    /// The prediction is as certain as before.
+    pub fn doubt_whole(&mut self, sd_mm: f64, (middle, tip): (f64, f64)) {
+        let mut after = self.clone();
+        let mut direction = [0.0; STATES];
+        let bend = (tip - middle) / (ContactRatio::TIP.a() - Offset::CENTRE);
+        (direction[0], direction[1], direction[LENGTH]) = (-middle, -bend, 1.0);
+        after.covariance.add_square(&direction, (sd_mm / self.whole_length_mm).powi(2));
+        self.become_if_sound(after);
+    }
+
     /// All whiskers of the array have shifted by about this much in log sensitivity, which is no change of length.
     ///
     /// The offset may already have absorbed part of the shift, so only its uncertainty grows and contacts determine

@@ -40,7 +40,7 @@ pub use erosion::{ContactsLeft, Erosion, ErosionWatch};
 pub use filter::{Innovation, LengthEstimate, LengthFilter};
 pub use gain_walk::GainWalks;
 pub use leak::{LeakParams, LeakWatch};
-pub use length_evidence::{LengthEvidence, LengthPosterior};
+pub use length_evidence::{ApparentLength, LengthEvidence, LengthPosterior};
 pub use noise::{NoiseScale, SensorNoise};
 pub use outlier::InnovationDensity;
 pub use own_calibration::{Belief, Nominal, OwnCalibration, Visit, Weights};

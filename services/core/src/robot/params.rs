@@ -127,6 +127,9 @@ pub struct TouchTestParams {
     pub every: Micros,
     /// The same for a whisker whose contacts state no place, where `every` is 0; 0 for never.
     pub every_without_place: Micros,
+    /// Standard deviation of the error that all distances of a robot share, mm, before a test has measured it; 0 if the
+    /// robots' distances are known to be right.
+    pub zero_sd_mm: f64,
 }
 
 impl Default for TouchTestParams {
@@ -140,6 +143,7 @@ impl Default for TouchTestParams {
             after_pause: Micros(0),
             every: Micros(0),
             every_without_place: Micros::from_s(3600.0),
+            zero_sd_mm: 1.5,
         }
     }
 }

@@ -40,6 +40,7 @@ impl Robot {
             held: whisker.held,
             standing: whisker.standing,
             touch_test: whisker.rare.length_test.as_ref().and_then(|test| test.in_flight()),
+            zero: whisker.rare.zero.measured(),
         })
     }
 
@@ -162,4 +163,6 @@ pub struct WhiskerView<'a> {
     pub standing: Standing,
     /// Kind and state of the touch test that is requested or proposed, and not over.
     pub touch_test: Option<(TestKind, TestState)>,
+    /// Measured error of the distances that its robot states, to be added to them, and its standard deviation, mm.
+    pub zero: Option<(f64, f64)>,
 }

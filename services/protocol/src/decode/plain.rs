@@ -57,6 +57,8 @@ impl<'a> Reader<'a> {
             saturated: false,
             pressure_mpa: self.field(b',', "\"pressure_mpa\"")?.number()?,
             temperature_c: self.field(b',', "\"temperature_c\"")?.number()?,
+            angle_deg: None,
+            angle_sd_deg: None,
             test_id: None,
         };
         self.take(b'}')?;

@@ -115,6 +115,10 @@ fn numbers_out_of_range_are_refused_with_the_place() {
     ] {
         assert_out_of_range(&refused_after("contacts", CONTACTS, from, to), place);
     }
+    for (angle, place) in [(r#""angle_deg":76"#, "angle_deg"), (r#""angle_deg":5,"angle_sd_deg":0"#, "angle_sd_deg")] {
+        let refused = refused_after("contacts", CONTACTS, r#""strain""#, &format!(r#"{angle},"strain""#));
+        assert_out_of_range(&refused, &format!("contacts[0].{place}"));
+    }
     assert_out_of_range(&refused_after("factsheet", FACTSHEET, "65.0", "0"), "arrays[0].whiskers[1].length_mm");
     assert_out_of_range(&refused_after("factsheet", FACTSHEET, "65.0", "1e-300"), "arrays[0].whiskers[1].length_mm");
     let place = "arrays[0].whiskers[0].pressure_mpa";

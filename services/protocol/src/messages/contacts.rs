@@ -1,7 +1,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::check::{DEFLECTION_MM, DISTANCE_MM, DISTANCE_SD_MM, PRESSURE_MPA, RATIO, RATIO_SD, STRAIN, TEMPERATURE_C};
+use crate::check::{
+    ANGLE_DEG, ANGLE_SD_DEG, DEFLECTION_MM, DISTANCE_MM, DISTANCE_SD_MM, PRESSURE_MPA, RATIO, RATIO_SD, STRAIN,
+    TEMPERATURE_C,
+};
 use crate::{BootId, CONTACTS_MAX, Name, Refusal, check};
 
 /// `contacts`: a batch of contacts.
@@ -78,6 +81,16 @@ pub struct Contact {
     /// The whisker's temperature in degrees Celsius.
     #[cfg_attr(feature = "documents", schemars(transform = TEMPERATURE_C.in_schema()))]
     pub temperature_c: f64,
+    /// Angle between the direction of the deflection and the plane in which the gauge measures bending, in degrees; from
+    /// -75 to 75. The gauge reads the cosine of it. Without it the supervisor takes the direction for a steady one, so that a
+    /// robot whose heading changes looks like one whose whiskers change.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "documents", schemars(transform = ANGLE_DEG.in_schema()))]
+    pub angle_deg: Option<f64>,
+    /// Standard deviation of `angle_deg`, up to 45 degrees. Only with `angle_deg`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "documents", schemars(transform = ANGLE_SD_DEG.in_schema()))]
+    pub angle_sd_deg: Option<f64>,
     /// Id of the touch test that the contact belongs to; absent for others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::optional_identifier"))]
@@ -169,6 +182,14 @@ impl Contact {
         }
     }
 
+    /// Share of the bending that the gauge reads, by the direction of the deflection: the mean of the cosine over the angles that
+    /// the robot holds possible. 1 without a stated direction.
+    #[must_use]
+    pub fn share_in_gauge_plane(&self) -> f64 {
+        let sd = self.angle_sd_deg.unwrap_or(0.0).to_radians();
+        self.angle_deg.map_or(1.0, |angle_deg| angle_deg.to_radians().cos() * (-0.5 * sd * sd).exp())
+    }
+
     fn check_place(&self) -> Result<(), Refusal> {
         let optional =
             |range: &check::Range, path, value: Option<f64>| value.map_or(Ok(()), |one| range.check(path, one));
@@ -176,6 +197,8 @@ impl Contact {
         optional(&RATIO_SD, "ratio_sd", self.ratio_sd)?;
         optional(&DISTANCE_MM, "distance_mm", self.distance_mm)?;
         optional(&DISTANCE_SD_MM, "distance_sd_mm", self.distance_sd_mm)?;
+        optional(&ANGLE_DEG, "angle_deg", self.angle_deg)?;
+        optional(&ANGLE_SD_DEG, "angle_sd_deg", self.angle_sd_deg)?;
         let wrong = |path: &str, problem: &str| Err(Refusal::Malformed { path: path.into(), problem: problem.into() });
         match self {
             Self { ratio: Some(_), distance_mm: Some(_), .. } => {
@@ -185,6 +208,9 @@ impl Contact {
             Self { ratio: None, ratio_sd: Some(_), .. } => wrong("ratio_sd", "a contact without ratio has no ratio_sd"),
             Self { distance_mm: None, distance_sd_mm: Some(_), .. } => {
                 wrong("distance_sd_mm", "a contact without distance_mm has no distance_sd_mm")
+            }
+            Self { angle_deg: None, angle_sd_deg: Some(_), .. } => {
+                wrong("angle_sd_deg", "a contact without angle_deg has no angle_sd_deg")
             }
             _ => Ok(()),
         }

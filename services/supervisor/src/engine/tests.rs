@@ -282,6 +282,8 @@ fn as_sent(contact: &Contact<'_>) -> protocol::Contact {
         saturated: false,
         pressure_mpa: contact.pressure.mpa(),
         temperature_c: contact.temperature_c.unwrap(),
+        angle_deg: None,
+        angle_sd_deg: None,
         test_id: None,
     }
 }

@@ -283,6 +283,9 @@ policy_numbers! { keys {
         "touch_tests.every_without_place_s", ValueKind::Number { min: 0.0, max: 31_536_000.0 }, Some("3600.0"),
         "The same where contacts state no place, so that only tests tell the whisker's length, and every_s is 0; 0 for no \
          schedule";
+    TouchTestsZeroSdMm: "touch_tests.zero_sd_mm", ValueKind::Number { min: 0.0, max: 20.0 }, Some("1.5"),
+        "Standard deviation in mm of the error that all distances of a robot share, until a test of a whole whisker has \
+         measured it: before, no test calls a cut within five of them; 0 if the distances are right, without such a test";
 } }
 
 /// Environment variable and flag of a key.

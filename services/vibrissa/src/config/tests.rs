@@ -47,11 +47,12 @@ fn the_defaults_are_a_good_configuration() {
 #[test]
 fn limits_of_touch_tests_reach_the_core() {
     let text = "[touch_tests]\nper_hour = 6\nin_a_row = 2\nretry_after_s = 60\ncontact_time_s = 2.5\n\
-                contacts_between_suspicions = 2e5\nafter_pause_s = 3600\nevery_s = 86400\n";
+                contacts_between_suspicions = 2e5\nafter_pause_s = 3600\nevery_s = 86400\nzero_sd_mm = 0.8\n";
     let limits = read(&from_file(text)).config.unwrap().params().touch_tests;
     assert_eq!((limits.per_hour, limits.in_a_row, limits.pause), (6, 2, Micros::from_s(60.0)));
     assert_eq!((limits.contact_time, limits.contacts_between_false_alarms), (Micros::from_s(2.5), 2e5));
     assert_eq!((limits.after_pause, limits.every), (Micros::from_s(3600.0), Micros::from_s(86_400.0)));
+    assert_eq!(limits.zero_sd_mm, 0.8);
     let line = one_wrong(&from_file("touch_tests.in_a_row = 0"));
     assert!(line.contains("must be a whole number from 1 to 20, not 0"), "{line}");
 }

@@ -16,6 +16,7 @@ pub(super) fn touch_tests(reader: &mut Reader) -> Option<TouchTestParams> {
     let after_pause_s = reader.number(Key::TouchTestsAfterPauseS);
     let every_s = reader.number(Key::TouchTestsEveryS);
     let every_without_place_s = reader.number(Key::TouchTestsEveryWithoutPlaceS);
+    let zero_sd_mm = reader.number(Key::TouchTestsZeroSdMm);
     Some(TouchTestParams {
         per_hour: per_hour?,
         contacts_between_false_alarms: contacts_between_false_alarms?,
@@ -25,5 +26,6 @@ pub(super) fn touch_tests(reader: &mut Reader) -> Option<TouchTestParams> {
         after_pause: Micros::from_s(after_pause_s?),
         every: Micros::from_s(every_s?),
         every_without_place: Micros::from_s(every_without_place_s?),
+        zero_sd_mm: zero_sd_mm?,
     })
 }

@@ -2,6 +2,7 @@
 
 mod confirmed;
 mod curvature;
+mod factory;
 mod leaks;
 mod learning;
 mod losses;
@@ -13,4 +14,5 @@ mod temperature;
 mod touches;
 mod wandering;
 mod wear;
+mod zeros;
 mod zones;

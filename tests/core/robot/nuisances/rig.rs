@@ -9,10 +9,10 @@ use rand_distr::{Distribution, StandardNormal};
 use vibrissa_core::mechanics::{CONTACT_RATIOS, Calibration, Formulation, Geometry, Model};
 use vibrissa_core::robot::effect::{AlarmKind, Command, Condition, Effect, TouchTest, Trim};
 use vibrissa_core::robot::event::{
-    ArrayKind, ArraySheet, Contact, ContactPlace, Factsheet, GaugeState, Link, RegulatorState, SetpointReport, Task,
-    TouchTests, WhiskerSheet, WhiskerStatus,
+    ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, RegulatorState,
+    SetpointReport, Task, TouchTests, WhiskerSheet, WhiskerStatus,
 };
-use vibrissa_core::robot::{Event, Numbers, Params, Robot, WhiskerView};
+use vibrissa_core::robot::{Event, Numbers, Outcome, Params, Robot, WhiskerView};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 
 pub(super) const ARRAY: &str = "a";
@@ -97,6 +97,10 @@ pub(crate) struct Rig {
     pub rounds: u64,
     /// The robot's answer to touch tests.
     pub(super) tests: Tests,
+    /// The robot's distances are short by this, mm.
+    pub(super) off_mm: f64,
+    /// Its contacts state distances from the base, and no ratios.
+    pub(super) states_distance: bool,
     under_way: Vec<Command>,
     requested: Vec<TouchTest>,
     pub(super) random: ChaCha8Rng,
@@ -109,6 +113,8 @@ pub(crate) enum Tests {
     NotOffered,
     /// It presses against a wall.
     Does,
+    /// It sweeps the whisker over an object, up to the tip.
+    Sweeps,
     Rejects,
     /// It never answers.
     Ignores,
@@ -136,6 +142,8 @@ impl Rig {
             effects,
             rounds: 0,
             tests,
+            off_mm: 0.0,
+            states_distance: false,
             under_way,
             requested: Vec::new(),
             random,
@@ -158,7 +166,10 @@ impl Rig {
             boot_id: BOOT,
             factsheet: &Factsheet {
                 arrays: vec![array],
-                touch_tests: TouchTests { tip: false, wall: tests != Tests::NotOffered },
+                touch_tests: TouchTests {
+                    tip: tests == Tests::Sweeps,
+                    wall: !matches!(tests, Tests::NotOffered | Tests::Sweeps),
+                },
                 applies_gain: false,
                 air_control: Default::default(),
             },
@@ -172,8 +183,13 @@ impl Rig {
     }
 
     pub(super) fn step(&mut self, event: &Event<'_>) {
+        self.tested(event);
+    }
+
+    /// Takes an event in, and keeps its effects.
+    pub(super) fn tested(&mut self, event: &Event<'_>) -> Outcome {
         let mut effects = Vec::new();
-        self.core.step(&self.params, self.now(), event, &mut effects);
+        let outcome = self.core.step(&self.params, self.now(), event, &mut effects);
         for effect in effects {
             if let Effect::Command(command) | Effect::Resend(command) = &effect {
                 self.under_way.push((**command).clone());
@@ -185,6 +201,7 @@ impl Rig {
                 self.effects.push((self.rounds, effect));
             }
         }
+        outcome
     }
 
     fn status(&mut self) {
@@ -245,7 +262,7 @@ impl Rig {
 
     /// A contact at a true ratio to the present length, or where the robot's habit has it.
     pub(super) fn contact_at(&mut self, index: usize, ratio: Option<f64>) -> Contact<'static> {
-        let Self { noise, random, whiskers, temperature_c, .. } = self;
+        let Self { noise, random, whiskers, temperature_c, off_mm, states_distance, .. } = self;
         let one = &mut whiskers[index];
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let [strain_noise, deflection_noise, ratio_noise, fresh] = std::array::from_fn(|_| normal());
@@ -260,14 +277,18 @@ impl Rig {
         let per_mm = one.model.sensitivity_per_mm(true_ratio, length, &morphology).expect("beyond the chamber");
         let warm = one.per_k * (*temperature_c - COOL_C);
         let log_noise = noise.strain * outlier * strain_noise + one.correlated + noise.bend_per_mm * deflection_mm;
+        let read_ratio = ratio + noise.ratio * ratio_noise;
+        let place = if *states_distance {
+            let at = Millimetre::known(read_ratio * one.length_mm - *off_mm);
+            ContactPlace::Distance(Distance { at, sd_mm: noise.ratio * WHOLE_MM })
+        } else {
+            ContactPlace::Ratio { ratio: ContactRatio::known(read_ratio.clamp(0.05, 1.0)), sd: None }
+        };
         Contact {
             array: ARRAY,
             whisker: index as u16,
             robot_time: Micros(START_US + CONTACT_US * self.rounds),
-            place: ContactPlace::Ratio {
-                ratio: ContactRatio::known((ratio + noise.ratio * ratio_noise).clamp(0.05, 1.0)),
-                sd: None,
-            },
+            place,
             deflection: Millimetre::known(deflection_mm * (1.0 + noise.deflection * deflection_noise)),
             strain: Strain::known(per_mm * deflection_mm * one.gain * (log_noise + warm).exp() + one.baseline_strain),
             pressure: one.pressure,

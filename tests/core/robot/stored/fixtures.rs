@@ -22,6 +22,7 @@ struct Fixture {
 
 /// The newest first.
 const FIXTURES: &[Fixture] = &[
+    Fixture { head: 11, whiskers: 16, becomes: 0 },
     Fixture { head: 11, whiskers: 15, becomes: 0xf5b1_673b_aa92_1cab },
     Fixture { head: 10, whiskers: 14, becomes: 0xd13d_1796_25d9_1f8c },
     Fixture { head: 10, whiskers: 13, becomes: 0xa719_1336_a588_20b7 },

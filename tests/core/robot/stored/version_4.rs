@@ -25,7 +25,10 @@ fn text_of(robot: &Robot) -> String {
     (0..robot.whisker_count()).for_each(|index| {
         let view = format!("{:#?}\n", robot.whisker(index).unwrap());
         // No touch tests and no ranges of gauges were known then.
-        text += &view.replace("    touch_test: None,\n", "").replace("        strain_max: None,\n", "");
+        text += &view
+            .replace("    touch_test: None,\n", "")
+            .replace("    zero: None,\n", "")
+            .replace("        strain_max: None,\n", "");
     });
     text
 }

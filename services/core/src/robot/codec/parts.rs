@@ -122,6 +122,7 @@ impl Robot {
         let whiskers = || self.whiskers.iter();
         parts.note("whisker", whisker::FLAGS, whiskers().map(Whisker::is));
         parts.note("whisker", whisker::PARTS, whiskers().map(Whisker::has_parts));
+        parts.note("whisker", whisker::LATER_PARTS, whiskers().map(Whisker::has_later_parts));
         let learned = |one: &Whisker| [one.temperatures.is_some(), one.heard.is_some()];
         parts.note("whisker", ["temperatures", "heard"], whiskers().map(learned));
         parts.add("condition", whiskers().map(|one| &one.condition));

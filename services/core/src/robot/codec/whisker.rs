@@ -12,10 +12,11 @@ use crate::robot::setpoints::tries::Tries;
 use crate::robot::state::factsheet::{Sheet, read_numbers, write_numbers};
 use crate::robot::state::rare_state::{Rare, RareState};
 use crate::robot::state::whisker::{Air, DecisionBasis, Holds, Whisker};
+use crate::robot::touch_tests::DistanceZero;
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 15;
+const VERSION: u32 = 16;
 /// Bytes of a version up to this one are taken for those of a newer program; beyond it they are damaged.
 const NEWEST_VERSION: u32 = VERSION + 100;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
@@ -42,6 +43,8 @@ pub(super) const PARTS: [&str; 16] = [
     "gauge_range",
     "changed_at",
 ];
+/// Names of further such parts, in stored order. Not before version 16.
+pub(super) const LATER_PARTS: [&str; 2] = ["zero", "first"];
 /// Names of the flags of [`Air`], in stored order.
 pub(super) const AIR_FLAGS: [&str; 4] = ["measured", "moved", "learned_at", "unheld_since"];
 /// Added to the version; the flags of an older whisker are less than this.
@@ -94,6 +97,11 @@ impl Whisker {
             self.rare.changed_at != Micros::default(),
         ]
     }
+
+    /// Presence of the further parts, in stored order.
+    pub(super) fn has_later_parts(&self) -> [bool; LATER_PARTS.len()] {
+        [self.rare.zero != DistanceZero::UNKNOWN, self.rare.first.is_some()]
+    }
 }
 
 impl BorshSerialize for Whisker {
@@ -101,6 +109,7 @@ impl BorshSerialize for Whisker {
         encoding::write_u32(VERSION_MARK + VERSION, writer)?;
         encoding::write_u32(encoding::pack_flags(self.is()).into(), writer)?;
         encoding::write_u32(encoding::pack_flags(self.has_parts()).into(), writer)?;
+        encoding::write_u32(encoding::pack_flags(self.has_later_parts()).into(), writer)?;
         encoding::write_u32(self.array.into(), writer)?;
         self.sheet.serialize(writer)?;
         self.air.write(&self.sheet, writer)?;
@@ -139,6 +148,11 @@ impl BorshSerialize for Whisker {
         if changed {
             self.rare.changed_at.serialize(writer)?;
         }
+        let [zero, _] = self.has_later_parts();
+        if zero {
+            self.rare.zero.serialize(writer)?;
+        }
+        self.rare.first.iter().try_for_each(|one| one.serialize(writer))?;
         Ok(())
     }
 }
@@ -179,6 +193,8 @@ impl BorshDeserialize for Whisker {
             // Not before version 15.
             changed,
         ] = has;
+        let later = if version < 16 { 0 } else { encoding::read_u32(reader)? };
+        let [zero, first] = encoding::unpack_flags(bits_of(later)?)?;
         let array =
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
         let sheet = Sheet::deserialize_reader(reader)?;
@@ -236,6 +252,8 @@ impl BorshDeserialize for Whisker {
                 vents: None,
                 largest_deflection_mm: 0.0,
                 changed_at: Micros::default(),
+                zero: DistanceZero::UNKNOWN,
+                first: None,
             }),
             desired: of(desired, reader)?,
             command: of(command, reader)?,
@@ -272,6 +290,12 @@ impl BorshDeserialize for Whisker {
         }
         if changed {
             read.rare.get_or_insert().changed_at = BorshDeserialize::deserialize_reader(reader)?;
+        }
+        if zero {
+            read.rare.get_or_insert().zero = BorshDeserialize::deserialize_reader(reader)?;
+        }
+        if first {
+            read.rare.get_or_insert().first = of(true, reader)?;
         }
         Ok(read)
     }

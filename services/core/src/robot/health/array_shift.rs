@@ -258,11 +258,15 @@ impl Whisker {
 
     /// d ln sensitivity / d ln length in the middle of the contact ratios; 0 where the model does not hold.
     pub(in crate::robot) fn log_slope_with_length(&self, model: &Model) -> f64 {
-        let middle = ContactRatio::known(crate::mechanics::Offset::CENTRE);
+        self.log_slope_at(model, ContactRatio::known(crate::mechanics::Offset::CENTRE))
+    }
+
+    /// The same at another contact ratio.
+    pub(in crate::robot) fn log_slope_at(&self, model: &Model, ratio: ContactRatio) -> f64 {
         let length = self.filter.length().length;
         let morphology = model.morphology(self.air.setpoint);
         model
-            .sensitivity_and_slope(middle, length, &morphology)
+            .sensitivity_and_slope(ratio, length, &morphology)
             .map_or(0.0, |(_, slope)| slope * length.mm() / (length.mm() + morphology.elongation_mm))
     }
 

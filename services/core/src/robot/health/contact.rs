@@ -40,13 +40,15 @@ impl Robot {
         } else {
             Checks::NONE
         };
+        let states_distance = self.head.states_distance;
         let whisker = &mut self.whiskers[index];
         let Some(model) = whisker.model(params) else {
             effects.push(Effect::UnknownWhisker { position });
             return;
         };
         whisker.heard = Some(now);
-        let felt = whisker.feel(params, model, contact, checks);
+        let place = whisker.true_place(params, contact, states_distance);
+        let felt = whisker.feel(params, model, &Contact { place, ..*contact }, checks);
         effects.push(Effect::Contact(ContactRecord {
             position,
             whisker: index,
@@ -78,6 +80,7 @@ impl Robot {
         match verdict {
             Verdict::Quiet if whisker.condition == Condition::Learning && learned => {
                 self.set_condition(index, Condition::Healthy, effects);
+                self.look_first(params, index, effects);
             }
             Verdict::Quiet if whisker.is_decided_after_doubt() => self.end_doubt(index, effects),
             Verdict::Quiet | Verdict::Looking | Verdict::Unconfirmed => {}

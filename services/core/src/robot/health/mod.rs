@@ -7,6 +7,7 @@ mod deafness;
 pub(in crate::robot) mod duplicate;
 mod fault_changes;
 pub(in crate::robot) mod faults;
+pub(in crate::robot) mod first_look;
 pub(in crate::robot) mod flapping;
 pub(in crate::robot) mod gauge;
 pub(in crate::robot) mod regained;

@@ -11,14 +11,14 @@ use crate::robot::effect::{Condition, Effect, WhiskerIndex};
 use crate::robot::params::Params;
 use crate::robot::state::rare_state::PendingTrim;
 use crate::robot::state::whisker::Whisker;
-use crate::units::Millimetre;
+use crate::units::{ContactRatio, Millimetre};
 
 /// Standard deviation of the length in doubt, as a share of the cut that would explain the rise: the cut is well within the
 /// 95 % interval.
 const DOUBT_SHARE: f64 = 0.7;
 /// Largest standard deviation of a length in doubt, mm. The filter is linear: beyond this the length would leave what the
 /// contacts tell.
-const DOUBT_SD_MAX_MM: f64 = 4.0;
+const DOUBT_SD_MAX_MM: f64 = 4.5;
 /// A difference from the whole length that is a cut: at least this, mm, and this many standard deviations.
 const LOSS_MIN_MM: f64 = 0.5;
 const LOSS_MIN_SD: f64 = 3.0;
@@ -34,20 +34,39 @@ impl Robot {
         change: &Change,
         effects: &mut Vec<Effect>,
     ) {
-        let can_test = self.head.touch_tests.tip || self.head.touch_tests.wall;
         let whisker = &mut self.whiskers[index];
         let Some(model) = whisker.model(params) else { return };
         let slope = whisker.log_slope_with_length(model);
         let length_mm = whisker.filter.length().length.mm();
         let loss_mm = length_mm * (1.0 - change.size.exp());
-        let sd_mm = (DOUBT_SHARE * loss_mm).min(DOUBT_SD_MAX_MM);
-        // A rise that is smaller than the least doubt is within the interval already.
-        if sd_mm < DOUBT_SD_MM {
-            return;
-        }
+        let Some(sd_mm) = doubt_sd_mm(loss_mm) else { return };
         whisker.filter.doubt_gain(slope * sd_mm / length_mm, slope);
-        if can_test && whisker.rare.length_test.is_none() {
-            whisker.want_test_of_loss(length_mm, loss_mm);
+        self.suspect_length(index, loss_mm, effects);
+    }
+
+    /// Puts the length of a whisker in doubt that is learned now: it may have been shorter by this from the first contact on, mm, or
+    /// longer if it is below 0.
+    pub(super) fn doubt_whole(
+        &mut self,
+        params: &Params,
+        index: WhiskerIndex,
+        loss_mm: f64,
+        effects: &mut Vec<Effect>,
+    ) {
+        let whisker = &mut self.whiskers[index];
+        let Some((model, sd_mm)) = whisker.model(params).zip(doubt_sd_mm(loss_mm)) else { return };
+        let slopes = (whisker.log_slope_with_length(model), whisker.log_slope_at(model, ContactRatio::TIP));
+        whisker.filter.doubt_whole(sd_mm, slopes);
+        whisker.leaves_whole(whisker.filter.offset());
+        self.suspect_length(index, loss_mm, effects);
+    }
+
+    /// Suspects a whisker whose length is in doubt, and asks for a test where one can tell.
+    fn suspect_length(&mut self, index: WhiskerIndex, loss_mm: f64, effects: &mut Vec<Effect>) {
+        let can_test = self.head.touch_tests.tip || self.head.touch_tests.wall;
+        let whisker = &mut self.whiskers[index];
+        if can_test && loss_mm > 0.0 && whisker.rare.length_test.is_none() {
+            whisker.want_test_of_loss(whisker.filter.length().length.mm(), loss_mm);
         }
         self.set_condition(index, Condition::Suspected, effects);
     }
@@ -65,6 +84,12 @@ impl Robot {
             self.set_condition(index, Condition::Healthy, effects);
         }
     }
+}
+
+/// Standard deviation of a length that may have lost or gained this, mm. `None` if that is within the least doubt.
+fn doubt_sd_mm(loss_mm: f64) -> Option<f64> {
+    let sd_mm = (DOUBT_SHARE * loss_mm.abs()).min(DOUBT_SD_MAX_MM);
+    (sd_mm >= DOUBT_SD_MM).then_some(sd_mm)
 }
 
 impl Whisker {

@@ -130,6 +130,7 @@ impl Whisker {
     fn take(&mut self, params: &Params, placed: &Placed, seen: &Innovation, checks: Checks) -> ContactResult {
         self.contacts += 1;
         self.tell(seen);
+        self.follow_first(seen);
         let learning = self.condition == Condition::Learning;
         // While learning, a scale of the noise that is not known yet is the likeliest cause of a little doubt.
         let calm = (self.detector.is_calm() || learning && self.detector.has_little_doubt())

@@ -10,6 +10,7 @@ use crate::robot::setpoints::command::state_of;
 use crate::robot::state::factsheet::Sheet;
 use crate::robot::state::tracked::Whiskers;
 use crate::robot::state::whisker::{Air, Desired, Whisker};
+use crate::robot::touch_tests::DistanceZero;
 use crate::robot::{Array, Compensation, Robot};
 use crate::text::ShortText;
 use crate::units::Micros;
@@ -248,6 +249,10 @@ impl Whisker {
             ..Self::new(self.array, sheet, params)
         };
         renewed.gauge.reported = self.gauge.reported;
+        // It is the robot's.
+        if self.rare.zero != DistanceZero::UNKNOWN {
+            renewed.rare.get_or_insert().zero = self.rare.zero;
+        }
         renewed
     }
 }

@@ -7,9 +7,10 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use crate::estimation::{ErosionWatch, OwnCalibration, Reach};
 use crate::mechanics::Offset;
 use crate::robot::effect::Fault;
+use crate::robot::health::first_look::FirstContacts;
 use crate::robot::health::flapping::{Flapping, Vent};
 use crate::robot::setpoints::tries::Tries;
-use crate::robot::touch_tests::LengthTest;
+use crate::robot::touch_tests::{DistanceZero, LengthTest};
 use crate::units::Micros;
 
 /// A cut that is confirmed.
@@ -72,6 +73,10 @@ pub(in crate::robot) struct RareState {
     /// Time of the contact that showed the newest change, or of a replacement, by the robot's clock; 0 before the first.
     /// Contacts from before are no evidence any more.
     pub changed_at: Micros,
+    /// The error that all distances of its robot share.
+    pub zero: DistanceZero,
+    /// Its first contacts, while it is learned.
+    pub first: Option<FirstContacts>,
 }
 
 static NONE: RareState = RareState {
@@ -90,6 +95,8 @@ static NONE: RareState = RareState {
     vents: None,
     largest_deflection_mm: 0.0,
     changed_at: Micros(0),
+    zero: DistanceZero::UNKNOWN,
+    first: None,
 };
 
 /// The rare state of a whisker. It reads as [`NONE`] until something is put into it.
@@ -111,6 +118,16 @@ impl Rare {
     pub(in crate::robot) fn forget_vents(&mut self) {
         if let Some(rare) = self.get_mut() {
             rare.vents = None;
+        }
+    }
+
+    /// It is learned: its first contacts count no more. Without them most whiskers have no rare state.
+    pub(in crate::robot) fn forget_first(&mut self) {
+        if let Some(rare) = self.get_mut() {
+            rare.first = None;
+            if *rare == NONE {
+                self.0 = None;
+            }
         }
     }
 

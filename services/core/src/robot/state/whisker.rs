@@ -15,6 +15,7 @@ use crate::robot::health::standing::Standing;
 use crate::robot::params::Params;
 use crate::robot::state::factsheet::Sheet;
 use crate::robot::state::rare_state::Rare;
+use crate::robot::touch_tests::DistanceZero;
 use crate::units::{ContactRatio, Megapascal, Micros};
 
 /// Largest step of an eroding whisker's pressure that leaves its offset as certain as it was.
@@ -211,6 +212,8 @@ impl Whisker {
             && self.spread.is_sound()
             && self.noise.is_sound()
             && self.walks.is_sound()
+            && self.rare.zero.is_sound()
+            && self.rare.first.is_none_or(|first| first.is_sound())
             && numbers.iter().all(|one| one.is_finite())
             && self.whole.felt().all(is_sound)
     }
@@ -226,6 +229,7 @@ impl Whisker {
         if let Some(rare) = self.rare.get_mut() {
             (rare.pending_trim, rare.whole_offset, rare.own, rare.erosion, rare.unsteady) =
                 (None, None, None, None, None);
+            (rare.zero, rare.first) = (DistanceZero::UNKNOWN, None);
         }
     }
 

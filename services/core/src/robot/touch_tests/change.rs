@@ -57,6 +57,7 @@ impl Robot {
         (self.head.touch_tests.tip || self.head.touch_tests.wall)
             && params.policy.mode != Mode::Advise
             && whisker.is_whole()
+            && whisker.can_measure(params)
             && self.can_begin_test(params, now, index)
             && self.head.tests.is_left(now, params.touch_tests.per_hour)
     }

@@ -14,8 +14,9 @@ use crate::units::{Micros, Millimetre};
 const UNCHANGED_MAX: f64 = 1e-6;
 /// The same after a change of sensitivity, which is evidence, too.
 const UNCHANGED_AFTER_CHANGE_MAX: f64 = 1e-4;
-/// A suspicion is refuted when the length before has at least this posterior probability.
-const UNCHANGED_MIN: f64 = 0.99;
+/// A suspicion is refuted when the length before has at least this posterior probability. With 0.99 touches against a wall would
+/// not do, because the error of all distances is known to 0.2 mm only.
+const UNCHANGED_MIN: f64 = 0.93;
 /// Touches that a called cut needs: a robot whose wall is away feels nothing at any distance.
 const TOUCHES_MIN: u16 = 3;
 /// Touches and missed touches that a refutation needs.
@@ -55,16 +56,20 @@ impl Robot {
             self.head.states_distance = states_distance;
         }
         let whisker = &mut self.whiskers[index];
+        let (off_mm, _) = whisker.zero(params);
         let is_evidence = match contact.place {
             ContactPlace::Distance(at) => {
                 whisker.touched_at(params, contact.is_test, at.at.mm(), at.sd_mm);
                 let selected = if contact.is_test { 0.0 } else { SELECTED_SD };
-                let least_mm = at.at.mm() - selected * at.sd_mm;
+                let least_mm = at.at.mm() + off_mm - selected * at.sd_mm;
                 whisker.add_touch(at.sd_mm, |evidence| evidence.touched(least_mm, at.sd_mm))
             }
             ContactPlace::Tip(Some(at)) => {
                 whisker.touched_at(params, contact.is_test, at.at.mm(), at.sd_mm);
-                whisker.add_touch(at.sd_mm, |evidence| evidence.tip(at.at.mm(), at.sd_mm))
+                if !contact.is_test {
+                    whisker.follow_zero(params, at);
+                }
+                whisker.add_touch(at.sd_mm, |evidence| evidence.tip(at.at.mm() + off_mm, at.sd_mm))
             }
             // A ratio to the present length reaches 1 whatever that length is; one to an old length does not.
             ContactPlace::Ratio { ratio, sd } => {
@@ -77,7 +82,7 @@ impl Robot {
         };
         // During a test the supervisor chooses the place, so these touches show no habit of the robot.
         let is_distance = !contact.is_test && !matches!(contact.place, ContactPlace::Ratio { .. });
-        self.judge_reach(index, is_distance, effects);
+        self.judge_reach(params, index, is_distance, effects);
         if is_evidence {
             self.judge_length(params, index, effects);
         }
@@ -95,6 +100,7 @@ impl Robot {
         let whisker = &mut self.whiskers[index];
         whisker.heard = Some(now);
         let length_mm = whisker.filter.length().length.mm();
+        let (off_mm, _) = whisker.zero(params);
         if self.is_late(now, index, missed.robot_time) {
             effects.push(Effect::MissedTouch { whisker: index });
             return;
@@ -107,7 +113,7 @@ impl Robot {
         }
         // This is new evidence: a test that an operator refused may be proposed again.
         test.in_flight.take_if(|test| test.state == TestState::Refused);
-        test.evidence.missed(missed.at.at.mm(), missed.at.sd_mm);
+        test.evidence.missed(missed.at.at.mm() + off_mm, missed.at.sd_mm);
         test.sd_mm = missed.at.sd_mm;
         test.contacts = test.contacts.saturating_add(1);
         self.judge_length(params, index, effects);
@@ -115,7 +121,7 @@ impl Robot {
     }
 
     /// Begins or ends the suspicion of a lost reach.
-    fn judge_reach(&mut self, index: WhiskerIndex, is_distance: bool, effects: &mut Vec<Effect>) {
+    fn judge_reach(&mut self, params: &Params, index: WhiskerIndex, is_distance: bool, effects: &mut Vec<Effect>) {
         let whisker = &self.whiskers[index];
         let is_suspected = whisker.condition == Condition::Suspected;
         let is_measured = whisker.rare.length_test.is_some();
@@ -124,7 +130,7 @@ impl Robot {
             // silence asks for a test.
             let asks = is_distance || whisker.rare.reach.as_ref().is_some_and(|reach| reach.is_lost());
             if asks && !is_measured {
-                self.whiskers[index].suspect_reach();
+                self.whiskers[index].suspect_reach(params);
             }
             if is_distance && self.whiskers[index].condition == Condition::Healthy {
                 self.set_condition(index, Condition::Suspected, effects);
@@ -144,7 +150,8 @@ impl Robot {
     pub(super) fn judge_length(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let whisker = &self.whiskers[index];
         let Some(test) = &whisker.rare.length_test else { return };
-        let posterior = test.evidence.posterior();
+        let (_, zero_sd_mm) = whisker.zero(params);
+        let posterior = test.evidence.posterior(zero_sd_mm);
         let is_last = test.done >= params.touch_tests.in_a_row;
         // Contacts without a place leave a whisker in its first condition.
         let is_alone = self.head.states_distance || whisker.condition == Condition::Learning;
@@ -164,7 +171,7 @@ impl Robot {
                 params,
                 index,
                 posterior.mean_mm,
-                posterior.sd_mm.hypot(SHARED_SD_MM),
+                posterior.sd_mm.hypot(SHARED_SD_MM).hypot(zero_sd_mm),
                 contacts,
                 effects,
             );
@@ -174,7 +181,8 @@ impl Robot {
             }
             let whisker = &mut self.whiskers[index];
             if whisker.has_doubtful_length() {
-                whisker.learn_measured_length(whisker.sheet.length, posterior.sd_mm.hypot(SHARED_SD_MM));
+                whisker
+                    .learn_measured_length(whisker.sheet.length, posterior.sd_mm.hypot(SHARED_SD_MM).hypot(zero_sd_mm));
             }
             // Silence that is refuted was a change of habits.
             if whisker.is_reach_silent() {
@@ -260,11 +268,11 @@ impl Whisker {
     }
 
     /// Begins a measurement because of silence near the tip.
-    fn suspect_reach(&mut self) {
+    fn suspect_reach(&mut self, params: &Params) {
         let length_mm = self.filter.length().length.mm();
         let Some(shortest_mm) = self.rare.reach.as_ref().map(|reach| reach.shortest_mm()) else { return };
         let mut test = LengthTest::new(length_mm);
-        test.evidence.hardly_below(shortest_mm);
+        test.evidence.hardly_below(shortest_mm + self.zero(params).0);
         test.wanted = Some(TestReason::Suspicion);
         self.rare.get_or_insert().length_test = Some(Box::new(test));
     }

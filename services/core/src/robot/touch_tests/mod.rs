@@ -21,14 +21,16 @@
 //! An operator can refuse a proposed test. It is not proposed again for the same reason until there is new evidence.
 //!
 //! [`evidence`] adds contacts and decides, [`change`] asks for tests after changes of sensitivity that stay undecided, [`request`] sends requests and takes the robot's answers, [`plan`] finds the
-//! whiskers that are due after a pause or by the schedule.
+//! whiskers that are due after a pause or by the schedule, [`zero`] measures the error that all distances of a robot share.
 
 mod change;
 mod evidence;
 mod plan;
 mod request;
+mod zero;
 
 pub(in crate::robot) use plan::TestTimes;
+pub(in crate::robot) use zero::DistanceZero;
 
 use borsh::{BorshDeserialize, BorshSerialize};
 

@@ -118,6 +118,7 @@ impl Robot {
 
     /// Begins the measurement of the next whisker that is due.
     pub(in crate::robot) fn plan_tests(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
+        self.plan_zero(params, now, effects);
         let can_test = self.head.touch_tests.tip || self.head.touch_tests.wall;
         if !can_test || self.head.test_times.is_empty() {
             return;

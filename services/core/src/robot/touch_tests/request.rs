@@ -20,6 +20,9 @@ const RESPONSE_RATIOS: [f64; 6] = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 /// Deflections of a test, mm: weak ones and those that most contacts have.
 const DEFLECTIONS_MM: [f64; 3] = [1.0, 2.0, 3.0];
 
+/// Least distance of a test, mm: the contract has no touch at the base.
+const LEAST_DISTANCE_MM: f64 = 1.0;
+
 /// Time in which messages arrive that waited while the supervisor was deaf.
 const HEARD_AFTER_DEAFNESS: Micros = Micros(10_000_000);
 
@@ -80,7 +83,7 @@ impl Robot {
         // An operator who has started a test has started its row.
         let may_ask = asking == Asking::ForAnOperator || reason == TestReason::Operator || test.done > 0;
         if !may_ask && params.policy.mode == Mode::Advise {
-            self.propose_test(now, index, kind, reason, effects);
+            self.propose_test(params, now, index, (kind, reason), effects);
             return false;
         }
         let (Some(robot_time), Some(boot_id)) = (self.head.clock.robot_time(now), &self.head.boot_id) else {
@@ -94,10 +97,10 @@ impl Robot {
         self.head.tests = budget;
         self.withdraw_test(now, index, effects);
         let key = self.next_key();
-        let whisker = &mut self.whiskers[index];
-        let length_mm = whisker.filter.length().length.mm();
-        let Some(test) = whisker.length_test_mut() else { return false };
-        let (distances_mm, contacts) = test.plan(kind, reason, length_mm);
+        let Some((distances_mm, contacts)) = self.whiskers[index].plan_touches(params, kind, reason) else {
+            return false;
+        };
+        let Some(test) = self.whiskers[index].length_test_mut() else { return false };
         let valid_for = params.command.time_to_live;
         let takes = Micros(params.touch_tests.contact_time.0.saturating_mul(contacts.into()));
         let until = now.after(valid_for).after(takes);
@@ -133,15 +136,17 @@ impl Robot {
     /// Proposes a test, once.
     fn propose_test(
         &mut self,
+        params: &Params,
         now: Micros,
         index: WhiskerIndex,
-        kind: TestKind,
-        reason: TestReason,
+        (kind, reason): (TestKind, TestReason),
         effects: &mut Vec<Effect>,
     ) {
         let whisker = &self.whiskers[index];
-        let Some(test) = whisker.rare.length_test.as_ref().filter(|test| test.in_flight.is_none()) else { return };
-        let (_, contacts) = test.plan(kind, reason, whisker.filter.length().length.mm());
+        if whisker.rare.length_test.as_ref().is_none_or(|test| test.in_flight.is_some()) {
+            return;
+        }
+        let Some((_, contacts)) = whisker.plan_touches(params, kind, reason) else { return };
         let key = self.next_key();
         if let Some(test) = self.whiskers[index].length_test_mut() {
             let (state, until) = (TestState::Proposed, Micros(u64::MAX));
@@ -220,7 +225,9 @@ impl Robot {
         let Some(test) = self.whiskers[index].length_test_mut().filter(|_| !is_followed) else { return };
         test.done = test.done.saturating_add(1);
         let is_for_length = test.wanted != Some(TestReason::Setpoint);
-        self.judge_length(params, index, effects);
+        if !self.learn_zero(params, index) {
+            self.judge_length(params, index, effects);
+        }
         let Some(test) = self.whiskers[index].length_test_mut() else { return };
         if !is_for_length {
             test.wanted = None;
@@ -340,13 +347,21 @@ impl Robot {
     }
 }
 
-impl LengthTest {
-    /// Distances from the base, mm, and number of contacts.
-    fn plan(&self, kind: TestKind, reason: TestReason, length_mm: f64) -> (Vec<f64>, u16) {
-        match (kind, reason) {
-            (TestKind::Tip, _) => (Vec::new(), LENGTH_CONTACTS),
+impl crate::robot::Whisker {
+    /// Distances from the base by the robot's own millimetres, and number of contacts.
+    fn plan_touches(&self, params: &Params, kind: TestKind, reason: TestReason) -> Option<(Vec<f64>, u16)> {
+        let test = self.rare.length_test.as_ref()?;
+        let (off_mm, zero_sd_mm) = self.zero(params);
+        let contacts =
+            if (kind, reason) == (TestKind::Wall, TestReason::Setpoint) { RESPONSE_CONTACTS } else { LENGTH_CONTACTS };
+        let true_mm = match (kind, reason) {
+            (TestKind::Tip, _) => Vec::new(),
             (TestKind::Wall, TestReason::Setpoint) => {
-                (RESPONSE_RATIOS.map(|ratio| ratio * length_mm).to_vec(), RESPONSE_CONTACTS)
+                let length_mm = self.filter.length().length.mm();
+                RESPONSE_RATIOS.map(|ratio| ratio * length_mm).to_vec()
+            }
+            (TestKind::Wall, _) if self.is_test_of_zero(params) => {
+                test.evidence.informative_of_zero_mm(contacts.into(), zero_sd_mm)
             }
             (
                 TestKind::Wall,
@@ -355,12 +370,12 @@ impl LengthTest {
                 | TestReason::Pause
                 | TestReason::Schedule
                 | TestReason::Change,
-            ) => (self.evidence.informative_mm(LENGTH_CONTACTS.into(), self.sd_mm), LENGTH_CONTACTS),
-        }
+            ) => test.evidence.informative_mm(contacts.into(), test.sd_mm, zero_sd_mm),
+        };
+        let stated = |true_mm: f64| (true_mm - off_mm).max(LEAST_DISTANCE_MM);
+        Some((true_mm.into_iter().map(stated).collect(), contacts))
     }
-}
 
-impl crate::robot::Whisker {
     /// The end of its test when the whisker leaves the robot or another one takes its place.
     pub(in crate::robot) fn abandoned_test(&self, whisker: Option<WhiskerIndex>) -> Option<Effect> {
         let test = self.rare.length_test.as_ref().and_then(|test| test.in_flight)?;

@@ -73,6 +73,8 @@ fn usual_contact(input: &mut Input<'_>) -> Option<Contact> {
         saturated: false,
         pressure_mpa,
         temperature_c,
+        angle_deg: None,
+        angle_sd_deg: None,
         test_id: None,
     })
 }
@@ -92,6 +94,7 @@ fn contact(input: &mut Input<'_>) -> Option<Contact> {
     let (mut tip, mut saturated) = (None, None);
     let (mut ratio, mut ratio_sd, mut distance_mm, mut distance_sd_mm) = (None, None, None, None);
     let (mut deflection_mm, mut strain, mut pressure_mpa, mut temperature_c) = (None, None, None, None);
+    let (mut angle_deg, mut angle_sd_deg) = (None, None);
     for _ in 0..Map::len(input).ok()?? {
         match input.text()? {
             "array" => set!(array, Name::new(input.text()?).ok()?),
@@ -106,6 +109,8 @@ fn contact(input: &mut Input<'_>) -> Option<Contact> {
             "distance_mm" => set!(distance_mm, input.number()?),
             "distance_sd_mm" => set!(distance_sd_mm, input.number()?),
             "tip" => set!(tip, input.truth()?),
+            "angle_deg" => set!(angle_deg, input.number()?),
+            "angle_sd_deg" => set!(angle_sd_deg, input.number()?),
             "saturated" => set!(saturated, input.truth()?),
             "test_id" => set!(test_id, input.text()?.to_owned()),
             _ => return None,
@@ -125,6 +130,8 @@ fn contact(input: &mut Input<'_>) -> Option<Contact> {
         saturated: saturated.unwrap_or(false),
         pressure_mpa: pressure_mpa?,
         temperature_c: temperature_c?,
+        angle_deg,
+        angle_sd_deg,
         test_id,
     })
 }

@@ -70,6 +70,7 @@ fn contact(one: &Contact) -> Fields {
     fields.put("deflection_mm", one.deflection_mm).put("strain", one.strain);
     fields.put_some("saturated", one.saturated.then_some(true));
     fields.put("pressure_mpa", one.pressure_mpa).put("temperature_c", one.temperature_c);
+    fields.put_some("angle_deg", one.angle_deg).put_some("angle_sd_deg", one.angle_sd_deg);
     fields.put_some("test_id", one.test_id.as_deref());
     fields
 }

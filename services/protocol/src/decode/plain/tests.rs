@@ -98,6 +98,8 @@ fn any_contact() -> impl Strategy<Value = Contact> {
             saturated: false,
             pressure_mpa: numbers[3],
             temperature_c: numbers[4],
+            angle_deg: None,
+            angle_sd_deg: None,
             test_id: None,
         },
     )

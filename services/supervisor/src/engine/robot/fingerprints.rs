@@ -33,8 +33,9 @@ pub(crate) fn of_content(hashers: &impl BuildHasher, message: &Contacts) -> u32 
         hasher.write_u64(contact.t_us);
         // No place is a number of -1 or less.
         let place = [contact.ratio, contact.ratio_sd, contact.distance_mm, contact.distance_sd_mm];
+        let share = contact.share_in_gauge_plane();
         let reading = [contact.deflection_mm, contact.strain, contact.pressure_mpa, contact.temperature_c];
-        for number in place.map(|one| one.unwrap_or(-1.0)).into_iter().chain(reading) {
+        for number in place.map(|one| one.unwrap_or(-1.0)).into_iter().chain(reading).chain([share]) {
             hasher.write_u64(number.to_bits());
         }
         hasher.write_u8(contact.tip.into());
@@ -95,6 +96,8 @@ mod tests {
             saturated: false,
             pressure_mpa: 0.1,
             temperature_c: 24.0,
+            angle_deg: None,
+            angle_sd_deg: None,
             test_id: None,
         };
         Contacts { boot_id: BootId::new("b").unwrap(), seq: 0, contacts: vec![contact; 3], missed: Vec::new() }

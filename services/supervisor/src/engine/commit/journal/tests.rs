@@ -115,6 +115,8 @@ fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
         saturated: false,
         pressure_mpa: 0.1,
         temperature_c,
+        angle_deg: None,
+        angle_sd_deg: None,
         test_id: None,
     };
     let boot_id = BootId::new("b").unwrap();

@@ -1,0 +1,129 @@
+//! A whisker that may never have been as its factsheet says, or was cut while it was learned.
+//!
+//! Its offset from the model takes in a wrong length as well as a cut among the first contacts. Two sources tell of them when it is
+//! learned: the offsets of the robot's other whiskers of the same model, and its own first contacts. Neither tells a length from a
+//! gain. So the length is put in doubt, with an interval over both, and no pressure changes for it.
+
+use borsh::{BorshDeserialize, BorshSerialize};
+
+use smallvec::SmallVec;
+
+use crate::estimation::Innovation;
+use crate::estimation::filter::LENGTH;
+use crate::mechanics::Offset;
+use crate::robot::Robot;
+use crate::robot::effect::{Condition, Effect, WhiskerIndex};
+use crate::robot::params::Params;
+use crate::robot::state::whisker::Whisker;
+use crate::units::ContactRatio;
+
+/// First contacts that count: those before are the first loads of the rubber.
+const EARLY_FROM: u64 = 3;
+const EARLY_CONTACTS: u8 = 10;
+/// Rise of the log sensitivity since the first contacts that is no first load and no habit: 2 mm of 70.
+const RISE_MIN: f64 = 0.06;
+/// ... in standard deviations of the mean of the first contacts, if their errors were independent. The noise that is learned
+/// later contains a cut itself, so that it cannot serve here.
+const RISE_SD: f64 = 6.0;
+/// Other whiskers that an offset is compared with, at least.
+const PEERS_MIN: usize = 3;
+/// Contacts of each of them, at least.
+const PEER_CONTACTS: u64 = 100;
+/// Distance from the offsets of all others, log sensitivity, that no scatter of gauges and rubber explains: 3 mm of 70.
+const APART_MIN: f64 = 0.075;
+/// ... as a share of the others' range.
+const APART_SHARE: f64 = 0.7;
+
+/// A part of a rise is hidden, because the contacts before it count, too: those after it show at least this much less.
+const DILUTED: f64 = 1.5;
+/// A whisker differs from the others by more than this says, if it is at the edge of its batch.
+const AT_EDGE: f64 = 1.25;
+
+/// Mean response of a whisker's first contacts, against the model at its whole length.
+#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
+pub(in crate::robot) struct FirstContacts {
+    contacts: u8,
+    /// Sums of contact ratios, of deviations from the model, and of their squares.
+    ratio: f32,
+    deviation: f32,
+    square: f32,
+}
+
+impl FirstContacts {
+    /// Whether its numbers are finite.
+    pub(in crate::robot) fn is_sound(&self) -> bool {
+        [self.ratio, self.deviation, self.square].iter().all(|one| one.is_finite())
+    }
+
+    /// Rise of the log sensitivity to the level of this offset, and the standard deviation of the mean that it is compared with.
+    fn rise_to(&self, offset: Offset) -> Option<(f64, f64)> {
+        let contacts = f64::from(self.contacts);
+        let mean = f64::from(self.deviation) / contacts;
+        let variance = (f64::from(self.square) / contacts - mean * mean).max(0.0);
+        let at =
+            ContactRatio::new(f64::from(self.ratio) / contacts).ok().filter(|_| self.contacts == EARLY_CONTACTS)?;
+        Some((offset.at(at) - mean, (variance / contacts).sqrt()))
+    }
+}
+
+impl Whisker {
+    /// Keeps what the first contacts of a whisker tell while it is learned.
+    pub(in crate::robot) fn follow_first(&mut self, seen: &Innovation) {
+        let is_early = (EARLY_FROM..EARLY_FROM + u64::from(EARLY_CONTACTS)).contains(&self.contacts);
+        if !is_early || seen.row[LENGTH] == 0.0 || self.condition != Condition::Learning {
+            return;
+        }
+        let deviation = seen.residual + self.filter.offset().at(seen.ratio);
+        let first = self.rare.get_or_insert().first.get_or_insert_default();
+        first.contacts = first.contacts.saturating_add(1);
+        first.deviation += deviation as f32;
+        first.ratio += seen.ratio.a() as f32;
+        first.square += deviation.powi(2) as f32;
+    }
+
+    /// Whether its offset tells how the whiskers of its model are.
+    fn is_peer(&self) -> bool {
+        matches!(self.condition, Condition::Learning | Condition::Healthy)
+            && self.contacts >= PEER_CONTACTS
+            && self.is_at_nominal_pressure()
+            && self.fault.is_none()
+    }
+}
+
+impl Robot {
+    /// Excess of log sensitivity by which a whisker that is learned now differs from its own first contacts, or from the other
+    /// whiskers. `None` if it is as it should be.
+    fn differs_by(&self, index: WhiskerIndex) -> Option<f64> {
+        let whisker = &self.whiskers[index];
+        let offset = whisker.filter.offset();
+        let rise = whisker.rare.first.and_then(|first| first.rise_to(offset));
+        if let Some((rise, _)) = rise.filter(|(rise, sd)| *rise > RISE_MIN.max(RISE_SD * sd)) {
+            return Some(DILUTED * rise);
+        }
+        let is_alike = |other: &Whisker| {
+            other.sheet.model == whisker.sheet.model
+                && other.sheet.pressure == whisker.sheet.pressure
+                && other.is_peer()
+        };
+        let others = self.whiskers.iter().enumerate().filter(|(at, other)| *at != index && is_alike(other));
+        let mut levels: SmallVec<[f64; 32]> = others.map(|(_, other)| other.filter.offset().level).collect();
+        levels.sort_by(f64::total_cmp);
+        let [least, .., most] = levels[..] else { return None };
+        let beyond = (offset.level - most).max(least - offset.level);
+        let is_apart = levels.len() >= PEERS_MIN && beyond > APART_MIN.max(APART_SHARE * (most - least));
+        is_apart.then(|| AT_EDGE * (offset.level - levels[levels.len() / 2]))
+    }
+
+    /// Puts the length of a whisker that is learned now in doubt, if it differs from what its factsheet promises.
+    pub(super) fn look_first(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let differs = self.differs_by(index);
+        let whisker = &mut self.whiskers[index];
+        whisker.rare.forget_first();
+        let Some((by, model)) = differs.zip(whisker.model(params)) else { return };
+        let length_mm = whisker.filter.length().length.mm();
+        let loss_mm = -by / whisker.log_slope_with_length(model) * length_mm;
+        if whisker.is_at_nominal_pressure() {
+            self.doubt_whole(params, index, loss_mm, effects);
+        }
+    }
+}
