@@ -121,6 +121,11 @@ pub enum ToAgent {
     Contact(ContactLine),
     /// Samples of strain.
     Strain(StrainLine),
+    /// Whether the robot moves.
+    Driving {
+        /// It moves from now on, or stands.
+        driving: bool,
+    },
     /// Where a whisker is, for its strain.
     Motion {
         /// Name of the array.
@@ -136,6 +141,9 @@ pub enum ToAgent {
         /// Distance of the contact from the base, mm.
         #[serde(skip_serializing_if = "Option::is_none")]
         distance_mm: Option<f64>,
+        /// Contact ratio.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        ratio: Option<f64>,
     },
     /// A reading of a chamber.
     Pressure {

@@ -24,16 +24,19 @@ pub(super) struct Mapped {
     pub(super) mapping: Arc<Mapping>,
     /// When each topic was last heard, and whether its silence was logged.
     heard: Vec<(f64, bool)>,
-    /// Deflection and distance of each whisker, m.
-    motions: Vec<[Option<f64>; 2]>,
+    /// Deflection and distance of each whisker, m, and its contact ratio.
+    motions: Vec<[Option<f64>; 3]>,
+    /// Whether the robot moves, by the last line to this agent.
+    pub(super) driving: Option<bool>,
     constants_at_s: f64,
 }
 
 impl Mapped {
     pub(super) fn new(mapping: Mapping, whiskers: usize, now_s: f64) -> Self {
         let heard = vec![(now_s, false); mapping.topics.len()];
-        let motions = vec![[None; 2]; whiskers];
-        Self { mapping: Arc::new(mapping), heard, motions, constants_at_s: f64::NEG_INFINITY }
+        let motions = vec![[None; 3]; whiskers];
+        let constants_at_s = f64::NEG_INFINITY;
+        Self { mapping: Arc::new(mapping), heard, motions, driving: None, constants_at_s }
     }
 
     fn silence(topic: &MappedTopic, age_s: f64) -> String {
@@ -79,6 +82,16 @@ impl Bridge {
         self.counts.mapped += 1;
         let stamp = topic.stamp_of(&message);
         let mut outputs = Vec::new();
+        let driving = topic.driving.as_ref().map(|number| number.of(&message)).transpose();
+        match driving {
+            Ok(values) => {
+                let driving = values.and_then(|values| values.first().map(|value| *value != 0.0));
+                if let Some(driving) = driving.filter(|driving| mapped.driving.replace(*driving) != Some(*driving)) {
+                    outputs.push(Output::Line(ToAgent::Driving { driving }));
+                }
+            }
+            Err(problem) => outputs.push(self.refuse(format!("{}: {problem}", topic.topic))),
+        }
         for one in &topic.uses {
             match self.use_value(now_s, now, stamp, one, &message) {
                 Ok(line) => outputs.extend(line.map(Output::Line)),
@@ -121,12 +134,13 @@ impl Bridge {
                 self.counts.strains += 1;
                 Ok(Some(ToAgent::Strain(line)))
             }
-            Quantity::Deflection | Quantity::Distance => {
+            Quantity::Deflection | Quantity::Distance | Quantity::Ratio => {
                 let motion = &mut mapped.motions[index];
                 let is_deflection = one.quantity == Quantity::Deflection;
-                motion[usize::from(!is_deflection)] = Some(first);
-                let [deflection, distance] = *motion;
-                // A line has both values. It goes with the deflection, if there is one.
+                let place = if is_deflection { 0 } else { 1 + usize::from(one.quantity == Quantity::Ratio) };
+                motion[place] = Some(first);
+                let [deflection, distance, ratio] = *motion;
+                // A line has all values. It goes with the deflection, if there is one.
                 if !is_deflection && deflection.is_some() {
                     return Ok(None);
                 }
@@ -135,7 +149,7 @@ impl Bridge {
                 let (array, whisker) = (named.array.clone(), named.whisker);
                 let [deflection_mm, distance_mm] =
                     [deflection, distance].map(|metres| metres.map(|metres| metres * 1e3));
-                Ok(Some(ToAgent::Motion { array, whisker, t_us, deflection_mm, distance_mm }))
+                Ok(Some(ToAgent::Motion { array, whisker, t_us, deflection_mm, distance_mm, ratio }))
             }
             Quantity::Pressure => {
                 let t_us = stamp.and_then(|stamp| self.time_of(now, stamp, 0));

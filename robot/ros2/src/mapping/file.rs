@@ -20,6 +20,8 @@ const EVERY_US: std::ops::RangeInclusive<u32> = 500..=100_000;
 #[serde(deny_unknown_fields)]
 struct File {
     whiskers: BTreeMap<String, Spanned<FileWhisker>>,
+    #[serde(default)]
+    driving: Option<Spanned<Source>>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -29,6 +31,7 @@ struct FileWhisker {
     strain_2: Option<Spanned<Source>>,
     deflection: Option<Spanned<Source>>,
     distance: Option<Spanned<Source>>,
+    ratio: Option<Spanned<Source>>,
     pressure: Option<Spanned<Source>>,
     regulator: Option<Spanned<Source>>,
     setpoint: Option<Spanned<Source>>,
@@ -129,6 +132,9 @@ impl Mapping {
             let place = place(name).ok_or_else(|| at(whisker, &key, "write array and number, as left/0"))?;
             mapping.add(place, whisker, &key, definitions)?;
         }
+        if let Some(driving) = &file.driving {
+            mapping.add_driving(driving, definitions)?;
+        }
         Ok(mapping)
     }
 
@@ -139,17 +145,19 @@ impl Mapping {
         key: &str,
         definitions: &Definitions,
     ) -> Result<(), String> {
-        let FileWhisker { strain, strain_2, deflection, distance, pressure, regulator, setpoint } = &whisker.value;
+        let FileWhisker { strain, strain_2, deflection, distance, ratio, pressure, regulator, setpoint } =
+            &whisker.value;
         let sources = [
             ("strain", strain),
             ("deflection", deflection),
             ("distance", distance),
+            ("ratio", ratio),
             ("pressure", pressure),
             ("regulator", regulator),
         ];
         let is_none = sources.iter().all(|(_, source)| source.is_none()) && setpoint.is_none() && strain_2.is_none();
         if is_none {
-            let allowed = "strain, strain_2, deflection, distance, pressure, regulator, setpoint";
+            let allowed = "strain, strain_2, deflection, distance, ratio, pressure, regulator, setpoint";
             return Err(at(whisker, key, format!("has no value; allowed are {allowed}")));
         }
         if let (Some(second), None) = (strain_2, strain) {
@@ -188,6 +196,7 @@ impl Mapping {
             let quantity = match name {
                 "deflection" => Quantity::Deflection,
                 "distance" => Quantity::Distance,
+                "ratio" => Quantity::Ratio,
                 "pressure" => Quantity::Pressure,
                 "regulator" => Quantity::Regulator,
                 _ => {
@@ -224,18 +233,37 @@ impl Mapping {
     }
 
     fn read_from(&mut self, found: Found, place: (String, u16), quantity: Quantity) -> Result<(), String> {
-        let Found { topic, kind, number, layout } = found;
-        let one = Use { place, index: None, quantity, number };
-        if let Some(known) = self.topics.iter_mut().find(|known| known.topic == topic) {
-            if known.kind != kind {
-                return Err(format!("the topic {topic} has two types: {} and {kind}", known.kind));
-            }
-            known.uses.push(one);
-            return Ok(());
-        }
-        let stamp = MappedTopic::stamp_in(&layout);
-        self.topics.push(MappedTopic { topic, kind, layout, stamp, uses: vec![one] });
+        let number = found.number.clone();
+        self.topic_of(found)?.uses.push(Use { place, index: None, quantity, number });
         Ok(())
+    }
+
+    fn add_driving(&mut self, source: &Spanned<Source>, definitions: &Definitions) -> Result<(), String> {
+        only_for(source.value.every_us.as_ref(), "driving", "every_us", "strain")?;
+        only_for(source.value.constant.as_ref(), "driving", "constant", "pressure")?;
+        let found = Source::find(source, "driving", definitions)?;
+        if found.number.path.is_list() {
+            return Err(at(source, "driving.field", "leads to a list: name one element, such as data[0]"));
+        }
+        let number = found.number.clone();
+        self.topic_of(found)?.driving = Some(number);
+        Ok(())
+    }
+
+    fn topic_of(&mut self, found: Found) -> Result<&mut MappedTopic, String> {
+        let Found { topic, kind, layout, .. } = found;
+        let known = self.topics.iter().position(|known| known.topic == topic);
+        let index = known.unwrap_or(self.topics.len());
+        if known.is_none() {
+            let stamp = MappedTopic::stamp_in(&layout);
+            let (topic, kind) = (topic.clone(), kind.clone());
+            self.topics.push(MappedTopic { topic, kind, layout, stamp, uses: Vec::new(), driving: None });
+        }
+        let known = &mut self.topics[index];
+        if known.kind != kind {
+            return Err(format!("the topic {topic} has two types: {} and {kind}", known.kind));
+        }
+        Ok(known)
     }
 
     fn write_to(

@@ -59,6 +59,8 @@ pub enum Quantity {
     Deflection,
     /// Distance of the contact from the base, m.
     Distance,
+    /// Contact ratio.
+    Ratio,
     /// Pressure of the chamber, Pa.
     Pressure,
     /// Level of the regulator's diagnostics: below 2 it works.
@@ -91,6 +93,8 @@ pub struct MappedTopic {
     pub stamp: Option<[Path; 2]>,
     /// Its numbers, each of a whisker.
     pub uses: Vec<Use>,
+    /// A number that is not 0 while the robot moves.
+    pub driving: Option<Number>,
 }
 
 /// Types of messages that take setpoints.

@@ -92,6 +92,33 @@ fn the_example_of_the_document_gives_strain_motion_pressure_and_health() {
 }
 
 #[test]
+fn contact_ratio_and_driving_are_mapped() {
+    let text = "driving: {topic: /base, type: std_msgs/msg/Bool, field: data}
+whiskers:
+  left/0:
+    ratio: {topic: /place, type: std_msgs/msg/Float64, field: data, scale: 0.01}
+    deflection: {topic: /slide, type: std_msgs/msg/Float64, field: data}
+    pressure: {constant: 100000}
+";
+    let mut bridge = bridge(text, Pressures::Gauge);
+    let ratio = lines(message(&mut bridge, 1.0, "/place", &json!([80.0])));
+    assert_eq!((&ratio[0]["type"], &ratio[0]["ratio"]), (&json!("motion"), &json!(0.8)));
+    assert!(ratio[0].get("distance_mm").is_none(), "{ratio:?}");
+    let moved = lines(message(&mut bridge, 1.1, "/slide", &json!([0.002])));
+    assert_eq!((&moved[0]["deflection_mm"], &moved[0]["ratio"]), (&json!(2.0), &json!(0.8)));
+    assert!(message(&mut bridge, 1.2, "/place", &json!([70.0])).is_empty(), "it goes with the deflection");
+    let drives = |bridge: &mut Bridge, driving: bool| lines(message(bridge, 1.3, "/base", &json!([driving])));
+    assert_eq!(drives(&mut bridge, true), [json!({"type": "driving", "driving": true})]);
+    assert!(drives(&mut bridge, true).is_empty(), "unchanged");
+    assert_eq!(drives(&mut bridge, false), [json!({"type": "driving", "driving": false})]);
+
+    let list = "driving: {topic: /base, type: std_msgs/msg/Float64MultiArray, field: data}\nwhiskers:\n  left/0: {}\n";
+    assert!(parse(list).is_err_and(|why| why.contains("line 3")), "the whisker has no value");
+    let list = list.replace("{}", "{pressure: {constant: 1}}");
+    assert!(parse(&list).is_err_and(|why| why.contains("driving.field")));
+}
+
+#[test]
 fn a_mapped_setpoint_has_the_unit_of_its_field_and_others_get_none() {
     let text = "whiskers:
   left/0:
