@@ -1,5 +1,5 @@
-//! Statistics of alarms as ISA-18.2 names them: how many, how often, how long, and which ones most. The database computes them
-//! over the newest [`ALARMS_MAX`] alarms of a span.
+//! Statistics of alarms as ISA-18.2 names them: how many, how often, how long, and which ones most. The database
+//! computes them over the newest [`ALARMS_MAX`] alarms of a span.
 
 use serde::Serialize;
 use sqlx::postgres::PgRow;
@@ -18,9 +18,9 @@ use super::{Store, StoreError, failed};
 pub const ALARMS_MAX: i64 = 100_000;
 /// Number of alarms in ten minutes above which nobody can answer each of them: a flood.
 pub const FLOOD: i64 = 10;
-/// Length of the intervals in which floods are looked for, and time within which three alarms of one kind and subject chatter,
-/// µs: ten minutes. A whisker gets a contact every few seconds, so that its alarms chatter slower than those of a process, for which
-/// the standard's example is a minute.
+/// Length of the intervals in which floods are looked for, and time within which three alarms of one kind and subject
+/// chatter, µs: ten minutes. A whisker gets a contact every few seconds, so that its alarms chatter slower than those
+/// of a process, for which the standard's example is a minute.
 const TEN_MINUTES_US: i64 = 600_000_000;
 /// Time after which a standing alarm counts as stale, µs: a day.
 const DAY_US: i64 = 86_400_000_000;

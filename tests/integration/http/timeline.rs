@@ -98,8 +98,8 @@ async fn statistics_of_alarms_count_each_alarm_once() {
     let start_us = wall_clock().0 as i64 - 3 * 24 * 60 * MINUTE_US;
     let at = |minute| after(start_us, minute);
     for served in both().await {
-        // Robot one is silent at the minutes 0, 4 and 8, for one, two and three minutes, and at 30 for good. Robot two is
-        // silent once, at 9, for ten minutes.
+        // Robot one is silent at the minutes 0, 4 and 8, for one, two and three minutes, and at 30 for good. Robot two
+        // is silent once, at 9, for ten minutes.
         let alarms = |[one, two]: [i64; 2]| {
             let raised = |robot_id, minute: i64| {
                 let raised_us = start_us + minute * MINUTE_US;

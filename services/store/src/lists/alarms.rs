@@ -60,21 +60,21 @@ from_row! {
         /// Number of the newest decision about the whisker that has not ended; null without one.
         #[schema(minimum = 0)]
         pub compensation_id: Option<i64>,
-        /// Most frequent reason for which that decision refused a candidate, such as `NEEDS_BELOW_RANGE`; null unless the whisker
-        /// is not compensated.
+        /// Most frequent reason for which that decision refused a candidate, such as `NEEDS_BELOW_RANGE`; null unless
+        /// the whisker is not compensated.
         pub refused: Option<String>,
         /// Number of candidates that were refused for this reason; null unless the whisker is not compensated.
         #[schema(minimum = 0)]
         pub refused_candidates: Option<i64>,
-        /// State of the newest setpoint of the whisker that was not applied: `REJECTED`, `FAILED` or `EXPIRED`; null unless the
-        /// alarm is about setpoints and stands.
+        /// State of the newest setpoint of the whisker that was not applied: `REJECTED`, `FAILED` or `EXPIRED`; null
+        /// unless the alarm is about setpoints and stands.
         pub failed_state: Option<String>,
         /// Reason that the robot gave for rejecting it; null without one.
         pub failed_error: Option<String>,
         /// Pressure that it was to reach, MPa; null unless the alarm is about setpoints and stands.
         pub failed_pressure_mpa: Option<f64>,
-        /// Number of setpoints of the whisker that were not applied since the last one that was; null unless the alarm is
-        /// about setpoints and stands.
+        /// Number of setpoints of the whisker that were not applied since the last one that was; null unless the alarm
+        /// is about setpoints and stands.
         #[schema(minimum = 0)]
         pub failed_attempts: Option<i64>,
     }
@@ -148,8 +148,8 @@ sorts! {
 sorts! {
     /// Sort keys of the list of folded alarms.
     pub enum FoldedSort {
-        /// Arrays and storms by their most urgent alarm, then by the most length lost, then by their newest alarm; in an array by
-        /// urgency.
+        /// Arrays and storms by their most urgent alarm, then by the most length lost, then by their newest alarm; in
+        /// an array by urgency.
         Place = "place" Whole Down,
     }
 }
@@ -245,9 +245,9 @@ pub static ALARMS: List = List {
 /// The standing alarms: without a look at the cleared ones.
 pub static STANDING: List = List { what: "list the standing alarms", select: rows!("a.cleared_us IS NULL"), ..ALARMS };
 
-/// The standing alarms by robot and array, with storms folded. `place` orders them: the urgency of the row's array or storm, the
-/// length that its whiskers have lost at most, in tenths of a millimetre up to 102.3 mm, the number of the newest alarm in it, and
-/// the row's own urgency, in one number.
+/// The standing alarms by robot and array, with storms folded. `place` orders them: the urgency of the row's array or
+/// storm, the length that its whiskers have lost at most, in tenths of a millimetre up to 102.3 mm, the number of the
+/// newest alarm in it, and the row's own urgency, in one number.
 pub static FOLDED: List = List {
     what: "list the folded alarms",
     select: concat!(

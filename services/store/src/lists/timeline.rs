@@ -53,8 +53,8 @@ sorts! {
     }
 }
 
-/// Events without those of contacts, and actions. The events about actions are left out, because the actions say more. The
-/// numbers of events are even, those of actions odd.
+/// Events without those of contacts, and actions. The events about actions are left out, because the actions say more.
+/// The numbers of events are even, those of actions odd.
 pub static TIMELINE: List = List {
     what: "list the timeline",
     select: "SELECT 2 * e.event_id AS entry_id, e.recorded_us AS at, e.kind, e.word, e.fleet, r.robot, y.\"array\", w.whisker, \

@@ -99,8 +99,8 @@ pub struct AlarmsOfLevel {
     pub alarms: i64,
 }
 
-/// Statistics of the alarms of a span: how many in an hour, floods, levels, durations, the most frequent, those that chatter, and
-/// those that have stood for more than a day.
+/// Statistics of the alarms of a span: how many in an hour, floods, levels, durations, the most frequent, those that
+/// chatter, and those that have stood for more than a day.
 #[utoipa::path(
     get, path = "/v1/alarms/statistics", tag = "happenings", params(AlarmStatisticsQuery),
     responses((status = 200, description = "The statistics", body = AlarmStatistics))

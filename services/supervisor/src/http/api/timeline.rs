@@ -61,8 +61,8 @@ list_query! {
 /// Events between two times, the newest first, with the full names of their subjects, and the actions of people in this
 /// time.
 ///
-/// The log keeps trims, alarms, changes of condition, begins and ends of compensations and failed setpoints for a week, and
-/// other events for a day. The audit log keeps the actions.
+/// The log keeps trims, alarms, changes of condition, begins and ends of compensations and failed setpoints for a week,
+/// and other events for a day. The audit log keeps the actions.
 #[utoipa::path(
     get, path = "/v1/timeline", tag = "happenings", params(TimelineQuery),
     responses((status = 200, description = "A page of the timeline", body = Page<TimelineRow>))
