@@ -40,8 +40,9 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
     },
 
     /**
-     * The tools, the table (or `body` for rows that are no table), and the links to other pages of the list. The page is one of
-     * `load`. Without a caption the table tells its rows, of `total` if no filter narrows them. `actions` stand beside the tools.
+     * The tools, the table (or `body` for rows that are no table), and the links to other pages of the list. The page is
+     * one of `load`. Without a caption the table tells its rows, of `total` if no filter narrows them. `actions` stand
+     * beside the tools.
      */
     view(page, { caption, columns, key, empty, body = null, total = null, actions = null }) {
       const state = stateOf(location.hash);
@@ -70,7 +71,8 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
     const last = first + items.length - 1;
     const all = total ?? (next ? null : last);
     const name = (many) => (many === 1 ? what.slice(0, -1) : what);
-    const many = all === null || !all ? what[0].toUpperCase() + what.slice(1) : `${all.toLocaleString("en")} ${name(all)}`;
+    const capital = what[0].toUpperCase() + what.slice(1);
+    const many = all ? `${all.toLocaleString("en")} ${name(all)}` : capital;
     const isWhole = !cursor && !next;
     return isWhole || !first ? many : `${many}, ${first.toLocaleString("en")} to ${last.toLocaleString("en")}`;
   }
@@ -128,7 +130,9 @@ export function browser({ route, what, filters = [], search = null, rows = ROWS 
       "nav",
       { class: "pager", "aria-label": `Pages of ${what}` },
       state.cursor ? h("a", { href: changed({ cursor: null, at: null }) }, "First page") : null,
-      page.next_cursor ? h("a", { href: changed({ cursor: page.next_cursor, at: first + page.items.length }) }, "Next page") : null,
+      page.next_cursor
+        ? h("a", { href: changed({ cursor: page.next_cursor, at: first + page.items.length }) }, "Next page")
+        : null,
     );
   }
 }

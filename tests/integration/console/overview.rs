@@ -49,7 +49,7 @@ async fn the_board_shows_robots_errors_and_changes_with_links() {
         // Letter and colour of the robot with the cut whisker, and words that say the same.
         let tile = "document.querySelector('a.tile[href$=\"/r\"]')";
         assert_eq!(stage.browser.js(&format!("{tile}.querySelector('.letter').textContent")).await, "C", "{page}");
-        let words = stage.browser.js(&format!("{tile}.ariaLabel")).await;
+        let words = stage.browser.js(&format!("{tile}.title")).await;
         assert!(words.as_str().unwrap().contains("trimmed, compensated: 1 whisker"), "{page}: {words}");
         let counts = "[...document.querySelectorAll('.changes strong')].map((one) => Number(one.textContent))";
         let expected = ["trims", "alarms", "setpoints_applied", "whiskers_replaced"].map(|name| overview[name].clone());

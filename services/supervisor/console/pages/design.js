@@ -8,7 +8,17 @@ import { distribution, spark } from "../parts/spark.js";
 import { empty, facts, section, table, trail } from "../table.js";
 import * as words from "../words.js";
 
-const LISTS = ["CONDITIONS", "FAULTS", "CONNECTIONS", "ALARM_LEVELS", "ALARM_STATES", "APPROVALS", "ACTION_STATES", "SETPOINT_STATES", "WEBHOOK_STATES"];
+const LISTS = [
+  words.CONDITIONS,
+  words.FAULTS,
+  words.CONNECTIONS,
+  words.ALARM_LEVELS,
+  words.ALARM_STATES,
+  words.APPROVALS,
+  words.ACTION_STATES,
+  words.SETPOINT_STATES,
+  words.WEBHOOK_STATES,
+];
 const AT = "2026-11-29T03:04:05.000Z";
 
 const whisker = (whisker, more) => ({
@@ -50,11 +60,24 @@ export default {
     ),
     section(
       "Type",
-      h("p", {}, "Text with ", h("a", { href: "#/design" }, "a link"), ", ", h("code", {}, "code"), " and ", h("kbd", {}, "g"), "."),
+      h(
+        "p",
+        {},
+        "Text with ",
+        h("a", { href: "#/design" }, "a link"),
+        ", ",
+        h("code", {}, "code"),
+        " and ",
+        h("kbd", {}, "g"),
+        ".",
+      ),
       h("p", { class: "hint" }, "Hints and times are small or grey: ", time(AT), ", ", age(AT), "."),
     ),
     section("Tiles", tiles()),
-    section("Marks", LISTS.map((name) => h("p", { class: "marks" }, Object.keys(words[name]).map((word) => markOf(words[name], word))))),
+    section(
+      "Marks",
+      LISTS.map((list) => h("p", { class: "marks" }, Object.keys(list).map((word) => markOf(list, word)))),
+    ),
     section(
       "Buttons",
       h(
@@ -82,7 +105,11 @@ export default {
     section("Facts", facts([["Length", interval(64.88, 64.31, 65.45)], ["Pressure", mpa(0.0472)], ["Heard", time(AT)]])),
     section("Table", rows(WHISKERS), rows([])),
     section("Nothing to show", empty("No robots match.", ["Show all robots", "#/design"])),
-    section("Messages", h("div", { class: "problem" }, h("p", {}, "A problem with its reason.")), h("div", { class: "card warn" }, h("h3", {}, "A card"), h("p", {}, "It waits for people."))),
+    section(
+      "Messages",
+      h("div", { class: "problem" }, h("p", {}, "A problem with its reason.")),
+      h("div", { class: "card warn" }, h("h3", {}, "A card"), h("p", {}, "It waits for people.")),
+    ),
     section(
       "Small charts",
       h("div", { class: "changes" }, spark([0, 2, 5, 0, 0, 9, 3, 1], "eight hours")),
@@ -94,7 +121,17 @@ export default {
 function tiles() {
   const all = Object.entries(words.ROBOT_STATES);
   const chip = ([, [text, tone, letter]]) =>
-    h("li", {}, h("span", { class: "chip" }, h("span", { class: `tile ${tone}`, "aria-hidden": "true" }, letter), h("strong", {}, "3"), ` ${text}`));
+    h(
+      "li",
+      {},
+      h(
+        "span",
+        { class: "chip" },
+        h("span", { class: `tile ${tone}`, "aria-hidden": "true" }, letter),
+        h("strong", {}, "3"),
+        ` ${text}`,
+      ),
+    );
   return h("ul", { class: "chips" }, all.map(chip));
 }
 

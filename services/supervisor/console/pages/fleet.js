@@ -6,13 +6,13 @@ import { h } from "../dom.js";
 import { age, count } from "../format.js";
 import { markOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
-import { board, boardOf } from "../parts/board.js";
+import { board, boardOf, verdict } from "../parts/board.js";
 import { robotsActions } from "../parts/bulk.js";
 import { LABEL_COLUMN, LABEL_FILTER } from "../parts/labels.js";
 import { proposals, proposalsOf } from "../parts/proposals.js";
 import { trail } from "../table.js";
 import { CONNECTIONS } from "../words.js";
-import { health, present, supervision } from "./fleets.js";
+import { health, present, supervision, waits } from "./fleets.js";
 
 const robots = browser({
   route: "/v1/robots",
@@ -70,8 +70,13 @@ export default {
   view({ about, page, waiting, told, state }, { fleet }, refresh) {
     return [
       trail(["Fleets", link.fleets()]),
-      h("h1", { tabindex: "-1" }, `Fleet ${fleet}`),
-      h("p", { class: "marks" }, supervision(about), health(about)),
+      h(
+        "div",
+        { class: "headline" },
+        h("h1", { tabindex: "-1" }, `Fleet ${fleet}`),
+        told ? h("p", { class: "summary" }, verdict(told)) : null,
+      ),
+      h("p", { class: "marks" }, supervision(about), waits(about)),
       h(
         "p",
         {},

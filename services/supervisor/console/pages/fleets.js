@@ -9,6 +9,9 @@ import { proposals, proposalsOf } from "../parts/proposals.js";
 import { readiness, shortcomings } from "../parts/readiness.js";
 import { empty } from "../table.js";
 
+/** Most fleets without a supervisor that are named above the board. */
+const LEFT_MAX = 5;
+
 export default {
   async load(_, state) {
     const [fleets, waiting, told, ready] = await Promise.all([
@@ -33,19 +36,24 @@ export default {
       ),
       shortcomings(ready),
       left.length
-        ? h("p", { class: "marks" }, left.slice(0, 5).map((fleet) => mark(`no supervisor of ${fleet.fleet}`, "bad", "gap")))
+        ? h(
+            "p",
+            { class: "marks" },
+            left.slice(0, LEFT_MAX).map((fleet) => mark(`no supervisor of ${fleet.fleet}`, "bad", "gap")),
+          )
         : null,
       proposals(waiting, refresh),
       fleets.length
-        ? board(told, { more: (group) => of.has(group) && !of.get(group).supervised && mark("no supervisor now", "bad", "gap") })
+        ? board(told, { more: (group) => (of.get(group)?.supervised === false ? supervision(of.get(group)) : null) })
         : empty("No fleet is known yet. Start the service with --fleet and a name, and let a robot connect."),
     ];
   },
 };
 
 function summary(fleets, told) {
-  const [alarms, shelved] = ["alarms", "alarms_shelved"].map((name) => fleets.reduce((sum, fleet) => sum + fleet[name], 0));
-  const open = alarms ? ` ${count(alarms, "alarm")[0].toUpperCase()}${count(alarms, "alarm").slice(1)} open` : " No alarms are open";
+  const sum = (name) => fleets.reduce((sum, fleet) => sum + fleet[name], 0);
+  const [alarms, shelved] = [sum("alarms"), sum("alarms_shelved")];
+  const open = alarms ? ` ${count(alarms, "alarm")} open` : " No alarms are open";
   return `${told ? verdict(told) : ""}${open}${shelved ? `, ${count(shelved, "alarm")} shelved` : ""}.`;
 }
 
@@ -63,7 +71,15 @@ export function supervision(fleet) {
     : mark("no supervisor now", "bad", "gap");
 }
 
-/** Marks for the whiskers of a fleet or a robot by state, each whisker in one of them, and for what waits for people. */
+/** Marks for what waits for people. */
+export const waits = (row) =>
+  [
+    row.proposals && mark(`${count(row.proposals, "proposal")} waiting for approval`, "warn", "diamond"),
+    row.alarms && mark(count(row.alarms, "alarm"), "bad", "bell"),
+    row.alarms_shelved && mark(`${count(row.alarms_shelved, "alarm")} shelved`, "off", "clock"),
+  ].filter(Boolean);
+
+/** Marks for the whiskers of a robot by state, each whisker in one of them, and for what waits for people. */
 export function health(row) {
   const marks = [
     row.whiskers_uncompensated && mark(`${row.whiskers_uncompensated} trimmed, not compensated`, "bad", "stump"),
@@ -72,9 +88,7 @@ export function health(row) {
     row.whiskers_compensated && mark(`${row.whiskers_compensated} trimmed, compensated`, "info", "propped"),
     row.whiskers_worn && mark(`${row.whiskers_worn} worn or suspected`, "warn", "slope"),
     row.whiskers_learning && mark(`${row.whiskers_learning} being learned`, "info", "dots"),
-    row.proposals && mark(`${count(row.proposals, "proposal")} waiting for approval`, "warn", "diamond"),
-    row.alarms && mark(count(row.alarms, "alarm"), "bad", "bell"),
-    row.alarms_shelved && mark(`${count(row.alarms_shelved, "alarm")} shelved`, "off", "clock"),
+    ...waits(row),
   ].filter(Boolean);
   if (row.attention > 0 || isTroubled(row) || row.alarms_shelved) return marks;
   if (isAway(row)) return marks.length ? marks : [mark("nothing is known while it is not connected", "off", "gap")];

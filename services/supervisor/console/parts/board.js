@@ -44,8 +44,8 @@ export function verdict(board) {
   const [all, troubled] = [sumOf(states, Object.keys(states)), sumOf(states, TROUBLES)];
   if (!all) return "No robots yet.";
   if (troubled) return `${troubled.toLocaleString("en")} of ${count(all, "robot")} ${troubled === 1 ? "needs" : "need"} attention.`;
-  const well = states.HEALTHY ?? 0;
-  return well === all ? `All ${count(all, "robot")} are well.` : `No robot of ${all.toLocaleString("en")} needs attention, ${well.toLocaleString("en")} are healthy.`;
+  if (states.HEALTHY === all) return `Nothing needs attention: ${count(all, "robot")}, all healthy.`;
+  return `No robot needs attention: ${count(all, "robot")}.`;
 }
 
 /** The board; `more(group)` are marks of a fleet, and `fleet` is set if the board is of one fleet. */
@@ -74,7 +74,11 @@ function filters(told, state) {
       {},
       h(
         "a",
-        { class: "chip", href: changed({ state: name }), "aria-current": (state.state ?? null) === name ? "true" : null },
+        {
+          class: "chip",
+          href: changed({ state: name }),
+          "aria-current": (state.state ?? null) === name ? "true" : null,
+        },
         face,
         h("strong", {}, many.toLocaleString("en")),
         h("span", {}, ` ${words}`),
@@ -94,7 +98,8 @@ function filters(told, state) {
   );
 }
 
-const face = (name) => h("span", { class: `tile ${toneOf(name)}`, "aria-hidden": "true" }, ROBOT_STATES[name]?.[2] ?? "?");
+const face = (name) =>
+  h("span", { class: `tile ${toneOf(name)}`, "aria-hidden": "true" }, ROBOT_STATES[name]?.[2] ?? "?");
 const toneOf = (name) => ROBOT_STATES[name]?.[1] ?? "off";
 
 /** The search of robots and the choice of groups; null without a board. */
@@ -122,7 +127,8 @@ const addressOf = ({ group }, state) => {
 
 function trouble({ states, robots }) {
   const troubled = sumOf(states, TROUBLES);
-  return `${count(robots, "robot")}${troubled ? `, ${troubled.toLocaleString("en")} ${troubled === 1 ? "needs" : "need"} attention` : ""}`;
+  const need = `, ${troubled.toLocaleString("en")} ${troubled === 1 ? "needs" : "need"} attention`;
+  return `${count(robots, "robot")}${troubled ? need : ""}`;
 }
 
 function heading(group, state, fleet, ...more) {
@@ -145,7 +151,9 @@ function tileGroups(told, state, { fleet, more }) {
     const [words, tone, letter] = ROBOT_STATES[robot.state] ?? [robot.state, "off", "?"];
     const reason = robot.whiskers ? `${words}: ${count(robot.whiskers, "whisker")}` : words;
     const alarms = robot.alarms ? `, ${count(robot.alarms, "alarm")}` : "";
-    const said = `${robot.robot}${fleet ? "" : ` of ${robot.fleet}`}: ${reason}${alarms}`;
+    const about = `${fleet ? "" : ` of ${robot.fleet}`}: ${reason}${alarms}`;
+    const isNamed = size === "named";
+    const title = `${robot.robot}${about}`;
     const tab = isFirst ? 0 : -1;
     isFirst = false;
     return h(
@@ -153,9 +161,9 @@ function tileGroups(told, state, { fleet, more }) {
       { "data-key": `tile-${robot.fleet}-${robot.robot}` },
       h(
         "a",
-        { class: `tile ${tone}`, href: link.robot(robot), title: said, "aria-label": said, tabindex: tab },
+        { class: `tile ${tone}`, href: link.robot(robot), title, "aria-label": isNamed ? null : title, tabindex: tab },
         h("span", { class: "letter", "aria-hidden": "true" }, letter),
-        size === "named" ? h("span", { class: "who", "aria-hidden": "true" }, robot.robot) : null,
+        isNamed ? [h("span", { class: "who" }, robot.robot), h("span", { class: "unseen" }, about)] : null,
       ),
     );
   };
@@ -224,7 +232,13 @@ function foldedGroups(told, state) {
     const said = names.filter((name) => states[name]).map((name) => `${states[name]} ${ROBOT_STATES[name][0]}`);
     return s(
       "svg",
-      { viewBox: "0 0 100 8", preserveAspectRatio: "none", class: "states", role: "img", "aria-label": `${group}: ${said.join(", ")}` },
+      {
+        viewBox: "0 0 100 8",
+        preserveAspectRatio: "none",
+        class: "states",
+        role: "img",
+        "aria-label": `${group}: ${said.join(", ")}`,
+      },
       names.map(part),
     );
   };

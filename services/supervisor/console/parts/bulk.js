@@ -60,7 +60,8 @@ function buttons(route, noun, actions, { filter, many }, done) {
   const button = ([one, { verb, what, grave }]) => {
     const path = `${route}/${one}`;
     const prepare = () => prepared({ path, noun, verb, what: [what], grave, body: { filter } });
-    return actionButton({ path, prepare, grave }, done, `${verb} ${many === null ? `all ${noun}s of these filters` : count(many, noun)}`);
+    const whom = many === null ? `all ${noun}s of these filters` : count(many, noun);
+    return actionButton({ path, prepare, grave }, done, `${verb} ${whom}`);
   };
   return h("div", { class: "buttons at-once" }, menu("Bulk actions", offered.map(button)));
 }

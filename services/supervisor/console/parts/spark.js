@@ -61,6 +61,10 @@ export function distribution(bins) {
       bins.map(bar),
       bins.map(tick),
     ),
-    h("p", { class: "hint" }, `Newest error of ${total.toLocaleString("en")} in force, in % (Eq. 35). The last bar has no upper bound.`),
+    h(
+      "p",
+      { class: "hint" },
+      `Newest error of ${total.toLocaleString("en")} in force, in % (Eq. 35). The last bar has no upper bound.`,
+    ),
   );
 }

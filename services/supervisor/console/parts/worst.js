@@ -43,7 +43,9 @@ function worst(whiskers, fleet) {
 function judged(whisker) {
   const lost = `\u2212${mm(Math.max(0, whisker.lost_mm), 1)}`;
   if (isUncompensated(whisker)) return ["UNCOMPENSATED", lost];
-  if (whisker.fault) return ["FAULTY", say(FAULTS, whisker.fault)];
+  // The whiskers of a robot that is not heard have no fault of their own.
+  const isUnheard = whisker.fault === "STALE" && whisker.connection !== "ONLINE";
+  if (whisker.fault && !isUnheard) return ["FAULTY", say(FAULTS, whisker.fault)];
   if (whisker.condition !== "TRIMMED") return ["WORN", `${say(CONDITIONS, whisker.condition)} ${lost}`];
   return ["COMPENSATED", whisker.error === null ? lost : `error ${percent(whisker.error, 0)}`];
 }
@@ -82,7 +84,13 @@ function changes(told, fleet) {
     return h(
       "li",
       { "data-key": one },
-      h("a", { href }, h("strong", {}, many.toLocaleString("en")), h("span", {}, ` ${words}`), spark(hours, `${words}, by hour`)),
+      h(
+        "a",
+        { href },
+        h("strong", {}, many.toLocaleString("en")),
+        h("span", {}, ` ${words}`),
+        spark(hours, `${words}, by hour`),
+      ),
     );
   };
   return h("ul", { class: "changes" }, rows.map(item));
