@@ -3,6 +3,7 @@
 pub mod broker;
 pub mod history;
 pub mod invariants;
+pub mod log;
 pub mod member;
 pub mod oracle;
 pub mod panics;

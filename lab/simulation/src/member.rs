@@ -1,4 +1,4 @@
-//! A supervisor of the simulation: a host, its ways to broker and store, and the process that runs there.
+//! A supervisor of the simulation: a host, its ways to broker, log and store, and the process that runs there.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,17 +10,19 @@ use vibrissa_host::task;
 use vibrissa_protocol::Name;
 use vibrissa_store::Store;
 use vibrissa_supervisor::engine::{ContactRetention, Limits};
+use vibrissa_supervisor::kafka_options::KafkaOptions;
 use vibrissa_supervisor::mqtt::BrokerAddress;
 use vibrissa_supervisor::service::{BlackBoxOptions, LEASE_TIME_TO_LIVE};
 use vibrissa_supervisor::supervision::{Supervision, SupervisionOptions};
 use vibrissa_supervisor::webhooks::{Sender, Webhooks};
 
 use crate::broker::{ModelBroker, Route};
-use crate::process::{HostClock, Process};
+use crate::log::{ModelLog, TOPIC};
+use crate::process::{HostClock, LOG_HOST, Process, Routes};
 use crate::receivers::{PACE, Receivers};
 use crate::server::{StoreServer, StoreWay};
 
-/// Latency between supervisor and broker in one direction.
+/// Latency between supervisor and broker or log in one direction.
 const LATENCY: Duration = Duration::from_micros(200);
 
 /// A supervisor, running or not.
@@ -30,8 +32,10 @@ pub struct Member {
     pub name: String,
     /// The clock of its host.
     pub host: Arc<HostClock>,
-    /// Its way to the broker.
-    pub route: Route,
+    /// Its ways to broker and log.
+    pub routes: Routes,
+    /// Where it finds the log, if contacts come from there.
+    log: KafkaOptions,
     /// Its way to the store.
     pub way: Arc<StoreWay>,
     receivers: Receivers,
@@ -56,11 +60,14 @@ impl Member {
         (seed, at_us, drift_ppm): (u64, i64, i64),
         fleets: &[Name],
         (broker, server, receivers): (&ModelBroker, &StoreServer, &Receivers),
+        (log, is_from_log): (&ModelLog, bool),
     ) -> Self {
+        let (brokers, ingest) = (vec![format!("{LOG_HOST}:9092")], is_from_log.then(|| TOPIC.to_owned()));
         Self {
             name: format!("supervisor-{number}"),
             host: Arc::new(HostClock::new(at_us, drift_ppm)),
-            route: Route::new(broker.clone(), LATENCY),
+            routes: Routes { broker: Route::new(broker.clone(), LATENCY), log: Route::new(log.clone(), LATENCY) },
+            log: KafkaOptions { brokers, ingest, ..KafkaOptions::default() },
             way: server.way(),
             receivers: receivers.clone(),
             fleets: fleets.to_vec(),
@@ -80,7 +87,7 @@ impl Member {
         }
         self.starts += 1;
         self.way.start();
-        let process = Process::new(self.seed.wrapping_add(self.starts << 32), self.host.clone(), self.route.clone());
+        let process = Process::new(self.seed.wrapping_add(self.starts << 32), self.host.clone(), self.routes.clone());
         let (stop, stopped) = watch::channel(false);
         let options = SupervisionOptions {
             name: self.name.clone(),
@@ -96,7 +103,7 @@ impl Member {
         let broker = BrokerAddress::new("broker", 1883);
         let delivery = (Sender::over(Arc::new(self.receivers.clone())), PACE);
         process.enter(|| {
-            let supervision = Supervision::start(options, (store, true), broker, stopped.clone());
+            let supervision = Supervision::start(options, (store, true), (broker, &self.log), stopped.clone());
             let supervision = supervision.expect("a supervision without files");
             let (store, metrics) = (supervision.store.clone(), supervision.metrics.clone());
             task::spawn(Webhooks::new(delivery, store, metrics, supervision.supervisor.clone()).run(stopped));

@@ -11,6 +11,11 @@ use vibrissa_simulator::scenario::Misbehaviour;
 /// Time without faults at the beginning, in which supervisors take the fleets and robots connect.
 const CALM: Duration = Duration::from_secs(10);
 
+/// Whether the program can read contacts from a partitioned log.
+const HAS_LOG: bool = cfg!(feature = "kafka");
+/// One seed of so many reads contacts from the log.
+const LOG_EVERY: u64 = 4;
+
 /// A kind of fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
@@ -78,11 +83,42 @@ pub enum Kind {
     ReceiverSilent,
     /// A receiver of a webhook takes events, and closes the connection without an answer.
     ReceiverCuts,
+    /// Nothing goes from a supervisor to the partitioned log.
+    ToLogCut,
+    /// Nothing goes from the partitioned log to a supervisor.
+    FromLogCut,
+    /// The log closes its connections, and accepts none.
+    LogDown,
+    /// The log accepts requests and answers nothing.
+    LogFrozen,
+    /// A partition of the log has no leader.
+    PartitionAway,
+    /// The bridge writes records twice.
+    RecordsRepeated,
+    /// The bridge writes records late.
+    RecordsLate,
+    /// The log deletes all records of a partition, also those that nobody has read. No run draws it.
+    RecordsDeleted,
+    /// The newest batch of a partition is damaged, if nobody has read it.
+    RecordDamaged,
 }
 
 impl Kind {
-    /// All kinds.
-    pub const ALL: [Self; 32] = [
+    /// Kinds of a run whose contacts come from the partitioned log, beside all others.
+    pub const OF_LOG: [Self; 9] = [
+        Self::ToLogCut,
+        Self::FromLogCut,
+        Self::LogDown,
+        Self::LogFrozen,
+        Self::PartitionAway,
+        Self::RecordsRepeated,
+        Self::RecordsLate,
+        Self::RecordsDeleted,
+        Self::RecordDamaged,
+    ];
+
+    /// Kinds of each run.
+    pub const OF_EACH: [Self; 32] = [
         Self::SupervisorKilled,
         Self::SupervisorStopped,
         Self::SupervisorUpgraded,
@@ -116,6 +152,11 @@ impl Kind {
         Self::ReceiverSilent,
         Self::ReceiverCuts,
     ];
+
+    /// The kinds of each run and those of the log.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Self::OF_EACH.into_iter().chain(Self::OF_LOG)
+    }
 
     /// Its name in outputs.
     #[must_use]
@@ -153,6 +194,15 @@ impl Kind {
             Self::ReceiverFails => "receiver fails",
             Self::ReceiverSilent => "receiver silent",
             Self::ReceiverCuts => "receiver's answers lost",
+            Self::ToLogCut => "way to the log cut",
+            Self::FromLogCut => "way from the log cut",
+            Self::LogDown => "log down",
+            Self::LogFrozen => "log frozen",
+            Self::PartitionAway => "log's partition away",
+            Self::RecordsRepeated => "records repeated",
+            Self::RecordsLate => "records late",
+            Self::RecordsDeleted => "records deleted",
+            Self::RecordDamaged => "record damaged",
         }
     }
 
@@ -170,9 +220,14 @@ impl Kind {
             | Self::RobotCut
             | Self::RobotRestarted
             | Self::Hostile
+            | Self::RecordsDeleted
+            | Self::RecordDamaged
             | Self::StoreClockStepped => 1..2,
             Self::BrokerRestarted | Self::BrokerReplaced | Self::BrokerFrozen => 50..8_000,
             Self::Repetitions | Self::SlowBroker | Self::TopicsOvertake => 500..10_000,
+            Self::RecordsRepeated | Self::RecordsLate => 500..10_000,
+            Self::LogDown | Self::LogFrozen | Self::PartitionAway => 50..12_000,
+            Self::ToLogCut | Self::FromLogCut => 100..12_000,
             Self::AnswersLost | Self::StoreAway | Self::StoreSlow | Self::StoreFull => 20..6_000,
             Self::StoreFailover => 20..1_000,
             Self::OperatorHolds => 1_000..20_000,
@@ -228,6 +283,8 @@ pub struct Plan {
     pub strikes: Vec<Strike>,
     /// A rule of the contract that all robots break.
     pub misbehaviour: Option<Misbehaviour>,
+    /// Whether contacts and statuses come from the partitioned log; otherwise over MQTT.
+    pub is_from_log: bool,
 }
 
 /// Sizes of the worlds.
@@ -256,27 +313,8 @@ impl Plan {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let supervisors = if sizes.are_fixed { sizes.supervisors } else { random.random_range(1..=sizes.supervisors) };
         let robots = if sizes.are_fixed { sizes.robots } else { random.random_range(1..=sizes.robots) };
-        let mut kinds: Vec<Kind> = Kind::ALL.into_iter().filter(|_| random.random_bool(0.5)).collect();
-        kinds.shuffle(&mut random);
-        // From a fault in ten seconds to five in a second.
-        let mean = Duration::from_secs_f64(0.2 * 50.0_f64.powf(random.random::<f64>()));
-        let mut strikes = Vec::new();
-        let mut at = CALM;
-        loop {
-            at += mean.mul_f64(-(1.0 - random.random::<f64>()).ln());
-            if at >= CALM + sizes.length {
-                break;
-            }
-            let Some(&kind) = kinds.choose(&mut random) else { break };
-            strikes.push(Strike {
-                at,
-                kind,
-                lasts: Duration::from_millis(random.random_range(kind.lasts_ms())),
-                victim: random.random_range(0..1_000),
-                measure: random.random(),
-            });
-        }
-        Self {
+        let strikes = strikes(&mut random, &Kind::OF_EACH, CALM + sizes.length);
+        let plan = Self {
             seed,
             supervisors,
             fleets: random.random_range(1..=supervisors),
@@ -285,7 +323,24 @@ impl Plan {
             length: CALM + sizes.length,
             strikes,
             misbehaviour: None,
+            is_from_log: false,
+        };
+        if HAS_LOG && seed % LOG_EVERY == 1 { plan.from_log() } else { plan }
+    }
+
+    /// The plan with contacts and statuses from the partitioned log, and with faults of the log beside the others.
+    #[must_use]
+    pub fn from_log(&self) -> Self {
+        if self.is_from_log {
+            return self.clone();
         }
+        let mut random = ChaCha8Rng::seed_from_u64(self.seed ^ 0x006c_6f67);
+        let mut all = self.strikes.clone();
+        let of_log = strikes(&mut random, &Kind::OF_LOG, self.length).into_iter();
+        // Operators must keep records for an hour (docs/kafka.md).
+        all.extend(of_log.filter(|strike| strike.kind != Kind::RecordsDeleted));
+        all.sort_by_key(|strike| strike.at);
+        Self { is_from_log: true, ..self.with(all) }
     }
 
     /// The plan with these faults in the place of all.
@@ -306,5 +361,29 @@ impl Plan {
     pub fn only(&self, kinds: &[Kind]) -> Self {
         let strike = |strike: &Strike| Strike { kind: kinds[strike.victim % kinds.len()], ..*strike };
         self.with(self.strikes.iter().map(strike).collect())
+    }
+}
+
+/// Draws which of these kinds of faults occur, how often, and when.
+fn strikes(random: &mut ChaCha8Rng, kinds: &[Kind], end: Duration) -> Vec<Strike> {
+    let mut kinds: Vec<Kind> = kinds.iter().copied().filter(|_| random.random_bool(0.5)).collect();
+    kinds.shuffle(random);
+    // From a fault in ten seconds to five in a second.
+    let mean = Duration::from_secs_f64(0.2 * 50.0_f64.powf(random.random::<f64>()));
+    let mut strikes = Vec::new();
+    let mut at = CALM;
+    loop {
+        at += mean.mul_f64(-(1.0 - random.random::<f64>()).ln());
+        if at >= end {
+            return strikes;
+        }
+        let Some(&kind) = kinds.choose(random) else { return strikes };
+        strikes.push(Strike {
+            at,
+            kind,
+            lasts: Duration::from_millis(random.random_range(kind.lasts_ms())),
+            victim: random.random_range(0..1_000),
+            measure: random.random(),
+        });
     }
 }

@@ -1,4 +1,4 @@
-//! A simulated process: its host's clock, its randomness, its tasks, and its way to the broker. It can be frozen, and killed at any
+//! A simulated process: its host's clock, its randomness, its tasks, and its ways to the servers. It can be frozen, and killed at any
 //! await point.
 
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -46,6 +46,18 @@ impl HostClock {
     }
 }
 
+/// Host of the partitioned log.
+pub const LOG_HOST: &str = "log";
+
+/// A host's ways to the servers.
+#[derive(Debug, Clone)]
+pub struct Routes {
+    /// To the broker, whatever its host is called.
+    pub broker: Route,
+    /// To the partitioned log, at [`LOG_HOST`].
+    pub log: Route,
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
     Running,
@@ -72,13 +84,13 @@ pub struct Process {
     line: TimeLine,
     random: Mutex<ChaCha8Rng>,
     life: Mutex<Life>,
-    route: Route,
+    routes: Routes,
 }
 
 impl Process {
-    /// A new process on this host, with this way to the broker.
+    /// A new process on this host, with these ways to the servers.
     #[must_use]
-    pub fn new(seed: u64, host: Arc<HostClock>, route: Route) -> Arc<Self> {
+    pub fn new(seed: u64, host: Arc<HostClock>, routes: Routes) -> Arc<Self> {
         let life = Life { state: State::Running, freezes: 0, polls_left: None, waiting: Vec::new(), tasks: Vec::new() };
         let line = TimeLine::from(host.now_us());
         Arc::new(Self {
@@ -86,7 +98,7 @@ impl Process {
             line,
             random: Mutex::new(ChaCha8Rng::seed_from_u64(seed)),
             life: Mutex::new(life),
-            route,
+            routes,
         })
     }
 
@@ -198,8 +210,8 @@ impl Simulated for Process {
         life.tasks.push(task);
     }
 
-    fn connect(&self, _host: &str, _port: u16) -> Connecting {
-        let route = self.route.clone();
+    fn connect(&self, host: &str, _port: u16) -> Connecting {
+        let route = if host == LOG_HOST { &self.routes.log } else { &self.routes.broker }.clone();
         Box::pin(async move { route.connect().await.map(|end| Box::new(end) as Box<dyn Stream>) })
     }
 }

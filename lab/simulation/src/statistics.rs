@@ -64,6 +64,6 @@ impl Statistics {
     /// Share of all ordered pairs of kinds that occurred, 0 to 1.
     #[must_use]
     pub fn pairs_covered(&self) -> f64 {
-        self.pairs.len() as f64 / (Kind::ALL.len() * Kind::ALL.len()) as f64
+        self.pairs.len() as f64 / Kind::all().count().pow(2) as f64
     }
 }

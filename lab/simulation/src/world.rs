@@ -14,9 +14,11 @@ use vibrissa_simulator::{Robot, RobotConfig};
 use crate::broker::{Limits, ModelBroker, Observed};
 use crate::history::{History, Step};
 use crate::invariants::{Invariant, Violation};
+use crate::log::{Bridge, ModelLog, PARTITIONS, TOPIC};
 use crate::member::Member;
 use crate::panics;
 use crate::plan::Plan;
+use crate::process::LOG_HOST;
 use crate::receivers::Receivers;
 use crate::record::{Record, Snapshot};
 use crate::robots::SimulatedRobot;
@@ -70,6 +72,9 @@ const HEARD: usize = 32;
 pub(crate) struct World {
     begun: Instant,
     pub(crate) broker: ModelBroker,
+    pub(crate) log: ModelLog,
+    /// Carries contacts and statuses from the broker to the log.
+    pub(crate) bridge: Bridge,
     pub(crate) server: StoreServer,
     pub(crate) members: Vec<Member>,
     pub(crate) robots: Vec<SimulatedRobot>,
@@ -112,6 +117,8 @@ impl World {
         let broker = ModelBroker::new(plan.seed, Limits::default());
         let server = StoreServer::new(BEGUN_US + random.random_range(-100_000..100_000));
         let receivers = Receivers::new(&server);
+        let log = ModelLog::new(LOG_HOST, 9092);
+        log.create(TOPIC, PARTITIONS);
         let fleets: Vec<_> = (0..plan.fleets).map(scenario::fleet).collect();
         let (scenarios, cut) = scenario::scenarios(plan);
         let mut robots = Vec::new();
@@ -134,13 +141,19 @@ impl World {
                 (plan.seed, BEGUN_US + ahead_us, drift_ppm),
                 &fleets,
                 (&broker, &server, &receivers),
+                (&log, plan.is_from_log),
             );
             member.start();
             members.push(member);
         }
+        let heard = observations.clone();
+        let talked = move |robot: &str, topic: &str| locked(&heard).record.talked(robot, topic);
+        let bridge = Bridge::start(&log, plan.seed, talked);
         let world = Self {
             begun,
             broker,
+            log,
+            bridge,
             server,
             members,
             robots,
@@ -150,19 +163,20 @@ impl World {
             settling: None,
             fleets: plan.fleets,
         };
-        world.observe();
+        world.observe(plan.is_from_log);
         world
     }
 
     /// Compares each message with what is committed when the broker accepts it.
-    fn observe(&self) {
+    fn observe(&self, is_from_log: bool) {
         let (observations, server, robots) = (self.observations.clone(), self.server.clone(), self.robots.clone());
-        let begun = self.begun;
+        let (begun, bridge) = (self.begun, self.bridge.clone());
         let observer = move |observed: &Observed<'_>| {
             if observed.to.is_some() {
                 return;
             }
             let is_of_supervisor = observed.from.starts_with("vibrissa-");
+            let is_bridged = is_from_log && bridge.take(observed.topic, observed.payload);
             let mut observations = locked(&observations);
             let Observations { record, history, heard } = &mut *observations;
             let from = match observed.from.strip_prefix("vibrissa-") {
@@ -183,7 +197,7 @@ impl World {
                     heard.pop_front();
                 }
                 heard.push_back((observed.topic.to_owned(), observed.payload.to_vec()));
-                if let Some((_, robot)) = observed.from.rsplit_once('-') {
+                if let Some((_, robot)) = observed.from.rsplit_once('-').filter(|_| !is_bridged) {
                     record.talked(robot, observed.topic);
                 }
             }

@@ -23,10 +23,8 @@ pub enum Fault {
     EpochReuse,
     /// Setpoints expire by the clock of the supervisor's host, not by the robot's.
     ExpiryByHostClock,
-    /// A status counts as of its arrival, also if its robot sent it before it applied a setpoint.
-    LateStatusCounts,
-    /// Silence while no supervisor heard the robots counts as theirs.
-    DowntimeCounts,
+    /// States that a newer program has written look like those of the present one. Only in a model.
+    NewerStateRead,
     /// Silence while the supervisor stood still counts as the robots'.
     StandstillCounts,
     /// The process ends at once, as if killed, when a file of the archive is uploaded and its position is not advanced.
@@ -64,8 +62,7 @@ pub fn is(fault: Fault) -> bool {
         Fault::NoHold => "no_hold",
         Fault::EpochReuse => "epoch_reuse",
         Fault::ExpiryByHostClock => "expiry_by_host_clock",
-        Fault::LateStatusCounts => "late_status_counts",
-        Fault::DowntimeCounts => "downtime_counts",
+        Fault::NewerStateRead => "newer_state_read",
         Fault::StandstillCounts => "standstill_counts",
         Fault::DeathAfterUpload => "death_after_upload",
         Fault::EarlyHorizon => "early_horizon",

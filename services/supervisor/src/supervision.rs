@@ -19,6 +19,7 @@ use crate::clocks::{HoldBack, RobotClocks};
 use crate::engine::{ContactRetention, Limits};
 use crate::fleet::Shared;
 use crate::kafka::Kafka;
+use crate::kafka_options::KafkaOptions;
 use crate::metrics::Metrics;
 use crate::mqtt::{self, BrokerAddress, FleetBirths};
 use crate::ownership::Ownership;
@@ -79,19 +80,20 @@ pub struct Supervision {
 }
 
 impl Supervision {
-    /// Starts the supervision with no more than database and broker. `is_prepared` says that the tables of the database are up
-    /// to date.
+    /// Starts the supervision with no more than database, broker and partitioned log. `is_prepared` says that the tables of the
+    /// database are up to date.
     ///
     /// # Errors
     /// The broker's certificates cannot be read, or the metrics cannot be declared.
     pub fn start(
         options: SupervisionOptions,
         (store, is_prepared): (Store, bool),
-        broker: BrokerAddress,
+        (broker, log): (BrokerAddress, &KafkaOptions),
         stopped: watch::Receiver<bool>,
     ) -> anyhow::Result<Self> {
         let metrics = Metrics::new(false)?;
-        Self::start_with(options, (store, is_prepared), (broker, metrics), Beside::default(), stopped)
+        let beside = Beside { kafka: Kafka::new(log)?, ..Beside::default() };
+        Self::start_with(options, (store, is_prepared), (broker, metrics), beside, stopped)
     }
 
     pub(crate) fn start_with(

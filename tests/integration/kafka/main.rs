@@ -3,6 +3,7 @@
 mod bridge;
 mod ingested;
 mod left_out;
+mod model;
 mod partitions;
 mod published;
 mod rmqtt_bridge;

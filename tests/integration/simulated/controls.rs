@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use vibrissa_simulation::invariants::Invariant;
 use vibrissa_simulation::plan::{Kind, Plan, Sizes};
+use vibrissa_simulation::shrink::shrink;
 use vibrissa_simulation::world::run;
 use vibrissa_simulator::scenario::Misbehaviour;
 use vibrissa_store::fault::{Fault, planted};
@@ -77,6 +78,22 @@ fn events_that_count_as_delivered_before_the_request_are_found() {
 #[test]
 fn webhooks_that_nobody_holds_are_found() {
     fault_is_found_by(&[Kind::ReceiverSlow, Kind::ReceiverSilent], Fault::NoHold, Invariant::WebhookOnce);
+}
+
+#[test]
+fn states_of_a_newer_program_that_are_overwritten_are_found_and_shrunk() {
+    let kinds = [Kind::SupervisorUpgraded, Kind::SupervisorKilled, Kind::SupervisorFrozen];
+    let expected = Invariant::NewerStateKept;
+    fault_is_found_by(&kinds, Fault::NewerStateRead, expected);
+    let plans = (1..=MOST).map(|seed| Plan::draw(seed, Sizes::default()).only(&kinds));
+    let smallest = planted(Fault::NewerStateRead, || {
+        let mut failed = plans.map(|plan| (run(&plan), plan));
+        let (outcome, plan) =
+            failed.find(|(outcome, _)| outcome.violations.iter().any(|violation| violation.invariant == expected))?;
+        Some(shrink(&plan, expected, outcome).0)
+    });
+    let strikes = smallest.map(|plan| plan.strikes);
+    assert!(strikes.as_ref().is_some_and(|strikes| (1..=3).contains(&strikes.len())), "{strikes:?}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod controls;
 mod histories;
+mod log;
 
 use vibrissa_simulation::plan::Kind;
 

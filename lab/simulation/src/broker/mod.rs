@@ -40,7 +40,7 @@ pub use client::{Client, ClientOptions, NotAccepting};
 pub use faults::{Ending, Memory};
 pub use lanes::{Delay, Way};
 pub use report::{Counts, Observed, Observer};
-pub use route::Route;
+pub use route::{Route, Server};
 pub use wire::{Wire, WireEnd};
 
 /// Limits of the broker, which it states when it accepts a connection.

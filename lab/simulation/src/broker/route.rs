@@ -1,6 +1,9 @@
-//! The network between one host and the broker, with all connections of that host.
+//! The network between one host and a server, with all connections of that host.
 
+use std::fmt::Debug;
+use std::future::Future;
 use std::io;
+use std::pin::Pin;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -12,20 +15,40 @@ use super::lanes::Way;
 use super::wire::{Wire, WireEnd};
 use super::{ModelBroker, locked};
 
+/// The other end of a route.
+pub trait Server: Debug + Send + Sync {
+    /// Whether it accepts connections.
+    fn accepts(&self) -> bool;
+
+    /// Serves a connection until one side ends it.
+    fn attend(&self, end: WireEnd) -> Pin<Box<dyn Future<Output = io::Result<()>> + Send>>;
+}
+
+impl Server for ModelBroker {
+    fn accepts(&self) -> bool {
+        self.is_accepting()
+    }
+
+    fn attend(&self, end: WireEnd) -> Pin<Box<dyn Future<Output = io::Result<()>> + Send>> {
+        let broker = self.clone();
+        Box::pin(async move { broker.serve(end).await })
+    }
+}
+
 /// Condition of a route, and its connections.
 #[derive(Debug, Default)]
 struct Condition {
-    /// Latency to the broker and to the client.
+    /// Latency to the server and to the client.
     latencies: [Duration; 2],
     /// Whether each direction is cut.
     cut: [bool; 2],
     wires: Vec<Wire>,
 }
 
-/// The network between one host and the broker. Clones are the same route.
+/// The network between one host and a server. Clones are the same route.
 #[derive(Debug, Clone)]
 pub struct Route {
-    broker: ModelBroker,
+    server: Arc<dyn Server>,
     condition: Arc<Mutex<Condition>>,
     changed: Arc<Notify>,
 }
@@ -33,16 +56,16 @@ pub struct Route {
 impl Route {
     /// A route with this latency in each direction.
     #[must_use]
-    pub fn new(broker: ModelBroker, latency: Duration) -> Self {
+    pub fn new(server: impl Server + 'static, latency: Duration) -> Self {
         let condition = Condition { latencies: [latency; 2], ..Condition::default() };
-        Self { broker, condition: Arc::new(Mutex::new(condition)), changed: Arc::default() }
+        Self { server: Arc::new(server), condition: Arc::new(Mutex::new(condition)), changed: Arc::default() }
     }
 
-    /// Connects to the broker, which serves the other end in a task. It takes two latencies, and waits as long as a
+    /// Connects to the server, which serves the other end in a task. It takes two latencies, and waits as long as a
     /// direction is cut.
     ///
     /// # Errors
-    /// The broker accepts no connections.
+    /// The server accepts no connections.
     pub async fn connect(&self) -> io::Result<WireEnd> {
         loop {
             let changed = self.changed.notified();
@@ -55,16 +78,16 @@ impl Route {
                 break;
             }
         }
-        if !self.broker.is_accepting() {
+        if !self.server.accepts() {
             return Err(io::ErrorKind::ConnectionRefused.into());
         }
         let mut condition = locked(&self.condition);
         let (near, far, wire) = Wire::pair(condition.latencies);
         condition.wires.retain(Wire::is_open);
         condition.wires.push(wire);
-        let broker = self.broker.clone();
-        // The broker is no part of the process that connects.
-        process::enter(None, || task::spawn(async move { broker.serve(far).await }));
+        let attending = self.server.attend(far);
+        // The server is no part of the process that connects.
+        process::enter(None, || task::spawn(attending));
         Ok(near)
     }
 

@@ -12,6 +12,7 @@ use vibrissa_store::actions::NewAction;
 
 use super::{World, locked};
 use crate::broker::{Client, ClientOptions, Delay, Memory, Way};
+use crate::log::{PARTITIONS, TOPIC};
 use crate::member::Member;
 use crate::plan::{Kind, Strike};
 use crate::receivers::Manner;
@@ -52,9 +53,9 @@ impl World {
                 }
             }
             Kind::HostClockStepped => self.member(strike).host.step(Self::step_us(strike)),
-            Kind::ToBrokerCut => self.member(strike).route.set_cut(Way::ToBroker, true),
-            Kind::FromBrokerCut => self.member(strike).route.set_cut(Way::ToClient, true),
-            Kind::BrokerLinkReset => self.member(strike).route.reset(),
+            Kind::ToBrokerCut => self.member(strike).routes.broker.set_cut(Way::ToBroker, true),
+            Kind::FromBrokerCut => self.member(strike).routes.broker.set_cut(Way::ToClient, true),
+            Kind::BrokerLinkReset => self.member(strike).routes.broker.reset(),
             Kind::SubscriptionsForgotten => {
                 let clients = self.broker.clients();
                 let receivers: Vec<_> = clients.iter().filter(|client| client.starts_with("vibrissa-")).collect();
@@ -106,6 +107,20 @@ impl World {
             Kind::ReceiverFails => self.receivers.set(strike.victim, Manner::Fails),
             Kind::ReceiverSilent => self.receivers.set(strike.victim, Manner::Silent),
             Kind::ReceiverCuts => self.receivers.set(strike.victim, Manner::Cuts),
+            Kind::ToLogCut => self.member(strike).routes.log.set_cut(Way::ToBroker, true),
+            Kind::FromLogCut => self.member(strike).routes.log.set_cut(Way::ToClient, true),
+            Kind::LogDown => self.log.set_down(true),
+            Kind::LogFrozen => self.log.set_frozen(true),
+            Kind::PartitionAway => self.log.set_away(TOPIC, strike.victim % PARTITIONS, true),
+            Kind::RecordsRepeated => self.bridge.set_repetition(0.2),
+            Kind::RecordsLate => self.bridge.set_delay(Duration::from_millis(1 + measure % 3_000)),
+            Kind::RecordsDeleted => {
+                let partition = strike.victim % PARTITIONS;
+                if let Some((_, end)) = self.log.offsets(TOPIC, partition) {
+                    self.log.delete_before(TOPIC, partition, end);
+                }
+            }
+            Kind::RecordDamaged => self.log.damage(TOPIC, strike.victim % PARTITIONS),
         }
     }
 
@@ -125,8 +140,8 @@ impl World {
                 }
             }
             Kind::HostClockStepped => self.member(strike).host.step(-Self::step_us(strike)),
-            Kind::ToBrokerCut => self.member(strike).route.set_cut(Way::ToBroker, false),
-            Kind::FromBrokerCut => self.member(strike).route.set_cut(Way::ToClient, false),
+            Kind::ToBrokerCut => self.member(strike).routes.broker.set_cut(Way::ToBroker, false),
+            Kind::FromBrokerCut => self.member(strike).routes.broker.set_cut(Way::ToClient, false),
             Kind::BrokerRestarted | Kind::BrokerReplaced => self.broker.set_accepting(true),
             Kind::BrokerFrozen => self.broker.set_frozen(false),
             Kind::Repetitions => self.broker.set_repetition(0.0),
@@ -154,11 +169,20 @@ impl World {
             Kind::ReceiverSlow | Kind::ReceiverFails | Kind::ReceiverSilent | Kind::ReceiverCuts => {
                 self.receivers.set(strike.victim, Manner::Works);
             }
+            Kind::ToLogCut => self.member(strike).routes.log.set_cut(Way::ToBroker, false),
+            Kind::FromLogCut => self.member(strike).routes.log.set_cut(Way::ToClient, false),
+            Kind::LogDown => self.log.set_down(false),
+            Kind::LogFrozen => self.log.set_frozen(false),
+            Kind::PartitionAway => self.log.set_away(TOPIC, strike.victim % PARTITIONS, false),
+            Kind::RecordsRepeated => self.bridge.set_repetition(0.0),
+            Kind::RecordsLate => self.bridge.set_delay(Duration::ZERO),
             Kind::BrokerLinkReset
             | Kind::SubscriptionsForgotten
             | Kind::RobotCut
             | Kind::RobotRestarted
             | Kind::Hostile
+            | Kind::RecordsDeleted
+            | Kind::RecordDamaged
             | Kind::StoreClockStepped => {}
         }
     }

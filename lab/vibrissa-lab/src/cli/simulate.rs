@@ -74,8 +74,8 @@ impl SimulateArgs {
 
 /// A kind of fault by its name.
 fn kind(name: &str) -> Result<Kind, String> {
-    let named = Kind::ALL.into_iter().find(|kind| kind.as_str().eq_ignore_ascii_case(name));
-    let all = || Kind::ALL.map(Kind::as_str).join(", ");
+    let named = Kind::all().find(|kind| kind.as_str().eq_ignore_ascii_case(name));
+    let all = || Kind::all().map(Kind::as_str).collect::<Vec<_>>().join(", ");
     named.ok_or_else(|| format!("no kind of fault has this name; there are: {}", all()))
 }
 
@@ -151,7 +151,7 @@ fn tell(statistics: &Statistics, begun: Instant, out: &mut dyn Write) -> std::io
     writeln!(out, "simulated        {hours:.2} hours in {took_s:.0} s: {:.0} times as fast", hours * 3600.0 / took_s)?;
     writeln!(out, "runs             {}", statistics.runs)?;
     writeln!(out, "faults           {faults}, {:.0} an hour of this machine", faults as f64 * 3600.0 / took_s)?;
-    let (pairs, all) = (statistics.pairs.len(), Kind::ALL.len() * Kind::ALL.len());
+    let (pairs, all) = (statistics.pairs.len(), Kind::all().count().pow(2));
     writeln!(out, "pairs of faults  {pairs} of {all}, {} different sets at a time", statistics.sets.len())?;
     writeln!(out, "steps            {}", statistics.steps)?;
     writeln!(out, "contacts         {contacts}, {setpoints} setpoints, {trims} trims found")?;

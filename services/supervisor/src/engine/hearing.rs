@@ -54,9 +54,7 @@ impl Engine {
 
     /// Restarts the silence timers of all robots, because this supervisor was deaf.
     pub(super) fn restart_silence_timers(&mut self) {
-        if !fault::is(Fault::DowntimeCounts) {
-            self.workers.restart_silence_timers(wall_clock());
-        }
+        self.workers.restart_silence_timers(wall_clock());
     }
 
     /// Judges whether robots hear their receipts, and whether factsheets arrive.

@@ -1,4 +1,4 @@
-//! Batches of records as Kafka stores and sends them (message format 2), read with limits of what they take in memory.
+//! Batches of records as Kafka stores and sends them (message format 2), read with limits of their size in memory.
 
 use bytes::{Buf, Bytes};
 

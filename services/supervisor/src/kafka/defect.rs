@@ -1,4 +1,4 @@
-//! Why a batch of the log cannot be read, and the limits of what it takes in memory.
+//! Why a batch of the log cannot be read, and the limits of its size in memory.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ pub enum Codec {
     Snappy,
     /// The frames of LZ4.
     Lz4,
-    /// Zstandard.
+    /// The frames of Zstandard.
     Zstd,
 }
 

@@ -1,8 +1,11 @@
 //! Reads one partition of a fleet's topic. A partition that fails does not stop the others.
 
+use std::pin::pin;
 use std::sync::Arc;
+use std::time::Duration;
 
 use tokio::sync::mpsc;
+use tokio::time::timeout;
 use tracing::{error, info, warn};
 
 use super::client::KafkaError;
@@ -11,6 +14,8 @@ use super::wire::{Brokers, OffsetAt, SharedBrokers};
 use crate::backoff::Backoff;
 use crate::log_inbox::{LogBatch, LogRange, Skipped};
 
+/// A broker answers a read at the latest after half a second, if it and the network work.
+const LATE: Duration = Duration::from_secs(3);
 /// Most records that the engine steps at a time.
 const RECORDS_AT_A_TIME: usize = 512;
 
@@ -52,6 +57,17 @@ impl PartitionReader {
         read
     }
 
+    /// Waits for an answer. The partition does not count as connected while its answer is late: then nobody knows whether
+    /// the robots are silent.
+    async fn heard<T>(&self, answer: impl Future<Output = T>) -> T {
+        let mut answer = pin!(answer);
+        if let Ok(answer) = timeout(LATE, &mut answer).await {
+            return answer;
+        }
+        self.of.note(self.partition, |state| state.is_connected = false);
+        answer.await
+    }
+
     /// Reads over one connection. Returns without an error when the engine is gone.
     async fn read(&mut self, log: &Brokers, batches: &mpsc::Sender<LogBatch>) -> Result<(), KafkaError> {
         let (of, partition) = (self.of.clone(), self.partition);
@@ -79,7 +95,7 @@ impl PartitionReader {
         let mut partitions = of.note(partition, |_| ());
         loop {
             self.next = Some(at);
-            let read = of.fetch((&client, partitions), at).await?;
+            let read = self.heard(of.fetch((&client, partitions), at)).await?;
             of.note(partition, |state| state.is_connected = true);
             let (after, end) = (read.next, read.end);
             let mut read = read.records.into_iter().peekable();

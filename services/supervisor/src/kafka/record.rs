@@ -5,13 +5,13 @@ use bytes::{Buf, Bytes};
 /// Headers with the MQTT topic, as bridges name them.
 const TOPIC_HEADERS: [&[u8]; 3] = [b"topic", b"mqtt_topic", b"mqtt.topic"];
 
-/// A record.
+/// A record with its offset.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Record {
     pub(super) offset: i64,
     pub(super) key: Option<Bytes>,
     pub(super) value: Option<Bytes>,
-    /// Values of the headers that may have the MQTT topic, in the order in which they are asked.
+    /// Values of the headers that may have the MQTT topic. The first one counts that has it.
     pub(super) topics: [Option<Bytes>; TOPIC_HEADERS.len()],
 }
 
@@ -27,7 +27,7 @@ pub(super) struct Records {
 }
 
 impl Records {
-    /// The next record; `None` if the bytes are none.
+    /// The next record; `None` if the bytes are no record.
     pub(super) fn take(&mut self) -> Option<Record> {
         let mut bytes = part(&mut self.rest)?;
         // Attributes, which have no meaning yet.

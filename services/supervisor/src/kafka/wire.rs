@@ -1,5 +1,5 @@
-//! The readers' connections to brokers. They take the bytes of batches as they are: `batch` unpacks them, with limits
-//! that the library's own reader lacks.
+//! The readers' connections to brokers. They take the bytes of batches as they are: `batch` unpacks them with limits, and
+//! the library's own reader has none.
 
 use std::io::{self, Cursor};
 use std::sync::Arc;
@@ -34,9 +34,9 @@ type Wire = Messenger<BufStream<Box<dyn Stream>>>;
 /// First or next offset of a partition.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum OffsetAt {
-    /// That of the first record that is kept.
+    /// The offset of the oldest record.
     Earliest,
-    /// That of the record that comes next.
+    /// The offset of the next record.
     Latest,
 }
 
@@ -154,7 +154,7 @@ pub(super) struct Partition {
 }
 
 impl Partition {
-    /// Its number.
+    /// Its number in the topic.
     pub(super) fn number(&self) -> i32 {
         self.at.1
     }
@@ -271,7 +271,7 @@ impl SharedBrokers {
         Self { connector, brokers: Mutex::default() }
     }
 
-    /// The connection, which is made if there is none.
+    /// The connection. Connects first if nobody has.
     pub(super) async fn get(&self) -> Result<Arc<Brokers>, KafkaError> {
         let mut brokers = self.brokers.lock().await;
         if let Some(brokers) = &*brokers {

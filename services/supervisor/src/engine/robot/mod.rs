@@ -41,7 +41,6 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::full_name::FullName;
 use vibrissa_store::StoredRobot;
 use vibrissa_store::batch::Record;
-use vibrissa_store::fault::{self, Fault};
 
 /// Robots by name, in the order in which they became known. A decommissioned one is removed, which moves the later ones.
 pub(crate) type Robots = IndexMap<Name, KnownRobot>;
@@ -188,9 +187,7 @@ impl KnownRobot {
 
     /// Starts supervision under a new epoch.
     pub(crate) fn begin(&mut self, epoch: u64, params: &Params) {
-        // A fault planted by a test: the robots were heard all the time.
-        let heard_from = if fault::is(Fault::DowntimeCounts) { Micros::default() } else { wall_clock() };
-        self.robot.take_up(epoch, heard_from);
+        self.robot.take_up(epoch, wall_clock());
         self.errors = MeasuredErrors::of(&self.robot, params);
         self.durable = Durable::BeforeTakeover;
         self.commands = Commands::taken_up();

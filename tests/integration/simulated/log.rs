@@ -1,0 +1,61 @@
+//! Histories whose contacts and statuses come from a model of the partitioned log.
+
+use std::thread;
+use std::time::Duration;
+
+use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
+use vibrissa_simulation::plan::{Kind, Plan, Sizes, Strike};
+use vibrissa_simulation::world::run;
+
+/// Seeds that take some fifteen seconds of one core in all.
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=16;
+
+#[test]
+fn property_histories_with_contacts_from_the_log_keep_all_invariants() {
+    let problem = |seed| {
+        let outcome = run(&Plan::draw(seed, Sizes::default()).from_log());
+        assert!(outcome.counts[0] > 0, "seed {seed}: no contact");
+        let violations: Vec<String> = outcome.violations.iter().map(ToString::to_string).collect();
+        (!violations.is_empty()).then(|| format!("seed {seed}: {}", violations.join("; ")))
+    };
+    let problems: Vec<String> = SEEDS.into_par_iter().filter_map(problem).collect();
+    assert!(problems.is_empty(), "{}", problems.join("\n"));
+}
+
+/// The robots keep what has no receipt, and send it again.
+#[test]
+fn contacts_whose_records_are_deleted_or_damaged_before_anybody_reads_them_are_recorded_all_the_same() {
+    let sizes = Sizes { supervisors: 1, robots: 6, length: Duration::from_secs(60), are_fixed: true };
+    let strike = |at, lasts, kind, victim| Strike {
+        at: Duration::from_secs(at),
+        lasts: Duration::from_secs(lasts),
+        kind,
+        victim,
+        measure: 0,
+    };
+    // While nobody can read, the records of each partition are deleted, and later damaged.
+    let mut strikes = vec![strike(20, 8, Kind::LogFrozen, 0), strike(40, 8, Kind::ToLogCut, 0)];
+    for partition in 0..3 {
+        strikes.push(strike(26, 0, Kind::RecordsDeleted, partition));
+        strikes.push(strike(46, 0, Kind::RecordDamaged, partition));
+    }
+    strikes.sort_by_key(|strike| strike.at);
+    for seed in 1..=5 {
+        let outcome = run(&Plan::draw(seed, sizes).from_log().with(strikes.clone()));
+        assert!(outcome.violations.is_empty(), "seed {seed}: {:?}", outcome.violations);
+    }
+}
+
+#[test]
+fn property_a_seed_gives_the_same_history_with_the_log() {
+    let sizes = Sizes { supervisors: 3, robots: 8, length: Duration::from_secs(60), are_fixed: true };
+    for seed in 1..=3 {
+        let hash = move || {
+            let outcome = run(&Plan::draw(seed, sizes).from_log());
+            (outcome.hash, outcome.steps_in_all)
+        };
+        // Each thread has hash maps with other keys.
+        let (other, own) = (thread::spawn(hash), hash());
+        assert_eq!(own, other.join().expect("a run"), "seed {seed}");
+    }
+}
