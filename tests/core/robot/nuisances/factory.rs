@@ -68,7 +68,7 @@ fn property_a_cut_among_the_first_contacts_is_called_late_or_put_in_doubt() {
     assert!(told >= 30 && held >= 24, "{told} and {held} of 36");
 }
 
-/// First loads of 3 % are none of both, and neither is noise that lasts.
+/// First loads of 3 % and noise that lasts explain neither a wrong factsheet nor a cut.
 #[test]
 fn property_whiskers_as_they_should_be_are_not_doubted() {
     for (seed, correlated) in (0..12).flat_map(|seed| [(seed, (0.0, 0.0)), (seed, (0.8, 0.02))]) {
@@ -84,7 +84,7 @@ fn property_whiskers_as_they_should_be_are_not_doubted() {
     }
 }
 
-/// Prints how often wrong factsheets and early cuts are told, and whole whiskers doubted.
+/// Prints the shares of wrong factsheets and early cuts that are found, and of whole whiskers in doubt.
 #[test]
 #[ignore = "a measurement"]
 fn measure_factory() {

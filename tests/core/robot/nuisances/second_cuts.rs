@@ -114,6 +114,7 @@ fn property_a_cut_as_large_as_an_earlier_loss_is_called_or_put_in_doubt_with_an_
 #[test]
 fn property_a_touch_test_tells_a_cut_from_the_end_of_a_loss() {
     for (gain, cut_mm) in [(0.92, 3.0), (0.85, 5.0)] {
+        let mut open = 0;
         for seed in 0..10 {
             let is_cut = seed % 2 == 0;
             let mut rig = Rig::with_tests(3300 + seed, 2, Tests::Does);
@@ -131,9 +132,16 @@ fn property_a_touch_test_tells_a_cut_from_the_end_of_a_loss() {
             let off_mm = view.length.length.mm() - rig.whiskers[0].length_mm;
             let expected = if is_cut { Condition::Trimmed } else { Condition::Healthy };
             let what = format!("{gain}, seed {seed}: {off_mm} mm off, sd {}", view.length.sd_mm);
+            if view.condition == Condition::Suspected {
+                // Thirty touches against a wall leave some cuts of 3 mm open.
+                assert!(off_mm.abs() < 1.96 * view.length.sd_mm, "{what}");
+                open += 1;
+                continue;
+            }
             assert_eq!(view.condition, expected, "{what}");
             assert!(off_mm.abs() < 1.0 && view.length.sd_mm < 0.6, "{what}");
         }
+        assert!(open <= 1, "{gain}: {open} of 10 open");
     }
 }
 

@@ -18,7 +18,7 @@ fn learned(seed: u64, off_mm: f64, tests: Tests, states_distance: bool) -> Rig {
     rig
 }
 
-/// An operator's test, and what follows within as many contacts.
+/// An operator's test, and as many contacts after it.
 fn test(rig: &mut Rig, contacts: u64) {
     let asked = OperatorAction::TouchTest(Place { array: ARRAY, whisker: 0 });
     assert_eq!(rig.tested(&Event::Operator(&asked)), Outcome::Taken);

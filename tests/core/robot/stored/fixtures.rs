@@ -22,18 +22,18 @@ struct Fixture {
 
 /// The newest first.
 const FIXTURES: &[Fixture] = &[
-    Fixture { head: 11, whiskers: 16, becomes: 0 },
-    Fixture { head: 11, whiskers: 15, becomes: 0xf5b1_673b_aa92_1cab },
-    Fixture { head: 10, whiskers: 14, becomes: 0xd13d_1796_25d9_1f8c },
-    Fixture { head: 10, whiskers: 13, becomes: 0xa719_1336_a588_20b7 },
-    Fixture { head: 10, whiskers: 12, becomes: 0xa1fb_c8bb_837b_ec6a },
-    Fixture { head: 9, whiskers: 11, becomes: 0x31a5_0adb_9847_11c3 },
-    Fixture { head: 8, whiskers: 10, becomes: 0x8232_6d69_e4d2_0728 },
-    Fixture { head: 8, whiskers: 9, becomes: 0x7193_35bb_e09f_551a },
-    Fixture { head: 7, whiskers: 8, becomes: 0x03cd_9dd0_9494_c959 },
-    Fixture { head: 6, whiskers: 7, becomes: 0xb9b4_e60d_a3d2_1318 },
-    Fixture { head: 5, whiskers: 6, becomes: 0xf0a0_be04_65b5_1f77 },
-    Fixture { head: 5, whiskers: 5, becomes: 0xc276_016c_f401_cdd0 },
+    Fixture { head: 11, whiskers: 16, becomes: 0xbd01_df92_9fce_bf81 },
+    Fixture { head: 11, whiskers: 15, becomes: 0x986d_7271_345e_91f2 },
+    Fixture { head: 10, whiskers: 14, becomes: 0xdbd2_748b_8875_1b63 },
+    Fixture { head: 10, whiskers: 13, becomes: 0x21d2_9653_cdcf_0794 },
+    Fixture { head: 10, whiskers: 12, becomes: 0x11bb_50fe_e4ec_6b91 },
+    Fixture { head: 9, whiskers: 11, becomes: 0x992d_fdb0_1c3b_b3f7 },
+    Fixture { head: 8, whiskers: 10, becomes: 0x4aca_2868_e042_c3d4 },
+    Fixture { head: 8, whiskers: 9, becomes: 0x7c5d_ce4c_9f50_faa8 },
+    Fixture { head: 7, whiskers: 8, becomes: 0x238f_3da6_6c55_2320 },
+    Fixture { head: 6, whiskers: 7, becomes: 0xdbf3_bd57_4ad2_54fa },
+    Fixture { head: 5, whiskers: 6, becomes: 0xeb91_50d7_e208_ccbd },
+    Fixture { head: 5, whiskers: 5, becomes: 0x51c7_b3c4_271b_9856 },
 ];
 
 impl Fixture {

@@ -14,7 +14,7 @@ use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain}
 use super::life::Store;
 use super::plant::{OF_OTHER_KINDS, factsheet, params};
 use super::{ARRAY, BOOTS, WHISKERS};
-use crate::nuisances::rig::Rig;
+use crate::nuisances::rig::{Rig, Tests};
 
 /// Length of the first whisker.
 const LENGTH_MM: f64 = 70.0;
@@ -205,6 +205,19 @@ fn rig(rounds: u64, mut wears: impl FnMut(&mut Rig)) -> Store {
     Store::all_of(&rig.core)
 }
 
+/// A robot that never answers the request of a test after a change of sensitivity.
+fn with_a_test_of_a_change() -> Store {
+    let mut rig = Rig::with_tests(1, 1, Tests::Ignores);
+    rig.params.touch_tests.zero_sd_mm = 0.0;
+    rig.run(600);
+    rig.whiskers[0].gain = 1.06;
+    while rig.view(0).touch_test.is_none() {
+        assert!(rig.rounds < 2000, "no test was requested");
+        rig.run(1);
+    }
+    Store::all_of(&rig.core)
+}
+
 fn leaking() -> Store {
     let mut rig = Rig::new(1, 1);
     for second in 0..300 {
@@ -228,6 +241,7 @@ pub(super) fn stores() -> Vec<Store> {
         with_a_gauge_that(|strain| strain.min(0.002)),
         with_too_many_gaps(),
         with_a_refused_test(),
+        with_a_test_of_a_change(),
         rig(900, |rig| rig.whiskers[0].length_mm -= 0.005),
         rig(400, |rig| rig.whiskers.iter_mut().for_each(|one| one.gain = 0.93)),
         rig(300, |rig| rig.whiskers[0].gain = 0.5),

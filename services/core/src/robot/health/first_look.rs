@@ -116,7 +116,8 @@ impl Robot {
 
     /// Puts the length of a whisker that is learned now in doubt, if it differs from what its factsheet promises.
     pub(super) fn look_first(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        let differs = self.differs_by(index);
+        // A change that the detector follows already will be called with its length.
+        let differs = self.differs_by(index).filter(|_| self.whiskers[index].detector.has_little_doubt());
         let whisker = &mut self.whiskers[index];
         whisker.rare.forget_first();
         let Some((by, model)) = differs.zip(whisker.model(params)) else { return };

@@ -2,8 +2,8 @@
 //!
 //! A touch test compares the length with the robot's own millimetres. If these are off by 2 mm, a whole whisker looks cut by
 //! 2 mm, and a cut one whole. So each whisker keeps the error of its distances with a standard deviation. The first test of a
-//! learned whisker, which its contacts show to be whole, measures the error, and so do contacts at its tip while it is learned. Before
-//! that, a test can tell a cut only from a length far below the uncertainty.
+//! learned whisker measures the error, because its contacts show that it is whole. Contacts at its tip while it is learned do so,
+//! too. Before that, no test tells a cut of a few millimetres.
 //!
 //! The factory length has an error, too, and it ends up in the same number. A later test tells the loss without it.
 
