@@ -5,6 +5,7 @@ mod curvature;
 mod leaks;
 mod learning;
 mod losses;
+mod maintenance;
 mod noise;
 pub(crate) mod rig;
 mod scrapes;

@@ -22,17 +22,18 @@ struct Fixture {
 
 /// The newest first.
 const FIXTURES: &[Fixture] = &[
-    Fixture { head: 11, whiskers: 15, becomes: 0xf5b1_673b_aa92_1cab },
-    Fixture { head: 10, whiskers: 14, becomes: 0xd13d_1796_25d9_1f8c },
-    Fixture { head: 10, whiskers: 13, becomes: 0xa719_1336_a588_20b7 },
-    Fixture { head: 10, whiskers: 12, becomes: 0xa1fb_c8bb_837b_ec6a },
-    Fixture { head: 9, whiskers: 11, becomes: 0x31a5_0adb_9847_11c3 },
-    Fixture { head: 8, whiskers: 10, becomes: 0x8232_6d69_e4d2_0728 },
-    Fixture { head: 8, whiskers: 9, becomes: 0x7193_35bb_e09f_551a },
-    Fixture { head: 7, whiskers: 8, becomes: 0x03cd_9dd0_9494_c959 },
-    Fixture { head: 6, whiskers: 7, becomes: 0xb9b4_e60d_a3d2_1318 },
-    Fixture { head: 5, whiskers: 6, becomes: 0xf0a0_be04_65b5_1f77 },
-    Fixture { head: 5, whiskers: 5, becomes: 0xc276_016c_f401_cdd0 },
+    Fixture { head: 12, whiskers: 15, becomes: 0x1a9c_f902_6163_ac7a },
+    Fixture { head: 11, whiskers: 15, becomes: 0x426b_7182_9483_4743 },
+    Fixture { head: 10, whiskers: 14, becomes: 0xca1e_2c37_223d_dd45 },
+    Fixture { head: 10, whiskers: 13, becomes: 0x885d_de98_a89a_0764 },
+    Fixture { head: 10, whiskers: 12, becomes: 0xde73_7f47_eac5_ce49 },
+    Fixture { head: 9, whiskers: 11, becomes: 0x73ff_4d42_2c20_0f74 },
+    Fixture { head: 8, whiskers: 10, becomes: 0x0e5b_0d78_8607_3fda },
+    Fixture { head: 8, whiskers: 9, becomes: 0xbb16_6eff_569e_c4d4 },
+    Fixture { head: 7, whiskers: 8, becomes: 0x51e4_cdd4_37e8_cb70 },
+    Fixture { head: 6, whiskers: 7, becomes: 0x08d1_f738_eec6_42e1 },
+    Fixture { head: 5, whiskers: 6, becomes: 0xba69_6db7_8ac3_e636 },
+    Fixture { head: 5, whiskers: 5, becomes: 0x0bd0_0c11_de29_526e },
 ];
 
 impl Fixture {
