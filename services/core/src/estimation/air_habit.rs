@@ -38,8 +38,6 @@ const PATTERN_DOUBT: (f32, f32) = (50.0, 26.0);
 /// A leak must exceed the excursions of the pattern by this factor, and other evidence by the second one.
 const EXCURSIONS: f32 = 2.0;
 const OTHER_EXCURSIONS: f32 = 5.0;
-/// Refills beyond this many times their threshold call a leak while the pattern is learned: they have a direction, too.
-const CERTAIN: f64 = 2.0;
 /// Other evidence below this share of its threshold is no pattern.
 const OTHER_MIN: f32 = 0.4;
 
@@ -176,11 +174,12 @@ impl Habit {
         })
     }
 
-    /// The same for other evidence, relative to its thresholds.
-    pub(super) fn is_exceeded_by(&self, others: [f64; OTHERS], part: f64) -> bool {
+    /// The same for other evidence, relative to its thresholds. While the pattern is learned, refills
+    /// count, which have a direction, and leaps between contacts (`quick`), which follow each other quickly.
+    pub(super) fn is_exceeded_by(&self, others: [f64; OTHERS], quick: f64, part: f64) -> bool {
         if let Self::Learning(learning) = self {
             let [refilled, ..] = others;
-            return refilled > CERTAIN || learning.is_directed() && others.iter().any(|&one| one > part);
+            return refilled > 1.0 || quick > 1.0 || learning.is_directed() && others.iter().any(|&one| one > part);
         }
         let Self::Pattern(pattern) = self else { return others.iter().any(|&one| one > part) };
         let mut most = others.iter().zip(pattern.others);

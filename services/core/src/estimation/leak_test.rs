@@ -222,9 +222,9 @@ impl LeakTest {
     }
 
     /// Whether other evidence, relative to its thresholds, shows a leak that the regulator's pattern does not explain.
-    /// `part` of each threshold counts.
-    pub(super) fn is_exceeded_by(&self, others: [f64; OTHERS], part: f64) -> bool {
-        self.habit.is_exceeded_by(others, part)
+    /// `quick` are the leaps between contacts, and `part` of each threshold counts.
+    pub(super) fn is_exceeded_by(&self, others: [f64; OTHERS], quick: f64, part: f64) -> bool {
+        self.habit.is_exceeded_by(others, quick, part)
     }
 
     /// Takes other evidence from a chamber that is not called leaking, relative to its thresholds.
