@@ -51,7 +51,7 @@ pub struct Guidance {
 }
 
 /// All kinds of alarms, the most urgent first: by level, then by the cost of waiting.
-pub const BY_URGENCY: [AlarmKind; 20] = [
+pub const BY_URGENCY: [AlarmKind; 24] = [
     AlarmKind::SetpointFailed,
     AlarmKind::Vented,
     AlarmKind::Uncompensated,
@@ -66,6 +66,10 @@ pub const BY_URGENCY: [AlarmKind; 20] = [
     AlarmKind::Fault(Fault::Gauge(GaugeState::Saturated)),
     AlarmKind::Fault(Fault::Gauge(GaugeState::Ok)),
     AlarmKind::Fault(Fault::Stale),
+    AlarmKind::CablesExchanged,
+    AlarmKind::WhiskerReplaced,
+    AlarmKind::GaugeReversed,
+    AlarmKind::ModelMisfit,
     AlarmKind::Proposed,
     AlarmKind::ReachLost,
     AlarmKind::SensitivityLoss,
@@ -155,6 +159,50 @@ pub fn of(kind: AlarmKind) -> Guidance {
                 "the robot's program does not subscribe to the topic, or cannot read receipts",
             ],
             runbook: "VibrissaReceiptsUnheard.md",
+        },
+        AlarmKind::CablesExchanged => Guidance {
+            level: Level::Urgent,
+            hint: "Compare the cables of the two whiskers with this alarm. Put them right, or relearn the baseline of both if \
+                   they stay so. Until then no setpoint is sent for them.",
+            causes: &[
+                "the cables of two gauges were exchanged during maintenance",
+                "the robot's program names two channels the wrong way round",
+                "one whisker was cut and another has lost sensitivity at the same time",
+            ],
+            runbook: "VibrissaModelMisfit.md",
+        },
+        AlarmKind::WhiskerReplaced => Guidance {
+            level: Level::Urgent,
+            hint: "If the whisker is a new one, mark it as replaced. If it is still the cut one, inspect its gauge and relearn \
+                   its baseline. Until then no setpoint is sent for it.",
+            causes: &[
+                "somebody has put a new whisker in, and has not said so",
+                "the gauge of the cut whisker has come loose by chance as much as the cut was large",
+            ],
+            runbook: "VibrissaModelMisfit.md",
+        },
+        AlarmKind::GaugeReversed => Guidance {
+            level: Level::Urgent,
+            hint: "Exchange the two wires of the gauge, or the sign in the robot's program. The contacts are not used until \
+                   then.",
+            causes: &[
+                "the gauge's wires were exchanged",
+                "the sign of the strain has changed in the robot's program",
+                "the whisker is mounted the wrong way round",
+            ],
+            runbook: "VibrissaModelMisfit.md",
+        },
+        AlarmKind::ModelMisfit => Guidance {
+            level: Level::Urgent,
+            hint: "Look at the whisker, and request a touch test if the robot offers one. Mark it as replaced if it is another \
+                   one, or else relearn its baseline.",
+            causes: &[
+                "the whisker was cut or has lost sensitivity, which its noise hides",
+                "the factsheet names the wrong model or length",
+                "another whisker is in its place",
+                "the robot's readings of deflection or contact ratio are wrong",
+            ],
+            runbook: "VibrissaModelMisfit.md",
         },
         AlarmKind::Fault(fault) => of_fault(fault),
         AlarmKind::Proposed => Guidance {

@@ -12,6 +12,7 @@ const ROBOT_8: &[u8] = include_bytes!("../../data/formats/robot-8.bin");
 const ROBOT_9: &[u8] = include_bytes!("../../data/formats/robot-9.bin");
 const ROBOT_10: &[u8] = include_bytes!("../../data/formats/robot-10.bin");
 const ROBOT_11: &[u8] = include_bytes!("../../data/formats/robot-11.bin");
+const ROBOT_12: &[u8] = include_bytes!("../../data/formats/robot-12.bin");
 const WHISKERS_5: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-5-0.bin"),
     include_bytes!("../../data/formats/whisker-5-1.bin"),
@@ -101,7 +102,7 @@ fn golden_whiskers_of_older_versions_are_read_and_become_version_16() {
     ] {
         assert_eq!(robot, restored(older).unwrap());
     }
-    assert_eq!(robot.to_bytes().unwrap(), ROBOT_11);
+    assert_eq!(robot.to_bytes().unwrap(), ROBOT_12);
     for (index, bytes) in WHISKERS_16.into_iter().enumerate() {
         assert_eq!(robot.whisker_to_bytes(index).unwrap(), bytes, "whisker {index}");
     }
@@ -111,15 +112,15 @@ fn golden_whiskers_of_older_versions_are_read_and_become_version_16() {
 }
 
 #[test]
-fn golden_robots_of_older_versions_become_version_11() {
+fn golden_robots_of_older_versions_become_version_12() {
     let robot = restored(WHISKERS_6).unwrap();
     let bytes = robot.to_bytes().unwrap();
     if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        std::fs::write("../data/formats/robot-11.bin", &bytes).unwrap();
+        std::fs::write("../data/formats/robot-12.bin", &bytes).unwrap();
     }
-    assert_eq!((ROBOT_5[0], bytes[0]), (5, 11));
-    assert_eq!(bytes, ROBOT_11);
-    for head in [ROBOT_6, ROBOT_7, ROBOT_8, ROBOT_9, ROBOT_10, ROBOT_11] {
+    assert_eq!((ROBOT_5[0], bytes[0]), (5, 12));
+    assert_eq!(bytes, ROBOT_12);
+    for head in [ROBOT_6, ROBOT_7, ROBOT_8, ROBOT_9, ROBOT_10, ROBOT_11, ROBOT_12] {
         assert_eq!(Robot::restore(head, &WHISKERS_6.map(<[u8]>::to_vec)).unwrap(), robot);
     }
 }
@@ -134,6 +135,6 @@ fn regress_bytes_of_a_later_version_are_told_from_damaged_ones() {
     assert_eq!([of_whisker(1), of_whisker(100)], [Some(RestoreError::Newer); 2]);
     assert_eq!(of_whisker(101), Some(RestoreError::Whisker(0)), "no program had so many versions");
     let of_head = |version: u8| Robot::restore(&[&[version, 0], &ROBOT_9[2..]].concat(), &[]).err();
-    assert_eq!([of_head(12), of_head(111)], [Some(RestoreError::Newer); 2]);
-    assert_eq!([of_head(0), of_head(112)], [Some(RestoreError::Head); 2]);
+    assert_eq!([of_head(13), of_head(112)], [Some(RestoreError::Newer); 2]);
+    assert_eq!([of_head(0), of_head(113)], [Some(RestoreError::Head); 2]);
 }

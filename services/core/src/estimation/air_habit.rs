@@ -33,11 +33,11 @@ const DIRECTED_MAX: f64 = 2.0;
 /// is 0.
 const GAIN_MIN: f32 = 0.05;
 /// The more a pattern gains per reading, the higher is the log likelihood ratio that calls a leak: this per gain, up to the
-/// second number. What was learned in minutes must hold for the regulator's life.
-const PATTERN_DOUBT: (f32, f32) = (40.0, 14.0);
+/// second number. Minutes of learning must hold for the regulator's life.
+const PATTERN_DOUBT: (f32, f32) = (50.0, 26.0);
 /// A leak must exceed the excursions of the pattern by this factor, and other evidence by the second one.
 const EXCURSIONS: f32 = 2.0;
-const OTHER_EXCURSIONS: f32 = 2.5;
+const OTHER_EXCURSIONS: f32 = 5.0;
 /// Other evidence below this share of its threshold is no pattern.
 const OTHER_MIN: f32 = 0.4;
 
@@ -53,7 +53,7 @@ pub(super) enum Habit {
     Pattern(Box<Pattern>),
 }
 
-/// What is learned at present.
+/// Present part of the learning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, BorshSerialize, BorshDeserialize)]
 enum Phase {
     #[default]
@@ -81,7 +81,7 @@ pub(super) struct Learning {
 pub(super) struct Pattern {
     gains: [f32; LEAKS],
     excursions: [f32; LEAKS],
-    /// Height of the present excursion. One that has ended by itself was no leak.
+    /// Height of the present excursion. An excursion ends by itself if it is no leak.
     present: [f32; LEAKS],
     /// Of other evidence, relative to its threshold.
     others: [f32; OTHERS],
@@ -174,10 +174,12 @@ impl Habit {
         })
     }
 
-    /// The same for other evidence, relative to its thresholds.
-    pub(super) fn is_exceeded_by(&self, others: [f64; OTHERS], part: f64) -> bool {
+    /// The same for other evidence, relative to its thresholds. While the pattern is learned, refills
+    /// count, which have a direction, and leaps between contacts (`quick`), which follow each other quickly.
+    pub(super) fn is_exceeded_by(&self, others: [f64; OTHERS], quick: f64, part: f64) -> bool {
         if let Self::Learning(learning) = self {
-            return learning.is_directed() && others.iter().any(|&one| one > part);
+            let [refilled, ..] = others;
+            return refilled > 1.0 || quick > 1.0 || learning.is_directed() && others.iter().any(|&one| one > part);
         }
         let Self::Pattern(pattern) = self else { return others.iter().any(|&one| one > part) };
         let mut most = others.iter().zip(pattern.others);
@@ -194,7 +196,7 @@ impl Habit {
         }
     }
 
-    /// Writes it.
+    /// Writes the pattern, after its kind.
     pub(super) fn write<W: Write>(&self, writer: &mut W) -> Result<()> {
         match self {
             Self::Unknown => 0_u8.serialize(writer),

@@ -471,6 +471,13 @@ impl LengthFilter {
         self.become_if_sound(after);
     }
 
+    /// Adds an uncertainty of the model, log sensitivity, that the length has compensated for: its level, as
+    /// [`Self::doubt_gain`], and its slope over the contact ratio, which would tell level and length apart otherwise.
+    pub fn doubt_model(&mut self, log_sd: f64, log_slope: f64) {
+        self.doubt_gain(log_sd, log_slope);
+        self.covariance.widen(1, log_sd.powi(2));
+    }
+
     /// All whiskers of the array have shifted by about this much in log sensitivity, which is no change of length.
     ///
     /// The offset may already have absorbed part of the shift, so only its uncertainty grows and contacts determine

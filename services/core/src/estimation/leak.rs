@@ -146,6 +146,8 @@ struct Evidence {
     refilled: f64,
     /// Refills, leaps and the falling line, relative to their thresholds.
     relative: [f64; OTHERS],
+    /// Leaps between contacts, relative to their threshold.
+    quick: f64,
     /// Rate of the falling lines.
     fitted: Option<Interval>,
 }
@@ -242,10 +244,10 @@ impl LeakWatch {
     /// Updates the rate, and calls a leak that the line or the refills show. Its end is left to the test of the statuses,
     /// once all evidence has fallen to half of its threshold.
     fn judge(&mut self, params: &LeakParams) {
-        let Some(Evidence { refilled, relative, fitted }) = self.evidence(params) else { return };
+        let Some(Evidence { refilled, relative, quick, fitted }) = self.evidence(params) else { return };
         if !self.is_leaking {
             self.test.learn_others(relative);
-            if self.test.is_exceeded_by(relative, 1.0) {
+            if self.test.is_exceeded_by(relative, quick, 1.0) {
                 self.is_leaking = true;
                 self.test.begin(true);
             }
@@ -263,7 +265,7 @@ impl LeakWatch {
     }
 
     fn seems_to_leak(&self, params: &LeakParams) -> bool {
-        self.evidence(params).is_some_and(|evidence| self.test.is_exceeded_by(evidence.relative, STILL))
+        self.evidence(params).is_some_and(|evidence| self.test.is_exceeded_by(evidence.relative, evidence.quick, STILL))
     }
 
     /// What the readings of a longer time show. None before the first average.
@@ -277,7 +279,9 @@ impl LeakWatch {
         let surely = |rate: Interval| rate.mean - 1.6 * (rate.mean - rate.low);
         let fallen = fitted.map_or(0.0, |rate| if self.is_leaking { rate.mean } else { surely(rate) });
         let (rate_max, leaps_max) = (params.rate_max_per_s, params.leaps_max_per_s);
-        Some(Evidence { refilled, relative: [refilled / rate_max, leaps / leaps_max, fallen / rate_max], fitted })
+        let quick = self.refills[Source::Contact as usize].least_leaps_per_s() / leaps_max;
+        let relative = [refilled / rate_max, leaps / leaps_max, fallen / rate_max];
+        Some(Evidence { refilled, relative, quick, fitted })
     }
 
     /// Whether the chamber leaks.

@@ -51,6 +51,9 @@ const SCATTER_CYCLE_S: f64 = 10.0;
 /// Largest and least step of a sensor, in smallest refills.
 const STEP_MAX: f32 = 1.0;
 const STEP_MIN: f32 = 0.02;
+/// Factors on the step after a change that is smaller, and after one that is not: a single odd reading shows no finer sensor.
+const STEP_SHRINKS: f32 = 0.9;
+const STEP_GROWS: f32 = 1.005;
 /// Number of hypotheses: rates and widths.
 pub(super) const LEAKS: usize = RATES + WIDTHS;
 /// Noise that a sensor has until it is known, and least noise, in smallest refills.
@@ -96,7 +99,7 @@ pub(super) struct LeakTest {
     habit: Habit,
 }
 
-/// Step of the sensor, in smallest refills: the smallest change between two readings so far.
+/// Step of the sensor, in smallest refills: about the smallest usual change between two readings.
 #[derive(Debug, Clone, Copy, PartialEq, BorshSerialize, BorshDeserialize)]
 struct Step(f32);
 
@@ -219,9 +222,9 @@ impl LeakTest {
     }
 
     /// Whether other evidence, relative to its thresholds, shows a leak that the regulator's pattern does not explain.
-    /// `part` of each threshold counts.
-    pub(super) fn is_exceeded_by(&self, others: [f64; OTHERS], part: f64) -> bool {
-        self.habit.is_exceeded_by(others, part)
+    /// `quick` are the leaps between contacts, and `part` of each threshold counts.
+    pub(super) fn is_exceeded_by(&self, others: [f64; OTHERS], quick: f64, part: f64) -> bool {
+        self.habit.is_exceeded_by(others, quick, part)
     }
 
     /// Takes other evidence from a chamber that is not called leaking, relative to its thresholds.
@@ -259,8 +262,10 @@ impl Step {
     /// Readings differ by this many refills.
     fn see(&mut self, by: f64) {
         let by = by.abs() as f32;
-        if by >= STEP_MIN {
-            self.0 = self.0.min(by);
+        if by >= self.0 {
+            self.0 = (self.0 * STEP_GROWS).min(STEP_MAX);
+        } else if by >= STEP_MIN {
+            self.0 = by.max(self.0 * STEP_SHRINKS);
         }
     }
 }

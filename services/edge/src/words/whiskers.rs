@@ -49,6 +49,10 @@ words! {
         Proposed => "PROPOSED" "a compensation waits for approval",
         ReachLost => "REACH_LOST" "no contacts near the tip any more",
         Vented => "VENTED" "vented by the robot itself, and not filled again",
+        CablesExchanged => "CABLES_EXCHANGED" "the cables of two whiskers seem to be exchanged",
+        WhiskerReplaced => "WHISKER_REPLACED" "another whisker seems to be in this place",
+        GaugeReversed => "GAUGE_REVERSED" "the gauge seems to have the wrong polarity",
+        ModelMisfit => "MODEL_MISFIT" "the calibration does not fit this whisker any more",
         RobotSilent => "ROBOT_SILENT" "the robot is silent or not connected",
         ReceiptsUnheard => "RECEIPTS_UNHEARD" "the robot does not hear its receipts",
         DuplicateRobot => "DUPLICATE_ROBOT" "two robots use this name";

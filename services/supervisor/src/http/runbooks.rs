@@ -55,6 +55,7 @@ pages! {
     "VibrissaMessagesLost.md",
     "VibrissaMessagesQuarantined.md",
     "VibrissaMessagesRefused.md",
+    "VibrissaModelMisfit.md",
     "VibrissaNoSupervisor.md",
     "VibrissaNothingRecorded.md",
     "VibrissaProbesLost.md",

@@ -6,6 +6,7 @@ mod factory;
 mod leaks;
 mod learning;
 mod losses;
+mod maintenance;
 mod noise;
 pub(crate) mod rig;
 mod scrapes;

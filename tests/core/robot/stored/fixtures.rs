@@ -22,7 +22,7 @@ struct Fixture {
 
 /// The newest first.
 const FIXTURES: &[Fixture] = &[
-    Fixture { head: 11, whiskers: 16, becomes: 0xbd01_df92_9fce_bf81 },
+    Fixture { head: 12, whiskers: 16, becomes: 0xbd01_df92_9fce_bf81 },
     Fixture { head: 11, whiskers: 15, becomes: 0x986d_7271_345e_91f2 },
     Fixture { head: 10, whiskers: 14, becomes: 0xdbd2_748b_8875_1b63 },
     Fixture { head: 10, whiskers: 13, becomes: 0x21d2_9653_cdcf_0794 },

@@ -228,6 +228,32 @@ fn leaking() -> Store {
     Store::all_of(&rig.core)
 }
 
+/// The cables of two whiskers are exchanged.
+fn exchanged() -> Store {
+    let mut rig = Rig::new(1, 3);
+    rig.whiskers[0].gain = 0.8;
+    rig.run(800);
+    rig.whiskers.swap(0, 1);
+    rig.run(100);
+    Store::all_of(&rig.core)
+}
+
+/// A new whisker is put in the place of a cut one.
+fn replaced() -> Store {
+    let mut rig = Rig::new(1, 3);
+    rig.run(800);
+    rig.whiskers[0].length_mm = 64.0;
+    rig.run(1200);
+    rig.whiskers[0].length_mm = 70.0;
+    rig.run(100);
+    Store::all_of(&rig.core)
+}
+
+/// Every other contact reads too much, for so many rounds.
+fn misfitting(rounds: u64) -> Store {
+    rig(rounds, |rig| rig.whiskers[0].gain = if rig.rounds.is_multiple_of(2) { 1.9 } else { 1.0 })
+}
+
 pub(super) fn stores() -> Vec<Store> {
     vec![
         of_other_kinds(),
@@ -247,5 +273,10 @@ pub(super) fn stores() -> Vec<Store> {
         rig(300, |rig| rig.whiskers[0].gain = 0.5),
         rig(1500, |rig| rig.whiskers[0].baseline_strain += 1e-6),
         leaking(),
+        with_a_gauge_that(|strain| -strain),
+        exchanged(),
+        replaced(),
+        misfitting(60),
+        misfitting(200),
     ]
 }

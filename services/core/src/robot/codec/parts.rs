@@ -10,6 +10,7 @@ use crate::policy::Case;
 use crate::robot::compensation::Compensation;
 use crate::robot::effect::{Command, CommandState, Condition, Fault, Reason, TestKind, TestReason, TestState};
 use crate::robot::event::{AirControl, ArrayKind, GaugeState, Link, RegulatorState, Task, TouchTests};
+use crate::robot::health::misfit::Cause;
 use crate::robot::health::standing;
 use crate::robot::state::head::Head;
 use crate::robot::state::whisker::{Desired, Holds, InFlight, Whisker};
@@ -38,6 +39,7 @@ stored_variants!(ArrayKind: Type1, Type2);
 stored_variants!(Task: Ratio, Distance);
 stored_variants!(AirControl: FillAndVent, VentOnly, None);
 stored_variants!(Case: SelfCompensation, ShorterForLonger, LongerForShorter);
+stored_variants!(Cause: Unknown, CablesExchanged, GaugeReversed, WhiskerReplaced);
 stored_variants!(Condition: Learning, Healthy, Suspected, Trimmed, Eroding, SensitivityLoss);
 stored_variants!(Holds: Unheard, Stray, Known, Vented);
 stored_variants!(Fault: Stale, Gauge(_), Leak, Regulator, SupplyLow);
@@ -64,6 +66,8 @@ optional_fields!(Head:
     heard_again: *heard_again > Micros::default(),
     applies_gain: *applies_gain,
     states_distance: *states_distance,
+    misfits: !misfits.is_empty(),
+    called_changes: !called_changes.is_empty(),
 );
 optional_fields!(TouchTests: ; tip: *tip, wall: *wall);
 optional_fields!(Compensation:
@@ -114,6 +118,8 @@ impl Robot {
         parts.add("test budget", [&head.tests]);
         parts.add("test times", &head.test_times);
         parts.add("duplicate", [&head.duplicate]);
+        parts.add("misfit", &head.misfits);
+        parts.add("misfit cause", head.misfits.iter().filter_map(|one| one.cause.as_ref()));
         parts.add("air control", [&head.air_control]);
         parts.add("compensation", &head.compensations);
         parts.add("compensation case", head.compensations.iter().map(|one| &one.case));

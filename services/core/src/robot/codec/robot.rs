@@ -20,7 +20,7 @@ use crate::units::Micros;
 
 /// Version of the head's bytes. Raise it with every change of the format: bytes of two versions may have the same
 /// length.
-const STATE_VERSION: u16 = 11;
+const STATE_VERSION: u16 = 12;
 /// Bytes of a version up to this one are taken for those of a newer program; beyond it they are damaged.
 const NEWEST_VERSION: u16 = STATE_VERSION + 100;
 /// The end of a head up to version 7: no alarm for silence stands, and no silence has ended. The next step raises it.
@@ -30,6 +30,8 @@ const NO_DUPLICATE: [u8; 10] = [0; 10];
 /// The end of a head up to version 9: robots applied no gain, and had a supply of air. The next contact tells the kind of
 /// places.
 const NO_GAIN: [u8; 3] = [0; 3];
+/// The end of a head up to version 11: nothing was seen that does not fit, and no change is remembered.
+const NO_MISFIT: [u8; 8] = [0; 8];
 
 /// The head of version 6. No test was due after a pause or by a schedule.
 #[derive(BorshDeserialize)]
@@ -168,15 +170,16 @@ impl From<HeadOfVersion4> for HeadOfVersion5 {
     }
 }
 
-/// Reads the head of this version or of version 4 to 10.
+/// Reads the head of this version or of version 4 to 11.
 fn head_of(mut bytes: &[u8]) -> Result<Head, RestoreError> {
     let version = u16::deserialize(&mut bytes).map_err(|_| RestoreError::Head)?;
     let head = match version {
         // Version 10 knew no need for tests of whiskers without places, and wrote the same bytes.
-        STATE_VERSION | 10 => borsh::from_slice::<Head>(bytes),
-        9 => borsh::from_slice::<Head>(&[bytes, &NO_GAIN].concat()),
-        8 => borsh::from_slice::<Head>(&[bytes, &NO_DUPLICATE, &NO_GAIN].concat()),
-        7 => borsh::from_slice::<Head>(&[bytes, &NO_SILENCE, &NO_DUPLICATE, &NO_GAIN].concat()),
+        STATE_VERSION => borsh::from_slice::<Head>(bytes),
+        11 | 10 => borsh::from_slice::<Head>(&[bytes, &NO_MISFIT].concat()),
+        9 => borsh::from_slice::<Head>(&[bytes, &NO_GAIN, &NO_MISFIT].concat()),
+        8 => borsh::from_slice::<Head>(&[bytes, &NO_DUPLICATE, &NO_GAIN, &NO_MISFIT].concat()),
+        7 => borsh::from_slice::<Head>(&[bytes, &NO_SILENCE, &NO_DUPLICATE, &NO_GAIN, &NO_MISFIT].concat()),
         6 => borsh::from_slice::<HeadOfVersion6>(bytes).map(Head::from),
         5 => borsh::from_slice::<HeadOfVersion5>(bytes).map(Head::from),
         4 => borsh::from_slice::<HeadOfVersion4>(bytes).map(HeadOfVersion5::from).map(Head::from),

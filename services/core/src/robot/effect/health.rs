@@ -85,6 +85,15 @@ pub enum AlarmKind {
     /// The robot has vented the whisker by itself, and the pressure before is not restored: the whisker is held or faulty, or no
     /// silence explains it. Until it is filled, or about to be.
     Vented,
+    /// Two whiskers of the robot have changed at once, each to the response of the other: until they have changed back, or
+    /// an operator has each learned anew or replaced.
+    CablesExchanged,
+    /// A cut whisker reads like a whole one again: until an operator says that it was replaced, or has it learned anew.
+    WhiskerReplaced,
+    /// Strong contacts give strains below zero: until some give strains above it.
+    GaugeReversed,
+    /// Readings are off by more than 5 % for a hundred contacts, and nothing explains it: until they fit again.
+    ModelMisfit,
     /// No whisker of the robot is heard, or the robot is not connected: one alarm about the robot, until a whisker is
     /// heard again.
     RobotSilent,

@@ -3,6 +3,7 @@
 
 use crate::robot::effect::{AlarmKind, Condition, Effect, Fault, WhiskerIndex};
 use crate::robot::health::duplicate::DuplicateWatch;
+use crate::robot::health::misfit::Cause;
 use crate::robot::health::standing::Standing;
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
@@ -34,7 +35,7 @@ impl Robot {
         let is_own = |one: &Compensation| one.target() == index && one.compensator() == index && !one.settled;
         let is_tried = self.whiskers[index].rare.tries.is_failing() && self.head.compensations.iter().any(is_own);
         let whisker = &self.whiskers[index];
-        let due = whisker.due(is_proposed, is_tried);
+        let due = whisker.due(is_proposed, is_tried, self.misfit(index));
         let stands = !self.head.silent && whisker.fault == STALE && whisker.standing.fault == STALE;
         if stands { due.with_silence() } else { due }
     }
@@ -119,8 +120,8 @@ impl Robot {
 
 impl Whisker {
     /// The alarms that its state asks for, but for its silence; `is_tried` if its own compensation has failed and is tried
-    /// again.
-    fn due(&self, proposed: bool, is_tried: bool) -> Standing {
+    /// again, `misfit` if its readings do not fit.
+    fn due(&self, proposed: bool, is_tried: bool, misfit: Option<Cause>) -> Standing {
         let is = [
             self.condition == Condition::SensitivityLoss,
             self.condition == Condition::Eroding,
@@ -131,6 +132,10 @@ impl Whisker {
             proposed,
             self.rare.reach.as_ref().is_some_and(|reach| reach.is_lost()),
             self.has_vented_alarm(),
+            misfit == Some(Cause::CablesExchanged),
+            misfit == Some(Cause::WhiskerReplaced),
+            misfit == Some(Cause::GaugeReversed),
+            misfit == Some(Cause::Unknown),
         ];
         Standing::new(self.fault_with_alarm(), is)
     }

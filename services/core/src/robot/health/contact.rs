@@ -6,6 +6,7 @@ use crate::mechanics::Offset;
 use crate::robot::Robot;
 use crate::robot::effect::{Condition, ContactRecord, ContactUse, Effect, Trim, WhiskerIndex};
 use crate::robot::event::Contact;
+use crate::robot::health::misfit::Cause;
 use crate::robot::params::Params;
 use crate::robot::state::place::Placed;
 use crate::robot::state::rare_state::PendingTrim;
@@ -58,6 +59,7 @@ impl Robot {
             standardised: felt.innovation.map(|seen| seen.alone.standardised),
             length: whisker.filter.length(),
         }));
+        self.watch_misfit(index, felt.used, felt.innovation.map(|seen| seen.residual));
         self.refresh_fault(params, now, index, effects);
         if let Some((seen, ratio)) = felt.innovation.zip(felt.ratio) {
             if !matches!(felt.verdict, Verdict::Quiet | Verdict::Looking | Verdict::Unconfirmed) {
@@ -82,7 +84,9 @@ impl Robot {
                 self.set_condition(index, Condition::Healthy, effects);
                 self.look_first(params, index, effects);
             }
-            Verdict::Quiet if whisker.is_decided_after_doubt() => self.end_doubt(index, effects),
+            Verdict::Quiet if whisker.is_decided_after_doubt() && !self.awaits_confirmation(index) => {
+                self.end_doubt(index, effects);
+            }
             Verdict::Quiet | Verdict::Looking | Verdict::Unconfirmed => {}
             Verdict::Alarm => {
                 self.ask_others(index);
@@ -93,7 +97,8 @@ impl Robot {
             Verdict::Dismissed | Verdict::Wandered => {
                 self.whiskers[index].cannot_deny();
                 let whisker = &self.whiskers[index];
-                if whisker.condition == Condition::Suspected && !whisker.keeps_suspicion() {
+                let keeps = whisker.keeps_suspicion() || self.awaits_confirmation(index);
+                if whisker.condition == Condition::Suspected && !keeps {
                     self.set_condition(index, Condition::Healthy, effects);
                 }
             }
@@ -119,9 +124,18 @@ impl Robot {
             self.whiskers[index].shift_told = true;
             return;
         }
+        if matches!(change.kind, HypothesisKind::LessSensitive | HypothesisKind::Shorter)
+            && self.is_exchange(params, index, change, effects)
+        {
+            return;
+        }
+        let whisker = &mut self.whiskers[index];
         let length_before_mm = whisker.filter.length().length.mm();
         match change.kind {
             HypothesisKind::LessSensitive => {
+                if whisker.reads_like_whole(change) {
+                    self.name_cause(index, Cause::WhiskerReplaced);
+                }
                 self.rescale(params, index, change);
                 self.set_condition(index, Condition::SensitivityLoss, effects);
             }
@@ -162,7 +176,7 @@ impl Robot {
     /// Takes a change of a whisker's scale out, which is no change of its length: its offset is learned anew around it.
     /// A cut stays known, and so does its compensation. What was measured in it is brought to the new scale, but the
     /// response while whole stays the target, so that the gain makes up for the change.
-    fn rescale(&mut self, params: &Params, index: WhiskerIndex, change: &Change) {
+    pub(super) fn rescale(&mut self, params: &Params, index: WhiskerIndex, change: &Change) {
         let whisker = &mut self.whiskers[index];
         let Some(model) = whisker.model(params) else { return };
         let log_shift = change.size * whisker.log_slope_with_length(model);
@@ -207,6 +221,9 @@ impl Robot {
 
     /// A confirmed cut is acted on once its length is certain enough.
     fn settle_trim(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        if self.whiskers[index].rare.pending_trim.is_some() && self.may_be_exchanged(params, index) {
+            return;
+        }
         let whisker = &mut self.whiskers[index];
         let Some(pending) = whisker.rare.get_mut().and_then(|rare| rare.pending_trim.as_mut()) else { return };
         let length: LengthEstimate = whisker.filter.length();

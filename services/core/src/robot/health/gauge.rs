@@ -84,10 +84,16 @@ enum StrainClass {
 
 impl GaugeWatch {
     /// Takes one contact in; true if its strain is not to be used. `contacts` bad ones make a fault, twice as many
-    /// good ones end it.
-    pub(in crate::robot) fn watch(&mut self, contact: &Observation, seen: Option<&Innovation>, contacts: u8) -> bool {
+    /// good ones end it. `is_negative` if the contact should give a plain strain, and gives one below zero.
+    pub(in crate::robot) fn watch(
+        &mut self,
+        contact: &Observation,
+        seen: Option<&Innovation>,
+        is_negative: bool,
+        contacts: u8,
+    ) -> bool {
         let expected = seen.map(|seen| seen.predicted_sensitivity_per_mm * contact.deflection_mm);
-        let reading = self.reading(contact, expected);
+        let reading = self.reading(contact, expected, is_negative);
         match reading {
             StrainClass::Dead => (self.dead, self.plausible) = (self.dead.saturating_add(1), 0),
             StrainClass::Repeated => (self.dead, self.plausible) = (0, 0),
@@ -107,7 +113,7 @@ impl GaugeWatch {
         !matches!(reading, StrainClass::Above | StrainClass::Plain) || self.state() != GaugeState::Ok
     }
 
-    fn reading(&self, contact: &Observation, expected: Option<f64>) -> StrainClass {
+    fn reading(&self, contact: &Observation, expected: Option<f64>, is_negative: bool) -> StrainClass {
         let strain = contact.strain;
         if let Some(level) = &self.level {
             let at = f64::from(level.strain);
@@ -122,7 +128,7 @@ impl GaugeWatch {
             Some(expected) if strain.abs() < DEAD * expected => StrainClass::Dead,
             Some(_) => StrainClass::Plain,
             None if strain > 0.0 => StrainClass::Unclear,
-            None if strain >= -NEXT_TO_NOTHING => StrainClass::Dead,
+            None if strain >= -NEXT_TO_NOTHING && !is_negative => StrainClass::Dead,
             None => StrainClass::Plain,
         }
     }

@@ -7,7 +7,7 @@ use crate::encoding;
 use crate::robot::effect::{AlarmKind, Fault};
 
 /// All kinds of a whisker except faults, of which there are several. A cause comes before its consequences.
-const KINDS: [AlarmKind; 9] = [
+const KINDS: [AlarmKind; 13] = [
     AlarmKind::SensitivityLoss,
     AlarmKind::Eroding,
     AlarmKind::ArrayShift,
@@ -17,6 +17,10 @@ const KINDS: [AlarmKind; 9] = [
     AlarmKind::Proposed,
     AlarmKind::ReachLost,
     AlarmKind::Vented,
+    AlarmKind::CablesExchanged,
+    AlarmKind::WhiskerReplaced,
+    AlarmKind::GaugeReversed,
+    AlarmKind::ModelMisfit,
 ];
 
 /// Names of the stored parts of [`Standing`].
@@ -31,6 +35,10 @@ pub(in crate::robot) const PARTS: [&str; 1 + KINDS.len()] = [
     "Proposed",
     "ReachLost",
     "Vented",
+    "CablesExchanged",
+    "WhiskerReplaced",
+    "GaugeReversed",
+    "ModelMisfit",
 ];
 
 /// The first kinds, which fill a stored byte together with the bit for a fault.

@@ -29,10 +29,12 @@ impl Robot {
             OperatorAction::TouchTest(place) => self.test_by_hand(params, now, place, effects),
             OperatorAction::Replaced(place) => self.at(place).map(|index| {
                 self.replaced(params, index, effects);
+                self.forget_misfit(index);
                 self.changed_now(now, index);
             }),
             OperatorAction::Rebaseline(place) => self.at(place).map(|index| {
                 self.rebaseline(params, index, effects);
+                self.forget_misfit(index);
                 self.changed_now(now, index);
             }),
         };
@@ -43,9 +45,9 @@ impl Robot {
         self.find(place.array, place.whisker).ok_or(ActionProblem::UnknownWhisker)
     }
 
-    /// Whether no automatic setpoint may go to a whisker.
+    /// Whether no automatic setpoint may go to a whisker: an operator holds it, or must confirm a change first.
     pub(in crate::robot) fn holds(&self, index: WhiskerIndex) -> bool {
-        self.head.held || self.whiskers[index].held
+        self.head.held || self.whiskers[index].held || self.awaits_confirmation(index)
     }
 
     fn approve(&mut self, id: u32, effects: &mut Vec<Effect>) -> Result<(), ActionProblem> {

@@ -86,7 +86,8 @@ impl Whisker {
             warmer_k,
         };
         let seen = self.filter.observe(model, &morphology, &params.noise, &self.noise, &observation);
-        if self.gauge.watch(&observation, seen.as_ref().ok(), params.health.gauge_contacts) {
+        let is_negative = matches!(seen, Err(NoInformation::Negative));
+        if self.gauge.watch(&observation, seen.as_ref().ok(), is_negative, params.health.gauge_contacts) {
             return ContactResult::unused(ContactUse::GaugeFault);
         }
         match seen {

@@ -4,6 +4,8 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::robot::event::{AirControl, ArrayKind, Link, Task, TouchTests};
 use crate::robot::health::duplicate::DuplicateWatch;
+use crate::robot::health::exchange::CalledChange;
+use crate::robot::health::misfit::MisfitWatch;
 use crate::robot::state::clock::Clock;
 use crate::robot::touch_tests::{TestBudget, TestTimes};
 use crate::robot::{Compensation, Numbers, Sequences};
@@ -53,6 +55,10 @@ pub(in crate::robot) struct Head {
     pub air_control: AirControl,
     /// The place of the newest contact was a distance: its contact ratio is no better known than the length.
     pub states_distance: bool,
+    /// How the newest contacts fit, by whisker; none before the first contact.
+    pub misfits: Vec<MisfitWatch>,
+    /// The newest changes of sensitivity that were called.
+    pub called_changes: Vec<CalledChange>,
 }
 
 /// An array of the factsheet.
@@ -93,6 +99,8 @@ impl Head {
             applies_gain: false,
             air_control: AirControl::FillAndVent,
             states_distance: false,
+            misfits: Vec::new(),
+            called_changes: Vec::new(),
         }
     }
 }

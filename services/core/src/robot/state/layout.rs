@@ -87,6 +87,7 @@ impl Robot {
         self.head.touch_tests = factsheet.touch_tests;
         (self.head.applies_gain, self.head.air_control) = (factsheet.applies_gain, factsheet.air_control);
         self.move_test_times(&moves);
+        self.move_misfits(&moves);
         self.head.undecided = true;
     }
 
@@ -99,6 +100,17 @@ impl Robot {
         let stays = |from: &WhiskerIndex| matches!(moves.to[*from], Fate::Stays(_));
         let time = |from: &Option<WhiskerIndex>| from.filter(stays).and_then(|from| old.get(from).copied());
         self.head.test_times = moves.from.iter().map(|from| time(from).unwrap_or_default()).collect();
+    }
+
+    /// Whiskers that stay keep the record of their misfit.
+    fn move_misfits(&mut self, moves: &Moves) {
+        self.head.called_changes.clear();
+        let old = std::mem::take(&mut self.head.misfits);
+        let stays = |from: &WhiskerIndex| matches!(moves.to[*from], Fate::Stays(_));
+        let misfit = |from: &Option<WhiskerIndex>| from.filter(stays).and_then(|from| old.get(from).copied());
+        if !old.is_empty() {
+            self.head.misfits = moves.from.iter().map(|from| misfit(from).unwrap_or_default()).collect();
+        }
     }
 
     fn moves(&self, factsheet: &Factsheet) -> Moves {
