@@ -213,6 +213,7 @@ impl HandRobot {
             setpoint_mpa: state.pressure_mpa,
             regulator: Regulator::Ok,
             gauge: Gauge::Ok,
+            segmenter: None,
         });
         let whiskers = whiskers.collect();
         let seq = self.next_seq(RobotTopic::Status);

@@ -1,4 +1,4 @@
-//! A simulated robot connected directly to the core, in simulated time: real messages, no network, no waiting.
+//! A robot connected directly to the core, in simulated time: real messages, no network, no waiting.
 
 use vibrissa_core::robot::effect::{Command, CommandKey, Effect, TouchTest};
 use vibrissa_core::robot::{Event, Numbers, OperatorAction, Outcome, Params, Robot};
@@ -14,10 +14,52 @@ use vibrissa_simulator::{Robot as SimulatedRobot, RobotConfig, Scenario};
 pub const START_US: u64 = 1_795_248_000_000_000;
 const TICK_US: u64 = 250_000;
 
+/// A robot in simulated time. Times are in microseconds since 1970 UTC.
+pub trait Peer {
+    /// Its fleet.
+    fn fleet(&self) -> &Name;
+    /// Its name in the fleet.
+    fn name(&self) -> &Name;
+    /// The connection to the broker is established.
+    fn connected(&mut self, now_us: u64) -> Vec<Outgoing>;
+    /// Latest time of the next call of `poll`.
+    fn next_deadline(&self) -> u64;
+    /// Does all that is due until now.
+    fn poll(&mut self, now_us: u64) -> Vec<Outgoing>;
+    /// Takes a message.
+    fn receive(&mut self, topic: RobotTopic, payload: &[u8], now_us: u64) -> Vec<Outgoing>;
+}
+
+impl Peer for SimulatedRobot {
+    fn fleet(&self) -> &Name {
+        self.fleet()
+    }
+
+    fn name(&self) -> &Name {
+        self.name()
+    }
+
+    fn connected(&mut self, now_us: u64) -> Vec<Outgoing> {
+        self.connected(now_us)
+    }
+
+    fn next_deadline(&self) -> u64 {
+        self.next_deadline()
+    }
+
+    fn poll(&mut self, now_us: u64) -> Vec<Outgoing> {
+        self.poll(now_us)
+    }
+
+    fn receive(&mut self, topic: RobotTopic, payload: &[u8], now_us: u64) -> Vec<Outgoing> {
+        self.receive(topic, payload, now_us)
+    }
+}
+
 /// One robot, and the core that supervises it.
-pub struct World {
+pub struct World<R = SimulatedRobot> {
     /// The robot with its true whiskers.
-    pub robot: SimulatedRobot,
+    pub robot: R,
     /// State of the robot in the core.
     pub core: Robot,
     /// Parameters of the core.
@@ -35,12 +77,18 @@ pub struct World {
     seq: u64,
 }
 
-impl World {
+impl World<SimulatedRobot> {
     /// The first robot of a scenario, connected.
     pub fn new(scenario: &Scenario, params: Params) -> Self {
         scenario.check().expect("a valid scenario");
         let config = RobotConfig::all(scenario).next().expect("a robot");
-        let robot = SimulatedRobot::new(config, scenario.seed, START_US).expect("a robot");
+        Self::of(SimulatedRobot::new(config, scenario.seed, START_US).expect("a robot"), params)
+    }
+}
+
+impl<R: Peer> World<R> {
+    /// A robot that connects now.
+    pub fn of(robot: R, params: Params) -> Self {
         let mut world = Self {
             robot,
             core: Robot::new(1, Numbers::default()),

@@ -31,7 +31,7 @@ const TOLD_US: i64 = 2_000_000;
 
 /// A robot's clock for messages.
 #[derive(Debug, Clone, Copy)]
-struct RobotClock {
+pub struct RobotClock {
     at: Moment,
     stamp_us: u64,
     is_reported: bool,
@@ -51,8 +51,15 @@ fn signed(us: u64) -> i64 {
 }
 
 impl RobotClock {
-    fn new(at: Moment, system_us: u64) -> Self {
+    /// It begins as the system's clock.
+    #[must_use]
+    pub fn new(at: Moment, system_us: u64) -> Self {
         Self { at, stamp_us: system_us, is_reported: false }
+    }
+
+    /// The present, at this moment and time of the system's clock.
+    pub fn now(&mut self, at: Moment, system_us: u64) -> Now {
+        self.go_on(at, system_us).0
     }
 
     /// Goes on to this moment.

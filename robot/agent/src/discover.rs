@@ -53,6 +53,10 @@ impl Heard {
             FromDriver::Fault(line) => ("fault", Some(line.origin())),
             FromDriver::TestState(_) => ("test_state", None),
             FromDriver::Driving(_) => ("driving", None),
+            FromDriver::Locate(line) => ("locate", Some(line.origin())),
+            FromDriver::Configured(_) => ("configured", None),
+            FromDriver::Configuration(_) => ("configuration", None),
+            FromDriver::Error(_) => ("error", None),
         };
         self.words.insert(kind.to_owned());
         let place = origin.map(|origin| match origin.array {

@@ -1,7 +1,7 @@
 //! Ranges of the contract's quantities, each defined once for both the check of messages and the schemas.
 
 use crate::messages::Checked;
-use crate::{GAIN_POINTS_MAX, INTEGER_LIMIT, Refusal};
+use crate::{GAIN_POINTS_MAX, INTEGER_LIMIT, RESPONSE_POINTS_MAX, Refusal};
 
 /// Longest free text (name of a model, command id, boot id), in characters.
 pub(crate) const TEXT_MAX_CHARS: usize = 64;
@@ -76,6 +76,8 @@ pub(crate) const STRAIN_MAX: Range = range!(above 0 to 1 " (m/m)");
 pub(crate) const ANGLE_DEG: Range = range!(between -75 and 75 " degrees");
 /// Standard deviation of such an angle, in degrees.
 pub(crate) const ANGLE_SD_DEG: Range = range!(above 0 to 45 " degrees");
+/// Strain of a whisker per mm of deflection, in 1/mm.
+pub(crate) const STRAIN_PER_MM: Range = range!(above 0 to 10 " per mm");
 /// Gauge pressure, in MPa.
 pub(crate) const PRESSURE_MPA: Range = range!(between 0 and 1 " MPa");
 /// Temperature, in degrees Celsius.
@@ -162,4 +164,19 @@ pub(crate) fn gain(points: &[(f64, f64)]) -> Result<(), Refusal> {
         return Ok(());
     }
     Err(Refusal::Malformed { path: "gain".to_owned(), problem: "contact ratios must rise".to_owned() })
+}
+
+/// Checks points of a whisker's response: distance, strain per mm and its standard deviation.
+pub(crate) fn response(points: &[(f64, f64, f64)]) -> Result<(), Refusal> {
+    count("response", points.len(), RESPONSE_POINTS_MAX)?;
+    each("response", points, |&(distance_mm, strain_per_mm, sd_per_mm)| {
+        DISTANCE_MM.check("distance_mm", distance_mm)?;
+        STRAIN_PER_MM.check("strain_per_mm", strain_per_mm)?;
+        STRAIN_PER_MM.check("sd_per_mm", sd_per_mm)
+    })?;
+    if points.is_sorted_by(|before, after| before.0 < after.0 && before.1 > after.1) {
+        return Ok(());
+    }
+    let problem = "distances must rise, and strains per mm must fall".to_owned();
+    Err(Refusal::Malformed { path: "response".to_owned(), problem })
 }

@@ -39,9 +39,9 @@ pub use rules::Rule;
 pub use timestamp::Timestamp;
 pub use topic::{QualityOfService, RobotTopic, Topic};
 pub use words::{
-    AirControl, ArrayType, ConnectionState, Gauge, OnSupervisorLoss, PlaceKind, Regulator, RequestKind, SetpointError,
-    SetpointOutcome, SetpointReason, SoftwareKind, SupervisorPresence, SupervisorRequestKind, Task, TouchTestError,
-    TouchTestKind, TouchTestOutcome, TouchTestReason, WhiskerCondition,
+    AirControl, ArrayType, ConnectionState, Gauge, OnSupervisorLoss, PlaceKind, Regulator, RequestKind, Segmenter,
+    SetpointError, SetpointOutcome, SetpointReason, SoftwareKind, SupervisorPresence, SupervisorRequestKind, Task,
+    TouchTestError, TouchTestKind, TouchTestOutcome, TouchTestReason, WhiskerCondition,
 };
 
 /// Upper limit of sequence numbers and times (2^53), exclusive: every JSON reader represents smaller integers
@@ -63,3 +63,5 @@ pub const HELD_MAX: usize = 1000;
 pub const TEST_POINTS_MAX: usize = 100;
 /// Largest number of points in the `gain` of one whisker.
 pub const GAIN_POINTS_MAX: usize = 64;
+/// Most points of a whisker's response in an estimate.
+pub const RESPONSE_POINTS_MAX: usize = 16;

@@ -3,8 +3,8 @@
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
 
-use crate::check::{DEFLECTION_MM, DISTANCE_MM, GAIN, RATIO, Range, TEXT_MAX_CHARS};
-use crate::{GAIN_POINTS_MAX, HELD_MAX, INTEGER_LIMIT, SetpointOutcome, TEST_POINTS_MAX};
+use crate::check::{DEFLECTION_MM, DISTANCE_MM, GAIN, RATIO, Range, STRAIN_PER_MM, TEXT_MAX_CHARS};
+use crate::{GAIN_POINTS_MAX, HELD_MAX, INTEGER_LIMIT, RESPONSE_POINTS_MAX, SetpointOutcome, TEST_POINTS_MAX};
 
 impl Range {
     /// Adds the range to the schema of a number, or of a nullable number.
@@ -61,13 +61,24 @@ pub(crate) fn optional_identifier(_: &mut SchemaGenerator) -> Schema {
 
 /// Schema of the pairs of contact ratio and factor.
 pub(crate) fn gain(_: &mut SchemaGenerator) -> Schema {
-    let number = |range: Range, description: &str| {
-        let mut schema = json_schema!({ "type": "number", "description": description });
-        range.in_schema()(&mut schema);
-        schema
-    };
     let points = [number(RATIO, "Contact ratio."), number(GAIN, "Factor on the strain.")];
     list_of_pairs(GAIN_POINTS_MAX, &json!({ "prefixItems": points }))
+}
+
+/// Schema of the points of a response.
+pub(crate) fn response(_: &mut SchemaGenerator) -> Schema {
+    let points = [
+        number(DISTANCE_MM, "Distance from the base, mm."),
+        number(STRAIN_PER_MM, "Strain per mm of deflection."),
+        number(STRAIN_PER_MM, "Its standard deviation."),
+    ];
+    list_of_lists(RESPONSE_POINTS_MAX, points.len(), &json!({ "prefixItems": points }))
+}
+
+fn number(range: Range, description: &str) -> Schema {
+    let mut schema = json_schema!({ "type": "number", "description": description });
+    range.in_schema()(&mut schema);
+    schema
 }
 
 /// Schema of ranges of `seq`, both ends inclusive.
@@ -77,9 +88,13 @@ pub(crate) fn held(_: &mut SchemaGenerator) -> Schema {
 }
 
 fn list_of_pairs(most: usize, pair: &Value) -> Schema {
-    let mut items = json_schema!({ "type": "array", "minItems": 2, "maxItems": 2 });
-    if let Value::Object(pair) = pair {
-        pair.iter().for_each(|(key, value)| drop(items.insert(key.clone(), value.clone())));
+    list_of_lists(most, 2, pair)
+}
+
+fn list_of_lists(most: usize, length: usize, list: &Value) -> Schema {
+    let mut items = json_schema!({ "type": "array", "minItems": length, "maxItems": length });
+    if let Value::Object(list) = list {
+        list.iter().for_each(|(key, value)| drop(items.insert(key.clone(), value.clone())));
     }
     json_schema!({ "type": "array", "maxItems": most, "items": items })
 }

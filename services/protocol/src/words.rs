@@ -140,6 +140,23 @@ words!(
     }
 );
 words!(
+    /// How far contacts can be relied on that a robot finds in samples of strain.
+    Segmenter {
+        /// Something is missing to report contacts: samples, stillness, or evidence which strain is rest.
+        Learning = "LEARNING",
+        /// Rest was known and is in doubt: contacts are held back.
+        Lost = "LOST",
+        /// The last contact was beyond the gauge's limit.
+        Clipped = "CLIPPED",
+        /// The whisker shakes, or the converter has many glitches: only strong touches are found.
+        Noisy = "NOISY",
+        /// Touches go the other way: the gauge's wires are swapped.
+        Inverted = "INVERTED",
+        /// Contacts are reported as they end.
+        Ready = "READY",
+    }
+);
+words!(
     /// Condition of a strain gauge.
     Gauge {
         /// The gauge works.

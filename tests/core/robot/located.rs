@@ -1,4 +1,5 @@
-//! The place of a touch from its strain and deflection, on whiskers that are whole, cut, and compensated.
+//! The place of a touch from its strain and deflection, by the model and by the response in estimates, on whiskers that
+//! are whole, cut, and compensated.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -8,6 +9,7 @@ use vibrissa_core::robot::effect::{Condition, Effect};
 use vibrissa_core::robot::event::SetpointReport;
 use vibrissa_core::robot::{Event, LocateError, Touch};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre, Strain};
+use vibrissa_robot::contract::Response;
 
 use crate::by_hand::ByHand;
 
@@ -15,6 +17,30 @@ const WHOLE_MM: f64 = 70.0;
 /// Relative noise of a strain.
 const NOISE: f64 = 0.03;
 const TOUCHES: usize = 200;
+
+/// Median error of places, mm, and the share of intervals that hold the place.
+type Located = (f64, f64);
+
+/// Places that were found.
+#[derive(Default)]
+struct Places {
+    errors_mm: Vec<f64>,
+    held: usize,
+}
+
+impl Places {
+    fn add(&mut self, true_mm: f64, found_mm: f64, interval_mm: (f64, f64)) {
+        self.errors_mm.push((found_mm - true_mm).abs());
+        self.held += usize::from((interval_mm.0..=interval_mm.1).contains(&true_mm));
+    }
+
+    fn located(mut self) -> Located {
+        let count = self.errors_mm.len();
+        assert!(count * 100 >= TOUCHES * 98, "{count} of {TOUCHES} have a place");
+        self.errors_mm.sort_by(f64::total_cmp);
+        (self.errors_mm[count / 2], self.held as f64 / count as f64)
+    }
+}
 
 /// A whisker that differs from the model in all parameters, and a robot that touches it.
 struct Plant {
@@ -63,10 +89,13 @@ impl Plant {
         }
     }
 
-    /// Median error of the place, mm, and the share of intervals that hold it.
-    fn located(&mut self, one: &ByHand) -> (f64, f64) {
-        let mut errors_mm = Vec::new();
-        let mut held = 0;
+    /// How well touches are located: by the model, and by a robot that knows the response alone.
+    fn located(&mut self, one: &ByHand) -> [Located; 2] {
+        let [mut by_model, mut by_response] = <[Places; 2]>::default();
+        let points = one.robot.response_curve(&one.params, 0);
+        assert!(points.len() == 16 && (points[15].distance_mm - self.length_mm).abs() < 1.5, "{points:?}");
+        let points: Vec<_> = points.iter().map(|one| (one.distance_mm, one.strain_per_mm, one.sd_per_mm)).collect();
+        let response = Response::new(self.pressure_mpa, &points).unwrap();
         for _ in 0..TOUCHES {
             let (ratio, deflection_mm, strain) = self.touch();
             let touch = Touch {
@@ -74,20 +103,21 @@ impl Plant {
                 deflection: Millimetre::known(deflection_mm),
                 pressure: Some(Megapascal::known(self.pressure_mpa)),
             };
-            let Ok(found) = one.robot.locate(&one.params, 0, &touch) else { continue };
             let true_mm = ratio * self.length_mm;
-            errors_mm.push((found.distance_mm - true_mm).abs());
-            held += usize::from((found.interval_mm.0..=found.interval_mm.1).contains(&true_mm));
+            if let Ok(found) = one.robot.locate(&one.params, 0, &touch) {
+                by_model.add(true_mm, found.distance_mm, found.interval_mm);
+            }
+            if let Ok(found) = response.place(strain, deflection_mm) {
+                by_response.add(true_mm, found.distance_mm, found.interval_mm);
+            }
         }
-        assert!(errors_mm.len() * 100 >= TOUCHES * 98, "{} of {TOUCHES} have a place", errors_mm.len());
-        errors_mm.sort_by(f64::total_cmp);
-        (errors_mm[errors_mm.len() / 2], held as f64 / errors_mm.len() as f64)
+        [by_model, by_response].map(Places::located)
     }
 }
 
 /// Mean over the plants of the median errors, mm, and of the shares of intervals that hold.
-fn mean(of: &[(f64, f64)]) -> (f64, f64) {
-    let mean = |pick: fn(&(f64, f64)) -> f64| of.iter().map(pick).sum::<f64>() / of.len() as f64;
+fn mean(of: &[[Located; 2]], way: usize) -> Located {
+    let mean = |pick: fn(&Located) -> f64| of.iter().map(|one| pick(&one[way])).sum::<f64>() / of.len() as f64;
     (mean(|one| one.0), mean(|one| one.1))
 }
 
@@ -114,11 +144,13 @@ fn property_the_place_of_a_touch_is_within_2_mm_and_2_5_mm_after_a_cut_compensat
         let command = one.effects.iter().rev().find(|effect| matches!(effect, Effect::Command(_)));
         assert!(command.is_some());
     }
-    let [whole, cut, compensated] = [whole, cut, compensated].map(|of| mean(&of));
-    println!("median error and intervals: whole {whole:?}, cut {cut:?}, compensated {compensated:?}");
-    assert!(whole.0 <= 2.0 && cut.0 <= 2.5 && compensated.0 <= 2.5, "{whole:?} {cut:?} {compensated:?}");
-    for (_, held) in [whole, cut, compensated] {
-        assert!((0.92..=0.985).contains(&held), "{whole:?} {cut:?} {compensated:?}");
+    for (way, name) in ["the model", "the response"].into_iter().enumerate() {
+        let [whole, cut, compensated] = [&whole, &cut, &compensated].map(|of| mean(of, way));
+        println!("by {name}, median error and intervals: whole {whole:?}, cut {cut:?}, compensated {compensated:?}");
+        assert!(whole.0 <= 2.0 && cut.0 <= 2.5 && compensated.0 <= 2.5, "{name}: {whole:?} {cut:?} {compensated:?}");
+        for (_, held) in [whole, cut, compensated] {
+            assert!((0.92..=0.985).contains(&held), "{name}: {whole:?} {cut:?} {compensated:?}");
+        }
     }
 }
 

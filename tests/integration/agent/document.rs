@@ -54,12 +54,14 @@ fn message(comment: &str) -> Option<(RobotTopic, String)> {
             format!(
                 r#"{{{head},"epoch":1,"version":1,"timestamp":"2026-11-21T08:00:00.000Z","whiskers":[{{"array":"left",
                 "whisker":0,"length_mm":60.2,"length_low_mm":59.9,"length_high_mm":60.5,"condition":"TRIMMED",
-                "pressure_mpa":0.12,"gain":[[0.45,0.861],[1.0,1.0]]}}]}}"#
+                "pressure_mpa":0.12,"gain":[[0.45,0.861],[1.0,1.0]],
+                "response":[[20.0,0.01,0.0004],[60.2,0.005,0.0002]]}}]}}"#
             ),
         )),
         "The driver starts."
         | "The chamber reaches its pressure. After half a second the setpoint counts as applied."
-        | "A line is wrong." => None,
+        | "A line is wrong."
+        | "The driver asks where a touch was." => None,
         other => panic!("the test does not know what happens at: {other}"),
     }
 }

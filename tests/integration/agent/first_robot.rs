@@ -144,21 +144,63 @@ async fn a_newcomer_with_a_slide_sees_the_compensation() {
     .await;
 }
 
+/// A file of deploy/first-robot.
+fn shipped(name: &str) -> &'static str {
+    match name {
+        "desk.toml" => include_str!("../../../deploy/first-robot/desk.toml"),
+        "agent.toml" => include_str!("../../../deploy/first-robot/agent.toml"),
+        other => panic!("deploy/first-robot has no {other}"),
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn five_commands_lead_to_a_compensated_whisker() {
+    let mut desk = Desk::new();
+    for name in ["desk.toml", "agent.toml"] {
+        let written = shipped(name).replace(&format!("127.0.0.1:{PORT}"), &format!("127.0.0.1:{}", desk.port));
+        fs::write(desk.folder.path().join(name), written).unwrap();
+    }
+    let block = blocks().into_iter().find(|block| block.heading == "In five commands").unwrap();
+    let commands: Vec<&str> = block.code.lines().collect();
+    assert_eq!(commands.len(), 5);
+    // The programs are built already.
+    assert!(commands[0].starts_with("cargo build --release --locked "), "{}", commands[0]);
+    for (number, command) in (1..).zip(&commands[1..4]) {
+        let command = command.replace("target/release/", "").replace("deploy/first-robot/", "");
+        let command = command.strip_suffix(" &").unwrap();
+        // Somebody who types them sees what the programs say.
+        assert!(desk.execute(&format!("{command} > {number}.log 2>&1 &\necho $! > {number}.pid")).0, "{command}");
+        if number == 1 {
+            until_true("the board", async || desk.folder.path().join("board").exists()).await;
+        }
+    }
+    desk.until_output("vibrissa whiskers", &["desk/first/nose/0", "HEALTHY"]).await;
+    assert!(desk.execute(&commands[4].replace("%1", "$(cat 1.pid)")).0);
+    desk.until_output("vibrissa whiskers", &["TRIMMED"]).await;
+    desk.until_output("vibrissa whiskers --json", &["\"length_mm\":6", "\"setpoint_mpa\":0.0"]).await;
+}
+
 /// Executes the blocks of the document, each after a change.
 async fn walk(change: impl Fn(&str) -> String) {
     let mut desk = Desk::new();
     let mut done = Vec::new();
     for Block { heading, language, code, before } in blocks() {
         let number = heading.split(' ').next().unwrap();
+        let original = code;
         let code = &*change(code);
         match (language, number) {
             ("toml", _) => {
                 let name = before.rsplit_once("as `").unwrap().1.split('`').next().unwrap();
+                assert_eq!(shipped(name), original, "deploy/first-robot/{name}");
                 let written = code.replace(&format!("127.0.0.1:{PORT}"), &format!("127.0.0.1:{}", desk.port));
                 fs::write(desk.folder.path().join(name), written).unwrap();
             }
             // The programs are built already.
-            ("sh", "1") => assert!(code.contains("-p vibrissa -p vibrissa-lab -p vibrissa-simulator"), "{code}"),
+            ("sh", "1") => {
+                assert!(code.contains("-p vibrissa -p vibrissa-lab -p vibrissa-simulator -p vibrissa-robot"), "{code}");
+            }
+            // It has a test of its own.
+            ("sh", "In") => continue,
             ("sh", "2") => {
                 assert!(desk.execute(code).0);
                 until_true("the board", async || desk.folder.path().join("board").exists()).await;

@@ -25,6 +25,7 @@ fn status(robot: &mut HandRobot, regulator: Regulator) -> Vec<u8> {
         setpoint_mpa: 0.1,
         regulator,
         gauge: Gauge::Ok,
+        segmenter: None,
     };
     let whiskers = (0..WHISKERS).map(whisker).collect();
     let (boot_id, t_us) = (robot.boot_id.clone(), vibrissa_simulator::clock::now_us());

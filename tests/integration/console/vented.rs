@@ -17,6 +17,7 @@ async fn vent(stage: &mut Stage) {
         setpoint_mpa: 0.0,
         regulator: Regulator::Fault,
         gauge: Gauge::Ok,
+        segmenter: None,
     });
     let whiskers = whiskers.collect();
     let seq = robot.next_seq(RobotTopic::Status);

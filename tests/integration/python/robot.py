@@ -10,7 +10,7 @@ import math
 import sys
 import time
 
-from vibrissa_robot import AgentEnded, AsyncRobot, Estimate, Event, Refused, Robot, SetPressure
+from vibrissa_robot import AgentEnded, AsyncRobot, Estimate, Event, NoPlace, Refused, Robot, SetPressure
 
 WANTED_MPA = 0.08
 SECONDS_MAX = 60.0
@@ -84,6 +84,7 @@ def with_threads(config: str) -> None:
             if event is not None:
                 chambers.heard.append(event)
         assert chambers.is_done(), chambers.heard[-5:]
+        places_of_touches_are_told(robot)
         # Some seconds at the pressure, until the supervisor knows that it was reached.
         until = time.monotonic() + 2.0
         while time.monotonic() < until:
@@ -93,6 +94,18 @@ def with_threads(config: str) -> None:
         the_agent_is_found_again(robot)
     assert robot.dropped == 0
     a_closed_robot_says_so(robot)
+
+
+def places_of_touches_are_told(robot: Robot) -> None:
+    place = robot.locate(0, strain=strain(0), deflection_mm=2.0)
+    assert 10 < place.distance_low_mm <= place.distance_mm <= place.distance_high_mm < 75, place
+    for wrong, reason in [(0.5, "on the chamber"), (-0.01, "must be positive")]:
+        try:
+            found = robot.locate(0, strain=wrong, deflection_mm=2.0)
+        except NoPlace as refused:
+            assert reason in str(refused), refused
+        else:
+            raise AssertionError(f"{wrong}: {found}")
 
 
 def the_agent_is_found_again(robot: Robot) -> None:

@@ -120,6 +120,7 @@ impl Robot {
             setpoint_mpa: pressure_mpa,
             regulator: Regulator::Ok,
             gauge: Gauge::Ok,
+            segmenter: None,
         };
         encode(&Status {
             boot_id: self.boot_id.clone(),

@@ -122,6 +122,7 @@ impl Whisker {
             setpoint_mpa: self.regulator.target_mpa(),
             regulator,
             gauge,
+            segmenter: None,
         }
     }
 

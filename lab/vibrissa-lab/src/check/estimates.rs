@@ -196,6 +196,7 @@ fn estimate_of(array: &Name, whisker: u16, length_mm: f64, pressure_mpa: f64) ->
         pressure_mpa,
         gain: Vec::new(),
         reading_gain: None,
+        response: Vec::new(),
     }
 }
 

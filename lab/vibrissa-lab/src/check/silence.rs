@@ -184,7 +184,15 @@ mod tests {
 
     fn status(setpoint_mpa: f64, pressure_mpa: f64) -> WhiskerStatus {
         let array = Name::new("left").unwrap();
-        WhiskerStatus { array, whisker: 0, pressure_mpa, setpoint_mpa, regulator: Regulator::Ok, gauge: Gauge::Ok }
+        WhiskerStatus {
+            array,
+            whisker: 0,
+            pressure_mpa,
+            setpoint_mpa,
+            regulator: Regulator::Ok,
+            gauge: Gauge::Ok,
+            segmenter: None,
+        }
     }
 
     #[test]

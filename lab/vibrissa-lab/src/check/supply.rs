@@ -169,8 +169,15 @@ mod tests {
 
     fn status(regulator: Regulator) -> Status {
         let array = Name::new("left").unwrap();
-        let one =
-            WhiskerStatus { array, whisker: 0, pressure_mpa: 0.1, setpoint_mpa: 0.1, regulator, gauge: Gauge::Ok };
+        let one = WhiskerStatus {
+            array,
+            whisker: 0,
+            pressure_mpa: 0.1,
+            setpoint_mpa: 0.1,
+            regulator,
+            gauge: Gauge::Ok,
+            segmenter: None,
+        };
         Status { boot_id: BootId::new("b").unwrap(), seq: 0, t_us: 0, whiskers: vec![one], contacts_dropped: None }
     }
 

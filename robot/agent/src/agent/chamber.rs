@@ -1,9 +1,11 @@
 //! One whisker's chamber, as the agent knows it from the driver.
 
+mod applying;
+mod condition;
+
 use std::collections::BTreeMap;
 
-use vibrissa_protocol::{Gauge, Name, PlaceKind, Regulator, Setpoint, SetpointError, WhiskerFacts, WhiskerStatus};
-
+use vibrissa_protocol::{Gauge, Name, PlaceKind, Regulator, WhiskerFacts};
 use vibrissa_regulator::{Command, Condition, Params};
 
 use super::ABSENT_AFTER_US;
@@ -12,30 +14,17 @@ use super::motion::Motion;
 use super::partial::Partials;
 use super::strain::Stream;
 use crate::config::{DriverLimits, Sign, WhiskerConfig};
-use crate::contract::{Moment, Now, ReadingGain};
+use crate::contract::{Moment, Now, ReadingGain, Response};
 use crate::driver::{Opening, ToDriver};
 
-/// Change of pressure that valves of small robots manage, in MPa/s.
-const VALVES_MPA_PER_S: f64 = 0.02;
+use applying::Applying;
+
 /// Most reasons for unused contacts that are told apart.
 const REASONS_MAX: usize = 16;
-/// Least excess of the supply over the target, in MPa.
-const SUPPLY_MARGIN_MPA: f64 = 0.005;
 
 /// A regulator that never exceeds this pressure.
 fn valves(max_mpa: f64) -> vibrissa_regulator::Regulator {
     vibrissa_regulator::Regulator::new(Params { max_mpa: max_mpa as f32, ..Params::default() })
-}
-
-/// A setpoint that is being applied.
-#[derive(Debug)]
-pub(super) struct Applying {
-    pub(super) command_id: String,
-    reading_gain: Option<f64>,
-    pub(super) fails_at: Moment,
-    /// Since when all readings are at the target.
-    near_since: Option<Moment>,
-    is_settled: bool,
 }
 
 /// The newest reading.
@@ -76,6 +65,8 @@ pub(super) struct Chamber {
     pub(super) gain: ReadingGain,
     /// The newest estimate, for a driver that starts later.
     pub(super) estimate: Option<ToDriver>,
+    /// Response of the whisker in that estimate.
+    pub(super) response: Option<Response>,
     /// Regulates the pressure with pulses of the valves, if the driver does not.
     valves: Option<Box<vibrissa_regulator::Regulator>>,
     /// Samples of the gauge, if a driver sends them, and that driver.
@@ -130,6 +121,7 @@ impl Chamber {
             applying: None,
             gain: ReadingGain::new(facts.pressure_mpa),
             estimate: None,
+            response: None,
             valves: limits.regulate.then(|| Box::new(valves(facts.pressure_max_mpa))),
             stream: None,
             strain_from: None,
@@ -172,30 +164,8 @@ impl Chamber {
         self.slew_mpa_per_s = self.limits.own_slew_mpa_per_s;
         self.applying = None;
         self.gain = ReadingGain::new(self.nominal_mpa);
-        self.estimate = None;
+        (self.estimate, self.response) = (None, None);
         self.sent_at = Moment::BEFORE_ALL;
-    }
-
-    /// Begins to apply a setpoint.
-    pub(super) fn apply(&mut self, setpoint: &Setpoint, now: Now) {
-        self.target_mpa = setpoint.pressure_mpa;
-        self.slew_mpa_per_s = setpoint.slew_mpa_per_s;
-        let way_mpa = self.reading.map_or(self.max_mpa, |reading| (self.target_mpa - reading.pressure_mpa).abs());
-        let way_us = (way_mpa / self.slew_mpa_per_s.min(VALVES_MPA_PER_S) * 1e6) as u64;
-        self.applying = Some(Applying {
-            command_id: setpoint.command_id.clone(),
-            reading_gain: setpoint.reading_gain,
-            fails_at: now.at + way_us + self.limits.fail_after_us,
-            near_since: None,
-            is_settled: false,
-        });
-    }
-
-    /// The setpoint is applied: its gain is in force. Returns its id.
-    pub(super) fn applied(&mut self) -> Option<String> {
-        let applying = self.applying.take()?;
-        self.gain.applied(self.target_mpa, applying.reading_gain);
-        Some(applying.command_id)
     }
 
     /// Changes the pressure without a setpoint.
@@ -212,9 +182,7 @@ impl Chamber {
         let is_near = (reading.pressure_mpa - self.target_mpa).abs() <= self.limits.tolerance_mpa;
         let settle_us = self.limits.settle_us;
         if let Some(applying) = &mut self.applying {
-            let since = applying.near_since.filter(|_| is_near).or(is_near.then_some(reading.at));
-            applying.near_since = since;
-            applying.is_settled = since.is_some_and(|since| reading.at >= since + settle_us);
+            applying.read(is_near, reading.at, settle_us);
         }
     }
 
@@ -286,7 +254,7 @@ impl Chamber {
             return self.forget();
         }
         if let Some(applying) = &mut self.applying {
-            (applying.near_since, applying.is_settled) = (None, false);
+            applying.unsettle();
         }
     }
 
@@ -299,14 +267,6 @@ impl Chamber {
     fn reading_ends_at(&self) -> Option<Moment> {
         let silent_us = self.limits.silent_us;
         Some(self.reading?.at + if self.is_waiting { silent_us.max(ABSENT_AFTER_US) } else { silent_us })
-    }
-
-    pub(super) fn is_settled(&self) -> bool {
-        self.applying.as_ref().is_some_and(|applying| applying.is_settled)
-    }
-
-    pub(super) fn fails_at(&self) -> Option<Moment> {
-        self.applying.as_ref().map(|applying| applying.fails_at)
     }
 
     /// Moment at which the newest reading becomes too old, if the condition in the last status does not say so yet.
@@ -324,52 +284,5 @@ impl Chamber {
     /// Moment at which values wait no longer for those of another driver.
     pub(super) fn values_until(&self) -> Option<Moment> {
         self.motion.until().into_iter().chain(self.partials.until()).min()
-    }
-
-    /// Condition of regulator and gauge.
-    pub(super) fn condition(&self, now: Now) -> (Regulator, Gauge) {
-        let is_known = self.reading_ends_at().is_some_and(|end| now.at < end);
-        let Some(reading) = self.reading.filter(|_| is_known) else {
-            return (Regulator::Fault, self.gauge());
-        };
-        let regulator = self.regulator.unwrap_or_else(|| {
-            let below_mpa = self.target_mpa - reading.pressure_mpa;
-            let is_low = self.supply_mpa.is_some_and(|supply_mpa| supply_mpa < self.target_mpa + SUPPLY_MARGIN_MPA);
-            if below_mpa > self.limits.tolerance_mpa {
-                if is_low { Regulator::SupplyLow } else { Regulator::Filling }
-            } else if below_mpa < -self.limits.tolerance_mpa {
-                Regulator::Venting
-            } else {
-                Regulator::Ok
-            }
-        });
-        (regulator, self.gauge())
-    }
-
-    /// Condition of the gauge as the driver states it, or else as its strains show it.
-    fn gauge(&self) -> Gauge {
-        if self.gauge == Gauge::Ok && self.gauge_watch.is_clipped() { Gauge::Saturated } else { self.gauge }
-    }
-
-    /// Reason why the setpoint was not reached in time.
-    pub(super) fn failure(&self, now: Now) -> SetpointError {
-        match self.condition(now).0 {
-            Regulator::SupplyLow => SetpointError::SupplyLow,
-            Regulator::Leak => SetpointError::Leak,
-            Regulator::Ok | Regulator::Filling | Regulator::Venting | Regulator::Fault => SetpointError::Fault,
-        }
-    }
-
-    pub(super) fn status(&self, now: Now) -> WhiskerStatus {
-        let (regulator, gauge) = self.condition(now);
-        WhiskerStatus {
-            array: self.array.clone(),
-            whisker: self.number,
-            // Without a reading the condition is FAULT, so that nobody takes the pressure for a measured one.
-            pressure_mpa: self.reading.map_or(self.target_mpa, |reading| reading.pressure_mpa),
-            setpoint_mpa: self.target_mpa,
-            regulator,
-            gauge,
-        }
     }
 }

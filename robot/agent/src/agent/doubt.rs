@@ -1,5 +1,6 @@
 //! A segmenter that reports no contacts, or only some: for how long, and the remedy.
 
+use vibrissa_protocol::Gauge;
 use vibrissa_segmenter::{Condition, Missing};
 
 use crate::contract::Moment;
@@ -54,6 +55,17 @@ pub(super) fn remedy(condition: Condition) -> Option<&'static str> {
             "the whisker shakes, or the converter has many glitches, so only strong touches are found: check the wires and \
              the supply of the converter"
         }
+    })
+}
+
+/// Advice about a gauge as its driver reports it; `None` if it is in order. The supervisor uses no contact of another
+/// one.
+pub(super) fn gauge_remedy(gauge: Gauge) -> Option<&'static str> {
+    Some(match gauge {
+        Gauge::Ok => return None,
+        Gauge::Saturated => "amplify the gauge less, or touch more softly: its converter is at its end",
+        Gauge::Open => "check the wires of the gauge and of its converter: it does not answer",
+        Gauge::Short => "check the wires of the gauge: it is short-circuited",
     })
 }
 

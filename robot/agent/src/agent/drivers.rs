@@ -10,7 +10,8 @@ use super::times::{Rate, Times};
 use super::{Agent, Output};
 use crate::config::{DriverConfig, DriverLimits, Limits};
 use crate::contract::{Moment, Now};
-use crate::driver::words::{Hello, HelloWhisker};
+use crate::driver::told::HelloWhisker;
+use crate::driver::words::Hello;
 use crate::driver::{ToDriver, VERSION};
 
 /// Longest name or version in a factsheet, in characters.
@@ -48,6 +49,8 @@ pub(super) struct Driver {
     pub(super) contact_rate: Rate,
     pub(super) error_rate: Rate,
     pub(super) greeting_rate: Rate,
+    /// Somebody configures the board, and has not saved the changes.
+    pub(super) is_configured: bool,
     /// Its programs, as its last `hello` named them.
     pub(super) software: Vec<Software>,
 }
@@ -73,13 +76,14 @@ impl Driver {
             contact_rate: Rate::new(limits.contacts_per_s, now.at),
             error_rate: Rate::new(ERRORS_PER_S, now.at),
             greeting_rate: Rate::new(GREETINGS_PER_S, now.at),
+            is_configured: false,
             software: Vec::new(),
         }
     }
 
     /// It can be heard from now on.
     fn start(&mut self, now: Now) {
-        (self.is_there, self.says_driving, self.heard) = (true, false, now.at);
+        (self.is_there, self.says_driving, self.is_configured, self.heard) = (true, false, false, now.at);
         (self.lines, self.echoes, self.problem, self.times) = (0, 0, None, Times::default());
     }
 

@@ -13,6 +13,8 @@ const CONTACTS: u32 = 20;
 const OTHERS: u32 = 19;
 /// Way during which an unchanged strain is the end of the scale, in mm: a converter of 10 bits sees a hundredth of it.
 const WAY_MM: f64 = 0.2;
+/// Samples of it: of a fast slide the last sample before a slip-off and the first one after it may be the same.
+const SAMPLES: u32 = 3;
 /// Least difference of that strain from rest: there a strain does not change either, in m/m.
 const LEAST: f64 = 5e-4;
 /// Contacts below the end of the scale after which it counts no more.
@@ -33,6 +35,14 @@ struct Run {
     strain: f64,
     /// Deflection at its begin.
     from_mm: f64,
+    samples: u32,
+}
+
+impl Run {
+    /// Whether the deflection has gone on meanwhile.
+    fn has_gone_on(&self, deflection_mm: f64) -> bool {
+        self.samples >= SAMPLES && (deflection_mm - self.from_mm).abs() >= WAY_MM
+    }
 }
 
 /// The strains of one gauge.
@@ -86,11 +96,11 @@ impl GaugeWatch {
         }
         self.at_end |= self.end == Some(strain);
         let deflection_mm = deflection_mm?;
-        match self.run {
+        match &mut self.run {
             Some(run) if run.strain == strain => {
+                run.samples = run.samples.saturating_add(1);
                 let is_extreme = strain == self.lowest || strain == self.highest;
-                let is_end =
-                    is_extreme && (strain - rest).abs() >= LEAST && (deflection_mm - run.from_mm).abs() >= WAY_MM;
+                let is_end = is_extreme && (strain - rest).abs() >= LEAST && run.has_gone_on(deflection_mm);
                 if !is_end || self.end == Some(strain) {
                     return None;
                 }
@@ -98,7 +108,7 @@ impl GaugeWatch {
                 Some(Finding::Clipped(strain))
             }
             Some(_) | None => {
-                self.run = Some(Run { strain, from_mm: deflection_mm });
+                self.run = Some(Run { strain, from_mm: deflection_mm, samples: 1 });
                 None
             }
         }
@@ -162,6 +172,14 @@ mod tests {
         assert_eq!(touches(&mut watch, 3.0, 0.005, 3), [], "it is told once");
         touches(&mut watch, 1.0, 0.005, 10);
         assert!(!watch.is_clipped(), "softer touches are all right");
+    }
+
+    #[test]
+    fn a_slip_off_between_two_equal_samples_of_a_fast_slide_is_no_end() {
+        let mut watch = GaugeWatch::default();
+        for (way_mm, strain) in [(1.0, 0.0), (1.2, 0.0), (2.0, 0.0092), (2.2, 0.0101), (2.4, 0.0101), (2.6, 0.0)] {
+            assert_eq!(watch.sample(strain, Some(way_mm), Some(0.0)), None);
+        }
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! The lines of the drivers.
 
-use vibrissa_protocol::TouchTestOutcome;
+use vibrissa_protocol::{Gauge, TouchTestOutcome};
 
 use super::chamber::Reading;
+use super::doubt::gauge_remedy;
 use super::{Agent, Output};
 use crate::contract::Now;
-use crate::driver::words::is_own;
-use crate::driver::words::{self, Origin, Progress, cut};
+use crate::driver::told::is_own;
+use crate::driver::words::{self, Changes, Origin, Progress, Source, cut};
 use crate::driver::{BadLine, FromDriver, LINE_MAX_BYTES, ToDriver, VERSION};
 
 /// Refused lines that are answered, per second; all are counted.
@@ -91,12 +92,32 @@ impl Agent {
                         "send the condition that changed",
                     ));
                 }
+                let before = self.chambers[at].condition(now).1;
                 self.chambers[at].fault(fault.regulator, fault.gauge);
+                self.warn_of_driver(at, before, now, out);
                 Ok(())
             }
             FromDriver::TestState(state) => self.test_state(from, &state, now, out),
             FromDriver::Driving(line) => {
                 self.drivers[from].says_driving = line.driving;
+                Ok(())
+            }
+            FromDriver::Locate(line) => {
+                let place = self.locate(from, line, now);
+                out.push(Output::Tell(from, place));
+                Ok(())
+            }
+            FromDriver::Configured(line) => {
+                self.configured(from, line.changes, out);
+                Ok(())
+            }
+            FromDriver::Configuration(line) => {
+                self.warn_of_configuration(from, line.record, out);
+                Ok(())
+            }
+            FromDriver::Error(problem) => {
+                let label = &self.drivers[from].label;
+                out.push(Output::Warn(format!("{label} has refused a line: {}", cut(&problem.problem))));
                 Ok(())
             }
         }
@@ -113,7 +134,42 @@ impl Agent {
         }
         self.greet(from, now, out);
         self.learn_software(from, hello, now, out);
+        self.warn_of_configuration(from, hello.configuration, out);
         Ok(())
+    }
+
+    /// Names a gauge that its driver reports as bad from now on: no contact of it is used.
+    fn warn_of_driver(&self, at: usize, before: Gauge, now: Now, out: &mut Vec<Output>) {
+        let chamber = &self.chambers[at];
+        let gauge = chamber.condition(now).1;
+        if let Some(remedy) = gauge_remedy(gauge).filter(|_| gauge != before) {
+            let (array, number) = (&chamber.array, chamber.number);
+            out.push(Output::Warn(format!("whisker {array}/{number}: its driver reports the gauge {gauge}: {remedy}")));
+        }
+    }
+
+    /// Somebody configures a board while the agent hears it.
+    fn configured(&mut self, from: usize, changes: Changes, out: &mut Vec<Output>) {
+        let driver = &mut self.drivers[from];
+        let before = std::mem::replace(&mut driver.is_configured, changes == Changes::Unsaved);
+        if driver.is_configured && !before {
+            out.push(Output::Warn(format!(
+                "{} is being configured: its valves are closed, and it sends no readings, until the changes are saved \
+                 or discarded",
+                driver.label
+            )));
+        }
+    }
+
+    /// A board whose record is broken opens no valve.
+    fn warn_of_configuration(&self, from: usize, source: Option<Source>, out: &mut Vec<Output>) {
+        if source == Some(Source::Broken) {
+            out.push(Output::Warn(format!(
+                "{} has a damaged configuration, or one of another program, and opens no valve: configure it \
+                 (robot/boards/README.md)",
+                self.drivers[from].label
+            )));
+        }
     }
 
     /// Index of a line's whisker, and the time of the line.

@@ -10,6 +10,7 @@ mod doubt;
 mod drivers;
 mod gauge_watch;
 mod lines;
+mod locate;
 mod messages;
 mod motion;
 mod motion_lines;

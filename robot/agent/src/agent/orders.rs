@@ -6,7 +6,7 @@ use vibrissa_protocol::{
 
 use super::{Agent, Output};
 use crate::contract::supervision::pressure_without;
-use crate::contract::{Addressee, CommandAnswer, Moment, Now, TestAnswer, TestVerdict, Tested, Verdict};
+use crate::contract::{Addressee, CommandAnswer, Moment, Now, Response, TestAnswer, TestVerdict, Tested, Verdict};
 use crate::driver::ToDriver;
 use crate::store::Record;
 
@@ -164,7 +164,7 @@ impl Agent {
         if !self.estimates.takes(estimate) {
             return;
         }
-        self.chambers.iter_mut().for_each(|chamber| chamber.estimate = None);
+        self.chambers.iter_mut().for_each(|chamber| (chamber.estimate, chamber.response) = (None, None));
         for one in &estimate.whiskers {
             let Some(&at) = self.places.get(&(one.array.clone(), one.whisker)) else { continue };
             let line = ToDriver::Estimate {
@@ -178,6 +178,7 @@ impl Agent {
             };
             let chamber = &mut self.chambers[at];
             chamber.estimate = Some(line.clone());
+            chamber.response = Response::new(one.pressure_mpa, &one.response);
             let before = chamber.gain.factor();
             chamber.gain.estimated(one.pressure_mpa, one.reading_gain);
             let has_other_gain = chamber.gain.factor() != before;

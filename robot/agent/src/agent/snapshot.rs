@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use vibrissa_protocol::{Gauge, Name, Regulator, WhiskerCondition};
-use vibrissa_segmenter::Condition;
+use vibrissa_protocol::{Gauge, Name, Regulator, Segmenter, WhiskerCondition};
 
 use super::Agent;
 use super::chamber::Chamber;
-use super::doubt::remedy;
+use super::doubt::{gauge_remedy, remedy};
 use crate::contract::Now;
 use crate::driver::ToDriver;
 
@@ -56,8 +55,8 @@ pub struct WhiskerView {
     pub regulator: Regulator,
     /// Condition of the gauge.
     pub gauge: Gauge,
-    /// State of the segmenter, such as `READY` or `LEARNING`; `None` if no driver sends strain.
-    pub segmenter: Option<String>,
+    /// State of the segmenter; `None` if no driver sends strain.
+    pub segmenter: Option<Segmenter>,
     /// Condition as the supervisor estimates it.
     pub condition: Option<WhiskerCondition>,
     /// The newest reading, in MPa.
@@ -107,22 +106,25 @@ impl Agent {
             whisker: chamber.number,
             regulator,
             gauge,
-            segmenter: chamber.stream.as_ref().map(|stream| {
-                let is_inverted = stream.condition() == Condition::Ready && chamber.gauge_watch.is_reversed();
-                if is_inverted { "INVERTED" } else { stream.condition().word() }.to_owned()
-            }),
+            segmenter: chamber.segmenter(),
             condition,
             pressure_mpa: chamber.present_reading().map(|reading| reading.pressure_mpa),
             setpoint_mpa: chamber.target_mpa,
             contact_s,
             refused: self.drivers.iter().filter(|one| one.serves.contains(&at)).map(|one| one.refused).sum(),
             unused: chamber.unused.clone(),
-            advice: self.advice(at, chamber, regulator, contact_s),
+            advice: self.advice(at, chamber, (regulator, gauge), contact_s),
         }
     }
 
     /// The most urgent thing to do.
-    fn advice(&self, at: usize, chamber: &Chamber, regulator: Regulator, contact_s: Option<f64>) -> Option<String> {
+    fn advice(
+        &self,
+        at: usize,
+        chamber: &Chamber,
+        (regulator, gauge): (Regulator, Gauge),
+        contact_s: Option<f64>,
+    ) -> Option<String> {
         if !self.is_served(at) {
             let names: Vec<&str> =
                 self.drivers.iter().filter(|one| one.serves.contains(&at)).map(|one| &*one.label).collect();
@@ -145,7 +147,7 @@ impl Agent {
                 "amplify the gauge less, or touch more softly: the strain ends below the deflection".to_owned(),
             );
         }
-        let advice = advice.map(str::to_owned);
+        let advice = advice.or_else(|| gauge_remedy(gauge)).map(str::to_owned);
         let unused = || {
             let most = chamber.unused.iter().max_by_key(|(_, count)| **count)?;
             contact_s.is_none().then(|| format!("no contact could be sent: {}", most.0))

@@ -4,10 +4,12 @@
 mod admission;
 pub mod lines;
 pub(crate) mod link;
+pub mod told;
 pub mod words;
 
 pub use lines::{LINE_MAX_BYTES, Lines};
-pub use words::{BadLine, FromDriver, Opening, Samples, ToDriver};
+pub use told::{Opening, ToDriver};
+pub use words::{BadLine, FromDriver, Samples};
 
 /// Version of the interface.
 pub const VERSION: u32 = 1;

@@ -1,10 +1,14 @@
-//! The words of the interface.
+//! The words of drivers.
+
+mod states;
 
 use std::borrow::Cow;
 
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
-use vibrissa_protocol::{Gauge, Name, Regulator, TouchTestKind, WhiskerCondition, plain};
+use vibrissa_protocol::{Gauge, Name, Regulator, plain};
+
+pub use states::{Changes, Configuration, Configured, Driving, Hello, Problem, Progress, Source, TestState};
 
 /// Largest number of samples in one `strain` line.
 pub const SAMPLES_MAX: usize = 1000;
@@ -28,22 +32,14 @@ pub enum FromDriver {
     TestState(TestState),
     /// Whether the robot moves.
     Driving(Driving),
-}
-
-/// `hello`: the driver introduces itself.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
-pub struct Hello {
-    /// Version of the interface.
-    pub version: u32,
-    /// Name of the driver, for logs and for the factsheet.
-    #[serde(default)]
-    pub name: String,
-    /// Version of the driver's program on a computer.
-    #[serde(default)]
-    pub software_version: Option<String>,
-    /// Version of the program on the board.
-    #[serde(default)]
-    pub firmware_version: Option<String>,
+    /// Where was this touch?
+    Locate(Locate),
+    /// A board's answer to a person who configures it.
+    Configured(Configured),
+    /// A part of a board's configuration.
+    Configuration(Configuration),
+    /// A board has refused a line.
+    Error(Problem),
 }
 
 /// The whisker and the time of a line.
@@ -160,6 +156,15 @@ lines! {
         /// Pressure of the supply, in MPa.
         supply_mpa: Option<f64>,
     }
+    /// `locate`: a question for the place of a touch.
+    Locate {
+        /// Strain as measured, without its value at rest, in m/m.
+        strain: f64,
+        /// Deflection, in mm.
+        deflection_mm: f64,
+        /// Text that the answer repeats, up to 160 characters.
+        id: Option<String>,
+    }
     /// `fault`: a change of condition.
     Fault {
         /// Condition of the gauge.
@@ -188,34 +193,6 @@ impl Samples {
             Self::Many(many) => many,
         }
     }
-}
-
-/// `driving`: the robot moves from now on, or stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-pub struct Driving {
-    /// Whether it moves.
-    pub driving: bool,
-}
-
-/// `test_state`: progress of a touch test.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
-pub struct TestState {
-    /// The test.
-    pub test_id: String,
-    /// Its state.
-    pub state: Progress,
-}
-
-/// State of a touch test, as a driver knows it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-pub enum Progress {
-    /// The driver has begun.
-    Running,
-    /// All touches are done.
-    Done,
-    /// The driver cannot finish.
-    Failed,
 }
 
 /// A line that the agent refuses.
@@ -249,7 +226,7 @@ struct Head<'a> {
 }
 
 /// The words of drivers, in an error.
-const WORDS: &str = "send one of hello, contact, strain, motion, pressure, fault, test_state, driving";
+const WORDS: &str = "send one of hello, contact, strain, motion, pressure, fault, test_state, driving, locate";
 
 impl FromDriver {
     /// Reads a line.
@@ -271,6 +248,10 @@ impl FromDriver {
             "fault" => read(text, Self::Fault),
             "test_state" => read(text, Self::TestState),
             "driving" => read(text, Self::Driving),
+            "locate" => read(text, Self::Locate),
+            "configured" => read(text, Self::Configured),
+            "configuration" => read(text, Self::Configuration),
+            "error" => read(text, Self::Error),
             other => Err(BadLine::new(format!("{:?} is no word of a driver", cut(other)), WORDS)),
         }
     }
@@ -286,145 +267,4 @@ fn read<T: DeserializeOwned>(text: &str, word: impl Fn(T) -> FromDriver) -> Resu
 /// Texts of a driver are cut, so that an answer is short.
 pub(crate) fn cut(text: &str) -> String {
     text.chars().filter(|one| !one.is_control()).take(160).collect()
-}
-
-/// A line to the driver.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(tag = "type", rename_all = "snake_case")]
-pub enum ToDriver {
-    /// The first line to a driver, and the answer to its `hello`.
-    Hello {
-        /// Version of the interface.
-        version: u32,
-        /// Whiskers with their limits.
-        whiskers: Vec<HelloWhisker>,
-    },
-    /// Hold this pressure.
-    SetPressure {
-        /// Array of the whisker.
-        array: Name,
-        /// Its number.
-        whisker: u16,
-        /// Pressure, in MPa.
-        pressure_mpa: f64,
-        /// Highest rate of change, in MPa/s.
-        slew_mpa_per_s: f64,
-    },
-    /// Multiply each reading of the whisker by this factor. Only to drivers of robots that apply gains.
-    ReadingGain {
-        /// Array of the whisker.
-        array: Name,
-        /// Its number.
-        whisker: u16,
-        /// The factor.
-        reading_gain: f64,
-    },
-    /// Open a valve for a pulse; close both valves afterwards.
-    Valve {
-        /// Array of the whisker.
-        array: Name,
-        /// Its number.
-        whisker: u16,
-        /// The valve.
-        open: Opening,
-        /// Length of the pulse, in milliseconds, at most 1000; 0 with `CLOSE`.
-        for_ms: f64,
-    },
-    /// Do a touch test.
-    Test {
-        /// Identifies the test.
-        test_id: String,
-        /// Array of the whisker.
-        array: Name,
-        /// Its number.
-        whisker: u16,
-        /// Kind of the test.
-        kind: TouchTestKind,
-        /// Distances from the base, in mm.
-        distances_mm: Vec<f64>,
-        /// Deflections, in mm.
-        deflections_mm: Vec<f64>,
-        /// Number of touches.
-        contacts: u16,
-    },
-    /// The supervisor's estimate of a whisker.
-    Estimate {
-        /// Array of the whisker.
-        array: Name,
-        /// Its number.
-        whisker: u16,
-        /// Present length, in mm.
-        length_mm: f64,
-        /// Lower bound of its 95 % interval, in mm.
-        length_low_mm: f64,
-        /// Upper bound, in mm.
-        length_high_mm: f64,
-        /// Mechanical condition.
-        condition: WhiskerCondition,
-        /// Pairs of contact ratio and factor on the strain.
-        gain: Vec<(f64, f64)>,
-    },
-    /// A line that the agent refused.
-    Error {
-        /// Number of the line since the driver's start, from 1.
-        line: u64,
-        /// Description of the error.
-        problem: String,
-        /// Remedy for the author of the driver.
-        #[serde(rename = "do")]
-        remedy: &'static str,
-    },
-}
-
-/// A valve to open.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-pub enum Opening {
-    /// The fill valve.
-    Fill,
-    /// The vent valve.
-    Vent,
-    /// None: both are closed now.
-    Close,
-}
-
-/// A whisker in `hello`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct HelloWhisker {
-    /// Array of the whisker.
-    pub array: Name,
-    /// Its number.
-    pub whisker: u16,
-    /// Pressure to hold now, in MPa.
-    pub pressure_mpa: f64,
-    /// Highest pressure, in MPa.
-    pub pressure_max_mpa: f64,
-}
-
-/// Whether a line is one to a driver, and none from it: a device that echoes sends it back. A driver has `hello`, too,
-/// but never with whiskers.
-pub(crate) fn is_own(line: &[u8]) -> bool {
-    let starts = [
-        &br#"{"type":"set_pressure","#[..],
-        br#"{"type":"reading_gain","#,
-        br#"{"type":"valve","#,
-        br#"{"type":"test","#,
-        br#"{"type":"estimate","#,
-        br#"{"type":"error","#,
-    ];
-    starts.iter().any(|start| line.starts_with(start))
-        || line.strip_prefix(br#"{"type":"hello","version":"#).is_some_and(|rest| {
-            let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
-            rest[digits..].starts_with(br#","whiskers":["#)
-        })
-}
-
-impl ToDriver {
-    /// The line, with its end.
-    #[must_use]
-    pub fn line(&self) -> Vec<u8> {
-        let mut line = vibrissa_protocol::encode(self);
-        line.push(b'\n');
-        line
-    }
 }

@@ -15,7 +15,8 @@
 //   !input N INPUT VOLTS                    the voltage of one of its inputs
 //   !eeprom ADDRESS BYTE                    overwrites a byte of the EEPROM
 //   !restart                                resets the microcontroller; the EEPROM keeps its bytes
-//   !pressures                              prints the true pressures of all chambers
+//   !pressures                              prints the true pressures of all chambers, and all lines so far: a
+//                                           program that waits for it may write the next lines then
 //   !stack                                  prints the fewest bytes between variables and stack so far
 //
 // Prints each line of the board after the simulated time in ms and the true pressure of the first chamber, and the
@@ -39,6 +40,9 @@ static avr_irq_t *adc;
 static char said[1000];
 static size_t said_length;
 static int variables_end, least_stack;
+// Bytes on their way to the board.
+static char sending[65536];
+static size_t sent, to_send;
 
 double now_ms(void) { return avr->cycle / (1000.0 * MHZ); }
 
@@ -109,6 +113,7 @@ static int obey(const char *what) {
         printf("%.1f 0 pressures", now_ms());
         for (int i = 0; i < CHAMBERS; i++) printf(" %.5f", chamber_mpa(i));
         printf("\n");
+        fflush(stdout);
     } else {
         fprintf(stderr, "unknown order %s", what);
         exit(2);
@@ -151,7 +156,7 @@ int main(int argc, char **argv) {
     is_mega = !strcmp(argv[1], "mega");
     if (!set_up(argv[2])) return 2;
     avr_irq_t *input = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
-    char line[400], *sending = NULL;
+    char line[4096];
     double at_ms = -1;
     avr_cycle_count_t tick = 0;
     for (;;) {
@@ -165,13 +170,10 @@ int main(int argc, char **argv) {
         tick += TICK_US * MHZ;
         move_air(TICK_US * 1e-6);
         run_devices();
-        if (sending) {
-            // A byte each tick: a little slower than 115200 baud.
-            avr_raise_irq(input, (uint8_t)*sending);
-            sending = *sending == '\n' ? NULL : sending + 1;
-            continue;
-        }
-        while (!sending) {
+        // A byte each tick: a little slower than 115200 baud.
+        if (sent < to_send) avr_raise_irq(input, (uint8_t)sending[sent++]);
+        if (sent == to_send) sent = to_send = 0;
+        for (;;) {
             if (at_ms < 0) {
                 if (!fgets(line, sizeof line, stdin)) return 0;
                 at_ms = atof(line);
@@ -180,8 +182,17 @@ int main(int argc, char **argv) {
             char *what = strchr(line, ' ');
             at_ms = -1;
             if (!what) return 0;
-            if (what[1] != '!') sending = what + 1;
-            else if (obey(what + 1)) return 0;
+            if (what[1] == '!') {
+                if (obey(what + 1)) return 0;
+                continue;
+            }
+            size_t length = strlen(what + 1);
+            if (to_send + length > sizeof sending) {
+                fprintf(stderr, "the lines to the board are too many\n");
+                return 2;
+            }
+            memcpy(sending + to_send, what + 1, length);
+            to_send += length;
         }
     }
 }

@@ -74,6 +74,21 @@ class Estimate:
 
 
 @dataclass(frozen=True)
+class ContactPlace:
+    """The place of a touch on a whisker."""
+
+    #: Most likely distance from the base, without the chamber's elongation.
+    distance_mm: float
+    #: 95 % interval of the distance; it ends at the chamber and at the tip.
+    distance_low_mm: float
+    distance_high_mm: float
+
+
+class NoPlace(Exception):
+    """No place of the touch is known; the text says why."""
+
+
+@dataclass(frozen=True)
 class Refused:
     """The agent refused something that the program has sent."""
 
@@ -122,6 +137,13 @@ def event_of(line: Mapping[str, Any]) -> Optional[Event]:
     if kind == "error":
         return Refused(line["problem"], line["do"])
     return None
+
+
+def place_of(line: Mapping[str, Any]) -> Union[ContactPlace, NoPlace]:
+    """The place in the agent's answer to `locate`, or why there is none."""
+    if "problem" in line:
+        return NoPlace(line["problem"])
+    return ContactPlace(line["distance_mm"], line["distance_low_mm"], line["distance_high_mm"])
 
 
 def line_of(kind: str, fields: Mapping[str, object]) -> bytes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import atexit
 import functools
+import itertools
 import logging
 import queue
 import threading
@@ -14,7 +15,7 @@ from os import PathLike
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal, Optional, Protocol, TypeVar, Union, cast
 
-from ._events import Event, Refused, WhiskerFacts, event_of, line_of, whiskers_of
+from ._events import ContactPlace, Event, NoPlace, Refused, WhiskerFacts, event_of, line_of, place_of, whiskers_of
 from ._link import PATIENCE_S, AgentEnded, Link
 
 #: Events that wait for the program; beyond that the oldest ones are dropped. The agent repeats pressures.
@@ -52,6 +53,8 @@ class Robot:
         self._callbacks: list[tuple[type[Any], Callable[[Any], object]]] = []
         self._whiskers: list[WhiskerFacts] = []
         self._has_whiskers = threading.Event()
+        self._questions = itertools.count()
+        self._answers: dict[str, queue.Queue[Union[ContactPlace, NoPlace]]] = {}
         #: Events that were dropped because nobody took them.
         self.dropped = 0
         self._link = Link(config, log, self._receive)
@@ -176,6 +179,33 @@ class Robot:
         """Reports the progress of a touch test."""
         self._send("test_state", _without_self(locals()))
 
+    def locate(
+        self, whisker: int, *, strain: float, deflection_mm: float, array: Optional[str] = None
+    ) -> ContactPlace:
+        """Where a touch was, from its strain (without its value at rest) and deflection.
+
+        Uses the whisker's response as the supervisor has learned it, at the present pressure.
+
+        Raises:
+            NoPlace: No place on the whisker explains the strain, or the response is not known; the text says why.
+            TimeoutError: The agent does not answer. Not from a callback (`on`): the answer waits for its end.
+        """
+        question = str(next(self._questions))
+        answer: queue.Queue[Union[ContactPlace, NoPlace]] = queue.Queue(1)
+        self._answers[question] = answer
+        try:
+            fields = {"id": question, "whisker": whisker, "strain": strain, "deflection_mm": deflection_mm}
+            self._send("locate", {**fields, "array": array})
+            place = answer.get(timeout=PATIENCE_S)
+        except queue.Empty:
+            self._check()
+            raise TimeoutError("the agent does not answer") from None
+        finally:
+            del self._answers[question]
+        if isinstance(place, NoPlace):
+            raise place
+        return place
+
     def on(self, kind: type[E]) -> Callable[[Callable[[E], object]], Callable[[E], object]]:
         """Has a function called with each event of a kind, in a thread of the robot: `@robot.on(SetPressure)`.
 
@@ -230,6 +260,11 @@ class Robot:
             self._whiskers = whiskers_of(line)
             self._has_whiskers.set()
             return
+        if line.get("type") == "place":
+            answer = self._answers.get(line.get("id", ""))
+            if answer is not None:
+                answer.put(place_of(line))
+            return
         event = event_of(line)
         if event is None:
             return
@@ -261,16 +296,17 @@ if TYPE_CHECKING:
     from typing_extensions import Concatenate, ParamSpec
 
     P = ParamSpec("P")
+    R = TypeVar("R")
 
 
 def _awaited(
-    method: Callable[Concatenate[Robot, P], None],
-) -> Callable[Concatenate[AsyncRobot, P], Coroutine[Any, Any, None]]:
+    method: Callable[Concatenate[Robot, P], R],
+) -> Callable[Concatenate[AsyncRobot, P], Coroutine[Any, Any, R]]:
     """A method of `Robot` for asyncio: it may wait for the agent, so it runs in a thread."""
 
     @functools.wraps(method)
-    async def call(robot: AsyncRobot, /, *args: P.args, **kwargs: P.kwargs) -> None:
-        await asyncio.to_thread(method, robot.robot, *args, **kwargs)
+    async def call(robot: AsyncRobot, /, *args: P.args, **kwargs: P.kwargs) -> R:
+        return await asyncio.to_thread(method, robot.robot, *args, **kwargs)
 
     return call
 
@@ -318,6 +354,7 @@ class AsyncRobot:
     pressure = _awaited(Robot.pressure)
     fault = _awaited(Robot.fault)
     test_state = _awaited(Robot.test_state)
+    locate = _awaited(Robot.locate)
 
     async def next_event(self, timeout_s: Optional[float] = None) -> Optional[Event]:
         """The next event; None if there is none in time."""

@@ -23,6 +23,12 @@ const BEYOND_SD: f64 = 4.0;
 const TOLERANCE: f64 = 1e-6;
 /// Least contact ratio that is tried.
 const LEAST: f64 = 0.01;
+/// Points of a response along a whisker.
+const RESPONSE_POINTS: usize = 16;
+/// Deflection of a response, mm. The response changes by less than a contact's noise from 1 to 5 mm.
+const RESPONSE_DEFLECTION_MM: f64 = 3.0;
+/// Strain of a touch that is compared with a response; any has the same response.
+const ANY_STRAIN: f64 = 0.01;
 
 /// A touch whose place the robot does not know.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +54,17 @@ pub struct Located {
     pub length: Millimetre,
     /// Pressure in the chamber.
     pub pressure: Megapascal,
+}
+
+/// Response of a whisker to touches at one distance from its base.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResponsePoint {
+    /// Distance from the base, without the chamber's elongation, mm.
+    pub distance_mm: f64,
+    /// Strain per mm of deflection, without any gain.
+    pub strain_per_mm: f64,
+    /// Its standard deviation, with that of a contact's strain.
+    pub sd_per_mm: f64,
 }
 
 /// Reason for which a touch has no place.
@@ -86,6 +103,39 @@ impl Robot {
         let places = Places { whisker: one, model, morphology, params, touch };
         places.find(&one.filter.length())
     }
+
+    /// Response of a whisker at its setpoint, from the chamber to the tip by its present length and offset: with it, a
+    /// robot finds the places of touches by itself. Empty for an unknown whisker or model.
+    #[must_use]
+    pub fn response_curve(&self, params: &Params, whisker: WhiskerIndex) -> Vec<ResponsePoint> {
+        let one = self.whiskers.get(whisker);
+        let Some((one, model)) = one.and_then(|one| Some((one, one.model(params)?))) else { return Vec::new() };
+        let touch = Touch {
+            strain: Strain::known(ANY_STRAIN),
+            deflection: Millimetre::known(RESPONSE_DEFLECTION_MM),
+            pressure: None,
+        };
+        let morphology = model.morphology(one.air.setpoint);
+        let places = Places { whisker: one, model, morphology, params, touch: &touch };
+        let length_mm = one.filter.length().length.mm();
+        let nearest = places.nearest();
+        let points = (0..RESPONSE_POINTS).filter_map(|at| {
+            let ratio = nearest + (1.0 - nearest) * at as f64 / (RESPONSE_POINTS - 1) as f64;
+            let seen = places.at(ratio).ok()?;
+            let strain_per_mm = seen.predicted_sensitivity_per_mm;
+            let distance_mm = ratio * length_mm;
+            Some(ResponsePoint { distance_mm, strain_per_mm, sd_per_mm: strain_per_mm * seen.variance.sqrt() })
+        });
+        // The strain of a tapered whisker falls towards the tip; the part that does not tells no place.
+        let mut falling: Vec<ResponsePoint> = Vec::with_capacity(RESPONSE_POINTS);
+        for point in points {
+            while falling.last().is_some_and(|before| before.strain_per_mm <= point.strain_per_mm) {
+                falling.pop();
+            }
+            falling.push(point);
+        }
+        falling
+    }
 }
 
 /// The residual of a touch at each place.
@@ -118,6 +168,13 @@ impl Places<'_> {
         })
     }
 
+    /// Contact ratio at the chamber's end, beyond which the model holds.
+    fn nearest(&self) -> f64 {
+        let length_mm = self.whisker.filter.length().length.mm();
+        let chamber_mm = self.model.chamber_end(&self.morphology).mm();
+        ((chamber_mm + 1e-3) / (length_mm + self.morphology.elongation_mm)).max(LEAST)
+    }
+
     fn find(&self, length: &LengthEstimate) -> Result<Located, LocateError> {
         let at_tip = self.at(1.0)?;
         let sd = at_tip.variance.sqrt();
@@ -125,8 +182,7 @@ impl Places<'_> {
             return Err(LocateError::BeyondTip);
         }
         let length_mm = length.length.mm();
-        let chamber_mm = self.model.chamber_end(&self.morphology).mm();
-        let nearest = ((chamber_mm + 1e-3) / (length_mm + self.morphology.elongation_mm)).max(LEAST);
+        let nearest = self.nearest();
         let at_chamber = self.at(nearest.min(1.0))?;
         if at_chamber.residual > BEYOND_SD * sd {
             return Err(LocateError::OnChamber);

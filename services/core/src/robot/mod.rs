@@ -33,7 +33,7 @@ pub use codec::robot::RestoreError;
 pub use compensation::{Compensation, one_number};
 pub use effect::Effect;
 pub use event::Event;
-pub use locate::{LocateError, Located, Touch};
+pub use locate::{LocateError, Located, ResponsePoint, Touch};
 pub use params::Params;
 pub use state::factsheet::Sheet;
 pub use state::head::Array;

@@ -2,9 +2,9 @@ use super::*;
 use crate::document::Channel;
 use crate::document::examples::{
     CONNECTION, CONTACTS, ESTIMATE, ESTIMATE_GAIN, FACTSHEET, FACTSHEET_GAIN, RECEIPT, SETPOINT, SETPOINT_GAIN,
-    SETPOINT_STATE, STATUS,
+    SETPOINT_STATE, STATUS, STATUS_DROPPED,
 };
-use crate::{ContactPlace, Distance};
+use crate::{ContactPlace, Distance, Segmenter};
 
 fn topic(last: &str) -> Topic {
     Topic::parse(&format!("whisker/v1/f/r/{last}")).unwrap()
@@ -280,6 +280,35 @@ fn a_neighbour_must_be_another_whisker_of_the_array() {
 fn a_setpoints_pressure_is_left_to_the_robot_to_reject() {
     let text = SETPOINT.replace("0.048", "7.5");
     assert!(decode(&topic("setpoint"), text.as_bytes()).is_ok());
+}
+
+#[test]
+fn the_points_of_a_response_are_checked() {
+    let point = "[40.1,0.00601,0.0002]";
+    for (to, place) in [
+        ("[0.05,0.00601,0.0002]", "distance_mm"),
+        ("[40.1,0.0,0.0002]", "strain_per_mm"),
+        ("[40.1,11.0,0.0002]", "strain_per_mm"),
+        ("[40.1,0.00601,0.0]", "sd_per_mm"),
+    ] {
+        let refusal = refused_after("estimate", ESTIMATE_GAIN, point, to);
+        assert_out_of_range(&refusal, &format!("whiskers[0].response[1].{place}"));
+    }
+    // Neither a distance that does not rise nor a strain that does not fall.
+    for to in ["[15.2,0.00601,0.0002]", "[40.1,0.00894,0.0002]", "[40.1,0.00601]"] {
+        assert_eq!(refused_after("estimate", ESTIMATE_GAIN, point, to).label(), "malformed", "{to}");
+    }
+    let many: Vec<String> = (0..16).map(|at| format!("[{}.0,0.0{},0.0001]", 20 + at, 80 - at)).collect();
+    let refusal = refused_after("estimate", ESTIMATE_GAIN, point, &format!("{point},{}", many.join(",")));
+    assert!(matches!(&refusal, Refusal::TooMany { most: 16, .. }), "{refusal}");
+}
+
+#[test]
+fn a_status_may_state_the_segmenter() {
+    for (text, segmenter) in [(STATUS_DROPPED, Some(Segmenter::Noisy)), (STATUS, None)] {
+        let Message::Status(status) = decode(&topic("status"), text.as_bytes()).unwrap() else { panic!("no status") };
+        assert_eq!(status.whiskers[0].segmenter, segmenter);
+    }
 }
 
 #[test]

@@ -14,7 +14,7 @@ pub const CONTACTS: &str = r#"{"boot_id":"b7","seq":1812,"contacts":[{"array":"l
 /// A chamber at its setpoint.
 pub const STATUS: &str = r#"{"boot_id":"b7","seq":77,"t_us":1795248000123456,"whiskers":[{"array":"left","whisker":0,"pressure_mpa":0.1002,"setpoint_mpa":0.1,"regulator":"OK","gauge":"OK"}]}"#;
 /// A chamber on its way to the setpoint, and dropped contacts messages.
-pub const STATUS_DROPPED: &str = r#"{"boot_id":"b7","seq":78,"t_us":1795248001123456,"whiskers":[{"array":"left","whisker":0,"pressure_mpa":0.081,"setpoint_mpa":0.048,"regulator":"VENTING","gauge":"OK"}],"contacts_dropped":12}"#;
+pub const STATUS_DROPPED: &str = r#"{"boot_id":"b7","seq":78,"t_us":1795248001123456,"whiskers":[{"array":"left","whisker":0,"pressure_mpa":0.081,"setpoint_mpa":0.048,"regulator":"VENTING","gauge":"OK","segmenter":"NOISY"}],"contacts_dropped":12}"#;
 /// All messages below 1810 are committed, and 1811 to 1813 beyond a gap.
 pub const RECEIPT: &str = r#"{"boot_id":"s3","seq":410,"robot_boot_id":"b7","next":1810,"held":[[1811,1813]]}"#;
 /// A trimmed whisker compensates for itself.
@@ -30,7 +30,7 @@ pub const REQUEST: &str = r#"{"boot_id":"s3","seq":2,"request":"FACTSHEET"}"#;
 /// A trimmed whisker that compensates for itself, and a whole one.
 pub const ESTIMATE: &str = r#"{"boot_id":"s3","seq":4,"epoch":1795248000000,"version":5,"timestamp":"2026-11-21T08:00:09.000Z","whiskers":[{"array":"left","whisker":0,"length_mm":62.1,"length_low_mm":61.82,"length_high_mm":62.38,"condition":"TRIMMED","pressure_mpa":0.048,"gain":[[0.45,1.02],[1.0,0.99]]},{"array":"left","whisker":1,"length_mm":65.0,"length_low_mm":64.8,"length_high_mm":65.2,"condition":"HEALTHY","pressure_mpa":0.1,"gain":[]}]}"#;
 /// A trimmed whisker whose robot multiplies its readings.
-pub const ESTIMATE_GAIN: &str = r#"{"boot_id":"s3","seq":5,"epoch":1795248000000,"version":6,"timestamp":"2026-11-21T08:00:10.000Z","whiskers":[{"array":"nose","whisker":0,"length_mm":65.1,"length_low_mm":64.8,"length_high_mm":65.4,"condition":"TRIMMED","pressure_mpa":0.082,"gain":[],"reading_gain":0.887}]}"#;
+pub const ESTIMATE_GAIN: &str = r#"{"boot_id":"s3","seq":5,"epoch":1795248000000,"version":6,"timestamp":"2026-11-21T08:00:10.000Z","whiskers":[{"array":"nose","whisker":0,"length_mm":65.1,"length_low_mm":64.8,"length_high_mm":65.4,"condition":"TRIMMED","pressure_mpa":0.082,"gain":[],"reading_gain":0.887,"response":[[15.2,0.00894,0.00031],[40.1,0.00601,0.0002],[65.1,0.00447,0.00016]]}]}"#;
 /// A supervisor owns the fleet.
 pub const SUPERVISOR_STATE: &str = r#"{"boot_id":"s3","seq":0,"state":"ONLINE","epoch":1795248000000}"#;
 /// Asks every robot of the fleet for its birth and factsheet.

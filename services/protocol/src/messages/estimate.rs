@@ -70,6 +70,14 @@ pub struct WhiskerEstimate {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "documents", schemars(transform = crate::check::READING_GAIN.in_schema()))]
     pub reading_gain: Option<f64>,
+    /// Response of the whisker at `pressure_mpa`, without any gain: distance of a touch from the base in mm, strain of
+    /// the gauge per mm of deflection at 3 mm, and its standard deviation with that of a contact's strain. By rising
+    /// distance and falling strain, from the chamber to the tip, for interpolation of the strain's logarithm. So a
+    /// robot finds the place of a touch from its strain and deflection. Empty if it is not known, or if the message
+    /// would become too long.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "documents", schemars(schema_with = "crate::schema::response"))]
+    pub response: Vec<(f64, f64, f64)>,
 }
 
 impl Estimate {
@@ -91,7 +99,8 @@ impl WhiskerEstimate {
         }
         PRESSURE_MPA.check("pressure_mpa", self.pressure_mpa)?;
         check::gain(&self.gain)?;
-        check::reading_gain(self.reading_gain)
+        check::reading_gain(self.reading_gain)?;
+        check::response(&self.response)
     }
 }
 

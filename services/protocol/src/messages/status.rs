@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Checked;
 use crate::check::PRESSURE_MPA;
-use crate::{ARRAYS_MAX, BootId, Gauge, Name, Refusal, Regulator, WHISKERS_MAX, check};
+use crate::{ARRAYS_MAX, BootId, Gauge, Name, Refusal, Regulator, Segmenter, WHISKERS_MAX, check};
 
 /// `status`: condition of a robot's chambers and gauges.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -49,6 +49,10 @@ pub struct WhiskerStatus {
     pub regulator: Regulator,
     /// Condition of the gauge.
     pub gauge: Gauge,
+    /// How far the whisker's contacts can be relied on; absent if the robot finds them in another way than from samples
+    /// of strain, or does not know.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub segmenter: Option<Segmenter>,
 }
 
 impl Status {

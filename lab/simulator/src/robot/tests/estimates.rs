@@ -16,6 +16,7 @@ fn estimate(bench: &mut Bench, (epoch, version): (u64, u64), lengths_mm: &[(u16,
         pressure_mpa: 0.1,
         gain: Vec::new(),
         reading_gain: None,
+        response: Vec::new(),
     };
     let whiskers = lengths_mm.iter().map(entry).collect();
     let timestamp = Timestamp(bench.now_us);

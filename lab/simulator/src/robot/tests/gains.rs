@@ -23,6 +23,7 @@ fn estimate(bench: &mut Bench, version: u64, pressure_mpa: f64, reading_gain: Op
         pressure_mpa,
         gain: Vec::new(),
         reading_gain,
+        response: Vec::new(),
     };
     let (boot_id, timestamp) = (supervisor(), Timestamp(bench.now_us));
     let estimate = Estimate { boot_id, seq: version, epoch: 1, version, timestamp, whiskers: vec![whisker] };

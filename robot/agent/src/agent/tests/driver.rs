@@ -18,6 +18,7 @@ fn a_driver_is_greeted_with_all_it_needs() {
         pressure_mpa: 0.1,
         gain: vec![(0.5, 0.9)],
         reading_gain: None,
+        response: Vec::new(),
     };
     let of = |version| Estimate {
         boot_id: supervisor(),
@@ -329,10 +330,10 @@ fn each_line_to_a_driver_is_recognised_when_it_comes_back() {
     bench.step(Input::DriverStarted(0));
     bench.line("x");
     for line in bench.take().1 {
-        assert!(crate::driver::words::is_own(&line.line()), "{line:?}");
+        assert!(crate::driver::told::is_own(&line.line()), "{line:?}");
     }
     for line in [&br#"{"type":"hello","version":1,"name":"d"}"#[..], b"{}", br#"{"type":"hello","version":1}"#] {
-        assert!(!crate::driver::words::is_own(line));
+        assert!(!crate::driver::told::is_own(line));
     }
 }
 

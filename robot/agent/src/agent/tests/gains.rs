@@ -31,6 +31,7 @@ fn estimate(bench: &mut Bench, version: u64, pressure_mpa: f64, reading_gain: f6
         pressure_mpa,
         gain: vec![],
         reading_gain: Some(reading_gain),
+        response: Vec::new(),
     };
     let (boot_id, timestamp) = (supervisor(), Timestamp(START));
     let estimate = Estimate { boot_id, seq: version, epoch: 1, version, timestamp, whiskers: vec![whisker] };

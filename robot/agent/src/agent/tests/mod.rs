@@ -3,6 +3,7 @@
 mod driver;
 mod fuzz;
 mod gains;
+mod locate;
 mod restart;
 mod setpoints;
 mod several;

@@ -1,6 +1,6 @@
 //! Samples become contacts: with each way of telling time, and with what the driver knows of the motion.
 
-use vibrissa_protocol::{Contact, PlaceKind};
+use vibrissa_protocol::{Contact, PlaceKind, Segmenter};
 
 use super::*;
 use crate::config::Sign;
@@ -127,7 +127,7 @@ fn regress_a_gauge_that_goes_against_its_stated_sign_is_told_once_and_shown() {
         let told = "whisker left/0: touches move the strain against segmenter.sign";
         assert!(bench.warnings.len() == 1 && bench.warnings[0].starts_with(told), "{sign:?}: {:?}", bench.warnings);
         let view = &bench.agent.snapshot(Now::of_us(bench.now_us)).whiskers[0];
-        assert_eq!(view.segmenter.as_deref(), Some("INVERTED"), "{sign:?}");
+        assert_eq!(view.segmenter, Some(Segmenter::Inverted), "{sign:?}");
         assert!(view.advice.as_ref().is_some_and(|advice| advice.contains("segmenter.sign")), "{view:?}");
     }
 }

@@ -43,7 +43,11 @@ impl Session<'_> {
             | FromDriver::Contact(_)
             | FromDriver::Fault(_)
             | FromDriver::TestState(_)
-            | FromDriver::Driving(_) => {}
+            | FromDriver::Driving(_)
+            | FromDriver::Locate(_)
+            | FromDriver::Configured(_)
+            | FromDriver::Configuration(_)
+            | FromDriver::Error(_) => {}
         }
     }
 

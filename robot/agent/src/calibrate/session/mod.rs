@@ -19,7 +19,7 @@ use vibrissa_protocol::Name;
 use super::measure::Sample;
 use crate::config::{Config, DriverConfig};
 use crate::driver::link::{Door, Link};
-use crate::driver::words::HelloWhisker;
+use crate::driver::told::HelloWhisker;
 use crate::driver::{Lines, Opening, ToDriver, VERSION};
 
 /// Time limit for a driver to be reached, and for a line to be written.

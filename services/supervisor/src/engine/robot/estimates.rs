@@ -6,9 +6,10 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 use vibrissa_core::estimation::LengthEstimate;
-use vibrissa_core::mechanics::CONTACT_RATIOS;
+use vibrissa_core::mechanics::{CONTACT_RATIOS, Offset};
 use vibrissa_core::robot::Robot;
 use vibrissa_core::robot::effect::Condition;
+use vibrissa_core::units::ContactRatio;
 use vibrissa_edge::interval::Z95;
 
 /// Change of a length from which on the robot is told, mm: 0.2 mm change a reading by about 0.7 %.
@@ -21,6 +22,9 @@ const SD_RATIO: f64 = 2.0;
 const SAME_MPA: f64 = 5e-6;
 /// Gains closer than this are the same, as a ratio: the last digit that is told.
 const SAME_GAIN: f64 = 5e-5;
+/// Change of the offset from the model from which on the robot is told another response: about 0.3 mm of a touch's
+/// place.
+const CHANGE_OFFSET: f64 = 0.01;
 /// Shortest interval between two estimates of a robot with up to [`WHISKERS_PER_INTERVAL`] whiskers; larger messages are
 /// less frequent in proportion. A fleet that learns, or wears off, changes with each contact.
 const INTERVAL: Duration = Duration::from_secs(1);
@@ -37,6 +41,8 @@ pub(crate) struct WhiskerState {
     /// The setpoint in force, MPa.
     pub(crate) pressure_mpa: f64,
     pub(crate) gain: Option<Box<Gain>>,
+    /// Offset from the model, which moves the whisker's response.
+    pub(crate) offset: Offset,
 }
 
 /// The estimates of one robot.
@@ -132,6 +138,12 @@ impl WhiskerState {
             || self.condition != sent.condition
             || (self.pressure_mpa - sent.pressure_mpa).abs() > SAME_MPA
             || has_other_gain
+            || self.has_other_offset(sent)
+    }
+
+    fn has_other_offset(&self, sent: &Self) -> bool {
+        let ends = [CONTACT_RATIOS[0], 1.0].map(ContactRatio::known);
+        ends.into_iter().any(|end| (self.offset.at(end) - sent.offset.at(end)).abs() > CHANGE_OFFSET)
     }
 }
 
@@ -153,7 +165,7 @@ fn state(robot: &Robot, at: usize, sent: Option<&WhiskerState>) -> Option<Whiske
         false => sent.and_then(|sent| sent.gain.clone()),
     });
     let (length, condition, pressure_mpa) = (view.length, view.condition, view.setpoint.mpa());
-    Some(WhiskerState { length, condition, pressure_mpa, gain })
+    Some(WhiskerState { length, condition, pressure_mpa, gain, offset: view.offset })
 }
 
 #[cfg(test)]
@@ -164,7 +176,8 @@ mod tests {
 
     fn whisker(length_mm: f64, sd_mm: f64) -> WhiskerState {
         let length = LengthEstimate { length: Millimetre::known(length_mm), sd_mm };
-        WhiskerState { length, condition: Condition::Healthy, pressure_mpa: 0.1, gain: None }
+        let (condition, pressure_mpa, offset) = (Condition::Healthy, 0.1, Offset::default());
+        WhiskerState { length, condition, pressure_mpa, gain: None, offset }
     }
 
     impl Estimates {
@@ -198,12 +211,14 @@ mod tests {
         estimates.repeat();
         assert!(estimates.tells(now + INTERVAL, &whole), "repeated although nothing has changed");
         type Change = fn(&mut WhiskerState);
-        let changes: [(&str, Change); 6] = [
+        let changes: [(&str, Change); 8] = [
             ("length", |one| one.length.length = Millimetre::known(65.21)),
             ("certainty", |one| one.length.sd_mm = 0.14),
             ("doubt", |one| one.length.sd_mm = 0.61),
             ("condition", |one| one.condition = Condition::Suspected),
             ("pressure", |one| one.pressure_mpa = 0.1001),
+            ("level", |one| one.offset.level = 0.011),
+            ("slope", |one| one.offset.slope = -0.05),
             ("gain", |one| one.gain = Some(Box::new([1.01; CONTACT_RATIOS.len()]))),
         ];
         for (name, change) in changes {

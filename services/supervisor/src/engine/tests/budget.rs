@@ -81,6 +81,7 @@ fn regress_a_robot_whose_times_are_in_milliseconds_is_told_on_its_page() {
             setpoint_mpa: PRESSURE_MPA,
             regulator: protocol::Regulator::Ok,
             gauge: protocol::Gauge::Ok,
+            segmenter: None,
         };
         let (boot_id, t_us) = (BootId::new("b").unwrap(), now.0 / 1000);
         let status = protocol::Status { boot_id, seq, t_us, whiskers: vec![whisker], contacts_dropped: None };

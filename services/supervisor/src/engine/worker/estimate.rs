@@ -1,6 +1,7 @@
 //! Publication of estimates: the present lengths of a robot's whiskers.
 
 use tokio::time::Instant;
+use vibrissa_core::robot::ResponsePoint;
 use vibrissa_core::robot::event::Link;
 use vibrissa_edge as edge;
 use vibrissa_edge::clock::wall_clock;
@@ -50,9 +51,11 @@ impl Stepper {
     /// Publishes a robot's estimate if something has changed; returns whether it did.
     fn publish_estimate(&mut self, known: &mut KnownRobot, now: Instant, epoch: u64) -> bool {
         let Some(states) = known.estimates.next(now, &known.robot) else { return false };
+        let params = self.params_of(&known.name);
         let whisker = |(at, state): (usize, &WhiskerState)| {
             let view = known.robot.whisker(at)?;
-            entry(Name::new(view.array).ok()?, view.sheet.number, state)
+            let response = known.robot.response_curve(params, at);
+            entry(Name::new(view.array).ok()?, view.sheet.number, state, &response)
         };
         let whiskers = states.iter().enumerate().filter_map(whisker).collect();
         let seq = known.seqs.next_estimate();
@@ -70,7 +73,12 @@ impl Stepper {
     }
 }
 
-fn entry(array: Name, whisker: u16, state: &WhiskerState) -> Option<protocol::WhiskerEstimate> {
+fn entry(
+    array: Name,
+    whisker: u16,
+    state: &WhiskerState,
+    response: &[ResponsePoint],
+) -> Option<protocol::WhiskerEstimate> {
     let (low_mm, high_mm) = length_interval_mm(&state.length);
     let length_mm = state.length.length.mm().clamp(LENGTH_MM.0, LENGTH_MM.1);
     let bounds_are_known = low_mm.is_finite() && high_mm.is_finite();
@@ -85,7 +93,21 @@ fn entry(array: Name, whisker: u16, state: &WhiskerState) -> Option<protocol::Wh
         pressure_mpa: rounded(state.pressure_mpa, 1e5),
         gain: gain.into_iter().map(|(ratio, one)| (ratio, rounded(one, 1e4))).collect(),
         reading_gain: reading_gain.map(|one| rounded(one, 1e4)),
+        response: points(response),
     })
+}
+
+/// A response as the contract states it: distances and strains differ by more than a digit that is told.
+fn points(response: &[ResponsePoint]) -> Vec<(f64, f64, f64)> {
+    let mut points: Vec<(f64, f64, f64)> = Vec::with_capacity(response.len());
+    for one in response {
+        let point = (rounded(one.distance_mm, 1e2), rounded(one.strain_per_mm, 1e7), rounded(one.sd_per_mm, 1e7));
+        let is_told = (0.1..=1000.0).contains(&point.0) && point.1 > 0.0 && point.2 > 0.0;
+        if is_told && points.last().is_none_or(|last| last.0 < point.0 && last.1 > point.1) {
+            points.push(point);
+        }
+    }
+    points
 }
 
 /// Shorter texts, without digits beyond any accuracy.
@@ -94,8 +116,11 @@ fn rounded(value: f64, per_unit: f64) -> f64 {
 }
 
 /// Shortens an estimate to at most `most` bytes of JSON. The contract allows robots with more whiskers than one message
-/// can list: then whiskers that work as installed are left out, the last ones first.
+/// can list: then the responses are left out, and after them whiskers that work as installed, the last ones first.
 fn shorten(estimate: &mut protocol::Estimate, most: usize) {
+    if estimate.whiskers.len() * WHISKER_BYTES_MAX > most && encode(estimate).len() > most {
+        estimate.whiskers.iter_mut().for_each(|one| one.response.clear());
+    }
     while estimate.whiskers.len() * WHISKER_BYTES_MAX > most {
         let bytes = encode(estimate).len();
         if bytes <= most {
@@ -113,7 +138,7 @@ fn shorten(estimate: &mut protocol::Estimate, most: usize) {
 #[cfg(test)]
 mod tests {
     use vibrissa_core::estimation::LengthEstimate;
-    use vibrissa_core::mechanics::CONTACT_RATIOS;
+    use vibrissa_core::mechanics::{CONTACT_RATIOS, Offset};
     use vibrissa_core::robot::effect::Condition;
     use vibrissa_core::units::Millimetre;
     use vibrissa_protocol::{BootId, Message, Topic, decode};
@@ -123,12 +148,23 @@ mod tests {
     fn state(length_mm: f64, sd_mm: f64, condition: Condition) -> WhiskerState {
         let length = LengthEstimate { length: Millimetre::known(length_mm), sd_mm };
         let gain = (condition == Condition::Trimmed).then(|| Box::new(CONTACT_RATIOS.map(|a| 1.473_456 - a)));
-        WhiskerState { length, condition, pressure_mpa: 0.051_234_567, gain }
+        WhiskerState { length, condition, pressure_mpa: 0.051_234_567, gain, offset: Offset::default() }
+    }
+
+    /// Sixteen points, of which the last two differ by less than a digit that is told.
+    fn response() -> Vec<ResponsePoint> {
+        let point = |at: usize| {
+            let along = if at < 15 { at as f64 } else { 14.000_1 };
+            let strain_per_mm = 0.009_123_456 - 0.000_3 * along;
+            ResponsePoint { distance_mm: 15.212_3 + 3.4 * along, strain_per_mm, sd_per_mm: 0.000_312_345 }
+        };
+        (0..16).map(point).collect()
     }
 
     fn estimate(states: &[WhiskerState]) -> protocol::Estimate {
         let array = Name::new("left").unwrap();
-        let entries = states.iter().zip(0..).map(|(state, number)| entry(array.clone(), number, state).unwrap());
+        let entries =
+            states.iter().zip(0..).map(|(state, number)| entry(array.clone(), number, state, &response()).unwrap());
         let boot_id = BootId::new("s").unwrap();
         let whiskers = entries.collect();
         protocol::Estimate { boot_id, seq: 3, epoch: 7, version: 3, timestamp: Timestamp(0), whiskers }
@@ -149,6 +185,7 @@ mod tests {
         assert_eq!((first.length_low_mm, first.length_mm, first.length_high_mm), (69.412, 70.0, 70.588));
         assert_eq!((first.pressure_mpa, first.gain[0]), (0.051_23, (0.45, 1.0235)));
         assert_eq!(first.reading_gain, None);
+        assert_eq!((first.response.len(), first.response[0]), (15, (15.21, 0.009_123_5, 0.000_312_3)));
     }
 
     #[test]
@@ -173,5 +210,6 @@ mod tests {
         assert!((PAYLOAD_MAX_BYTES * 9 / 10..=PAYLOAD_MAX_BYTES).contains(&payload.len()), "{}", payload.len());
         let trimmed = sent.whiskers.iter().filter(|one| one.condition == WhiskerCondition::Trimmed);
         assert_eq!(trimmed.map(|one| one.whisker).collect::<Vec<_>>(), [7, 2999]);
+        assert!(sent.whiskers.iter().all(|one| one.response.is_empty()));
     }
 }
