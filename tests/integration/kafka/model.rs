@@ -21,7 +21,7 @@ const OPERATIONS: usize = 300;
 /// Time limit of a request.
 const ANSWER: Duration = Duration::from_secs(60);
 
-/// What a reader learns: records as offset, key, value and headers, and the end of the partition; or the error.
+/// Answer to a read: records with their offsets, and the end of the partition; or the error.
 type Read = Result<(Vec<(i64, Record)>, i64), ProtocolError>;
 
 /// A client of one of the two.

@@ -36,7 +36,7 @@ enum Body {
     Fetch { wait_ms: i32, asked: Vec<(String, Vec<Wanted>)> },
 }
 
-/// What a client wants of a partition.
+/// A read of a partition.
 #[derive(Debug)]
 struct Wanted {
     partition: i32,
@@ -45,7 +45,7 @@ struct Wanted {
 }
 
 impl Request {
-    /// The request in a frame; `None` if it is none of those that are spoken here.
+    /// The request in a frame; `None` if nobody here speaks it.
     pub(super) fn read(mut frame: Bytes) -> Option<Self> {
         let from = &mut frame;
         let (kind, version, correlation) =
