@@ -1,8 +1,9 @@
 //! The present length from touches at known distances: those that came, those that did not, and those at the tip.
 //!
-//! A touch at distance d shows that the whisker is at least that long, a missed one that it is shorter, within the error
-//! of the distance. The likelihoods of lengths are on a grid: none of them is normal. All distances of a robot may be off by
-//! the same amount, so the grid reaches beyond the length before, and an evaluation takes the doubt of that amount into account.
+//! A touch at distance d shows that the whisker is at least that long, a missed one that it is shorter, within the
+//! error of the distance. The likelihoods of lengths are on a grid: none of them is normal. All distances of a robot
+//! may be off by the same amount, so the grid reaches beyond the length before, and an evaluation takes the doubt of
+//! that amount into account.
 
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
@@ -20,8 +21,8 @@ const LENGTHS: usize = FINE + 44;
 const STEP: f64 = 1.0 / 280.0;
 /// Coarse step of the grid, in fine ones: 0.75 mm of 70 mm.
 const COARSE: usize = 3;
-/// Lengths before version 16 of the stored whisker, in steps of two fine ones from the length before on. Their priors were
-/// in the sums.
+/// Lengths before version 16 of the stored whisker, in steps of two fine ones from the length before on. Their priors
+/// were in the sums.
 const LENGTHS_BEFORE_16: usize = 100;
 /// Probability of a cut, to any length, before any touch.
 const CUT: f64 = 0.5;
@@ -174,8 +175,8 @@ impl LengthEvidence {
         LengthPosterior { unchanged: whole / (whole + CUT * cut.all), mean_mm, sd_mm }
     }
 
-    /// The length that the distances give to this whisker, which is whole. Its difference from the length before is the shared
-    /// error. Before, only the standard deviation of that error was known, mm.
+    /// The length that the distances give to this whisker, which is whole. Its difference from the length before is the
+    /// shared error. Before, only the standard deviation of that error was known, mm.
     #[must_use]
     pub fn apparent(&self, zero_sd_mm: f64) -> ApparentLength {
         let whole = self.whole(zero_sd_mm).fold(Moments::default(), Moments::add);
@@ -184,8 +185,9 @@ impl LengthEvidence {
     }
 
     /// Distances at which further touches tell most about the length, mm, in rising order: evenly by probability,
-    /// because a touch at the median of the possible lengths is as likely to come as not. `sd_mm` is the standard deviation
-    /// of the robot's distances: a touch so close to the tip of an uncut whisker that it may be missed tells little.
+    /// because a touch at the median of the possible lengths is as likely to come as not. `sd_mm` is the standard
+    /// deviation of the robot's distances: a touch so close to the tip of an uncut whisker that it may be missed tells
+    /// little.
     #[must_use]
     pub fn informative_mm(&self, count: usize, sd_mm: f64, zero_sd_mm: f64) -> Vec<f64> {
         let most_mm = self.length_mm - 2.0 * sd_mm.max(LEAST_SD_MM);
@@ -255,8 +257,8 @@ impl BorshDeserialize for LengthEvidence {
     }
 }
 
-/// Likelihoods of a version before 16 on the present grid. It had no lengths above the one before: they get the likelihood of
-/// the largest.
+/// Likelihoods of a version before 16 on the present grid. It had no lengths above the one before: they get the
+/// likelihood of the largest.
 fn of_version_15(log: &[f32]) -> Vec<f32> {
     let cut = (CUT / (LENGTHS_BEFORE_16 - 1) as f64).ln() as f32;
     let likelihood = |index: usize| log[index] - if index == 0 { (1.0 - CUT).ln() as f32 } else { cut };

@@ -1,5 +1,5 @@
-//! Whiskers that are not as their factsheet says, and cuts among the first contacts: their lengths are put in doubt, and no setpoint is
-//! sent for them.
+//! Whiskers that are not as their factsheet says, and cuts among the first contacts: their lengths are put in doubt,
+//! and no setpoint is sent for them.
 
 use super::rig::Rig;
 use vibrissa_core::robot::effect::{Condition, Effect};

@@ -1,8 +1,9 @@
 //! A whisker that may never have been as its factsheet says, or was cut while it was learned.
 //!
-//! Its offset from the model takes in a wrong length as well as a cut among the first contacts. Two sources tell of them when it is
-//! learned: the offsets of the robot's other whiskers of the same model, and its own first contacts. Neither tells a length from a
-//! gain. So the length is put in doubt, with an interval over both, and no pressure changes for it.
+//! Its offset from the model takes in a wrong length as well as a cut among the first contacts. Two sources tell of
+//! them when it is learned: the offsets of the robot's other whiskers of the same model, and its own first contacts.
+//! Neither tells a length from a gain. So the length is put in doubt, with an interval over both, and no pressure
+//! changes for it.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -22,8 +23,8 @@ const EARLY_FROM: u64 = 3;
 const EARLY_CONTACTS: u8 = 10;
 /// Rise of the log sensitivity since the first contacts that is no first load and no habit: 2 mm of 70.
 const RISE_MIN: f64 = 0.06;
-/// ... in standard deviations of the mean of the first contacts, if their errors were independent. The noise that is learned
-/// later contains a cut itself, so that it cannot serve here.
+/// ... in standard deviations of the mean of the first contacts, if their errors were independent. The noise that is
+/// learned later contains a cut itself, so that it cannot serve here.
 const RISE_SD: f64 = 6.0;
 /// Other whiskers that an offset is compared with, at least.
 const PEERS_MIN: usize = 3;
@@ -55,7 +56,8 @@ impl FirstContacts {
         [self.ratio, self.deviation, self.square].iter().all(|one| one.is_finite())
     }
 
-    /// Rise of the log sensitivity to the level of this offset, and the standard deviation of the mean that it is compared with.
+    /// Rise of the log sensitivity to the level of this offset, and the standard deviation of the mean that it is
+    /// compared with.
     fn rise_to(&self, offset: Offset) -> Option<(f64, f64)> {
         let contacts = f64::from(self.contacts);
         let mean = f64::from(self.deviation) / contacts;
@@ -91,8 +93,8 @@ impl Whisker {
 }
 
 impl Robot {
-    /// Excess of log sensitivity by which a whisker that is learned now differs from its own first contacts, or from the other
-    /// whiskers. `None` if it is as it should be.
+    /// Excess of log sensitivity by which a whisker that is learned now differs from its own first contacts, or from
+    /// the other whiskers. `None` if it is as it should be.
     fn differs_by(&self, index: WhiskerIndex) -> Option<f64> {
         let whisker = &self.whiskers[index];
         let offset = whisker.filter.offset();

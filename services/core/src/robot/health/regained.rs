@@ -1,8 +1,9 @@
 //! A rise of sensitivity after a loss of about the same size: the loss is over, or the whisker was cut.
 //!
-//! The readings cannot tell one from the other, and both explanations lead to the same level. So neither is taken as certain:
-//! the whisker is suspected, and the interval of its length holds both lengths. A touch test decides, where the robot offers one;
-//! otherwise a person does. No pressure changes meanwhile, because the whisker reads as it did while it was whole.
+//! The readings cannot tell one from the other, and both explanations lead to the same level. So neither is taken as
+//! certain: the whisker is suspected, and the interval of its length holds both lengths. A touch test decides, where
+//! the robot offers one; otherwise a person does. No pressure changes meanwhile, because the whisker reads as it did
+//! while it was whole.
 
 use crate::detection::Change;
 use crate::estimation::filter::Wander;
@@ -13,11 +14,11 @@ use crate::robot::state::rare_state::PendingTrim;
 use crate::robot::state::whisker::Whisker;
 use crate::units::{ContactRatio, Millimetre};
 
-/// Standard deviation of the length in doubt, as a share of the cut that would explain the rise: the cut is well within the
-/// 95 % interval.
+/// Standard deviation of the length in doubt, as a share of the cut that would explain the rise: the cut is well within
+/// the 95 % interval.
 const DOUBT_SHARE: f64 = 0.7;
-/// Largest standard deviation of a length in doubt, mm. The filter is linear: beyond this the length would leave what the
-/// contacts tell.
+/// Largest standard deviation of a length in doubt, mm. The filter is linear: beyond this the length would leave what
+/// the contacts tell.
 const DOUBT_SD_MAX_MM: f64 = 4.5;
 /// A difference from the whole length that is a cut: at least this, mm, and this many standard deviations.
 const LOSS_MIN_MM: f64 = 0.5;
@@ -44,8 +45,8 @@ impl Robot {
         self.suspect_length(index, loss_mm, effects);
     }
 
-    /// Puts the length of a whisker in doubt that is learned now: it may have been shorter by this from the first contact on, mm, or
-    /// longer if it is below 0.
+    /// Puts the length of a whisker in doubt that is learned now: it may have been shorter by this from the first
+    /// contact on, mm, or longer if it is below 0.
     pub(super) fn doubt_whole(
         &mut self,
         params: &Params,
@@ -98,8 +99,8 @@ impl Whisker {
         self.was_in_doubt() && self.filter.length().sd_mm >= DOUBT_SD_MM
     }
 
-    /// Whether a suspicion is that of [`Robot::doubt_length`]: the whisker has lost its response while whole, and no cut is
-    /// confirmed.
+    /// Whether a suspicion is that of [`Robot::doubt_length`]: the whisker has lost its response while whole, and no
+    /// cut is confirmed.
     fn was_in_doubt(&self) -> bool {
         self.condition == Condition::Suspected
             && self.rare.whole_offset.is_some()
@@ -112,8 +113,8 @@ impl Whisker {
         self.was_in_doubt() && self.detector.is_calm() && self.rare.length_test.is_none() && !self.keeps_suspicion()
     }
 
-    /// Takes in a length that was measured otherwise, and moves the offset with it, so that readings are predicted as before.
-    /// False if no real whisker has that length.
+    /// Takes in a length that was measured otherwise, and moves the offset with it, so that readings are predicted as
+    /// before. False if no real whisker has that length.
     pub(in crate::robot) fn learn_measured_length(&mut self, length: Millimetre, sd_mm: f64) -> bool {
         let still = Wander { length_mm: 0.0, baseline_strain: 0.0, offset: 0.0 };
         self.filter.observe_length(&self.noise, length, sd_mm).is_some_and(|seen| self.filter.learn(&seen, still))

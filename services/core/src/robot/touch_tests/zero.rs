@@ -1,9 +1,9 @@
 //! The error that all distances of a robot share: its kinematics, or the place where it holds the whisker.
 //!
-//! A touch test compares the length with the robot's own millimetres. If these are off by 2 mm, a whole whisker looks cut by
-//! 2 mm, and a cut one whole. So each whisker keeps the error of its distances with a standard deviation. The first test of a
-//! learned whisker measures the error, because its contacts show that it is whole. Contacts at its tip while it is learned do so,
-//! too. Before that, no test tells a cut of a few millimetres.
+//! A touch test compares the length with the robot's own millimetres. If these are off by 2 mm, a whole whisker looks
+//! cut by 2 mm, and a cut one whole. So each whisker keeps the error of its distances with a standard deviation. The
+//! first test of a learned whisker measures the error, because its contacts show that it is whole. Contacts at its tip
+//! while it is learned do so, too. Before that, no test tells a cut of a few millimetres.
 //!
 //! The factory length has an error, too, and it ends up in the same number. A later test tells the loss without it.
 
@@ -25,15 +25,15 @@ const USABLE_SD_MM: f64 = 0.5;
 const TIP_SD_MM: f64 = 0.5;
 /// A distance of the tip may be off by so many standard deviations; another one is a wrong report.
 const PLAUSIBLE_SD: f64 = 4.0;
-/// Tests of a whisker for this purpose, one after another. Fifty touches against a wall tell the error to about 0.2 mm, ten at
-/// the tip to less.
+/// Tests of a whisker for this purpose, one after another. Fifty touches against a wall tell the error to about 0.2 mm,
+/// ten at the tip to less.
 const TESTS_MAX: u8 = 5;
 /// Least probability that the whisker is whole.
 const WHOLE_MIN: f64 = 0.05;
 /// Time after which a test that the robot could not do is requested again.
 const AGAIN_AFTER: Micros = Micros(3_600_000_000);
-/// Contacts that the length filter forgets a length in, about. The shared error does not average out among them, so that each of
-/// them tells no more than a part of what one alone would.
+/// Contacts that the length filter forgets a length in, about. The shared error does not average out among them, so
+/// that each of them tells no more than a part of what one alone would.
 const AVERAGED_CONTACTS: f64 = 100.0;
 
 /// The error of a robot's distances at one whisker.
@@ -74,8 +74,8 @@ impl DistanceZero {
 }
 
 impl Robot {
-    /// Requests a test of the next whisker whose distances have an unknown error, in mode AUTOMATIC. Half of the tests of an
-    /// hour are left to suspicions.
+    /// Requests a test of the next whisker whose distances have an unknown error, in mode AUTOMATIC. Half of the tests
+    /// of an hour are left to suspicions.
     pub(super) fn plan_zero(&mut self, params: &Params, now: Micros, effects: &mut Vec<Effect>) {
         let can_test = self.head.touch_tests.tip || self.head.touch_tests.wall;
         if !can_test || params.touch_tests.zero_sd_mm <= 0.0 || params.policy.mode != Mode::Automatic {
@@ -98,8 +98,8 @@ impl Robot {
         self.request_test(params, now, index, effects);
     }
 
-    /// A test of a whole whisker is done: its touches tell the error that the distances share. False if it was another test, or
-    /// if a cut explains the touches better.
+    /// A test of a whole whisker is done: its touches tell the error that the distances share. False if it was another
+    /// test, or if a cut explains the touches better.
     pub(super) fn learn_zero(&mut self, params: &Params, index: WhiskerIndex) -> bool {
         let whisker = &mut self.whiskers[index];
         let (off_mm, sd_mm) = whisker.zero(params);
@@ -135,7 +135,8 @@ impl Whisker {
         self.zero(params).1 <= USABLE_SD_MM
     }
 
-    /// Whether a test is to measure the error of its distances: it is learned, and nothing speaks against its whole length.
+    /// Whether a test is to measure the error of its distances: it is learned, and nothing speaks against its whole
+    /// length.
     fn lacks_zero(&self, params: &Params, now: Micros) -> bool {
         let asked = self.rare.zero.asked;
         let is_time = asked == Micros(0) || now.since(asked) >= AGAIN_AFTER;
@@ -170,8 +171,8 @@ impl Whisker {
 
     /// The place of a contact, as far as the error of the robot's distances is known.
     ///
-    /// A robot whose contacts state distances has taught its offset from the model with the same error. So its tests count in its own
-    /// millimetres, too. Before the error is known, touches of a test tell nothing else.
+    /// A robot whose contacts state distances has taught its offset from the model with the same error. So its tests
+    /// count in its own millimetres, too. Before the error is known, touches of a test tell nothing else.
     pub(in crate::robot) fn true_place(
         &self,
         params: &Params,
@@ -198,8 +199,8 @@ impl Whisker {
         }
     }
 
-    /// Contacts at the tip that its robot makes by habit tell the error of the distances while nothing speaks against the whole
-    /// length.
+    /// Contacts at the tip that its robot makes by habit tell the error of the distances while nothing speaks against
+    /// the whole length.
     pub(super) fn follow_zero(&mut self, params: &Params, at: Distance) {
         let (off_mm, sd_mm) = self.zero(params);
         if self.knows_zero(params)
