@@ -2,17 +2,14 @@
 //! computes them over the newest [`ALARMS_MAX`] alarms of a span.
 
 use serde::Serialize;
-use sqlx::postgres::PgRow;
-use sqlx::sqlite::SqliteRow;
-use sqlx::{Database, Encode, Postgres, QueryBuilder, Sqlite, Type};
+use sqlx::{Database, Encode, QueryBuilder, Type};
 use utoipa::ToSchema;
 
-use super::database::Either;
 use super::from_row::from_row;
 use super::list::{Filter, push_filters};
-use super::overview::{all, rows};
+use super::overview::rows;
 use super::time::Time;
-use super::{Store, StoreError, failed};
+use super::{Store, StoreError};
 
 /// Most alarms over which statistics are computed: the newest ones.
 pub const ALARMS_MAX: i64 = 100_000;

@@ -35,6 +35,7 @@ async fn an_alarm_while_the_page_is_out_of_sight_is_notified_once_its_reader_wan
         setpoint_mpa: 0.1,
         regulator: Regulator::Ok,
         gauge: Gauge::Open,
+        segmenter: None,
     });
     let whiskers = whiskers.collect();
     let seq = robot.next_seq(RobotTopic::Status);

@@ -22,18 +22,18 @@ struct Fixture {
 
 /// The newest first.
 const FIXTURES: &[Fixture] = &[
-    Fixture { head: 12, whiskers: 16, becomes: 0xbd01_df92_9fce_bf81 },
-    Fixture { head: 11, whiskers: 15, becomes: 0x986d_7271_345e_91f2 },
-    Fixture { head: 10, whiskers: 14, becomes: 0xdbd2_748b_8875_1b63 },
-    Fixture { head: 10, whiskers: 13, becomes: 0x21d2_9653_cdcf_0794 },
-    Fixture { head: 10, whiskers: 12, becomes: 0x11bb_50fe_e4ec_6b91 },
-    Fixture { head: 9, whiskers: 11, becomes: 0x992d_fdb0_1c3b_b3f7 },
-    Fixture { head: 8, whiskers: 10, becomes: 0x4aca_2868_e042_c3d4 },
-    Fixture { head: 8, whiskers: 9, becomes: 0x7c5d_ce4c_9f50_faa8 },
-    Fixture { head: 7, whiskers: 8, becomes: 0x238f_3da6_6c55_2320 },
-    Fixture { head: 6, whiskers: 7, becomes: 0xdbf3_bd57_4ad2_54fa },
-    Fixture { head: 5, whiskers: 6, becomes: 0xeb91_50d7_e208_ccbd },
-    Fixture { head: 5, whiskers: 5, becomes: 0x51c7_b3c4_271b_9856 },
+    Fixture { head: 12, whiskers: 16, becomes: 0xda95_4769_b983_88fc },
+    Fixture { head: 11, whiskers: 15, becomes: 0x9d3c_1eb6_182e_2b98 },
+    Fixture { head: 10, whiskers: 14, becomes: 0x11ce_2a29_33ab_914a },
+    Fixture { head: 10, whiskers: 13, becomes: 0x28ba_9ad9_2369_b04f },
+    Fixture { head: 10, whiskers: 12, becomes: 0x1748_ae4a_9400_cf8a },
+    Fixture { head: 9, whiskers: 11, becomes: 0xb3bd_40b9_6f31_f794 },
+    Fixture { head: 8, whiskers: 10, becomes: 0xb7d4_60d4_cd07_58e2 },
+    Fixture { head: 8, whiskers: 9, becomes: 0x570b_3ef7_3afa_bcd2 },
+    Fixture { head: 7, whiskers: 8, becomes: 0x42ef_e7d3_6621_2a0b },
+    Fixture { head: 6, whiskers: 7, becomes: 0x662b_1c1e_ee12_6369 },
+    Fixture { head: 5, whiskers: 6, becomes: 0x0076_b60b_40c8_4e84 },
+    Fixture { head: 5, whiskers: 5, becomes: 0x6078_55b5_5778_40d8 },
 ];
 
 impl Fixture {
