@@ -135,9 +135,10 @@ fn alarms_that_an_older_version_raised_for_each_whisker_of_a_silent_robot_become
         plant
     };
     let mut plant = silent_alone(0);
-    // Version 7 ended before the alarm for silence, the end of the last silence, the watch for a second robot, gains, air and places.
+    // Version 7 ended before the alarm for silence, the end of the last silence, the watch for a second robot, gains, air, places
+    // and readings that do not fit.
     let mut head = plant.robot.to_bytes().unwrap();
-    head.truncate(head.len() - 22);
+    head.truncate(head.len() - 30);
     head[0] = 7;
     let whiskers = [0, 1].map(|index| silent_alone(index as u16).robot.whisker_to_bytes(index).unwrap());
     plant.robot = Robot::restore(&head, &whiskers).unwrap();

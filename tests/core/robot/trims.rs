@@ -113,8 +113,9 @@ fn erosion_is_called_erosion() {
         assert_eq!(view.condition, Condition::Eroding, "whisker {index}");
         let truth = world.robot.whiskers()[index].plant().length_mm();
         let off_mm = (view.length.length.mm() - truth).abs();
-        // With each setpoint that follows, the model's error by pressure counts as length.
-        assert!(off_mm < 1.5, "whisker {index}: {off_mm} mm off {truth}");
+        // With each setpoint that follows, the model's error by pressure counts as length, and widens the interval.
+        let sd_mm = view.length.sd_mm;
+        assert!(off_mm < 2.6 * sd_mm && sd_mm < 1.2, "whisker {index}: {off_mm} mm off {truth}, sd {sd_mm}");
     }
 }
 

@@ -27,7 +27,7 @@ async fn listed(stage: &Stage, query: &str) -> Value {
 
 #[tokio::test]
 async fn a_test_is_requested_followed_and_its_length_shown() {
-    let mut stage = Stage::start().await;
+    let mut stage = Stage::with(|params| params.touch_tests.zero_sd_mm = 0.0).await;
     stage.robot.touch_tests = vec![TouchTestKind::Wall];
     stage.robot.birth().await;
     stage.robot.settle().await;
@@ -69,7 +69,7 @@ async fn a_test_is_requested_followed_and_its_length_shown() {
 
 #[tokio::test]
 async fn a_refusal_of_the_robot_is_told_in_plain_words() {
-    let mut stage = Stage::start().await;
+    let mut stage = Stage::with(|params| params.touch_tests.zero_sd_mm = 0.0).await;
     stage.robot.touch_tests = vec![TouchTestKind::Tip];
     stage.robot.birth().await;
     stage.robot.settle().await;
@@ -86,6 +86,7 @@ async fn a_refusal_of_the_robot_is_told_in_plain_words() {
 #[tokio::test]
 async fn a_proposed_test_is_shown_and_started_by_an_operator() {
     let mut stage = Stage::with(|params| {
+        params.touch_tests.zero_sd_mm = 0.0;
         params.policy.mode = Mode::Advise;
         params.touch_tests.every = Micros::from_s(1.0);
     })
@@ -117,6 +118,7 @@ async fn a_proposed_test_is_shown_and_started_by_an_operator() {
 #[tokio::test]
 async fn a_proposed_test_is_refused_where_it_is_listed() {
     let mut stage = Stage::with(|params| {
+        params.touch_tests.zero_sd_mm = 0.0;
         params.policy.mode = Mode::Advise;
         params.touch_tests.every = Micros::from_s(1.0);
     })

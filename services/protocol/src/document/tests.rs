@@ -202,7 +202,9 @@ fn is_beyond_schemas(refusal: &Refusal) -> bool {
             let beyond = ["at most pressure_max_mpa", "[first, last] with last not below first"];
             beyond.contains(allowed) || *allowed == crate::messages::WITHIN_INTERVAL
         }
-        Refusal::Malformed { problem, .. } => problem == "contact ratios must rise",
+        Refusal::Malformed { problem, .. } => {
+            problem == "contact ratios must rise" || problem == "distances must rise, and strains per mm must fall"
+        }
         Refusal::UnknownTopic { .. }
         | Refusal::BadName { .. }
         | Refusal::NotJson { .. }

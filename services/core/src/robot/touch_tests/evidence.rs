@@ -163,7 +163,8 @@ impl Robot {
         let unchanged_max = if test.is_for_change() { UNCHANGED_AFTER_CHANGE_MAX } else { UNCHANGED_MAX };
         let is_shorter = posterior.unchanged < unchanged_max
             && test.touches >= TOUCHES_MIN
-            && posterior.sd_mm <= sd_most_mm
+            // More touches do not lessen the error that all distances share.
+            && posterior.sd_mm <= sd_most_mm.hypot(zero_sd_mm)
             && posterior.mean_mm < length_before_mm - LOSS_MIN_MM.max(LOSS_MIN_SD * whisker.filter.length().sd_mm);
         if is_shorter {
             let contacts = test.contacts.into();
@@ -171,7 +172,7 @@ impl Robot {
                 params,
                 index,
                 posterior.mean_mm,
-                posterior.sd_mm.hypot(SHARED_SD_MM).hypot(zero_sd_mm),
+                posterior.sd_mm.hypot(SHARED_SD_MM.max(zero_sd_mm)),
                 contacts,
                 effects,
             );
@@ -182,7 +183,7 @@ impl Robot {
             let whisker = &mut self.whiskers[index];
             if whisker.has_doubtful_length() {
                 whisker
-                    .learn_measured_length(whisker.sheet.length, posterior.sd_mm.hypot(SHARED_SD_MM).hypot(zero_sd_mm));
+                    .learn_measured_length(whisker.sheet.length, posterior.sd_mm.hypot(SHARED_SD_MM.max(zero_sd_mm)));
             }
             // Silence that is refuted was a change of habits.
             if whisker.is_reach_silent() {

@@ -152,6 +152,11 @@ impl Robot {
         next.map(|(index, reason, _)| (index, reason))
     }
 
+    /// Whether the last contact of the whisker stated no place.
+    pub(super) fn states_no_place(&self, index: WhiskerIndex) -> bool {
+        self.head.test_times.get(index).is_some_and(|times| times.need == Need::Place)
+    }
+
     /// A test of the whisker is requested or proposed: the next one is due an interval later.
     pub(super) fn note_test(&mut self, now: Micros, index: WhiskerIndex) {
         if let Some(times) = self.head.test_times.get_mut(index) {

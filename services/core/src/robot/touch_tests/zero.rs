@@ -83,7 +83,9 @@ impl Robot {
         }
         let is_next = |index: &WhiskerIndex| {
             let whisker = &self.whiskers[*index];
-            whisker.lacks_zero(params, now) && whisker.rare.length_test.is_none()
+            // Contacts without a place leave a whisker in its first condition.
+            let is_learned = whisker.condition == Condition::Healthy || self.states_no_place(*index);
+            is_learned && whisker.lacks_zero(params, now) && whisker.rare.length_test.is_none()
         };
         let Some(index) = (0..self.whiskers.len()).find(is_next) else { return };
         let waits = self.tests_under_way().next().is_some()
@@ -135,16 +137,11 @@ impl Whisker {
         self.zero(params).1 <= USABLE_SD_MM
     }
 
-    /// Whether a test is to measure the error of its distances: it is learned, and nothing speaks against its whole
-    /// length.
+    /// Whether a test is to measure the error of its distances: nothing speaks against its whole length.
     fn lacks_zero(&self, params: &Params, now: Micros) -> bool {
         let asked = self.rare.zero.asked;
         let is_time = asked == Micros(0) || now.since(asked) >= AGAIN_AFTER;
-        self.is_known_whole()
-            && self.detector.is_calm()
-            && self.condition == Condition::Healthy
-            && is_time
-            && !self.knows_zero(params)
+        self.is_known_whole() && self.detector.is_calm() && is_time && !self.knows_zero(params)
     }
 
     fn is_known_whole(&self) -> bool {

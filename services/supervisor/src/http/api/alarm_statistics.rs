@@ -113,9 +113,6 @@ async fn get_alarm_statistics(
     let now_us = wall_clock().0 as i64;
     let to_us = query.to.map_or(now_us, |Moment(Time(to))| to);
     let from_us = query.from.map_or(to_us.saturating_sub(SPAN_US), |Moment(Time(from))| from);
-    if from_us >= to_us {
-        return Err(Problem::invalid("from", "must be before `to`"));
-    }
     let mut filters: Vec<Filter> = caller.scope.filter("r.fleet").into_iter().collect();
     filters.extend(query.fleet.map(|fleets| Filter::fleets("r.fleet", fleets.iter())));
     let found = app.store.alarm_statistics(&Span { filters, from_us, to_us, now_us }).await?;
@@ -131,7 +128,7 @@ async fn get_alarm_statistics(
         to: Time(to_us),
         alarms: numbers.alarms,
         is_limited: numbers.alarms == ALARMS_MAX,
-        alarms_per_hour: numbers.alarms as f64 / (to_us.saturating_sub(from_us) as f64 / US_PER_HOUR),
+        alarms_per_hour: numbers.alarms as f64 / (to_us.saturating_sub(from_us).max(1) as f64 / US_PER_HOUR),
         busiest_ten_minutes: numbers.busiest,
         floods: numbers.floods,
         cleared: numbers.cleared,
