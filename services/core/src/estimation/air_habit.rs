@@ -15,9 +15,14 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::leak_test::{CALLED_AT, GAINS, LEAKS};
 use crate::encoding;
 
+/// Number of hypotheses of a leak: rates, and widths of bands.
+pub(super) const LEAKS: usize = 8;
+/// Number of rates at which air may also be gained.
+pub(super) const GAINS: usize = 3;
+/// Log likelihood ratio that calls a leak. The test is repeated all life long: sound chambers reached 12 in hours.
+pub(super) const CALLED_AT: f32 = 14.0;
 /// Kinds of other evidence: refills, leaps, a falling line.
 pub(super) const OTHERS: usize = 3;
 /// Times in which the noise is learned, then the mean gain, then the excursions, in seconds, and the readings that each needs.

@@ -19,7 +19,7 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::air_habit::{Habit, OTHERS};
+use super::air_habit::{CALLED_AT, GAINS, Habit, LEAKS, OTHERS};
 use super::pressure_track::{Loss, Reading, Track, rounding};
 use super::trend::Interval;
 use crate::encoding;
@@ -33,7 +33,6 @@ pub(super) const RATES: usize = 5;
 const RATES_PER_S: [f64; RATES] = [1e-3, 2e-3, 4e-3, 8e-3, 1.6e-2];
 const RATE_SD: f64 = 0.35;
 /// Places of the rates at which air may also be gained, for comparison; each rate is compared with one of them.
-pub(super) const GAINS: usize = 3;
 const GAINS_AT: [usize; GAINS] = [0, 2, 4];
 const COMPARED_WITH: [usize; RATES] = [0, 1, 1, 2, 2];
 /// Log likelihood ratio for a gain of air that is usual in a sound chamber. Beyond it the difference from a loss has a standard
@@ -41,7 +40,7 @@ const COMPARED_WITH: [usize; RATES] = [0, 1, 1, 2, 2];
 const GAIN_SOUND: f32 = 8.0;
 const GAIN_SD: f32 = 3.0;
 /// Widths of bands, in smallest refills.
-const WIDTHS: usize = 3;
+const WIDTHS: usize = LEAKS - RATES;
 const WIDTHS_REFILLS: [f64; WIDTHS] = [1.7, 3.0, 6.0];
 /// Longest gap between two readings whose scatter counts, in seconds. Over longer gaps a sound chamber's own loss and
 /// refills scatter the readings.
@@ -54,8 +53,6 @@ const STEP_MIN: f32 = 0.02;
 /// Factors on the step after a change that is smaller, and after one that is not: a single odd reading shows no finer sensor.
 const STEP_SHRINKS: f32 = 0.9;
 const STEP_GROWS: f32 = 1.005;
-/// Number of hypotheses: rates and widths.
-pub(super) const LEAKS: usize = RATES + WIDTHS;
 /// Noise that a sensor has until it is known, and least noise, in smallest refills.
 const NOISE: f64 = 0.36;
 const NOISE_MIN: f64 = 0.25;
@@ -66,8 +63,6 @@ const NOISE_READINGS_MAX: f64 = 2000.0;
 const NOISE_OFF_MAX: f64 = 1.2;
 /// Log likelihood ratio from which on no noise is learned: a leak that is slow to show would become noise.
 const SUSPECTED_AT: f32 = 5.0;
-/// Log likelihood ratio that calls a leak. The test is repeated all life long: sound chambers reached 12 in hours.
-pub(super) const CALLED_AT: f32 = 14.0;
 /// The same in favour of a sound chamber that ends a leak. Leaks with bands of a sensor's step look sound for some time.
 const ENDED_AT: f32 = 60.0;
 /// Bound of the ratios while a leak is called, so that another hypothesis can become the likeliest.

@@ -5,22 +5,18 @@
 //! Neither tells a length from a gain. So the length is put in doubt, with an interval over both, and no pressure
 //! changes for it.
 
-use borsh::{BorshDeserialize, BorshSerialize};
-
 use smallvec::SmallVec;
 
 use crate::estimation::Innovation;
 use crate::estimation::filter::LENGTH;
-use crate::mechanics::Offset;
 use crate::robot::Robot;
 use crate::robot::effect::{Condition, Effect, WhiskerIndex};
 use crate::robot::params::Params;
+use crate::robot::state::first_contacts::EARLY_CONTACTS;
 use crate::robot::state::whisker::Whisker;
-use crate::units::ContactRatio;
 
 /// First contacts that count: those before are the first loads of the rubber.
 const EARLY_FROM: u64 = 3;
-const EARLY_CONTACTS: u8 = 10;
 /// Rise of the log sensitivity since the first contacts that is no first load and no habit: 2 mm of 70.
 const RISE_MIN: f64 = 0.06;
 /// ... in standard deviations of the mean of the first contacts, if their errors were independent. The noise that is
@@ -40,34 +36,6 @@ const DILUTED: f64 = 1.5;
 /// A whisker differs from the others by more than this says, if it is at the edge of its batch.
 const AT_EDGE: f64 = 1.25;
 
-/// Mean response of a whisker's first contacts, against the model at its whole length.
-#[derive(Debug, Clone, Copy, PartialEq, Default, BorshSerialize, BorshDeserialize)]
-pub(in crate::robot) struct FirstContacts {
-    contacts: u8,
-    /// Sums of contact ratios, of deviations from the model, and of their squares.
-    ratio: f32,
-    deviation: f32,
-    square: f32,
-}
-
-impl FirstContacts {
-    /// Whether its numbers are finite.
-    pub(in crate::robot) fn is_sound(&self) -> bool {
-        [self.ratio, self.deviation, self.square].iter().all(|one| one.is_finite())
-    }
-
-    /// Rise of the log sensitivity to the level of this offset, and the standard deviation of the mean that it is
-    /// compared with.
-    fn rise_to(&self, offset: Offset) -> Option<(f64, f64)> {
-        let contacts = f64::from(self.contacts);
-        let mean = f64::from(self.deviation) / contacts;
-        let variance = (f64::from(self.square) / contacts - mean * mean).max(0.0);
-        let at =
-            ContactRatio::new(f64::from(self.ratio) / contacts).ok().filter(|_| self.contacts == EARLY_CONTACTS)?;
-        Some((offset.at(at) - mean, (variance / contacts).sqrt()))
-    }
-}
-
 impl Whisker {
     /// Keeps what the first contacts of a whisker tell while it is learned.
     pub(in crate::robot) fn follow_first(&mut self, seen: &Innovation) {
@@ -76,11 +44,7 @@ impl Whisker {
             return;
         }
         let deviation = seen.residual + self.filter.offset().at(seen.ratio);
-        let first = self.rare.get_or_insert().first.get_or_insert_default();
-        first.contacts = first.contacts.saturating_add(1);
-        first.deviation += deviation as f32;
-        first.ratio += seen.ratio.a() as f32;
-        first.square += deviation.powi(2) as f32;
+        self.rare.get_or_insert().first.get_or_insert_default().add(seen.ratio, deviation);
     }
 
     /// Whether its offset tells how the whiskers of its model are.

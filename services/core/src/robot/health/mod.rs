@@ -8,7 +8,7 @@ pub(in crate::robot) mod duplicate;
 pub(in crate::robot) mod exchange;
 mod fault_changes;
 pub(in crate::robot) mod faults;
-pub(in crate::robot) mod first_look;
+mod first_look;
 pub(in crate::robot) mod flapping;
 pub(in crate::robot) mod gauge;
 pub(in crate::robot) mod misfit;

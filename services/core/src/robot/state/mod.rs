@@ -5,6 +5,7 @@ pub(in crate::robot) mod clock;
 pub(in crate::robot) mod contact_evaluation;
 pub(in crate::robot) mod deadline;
 pub mod factsheet;
+pub(in crate::robot) mod first_contacts;
 pub(in crate::robot) mod head;
 pub(in crate::robot) mod index;
 pub(in crate::robot) mod layout;

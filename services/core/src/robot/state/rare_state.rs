@@ -7,9 +7,9 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use crate::estimation::{ErosionWatch, OwnCalibration, Reach};
 use crate::mechanics::Offset;
 use crate::robot::effect::Fault;
-use crate::robot::health::first_look::FirstContacts;
 use crate::robot::health::flapping::{Flapping, Vent};
 use crate::robot::setpoints::tries::Tries;
+use crate::robot::state::first_contacts::FirstContacts;
 use crate::robot::touch_tests::{DistanceZero, LengthTest};
 use crate::units::Micros;
 
