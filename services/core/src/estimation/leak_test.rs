@@ -8,7 +8,7 @@
 //!   hypothesis is the width of that band.
 //!
 //! The likelihood ratios of the hypotheses against a sound chamber add up over the readings. A leak is called at
-//! [`CALLED_AT`], and is over at [`ENDED_AT`] in favour of a sound chamber against each hypothesis. The sensor's noise is
+//! [`super::air_habit::CALLED_AT`], and is over at [`ENDED_AT`] in favour of a sound chamber against each hypothesis. The sensor's noise is
 //! learned while the chamber is sound: a noisy sensor scatters, too. So is its step: a finer sensor shows a leak sooner.
 //!
 //! Dither, hunting and ripple resemble leaks. So a rate of loss must also be likelier than the same rate of gain, which no
@@ -19,7 +19,7 @@
 use borsh::io::{Read, Result, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::air_habit::{CALLED_AT, GAINS, Habit, LEAKS, OTHERS};
+use super::air_habit::{GAINS, Habit, LEAKS, OTHERS};
 use super::pressure_track::{Loss, Reading, Track, rounding};
 use super::trend::Interval;
 use crate::encoding;
