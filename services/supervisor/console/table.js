@@ -5,10 +5,11 @@ import { h } from "./dom.js";
 
 /**
  * A table. `columns` are `{ name, cell(row), numeric, head }`; a row's `head` cell names it. `heading` of a column,
- * `{ content, order }`, replaces its name. Without rows, `empty` is shown instead.
+ * `{ content, order }`, replaces its name; `isWide` columns need the room of two. Without rows, `empty` is shown instead.
  */
 export function table({ caption, columns, rows, empty: nothing, key }) {
   if (!rows.length) return empty(nothing);
+  const room = columns.reduce((sum, { isWide }) => sum + (isWide ? 2 : 1), 0);
   const heading = ({ name, numeric, heading: told }) =>
     h(
       "th",
@@ -29,7 +30,7 @@ export function table({ caption, columns, rows, empty: nothing, key }) {
     );
   return h(
     "div",
-    { class: `table ${columns.length < 4 ? "few" : columns.length < 7 ? "some" : "many"}` },
+    { class: `table ${room < 4 ? "few" : room < 7 ? "some" : "many"}` },
     h(
       "table",
       { role: "table" },

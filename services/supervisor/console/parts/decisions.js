@@ -43,7 +43,7 @@ export function decisionColumns() {
           ? "\u2013"
           : `${mpa(row.pressure_before_mpa)} \u2192 ${mpa(row.held_pressure_mpa ?? row.pressure_mpa)}`,
     },
-    { name: "Predicted and measured error", cell: errors },
+    { name: "Predicted and measured error", cell: errors, isWide: true },
     { name: "State", cell: standing },
   ];
 }
