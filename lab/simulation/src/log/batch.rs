@@ -5,12 +5,12 @@ use bytes::{BufMut, Bytes, BytesMut};
 /// Bytes of a batch before those that its checksum covers: offset, length, epoch of the leader, format, checksum.
 const BEFORE_CHECKED: usize = 21;
 
-/// A record.
+/// A record as it was written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
-    /// Its key.
+    /// Key of the record, which chooses its partition.
     pub key: Option<Vec<u8>>,
-    /// Its value.
+    /// Payload of the record.
     pub value: Option<Vec<u8>>,
     /// Name and value of its header, if it has one.
     pub header: Option<(String, Vec<u8>)>,

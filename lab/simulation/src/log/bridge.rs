@@ -121,7 +121,7 @@ impl Bridge {
         true
     }
 
-    /// Writes what is due. Returns when more will be.
+    /// Writes the messages that are due. Returns the time at which the next one is due.
     fn write(&self, log: &ModelLog, written: &impl Fn(&str, &str)) -> Option<Instant> {
         let now = Instant::now();
         let mut next = None;

@@ -1,4 +1,4 @@
-//! What is told of a chamber: the condition of regulator, gauge and segmenter.
+//! The condition of a chamber in the status: regulator, gauge and segmenter.
 
 use vibrissa_protocol::{Gauge, Regulator, Segmenter, SetpointError, WhiskerStatus};
 use vibrissa_segmenter::Condition as Heard;

@@ -1,4 +1,4 @@
-//! What drivers tell of themselves, and not of a whisker.
+//! Words of a driver about itself.
 
 use serde::Deserialize;
 

@@ -174,8 +174,8 @@ impl From<HeadOfVersion4> for HeadOfVersion5 {
 fn head_of(mut bytes: &[u8]) -> Result<Head, RestoreError> {
     let version = u16::deserialize(&mut bytes).map_err(|_| RestoreError::Head)?;
     let head = match version {
-        // Version 10 knew no need for tests of whiskers without places, and wrote the same bytes.
         STATE_VERSION => borsh::from_slice::<Head>(bytes),
+        // Version 10 knew no need for tests of whiskers without places, and wrote the same bytes as 11.
         11 | 10 => borsh::from_slice::<Head>(&[bytes, &NO_MISFIT].concat()),
         9 => borsh::from_slice::<Head>(&[bytes, &NO_GAIN, &NO_MISFIT].concat()),
         8 => borsh::from_slice::<Head>(&[bytes, &NO_DUPLICATE, &NO_GAIN, &NO_MISFIT].concat()),
