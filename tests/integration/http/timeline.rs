@@ -157,7 +157,8 @@ async fn statistics_of_alarms_count_each_alarm_once() {
         let stale = found["stale"].as_array().unwrap();
         assert_eq!((stale.len(), &found["standing_over_a_day"]), (1, &json!(1)));
         assert_eq!(stale[0]["raised_at"], at(30).as_str());
-        let answer = served.get(&format!("/v1/alarms/statistics?from={}&to={}", at(1), at(0))).await;
-        assert_eq!((answer.status, &answer.json()["errors"][0]["field"]), (422, &json!("from")));
+        // A span that ends before its begin is empty, as in lists.
+        let empty = served.json(&format!("/v1/alarms/statistics?from={}&to={}", at(1), at(0))).await;
+        assert_eq!([&empty["alarms"], &empty["alarms_per_hour"]], [&json!(0), &json!(0.0)]);
     }
 }
