@@ -5,6 +5,8 @@ use crate::messages::{Contact, TouchTestGoal, TouchTestResult};
 
 /// Time in which the node must be found, and then in which it must answer a goal, seconds.
 const ANSWER_S: f64 = 5.0;
+/// Time from finding the node to the goal, seconds. The node must find this program, too: DDS drops its answer before.
+const SETTLE_S: f64 = 1.0;
 /// Time that the agent gives a test, and each of its touches, seconds.
 const TEST_S: f64 = 30.0;
 const TOUCH_S: f64 = 5.0;
@@ -53,8 +55,8 @@ pub trait ActionServer {
 }
 
 enum Phase<S: ActionServer> {
-    /// The node is not found yet.
-    Waiting(TouchTestGoal),
+    /// The node is not found yet, or was found at this time, seconds.
+    Waiting(TouchTestGoal, Option<f64>),
     /// The goal is sent.
     Asked(S::Request, S::Goal),
     /// The goal is accepted, and its result is requested.
@@ -89,7 +91,7 @@ impl<S: ActionServer> TouchTests<S> {
             begun_at_s: now_s,
             until_s: now_s + ANSWER_S,
             ends_at_s: now_s + TEST_S + TOUCH_S * f64::from(goal.contacts),
-            phase: Phase::Waiting(goal),
+            phase: Phase::Waiting(goal, None),
         });
     }
 
@@ -98,11 +100,17 @@ impl<S: ActionServer> TouchTests<S> {
         let mut inputs = Vec::new();
         let mut tell = |test_id: &str, progress: Progress| inputs.push(Input::Test(test_id.to_owned(), progress));
         let is_found =
-            self.under_way.iter().any(|test| matches!(test.phase, Phase::Waiting(_))) && self.server.is_found();
+            self.under_way.iter().any(|test| matches!(test.phase, Phase::Waiting(..))) && self.server.is_found();
         let waiting = std::mem::take(&mut self.under_way);
         for mut test in waiting {
-            if let Phase::Waiting(goal) = &test.phase
-                && is_found
+            if let Phase::Waiting(_, found_at_s) = &mut test.phase
+                && is_found != found_at_s.is_some()
+            {
+                *found_at_s = is_found.then_some(now_s);
+                test.until_s = now_s + ANSWER_S;
+            }
+            if let Phase::Waiting(goal, Some(found_at_s)) = &test.phase
+                && now_s >= found_at_s + SETTLE_S
             {
                 match self.server.send(goal.clone()) {
                     Ok((request, goal)) => {
@@ -152,7 +160,7 @@ impl<S: ActionServer> TouchTests<S> {
                 return true;
             }
             let problem = match test.phase {
-                Phase::Waiting(_) => "no node serves the action touch_test",
+                Phase::Waiting(..) => "no node serves the action touch_test",
                 Phase::Asked(_, goal) => {
                     server.cancel(goal);
                     "the node does not answer the goal"

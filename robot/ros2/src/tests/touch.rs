@@ -52,11 +52,11 @@ impl ActionServer for &mut Scripted {
     }
 
     fn answer(&mut self) -> Option<(u32, bool)> {
-        self.answers.pop_front()
+        if self.goals.is_empty() { None } else { self.answers.pop_front() }
     }
 
     fn result(&mut self) -> Option<(u32, bool, TouchTestResult)> {
-        self.results.pop_front()
+        if self.goals.is_empty() { None } else { self.results.pop_front() }
     }
 }
 
@@ -89,21 +89,26 @@ fn is_failed(got: &[(String, Progress)], id: &str, text: &str) -> bool {
     matches!(got, [(test_id, Progress::Failed(problem))] if test_id == id && problem.contains(text))
 }
 
+/// The tests `names`, begun at 0 s with a node that is found then. Their goals are sent from 1 s on.
+fn begun<'a>(node: &'a mut Scripted, names: &[&str]) -> TouchTests<&'a mut Scripted> {
+    let mut tests = TouchTests::new(node);
+    names.iter().for_each(|name| tests.begin(0.0, goal(name)));
+    assert!(tests.step(0.0).is_empty());
+    assert!(tests.step(0.9).is_empty(), "the node may not have found this program");
+    tests
+}
+
 #[test]
 fn two_tests_run_beside_each_other() {
     let mut node = Scripted { is_found: true, ..Scripted::default() };
     // The requests have the numbers 1 and 2; the one for the result of the second goal has 3, that of the first one 4.
     node.answers = [(9, true), (2, true)].into();
-    let mut tests = TouchTests::new(&mut node);
-    tests.begin(0.0, goal("a"));
-    tests.begin(0.0, goal("b"));
-    assert_eq!(progress(tests.step(0.1)), [("b".to_owned(), Progress::Running)]);
+    let mut tests = begun(&mut node, &["a", "b"]);
+    assert_eq!(progress(tests.step(1.0)), [("b".to_owned(), Progress::Running)]);
     let mut node = Scripted { is_found: true, ..Scripted::default() };
     node.answers = [(1, true), (2, true)].into();
     node.results = [(4, true, result(vec![contact()], "")), (3, false, result(vec![], "the wall is gone"))].into();
-    let mut tests = TouchTests::new(&mut node);
-    tests.begin(0.0, goal("a"));
-    tests.begin(0.0, goal("b"));
+    let mut tests = begun(&mut node, &["a", "b"]);
     let got = progress(tests.step(1.0));
     let of =
         |id: &str| got.iter().filter(|(test_id, _)| test_id == id).map(|(_, progress)| progress).collect::<Vec<_>>();
@@ -124,21 +129,18 @@ fn a_test_without_a_node_fails_and_so_does_one_that_is_not_finished() {
     assert!(node.goals.is_empty(), "a goal that is sent to nobody might be done later");
 
     let mut node = Scripted { is_found: true, ..Scripted::default() };
-    let mut tests = TouchTests::new(&mut node);
-    tests.begin(0.0, goal("a"));
+    let mut tests = begun(&mut node, &["a"]);
     assert!(tests.step(3.0).is_empty());
     assert!(is_failed(&progress(tests.step(8.0)), "a", "does not answer"));
     assert_eq!((node.goals.len(), &node.cancelled[..]), (1, &[101][..]));
 
     let mut node = Scripted { is_found: true, answers: [(1, false)].into(), ..Scripted::default() };
-    let mut tests = TouchTests::new(&mut node);
-    tests.begin(0.0, goal("a"));
-    assert!(is_failed(&progress(tests.step(0.1)), "a", "rejected"));
+    let mut tests = begun(&mut node, &["a"]);
+    assert!(is_failed(&progress(tests.step(1.0)), "a", "rejected"));
 
     let mut node = Scripted { is_found: true, answers: [(1, true)].into(), ..Scripted::default() };
-    let mut tests = TouchTests::new(&mut node);
-    tests.begin(0.0, goal("a"));
-    assert_eq!(tests.step(0.1).len(), 1);
+    let mut tests = begun(&mut node, &["a"]);
+    assert_eq!(tests.step(1.0).len(), 1);
     // 30 s and 5 s for each touch: the agent gives no more.
     assert!(tests.step(39.9).is_empty());
     assert!(is_failed(&progress(tests.step(40.0)), "a", "not finished it in time"));
