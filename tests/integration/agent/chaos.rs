@@ -35,6 +35,16 @@ async fn ordered(stage: &Stage, pressure_mpa: f64) {
     }
 }
 
+/// No contact is recorded more often than the board has made one of this whisker and time: a board that was kept waiting
+/// makes two in one microsecond.
+async fn none_twice(stage: &Stage, recorded: &[(i64, i64)]) {
+    let felt = stage.felt();
+    let times = |all: &[(i64, i64)], one: &(i64, i64)| all.iter().filter(|&other| other == one).count();
+    let twice = recorded.iter().filter(|one| times(recorded, one) > times(&felt, one));
+    let twice: Vec<i64> = twice.map(|&(_, t_us)| t_us).collect();
+    assert!(twice.is_empty(), "recorded twice: {}", stage.rows_of(&twice).await);
+}
+
 #[tokio::test]
 async fn nothing_is_lost_beyond_the_bound_and_no_setpoint_is_applied_twice_or_late() {
     let mut stage = Stage::start(|folder| board_as_child(folder, 40.0)).await;
@@ -94,6 +104,7 @@ async fn nothing_is_lost_beyond_the_bound_and_no_setpoint_is_applied_twice_or_la
     ordered(&stage, 0.105).await;
 
     // The end in good order: everything is sent.
+    let ended_us = now_us() as i64;
     stage.agent.signal(Signal::SIGTERM);
     assert!(stage.agent.ended(Duration::from_secs(10)).await.is_some_and(|status| status.success()));
     let felt = stage.felt();
@@ -104,9 +115,9 @@ async fn nothing_is_lost_beyond_the_bound_and_no_setpoint_is_applied_twice_or_la
     let without = format!("{}command = [\"sleep\", \"60\"]{}", &without[..begin], &without[end..]);
     std::fs::write(stage.folder.path().join("agent.toml"), without).unwrap();
     stage.agent.restart();
-    let ended_us = now_us() as i64;
-    let is_beyond =
-        |t_us: i64| kills_us.iter().chain([&ended_us]).any(|&at| (at - BOUND_US..=at + ORPHANED_US).contains(&t_us));
+    let is_beyond = |t_us: i64| {
+        t_us >= ended_us - BOUND_US || kills_us.iter().any(|&at| (at - BOUND_US..=at + ORPHANED_US).contains(&t_us))
+    };
     let due: Vec<(i64, i64)> = felt.iter().copied().filter(|&(_, t_us)| !is_beyond(t_us)).collect();
     let lost = async || {
         let recorded: BTreeSet<(i64, i64)> = stage.recorded().await.into_iter().collect();
@@ -123,7 +134,7 @@ async fn nothing_is_lost_beyond_the_bound_and_no_setpoint_is_applied_twice_or_la
     }
 
     let recorded = stage.recorded().await;
-    assert!(recorded.windows(2).all(|two| two[0] != two[1]), "a contact was recorded twice");
+    none_twice(&stage, &recorded).await;
     assert!(recorded.iter().all(|contact| felt.contains(contact)), "a contact was recorded that nobody felt");
     println!("{} contacts felt, {} recorded, {} due", felt.len(), recorded.len(), due.len());
     assert!(due.len() > 250, "{} of {}", due.len(), felt.len());
@@ -173,5 +184,5 @@ async fn a_supervisor_that_was_away_for_a_whole_boot_gets_its_contacts() {
     assert!(stage.agent_log().contains("another one begins"));
     ordered(&stage, 0.11).await;
     let recorded = stage.recorded().await;
-    assert!(recorded.windows(2).all(|two| two[0] != two[1]), "a contact was recorded twice");
+    none_twice(&stage, &recorded).await;
 }

@@ -1,13 +1,12 @@
 //! A broker, a supervisor, a proxy between broker and agent, and an agent, each as a process.
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use sqlx::Connection;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
+use sqlx::{AssertSqlSafe, Connection};
 use tempfile::TempDir;
 use vibrissa_tests::mosquitto::{Mosquitto, free_port};
 use vibrissa_tests::process::{Launch, Process};
@@ -157,6 +156,19 @@ impl Stage {
         sqlx::query_as(sql).fetch_all(&mut self.database().await).await.unwrap()
     }
 
+    /// Boot, number, position and time of the contacts of these times.
+    pub(crate) async fn rows_of(&self, times_us: &[i64]) -> String {
+        let times: Vec<String> = times_us.iter().map(i64::to_string).collect();
+        let sql = format!(
+            "SELECT b.boot_id || ' ' || seq || '.' || position || ' ' || t_us FROM contacts c JOIN boots b USING (boot) \
+             WHERE t_us IN ({}) ORDER BY t_us, seq",
+            times.join(", ")
+        );
+        let rows: Vec<String> =
+            sqlx::query_scalar(AssertSqlSafe(sql)).fetch_all(&mut self.database().await).await.unwrap();
+        rows.join("; ")
+    }
+
     /// Lines of the board's log.
     pub(crate) fn board_log(&self) -> Vec<Value> {
         let text = fs::read_to_string(self.folder.path().join("board.log")).unwrap_or_default();
@@ -165,7 +177,7 @@ impl Stage {
     }
 
     /// Whisker and time of each contact that the board has made.
-    pub(crate) fn felt(&self) -> BTreeSet<(i64, i64)> {
+    pub(crate) fn felt(&self) -> Vec<(i64, i64)> {
         let log = self.board_log();
         let contacts = log.iter().filter(|line| line["log"] == "contact");
         contacts.map(|line| (line["whisker"].as_i64().unwrap(), line["t_us"].as_i64().unwrap())).collect()
