@@ -68,7 +68,7 @@ export default {
         : null,
       section(
         "Active compensations",
-        decisionsTable(running, "Active compensations", "No active compensations."),
+        decisionsTable(running, "With predicted and measured errors", "No active compensations."),
       ),
       refusalsPart(refusals),
       robotNotes(notes, about, refresh),
