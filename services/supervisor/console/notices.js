@@ -31,12 +31,11 @@ export function report() {
 
 /** A problem with the service's texts, and the request ID for its log. */
 export function problemPanel(problem, retry) {
-  const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1)}`;
-  const title = problem.title ? sentence(problem.title) : "Something went wrong";
+  const title = problem.title ? `${problem.title[0].toUpperCase()}${problem.title.slice(1)}` : "Something went wrong";
   return h(
     "div",
     { class: "problem" },
-    h("p", {}, h("strong", {}, title, ". "), sentence(problem.message)),
+    h("p", {}, h("strong", {}, title, ". "), problem.message),
     problem.requestId ? h("p", { class: "hint" }, "Request ", h("code", {}, problem.requestId)) : null,
     retry ? h("button", { type: "button", onclick: retry }, "Try again") : null,
   );

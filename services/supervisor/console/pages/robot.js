@@ -130,10 +130,10 @@ function roles(whisker, running) {
   const decision = (id) => running.find((one) => one.compensation_id === id);
   const said = [];
   const [by, in_] = [decision(whisker.compensated_by), decision(whisker.serves_in)];
-  if (by && by === in_) said.push([by, "compensates for itself"]);
+  if (by && by === in_) said.push([by, "by itself"]);
   else {
-    if (by) said.push([by, `compensator: ${by.compensator_whisker}`]);
-    if (in_) said.push([in_, `compensates for ${in_.target_whisker}`]);
+    if (by) said.push([by, `by ${by.compensator_whisker}`]);
+    if (in_) said.push([in_, `for ${in_.target_whisker}`]);
   }
   return said.length
     ? said.map(([one, words]) => h("a", { href: link.compensation(one.compensation_id) }, words))
