@@ -4,7 +4,7 @@ from . import rows, variables, words
 from .grafana import CONSOLE_ROBOT, CONSOLE_WHISKER, Sql, by_name, drill_down, promql
 from .layout import whole
 from .panels import bargauge, stat, table, timeseries
-from .rows import FLEETS, between, time
+from .rows import FLEETS, between, bucket, time
 from .series import any_of, gained, largest, least, mean, of_fleet, rate, shares, total
 
 NAME = "fleet"
@@ -190,6 +190,14 @@ def trims():
             "none",
             promql(any_of(by_outcome, "case", "outcome"), "{{case}}: {{outcome}}").instant(),
         ).decimals(0),
+        timeseries(
+            "Errors by robot",
+            "Mean measured error (Eq. 35) of each robot's compensations, averaged over the panel's interval: the twenty robots"
+            " with the largest errors in the selected time.",
+            "percentunit",
+            [Sql(ERRORS, "time_series")],
+            size=(24, 9),
+        ),
     ]
 
 
@@ -271,6 +279,19 @@ ALARMS = f"""
     SELECT {rows.PLACE}, o.kind, {time("o.raised_us")} AS raised, o.acknowledged_by AS "acknowledged by"
     FROM alarms o {rows.OF_ALARM}
     WHERE {FLEETS} AND o.cleared_us IS NULL ORDER BY o.raised_us DESC LIMIT 200
+"""
+
+# Measured errors of the selected fleets in the selected time.
+ERRORS_OF_FLEETS = f"""
+    FROM compensation_errors e JOIN compensations c USING (compensation_id) {rows.OF_TARGET}
+    WHERE {FLEETS} AND {between("e.recorded_us")}
+"""
+
+ERRORS = f"""
+    SELECT {bucket("e.recorded_us")} AS "time", r.fleet || '/' || r.robot AS metric, avg(e.error) AS value
+    {ERRORS_OF_FLEETS.strip()}
+        AND r.robot_id IN (SELECT r.robot_id {ERRORS_OF_FLEETS.strip()} GROUP BY 1 ORDER BY avg(e.error) DESC LIMIT 20)
+    GROUP BY 1, 2 ORDER BY 1, 2
 """
 
 TRIMS = f"""

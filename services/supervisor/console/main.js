@@ -13,6 +13,7 @@ import { badge, forget, identify, isKnown, isSession } from "./rights.js";
 import { find } from "./router.js";
 import { offersSignIn, signInForm, signOut, token } from "./session.js";
 import { startShortcuts } from "./shortcuts.js";
+import { offerTour, startTour } from "./tour.js";
 import { showZoneChoice } from "./zone-choice.js";
 import { onZone } from "./zone.js";
 
@@ -135,6 +136,7 @@ async function start() {
   forget();
   await show(true);
   live.start();
+  if (isKnown()) offerTour();
 }
 
 const pageOf = (url) => pathOf(new URL(url).hash);
@@ -158,6 +160,7 @@ addEventListener("hashchange", ({ oldURL, newURL }) => {
   show(true);
 });
 startNotifications(document.getElementById("notifications"));
+startTour(document.getElementById("tour-button"));
 startMenu(document.getElementById("menu"));
 startShortcuts(document.getElementById("shortcuts"));
 showZoneChoice(document.getElementById("zone"));

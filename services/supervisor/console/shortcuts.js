@@ -57,7 +57,7 @@ export function showShortcuts() {
     [keys("?"), "Show this list"],
     [keys("/"), "Search in the table of the page"],
     ...Object.entries(BY_KEY).map(([key, [words]]) => [keys("g", key), words]),
-    [keys("Esc"), "Leave the search, close a dialog or a menu"],
+    [keys("Esc"), "Leave the search, close a dialog or a menu, end the tour"],
   ];
   const dialog = h(
     "dialog",

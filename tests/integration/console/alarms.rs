@@ -192,7 +192,7 @@ async fn filters_of_alarms_are_in_the_address_and_buttons_are_visible_on_a_phone
     stage.open("#/alarms").await;
     stage.browser.until("it is shelved", "!!document.querySelector('.alarms.shelved')").await;
     let shelved = text(&mut stage, ".alarms.shelved").await;
-    for part in ["no compensator available", "until", "a new one is ordered", "Unshelve"] {
+    for part in ["trimmed, not compensated", "until", "a new one is ordered", "Unshelve"] {
         assert!(shelved.contains(part), "{part}: {shelved}");
     }
     assert_eq!(complaints(&mut stage.browser).await, Vec::<String>::new());

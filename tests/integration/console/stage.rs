@@ -50,6 +50,11 @@ impl Stage {
         Self::to(AccessOptions::default(), |_| ()).await
     }
 
+    /// Starts a service that knows no robot yet.
+    pub(crate) async fn without_robots() -> Self {
+        Self::unborn(&["f"], ([127, 0, 0, 1], 0).into(), AccessOptions::default(), |_| ()).await
+    }
+
     /// Starts a service of the fleets `f` and `g`. Fleet `g` has the robot that is returned.
     pub(crate) async fn of_two_fleets() -> (Self, HandRobot) {
         let http = ([127, 0, 0, 1], 0).into();
@@ -110,6 +115,23 @@ impl Stage {
 
     /// Starts robot `r` of fleet `f`, whose array `left` has three whiskers with learned baselines.
     async fn of(fleets: &[&str], http: HttpOptions, access: AccessOptions, change: impl FnOnce(&mut Params)) -> Self {
+        let mut stage = Self::unborn(fleets, http, access, change).await;
+        stage.robot.birth().await;
+        stage.robot.settle().await;
+        for whisker in 0..3 {
+            stage.robot.touch(whisker, LEARNED + 20).await;
+        }
+        stage.robot.receipted().await;
+        stage
+    }
+
+    /// Starts a service, with robot `r` connected to its broker and silent.
+    async fn unborn(
+        fleets: &[&str],
+        http: HttpOptions,
+        access: AccessOptions,
+        change: impl FnOnce(&mut Params),
+    ) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let fleets: Vec<Name> = fleets.iter().map(|fleet| Name::new(fleet).unwrap()).collect();
         let mut params = Params::nguyen_2021(Formulation::Published);
@@ -141,11 +163,8 @@ impl Stage {
             let connected = service.metrics.of_fleet(&fleet).broker_connected;
             until_true("the connection to the broker", async || connected.get() == 1).await;
         }
-        let mut robot = HandRobot::born(service.broker.port, "r", array(ArrayType::Type1, &[70.0, 68.0, 65.0])).await;
-        for whisker in 0..3 {
-            robot.touch(whisker, LEARNED + 20).await;
-        }
-        robot.receipted().await;
+        let sheet = array(ArrayType::Type1, &[70.0, 68.0, 65.0]);
+        let robot = HandRobot::connect(service.broker.port, "r", sheet).await;
         Self { service, robot, browser: Browser::start().await, folder }
     }
 

@@ -248,6 +248,42 @@ async fn the_steps_of_a_setpoint_and_repeated_measurements_are_one_line() {
 }
 
 #[tokio::test]
+async fn whiskers_that_change_together_and_a_fault_that_flaps_are_one_line() {
+    let mut stage = Stage::start().await;
+    stage.open("#/fleets").await;
+    let of = |mut entry: Value, robot: &str, whisker: u16| {
+        entry["robot"] = json!(robot);
+        entry["whisker"] = json!(whisker);
+        entry
+    };
+    let learned =
+        |id| entry(id, 9, "CONDITION_CHANGED", &json!({ "condition": { "was": "LEARNING", "becomes": "HEALTHY" } }));
+    let fault = |was: Value, becomes: Value| json!({ "fault": { "was": was, "becomes": becomes } });
+    let entries = json!([
+        of(learned(9), "r", 0),
+        of(learned(8), "r", 1),
+        of(learned(7), "other", 0),
+        entry(6, 5, "FAULT_CHANGED", &fault(Value::Null, json!("LEAK"))),
+        entry(5, 4, "FAULT_CHANGED", &fault(json!("LEAK"), Value::Null)),
+        entry(4, 3, "FAULT_CHANGED", &fault(Value::Null, json!("LEAK"))),
+        of(entry(3, 2, "FAULT_CHANGED", &fault(json!("LEAK"), Value::Null)), "other", 0),
+    ]);
+    let told = format!(
+        "import('/console/parts/entries.js').then(({{ entriesList }}) => \
+         [...entriesList({entries}, {{ empty: '' }}).querySelectorAll('.what')] \
+         .map((one) => [one.firstChild.textContent, one.lastChild.textContent]))"
+    );
+    let expected = json!([
+        ["2 robots, 3 whiskers", "learning to healthy"],
+        ["rwhisker left 0", "found: leaking, after 2 changes"],
+        ["otherwhisker left 0", "over: leaking"],
+    ]);
+    assert_eq!(stage.browser.js(&told).await, expected);
+    stage.is_clean();
+    stage.stop().await;
+}
+
+#[tokio::test]
 async fn a_cut_is_told_at_the_top_of_its_page_and_in_the_timeline() {
     let mut stage = Stage::start().await;
     stage.cut().await;

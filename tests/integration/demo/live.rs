@@ -34,7 +34,7 @@ async fn paper_a_typed_cut_is_called_and_compensated_and_a_replaced_whisker_is_l
     let decision = demo.item(&format!("/v1/compensations?{OF_WHISKER}&target_whisker=2"), applied).await;
     assert!(!decision["compensator_whisker"].is_null(), "{decision}");
     demo.prints(" s  crawler-1/left/2: trimmed").await;
-    demo.prints("crawler-1/tail/0: alarm, trimmed, no compensator available. Do not rely on").await;
+    demo.prints("crawler-1/tail/0: alarm, trimmed, not compensated. Do not rely on").await;
 
     demo.type_line("replace crawler-1/left/2");
     demo.prints("crawler-1/left/2 is new, and reported as replaced").await;

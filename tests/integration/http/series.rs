@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 use vibrissa_store::batch::ContactRow;
+use vibrissa_store::time::Time;
+use vibrissa_tests::web::Answer;
 
 use crate::rows::{CONTACTS, START_US};
 use crate::served::Served;
@@ -42,7 +44,7 @@ async fn means_are_those_of_the_rows(served: &Served) {
         assert_eq!(items.len(), spans.len(), "{points} points");
         assert!(items.len() as i64 <= points && answer["bucket_s"].as_f64().unwrap() > 0.0);
         for (item, (at_us, rows)) in items.iter().zip(&spans) {
-            assert_eq!(item["at"], vibrissa_store::time::Time(*at_us).to_string());
+            assert_eq!(item["at"], Time(*at_us).to_string());
             assert_eq!(item["contacts"], rows.len());
             close(&item["ratio"], mean(rows.iter().filter_map(|row| row.ratio)), "ratio");
             close(&item["strain"], mean(rows.iter().map(|row| row.strain)), "strain");
@@ -109,4 +111,39 @@ async fn times_of_nothing_are_empty_and_long_ones_are_cut() {
     );
     let untouched = served.json("/v1/fleets/f/robots/r1/arrays/left/whiskers/2/contacts").await;
     assert_eq!((&untouched["total"], &untouched["from"]), (&0.into(), &Value::Null));
+}
+
+#[tokio::test]
+async fn each_contact_and_length_is_on_one_page_of_its_list() {
+    for served in [Served::sqlite().await, Served::postgres().await] {
+        let rows = &served.written.contacts;
+        let pages = served.all(&format!("{WHISKER}/contacts/each?limit=700&order=ascending")).await;
+        assert_eq!(pages.len(), rows.len());
+        for (item, row) in pages.iter().zip(rows) {
+            assert_eq!(item["at"], Time(row.t_us).to_string());
+            assert_eq!(item["received_at"], Time(row.received_us).to_string());
+            close(&item["strain"], row.strain, "strain");
+            close(&item["length_mm"], row.length_mm, "length");
+            assert_eq!((item["ratio"].as_f64(), item["residual"].as_f64()), (row.ratio, row.residual));
+        }
+        // Contacts of one moment are on different pages, and none is left out or told twice.
+        let lengths = served.all(&format!("{WHISKER}/lengths/each?limit=1000")).await;
+        let newest_first: Vec<_> = lengths.iter().map(|item| item["at"].clone()).collect();
+        assert_eq!(newest_first, pages.iter().rev().map(|item| item["at"].clone()).collect::<Vec<_>>());
+        for (item, row) in lengths.iter().zip(rows.iter().rev()) {
+            close(&item["length_high_mm"], row.length_mm + 1.959_963_984_540_054 * 0.25, "high");
+        }
+        let minute = "from=2026-11-21T08:00:10Z&to=2026-11-21T08:01:10Z";
+        let within = rows.iter().filter(|row| (10_000_000..70_000_000).contains(&(row.t_us - START_US))).count();
+        assert_eq!(served.all(&format!("{WHISKER}/contacts/each?{minute}&limit=50")).await.len(), within);
+        let other = pages_of_another_order(&served).await;
+        assert_eq!((other.status, &other.json()["errors"][0]["field"]), (422, &"cursor".into()));
+    }
+}
+
+/// The answer to a cursor of the list in the other order.
+async fn pages_of_another_order(served: &Served) -> Answer {
+    let page = served.json(&format!("{WHISKER}/contacts/each?limit=1")).await;
+    let cursor = page["next_cursor"].as_str().unwrap();
+    served.get(&format!("{WHISKER}/contacts/each?order=ascending&cursor={cursor}")).await
 }

@@ -136,7 +136,15 @@ fn every_alert_says_what_is_wrong_and_leads_to_its_runbook() {
 
 #[test]
 fn every_runbook_has_the_same_parts_and_can_be_served_by_prometheus() {
-    let parts = ["Meaning", "Risk", "First checks", "Likely causes, most likely first", "Actions", "End of the alert"];
+    let parts = [
+        "Meaning",
+        "Risk",
+        "First checks",
+        "Likely causes, most likely first",
+        "Actions",
+        "Escalation",
+        "End of the alert",
+    ];
     for path in runbooks() {
         let page = read(&path);
         let heads: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("## ")).collect();

@@ -205,13 +205,10 @@ fn take_epoch(bench: &mut Bench) {
             "epoch {epoch} was used: no lasting effect on the next supervisor, whose epoch is the time at which it begins"
         ),
         None if epoch > 0 => format!(
-            "epoch {epoch} was used, and the broker knows no supervisor: RESTART THE ROBOT before it is supervised, \
+            "epoch {epoch} was used, which lies ahead of the clock: RESTART THE ROBOT before it is supervised, \
              otherwise it refuses every supervisor's setpoints as STALE until their epoch is above {epoch}"
         ),
-        None => {
-            "epoch 0 was used, as the broker knows no supervisor: the first one's is higher, and the robot obeys it"
-                .into()
-        }
+        None => "epoch 0 was used: no lasting effect on the next supervisor, whose epoch is higher".into(),
     };
     bench.heard.findings.note(note);
     bench.heard.findings.note(

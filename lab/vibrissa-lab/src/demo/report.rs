@@ -211,7 +211,7 @@ impl Report {
         let served = compensation.filter(|one| one.compensator_whisker.is_some());
         let case = match (compensation, served) {
             (_, Some(one)) => one.compensation_case.clone().unwrap_or_default(),
-            (Some(_), None) => "NO COMPENSATOR".to_owned(),
+            (Some(_), None) => "NOT COMPENSATED".to_owned(),
             (None, None) => "-".to_owned(),
         };
         let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".to_owned());

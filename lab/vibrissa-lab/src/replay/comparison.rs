@@ -99,7 +99,7 @@ impl Comparison {
         for (side, decided) in self.sides.iter().zip([one, other]) {
             match decided {
                 None => writeln!(out, "  {}: no decision", side.name)?,
-                Some(Decided { chosen: None, .. }) => writeln!(out, "  {}: no compensator", side.name)?,
+                Some(Decided { chosen: None, .. }) => writeln!(out, "  {}: not compensated", side.name)?,
                 Some(Decided { chosen: Some(chosen), .. }) => writeln!(out, "  {}: {chosen}", side.name)?,
             }
         }

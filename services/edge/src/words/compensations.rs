@@ -52,7 +52,7 @@ words! {
     }
     RefinementOutcome {
         Refined => "REFINED" "the pressure was refined",
-        HeldDither => "HELD_DITHER" "kept: the step would be within the regulator's dither",
+        HeldDither => "HELD_DITHER" "kept: the step is too small for the regulator",
         HeldMargin => "HELD_MARGIN" "kept: too little to gain",
         HeldUncertain => "HELD_UNCERTAIN" "kept: not certain enough yet",
         HeldSteps => "HELD_STEPS" "kept: maximum number of refinements reached",

@@ -40,7 +40,7 @@ words! {
         Implausible => "IMPLAUSIBLE" "no length explains the strain" (Bad),
     }
     AlarmKind {
-        Uncompensated => "UNCOMPENSATED" "trimmed, no compensator available",
+        Uncompensated => "UNCOMPENSATED" "trimmed, not compensated",
         SetpointFailed => "SETPOINT_FAILED" "setpoints have failed",
         SensitivityLoss => "SENSITIVITY_LOSS" "sensitivity loss not explained by a cut",
         Eroding => "ERODING" "eroding",

@@ -7,6 +7,7 @@ pub mod board;
 pub mod bulk;
 pub mod calibrations;
 pub mod compensations;
+pub mod contacts;
 mod counts;
 pub mod errors;
 pub mod fleets;

@@ -46,9 +46,9 @@ const targetFact = (decision) => [
 function nobody(decision, id) {
   const { robot, array, target_whisker: target } = decision;
   return [
-    h("h1", { tabindex: "-1" }, `No compensation for whisker ${array} ${target} of ${robot}`),
+    h("h1", { tabindex: "-1" }, `Whisker ${array} ${target} of ${robot} is not compensated`),
     h("p", { class: "marks" }, standing(decision)),
-    h("p", { class: "summary" }, `Nobody can serve for it. ${sentence(whyNobody(decision))}`),
+    h("p", { class: "summary" }, sentence(whyNobody(decision))),
     h(
       "p",
       {},

@@ -68,7 +68,7 @@ export default {
         : null,
       section(
         "Active compensations",
-        decisionsTable(running, "Active compensations", "No active compensations."),
+        decisionsTable(running, "With predicted and measured errors", "No active compensations."),
       ),
       refusalsPart(refusals),
       robotNotes(notes, about, refresh),
@@ -130,10 +130,10 @@ function roles(whisker, running) {
   const decision = (id) => running.find((one) => one.compensation_id === id);
   const said = [];
   const [by, in_] = [decision(whisker.compensated_by), decision(whisker.serves_in)];
-  if (by && by === in_) said.push([by, "compensates for itself"]);
+  if (by && by === in_) said.push([by, "by itself"]);
   else {
-    if (by) said.push([by, `compensator: ${by.compensator_whisker}`]);
-    if (in_) said.push([in_, `compensates for ${in_.target_whisker}`]);
+    if (by) said.push([by, `by ${by.compensator_whisker}`]);
+    if (in_) said.push([in_, `for ${in_.target_whisker}`]);
   }
   return said.length
     ? said.map(([one, words]) => h("a", { href: link.compensation(one.compensation_id) }, words))

@@ -257,7 +257,7 @@ function decision(newest, refresh) {
   return [
     h("p", {}, h("a", { href: link.compensation(newest.compensation_id) }, "Decision of ", time(newest.decided_at))),
     newest.compensator_whisker === null
-      ? h("p", {}, `Nobody can serve: ${whyNobody(newest)}.`)
+      ? h("p", {}, `Not compensated: ${whyNobody(newest)}.`)
       : h("p", {}, markOf(APPROVALS, newest.approval)),
     effect(newest),
     actions.length ? h("div", { class: "buttons" }, actions) : null,

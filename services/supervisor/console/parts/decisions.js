@@ -21,7 +21,7 @@ export function standing(row) {
       time(row.ended_at),
     );
   if (row.approval === "PROPOSED" || row.approval === "REFUSED") return markOf(APPROVALS, row.approval);
-  if (row.compensator_whisker === null) return mark("no compensator", "bad", "cross");
+  if (row.compensator_whisker === null) return mark("not compensated", "bad", "cross");
   return row.setpoint_state ? markOf(SETPOINT_STATES, row.setpoint_state) : mark("active", "good", "circle");
 }
 
@@ -113,7 +113,7 @@ export function candidatesTable(decision, caption) {
 /** Reviews of the present setpoint with their outcomes. */
 export function looksTable(looks) {
   return table({
-    caption: "Pressure reviews",
+    caption: "What the supervisor found after more contacts",
     rows: looks,
     empty: "No reviews yet: the first follows after 200 contacts.",
     columns: [
@@ -141,7 +141,7 @@ export function setpointsTable(rows, caption) {
   return table({
     caption,
     rows,
-    empty: "No setpoint was sent yet.",
+    empty: "No setpoint was sent to this whisker. A neighbour that serves for it has its own.",
     key: (row) => row.command_id,
     columns: [
       { name: "Sent", head: true, cell: (row) => time(row.issued_at) },

@@ -29,8 +29,8 @@ import { dateFormat, zoneName } from "../zone.js";
 const PARAMETERS = 3;
 /** Parameters of actions that say nothing to people. */
 const SILENT = ["parent_id", "which", "expected_version"];
-
-const fault = (word) => (word ? say(FAULTS, word) : "no fault");
+/** Most whiskers that a tooltip names. */
+const NAMED_MAX = 30;
 
 /** Words, tone and shape of each kind of entry. */
 const KINDS = {
@@ -46,10 +46,10 @@ const KINDS = {
     "slope",
     `${say(CONDITIONS, condition.was)} to ${say(CONDITIONS, condition.becomes)}`,
   ],
-  FAULT_CHANGED: ({ fault: { was, becomes } }) => [
+  FAULT_CHANGED: ({ fault: { was, becomes } }, { many }) => [
     becomes ? "bad" : "good",
     becomes ? "cross" : "circle",
-    `${fault(was)} to ${fault(becomes)}`,
+    `${becomes ? `found: ${say(FAULTS, becomes)}` : `over: ${say(FAULTS, was)}`}${many > 1 ? `, after ${count(many - 1, "change")}` : ""}`,
   ],
   WHISKER_GONE: ({ gone }) => ["off", "ring", `whisker ${gone.array} ${gone.whisker} is not on the robot any more`],
   DECISION: decided,
@@ -98,7 +98,7 @@ function decided({ decision }, { array }) {
   if (!chosen) {
     const [first] = decision.candidates.map((one) => one.refused).filter(Boolean);
     const why = first ? `: ${say(REFUSALS, first)}${decision.candidates.length > 1 ? " ..." : ""}` : "";
-    return ["bad", "cross", `no compensator among ${count(decision.candidates.length, "candidate")}${why}`];
+    return ["bad", "cross", `not compensated: none of ${count(decision.candidates.length, "candidate")} can serve${why}`];
   }
   const own = chosen.case === "SELF_COMPENSATION";
   const what = `${own ? "itself" : `${array} ${chosen.whisker}`} to ${mpa(chosen.pressure_mpa)}, predicted error ${percent(chosen.predicted_error)}`;
@@ -137,8 +137,16 @@ export function toldOf(entry) {
   return { tone, shape, words };
 }
 
-/** What a line stands for: steps of one setpoint, and measurements of one compensation, are one line. */
-function keyOf({ kind, data, fleet, robot }) {
+/** Changes of one kind within this time are one line. */
+const TOGETHER_MS = 60_000;
+
+/**
+ * What a line stands for: steps of one setpoint, measurements of one compensation, a fault that comes and goes, and whiskers
+ * that change in the same way are one line.
+ */
+function keyOf({ kind, data, fleet, robot, array, whisker }) {
+  if (kind === "FAULT_CHANGED") return `${fleet}/${robot}/${array}/${whisker} fault`;
+  if (kind === "CONDITION_CHANGED") return `${fleet} ${data.condition.was} ${data.condition.becomes}`;
   if (data.setpoint) return `${fleet}/${robot} ${data.setpoint.command_id}`;
   return kind === "ERROR" ? `${fleet}/${robot} error ${data.error.compensation_id}` : null;
 }
@@ -168,8 +176,10 @@ export function folded(entries) {
   for (const entry of entries.filter((one) => !isRepeated(one))) {
     const key = keyOf(entry);
     const isError = entry.kind === "ERROR";
+    const isChange = ["FAULT_CHANGED", "CONDITION_CHANGED"].includes(entry.kind);
+    const isLate = isChange && Date.parse(known.get(key)?.at) - Date.parse(entry.at) > TOGETHER_MS;
     // A measurement is folded only into the line before it: other entries between them are worth their place.
-    const line = isError
+    const line = isLate ? null : isError
       ? lastError?.key === key && lines.at(-1) === lastError.line
         ? lastError.line
         : null
@@ -208,8 +218,20 @@ function placeOf({ kind, data, action_id: action, word }) {
 
 function subject(entry, withFleet) {
   if (!entry.fleet) return null;
+  if (entry.kind === "CONDITION_CHANGED" && entry.many > 1) return several(entry);
   const fleet = withFleet && entry.robot ? h("a", { href: link.fleet(entry.fleet) }, entry.fleet) : null;
   return [fleet, named(entry)];
+}
+
+/** The whiskers that have changed together; a tooltip names them. */
+function several({ fleet, steps }) {
+  const robots = new Set(steps.map(({ robot }) => robot));
+  const whiskers = new Set(steps.map((one) => `${one.robot} ${whiskerName(one)}`));
+  const title = [...whiskers].slice(0, NAMED_MAX).join(", ") + (whiskers.size > NAMED_MAX ? " \u2026" : "");
+  const [robot] = robots;
+  const href = robots.size === 1 ? link.robot({ fleet, robot }) : link.fleet(fleet);
+  const where = robots.size === 1 ? robot : count(robots.size, "robot");
+  return h("a", { href, title }, `${where}, ${count(whiskers.size, "whisker")}`);
 }
 
 function named(entry) {

@@ -33,7 +33,8 @@ export function proposals(rows, refresh) {
 }
 
 function proposal(row, refresh) {
-  const whom = row.compensator_whisker === row.target_whisker ? "itself" : `whisker ${row.target_whisker}`;
+  const { robot, array, compensator_whisker: by, target_whisker: target } = row;
+  const what = by === target ? `${array} ${by} serves for itself` : `${array} ${by} takes over from ${array} ${target}`;
   return h(
     "li",
     { class: "card warn", "data-key": `proposal-${row.compensation_id}` },
@@ -43,7 +44,7 @@ function proposal(row, refresh) {
       h(
         "a",
         { href: link.compensation(row.compensation_id) },
-        `${row.robot}: whisker ${row.array} ${row.compensator_whisker} to compensate for ${whom}`,
+        `${robot}: ${what}`,
       ),
     ),
     effect(row),

@@ -10,6 +10,8 @@ import { distribution, spark } from "./spark.js";
 
 /** Whiskers that are shown at once; the others can be opened. */
 const SHOWN = 12;
+/** On the page of a fleet its list follows, so that fewer leave no gap. */
+const SHOWN_OF_FLEET = 6;
 
 /** The parts beside a board. The changes are of the fleets, so a part of them has none. */
 export function aside(told, fleet, isPart) {
@@ -25,15 +27,16 @@ export function aside(told, fleet, isPart) {
 function worst(whiskers, fleet) {
   if (!whiskers.length) return h("p", { class: "empty" }, "All whiskers are well.");
   const rows = whiskers.map((whisker) => row(whisker, fleet));
-  const rest = rows.length - SHOWN;
+  const shown = fleet ? SHOWN_OF_FLEET : SHOWN;
+  const rest = rows.length - shown;
   return [
-    h("ol", { class: "worst" }, rows.slice(0, SHOWN)),
+    h("ol", { class: "worst" }, rows.slice(0, shown)),
     rest > 0
       ? h(
           "details",
           { "data-key": "more-whiskers" },
           h("summary", {}, `${rest} more`),
-          h("ol", { class: "worst", start: SHOWN + 1 }, rows.slice(SHOWN)),
+          h("ol", { class: "worst", start: shown + 1 }, rows.slice(shown)),
         )
       : null,
   ];

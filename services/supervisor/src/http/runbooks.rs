@@ -81,6 +81,22 @@ pages! {
     "WhiskerUnheard.md",
 }
 
+/// Documents that the runbooks refer to, by name.
+const DOCUMENTS: &[(&str, &str)] = &[
+    ("archive.md", include_str!("../../../../docs/archive.md")),
+    ("invariants.md", include_str!("../../../../docs/invariants.md")),
+    ("kafka.md", include_str!("../../../../docs/kafka.md")),
+    ("operations.md", include_str!("../../../../docs/operations.md")),
+    ("postgresql.md", include_str!("../../../../docs/postgresql.md")),
+    ("security.md", include_str!("../../../../docs/security.md")),
+    ("webhooks.md", include_str!("../../../../docs/webhooks.md")),
+];
+
+/// The text of a page or document.
+fn text_of(name: &str) -> Option<&'static str> {
+    PAGES.iter().chain(DOCUMENTS).find(|(known, _)| *known == name).map(|(_, text)| *text)
+}
+
 /// The pages: as hypertext for browsers, and as Markdown for all others.
 pub(super) fn routes() -> Router<super::App> {
     Router::new().route("/runbooks", get(async || Redirect::permanent(&format!("{RUNBOOKS}/{FIRST}")))).route(
@@ -127,7 +143,7 @@ impl Subject {
 }
 
 fn page(name: &str, subject: &Subject, headers: &HeaderMap) -> Response {
-    let Some((_, text)) = PAGES.iter().find(|(known, _)| *known == name) else {
+    let Some(text) = text_of(name) else {
         return Problem::not_found(format_args!("runbook called {name}: {RUNBOOKS}/{FIRST} lists them"))
             .into_response();
     };
@@ -136,7 +152,7 @@ fn page(name: &str, subject: &Subject, headers: &HeaderMap) -> Response {
     if preferred(headers, &["text/plain", "text/html"]) == Some(1) {
         let content = (header::CONTENT_TYPE, "text/html; charset=utf-8");
         let policy = (header::CONTENT_SECURITY_POLICY, hypertext::POLICY);
-        return ([content, policy, vary], hypertext::of(&text)).into_response();
+        return ([content, policy, vary], hypertext::of(&text, |name| text_of(name).is_some())).into_response();
     }
     // Browsers show this type, and would only save text/markdown.
     ([(header::CONTENT_TYPE, "text/plain; charset=utf-8"), vary], text).into_response()
@@ -158,6 +174,25 @@ mod tests {
         let filled = "ROBOT_SILENT: `/v1/fleets/lab/robots/crawler-1/arrays/ARRAY/whiskers/2`, FLEETS \u{2264} 2";
         assert_eq!(subject.fill(page), filled);
         assert_eq!(Subject::default().fill(page), page);
+    }
+
+    #[test]
+    fn each_document_that_a_runbook_refers_to_is_served() {
+        for (page, text) in PAGES {
+            let html = hypertext::of(text, |name| text_of(name).is_some());
+            for link in html.split("<a href=\"").skip(1).map(|rest| rest.split_once('"').unwrap().0) {
+                let (name, anchor) = link.split_once('#').unwrap_or((link, ""));
+                if name.starts_with("..") || name.starts_with("http") {
+                    continue;
+                }
+                let target = text_of(name).unwrap_or_else(|| panic!("{page} refers to {link}"));
+                let target = hypertext::of(target, |_| true);
+                assert!(anchor.is_empty() || target.contains(&format!("id=\"{anchor}\"")), "{page} refers to {link}");
+            }
+            for file in text.split("](../").skip(1).map(|rest| rest.split([')', '#']).next().unwrap()) {
+                assert!(text_of(file).is_some(), "{page} refers to {file}");
+            }
+        }
     }
 
     #[test]

@@ -135,7 +135,7 @@ fn decided(known: &KnownRobot, decision: &Decision) {
     let (target, compensation_id) =
         (known.full_name_of(decision.target), wide_id(known.robot_id, decision.compensation));
     let Some(chosen) = decision.chosen.and_then(|at| decision.candidates.get(at)) else {
-        return warn!(whisker = %target, candidates = decision.candidates.len(), "no whisker can compensate for it");
+        return warn!(whisker = %target, candidates = decision.candidates.len(), "trimmed, not compensated: no candidate can serve");
     };
     let (by, case) = (known.full_name_of(chosen.whisker), label_of(chosen.case));
     let pressure_mpa = chosen.pressure.map(|pressure| (1e4 * pressure.mpa()).round() / 1e4);

@@ -18,6 +18,7 @@ pub mod contact_place;
 pub mod contact_uses;
 pub mod contacts;
 pub mod dead_letters;
+pub mod each;
 pub mod errors;
 pub mod events;
 pub mod filters;
@@ -76,6 +77,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(contacts::routes())
         .merge(contact_place::routes())
         .merge(contact_uses::routes())
+        .merge(each::routes())
         .merge(history::routes())
         .merge(me::routes())
         .merge(model::routes())

@@ -143,6 +143,7 @@ files!(
     "styles/runbooks.css"
     "styles/story.css"
     "table.js"
+    "tour.js"
     "vendor/uPlot.LICENSE.txt"
     "vendor/uPlot.esm.js"
     "vendor/uPlot.min.css"

@@ -1,6 +1,6 @@
-//! A runbook as a page for browsers.
+//! A runbook, or a document beside it, as a page for browsers.
 
-use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html};
+use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd, html};
 
 /// The page has styles of this service, and nothing else.
 pub(super) const POLICY: &str = "default-src 'none'; style-src 'self'; img-src 'self'; base-uri 'none'; \
@@ -19,30 +19,56 @@ const BEFORE_BODY: &str = " - vibrissa</title>\n</head>\n<body>\n<header class=\
     </header>\n<main class=\"runbook\">\n";
 const AFTER_BODY: &str = "</main>\n</body>\n</html>\n";
 
-/// The page for a text in Markdown.
-pub(super) fn of(markdown: &str) -> String {
+/// The page for a text in Markdown. Its links to pages of which `is_served` is true lead there. Of other files of the
+/// repository the path is named.
+#[expect(clippy::wildcard_enum_match_arm, reason = "the library's events: most of them stay as they are")]
+pub(super) fn of(markdown: &str, is_served: impl Fn(&str) -> bool) -> String {
     let title = markdown.lines().find_map(|line| line.strip_prefix("# ")).unwrap_or("Runbook");
     let mut events = Vec::new();
-    // Only runbooks are served. Instead of a link to another document, its place in the repository is named.
-    let mut outside: Option<CowStr<'_>> = None;
+    // Path of a file that is not served, until the end of its link.
+    let mut outside: Option<String> = None;
+    // Place of the heading's event, and its words so far.
+    let mut heading: Option<(usize, String)> = None;
     for event in Parser::new_ext(markdown, Options::ENABLE_TABLES) {
-        if let Event::Start(Tag::Link { dest_url, .. }) = &event
-            && dest_url.starts_with("../")
+        if let Some((_, words)) = &mut heading
+            && let Event::Text(text) | Event::Code(text) = &event
         {
-            outside = Some(dest_url.clone());
-        } else if event == Event::End(TagEnd::Link)
-            && let Some(path) = outside.take()
-        {
-            events.push(Event::Text(" (".into()));
-            events.push(Event::Code(path.replacen("../", "docs/", 1).into()));
-            events.push(Event::Text(")".into()));
-        } else if matches!(event, Event::Start(Tag::Table(_))) {
+            words.push_str(text);
+        }
+        match event {
+            Event::Start(Tag::Link { link_type, dest_url, title, id }) => match place(&dest_url, &is_served) {
+                Place::Here(dest_url) => {
+                    let dest_url = dest_url.into();
+                    events.push(Event::Start(Tag::Link { link_type, dest_url, title, id }));
+                }
+                Place::Repository(path) => outside = Some(path),
+            },
+            Event::End(TagEnd::Link) => match outside.take() {
+                Some(path) => {
+                    events.push(Event::Text(" (".into()));
+                    events.push(Event::Code(path.into()));
+                    events.push(Event::Text(")".into()));
+                }
+                None => events.push(event),
+            },
+            Event::Start(Tag::Heading { .. }) => {
+                heading = Some((events.len(), String::new()));
+                events.push(event);
+            }
+            Event::End(TagEnd::Heading(_)) => {
+                if let Some((at, words)) = heading.take()
+                    && let Some(Event::Start(Tag::Heading { id, .. })) = events.get_mut(at)
+                {
+                    *id = Some(anchor(&words).into());
+                }
+                events.push(event);
+            }
             // A wide table scrolls on its own, by keys as well.
-            events.extend([Event::Html("<div class=\"wide\" tabindex=\"0\">".into()), event]);
-        } else if event == Event::End(TagEnd::Table) {
-            events.extend([event, Event::Html("</div>\n".into())]);
-        } else {
-            events.push(event);
+            Event::Start(Tag::Table(_)) => {
+                events.extend([Event::Html("<div class=\"wide\" tabindex=\"0\">".into()), event]);
+            }
+            Event::End(TagEnd::Table) => events.extend([event, Event::Html("</div>\n".into())]),
+            other => events.push(other),
         }
     }
     let mut page = String::from(BEFORE_TITLE);
@@ -53,19 +79,49 @@ pub(super) fn of(markdown: &str) -> String {
     page
 }
 
+/// Where a link leads.
+enum Place {
+    /// To a page of this service, of this page, or of another host.
+    Here(String),
+    /// To a file of the repository that is not served.
+    Repository(String),
+}
+
+/// The place of a link. All pages are served from one folder, and in the repository they are in two.
+fn place(link: &str, is_served: impl Fn(&str) -> bool) -> Place {
+    let name = link.trim_start_matches("../").trim_start_matches("runbooks/");
+    let file = name.split_once('#').map_or(name, |(file, _)| file);
+    if file.is_empty() || link.contains("://") || is_served(file) {
+        return Place::Here(name.to_owned());
+    }
+    Place::Repository(link.trim_start_matches("../").to_owned())
+}
+
+/// The name of a heading in addresses, as in the repository: small letters, digits and hyphens.
+fn anchor(words: &str) -> String {
+    let known = words.chars().filter(|letter| letter.is_alphanumeric() || matches!(letter, ' ' | '-' | '_'));
+    known.collect::<String>().to_lowercase().replace(' ', "-")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_page_has_its_title_tables_code_and_links_within_the_folder() {
-        let page = of("# Leak\n\nSee [all](README.md) and [operations](../operations.md).\n\n\
-                       | a | b |\n| --- | --- |\n| 1 < 2 | `x` |\n\n```sh\necho \"<b>\"\n```\n");
+        let is_served = |name: &str| ["README.md", "operations.md"].contains(&name);
+        let text = "# Leak\n\nSee [all](README.md), [copies](../operations.md#back-up), [code](../../src/main.rs) and \
+                    [here](#a-b).\n\n## A `b`\n\n\
+                       | a | b |\n| --- | --- |\n| 1 < 2 | `x` |\n\n```sh\necho \"<b>\"\n```\n";
+        let page = of(text, is_served);
         for part in [
             "<title>Leak - vibrissa</title>",
-            "<h1>Leak</h1>",
+            "<h1 id=\"leak\">Leak</h1>",
             "<a href=\"README.md\">all</a>",
-            "operations (<code>docs/operations.md</code>)",
+            "<a href=\"operations.md#back-up\">copies</a>",
+            "code (<code>src/main.rs</code>)",
+            "<a href=\"#a-b\">here</a>",
+            "<h2 id=\"a-b\">A <code>b</code></h2>",
             "<td>1 &lt; 2</td>",
             "echo \"&lt;b&gt;\"",
         ] {
