@@ -6,6 +6,8 @@ mod delivery;
 mod failures;
 mod killed;
 mod limits;
+mod mailbox;
+mod mails;
 mod managed;
 mod receiver;
 mod stage;

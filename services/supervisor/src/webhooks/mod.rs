@@ -1,10 +1,13 @@
-//! Delivery of events to programs elsewhere.
+//! Delivery of events to programs elsewhere, and of mails to people. A person's address is a target as a program is: its URL
+//! is `mailto:` and the address. One mail tells all events that came since the one before.
 //!
 //! Events come from the log (`vibrissa_store::events`), each webhook with its own position. Every supervisor looks for targets with waiting events each second. It takes hold of a target in the database, so that
 //! one supervisor at a time delivers to it, and sends its events one after the other. Each target has its own task: a dead
 //! one delays no other, and the engines never wait.
 
 mod delivery;
+mod letter;
+mod mail;
 mod sending;
 pub mod signature;
 pub mod target;
@@ -22,6 +25,8 @@ use vibrissa_host::task;
 use crate::metrics::Metrics;
 pub use delivery::message_id;
 use delivery::{Delivery, HOLD};
+pub use letter::Letter;
+pub use mail::{Encryption, MailOptions, sender as mail_sender};
 pub use sending::{AttemptResult, Message, PATIENCE, Post, Sender};
 use target::Hosts;
 use vibrissa_edge::clock::wall_clock;
@@ -75,13 +80,15 @@ pub struct WebhookOptions {
     pub allowed_hosts: Vec<String>,
     /// Pauses between attempts.
     pub pace: Pace,
+    /// The mail server, if people get mails.
+    pub mail: Option<MailOptions>,
 }
 
 impl WebhookOptions {
-    /// Sends over HTTP to public addresses and to the allowed hosts.
+    /// Sends over HTTP to public addresses and to the allowed hosts, and mails over the mail server.
     #[must_use]
     pub fn sender(&self) -> Sender {
-        Sender::new(Hosts::new(&self.allowed_hosts))
+        Sender::new(Hosts::new(&self.allowed_hosts), self.mail.clone())
     }
 }
 
