@@ -8,6 +8,7 @@ mod killed;
 mod limits;
 mod mailbox;
 mod mails;
+mod maintenance;
 mod managed;
 mod receiver;
 mod stage;

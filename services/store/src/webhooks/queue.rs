@@ -18,6 +18,7 @@ use crate::events::upkeep::Brief;
 use crate::events::{EVENTS, EVENTS_A_QUERY, Position, Positioned, StoredEvent, select, settled};
 use crate::from_row::from_row;
 use crate::lease_watch::Reading;
+use crate::maintenance;
 use crate::set_aside::{SetAside, Tried};
 use crate::{Store, StoreError, failed};
 
@@ -334,6 +335,7 @@ async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow, set_aside: &SetAside) -
         "WHERE (e.tx, e.event_id) > ($1, $2) AND e.audience = 'PEOPLE' {} ORDER BY e.tx, e.event_id LIMIT {EVENTS_A_QUERY}",
         settled(tx)
     );
+    let windows = maintenance::windows(tx).await?;
     let (mut done, mut found) = (webhook.done(), Vec::new());
     let mut after = done;
     loop {
@@ -346,7 +348,11 @@ async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow, set_aside: &SetAside) -
         for Positioned { at, event } in events {
             after = at;
             match set_aside.read(EVENTS, event) {
-                Some(event) if event.is_in(&interest) => found.push(event),
+                Some(event)
+                    if event.is_in(&interest) && !maintenance::is_muted(&windows, &event, webhook.is_mail()) =>
+                {
+                    found.push(event);
+                }
                 // An event behind the first one is met again, because the position stays before that one.
                 _ if !found.is_empty() => {}
                 Some(event) if event.event_kind().is_none() => {

@@ -36,7 +36,8 @@ use vibrissa_store::{Store, StoreError};
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// Interval between two measurements of the queues for the metrics.
 const MEASURE_EVERY: Duration = Duration::from_secs(10);
-/// Interval between two removals of old events, and of those beyond the outbox's limit.
+/// Interval between two removals of old events, and of those beyond the outbox's limit. As often, ended maintenances are
+/// looked for.
 const TRIM_EVERY: Duration = Duration::from_secs(10);
 /// Time limit for attempts that are under way when the service stops.
 const STOP_PATIENCE: Duration = Duration::from_secs(3);
@@ -137,7 +138,9 @@ impl Webhooks {
                     self.measure().await?;
                 }
                 if is_due(&mut trimmed, TRIM_EVERY) {
-                    self.store.trim_events_for_webhooks(wall_clock().0 as i64).await?;
+                    let now_us = wall_clock().0 as i64;
+                    self.store.tell_after_maintenance(now_us).await?;
+                    self.store.trim_events_for_webhooks(now_us).await?;
                 }
                 Ok::<(), StoreError>(())
             };
