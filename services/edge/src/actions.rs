@@ -86,6 +86,10 @@ pub enum RecordedKind {
     AlarmsShelve,
     /// Ends the silence of all alarms that meet conditions.
     AlarmsUnshelve,
+    /// Sets a window of maintenance.
+    MaintenanceSet,
+    /// Ends a window of maintenance.
+    MaintenanceEnd,
     /// Holds all robots that meet conditions; each robot has its own entry beside it.
     RobotsHold,
     /// Releases all robots that meet conditions.

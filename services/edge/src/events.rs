@@ -8,7 +8,7 @@ use crate::words::{Words, named};
 /// Kind of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EventKind {
-    /// An alarm was raised.
+    /// An alarm was raised, or still stands at the end of a maintenance.
     AlarmRaised,
     /// The cause of an alarm is gone.
     AlarmCleared,

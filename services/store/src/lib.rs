@@ -40,6 +40,7 @@ pub mod lists;
 mod load;
 mod lock;
 mod log_position;
+pub mod maintenance;
 mod membership;
 pub mod model;
 mod no_server;

@@ -1,6 +1,7 @@
 // Notifications of the browser about new alarms, while the console is open but not in sight. Each browser chooses for
-// itself; webhooks reach people whose console is closed.
+// itself; mails reach people whose console is closed. Robots in maintenance cause none.
 
+import { activeMaintenance, isIn } from "./parts/maintenance.js";
 import { ALARM_KINDS, say } from "./words.js";
 
 const KEY = "vibrissa-notify";
@@ -30,9 +31,13 @@ export function heard({ event, data }) {
   waiting.push(told);
 }
 
-function tell() {
-  const alarms = waiting;
+async function tell() {
+  const raised = waiting;
   waiting = [];
+  // Without an answer it is better to tell too much.
+  const windows = await activeMaintenance().catch(() => []);
+  const alarms = raised.filter((alarm) => !isIn(windows, alarm));
+  if (!alarms.length) return;
   const line = ({ robot, array, whisker, alarm }) =>
     `${robot}${array ? ` ${array} ${whisker}` : ""}: ${say(ALARM_KINDS, alarm.kind)}`;
   const more = alarms.length > NAMED_MAX ? [`and ${alarms.length - NAMED_MAX} more`] : [];

@@ -153,7 +153,7 @@ impl Stage {
             mqtt_port: 0,
             mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
             http,
-            webhooks: WebhookOptions { allowed_hosts: vec!["127.0.0.1".to_owned()], pace: FAST },
+            webhooks: WebhookOptions { allowed_hosts: vec!["127.0.0.1".to_owned()], pace: FAST, mail: None },
             traces: None,
             params,
         })

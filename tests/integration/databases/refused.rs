@@ -61,6 +61,7 @@ const OTHERS: [(&str, &str); 28] = [
     ("rollout_events", "belongs to a fleet"),
     ("api_tokens", "belongs to users"),
     ("alarm_shelves", "belongs to users"),
+    ("maintenance", "belongs to users"),
     ("notes", "belongs to users"),
     ("allowed_robots", "belongs to users"),
     ("webhooks", "belongs to users"),

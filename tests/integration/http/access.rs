@@ -59,6 +59,7 @@ fn filled(path: &str) -> String {
         ("{calibration_id}", "1"),
         ("{command_id}", "x"),
         ("{webhook_id}", "1"),
+        ("{maintenance_id}", "1"),
     ];
     values.into_iter().fold(path.to_owned(), |path, (part, value)| path.replace(part, value))
 }

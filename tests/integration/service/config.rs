@@ -122,6 +122,11 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::HttpPublicUrl => ["https://c0.example", "https://c1.example:8443", "http://127.0.0.1:8080"],
         Key::HttpTrustedProxies => ["10.1.0.0/16", "127.0.0.1", "::1"],
         Key::WebhooksAllowedHosts => ["hooks.lan", "10.0.0.7", "::1"],
+        Key::MailUrl => ["smtps://h0", "starttls://h1:2587", "smtp://[::1]:2525"],
+        Key::MailSender => ["a@h0.example", "Vibrissa <a@h1.example>", "b@h2.example"],
+        Key::MailUsername => ["user-0", "user-1", "user-2"],
+        Key::MailPasswordFile => ["file0", "file1", "file2"],
+        Key::MailGatherS | Key::MailPerHourMax => ["7", "70", "250"],
         Key::TracesOtlpEndpoint => ["http://h0:4318", "https://h1/otlp", "http://[::1]:4318"],
         Key::TracesSampleRatio => ["0.0", "0.5", "1.0"],
         Key::PolicyMode => ["advise", "automatic", "advise"],
@@ -164,6 +169,10 @@ fn companions(key: Key) -> &'static [&'static str] {
         | Key::KafkaContactsTopic
         | Key::KafkaPublishContacts
         | Key::KafkaWaitingMibMax => &["--publish=kafka", "--kafka-url=kafka://h:9092"],
+        Key::MailUrl => &["--mail-sender=a@h.example"],
+        Key::MailSender => &["--mail-url=smtps://h"],
+        Key::MailUsername => &["--mail-url=smtps://h", "--mail-sender=a@h.example", "--mail-password-file=file0"],
+        Key::MailPasswordFile => &["--mail-url=smtps://h", "--mail-sender=a@h.example", "--mail-username=u"],
         Key::HttpOidcIssuer => &["--http-oidc-audience=a"],
         Key::HttpOidcAudience => &["--http-oidc-issuer=https://i.example"],
         Key::HttpOidcClientId => {

@@ -113,10 +113,15 @@ impl Stage {
 
     /// Starts a supervisor of fleet `f` whose webhooks may reach these hosts.
     pub(crate) async fn with(&self, name: &str, pace: Pace, hosts: &[&str]) -> Service {
+        let allowed_hosts = hosts.iter().map(|&host| host.to_owned()).collect();
+        self.delivering(name, WebhookOptions { allowed_hosts, pace, mail: None }).await
+    }
+
+    /// Starts a supervisor of fleet `f` with these webhooks.
+    pub(crate) async fn delivering(&self, name: &str, webhooks: WebhookOptions) -> Service {
         let fleet = Name::new("f").unwrap();
         let mut params = Params::nguyen_2021(Formulation::Published);
         params.detection.cold_start_contacts = LEARNED;
-        let allowed_hosts = hosts.iter().map(|&host| host.to_owned()).collect();
         let service = Service::start(ServiceOptions {
             kafka: vibrissa_supervisor::service::KafkaOptions::default(),
             access: AccessOptions::default(),
@@ -132,7 +137,7 @@ impl Stage {
             mqtt_port: 0,
             mqtt_access: vibrissa_supervisor::broker::MqttAccess::Open,
             http: ([127, 0, 0, 1], 0).into(),
-            webhooks: WebhookOptions { allowed_hosts, pace },
+            webhooks,
             black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
             traces: None,
             params,

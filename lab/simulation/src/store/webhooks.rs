@@ -212,7 +212,8 @@ impl Webhooks for ModelStore {
             return None;
         };
         let age_us = now_us - event.recorded_us;
-        Some(Job { webhook: row, event, secrets: vec![secret], attempts, is_again, age_us })
+        // Mails go through no model: there is one event at a time.
+        Some(Job { webhook: row, event, more: Vec::new(), secrets: vec![secret], attempts, is_again, age_us })
     }
 
     fn finish_job(&mut self, job: &Job, holder: &str, outcome: &Outcome) -> bool {
@@ -220,6 +221,13 @@ impl Webhooks for ModelStore {
         let is_held = self.webhooks.get(&webhook_id).is_some_and(|one| one.holder.as_deref() == Some(holder));
         if !is_held {
             return false;
+        }
+        if let Outcome::Postponed { pause_us } = outcome {
+            self.webhooks.change(&webhook_id, |one| {
+                one.row.next_us = now_us + pause_us;
+                one.release();
+            });
+            return true;
         }
         let is_over = matches!(outcome, Outcome::Delivered { .. } | Outcome::Failed { is_dead: true, .. });
         self.webhooks.change(&webhook_id, |one| {
@@ -234,6 +242,7 @@ impl Webhooks for ModelStore {
                     (one.row.last_success_us, one.row.next_us, one.row.streak) = (Some(now_us), 0, 0);
                     one.row.delivered += 1;
                 }
+                Outcome::Postponed { .. } => {}
                 Outcome::Failed { status, problem, pause_us, .. } => {
                     one.row.last_status = status.map(i64::from);
                     (one.row.last_problem, one.row.next_us) = (Some(problem.clone()), now_us + pause_us);
@@ -247,7 +256,7 @@ impl Webhooks for ModelStore {
             Outcome::Failed { is_dead: true, .. } => {
                 self.dead_letters.set((webhook_id, event_id), Letter { again: false });
             }
-            Outcome::Delivered { .. } | Outcome::Failed { .. } => {}
+            Outcome::Delivered { .. } | Outcome::Postponed { .. } | Outcome::Failed { .. } => {}
         }
         true
     }

@@ -34,6 +34,8 @@ words! {
         AlarmsAcknowledge => "ALARMS_ACKNOWLEDGE" "acknowledge many alarms",
         AlarmsShelve => "ALARMS_SHELVE" "shelve many alarms",
         AlarmsUnshelve => "ALARMS_UNSHELVE" "unshelve many alarms",
+        MaintenanceSet => "MAINTENANCE_SET" "set a maintenance",
+        MaintenanceEnd => "MAINTENANCE_END" "end a maintenance",
         RobotsHold => "ROBOTS_HOLD" "hold many robots",
         RobotsRelease => "ROBOTS_RELEASE" "release many robots",
         WhiskersHold => "WHISKERS_HOLD" "hold many whiskers",

@@ -41,12 +41,15 @@ from_row! {
         pub acknowledged_by: Option<String>,
         /// Comment given with the acknowledgement; null without a comment.
         pub acknowledged_reason: Option<String>,
-        /// Time until which alarms of this kind about this whisker or robot are shelved; null if they are not shelved.
+        /// Time until which it is shelved, by a person or by a window of maintenance; null if it is not shelved.
         pub shelved_until: Option<Time>,
         /// Person or token that shelved it; null if it is not shelved.
         pub shelved_by: Option<String>,
         /// Reason given for shelving it; null if it is not shelved.
         pub shelved_reason: Option<String>,
+        /// Number of the window of maintenance that shelves it; null unless one does.
+        #[schema(minimum = 1)]
+        pub maintenance_id: Option<i64>,
         /// State: `UNACKNOWLEDGED`, `ACKNOWLEDGED`, `SHELVED` or `CLEARED`.
         pub state: String,
         /// Number of the black box with the robot's messages around it; null without a box.
@@ -168,7 +171,7 @@ macro_rules! rows {
         concat!(
             "SELECT t.*, {urgency} AS urgency FROM (SELECT s.alarm_id, r.robot_id, r.labels, fleet, robot, \"array\", w.whisker, w.whisker_id, \
              w.whole_length_mm - w.length_mm AS lost_mm, s.kind, s.raised_us AS raised_at, standing, cleared_us AS cleared_at, acknowledged_us AS acknowledged_at, \
-             acknowledged_by, acknowledged_reason, shelved_until_us AS shelved_until, shelved_by, shelved_reason, \
+             acknowledged_by, acknowledged_reason, shelved_until_us AS shelved_until, shelved_by, shelved_reason, maintenance_id, \
              CASE WHEN NOT standing THEN 'CLEARED' WHEN shelved_until_us IS NOT NULL THEN 'SHELVED' \
              WHEN acknowledged_us IS NULL THEN 'UNACKNOWLEDGED' ELSE 'ACKNOWLEDGED' END AS state, ",
             box_of!("r.robot_id", "s.raised_us"),

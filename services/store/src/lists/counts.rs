@@ -29,20 +29,40 @@ macro_rules! need_counts {
 }
 pub(super) use need_counts;
 
-/// Subquery of the alarms that meet a condition, each with whether it is standing, and until when alarms of its kind about
-/// its whisker or robot are shelved.
+/// Subquery of the robots in maintenance, each with the window that ends last. `MaintenanceRow::at` computes the same.
+macro_rules! in_maintenance {
+    () => {
+        "(SELECT robot_id, maintenance_id, set_by, reason, until_us FROM (\
+          SELECT u.*, row_number() OVER (PARTITION BY robot_id ORDER BY until_us DESC, maintenance_id) AS place FROM (\
+           SELECT robot_id, maintenance_id, set_by, reason, \
+            CASE WHEN ended_us < ends_us THEN ended_us ELSE ends_us END AS until_us FROM (\
+            SELECT r.robot_id, v.maintenance_id, v.set_by, v.reason, v.ended_us, {now_us} + v.lasts_us \
+             - ({now_us} - v.begins_us) % coalesce(v.repeat_us, 9223372036854775807) AS ends_us \
+            FROM maintenance v JOIN robots r ON r.fleet = v.fleet AND (v.robot_id IS NULL OR v.robot_id = r.robot_id) \
+            WHERE v.begins_us <= {now_us}) e) u WHERE until_us > {now_us}) k WHERE place = 1)"
+    };
+}
+pub(super) use in_maintenance;
+
+/// Subquery of the alarms that meet a condition, each with whether it is standing, and until when it is shelved: by a person,
+/// with the others of its kind about its whisker or robot, or by a window of maintenance, whichever ends later.
 macro_rules! alarms {
     ($condition:literal) => {
         concat!(
             "(SELECT a.alarm_id, a.whisker_id, a.robot_id, a.raised_us, a.kind, a.cleared_us, a.acknowledged_us, \
              a.acknowledged_by, a.acknowledged_reason, \
              CASE WHEN a.cleared_us IS NULL THEN true ELSE false END AS standing, \
-             CASE WHEN h.until_us > {now_us} THEN h.until_us END AS shelved_until_us, \
-             CASE WHEN h.until_us > {now_us} THEN h.shelved_by END AS shelved_by, \
-             CASE WHEN h.until_us > {now_us} THEN h.reason END AS shelved_reason \
+             CASE WHEN m.until_us >= h.until_us OR h.until_us IS NULL THEN m.until_us ELSE h.until_us END AS shelved_until_us, \
+             CASE WHEN m.until_us >= h.until_us OR h.until_us IS NULL THEN m.set_by ELSE h.shelved_by END AS shelved_by, \
+             CASE WHEN m.until_us >= h.until_us OR h.until_us IS NULL THEN m.reason ELSE h.reason END AS shelved_reason, \
+             CASE WHEN m.until_us >= h.until_us OR h.until_us IS NULL THEN m.maintenance_id END AS maintenance_id \
              FROM alarms a LEFT JOIN alarm_shelves h ON h.alarm_shelf_id = coalesce(\
               (SELECT max(alarm_shelf_id) FROM alarm_shelves n WHERE n.whisker_id = a.whisker_id AND n.kind = a.kind), \
               (SELECT max(alarm_shelf_id) FROM alarm_shelves n WHERE n.robot_id = a.robot_id AND n.kind = a.kind)) \
+             AND h.until_us > {now_us} \
+             LEFT JOIN ",
+            $crate::lists::counts::in_maintenance!(),
+            " m ON m.robot_id = coalesce(a.robot_id, (SELECT mw.robot_id FROM whiskers mw WHERE mw.whisker_id = a.whisker_id)) \
              WHERE ",
             $condition,
             ")"

@@ -50,6 +50,7 @@ pub const TABLES: &[(&str, Kept)] = &[
     ("journal", Until("after the next checkpoint")),
     ("leases", For("one for each fleet")),
     ("log_positions", For("one for each fleet, topic and partition")),
+    ("maintenance", Until("30 days after its end, once another is set; at most 200")),
     ("notes", BY_PEOPLE),
     ("policies", BY_PEOPLE),
     ("quarantine", Until("beyond the newest 1,000 of each fleet")),

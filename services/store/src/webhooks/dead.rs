@@ -121,7 +121,7 @@ pub(super) async fn forget(tx: &mut Tx<'_>, job: &Job) -> sqlx::Result<()> {
 /// Makes an event a dead letter. The oldest ones beyond the limit are deleted, and counted as lost.
 pub(super) async fn bury(
     tx: &mut Tx<'_>,
-    job: &Job,
+    (job, event): (&Job, &StoredEvent),
     status: Option<i64>,
     problem: &str,
     now_us: i64,
@@ -132,7 +132,7 @@ pub(super) async fn bury(
          problem = excluded.problem, again = FALSE";
     on!(&mut *tx, |tx| sqlx::query(INSERT)
         .bind(job.webhook.webhook_id)
-        .bind(job.event.event_id)
+        .bind(event.event_id)
         .bind(job.attempts + 1)
         .bind(now_us)
         .bind(status)

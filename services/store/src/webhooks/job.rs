@@ -10,6 +10,8 @@ pub struct Job {
     pub webhook: WebhookRow,
     /// Event as the log has it.
     pub event: StoredEvent,
+    /// Events after it that the same mail tells; none for other targets, which get one event at a time.
+    pub more: Vec<StoredEvent>,
     /// Keys that sign the request, the newest first. Neither logged nor shown.
     pub secrets: Vec<Vec<u8>>,
     /// Failed attempts of this event.
@@ -18,4 +20,11 @@ pub struct Job {
     pub is_again: bool,
     /// Time since the event, µs.
     pub age_us: i64,
+}
+
+impl Job {
+    /// Its events, in order.
+    pub fn events(&self) -> impl Iterator<Item = &StoredEvent> {
+        std::iter::once(&self.event).chain(&self.more)
+    }
 }

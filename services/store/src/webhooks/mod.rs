@@ -22,6 +22,9 @@ pub const WEBHOOKS_PER_FLEET_MAX: usize = 50;
 /// Number of dead letters that each target keeps.
 pub const DEAD_LETTERS_MAX: i64 = 1000;
 
+/// Beginning of the URL of a person's address.
+pub const MAIL: &str = "mailto:";
+
 from_row! {
     /// A target, without its secrets.
     #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,7 +33,7 @@ from_row! {
         pub webhook_id: i64,
         /// Name for people, unique.
         pub name: String,
-        /// URL that receives the events.
+        /// URL that receives the events: of a program, or `mailto:` and a person's address.
         pub url: String,
         /// Names and patterns of the fleets of its events, separated by commas; `None` for all.
         pub fleets: Option<String>,
@@ -79,6 +82,12 @@ const COLUMNS: &str = "webhook_id, name, url, fleets, kinds, level, enabled, pre
      delivered, failed, lost";
 
 impl WebhookRow {
+    /// Whether the target is a person's address, which gets mails instead of requests.
+    #[must_use]
+    pub fn is_mail(&self) -> bool {
+        self.url.starts_with(MAIL)
+    }
+
     /// The events that the target wants.
     #[must_use]
     pub fn interest(&self) -> Interest {

@@ -18,6 +18,7 @@ use crate::events::upkeep::Brief;
 use crate::events::{EVENTS, EVENTS_A_QUERY, Position, Positioned, StoredEvent, select, settled};
 use crate::from_row::from_row;
 use crate::lease_watch::Reading;
+use crate::maintenance;
 use crate::set_aside::{SetAside, Tried};
 use crate::{Store, StoreError, failed};
 
@@ -62,6 +63,11 @@ pub enum Outcome {
         /// HTTP status of the answer.
         status: u16,
     },
+    /// It is too early: the next mail leaves after this time, with all events until then. The target is released.
+    Postponed {
+        /// Time until then, µs.
+        pause_us: i64,
+    },
     /// The target has not taken the event. It is tried again after `pause_us`.
     Failed {
         /// HTTP status of the answer; `None` without an answer.
@@ -85,6 +91,9 @@ pub struct Queue {
     /// Number of dead letters, without those that are delivered again.
     pub dead: i64,
 }
+
+/// Most events that one mail tells.
+const MAIL_EVENTS_MAX: usize = 500;
 
 const WHAT: &str = "deliver to a webhook";
 
@@ -286,17 +295,19 @@ async fn take(
     let Some(webhook) = set_aside.read("webhooks", webhook) else { return Ok(None) };
     let keys: Keys = on!(&mut *tx, |tx| sqlx::query_as(KEYS).bind(webhook_id).fetch_one(&mut **tx).await)?;
     let again = next_dead(tx, webhook_id, set_aside).await?;
-    let (event, is_again) = match again {
-        Some(event) => (Some(event), true),
+    let (events, is_again) = match again {
+        Some(event) => (vec![event], true),
         None => (next_new(tx, &webhook, set_aside).await?, false),
     };
-    let Some(event) = event else {
+    let mut events = events.into_iter();
+    let Some(event) = events.next() else {
         const RELEASE: &str = "UPDATE webhooks SET holder = NULL, held_until_us = 0 WHERE webhook_id = $1";
         on!(&mut *tx, |tx| sqlx::query(RELEASE).bind(webhook_id).execute(&mut **tx).await.map(drop))?;
         return Ok(None);
     };
     let (age_us, attempts) = (now_us - event.recorded_us, keys.attempts);
-    Ok(Some(Job { webhook, event, secrets: keys.valid(now_us), attempts, is_again, age_us }))
+    let (secrets, more) = (keys.valid(now_us), events.collect());
+    Ok(Some(Job { webhook, event, more, secrets, attempts, is_again, age_us }))
 }
 
 /// The oldest dead letter that shall be delivered again. One that cannot be read stays a dead letter.
@@ -316,40 +327,52 @@ async fn next_dead(tx: &mut Tx<'_>, webhook_id: i64, set_aside: &SetAside) -> sq
     }
 }
 
-/// The next event that the target wants. Those before it are done: it does not want them, or they cannot be read and are lost.
-async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow, set_aside: &SetAside) -> sqlx::Result<Option<StoredEvent>> {
-    let interest = webhook.interest();
+/// The next event that the target wants, and for a mail those after it. The ones before it are done: the target does not
+/// want them, or they cannot be read and are lost.
+async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow, set_aside: &SetAside) -> sqlx::Result<Vec<StoredEvent>> {
+    let (interest, many) = (webhook.interest(), if webhook.is_mail() { MAIL_EVENTS_MAX } else { 1 });
     let end = format!(
         "WHERE (e.tx, e.event_id) > ($1, $2) AND e.audience = 'PEOPLE' {} ORDER BY e.tx, e.event_id LIMIT {EVENTS_A_QUERY}",
         settled(tx)
     );
-    let mut done = webhook.done();
+    let windows = maintenance::windows(tx).await?;
+    let (mut done, mut found) = (webhook.done(), Vec::new());
+    let mut after = done;
     loop {
         let events: Vec<Positioned<StoredEvent>> = on!(&mut *tx, |tx| sqlx::query_as(select(&end))
-            .bind(done.tx)
-            .bind(done.event_id)
+            .bind(after.tx)
+            .bind(after.event_id)
             .fetch_all(&mut **tx)
             .await)?;
         let is_last = (events.len() as i64) < EVENTS_A_QUERY;
         for Positioned { at, event } in events {
+            after = at;
             match set_aside.read(EVENTS, event) {
+                Some(event)
+                    if event.is_in(&interest) && !maintenance::is_muted(&windows, &event, webhook.is_mail()) =>
+                {
+                    found.push(event);
+                }
+                // An event behind the first one is met again, because the position stays before that one.
+                _ if !found.is_empty() => {}
                 Some(event) if event.event_kind().is_none() => {
                     let (event_id, kind) = (event.event_id, &event.kind);
                     set_aside.note(format!("the row event_id = {event_id} of {EVENTS}: unknown kind {kind:?}"));
                     super::dead::lose(tx, webhook.webhook_id, 1).await?;
                 }
-                Some(event) if event.is_in(&interest) => {
-                    advance(tx, webhook.webhook_id, done).await?;
-                    return Ok(Some(event));
-                }
                 Some(_) => {}
                 None => super::dead::lose(tx, webhook.webhook_id, 1).await?,
             }
-            done = at;
+            if found.is_empty() {
+                done = at;
+            }
+            if found.len() >= many {
+                break;
+            }
         }
-        if is_last {
+        if is_last || found.len() >= many {
             advance(tx, webhook.webhook_id, done).await?;
-            return Ok(None);
+            return Ok(found);
         }
     }
 }
@@ -362,12 +385,13 @@ async fn advance(tx: &mut Tx<'_>, webhook_id: i64, done: Position) -> sqlx::Resu
 async fn finish(tx: &mut Tx<'_>, job: &Job, holder: &str, outcome: &Outcome) -> sqlx::Result<bool> {
     const SQL: &str = "UPDATE webhooks SET last_us = $3, last_status = $4, last_problem = $5, \
          last_success_us = CASE WHEN $6 THEN $3 ELSE last_success_us END, \
-         delivered = delivered + CASE WHEN $6 THEN 1 ELSE 0 END, failed = failed + CASE WHEN $6 THEN 0 ELSE 1 END, \
+         delivered = delivered + CASE WHEN $6 THEN $9 ELSE 0 END, failed = failed + CASE WHEN $6 THEN 0 ELSE 1 END, \
          attempts = CASE WHEN $7 THEN 0 ELSE attempts + 1 END, streak = CASE WHEN $6 THEN 0 ELSE streak + 1 END, \
          next_us = $8, holder = CASE WHEN $6 THEN holder ELSE NULL END, \
          held_until_us = CASE WHEN $6 THEN held_until_us ELSE 0 END WHERE webhook_id = $1 AND holder = $2";
     let now_us = now_us(tx).await?;
     let (is_delivered, is_over, status, problem, pause_us) = match outcome {
+        Outcome::Postponed { pause_us } => return postpone(tx, job, holder, now_us + pause_us).await,
         Outcome::Delivered { status } => (true, true, Some(*status), None, 0),
         Outcome::Failed { status, problem, is_dead, pause_us } => {
             (false, *is_dead, *status, Some(problem.as_str()), *pause_us)
@@ -383,6 +407,7 @@ async fn finish(tx: &mut Tx<'_>, job: &Job, holder: &str, outcome: &Outcome) -> 
         .bind(is_delivered)
         .bind(is_over)
         .bind(if is_delivered { 0 } else { now_us + pause_us })
+        .bind(job.events().count() as i64)
         .execute(&mut **tx)
         .await
         .map(|done| done.rows_affected()))?;
@@ -391,11 +416,29 @@ async fn finish(tx: &mut Tx<'_>, job: &Job, holder: &str, outcome: &Outcome) -> 
     }
     match (is_delivered, is_over, job.is_again) {
         (true, _, true) => super::dead::forget(tx, job).await?,
-        (false, true, _) => super::dead::bury(tx, job, status, problem.unwrap_or_default(), now_us).await?,
+        (false, true, _) => {
+            for event in job.events() {
+                super::dead::bury(tx, (job, event), status, problem.unwrap_or_default(), now_us).await?;
+            }
+        }
         (true, _, false) | (false, false, _) => {}
     }
     if is_over && !job.is_again {
-        advance(tx, job.webhook.webhook_id, job.event.position()).await?;
+        advance(tx, job.webhook.webhook_id, job.more.last().unwrap_or(&job.event).position()).await?;
     }
     Ok(true)
+}
+
+/// Releases a target until a time, µs since 1970 UTC, without an attempt.
+async fn postpone(tx: &mut Tx<'_>, job: &Job, holder: &str, until_us: i64) -> sqlx::Result<bool> {
+    const SQL: &str = "UPDATE webhooks SET next_us = $3, holder = NULL, held_until_us = 0 \
+         WHERE webhook_id = $1 AND holder = $2";
+    let held = on!(tx, |tx| sqlx::query(SQL)
+        .bind(job.webhook.webhook_id)
+        .bind(holder)
+        .bind(until_us)
+        .execute(&mut **tx)
+        .await
+        .map(|done| done.rows_affected()))?;
+    Ok(held > 0)
 }

@@ -11,6 +11,7 @@ import { mark } from "../marks.js";
 import { alarmGroups, shelved, storms } from "../parts/alarms.js";
 import { fleetFilter, fleetsOf } from "../parts/fleets.js";
 import { LABEL_FILTER } from "../parts/labels.js";
+import { maintenanceOf, maintenancePart } from "../parts/maintenance.js";
 import { fromOf, SINCE } from "../parts/since.js";
 import { link } from "../places.js";
 import { ALARM_KINDS, ALARM_LEVELS } from "../words.js";
@@ -70,15 +71,16 @@ export default {
     const fixed = { ...filter, ...(isFlat ? { standing: true, sort: "urgency" } : { sort: undefined, order: undefined }) };
     const { open, ...conditions } = filter;
     const isFirst = open && !state.cursor;
-    const [page, counts, silenced] = await Promise.all([
+    const [page, counts, silenced, windows] = await Promise.all([
       alarms(fleets, route).load(state, fixed),
       list("/v1/alarms/counts", filter),
       isFirst ? list("/v1/alarms", { ...conditions, state: "SHELVED", standing: true, sort: "urgency", limit: SHELVED }) : [],
+      isFirst ? maintenanceOf() : null,
     ]);
-    return { fleets, page, filter, counts, silenced, members: await storms(page.items, filter, state.storm) };
+    return { fleets, page, filter, counts, silenced, windows, members: await storms(page.items, filter, state.storm) };
   },
 
-  view({ fleets, page, filter, counts, silenced = [], members, since }, _, refresh) {
+  view({ fleets, page, filter, counts, silenced = [], windows, members, since }, _, refresh) {
     const actions = (row) => ({ work: workActions(row, refresh), alarm: alarmActions(row, refresh) });
     return [
       h("h1", { tabindex: "-1" }, "Alarms"),
@@ -92,6 +94,7 @@ export default {
         empty: "No standing alarms.",
       }),
       shelved(silenced, actions),
+      maintenancePart(windows, fleets, refresh),
     ];
   },
 };

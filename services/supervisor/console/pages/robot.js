@@ -11,6 +11,7 @@ import { boxesOf, boxesTable } from "../parts/boxes.js";
 import { decisionsTable } from "../parts/decisions.js";
 import { incidents } from "../parts/incidents.js";
 import { labelActions, labelChips } from "../parts/labels.js";
+import { maintenanceOf, maintenanceLine } from "../parts/maintenance.js";
 import { firstAndMenu } from "../parts/menu.js";
 import { notesOf, robotNotes } from "../parts/notes.js";
 import { proposals } from "../parts/proposals.js";
@@ -22,7 +23,7 @@ import { health } from "./fleets.js";
 
 export default {
   async load({ fleet, robot }) {
-    const [about, whiskers, decisions, tests, boxes, notes, refusals] = await Promise.all([
+    const [about, whiskers, decisions, tests, boxes, notes, refusals, windows] = await Promise.all([
       get(api.robot({ fleet, robot })),
       list("/v1/whiskers", { fleet, robot }),
       list("/v1/compensations", { fleet, robot, active: true }),
@@ -30,11 +31,12 @@ export default {
       boxesOf({ fleet, robot }),
       notesOf({ fleet, robot }),
       refusalsOf({ fleet, robot }),
+      maintenanceOf(),
     ]);
-    return { about, whiskers, decisions, tests, boxes, notes, refusals };
+    return { about, whiskers, decisions, tests, boxes, notes, refusals, windows };
   },
 
-  view({ about, whiskers, decisions, tests, boxes, notes, refusals }, { fleet, robot }, refresh) {
+  view({ about, whiskers, decisions, tests, boxes, notes, refusals, windows }, { fleet, robot }, refresh) {
     const waiting = decisions.filter((one) => one.approval === "PROPOSED");
     const decided = decisions.filter((one) => one.approval !== "PROPOSED");
     const running = decided.filter((one) => one.compensator_whisker !== null);
@@ -52,6 +54,7 @@ export default {
       facts([
         ["Model", about.model],
         ["Last message", time(about.updated_at)],
+        ["Maintenance", maintenanceLine(windows, about)],
         ["Labels", h("div", { class: "of-labels" }, labelChips(about.labels))],
         ["Whiskers", `${count(about.whiskers, "whisker")}, ${about.whiskers_healthy} healthy`],
       ]),

@@ -23,7 +23,7 @@ export default {
     if (refused) return [heading(), h("p", { class: "empty" }, refused)];
     return [
       heading(),
-      h("p", { class: "summary" }, "Programs elsewhere that get alarms, trims, compensations and failed setpoints."),
+      h("p", { class: "summary" }, "Programs and people elsewhere that get alarms, trims, compensations and failed setpoints, over HTTP or by mail."),
       h("div", { class: "buttons" }, createButton(refresh)),
       table({
         caption: "Webhooks",

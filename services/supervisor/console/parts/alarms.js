@@ -150,6 +150,7 @@ function state(alarm) {
   const words = [by[0] && `by ${by[0]}`, by[1] && `\u201c${by[1]}\u201d`].filter(Boolean).join(": ");
   return [
     markOf(ALARM_STATES, alarm.state),
+    alarm.maintenance_id ? h("span", {}, "in maintenance") : null,
     alarm.state === "SHELVED" && alarm.shelved_until ? h("span", {}, "until ", time(alarm.shelved_until)) : null,
     words ? h("span", {}, words) : null,
   ];

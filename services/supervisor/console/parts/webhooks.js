@@ -47,7 +47,7 @@ const fields = (webhook) => [
     type: "url",
     required: true,
     maxlength: 2000,
-    hint: "https://... or http://... Private addresses need the setting webhooks.allowed_hosts.",
+    hint: "https://... or http://..., or mailto:NAME@HOST for mails. Private addresses need webhooks.allowed_hosts, mails need mail.url.",
     value: webhook?.url,
   },
   {
@@ -100,7 +100,7 @@ export function createButton(done) {
   return actionButton(
     {
       title: "Create a webhook",
-      what: ["The target gets events from now on, signed with a secret that is shown once."],
+      what: ["The target gets events from now on. Requests are signed with a secret that is shown once; mails are not signed."],
       fields: fields(null),
       reason: "optional",
       button: "Create a webhook",
@@ -151,7 +151,7 @@ export function webhookActions(webhook, done, gone) {
       method: "PUT",
       body: settings,
     }),
-    action({
+    webhook.url.startsWith("mailto:") ? null : action({
       title: `Renew the secret of ${webhook.name}`,
       what: ["Requests have the signatures of both secrets until the old one ends, so that the receiver can change its secret."],
       fields: [

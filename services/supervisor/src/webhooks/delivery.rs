@@ -7,6 +7,7 @@ use tokio::time::Instant;
 use tracing::{info, warn};
 use vibrissa_host::random;
 
+use super::letter::Letter;
 use super::sending::{AttemptResult, Message, PATIENCE};
 use super::{Pace, Webhooks};
 use crate::events::published;
@@ -51,13 +52,11 @@ impl Delivery {
         let Some(job) = store.with_leader(store.take_webhook_job(self.webhook_id, holder, HOLD)).await? else {
             return Ok(false);
         };
-        let body = published(&job.event).into_bytes();
-        let message = Message {
-            url: job.webhook.url.clone(),
-            id: message_id(job.webhook.webhook_id, &job.event),
-            body,
-            secrets: job.secrets.clone(),
-        };
+        if let Some(pause) = self.too_early(&job) {
+            let outcome = Outcome::Postponed { pause_us: pause.as_micros() as i64 };
+            store.with_leader(store.finish_webhook_job(&job, holder, &outcome)).await?;
+            return Ok(false);
+        }
         // This process was frozen meanwhile, and another supervisor may hold the target.
         if asked.elapsed() + PATIENCE > HOLD {
             return Ok(false);
@@ -65,7 +64,13 @@ impl Delivery {
         if fault::is(Fault::DeliveredBeforeRequest) {
             store.finish_webhook_job(&job, holder, &Outcome::Delivered { status: 204 }).await?;
         }
-        let answer = sender.send(message).await;
+        let id = message_id(job.webhook.webhook_id, &job.event);
+        let answer = if job.webhook.is_mail() {
+            sender.send_mail(|mail| Letter::about(&job.webhook, id, job.events(), mail)).await
+        } else {
+            let (url, body) = (job.webhook.url.clone(), published(&job.event).into_bytes());
+            sender.send(Message { url, id, body, secrets: job.secrets.clone() }).await
+        };
         let outcome = outcome(&job, &answer, pace);
         let is_held = store.with_leader(store.finish_webhook_job(&job, holder, &outcome)).await?;
         let (event_id, name) = (job.event.event_id, job.webhook.name.as_str());
@@ -76,6 +81,7 @@ impl Delivery {
                     info!(webhook = name, event_id, failures = job.webhook.streak, "webhook takes events again");
                 }
             }
+            Outcome::Postponed { .. } => {}
             Outcome::Failed { problem, is_dead: true, .. } => {
                 metrics.webhooks.dead();
                 warn!(webhook = name, event_id, problem, "event becomes a dead letter of a webhook");
@@ -88,6 +94,16 @@ impl Delivery {
             }
         }
         Ok(is_held && matches!(outcome, Outcome::Delivered { .. }))
+    }
+
+    /// Time until a mail may leave: its first event waits for others, and a person gets one mail at a time.
+    fn too_early(&self, job: &Job) -> Option<Duration> {
+        let mail = self.webhooks.sender.mail().filter(|_| job.webhook.is_mail())?;
+        let age = |us: i64| Duration::from_micros(u64::try_from(us).unwrap_or_default());
+        let now_us = job.event.recorded_us.saturating_add(job.age_us);
+        let since_last = job.webhook.last_success_us.map_or(Duration::MAX, |last_us| age(now_us - last_us));
+        let wait = mail.gather.saturating_sub(age(job.age_us)).max(mail.pause.saturating_sub(since_last));
+        (!wait.is_zero()).then_some(wait)
     }
 }
 

@@ -1,10 +1,13 @@
-//! Delivery of events to programs elsewhere.
+//! Delivery of events to programs elsewhere, and of mails to people. A person's address is a target as a program is: its URL
+//! is `mailto:` and the address. One mail tells all events that came since the one before.
 //!
 //! Events come from the log (`vibrissa_store::events`), each webhook with its own position. Every supervisor looks for targets with waiting events each second. It takes hold of a target in the database, so that
 //! one supervisor at a time delivers to it, and sends its events one after the other. Each target has its own task: a dead
 //! one delays no other, and the engines never wait.
 
 mod delivery;
+mod letter;
+mod mail;
 mod sending;
 pub mod signature;
 pub mod target;
@@ -22,6 +25,8 @@ use vibrissa_host::task;
 use crate::metrics::Metrics;
 pub use delivery::message_id;
 use delivery::{Delivery, HOLD};
+pub use letter::Letter;
+pub use mail::{Encryption, MailOptions, sender as mail_sender};
 pub use sending::{AttemptResult, Message, PATIENCE, Post, Sender};
 use target::Hosts;
 use vibrissa_edge::clock::wall_clock;
@@ -31,7 +36,8 @@ use vibrissa_store::{Store, StoreError};
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// Interval between two measurements of the queues for the metrics.
 const MEASURE_EVERY: Duration = Duration::from_secs(10);
-/// Interval between two removals of old events, and of those beyond the outbox's limit.
+/// Interval between two removals of old events, and of those beyond the outbox's limit. As often, ended maintenances are
+/// looked for.
 const TRIM_EVERY: Duration = Duration::from_secs(10);
 /// Time limit for attempts that are under way when the service stops.
 const STOP_PATIENCE: Duration = Duration::from_secs(3);
@@ -75,13 +81,15 @@ pub struct WebhookOptions {
     pub allowed_hosts: Vec<String>,
     /// Pauses between attempts.
     pub pace: Pace,
+    /// The mail server, if people get mails.
+    pub mail: Option<MailOptions>,
 }
 
 impl WebhookOptions {
-    /// Sends over HTTP to public addresses and to the allowed hosts.
+    /// Sends over HTTP to public addresses and to the allowed hosts, and mails over the mail server.
     #[must_use]
     pub fn sender(&self) -> Sender {
-        Sender::new(Hosts::new(&self.allowed_hosts))
+        Sender::new(Hosts::new(&self.allowed_hosts), self.mail.clone())
     }
 }
 
@@ -130,7 +138,9 @@ impl Webhooks {
                     self.measure().await?;
                 }
                 if is_due(&mut trimmed, TRIM_EVERY) {
-                    self.store.trim_events_for_webhooks(wall_clock().0 as i64).await?;
+                    let now_us = wall_clock().0 as i64;
+                    self.store.tell_after_maintenance(now_us).await?;
+                    self.store.trim_events_for_webhooks(now_us).await?;
                 }
                 Ok::<(), StoreError>(())
             };

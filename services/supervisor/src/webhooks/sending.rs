@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use futures_util::future::BoxFuture;
 use rustls_native_certs::load_native_certs;
+use tokio::time::timeout;
 use ureq::Agent;
 use ureq::config::Config;
 use ureq::http::Uri;
@@ -15,6 +16,8 @@ use ureq::unversioned::resolver::{DefaultResolver, ResolvedSocketAddrs, Resolver
 use ureq::unversioned::transport::{DefaultConnector, NextTimeout};
 use vibrissa_host::task;
 
+use super::letter::Letter;
+use super::mail::MailOptions;
 use super::signature::header;
 use super::target::{Hosts, is_public, refusal};
 use crate::outgoing;
@@ -45,9 +48,9 @@ pub struct Message {
 /// Result of an attempt.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AttemptResult {
-    /// HTTP status; `None` without an answer.
+    /// Status of HTTP or of SMTP; `None` without an answer.
     pub status: Option<u16>,
-    /// Why there was no answer.
+    /// Why there was no answer, or what a mail server said.
     pub failure: Option<String>,
 }
 
@@ -57,6 +60,7 @@ impl AttemptResult {
     pub fn problem(&self) -> Option<String> {
         match (self.status, &self.failure) {
             (Some(200..=299), _) => None,
+            (Some(_), Some(failure)) => Some(failure.clone()),
             (Some(status @ 300..=399), _) => Some(format!("answered {status}: redirects are not followed")),
             (Some(status), _) => Some(format!("answered {status}")),
             (None, failure) => Some(failure.clone().unwrap_or_else(|| "no answer".to_owned())),
@@ -75,12 +79,13 @@ pub trait Post: Debug + Send + Sync {
 pub struct Sender {
     post: Arc<dyn Post>,
     hosts: Hosts,
+    mail: Option<Arc<MailOptions>>,
 }
 
 impl Sender {
-    /// Sends to public addresses and to these hosts.
+    /// Sends to public addresses and to these hosts, and mails if there is a mail server.
     #[must_use]
-    pub fn new(hosts: Hosts) -> Self {
+    pub fn new(hosts: Hosts, mail: Option<MailOptions>) -> Self {
         let config = Agent::config_builder()
             .timeout_global(Some(PATIENCE))
             .timeout_connect(Some(CONNECT_PATIENCE))
@@ -96,19 +101,41 @@ impl Sender {
             .build();
         let resolver = Guard { hosts: hosts.clone(), resolver: DefaultResolver::default() };
         let agent = Agent::with_parts(config, DefaultConnector::default(), resolver);
-        Self { post: Arc::new(Http(agent)), hosts }
+        Self { post: Arc::new(Http(agent)), hosts, mail: mail.map(Arc::new) }
     }
 
     /// Sends another way.
     #[must_use]
     pub fn over(post: Arc<dyn Post>) -> Self {
-        Self { post, hosts: Hosts::new(&[]) }
+        Self { post, hosts: Hosts::new(&[]), mail: None }
     }
 
     /// The hosts that may have private addresses.
     #[must_use]
     pub fn hosts(&self) -> &Hosts {
         &self.hosts
+    }
+
+    /// The mail server, if there is one.
+    #[must_use]
+    pub fn mail(&self) -> Option<&MailOptions> {
+        self.mail.as_deref()
+    }
+
+    /// Sends the mail that `letter` writes, in a thread of its own, and waits for the mail server's answer.
+    pub async fn send_mail(&self, letter: impl FnOnce(&MailOptions) -> Letter) -> AttemptResult {
+        let failed = |why: &str| AttemptResult { status: None, failure: Some(why.to_owned()) };
+        let Some(mail) = self.mail.clone() else {
+            return failed("there is no mail server: set mail.url");
+        };
+        let letter = letter(&mail);
+        let sent = timeout(PATIENCE, task::blocking(move || mail.send(&letter))).await;
+        let mut answer = match sent {
+            Ok(sent) => sent.unwrap_or_else(|problem| failed(&problem.to_string())),
+            Err(_) => failed("the mail server does not answer in time: check mail.url, the network and firewalls"),
+        };
+        answer.failure = answer.failure.map(|text| shortened(&text));
+        answer
     }
 
     /// Sends a request and waits for its answer.
@@ -141,11 +168,13 @@ fn send(agent: &Agent, message: &Message) -> AttemptResult {
         .header("webhook-signature", header(&message.secrets, &message.id, timestamp_s, &message.body));
     match request.send(message.body.as_slice()) {
         Ok(answer) => AttemptResult { status: Some(answer.status().as_u16()), failure: None },
-        Err(problem) => {
-            let text: String = outgoing::failure(&problem).chars().take(PROBLEM_CHARS_MAX).collect();
-            AttemptResult { status: None, failure: Some(text.replace('\0', "")) }
-        }
+        Err(problem) => AttemptResult { status: None, failure: Some(shortened(&outgoing::failure(&problem))) },
     }
+}
+
+/// A text about a failure, as it is stored.
+fn shortened(text: &str) -> String {
+    text.chars().filter(|&one| one != '\0').take(PROBLEM_CHARS_MAX).collect()
 }
 
 /// The certificates that this machine trusts; those of browsers if it has none.
@@ -191,7 +220,7 @@ mod tests {
         listener.set_nonblocking(true).unwrap();
         let url = format!("http://localhost:{}/", listener.local_addr().unwrap().port());
         let message = Message { url, id: "a".to_owned(), body: b"{}".to_vec(), secrets: vec![vec![1]] };
-        let answer = Sender::new(Hosts::new(&[])).send(message).await;
+        let answer = Sender::new(Hosts::new(&[]), None).send(message).await;
         assert!(answer.problem().unwrap().contains("localhost is not a public address"), "{answer:?}");
         assert!(listener.accept().is_err(), "nobody has connected");
     }

@@ -7,6 +7,9 @@ use std::sync::Arc;
 
 use url::{Host, Url};
 use vibrissa_protocol::plain;
+use vibrissa_store::webhooks::MAIL;
+
+use super::mail::checked_address;
 
 /// Maximum length of a URL, in characters.
 pub const URL_CHARS_MAX: usize = 2000;
@@ -33,15 +36,18 @@ impl Hosts {
 /// The URL of a target, as it is stored.
 ///
 /// # Errors
-/// It is no URL of a web server, holds a password, or names a private address that is not allowed.
+/// It is neither an address of a person nor a URL of a web server, holds a password, or names a private address that is not allowed.
 pub fn checked(text: &str, hosts: &Hosts) -> Result<String, String> {
     if text.chars().count() > URL_CHARS_MAX {
         return Err(format!("must have at most {URL_CHARS_MAX} characters"));
     }
+    if text.starts_with(MAIL) {
+        return checked_address(text);
+    }
     let url = Url::parse(text)
         .map_err(|problem| format!("is not a URL ({}): write https://HOST/PATH", plain::url(&problem.to_string())))?;
     if !matches!(url.scheme(), "http" | "https") {
-        return Err("must begin with https:// or http://".to_owned());
+        return Err("must begin with https://, http:// or mailto:".to_owned());
     }
     if !url.username().is_empty() || url.password().is_some() {
         return Err("must not contain a user name or password: requests are signed instead".to_owned());

@@ -237,6 +237,19 @@ policy_numbers! { keys {
         "MiB of a fleet's events that wait for Kafka, in the database; beyond them contacts are left out";
     WebhooksAllowedHosts: "webhooks.allowed_hosts", ValueKind::Texts, Some("[]"),
         "Hosts that webhooks may reach at private addresses, as in their URLs: names such as hooks.lan, or addresses";
+    MailUrl: "mail.url", ValueKind::Text, None,
+        "Mail server for webhooks whose URL is mailto:NAME@HOST: smtps://HOST for TLS, starttls://HOST for STARTTLS, or \
+         smtp://HOST without encryption, each with :PORT if it is not the usual one; default: no mails";
+    MailSender: "mail.sender", ValueKind::Text, None,
+        "Sender of the mails, such as Vibrissa <vibrissa@example.org>";
+    MailUsername: "mail.username", ValueKind::Text, None,
+        "User name for the mail server";
+    MailPasswordFile: "mail.password_file", ValueKind::File, None,
+        "File with the password for the mail server";
+    MailGatherS: "mail.gather_s", ValueKind::Whole { min: 0, max: 300 }, Some("60"),
+        "Seconds for which the first event of a mail waits for others, which the same mail tells";
+    MailPerHourMax: "mail.per_hour_max", ValueKind::Whole { min: 6, max: 3600 }, Some("20"),
+        "Most mails per hour to one address, at equal distances; events between two mails are in the next one";
     MetricsSeries: "metrics.series", ValueKind::Text, Some(r#""fleets""#),
         "Detail of the Prometheus metrics: fleets (totals) or whiskers (also each robot and whisker: four series per \
          whisker)";

@@ -15,6 +15,7 @@ mod archive;
 mod database;
 mod http;
 mod kafka;
+mod mail;
 mod mqtt;
 mod policy;
 mod reader;
@@ -89,7 +90,7 @@ pub struct Config {
     pub access: AccessOptions,
     /// Partitioned log.
     pub kafka: KafkaOptions,
-    /// Hosts that webhooks may reach at private addresses.
+    /// Hosts that webhooks may reach at private addresses, and the mail server.
     pub webhooks: WebhookOptions,
     /// Whether metrics include each robot and whisker.
     pub metrics_per_whisker: bool,
@@ -154,6 +155,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let kafka = kafka::kafka(reader);
     let archive = archive::archive(reader, keep);
     let allowed_hosts = reader.texts(Key::WebhooksAllowedHosts);
+    let mail = mail::mail(reader);
     let series = reader.word::<SeriesArg>(Key::MetricsSeries);
     let traces = traces::traces(reader);
     let policy = policy::policy(reader);
@@ -186,7 +188,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         http: http?,
         access: access?,
         kafka: kafka?,
-        webhooks: WebhookOptions { allowed_hosts: allowed_hosts?, ..WebhookOptions::default() },
+        webhooks: WebhookOptions { allowed_hosts: allowed_hosts?, mail: mail?, ..WebhookOptions::default() },
         metrics_per_whisker: series? == SeriesArg::Whiskers,
         traces: traces?,
         formulation: formulation?,

@@ -71,7 +71,8 @@ fn every_key_is_shown_and_has_a_default_or_none_by_intent() {
         assert!(shown.contains(&format!("{} ", key.section().1)), "{key}");
         let is_optional = matches!(key, Key::Name | Key::MqttUrl | Key::HttpMonitoringListen | Key::HttpRunbooksUrl)
             || key.path().contains("_file");
-        let is_credential = matches!(key, Key::MqttUsername | Key::MqttPassword | Key::KafkaUsername);
+        let is_credential =
+            matches!(key, Key::MqttUsername | Key::MqttPassword | Key::KafkaUsername | Key::MailUsername);
         let is_engine = matches!(
             key,
             Key::KafkaUrl | Key::ArchiveUrl | Key::ArchiveS3Endpoint | Key::ArchiveS3Region | Key::ArchiveS3AccessKey
@@ -84,7 +85,7 @@ fn every_key_is_shown_and_has_a_default_or_none_by_intent() {
                 | Key::HttpOidcClientId
                 | Key::HttpPublicUrl
         );
-        let is_collector = matches!(key, Key::TracesOtlpEndpoint);
+        let is_collector = matches!(key, Key::TracesOtlpEndpoint | Key::MailUrl | Key::MailSender);
         let is_unset = is_optional || is_credential || is_engine || is_provider || is_collector;
         assert_eq!(key.default().is_none(), is_unset, "{key}");
     }

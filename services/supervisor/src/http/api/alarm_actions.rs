@@ -154,7 +154,10 @@ async fn unshelve_alarm(
     let subject = subject(&app, &at, &asker).await?;
     let is_shelved = subject.shelved_until_us.is_some_and(|until_us| until_us > wall_clock().0 as i64);
     if !is_shelved && asker.idempotency_key.is_none() {
-        return Err(Problem::new(Kind::Refused, "the alarm is not shelved"));
+        return Err(Problem::new(
+            Kind::Refused,
+            "no person has shelved the alarm: a maintenance ends by itself, or with POST /v1/maintenance/NUMBER/end",
+        ));
     }
     say(&app, &at, (asker, subject), Said::Unshelved, why.reason).await
 }

@@ -26,6 +26,7 @@ pub mod fleets;
 pub mod happenings;
 pub mod history;
 pub mod labels;
+pub mod maintenance;
 pub mod me;
 pub mod model;
 pub mod notes;
@@ -79,6 +80,7 @@ pub fn routes() -> OpenApiRouter<App> {
         .merge(contact_uses::routes())
         .merge(each::routes())
         .merge(history::routes())
+        .merge(maintenance::routes())
         .merge(me::routes())
         .merge(model::routes())
         .merge(what_if::routes())

@@ -110,6 +110,7 @@ files!(
     "parts/fleets.js"
     "parts/incidents.js"
     "parts/labels.js"
+    "parts/maintenance.js"
     "parts/menu.js"
     "parts/notes.js"
     "parts/proposals.js"

@@ -8,9 +8,9 @@ use vibrissa_edge::fleets::{FLEETS_MAX, FleetPattern};
 use vibrissa_edge::guidance::Level;
 use vibrissa_edge::words::Word;
 use vibrissa_store::time::Time;
-use vibrissa_store::webhooks::WebhookRow;
 use vibrissa_store::webhooks::manage::WebhookSettings;
 use vibrissa_store::webhooks::queue::Queue;
+use vibrissa_store::webhooks::{MAIL, WebhookRow};
 
 use crate::http::App;
 use crate::http::access::{Caller, Role};
@@ -42,7 +42,8 @@ pub struct Webhook {
     pub webhook_id: i64,
     /// Its name.
     pub name: String,
-    /// URL that receives the events. Only admins see what follows the host, which may be confidential.
+    /// URL that receives the events. Only admins see what follows the host, which may be confidential. For a person it is
+    /// `mailto:` and the address.
     pub url: String,
     /// Fleets of its events, as names and patterns; null for all fleets.
     pub fleets: Option<Vec<String>>,
@@ -64,7 +65,7 @@ pub struct Webhook {
     pub previous_secret_until: Option<Time>,
     /// Time of the last attempt; null before the first.
     pub last_at: Option<Time>,
-    /// HTTP status of the last answer; null without an answer.
+    /// Status of the last answer, of HTTP or SMTP; null without an answer.
     #[schema(minimum = 100, maximum = 599)]
     pub last_status: Option<i64>,
     /// Why the last attempt failed; null after a success.
@@ -135,8 +136,11 @@ impl Webhook {
     }
 }
 
-/// Scheme and host of a URL. Its path and query may hold a credential, as those of chat services do.
+/// Scheme and host of a URL, or a person's address. The path of a URL and query may hold a credential, as those of chat services do.
 pub(super) fn origin(url: &str) -> String {
+    if url.starts_with(MAIL) {
+        return url.to_owned();
+    }
     url::Url::parse(url)
         .map_or_else(|_| String::new(), |url| format!("{}/\u{2026}", url.origin().ascii_serialization()))
 }
@@ -153,7 +157,8 @@ pub struct WebhookList {
 pub struct WebhookWithSecret {
     /// The webhook.
     pub webhook: Webhook,
-    /// Secret that signs the requests, `whsec_` and Base64. It is shown only now; null if the request was repeated.
+    /// Secret that signs the requests, `whsec_` and Base64. It is shown only now; null if the request was repeated, and
+    /// for a person.
     pub secret: Option<String>,
 }
 
@@ -165,8 +170,8 @@ pub struct WebhookBody {
     /// Its name, unique.
     #[schema(min_length = 1, max_length = 100, pattern = "^[^\\x00]+$")]
     pub name: String,
-    /// URL that receives the events, `https://...` or `http://...`. Private addresses need the setting
-    /// `webhooks.allowed_hosts`.
+    /// URL that receives the events: `https://...` or `http://...`, or `mailto:` and the address of a person. Private
+    /// addresses need the setting `webhooks.allowed_hosts`, mails the setting `mail.url`.
     #[schema(max_length = 2000, example = "https://hooks.example/vibrissa")]
     pub url: String,
     /// Fleets of its events: names, or patterns such as `hall-*`, which include future fleets; null for all fleets.
@@ -192,6 +197,9 @@ impl WebhookBody {
             return Err(Problem::invalid("name", problem));
         }
         let url = checked(&self.url, app.webhooks.sender().hosts()).map_err(|what| Problem::invalid("url", what))?;
+        if url.starts_with(MAIL) && app.webhooks.sender().mail().is_none() {
+            return Err(Problem::invalid("url", "needs a mail server for mailto: set mail.url in the configuration"));
+        }
         let fleets = self.fleets.as_ref();
         if fleets.is_some_and(|fleets| fleets.is_empty() || fleets.len() > FLEETS_MAX) {
             return Err(Problem::invalid(

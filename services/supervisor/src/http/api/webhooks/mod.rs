@@ -15,8 +15,8 @@ use crate::http::access::Caller;
 use crate::http::asking::{Asker, Why, answered, number_of, reason};
 use crate::http::extract::{Body, OptionalBody, Path};
 use crate::http::problem::{Kind, Problem};
-use crate::webhooks::Message;
 use crate::webhooks::signature::{new_secret, shown};
+use crate::webhooks::{Letter, Message};
 use vibrissa_edge::actions::RecordedKind;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::fleets::FleetSelection;
@@ -151,7 +151,11 @@ async fn create_webhook(
     let secret = new_secret();
     let action = audited(asker, RecordedKind::WebhookCreate, (None, &settings), why);
     let (row, secret) = match app.store.add_webhook(&settings, &secret, &action).await? {
-        Set::Done(webhook_id) => (app.store.webhook(webhook_id).await?, Some(shown(&secret))),
+        Set::Done(webhook_id) => {
+            let row = app.store.webhook(webhook_id).await?;
+            let secret = row.as_ref().is_some_and(|row| !row.is_mail()).then(|| shown(&secret));
+            (row, secret)
+        }
         Set::Known(asked) => {
             number_of(*asked)?;
             (app.store.webhooks().await?.into_iter().find(|row| row.name == settings.name), None)
@@ -281,7 +285,7 @@ async fn renew_secret(
 pub struct WebhookTest {
     /// Whether the target took the test.
     pub delivered: bool,
-    /// HTTP status of its answer; null without an answer.
+    /// Status of its answer, of HTTP or SMTP; null without an answer.
     #[schema(minimum = 100, maximum = 999)]
     pub status: Option<u16>,
     /// Why it did not take the test; null if it did.
@@ -315,11 +319,15 @@ async fn test_webhook(
     let of = (Some(at.webhook_id), &settings_of(&row));
     let action = audited(asker, RecordedKind::WebhookTest, of, reason(why.reason)?);
     let action_id = number_of(app.store.record_webhook_action(&action).await?)?;
-    let body = serde_json::to_vec(&Event::test()).unwrap_or_default();
+    let id = format!("vibrissa-{}-test-{action_id}", at.webhook_id);
     let secrets = app.store.webhook_secrets(at.webhook_id).await?;
-    let message = Message { url: row.url, id: format!("vibrissa-{}-test-{action_id}", at.webhook_id), body, secrets };
-    let begun = tokio::time::Instant::now();
-    let answer = app.webhooks.sender().send(message).await;
+    let (sender, begun) = (app.webhooks.sender(), tokio::time::Instant::now());
+    let answer = if row.is_mail() {
+        sender.send_mail(|mail| Letter::test(&row, id, mail)).await
+    } else {
+        let body = serde_json::to_vec(&Event::test()).unwrap_or_default();
+        sender.send(Message { url: row.url, id, body, secrets }).await
+    };
     let problem = answer.problem();
     let duration_ms = u64::try_from(begun.elapsed().as_millis()).unwrap_or(u64::MAX);
     Ok(Json(WebhookTest { delivered: problem.is_none(), status: answer.status, problem, duration_ms }))
