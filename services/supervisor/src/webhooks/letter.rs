@@ -1,4 +1,4 @@
-//! The text of a mail about events: how bad and where in the subject; what to do, the runbook and the console in the body.
+//! The text of a mail about events. The subject says how bad and where; the body has advice, runbook and console.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,24 +1,11 @@
-//! Mails to people, over one mail server: its configuration, and the delivery of one letter.
+//! The configuration of the mail server, and addresses of people.
 
-use std::error::Error as _;
-use std::time::{Duration, UNIX_EPOCH};
+use std::time::Duration;
 
+use lettre::Address;
 use lettre::message::Mailbox;
-use lettre::message::header::{ContentType, HeaderName, HeaderValue};
-use lettre::transport::smtp::Error;
-use lettre::transport::smtp::authentication::Credentials;
-use lettre::transport::smtp::extension::ClientId;
-use lettre::{Address, Message, SmtpTransport, Transport as _};
-use vibrissa_edge::clock::wall_clock;
-use vibrissa_protocol::plain;
 use vibrissa_store::secret::Secret;
 use vibrissa_store::webhooks::MAIL;
-
-use super::letter::Letter;
-use super::sending::AttemptResult;
-
-/// Time limit of one step of a conversation with the mail server.
-const STEP_PATIENCE: Duration = Duration::from_secs(5);
 
 /// How the connection to the mail server is encrypted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,77 +65,8 @@ pub(super) fn checked_address(url: &str) -> Result<String, String> {
 
 impl MailOptions {
     /// Host of the sender, for identifiers of mails.
-    fn domain(&self) -> String {
+    pub(super) fn domain(&self) -> String {
         sender(&self.sender).map_or_else(|_| "localhost".to_owned(), |sender| sender.email.domain().to_owned())
-    }
-
-    fn message(&self, letter: &Letter) -> Result<Message, String> {
-        let to: Address = letter.to.parse().map_err(|_| format!("{} is no address", letter.to))?;
-        let domain = self.domain();
-        let threads: Vec<String> = letter.threads.iter().map(|thread| format!("<{thread}@{domain}>")).collect();
-        let mut message = Message::builder()
-            .from(sender(&self.sender)?)
-            .to(Mailbox::new(None, to))
-            .date(UNIX_EPOCH + Duration::from_micros(wall_clock().0))
-            .message_id(Some(format!("<{}@{domain}>", letter.id)))
-            .subject(&letter.subject)
-            // So that no program answers that its owner is on holiday.
-            .raw_header(HeaderValue::new(
-                HeaderName::new_from_ascii_str("Auto-Submitted"),
-                "auto-generated".to_owned(),
-            ));
-        if let Some(first) = threads.first() {
-            message = message.in_reply_to(first.clone()).references(threads.join(" "));
-        }
-        message.header(ContentType::TEXT_PLAIN).body(letter.text.clone()).map_err(|problem| problem.to_string())
-    }
-
-    fn transport(&self) -> Result<SmtpTransport, Error> {
-        let builder = match self.encryption {
-            Encryption::Tls => SmtpTransport::relay(&self.host)?,
-            Encryption::StartTls => SmtpTransport::starttls_relay(&self.host)?,
-            Encryption::None => SmtpTransport::builder_dangerous(&self.host),
-        };
-        let builder = self.port.into_iter().fold(builder, |builder, port| builder.port(port));
-        let builder = self.credentials.iter().fold(builder, |builder, (name, password)| {
-            builder.credentials(Credentials::new(name.clone(), password.reveal().to_owned()))
-        });
-        Ok(builder.hello_name(ClientId::Domain(self.domain())).timeout(Some(STEP_PATIENCE)).build())
-    }
-
-    /// Sends a letter. It blocks its thread.
-    pub(super) fn send(&self, letter: &Letter) -> AttemptResult {
-        let message = match self.message(letter) {
-            Ok(message) => message,
-            Err(problem) => return AttemptResult { status: None, failure: Some(problem) },
-        };
-        match self.transport().and_then(|transport| transport.send(&message)) {
-            Ok(answer) => AttemptResult { status: Some(answer.code().into()), failure: None },
-            Err(problem) => {
-                AttemptResult { status: problem.status().map(u16::from), failure: Some(failure(&problem, &self.host)) }
-            }
-        }
-    }
-}
-
-/// Why the mail server has not taken a mail, with what to do.
-fn failure(problem: &Error, host: &str) -> String {
-    let source = problem.source();
-    let said = source.map_or_else(String::new, |source| plain::text(&source.to_string()));
-    if let Some(code) = problem.status() {
-        return format!("the mail server answered {code}: {said}");
-    }
-    if problem.is_timeout() {
-        return format!("the mail server {host} does not answer in time: check mail.url, the network and firewalls");
-    }
-    if problem.is_tls() {
-        return format!(
-            "TLS cannot be used with the mail server {host}: correct mail.url, or its certificate ({said})"
-        );
-    }
-    match source.and_then(|source| source.downcast_ref::<std::io::Error>()) {
-        Some(problem) => format!("no connection to the mail server {host}: {}", plain::io(problem)),
-        None => format!("the mail server {host} does not take the mail: {said}"),
     }
 }
 

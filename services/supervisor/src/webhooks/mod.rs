@@ -1,5 +1,5 @@
-//! Delivery of events to programs elsewhere, and of mails to people. A person's address is a target as a program is: its URL
-//! is `mailto:` and the address. One mail tells all events that came since the one before.
+//! Delivery of events to programs elsewhere, and of mails to people. A person's address is a target as a program is: its
+//! URL is `mailto:` and the address. One mail tells all events that came since the one before.
 //!
 //! Events come from the log (`vibrissa_store::events`), each webhook with its own position. Every supervisor looks for targets with waiting events each second. It takes hold of a target in the database, so that
 //! one supervisor at a time delivers to it, and sends its events one after the other. Each target has its own task: a dead
@@ -10,6 +10,7 @@ mod letter;
 mod mail;
 mod sending;
 pub mod signature;
+mod smtp;
 pub mod target;
 
 use std::collections::BTreeMap;

@@ -19,6 +19,7 @@ use vibrissa_host::task;
 use super::letter::Letter;
 use super::mail::MailOptions;
 use super::signature::header;
+use super::smtp;
 use super::target::{Hosts, is_public, refusal};
 use crate::outgoing;
 use vibrissa_edge::clock::wall_clock;
@@ -129,9 +130,11 @@ impl Sender {
             return failed("there is no mail server: set mail.url");
         };
         let letter = letter(&mail);
-        let sent = timeout(PATIENCE, task::blocking(move || mail.send(&letter))).await;
+        let sent = timeout(PATIENCE, task::blocking(move || smtp::send(&mail, &letter))).await;
         let mut answer = match sent {
-            Ok(sent) => sent.unwrap_or_else(|problem| failed(&problem.to_string())),
+            Ok(Ok(Ok(status))) => AttemptResult { status: Some(status), failure: None },
+            Ok(Ok(Err((status, problem)))) => AttemptResult { status, failure: Some(problem) },
+            Ok(Err(problem)) => failed(&problem.to_string()),
             Err(_) => failed("the mail server does not answer in time: check mail.url, the network and firewalls"),
         };
         answer.failure = answer.failure.map(|text| shortened(&text));

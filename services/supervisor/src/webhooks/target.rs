@@ -36,7 +36,8 @@ impl Hosts {
 /// The URL of a target, as it is stored.
 ///
 /// # Errors
-/// It is neither an address of a person nor a URL of a web server, holds a password, or names a private address that is not allowed.
+/// It is neither an address of a person nor a URL of a web server, holds a password, or names a private address that is
+/// not allowed.
 pub fn checked(text: &str, hosts: &Hosts) -> Result<String, String> {
     if text.chars().count() > URL_CHARS_MAX {
         return Err(format!("must have at most {URL_CHARS_MAX} characters"));
