@@ -245,9 +245,10 @@ pub fn of(kind: AlarmKind) -> Guidance {
         },
         AlarmKind::ArrayShift => Guidance {
             level: Level::Warning,
-            hint: "Check the robot's deflection scale and the temperature. The shift is taken out of the readings, so \
-                   cuts are still detected.",
+            hint: "The readings of all whiskers moved together: has the camera moved? Check also the robot's deflection \
+                   scale and the temperature. The shift is taken out of the readings, so cuts are still detected.",
             causes: &[
+                "the camera that tells the contact ratios has moved",
                 "the temperature of the silicone has changed",
                 "the robot's scale of the deflection has changed, such as after a calibration",
             ],

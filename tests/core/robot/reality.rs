@@ -20,6 +20,8 @@ fn touches(nuisances: Nuisances, seed: u64, count: usize) -> (Whisker, Vec<(Touc
             habit: course.habit,
             warmer_k: course.warmer_k(),
             log_shift: course.log_shift,
+            ratio_off: course.ratio_off,
+            heading_deg: course.heading_deg,
             pause_s: course.pause_s,
             held_s: course.held_s,
             pressure_mpa: 0.1,
@@ -173,7 +175,11 @@ fn each_row_runs_and_each_word_names_its_row() {
             incidents: 1,
         };
         let figures = &evaluate(&plan, &|| ())[0];
-        let whiskers = if nuisance == Nuisance::Scrape { 4 } else { 1 };
+        let whiskers = match nuisance {
+            Nuisance::Scrape => 4,
+            Nuisance::Exchange => 2,
+            _ => 1,
+        };
         assert_eq!(figures.found.len(), whiskers, "{}", nuisance.word());
     }
 }

@@ -1,5 +1,7 @@
 //! The chamber of a whisker with its valves and sensor, from event to event.
 
+use std::f64::consts::TAU;
+
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vibrissa_core::robot::event::RegulatorState;
@@ -17,6 +19,10 @@ const DEAD_BAND_MPA: (f64, f64) = (0.0015, 0.003);
 const TIGHT_PER_S: f64 = 5e-5;
 /// Loss of a leaking chamber, per second.
 const LEAK_PER_S: (f64, f64) = (0.001, 0.03);
+/// Period with which a regulator hunts, s.
+const HUNTING_S: (f64, f64) = (3.0, 80.0);
+/// Random stream of the first whisker's period; the others follow downwards.
+const HUNTING_STREAM: u64 = u64::MAX - 40;
 /// Time from the arrival at a pressure until it counts as held, s.
 const SETTLING_S: f64 = 0.5;
 /// Refills in one advance after which the phase of the cycle is drawn.
@@ -33,6 +39,10 @@ pub(super) struct Air {
     loss_per_s: f64,
     leak_per_s: f64,
     sensor_mpa: (f64, f64),
+    /// Amplitude and period with which the regulator hunts, MPa and s, and the time, s.
+    hunting_mpa: f64,
+    hunting_s: f64,
+    now_s: f64,
     random: ChaCha8Rng,
 }
 
@@ -44,6 +54,8 @@ impl Air {
         let band_mpa = random.random_range(DEAD_BAND_MPA.0..=DEAD_BAND_MPA.1);
         let leak_per_s = LEAK_PER_S.0 * (LEAK_PER_S.1 / LEAK_PER_S.0).powf(random.random());
         let has_valves = nuisances.valves > 0.0;
+        let hunting: f64 = stream(seed, HUNTING_STREAM - number).random();
+        let hunting_s = HUNTING_S.0 * (HUNTING_S.1 / HUNTING_S.0).powf(hunting);
         Self {
             pressure_mpa: NOMINAL_MPA,
             target_mpa: NOMINAL_MPA,
@@ -53,6 +65,9 @@ impl Air {
             loss_per_s: if has_valves { TIGHT_PER_S } else { 0.0 },
             leak_per_s: nuisances.leak * leak_per_s,
             sensor_mpa: if has_valves { COARSE_MPA } else { FINE_MPA },
+            hunting_mpa: nuisances.hunting_mpa,
+            hunting_s,
+            now_s: 0.0,
             random,
         }
     }
@@ -71,6 +86,7 @@ impl Air {
 
     /// Lets the chamber leak and its valves work for a time.
     pub(super) fn advance(&mut self, seconds: f64) {
+        self.now_s += seconds;
         let mut left_s = seconds;
         if let Some(settling_s) = self.settling_s {
             let way_mpa = self.target_mpa - self.pressure_mpa;
@@ -110,7 +126,7 @@ impl Air {
     /// True pressure, MPa.
     #[must_use]
     pub(super) fn pressure_mpa(&self) -> f64 {
-        self.pressure_mpa
+        (self.pressure_mpa + self.hunting_mpa * (TAU * self.now_s / self.hunting_s).sin()).max(0.0)
     }
 
     /// Target pressure, MPa.
@@ -122,7 +138,7 @@ impl Air {
     /// Pressure by the sensor, MPa.
     pub(super) fn reading_mpa(&mut self) -> f64 {
         let (step_mpa, noise_mpa) = self.sensor_mpa;
-        let noisy_mpa = self.pressure_mpa + noise_mpa * normal(&mut self.random);
+        let noisy_mpa = self.pressure_mpa() + noise_mpa * normal(&mut self.random);
         ((noisy_mpa / step_mpa).round() * step_mpa).clamp(0.0, 1.0)
     }
 

@@ -23,6 +23,11 @@ const DAY_S: f64 = 86_400.0;
 const HABIT_ROUNDS: (u64, u64) = (500, 2500);
 /// Rounds between two steps of the scale.
 const STEP_ROUNDS: (u64, u64) = (300, 5000);
+/// Rounds in which a camera moves slowly.
+const CAMERA_ROUNDS: u64 = 2000;
+const CAMERA_STREAM: u64 = u64::MAX - 20;
+/// Rounds in which the contacts turn out of the plane and back to both sides.
+const TURN_ROUNDS: f64 = 6000.0;
 /// Temperature at installation, degrees Celsius.
 const INSTALLED_C: f64 = 24.0;
 /// Share of the steps that come from the temperature, with a thermometer that shows it; the others have no trace.
@@ -51,6 +56,14 @@ pub struct Course {
     pub habit: Habit,
     /// Change of all sensitivities, in log sensitivity, apart from each whisker's coefficient of temperature.
     pub log_shift: f64,
+    /// Present error of all contact ratios, and its change with each round until it is as far as it goes.
+    pub ratio_off: f64,
+    ratio_moves: f64,
+    ratio_goal: f64,
+    next_move: u64,
+    camera: ChaCha8Rng,
+    /// Present angle of the robot's contacts to the direction in which it drives, degrees.
+    pub heading_deg: f64,
     /// Deviation that a warm step shows on the thermometer, K.
     step_k: f64,
     phase: f64,
@@ -68,6 +81,8 @@ impl Course {
         let zone = random.random_range(0..ZONES.len() * DEFLECTIONS_MM.len());
         let next_habit = random.random_range(HABIT_ROUNDS.0..=HABIT_ROUNDS.1);
         let next_step = random.random_range(STEP_ROUNDS.0..=STEP_ROUNDS.1);
+        let mut camera = stream(seed, CAMERA_STREAM);
+        let next_move = camera.random_range(STEP_ROUNDS.0..=STEP_ROUNDS.1);
         let mut course = Self {
             nuisances,
             random,
@@ -77,6 +92,12 @@ impl Course {
             held_s: HELD_S.0,
             habit: Habit::ANY,
             log_shift: 0.0,
+            ratio_off: 0.0,
+            ratio_moves: 0.0,
+            ratio_goal: 0.0,
+            next_move,
+            camera,
+            heading_deg: 0.0,
             step_k: 0.0,
             phase,
             // The deflections begin with their full range.
@@ -105,6 +126,25 @@ impl Course {
             self.next_step += self.random.random_range(STEP_ROUNDS.0..=STEP_ROUNDS.1);
             self.step();
         }
+        if self.nuisances.ratio_off > 0.0 {
+            self.follow_camera();
+        }
+        let turn = TAU * self.round as f64 / TURN_ROUNDS;
+        self.heading_deg = self.nuisances.turn_deg * (turn + self.phase).sin();
+    }
+
+    /// The camera moves away or back, at once or slowly.
+    fn follow_camera(&mut self) {
+        if self.round >= self.next_move {
+            self.next_move += CAMERA_ROUNDS + self.camera.random_range(STEP_ROUNDS.0..=STEP_ROUNDS.1);
+            let [up, slow]: [f64; 2] = std::array::from_fn(|_| self.camera.random());
+            let away = if up < 0.5 { self.nuisances.ratio_off } else { -self.nuisances.ratio_off };
+            self.ratio_goal = if self.ratio_goal == 0.0 { away } else { 0.0 };
+            let rounds = if slow < 0.5 { CAMERA_ROUNDS as f64 } else { 1.0 };
+            self.ratio_moves = (self.ratio_goal - self.ratio_off).abs() / rounds;
+        }
+        let left = self.ratio_goal - self.ratio_off;
+        self.ratio_off += left.clamp(-self.ratio_moves, self.ratio_moves);
     }
 
     fn take_up_habit(&mut self, deflections: usize) {

@@ -113,6 +113,15 @@ impl Figures {
         Share::among(self.found.iter().filter_map(|one| one.length), |&length| Found::is_covered(length))
     }
 
+    /// Lengths 300 and 2,000 contacts after a change, or after its end, whose 95 % interval contains the truth, reported or not.
+    #[must_use]
+    pub fn length_after_covered(&self) -> [Share; 2] {
+        [0, 1].map(|moment| {
+            let lengths = self.found.iter().filter_map(|one| one.length_after[moment]);
+            Share::among(lengths, |&length| Found::is_covered(length))
+        })
+    }
+
     /// Lengths at the end of each trial whose 95 % interval contains the truth, reported or not.
     #[must_use]
     pub fn length_end_covered(&self) -> Share {

@@ -4,7 +4,7 @@ mod compensated;
 
 use rand::Rng;
 use vibrissa_core::mechanics::{ByRatio, CONTACT_RATIOS};
-use vibrissa_core::robot::effect::{Condition, Effect, EndReason, Reason};
+use vibrissa_core::robot::effect::{AlarmKind, Condition, Effect, EndReason, Reason};
 use vibrissa_core::robot::one_number;
 use vibrissa_edge::interval::Z95;
 
@@ -14,7 +14,7 @@ use super::healthy::Healthy;
 use super::nuisances::Nuisances;
 use super::robot::{Layout, Robot, WHISKERS};
 use super::row::Incident;
-use super::truth::{Reference, whole};
+use super::truth::{Reference, rise_by_cut, whole};
 use super::whisker::stream;
 use super::{RobotKind, Row, seed};
 
@@ -32,6 +32,8 @@ const WORN_MM: f64 = 10.0;
 const SECOND_CUT_MM: f64 = 8.0;
 /// Rounds in which the first cut may become suspected.
 const UNTIL_SUSPECTED_MAX: u64 = 1500;
+/// Rounds after a change, or after its end, at which the length is compared.
+const LENGTH_ROUNDS: [u64; 2] = [300, 2000];
 /// Rounds between two looks at the readings of a whisker that wears.
 const LOOK_ROUNDS: u64 = 50;
 
@@ -48,6 +50,8 @@ pub struct Found {
     pub setpoint: Option<u64>,
     /// Error of the length at the report, and its standard deviation as stated, mm.
     pub length: Option<(f64, f64)>,
+    /// The same 300 and 2,000 contacts after the change, or after its end.
+    pub length_after: [Option<(f64, f64)>; 2],
     /// The same at the end.
     pub length_end: (f64, f64),
     /// Its compensation 300 contacts after the first setpoint, if one is in force then.
@@ -67,6 +71,9 @@ struct Case {
     whisker: usize,
     size_mm: f64,
     changed: u64,
+    /// Round in which the change has ended.
+    ended: Option<u64>,
+    length_after: [Option<(f64, f64)>; 2],
     /// Its response while whole, at the time of the change.
     whole: ByRatio,
     alarm: Option<u64>,
@@ -93,9 +100,16 @@ pub(super) fn run(row: Row, kind: RobotKind, plan_seed: u64, number: u64) -> (Ve
     let layouts: &[Layout] = match incident {
         // A scrape that looks like a shift of the array.
         Incident::Scrape(_) => &[Layout::Neighbours, Layout::Together],
+        // Whiskers of two lengths: others of one batch read alike.
+        Incident::Exchange => &[Layout::Neighbours],
         // A whisker that compensates for itself is the one whose gain drops.
         Incident::GainDrop(_) => &[Layout::Together, Layout::Single],
-        Incident::Cut | Incident::Learning(_) | Incident::SecondCut(_) | Incident::Erosion(_) => &Layout::ALL,
+        Incident::Cut
+        | Incident::Learning(_)
+        | Incident::SecondCut(_)
+        | Incident::Erosion(_)
+        | Incident::LossCut(_)
+        | Incident::Factory(_) => &Layout::ALL,
     };
     let layout = layouts[number as usize % layouts.len()];
     let size_mm = SIZES_MM[number as usize % SIZES_MM.len()];
@@ -107,6 +121,14 @@ pub(super) fn run(row: Row, kind: RobotKind, plan_seed: u64, number: u64) -> (Ve
         others: Healthy::default(),
         worn_readings: Vec::new(),
     };
+    if let Incident::Factory(off_mm) = incident {
+        trial.change(first, off_mm);
+        let off_mm = if number.is_multiple_of(2) { -off_mm } else { off_mm };
+        let whisker = &mut trial.robot.whiskers[first];
+        whisker.whole_mm += off_mm;
+        whisker.length_mm += off_mm;
+        trial.end();
+    }
     let at = if let Incident::Learning(contact) = incident { u64::from(contact) } else { at };
     trial.rounds(at);
     match incident {
@@ -140,7 +162,23 @@ pub(super) fn run(row: Row, kind: RobotKind, plan_seed: u64, number: u64) -> (Ve
             trial.rounds(UNTIL_DROP);
             trial.robot.whiskers[first].drop_gain(log);
         }
+        Incident::LossCut(share) => {
+            trial.change(first, size_mm);
+            let rise = rise_by_cut(&trial.robot.whiskers[first], size_mm);
+            trial.robot.whiskers[first].drop_gain(share * rise);
+            trial.rounds(UNTIL_DROP);
+            trial.cases.clear();
+            trial.cut(first, size_mm);
+        }
+        Incident::Exchange => {
+            let other = (first + 1) % WHISKERS;
+            trial.change(first, 0.0);
+            trial.change(other, 0.0);
+            trial.robot.exchanged = Some((first, other));
+        }
+        Incident::Factory(_) => {}
     }
+    trial.end();
     trial.rounds(ROUNDS_AFTER);
     let found = (0..trial.cases.len()).map(|at| trial.found(at)).collect();
     (found, trial.others)
@@ -170,6 +208,11 @@ impl Trial {
                 if case.setpoint.is_some_and(|since| case.changed + since + SOON_ROUNDS == self.round) {
                     self.cases[at].soon = self.compensated(case);
                 }
+                for (moment, rounds) in LENGTH_ROUNDS.into_iter().enumerate() {
+                    if self.cases[at].ended.is_some_and(|ended| ended + rounds == self.round) {
+                        self.cases[at].length_after[moment] = Some(estimate(&self.robot, self.cases[at].whisker));
+                    }
+                }
             }
         }
     }
@@ -186,6 +229,8 @@ impl Trial {
             whisker,
             size_mm,
             changed: self.round,
+            ended: None,
+            length_after: [None; 2],
             whole: whole(&self.robot.whiskers[whisker]),
             alarm: is_suspected.then_some(0),
             call: None,
@@ -198,6 +243,13 @@ impl Trial {
             lost: 0,
             wrong: 0,
         });
+    }
+
+    /// The changes that go on end now.
+    fn end(&mut self) {
+        for case in &mut self.cases {
+            case.ended = case.ended.or(Some(self.round));
+        }
     }
 
     fn is_suspected(&self, whisker: usize) -> bool {
@@ -213,6 +265,7 @@ impl Trial {
         };
         let is_erosion = matches!(self.incident, Incident::Erosion(_));
         let is_drop = matches!(self.incident, Incident::GainDrop(_));
+        let is_exchange = matches!(self.incident, Incident::Exchange);
         let is_second = matches!(self.incident, Incident::SecondCut(_));
         let (robot, round) = (&self.robot, self.round);
         let case = self.cases.iter_mut().find(|case| Some(case.whisker) == whisker);
@@ -227,6 +280,10 @@ impl Trial {
                     Condition::SensitivityLoss | Condition::Learning | Condition::Healthy | Condition::Trimmed => {}
                 }
             }
+            (Effect::Alarm { kind: AlarmKind::CablesExchanged, .. }, Some(case)) if is_exchange => {
+                case.called(round - case.changed, estimate(robot, case.whisker));
+            }
+            (Effect::Trim(_), Some(case)) if is_exchange => case.wrong += 1,
             (Effect::Trim(trim), Some(case)) => {
                 let after_mm = trim.length_after.length.mm();
                 let true_mm = robot.whiskers[case.whisker].length_mm;
@@ -289,6 +346,7 @@ impl Trial {
             call: case.call,
             setpoint: case.setpoint,
             length: case.length,
+            length_after: case.length_after,
             length_end: estimate(&self.robot, case.whisker),
             soon: case.soon,
             compensated: self.compensated(case),

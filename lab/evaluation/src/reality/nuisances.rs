@@ -39,6 +39,18 @@ pub struct Nuisances {
     pub valves: f64,
     /// Factor on the rate of a leak, which is 0.1 to 3 % per second.
     pub leak: f64,
+    /// Size of the error that all contact ratios of a robot share while its camera has moved.
+    pub ratio_off: f64,
+    /// Largest angle of a contact to the plane of the gauge, degrees.
+    pub turn_deg: f64,
+    /// Size of the error that all distances of a robot's touch tests share, mm.
+    pub zero_mm: f64,
+    /// Share of its range, 0.5 to 2.5 MPa on a logarithmic scale, that the modulus of the rubber takes.
+    pub modulus: f64,
+    /// Share of the messages that come late, by up to a minute.
+    pub late: f64,
+    /// Amplitude with which a regulator hunts around its target, MPa.
+    pub hunting_mpa: f64,
 }
 
 impl Nuisances {
@@ -58,6 +70,12 @@ impl Nuisances {
         outliers: 0.0,
         valves: 0.0,
         leak: 0.0,
+        ratio_off: 0.0,
+        turn_deg: 0.0,
+        zero_mm: 0.0,
+        modulus: 0.0,
+        late: 0.0,
+        hunting_mpa: 0.0,
     };
 
     /// Sizes of the nuisances of a row that last.
@@ -86,7 +104,16 @@ impl Nuisances {
             Nuisance::Valves => self.valves = strength,
             // The valves are as real ones, and the leak has the strength.
             Nuisance::Leak => (self.valves, self.leak) = (1.0, strength),
+            Nuisance::Camera => self.ratio_off = 0.02 * strength,
+            Nuisance::Turn => self.turn_deg = 20.0 * strength,
+            Nuisance::Zero => self.zero_mm = strength,
+            Nuisance::Modulus => self.modulus = strength,
+            Nuisance::Late => self.late = 0.1 * strength,
+            Nuisance::Hunting => (self.valves, self.hunting_mpa) = (1.0, 0.002 * strength),
             Nuisance::Ideal
+            | Nuisance::LossCut
+            | Nuisance::Factory
+            | Nuisance::Exchange
             | Nuisance::Scrape
             | Nuisance::Learning
             | Nuisance::SecondCut

@@ -1,5 +1,7 @@
 //! A robot with true whiskers, connected to the core by events, without messages.
 
+use rand::Rng;
+use rand_chacha::ChaCha8Rng;
 use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::effect::{Command, CommandKey, Effect, TouchTest};
 use vibrissa_core::robot::event::{
@@ -12,7 +14,7 @@ use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain}
 use super::air::Air;
 use super::course::Course;
 use super::nuisances::Nuisances;
-use super::whisker::{Circumstances, NOMINAL_MPA, Touch, Whisker};
+use super::whisker::{Circumstances, NOMINAL_MPA, Touch, Whisker, stream};
 use super::{RobotKind, StatedPlace};
 
 /// Number of whiskers of a robot.
@@ -21,6 +23,9 @@ pub(super) const WHISKERS: usize = 6;
 const ARRAYS: [&str; WHISKERS] = ["a", "b", "c", "d", "e", "f"];
 const BOOT: &str = "b";
 const START_US: u64 = 1_795_248_000_000_000;
+/// Longest time that a message takes, s.
+const LATE_MAX_S: f64 = 60.0;
+const POST_STREAM: u64 = u64::MAX - 30;
 /// Time between two scheduled touch tests of a whisker: one hour.
 const TESTED_EVERY: Micros = Micros(3_600_000_000);
 /// Time between two statuses while the robot touches something, and while it does not, s.
@@ -76,8 +81,14 @@ pub(super) struct Robot {
     pub(super) params: Params,
     /// Effects since they were last taken, except contacts and responses, each with its time since the installation, s.
     pub(super) kept_effects: Vec<(f64, Effect)>,
+    /// Two whiskers that are connected to each other's amplifier.
+    pub(super) exchanged: Option<(usize, usize)>,
     /// Setpoints that are on their way.
     moving: Vec<(usize, CommandKey)>,
+    /// Share of the messages that come late, and those on their way: time of arrival, number, contacts.
+    late: f64,
+    on_way: Vec<(f64, u64, Vec<Contact<'static>>)>,
+    post: ChaCha8Rng,
     /// Buffers for effects and for the next message, reused to save allocations.
     effects: Vec<Effect>,
     message: Vec<Contact<'static>>,
@@ -120,7 +131,11 @@ impl Robot {
             core: Core::new(1, Numbers::default()),
             params,
             kept_effects: Vec::new(),
+            exchanged: None,
             moving: Vec::new(),
+            late: nuisances.late,
+            on_way: Vec::new(),
+            post: stream(seed, POST_STREAM),
             effects: Vec::new(),
             message: Vec::new(),
             seq: 0,
@@ -143,6 +158,8 @@ impl Robot {
             habit: self.course.habit,
             warmer_k: self.course.warmer_k(),
             log_shift: self.course.log_shift,
+            ratio_off: self.course.ratio_off,
+            heading_deg: self.course.heading_deg,
             pause_s: self.course.pause_s,
             held_s: self.course.held_s,
             pressure_mpa: NOMINAL_MPA,
@@ -155,8 +172,27 @@ impl Robot {
         }
         let seq = self.seq;
         self.seq += 1;
-        self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &message, missed: &[] });
+        if self.late > 0.0 && self.post.random::<f64>() < self.late {
+            let arrives_s = self.at_s + LATE_MAX_S * self.post.random::<f64>();
+            self.on_way.push((arrives_s, seq, message.clone()));
+        } else {
+            self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &message, missed: &[] });
+        }
         self.message = message;
+        let now_s = self.at_s;
+        let arrived: Vec<_> = self.on_way.extract_if(.., |(at_s, _, _)| *at_s <= now_s).collect();
+        for (_, seq, contacts) in arrived {
+            self.step(&Event::Contacts { boot_id: BOOT, seq, contacts: &contacts, missed: &[] });
+        }
+    }
+
+    /// The whisker as which the robot tells a touch.
+    fn told_as(&self, number: usize) -> usize {
+        match self.exchanged {
+            Some((one, other)) if number == one => other,
+            Some((one, other)) if number == other => one,
+            Some(_) | None => number,
+        }
     }
 
     /// A contact with a place as the robot can know it.
@@ -172,7 +208,7 @@ impl Robot {
             }
             StatedPlace::Unknown => ContactPlace::Unknown,
         };
-        let (array, whisker) = self.layout.place(number);
+        let (array, whisker) = self.layout.place(self.told_as(number));
         Contact {
             array,
             whisker,
@@ -277,6 +313,8 @@ impl Robot {
             habit: self.course.habit,
             warmer_k: self.course.warmer_k(),
             log_shift: self.course.log_shift,
+            ratio_off: self.course.ratio_off,
+            heading_deg: self.course.heading_deg,
             pause_s: self.course.pause_s,
             held_s: self.course.held_s,
             pressure_mpa: self.air[number].pressure_mpa(),

@@ -39,13 +39,31 @@ pub enum Nuisance {
     Erosion,
     /// The gain of a compensated cut whisker drops by 3 %.
     GainDrop,
-    /// All of the above that last, at the strength of real whiskers: no leaks, and single cuts.
+    /// The gain drops by as much as a cut raises it, and then the cut comes.
+    LossCut,
+    /// A tenth of the messages come up to a minute late.
+    Late,
+    /// All distances of the robot's touch tests are 1 mm short or long.
+    Zero,
+    /// The factory length of a whisker is wrong by 5 mm.
+    Factory,
+    /// Contacts turn by up to 20 degrees out of the plane of the gauge, and back.
+    Turn,
+    /// The rubber has a modulus of 0.5 to 2.5 MPa, and the model that of the paper.
+    Modulus,
+    /// The cables of two whiskers are exchanged.
+    Exchange,
+    /// The camera moves, at once or slowly, so that all contact ratios of a robot are off by 0.02.
+    Camera,
+    /// On/off valves whose regulator hunts around its target by 2 kPa.
+    Hunting,
+    /// `habits` to `valves` together, at the strength of real whiskers: no leaks, and single cuts.
     Mix,
 }
 
 impl Nuisance {
     /// All, in the order of the table.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 28] = [
         Self::Ideal,
         Self::Habits,
         Self::Temperature,
@@ -64,6 +82,15 @@ impl Nuisance {
         Self::SecondCut,
         Self::Erosion,
         Self::GainDrop,
+        Self::LossCut,
+        Self::Late,
+        Self::Zero,
+        Self::Factory,
+        Self::Turn,
+        Self::Modulus,
+        Self::Exchange,
+        Self::Camera,
+        Self::Hunting,
         Self::Mix,
     ];
 
@@ -89,6 +116,15 @@ impl Nuisance {
             Self::SecondCut => "second-cut",
             Self::Erosion => "erosion",
             Self::GainDrop => "gain-drop",
+            Self::LossCut => "loss-cut",
+            Self::Late => "late",
+            Self::Zero => "zero",
+            Self::Factory => "factory",
+            Self::Turn => "turn",
+            Self::Modulus => "modulus",
+            Self::Exchange => "exchange",
+            Self::Camera => "camera",
+            Self::Hunting => "hunting",
             Self::Mix => "mix",
         }
     }
@@ -102,7 +138,7 @@ impl Nuisance {
     /// The strengths at which it is evaluated.
     fn strengths(self) -> &'static [f64] {
         match self {
-            Self::Ideal | Self::Mix => &[1.0],
+            Self::Ideal | Self::Exchange | Self::Mix => &[1.0],
             _ => &[0.5, 1.0, 2.0],
         }
     }
@@ -132,6 +168,12 @@ pub enum Incident {
     Erosion(f64),
     /// One whisker is cut and compensated, and then loses this share of its gain, in log sensitivity.
     GainDrop(f64),
+    /// One whisker loses this share of the sensitivity that a cut adds, and then is cut.
+    LossCut(f64),
+    /// One whisker is shorter or longer than its factsheet says by so many mm, from its first contact on.
+    Factory(f64),
+    /// Two whiskers are connected to each other's amplifier.
+    Exchange,
 }
 
 impl Row {
@@ -159,6 +201,9 @@ impl Row {
             Nuisance::SecondCut => Incident::SecondCut(0.5 * strength),
             Nuisance::Erosion => Incident::Erosion(0.002 * strength),
             Nuisance::GainDrop => Incident::GainDrop(0.03 * strength),
+            Nuisance::LossCut => Incident::LossCut(strength),
+            Nuisance::Factory => Incident::Factory(5.0 * strength),
+            Nuisance::Exchange => Incident::Exchange,
             _ => Incident::Cut,
         }
     }

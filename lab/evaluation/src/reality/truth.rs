@@ -50,6 +50,16 @@ pub(super) fn whole(whisker: &Whisker) -> ByRatio {
     per_mm(whisker, whisker.whole_mm, NOMINAL_MPA)
 }
 
+/// Mean rise of log sensitivity by a cut of this many mm.
+#[must_use]
+pub(super) fn rise_by_cut(whisker: &Whisker, size_mm: f64) -> f64 {
+    let before = per_mm(whisker, whisker.length_mm, NOMINAL_MPA);
+    let after = per_mm(whisker, whisker.length_mm - size_mm, NOMINAL_MPA);
+    let rises: Vec<f64> =
+        before.iter().zip(after).filter_map(|(before, after)| Some((after? / (*before)?).ln())).collect();
+    rises.iter().sum::<f64>() / rises.len().max(1) as f64
+}
+
 fn per_mm(whisker: &Whisker, length_mm: f64, pressure_mpa: f64) -> ByRatio {
     let logs = whisker.model().log_sensitivities(Millimetre::known(length_mm), Megapascal::known(pressure_mpa));
     logs.map(|log| Some((log? + whisker.log_gain()).exp()))

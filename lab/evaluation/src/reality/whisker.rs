@@ -3,7 +3,7 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use vibrissa_core::mechanics::{Formulation, Model, Morphology};
+use vibrissa_core::mechanics::{Calibration, Formulation, Model, Morphology};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 
 use super::StatedPlace;
@@ -27,6 +27,25 @@ const OUTLIER_SD: f64 = 0.25;
 const ON_THE_WAY_OUT: f64 = 0.5;
 /// First loads take effect within about three times this number of contacts.
 const FIRST_LOADS_CONTACTS: f64 = 15.0;
+
+/// Range of the modulus of rubbers, MPa.
+const MODULUS_MPA: (f64, f64) = (0.5, 2.5);
+/// Largest angle at which a gauge is mounted, degrees.
+const MOUNTED_DEG: f64 = 10.0;
+
+/// The calibration with the modulus of a rubber within a share of the range around the designed one. The chamber's modulus
+/// E2 at each pressure stays.
+fn with_modulus(designed: Calibration, share: f64, batch: &mut ChaCha8Rng) -> Calibration {
+    let within: f64 = batch.random();
+    let drawn_mpa = MODULUS_MPA.0 * (MODULUS_MPA.1 / MODULUS_MPA.0).powf(within);
+    let factor = (drawn_mpa / designed.youngs_modulus_mpa).powf(share);
+    Calibration {
+        c: designed.c / factor,
+        a: designed.a / factor,
+        youngs_modulus_mpa: designed.youngs_modulus_mpa * factor,
+        ..designed
+    }
+}
 
 /// Random numbers for one purpose.
 #[must_use]
@@ -63,6 +82,10 @@ pub struct Circumstances {
     pub warmer_k: f64,
     /// Change of all sensitivities by another cause, in log sensitivity.
     pub log_shift: f64,
+    /// Error that all contact ratios share.
+    pub ratio_off: f64,
+    /// Angle of the contacts to the direction in which the robot drives, degrees.
+    pub heading_deg: f64,
     /// Time since the last contact, s.
     pub pause_s: f64,
     /// Time from the touch to the reading, s.
@@ -103,6 +126,10 @@ pub struct Whisker {
     pub per_k: f64,
     /// Correlation of the correlated noise from contact to contact.
     pub phi: f64,
+    /// Angle of its gauge to the direction in which the robot drives, degrees.
+    mounted_deg: f64,
+    /// Error of the robot's distances in touch tests, mm.
+    zero_mm: f64,
     ageing: f64,
     walked: f64,
     dropped: f64,
@@ -123,13 +150,18 @@ impl Whisker {
             let shared = CALIBRATION_ERROR * batch.random_range(-1.0..=1.0);
             value * (1.0 + shared + BATCH_ERROR * own.random_range(-1.0..=1.0))
         });
+        let calibration = with_modulus(calibration, nuisances.modulus, &mut stream(seed, u64::MAX - 2));
         let formulation = if batch.random() { Formulation::Published } else { Formulation::Consistent };
         let model = with_calibration(designed, calibration, formulation);
         let sign = if batch.random() { 1.0 } else { -1.0 };
         let per_k = sign * batch.random_range(0.003..=0.01) * own.random_range(0.9..=1.1);
         let ageing_sign = if own.random() { 1.0 } else { -1.0 };
         let phi = own.random_range(0.5..=0.9);
+        let zero_mm = if batch.random() { nuisances.zero_mm } else { -nuisances.zero_mm };
+        let mut mounting = stream(seed, u64::MAX - 3 - number);
         Self {
+            mounted_deg: mounting.random_range(-MOUNTED_DEG..=MOUNTED_DEG),
+            zero_mm,
             nuisances,
             morphology: model.morphology(Megapascal::known(NOMINAL_MPA)),
             model,
@@ -181,9 +213,11 @@ impl Whisker {
         let felt_mm = self.rubber.press(&self.nuisances, &press);
         let independent = if rare < self.nuisances.outliers { OUTLIER_SD } else { STRAIN_RELATIVE };
         let straight = 1.0 - self.nuisances.curvature_per_mm * deflection_mm;
-        let strain = true_per_mm * felt_mm * straight * (log_gain + self.correlated + independent * noise[0]).exp();
+        let angle = if self.nuisances.turn_deg > 0.0 { at.heading_deg + self.mounted_deg } else { 0.0 };
+        let seen_mm = felt_mm * angle.to_radians().cos();
+        let strain = true_per_mm * seen_mm * straight * (log_gain + self.correlated + independent * noise[0]).exp();
         Some(Touch {
-            ratio: ((1e4 * (ratio + self.nuisances.ratio_sd * noise[1])).round() / 1e4).clamp(0.01, 1.0),
+            ratio: ((1e4 * (ratio + at.ratio_off + self.nuisances.ratio_sd * noise[1])).round() / 1e4).clamp(0.01, 1.0),
             distance_mm: ((ratio + self.nuisances.ratio_sd * noise[1]) * self.length_mm).max(0.1),
             deflection_mm: (deflection_mm * (1.0 + DEFLECTION_RELATIVE * noise[2])).max(0.01),
             strain: (strain + STRAIN_FLOOR * noise[3]).clamp(-0.5, 0.5),
@@ -196,7 +230,7 @@ impl Whisker {
     /// `None` where the whisker does not reach.
     pub fn touch_on_request(&mut self, at: &Circumstances, distance_mm: f64, deflection_mm: f64) -> Option<Touch> {
         let off_mm = self.distance_sd_mm() * normal(&mut self.contact_stream);
-        let ratio = (distance_mm + off_mm) / self.whole_mm;
+        let ratio = (distance_mm + self.zero_mm + off_mm) / self.whole_mm;
         let habit = Habit { ratios: (ratio, ratio), deflections_mm: (deflection_mm, deflection_mm) };
         let touch = self.touch_at(&Circumstances { habit, ..*at }, StatedPlace::Distance)?;
         Some(Touch { distance_mm, ..touch })

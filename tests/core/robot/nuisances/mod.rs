@@ -1,5 +1,6 @@
 //! Nuisances of real robots and real silicone: none of them is a cut, and none may hide or forget one.
 
+mod camera;
 mod confirmed;
 mod curvature;
 mod factory;

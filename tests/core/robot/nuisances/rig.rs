@@ -44,6 +44,8 @@ pub(crate) struct Noise {
     pub outliers: f64,
     /// Nonlinearity: change of log sensitivity per mm of deflection.
     pub bend_per_mm: f64,
+    /// Error that all contact ratios of the robot share.
+    pub ratio_off: f64,
 }
 
 impl Default for Noise {
@@ -57,6 +59,7 @@ impl Default for Noise {
             correlated: (0.0, 0.0),
             outliers: 0.0,
             bend_per_mm: 0.0,
+            ratio_off: 0.0,
         }
     }
 }
@@ -277,7 +280,7 @@ impl Rig {
         let per_mm = one.model.sensitivity_per_mm(true_ratio, length, &morphology).expect("beyond the chamber");
         let warm = one.per_k * (*temperature_c - COOL_C);
         let log_noise = noise.strain * outlier * strain_noise + one.correlated + noise.bend_per_mm * deflection_mm;
-        let read_ratio = ratio + noise.ratio * ratio_noise;
+        let read_ratio = ratio + noise.ratio_off + noise.ratio * ratio_noise;
         let place = if *states_distance {
             let at = Millimetre::known(read_ratio * one.length_mm - *off_mm);
             ContactPlace::Distance(Distance { at, sd_mm: noise.ratio * WHOLE_MM })

@@ -107,7 +107,8 @@ found, >=2mm   cuts reported as a trim (wear: also as erosion); those of 2 mm or
 alarm ...      contacts from the cut to the suspicion, to the report, to the setpoint: median and 90 %
 wrong          reports of erosion or loss of sensitivity of cut whiskers, or of the same cut once more
 susp. ...      false suspicions, trims, and other conditions or faults in a million contacts of healthy whiskers
-length error   at the report, mm: median and standard deviation; how often the 95 % interval contains the truth, in %
+length error   at the report, mm: median and standard deviation; how often the 95 % interval contains the truth, in %: at
+               the report, and 300 and 2,000 contacts after the change, or after its end, reported or not
 compensation   mean of eq. 35 in %: true, measured, predicted; how often a 95 % interval contains the truth, in %
 read, lost     error of a reading with the published gain, in %: 300 contacts after the first setpoint, and at the end;
                compensations that ended without cause
@@ -117,7 +118,7 @@ read, lost     error of a reading with the published gain, in %: 300 contacts af
     )?;
     writeln!(
         out,
-        "{:<15}{:>7} {:>5}{:>9}{:>10}{:>10}{:>6} |{:>7}{:>7}{:>7} |{:>12}{:>5} |{:>6}{:>6}{:>5}{:>6}{:>5}{:>9}{:>5}",
+        "{:<15}{:>7} {:>5}{:>9}{:>10}{:>10}{:>6} |{:>7}{:>7}{:>7} |{:>12}{:>12} |{:>6}{:>6}{:>5}{:>6}{:>5}{:>9}{:>5}",
         "row",
         "found",
         ">=2mm",
@@ -168,11 +169,11 @@ fn print_row(one: &Figures, out: &mut dyn Write) -> Result<()> {
         0.0 => "0".to_owned(),
         rate => format!("{rate:.1}"),
     };
-    let found = one.found();
+    let (found, [soon, late]) = (one.found(), one.length_after_covered());
     let length = one.length_error_mm().map_or("-".to_owned(), |(median, sd)| format!("{median:+.2} {sd:.2}"));
     writeln!(
         out,
-        "{:<15}{:>7} {:>5}{:>9}{:>10}{:>10}{:>6} |{:>7}{:>7}{:>7} |{length:>12}{:>5} |{:>6}{:>6}{:>5}{:>6}{:>5}{:>9}{:>5}",
+        "{:<15}{:>7} {:>5}{:>9}{:>10}{:>10}{:>6} |{:>7}{:>7}{:>7} |{length:>12}{:>12} |{:>6}{:>6}{:>5}{:>6}{:>5}{:>9}{:>5}",
         name(one),
         format!("{}/{}", found.count, found.of),
         share(one.found_from_2_mm()),
@@ -183,7 +184,7 @@ fn print_row(one: &Figures, out: &mut dyn Write) -> Result<()> {
         rate(one.healthy.suspicions),
         rate(one.healthy.trims),
         rate(one.healthy.conditions()),
-        share(one.length_covered()),
+        format!("{} {} {}", share(one.length_covered()), share(soon), share(late)),
         per_cent(one.error_true()),
         per_cent(one.error_measured()),
         share(one.measured_covered()),
@@ -210,7 +211,7 @@ fn row_json(one: &Figures) -> Value {
     let spread =
         |spread: Option<Spread>| json!({ "median": spread.map(|one| one.median), "p90": spread.map(|one| one.most) });
     let share = |share: Share| json!({ "count": share.count, "of": share.of });
-    let healthy = one.healthy;
+    let (healthy, [soon, late]) = (one.healthy, one.length_after_covered());
     json!({
         "row": one.row.nuisance.word(),
         "strength": one.row.strength,
@@ -238,6 +239,8 @@ fn row_json(one: &Figures) -> Value {
         "length_error_mm": { "median": one.length_error_mm().map(|(median, _)| median),
             "sd": one.length_error_mm().map(|(_, sd)| sd) },
         "length_covered": share(one.length_covered()),
+        "length_covered_after_300_contacts": share(soon),
+        "length_covered_after_2000_contacts": share(late),
         "length_covered_at_end": share(one.length_end_covered()),
         "served": share(one.served()),
         "error_true": one.error_true(),
@@ -261,6 +264,10 @@ fn cut_json(cut: &Found) -> Value {
         "setpoint_contacts": cut.setpoint,
         "length_error_mm": cut.length.map(|(error, _)| error),
         "length_sd_mm": cut.length.map(|(_, sd)| sd),
+        "length_error_after_300_contacts_mm": cut.length_after[0].map(|(error, _)| error),
+        "length_sd_after_300_contacts_mm": cut.length_after[0].map(|(_, sd)| sd),
+        "length_error_after_2000_contacts_mm": cut.length_after[1].map(|(error, _)| error),
+        "length_sd_after_2000_contacts_mm": cut.length_after[1].map(|(_, sd)| sd),
         "length_error_at_end_mm": cut.length_end.0,
         "length_sd_at_end_mm": cut.length_end.1,
         "error_true": cut.compensated.map(|one| one.truth),
@@ -308,7 +315,7 @@ mod tests {
             String::from_utf8(out).unwrap()
         };
         let table = output_of(false, Some(folder.clone()));
-        assert!(table.lines().all(|line| line.chars().count() <= 150), "{table}");
+        assert!(table.lines().all(|line| line.chars().count() <= 160), "{table}");
         let whole: Value = serde_json::from_str(&output_of(true, None)).unwrap();
         let rows = whole["rows"].as_array().unwrap();
         assert_eq!(rows.len(), 2);
@@ -329,6 +336,8 @@ mod tests {
                 "false_conditions_per_million",
                 "length_error_mm",
                 "length_covered",
+                "length_covered_after_300_contacts",
+                "length_covered_after_2000_contacts",
                 "error_true",
                 "error_measured",
                 "error_measured_covered",
