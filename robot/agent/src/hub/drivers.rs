@@ -22,8 +22,8 @@ const LINK_PAUSE: (Duration, Duration) = (Duration::from_millis(250), Duration::
 const LIVED: Duration = Duration::from_secs(10);
 /// Time between two logs of refused lines.
 const REFUSAL_PAUSE: Duration = Duration::from_secs(60);
-/// Pause after each line to a serial device: its buffer has 64 bytes on many boards, whose programs read it once in a turn of
-/// their loop. A driver whose valves the agent opens gets its lines at once.
+/// Pause after each line to a serial device: its buffer has 64 bytes on many boards, whose programs read it once in a
+/// turn of their loop. A driver whose valves the agent opens gets its lines at once.
 const SERIAL_PAUSE: Duration = Duration::from_millis(20);
 /// If more lines wait, they go without a pause.
 const PACED_MAX: usize = 64;
@@ -74,8 +74,8 @@ fn pause_of(config: &DriverConfig) -> Duration {
     if is_slow { SERIAL_PAUSE } else { Duration::ZERO }
 }
 
-/// Writes lines until their senders have gone, or until a write fails. The end of the driver's output ends the link, so its
-/// last lines are still read.
+/// Writes lines until their senders have gone, or until a write fails. The end of the driver's output ends the link, so
+/// its last lines are still read.
 async fn write_lines(
     writer: &mut (impl AsyncWrite + Unpin + ?Sized),
     lines: &mut mpsc::Receiver<Vec<u8>>,

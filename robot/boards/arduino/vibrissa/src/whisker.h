@@ -31,8 +31,8 @@ class Whisker {
     // Without an order for 5 s the setpoint becomes 0.
     void watch();
     __attribute__((noinline)) void regulate();
-    // Takes a sample if one is due, and puts a line if it is full and `may_put`. `tick` is called often meanwhile. Returns
-    // whether it has put a line.
+    // Takes a sample if one is due, and puts a line if it is full and `may_put`. `tick` is called often meanwhile.
+    // Returns whether it has put a line.
     __attribute__((noinline)) bool sample(void (*tick)(), bool may_put);
     // Sends a line of pressure if one is due.
     __attribute__((noinline)) void report();
