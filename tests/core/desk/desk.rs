@@ -34,7 +34,7 @@ const BEGIN_MM: f64 = 8.0;
 const PIN_MS: f64 = 2.0;
 const STEP_US: u64 = 10_000;
 /// Time at which the board is configured, ms.
-const CONFIGURED_MS: f64 = 2_000.0;
+const CONFIGURED_MS: f64 = 2_600.0;
 /// Noise of an amplifier in V, and of a converter in strain: more than a step.
 const NOISE_V: f64 = 0.006;
 const NOISE_STRAIN: f64 = 8e-6;
@@ -83,6 +83,8 @@ pub(crate) struct Desk {
     whiskers: Vec<Whisker>,
     /// True pressures of the chambers, MPa.
     pub(crate) pressures_mpa: Vec<f64>,
+    /// The lowest ones since all chambers were filled for the first time.
+    pub(crate) lowest_mpa: Option<Vec<f64>>,
     pub(crate) contacts: Vec<Contact>,
     pub(crate) warnings: Vec<String>,
     /// Times that the agent gave the board up.
@@ -142,6 +144,7 @@ impl Desk {
             started_ms: CONFIGURED_MS + phase * CYCLE_S * 1e3,
             whiskers: wired.iter().zip(&layout).enumerate().map(whisker).collect(),
             pressures_mpa: vec![0.0; wired.len()],
+            lowest_mpa: None,
             contacts: Vec::new(),
             warnings: Vec::new(),
             restarts: 0,
@@ -235,6 +238,13 @@ impl Desk {
         self.now_us += STEP_US;
         let (lines, pressures_mpa) = self.board.run_to(self.board_ms());
         self.pressures_mpa.copy_from_slice(&pressures_mpa[..self.whiskers.len()]);
+        let is_filled = self.pressures_mpa.iter().all(|mpa| *mpa > 0.9 * NOMINAL_MPA);
+        if self.lowest_mpa.is_none() && is_filled {
+            self.lowest_mpa = Some(self.pressures_mpa.clone());
+        }
+        if let Some(lowest_mpa) = &mut self.lowest_mpa {
+            lowest_mpa.iter_mut().zip(&self.pressures_mpa).for_each(|(lowest, mpa)| *lowest = lowest.min(*mpa));
+        }
         for line in lines {
             self.input(Input::Line(0, Some(line.as_bytes())), said);
         }
@@ -330,7 +340,8 @@ fn configure(board: &mut Microcontroller, kind: &str, wired: &[Wired], layout: &
         let keys = |ms: f64, keys: &str| {
             let line = format!(r#"{{"type":"configure","slot":{slot},{keys}}}"#);
             assert!(line.len() < 200, "{line}");
-            (ms + 10.0 * slot as f64, line)
+            // A person waits for the answer before the next line.
+            (ms + 80.0 * slot as f64, line)
         };
         let per_v = one.strain_per_v;
         let gauge = match sensor {
@@ -351,8 +362,8 @@ fn configure(board: &mut Microcontroller, kind: &str, wired: &[Wired], layout: &
         let named = format!(r#""array":"nose","whisker":{slot},"fill_pin":{fill},"vent_pin":{vent}"#);
         let lines = [
             keys(200.0, &format!(r#"{named},"pressure_pin":"A{pressure}""#)),
-            keys(700.0, &gauge),
-            keys(1_200.0, &format!(r#""slide_pin":"{slide}","slide_mm":{TRAVEL_MM}"#)),
+            keys(750.0, &gauge),
+            keys(1_300.0, &format!(r#""slide_pin":"{slide}","slide_mm":{TRAVEL_MM}"#)),
         ];
         lines.iter().for_each(|(ms, line)| board.at(*ms, line));
     }
@@ -360,7 +371,7 @@ fn configure(board: &mut Microcontroller, kind: &str, wired: &[Wired], layout: &
         board.at(10.0, "!ads1115 0 72");
     }
     if wired.len() > 2 {
-        board.at(1_500.0, r#"{"type":"configure","baud":250000}"#);
+        board.at(1_850.0, r#"{"type":"configure","baud":250000}"#);
     }
-    board.at(1_700.0, r#"{"type":"configure","save":true}"#);
+    board.at(1_950.0, r#"{"type":"configure","save":true}"#);
 }

@@ -133,6 +133,10 @@ fn walk(list: &[(f64, f64)], phase: f64, disturbance: Disturbance) {
     );
     assert!(error_before.abs() > 0.08, "{what}: {error_before}");
     assert!(error_after.abs() < 0.5 * error_before.abs(), "{what}: {error_before} before, {error_after} after");
+    // A board that lost three orders in turn would vent its chamber.
+    let mut lowest_mpa = world.robot.lowest_mpa.clone().expect("chambers that were filled");
+    lowest_mpa.remove(cut);
+    assert!(lowest_mpa.iter().all(|mpa| *mpa > 0.85 * NOMINAL_MPA), "{what}: {lowest_mpa:?} MPa");
     let others: BTreeMap<usize, Condition> =
         conditions(&world).into_iter().enumerate().filter(|one| one.0 != cut).collect();
     assert!(others.values().all(|one| *one == Condition::Healthy), "{what}: {others:?}");

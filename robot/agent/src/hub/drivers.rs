@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::io::{AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::sync::{Notify, mpsc};
 use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep};
@@ -22,6 +22,11 @@ const LINK_PAUSE: (Duration, Duration) = (Duration::from_millis(250), Duration::
 const LIVED: Duration = Duration::from_secs(10);
 /// Time between two logs of refused lines.
 const REFUSAL_PAUSE: Duration = Duration::from_secs(60);
+/// Pause after each line to a serial device: its buffer has 64 bytes on many boards, whose programs read it once in a
+/// turn of their loop. A driver whose valves the agent opens gets its lines at once.
+const SERIAL_PAUSE: Duration = Duration::from_millis(20);
+/// If more lines wait, they go without a pause.
+const PACED_MAX: usize = 64;
 /// Bytes that are read from the driver at once.
 const CHUNK_BYTES: usize = 4096;
 
@@ -63,6 +68,29 @@ impl DriverLink {
     }
 }
 
+/// The pause after each line to a driver.
+fn pause_of(config: &DriverConfig) -> Duration {
+    let is_slow = matches!(config.way, Way::Serial(..)) && !config.limits.regulate;
+    if is_slow { SERIAL_PAUSE } else { Duration::ZERO }
+}
+
+/// Writes lines until their senders have gone, or until a write fails. The end of the driver's output ends the link, so
+/// its last lines are still read.
+async fn write_lines(
+    writer: &mut (impl AsyncWrite + Unpin + ?Sized),
+    lines: &mut mpsc::Receiver<Vec<u8>>,
+    pause: Duration,
+) {
+    while let Some(line) = lines.recv().await {
+        if writer.write_all(&line).await.is_err() || writer.flush().await.is_err() {
+            break;
+        }
+        if !pause.is_zero() && lines.len() <= PACED_MAX {
+            sleep(pause).await;
+        }
+    }
+}
+
 /// Waits for the tasks of all drivers, which end only by a panic.
 pub(super) async fn all_ended(driving: &mut JoinSet<()>) {
     while let Some(ended) = driving.join_next().await {
@@ -94,7 +122,8 @@ impl Hub {
                 self.lock().drivers[driver].telling = Some(sender);
                 self.step(Input::DriverStarted(driver));
                 tracing::info!("{label} can be heard");
-                let reason = self.talk(driver, &mut link, lines, may_restart.then_some(&*restart)).await;
+                let pause = pause_of(&config);
+                let reason = self.talk(driver, &mut link, (lines, pause), may_restart.then_some(&*restart)).await;
                 tracing::warn!(reason, "{label} has gone");
                 self.lock().drivers[driver].telling = None;
                 self.step(Input::DriverEnded(driver));
@@ -113,12 +142,12 @@ impl Hub {
     }
 
     /// Carries lines until the link ends; returns the reason. Lines are read no faster than they are handled.
-    /// `restart` asks for the end of the link, if that may happen.
+    /// `restart` asks for the end of the link, if that may happen. The lines have this pause after them.
     async fn talk(
         &self,
         driver: usize,
         link: &mut Link,
-        mut lines: mpsc::Receiver<Vec<u8>>,
+        (mut lines, pause): (mpsc::Receiver<Vec<u8>>, Duration),
         restart: Option<&Notify>,
     ) -> &'static str {
         let (reader, writer) = (&mut link.reader, &mut link.writer);
@@ -137,12 +166,7 @@ impl Hub {
             }
         };
         let write = async {
-            while let Some(line) = lines.recv().await {
-                if writer.write_all(&line).await.is_err() || writer.flush().await.is_err() {
-                    // What it still says counts; the end of its output ends the link.
-                    break;
-                }
-            }
+            write_lines(writer, &mut lines, pause).await;
             std::future::pending().await
         };
         let restarted = async {
@@ -157,5 +181,45 @@ impl Hub {
             reason = write => reason,
             reason = restarted => reason,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::Config;
+    use crate::config::tests::EXAMPLE;
+
+    fn pause(driver: &str) -> Duration {
+        let text = EXAMPLE.replace("command = [\"python3\", \"driver.py\"]", driver);
+        assert!(text.contains(driver));
+        pause_of(&Config::from_toml_str(&text, Path::new("")).unwrap().drivers[0])
+    }
+
+    #[test]
+    fn only_a_serial_device_that_regulates_by_itself_gets_its_lines_with_pauses() {
+        assert_eq!(pause("serial = \"board\""), SERIAL_PAUSE);
+        assert_eq!(pause("serial = \"board\"\nregulate = true"), Duration::ZERO);
+        assert_eq!(pause("command = [\"driver\"]"), Duration::ZERO);
+    }
+
+    /// Writes so many lines; the time that it takes.
+    async fn written(count: usize) -> Duration {
+        let (sender, mut lines) = mpsc::channel(count);
+        (0..count).for_each(|_| sender.try_send(b"{}\n".to_vec()).unwrap());
+        drop(sender);
+        let (mut bytes, began) = (Vec::new(), Instant::now());
+        write_lines(&mut bytes, &mut lines, SERIAL_PAUSE).await;
+        assert_eq!(bytes, b"{}\n".repeat(count));
+        began.elapsed()
+    }
+
+    #[tokio::test]
+    async fn lines_to_a_serial_device_come_apart_unless_too_many_wait() {
+        assert!(written(10).await >= 10 * SERIAL_PAUSE);
+        // With a pause after each it would take 100 s.
+        assert!(written(5_000).await < Duration::from_secs(60));
     }
 }

@@ -43,6 +43,7 @@ static int variables_end, least_stack;
 // Bytes on their way to the board.
 static char sending[65536];
 static size_t sent, to_send;
+static avr_uart_t *uart;
 
 double now_ms(void) { return avr->cycle / (1000.0 * MHZ); }
 
@@ -79,6 +80,13 @@ static void on_byte(avr_irq_t *irq, uint32_t value, void *param) {
     } else {
         said[said_length++] = value;
     }
+}
+
+// Bytes come as fast as the board's baud rate allows: the library hands one over after the time of a byte.
+static void send_byte(avr_irq_t *input) {
+    if (sent == to_send || uart->input.read != uart->input.write) return;
+    avr_raise_irq(input, (uint8_t)sending[sent++]);
+    if (sent == to_send) sent = to_send = 0;
 }
 
 static void on_adc(avr_irq_t *irq, uint32_t value, void *param) {
@@ -139,6 +147,10 @@ static int set_up(const char *elf) {
     avr->vcc = avr->avcc = avr->aref = 5000;
     variables_end = (is_mega ? 0x200 : 0x100) + firmware.datasize + firmware.bsssize;
     least_stack = avr->ramend - variables_end;
+    for (avr_io_t *io = avr->io_port; io; io = io->next) {
+        if (!strcmp(io->kind, "uart") && ((avr_uart_t *)io)->name == '0') uart = (avr_uart_t *)io;
+    }
+    if (!uart) return 0;
     uint32_t flags = 0;
     avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_byte, NULL);
@@ -166,13 +178,11 @@ int main(int argc, char **argv) {
             return 3;
         }
         watch_stack();
+        send_byte(input);
         if (avr->cycle < tick) continue;
         tick += TICK_US * MHZ;
         move_air(TICK_US * 1e-6);
         run_devices();
-        // A byte each tick: a little slower than 115200 baud.
-        if (sent < to_send) avr_raise_irq(input, (uint8_t)sending[sent++]);
-        if (sent == to_send) sent = to_send = 0;
         for (;;) {
             if (at_ms < 0) {
                 if (!fgets(line, sizeof line, stdin)) return 0;

@@ -5,6 +5,7 @@ mod configuration;
 mod gauges;
 mod library;
 mod one_whisker;
+mod orders;
 mod whiskers;
 
 use std::io::Write as _;

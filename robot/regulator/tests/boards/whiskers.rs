@@ -4,7 +4,7 @@ use crate::{Lines, STEP_MPA, compiled, configure, of, order, run, save};
 
 /// Array, whisker, setpoint in MPa, and pins of six whiskers on a Mega: fill, vent, pressure. The simulator has the
 /// analog inputs A0 to A7.
-const SIX: [(&str, u16, f64, [u8; 3]); 6] = [
+pub(crate) const SIX: [(&str, u16, f64, [u8; 3]); 6] = [
     ("left", 0, 0.03, [4, 5, 0]),
     ("left", 1, 0.05, [6, 7, 1]),
     ("left", 2, 0.07, [8, 9, 2]),
@@ -41,7 +41,7 @@ fn six() -> String {
 }
 
 /// The script in the order of its times.
-fn sorted(script: String) -> String {
+pub(crate) fn sorted(script: String) -> String {
     let mut lines: Vec<&str> = script.lines().collect();
     lines.sort_by_key(|line| line.split(' ').next().and_then(|ms| ms.parse::<u32>().ok()));
     lines.join("\n") + "\n"

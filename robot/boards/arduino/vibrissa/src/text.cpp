@@ -200,7 +200,7 @@ void put_pin(uint8_t pin) {
 uint16_t out_room() { return OUT_SIZE - out_count; }
 
 void send() {
-    while (out_count && Serial.availableForWrite() > 0) {
+    for (uint8_t most = 32; most && out_count && Serial.availableForWrite() > 0; most--) {
         Serial.write(out[out_begin]);
         if (++out_begin == OUT_SIZE) out_begin = 0;
         out_count--;

@@ -48,6 +48,7 @@ void put_float(float number);
 void put_pin(uint8_t pin);
 // So many more bytes fit.
 uint16_t out_room();
+// Sends a few bytes: a fast serial line takes them all at once, and meanwhile nothing would be received.
 void send();
 // Sends everything, and waits for it. Only while all valves are closed.
 void send_all();

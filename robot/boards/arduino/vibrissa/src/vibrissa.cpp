@@ -23,19 +23,40 @@ static uint8_t turn, to_tell = NOTHING_TO_TELL;
 
 static char line_in[LINE_MOST];
 static uint8_t line_length;
-static bool line_too_long, line_complete;
+static bool line_too_long, configure_waits;
 
-// Lines for richer drivers may be longer: they are not read.
+// Orders are obeyed as soon as they are complete, because the serial buffer has 64 bytes: at 250000 baud they come in
+// 2.6 ms, and a turn of the loop takes longer. The lines `configure` wait for the loop, as their answers need room.
+static void take_line() {
+    Part type = field(line_in, PSTR("type"));
+    if (!type.begin || !is_whole(line_in)) return;
+    if (is_text(type, PSTR("configure"))) configure_waits = true;
+    if (is_text(type, PSTR("configuration"))) to_tell = 0;
+    bool is_pressure = is_text(type, PSTR("set_pressure"));
+    if (configuring || (!is_pressure && !is_text(type, PSTR("valve")))) return;
+    Part array = field(line_in, PSTR("array")), whisker = field(line_in, PSTR("whisker"));
+    // A line that names no whisker means all of them only if there is one.
+    if (!whisker.begin && count_whiskers() > 1) return;
+    for (uint8_t slot = 0; slot < WHISKERS_MOST; slot++) {
+        if (settings.whiskers[slot].used && whiskers[slot].is_named(array, whisker)) {
+            whiskers[slot].obey(line_in, is_pressure);
+        }
+    }
+}
+
+// Up to the end of one line, so that pulses end in time. Lines for richer drivers may be longer: they are not read.
 static void receive() {
-    while (!line_complete && Serial.available() > 0) {
-        char byte = (char)Serial.read();
+    while (!configure_waits) {
+        int byte = Serial.read();
+        if (byte < 0) return;
         if (byte == '\n') {
             line_in[line_length] = 0;
-            line_complete = !line_too_long;
+            bool is_read = !line_too_long;
             line_length = 0;
             line_too_long = false;
+            if (is_read) return take_line();
         } else if (line_length < LINE_MOST - 1) {
-            line_in[line_length++] = byte;
+            line_in[line_length++] = (char)byte;
         } else {
             line_too_long = true;
         }
@@ -43,7 +64,7 @@ static void receive() {
 }
 
 static void tick() {
-    for (uint8_t slot = 0; slot < WHISKERS_MOST; slot++) {
+    for (uint8_t slot = 0; open_valves && slot < WHISKERS_MOST; slot++) {
         if (settings.whiskers[slot].used) whiskers[slot].end_pulse();
     }
     receive();
@@ -80,11 +101,11 @@ static void end_configuring(const char *how) {
     begin_whiskers();
 }
 
-static void take_configure(const char *line) {
+static void take_configure() {
     begin_configuring();
     // The answer needs room.
     send_all();
-    Step step = configure(line);
+    Step step = configure(line_in);
     if (step == CHANGED) put_configured(PSTR("UNSAVED"));
     if (step == SAVE && check()) {
         save();
@@ -92,17 +113,6 @@ static void take_configure(const char *line) {
     }
     if (step == DISCARD) end_configuring(PSTR("DISCARDED"));
     send_all();
-}
-
-static void take_line(const char *line) {
-    Part type = field(line, PSTR("type"));
-    if (!type.begin || !is_whole(line)) return;
-    if (is_text(type, PSTR("configure"))) return take_configure(line);
-    if (is_text(type, PSTR("configuration"))) to_tell = 0;
-    if (configuring) return;
-    for (uint8_t slot = 0; slot < WHISKERS_MOST; slot++) {
-        if (settings.whiskers[slot].used && whiskers[slot].is_mine(line)) whiskers[slot].obey(line);
-    }
 }
 
 static void put_hello() {
@@ -137,9 +147,9 @@ static void regulate_next() {
 void loop() {
     wdt_reset();
     tick();
-    if (line_complete) {
-        take_line(line_in);
-        line_complete = false;
+    if (configure_waits) {
+        take_configure();
+        configure_waits = false;
     }
     if (to_tell != NOTHING_TO_TELL && !tell(to_tell, record)) to_tell = NOTHING_TO_TELL;
     send();
@@ -147,13 +157,26 @@ void loop() {
         if (millis() - configured_ms >= CONFIGURE_MS) end_configuring(PSTR("DISCARDED"));
         return;
     }
+    // A line takes up to 5 ms: there is one in a turn.
+    bool has_put = false;
     for (uint8_t slot = 0; slot < WHISKERS_MOST; slot++) {
         if (!settings.whiskers[slot].used) continue;
         regulate_next();
         tick();
         whiskers[slot].watch();
-        whiskers[slot].sample(tick);
+        has_put |= whiskers[slot].sample(tick, !has_put);
+        tick();
         whiskers[slot].report();
+        tick();
+        send();
+        tick();
+        // An HX711 is asked more often: a reading that begins as the next conversion ends would be spoilt.
+        for (uint8_t other = 0; other < WHISKERS_MOST; other++) {
+            const WhiskerSettings &set = settings.whiskers[other];
+            if (!set.used || set.sensor != HX711) continue;
+            has_put |= whiskers[other].sample(tick, !has_put);
+            tick();
+        }
     }
 }
 

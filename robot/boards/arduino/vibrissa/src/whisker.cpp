@@ -29,6 +29,7 @@ void Whisker::begin(const WhiskerSettings &settings, bool is_locked, uint8_t slo
     last_pressure_ms = last_order_ms - 40 * slot;
     bad_ms = reported_ms = last_order_ms;
     due_us = micros() + SHIFT_US * slot;
+    period_us = 1000000UL / set->rate_hz;
     Params params;
     params.max_mpa = set->limit_mpa;
     // The regulator is tried with this step and coarser ones.
@@ -49,7 +50,10 @@ void Whisker::release() {
     pinMode(set->vent_pin, INPUT);
 }
 
+uint8_t open_valves;
+
 void Whisker::close_valves() {
+    if (open_pin != NO_PIN) open_valves--;
     digitalWrite(set->fill_pin, LOW);
     digitalWrite(set->vent_pin, LOW);
     open_pin = NO_PIN;
@@ -62,13 +66,11 @@ void Whisker::open_valve(uint8_t pin, uint32_t us) {
     pulse_us = us < PULSE_MOST_US ? us : PULSE_MOST_US;
     pulse_begin_us = micros();
     open_pin = pin;
+    open_valves++;
     digitalWrite(pin, HIGH);
 }
 
-bool Whisker::is_mine(const char *line) const {
-    Part array = field(line, PSTR("array")), whisker = field(line, PSTR("whisker"));
-    // A line that names no whisker means all of them only if there is one.
-    if (!whisker.begin && count_whiskers() > 1) return false;
+bool Whisker::is_named(Part array, Part whisker) const {
     return (!array.begin || is_text_of(array, set->array)) && (!whisker.begin || whole(whisker, 65535) == set->whisker);
 }
 
@@ -79,17 +81,16 @@ void Whisker::heard() {
     silent = false;
 }
 
-void Whisker::obey(const char *line) {
-    Part type = field(line, PSTR("type"));
+void Whisker::obey(const char *line, bool is_pressure) {
     if (locked) return;
-    if (is_text(type, PSTR("set_pressure"))) {
+    if (is_pressure) {
         float mpa = number(field(line, PSTR("pressure_mpa"))), slew = number(field(line, PSTR("slew_mpa_per_s")));
         // The comparison is false for a value that is not a number.
         if (!(mpa >= 0.0f && mpa <= set->limit_mpa)) return;
         heard();
         by_hand = false;
         regulator.set_target(mpa, slew > 0.0f ? slew : 0.0f);
-    } else if (is_text(type, PSTR("valve"))) {
+    } else {
         float ms = number(field(line, PSTR("for_ms")));
         if (!(ms >= 0.0f && ms <= 1000.0f)) return;
         Part open = field(line, PSTR("open"));
@@ -166,9 +167,9 @@ void Whisker::report() {
              "\"do\":\"configure the board: the valves stay closed until then\"}\n"));
 }
 
-void Whisker::sample(void (*tick)()) {
-    if (locked || (set->sensor == NO_SENSOR && !has_slide())) return;
-    uint32_t now_us = micros(), period_us = 1000000UL / set->rate_hz;
+bool Whisker::sample(void (*tick)(), bool may_put) {
+    if (locked || (set->sensor == NO_SENSOR && !has_slide())) return false;
+    uint32_t now_us = micros();
     bool due = (int32_t)(now_us - due_us) >= 0;
     if (due) {
         // The grid of the samples is kept, unless the board was away for longer.
@@ -197,24 +198,26 @@ void Whisker::sample(void (*tick)()) {
     }
     if (count && (count >= SAMPLES || now_us - first_us >= LINE_US)) {
         uint16_t size = 130 + count * (has_slide() ? 20 : 12);
-        if (out_room() >= size) {
-            put_samples(tick);
-            count = 0;
-            put_gauge();
-        }
-    } else if (absent && !count) {
+        if (!may_put || out_room() < size) return false;
+        put_samples(tick);
+        count = 0;
+        tick();
         put_gauge();
+        return true;
     }
+    if (absent && !count) put_gauge();
+    return false;
 }
 
 void Whisker::put_samples(void (*tick)()) {
     bool is_gauge = set->sensor != NO_SENSOR;
+    tick();
     put_head(is_gauge ? PSTR("strain") : PSTR("motion"), first_ms);
     if (count > 1) {
         put(PSTR(",\"every_us\":"));
         // An HX711 has a clock of its own. At 10 Hz a line has two samples only if it waited for room; the interface
         // ends at 100 ms.
-        uint32_t every_us = set->sensor == HX711 ? (last_us - first_us) / (count - 1) : 1000000UL / set->rate_hz;
+        uint32_t every_us = set->sensor == HX711 ? (last_us - first_us) / (count - 1) : period_us;
         put_number(every_us < EVERY_MOST_US ? every_us : EVERY_MOST_US);
     }
     for (uint8_t list = is_gauge ? 0 : 1; list < (has_slide() ? 2 : 1); list++) {

@@ -11,6 +11,9 @@ namespace vibrissa {
 // A line of strain has about 10 samples, and a few more if it has to wait for room.
 static const uint8_t SAMPLES = 10, SAMPLES_MOST = 14;
 
+// Whiskers with an open valve.
+extern uint8_t open_valves;
+
 class Whisker {
   public:
     // Both valves are closed. With a broken configuration they stay closed, and no pin becomes an output.
@@ -21,14 +24,16 @@ class Whisker {
     void end_pulse() {
         if (open_pin != NO_PIN && micros() - pulse_begin_us >= pulse_us) close_valves();
     }
-    bool is_mine(const char *line) const;
-    // An order for this whisker.
-    __attribute__((noinline)) void obey(const char *line);
+    // Whether a line with these fields is for this whisker.
+    bool is_named(Part array, Part whisker) const;
+    // An order for this whisker: `set_pressure` or `valve`.
+    __attribute__((noinline)) void obey(const char *line, bool is_pressure);
     // Without an order for 5 s the setpoint becomes 0.
     void watch();
     __attribute__((noinline)) void regulate();
-    // Takes a sample if one is due, and sends a line if it is full. `tick` is called often meanwhile.
-    __attribute__((noinline)) void sample(void (*tick)());
+    // Takes a sample if one is due, and puts a line if it is full and `may_put`. `tick` is called often meanwhile.
+    // Returns whether it has put a line.
+    __attribute__((noinline)) bool sample(void (*tick)(), bool may_put);
     // Sends a line of pressure if one is due.
     __attribute__((noinline)) void report();
 
@@ -41,7 +46,7 @@ class Whisker {
     Regulator regulator;
 
     Gauge gauge;
-    uint32_t due_us, first_us, last_us, first_ms;
+    uint32_t period_us, due_us, first_us, last_us, first_ms;
     // Strain in units of 1e-7, way in 0.01 mm.
     int32_t strains[SAMPLES_MOST];
     int16_t ways[SAMPLES_MOST];
