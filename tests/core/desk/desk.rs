@@ -168,6 +168,11 @@ impl Desk {
         self.whiskers[at].rod_mm = self.whiskers[at].length_mm;
     }
 
+    /// Restarts the board, as a fault of its supply would.
+    pub(crate) fn restart_board(&mut self) {
+        self.board.at(self.board_ms(), "!restart");
+    }
+
     /// What `vibrissa-robot monitor` shows.
     pub(crate) fn snapshot(&mut self) -> Snapshot {
         let now = self.now();

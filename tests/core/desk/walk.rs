@@ -148,6 +148,30 @@ fn a_whisker_of_an_uno_is_compensated() {
 }
 
 #[test]
+fn one_of_two_whiskers_of_an_uno_is_compensated() {
+    walk(&[(1.0, 0.006), (-1.0, 0.02)], 0.45, Disturbance::None);
+}
+
+#[test]
+fn a_board_that_restarts_is_served_again() {
+    let Some(desk) = Desk::wire(&wired(&[(1.0, 0.006)]), 0.8, true) else { return };
+    let mut world = World::of(desk, params());
+    let touched = |world: &World<Desk>| world.robot.contacts.len();
+    until(&mut world, 40.0, "touches", |world| touched(world) > 20);
+    let before = touched(&world);
+    world.robot.restart_board();
+    let again_s = until(&mut world, 30.0, "touches after a restart", |world| touched(world) > before + 10);
+    println!("a board that restarts: 11 touches after {again_s:.0} s");
+    let after = &world.robot.contacts[before..];
+    assert!(after.iter().all(|one| one.tip && one.strain > 0.0 && !one.saturated), "{after:?}");
+    let off = per_mm(&of(after, 0)[5..]) / world.robot.per_mm(0, WHOLE_MM, NOMINAL_MPA) - 1.0;
+    assert!(off.abs() < 0.1, "strains are off by {off}");
+    // Its chamber is filled, and the agent has not given it up.
+    let mpa = world.robot.pressures_mpa[0];
+    assert!((mpa - NOMINAL_MPA).abs() < TOLERANCE_MPA && world.robot.restarts == 0, "{mpa} MPa");
+}
+
+#[test]
 fn a_clock_that_is_set_does_no_harm() {
     walk(&[(-1.0, 0.02)], 0.6, Disturbance::ClockSet(3_600));
 }

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use crate::whiskers::{SIX, sorted};
 use crate::{Lines, compiled, configure, of, run, save};
 
-/// Bursts, and the time between two of them, in ms: a board sends its lines every 100 ms, and so each burst meets another
-/// part of its work.
+/// Bursts, and the time between two of them, in ms: a board sends its lines every 100 ms, and so each burst meets
+/// another part of its work.
 const BURSTS: u32 = 60;
 const EVERY_MS: u32 = 127;
 
