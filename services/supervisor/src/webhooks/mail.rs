@@ -58,7 +58,9 @@ pub fn sender(text: &str) -> Result<Mailbox, String> {
 /// It is not `mailto:` and one address.
 pub(super) fn checked_address(url: &str) -> Result<String, String> {
     let address: Option<Address> = url.get(MAIL.len()..).and_then(|text| text.parse().ok());
-    address.map(|address| format!("{MAIL}{address}")).ok_or_else(|| {
+    // The library allows any character in a domain, such as the question mark before a subject.
+    let is_host = |host: &str| host.chars().all(|one| one.is_alphanumeric() || "-.[]:".contains(one));
+    address.filter(|address| is_host(address.domain())).map(|address| format!("{MAIL}{address}")).ok_or_else(|| {
         "must have one address after mailto:, without a subject or other fields: write mailto:NAME@HOST".to_owned()
     })
 }
