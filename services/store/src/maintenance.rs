@@ -140,7 +140,7 @@ pub(crate) fn is_muted(windows: &[MaintenanceRow], event: &StoredEvent, is_mail:
     is_of_alarm && windows.iter().any(concerns)
 }
 
-/// All windows.
+/// Every window in the database, single ones and series.
 pub(crate) async fn windows(tx: &mut Tx<'_>) -> sqlx::Result<Vec<MaintenanceRow>> {
     on!(tx, |tx| sqlx::query_as(SELECT).fetch_all(&mut **tx).await)
 }

@@ -29,7 +29,7 @@ async fn raise(raw: &mut Raw) {
     assert_eq!(raw.run(&alarm).await + raw.run(&event).await, 2);
 }
 
-/// What the receiver got: trims, and alarms about the leak.
+/// Types of the received events: trims, and alarms about the leak.
 fn got(receiver: &Receiver) -> Vec<String> {
     let events = receiver.requests().into_iter().map(|request| request.json());
     let events = events.filter(|event| event["type"] == "TRIM" || event["data"]["alarm"]["kind"] == "LEAK");
