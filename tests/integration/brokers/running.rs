@@ -4,8 +4,6 @@ use std::path::{Path, PathBuf};
 
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
 use tempfile::TempDir;
-use vibrissa_core::mechanics::Formulation;
-use vibrissa_core::robot::Params;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::{Authorities, Broker, Fleet, Scenario};
 use vibrissa_store::DatabaseAddress;
@@ -57,7 +55,7 @@ impl Running {
             http: "127.0.0.1:0".parse().unwrap(),
             webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
             traces: None,
-            params: Params::nguyen_2021(Formulation::Published),
+            params: vibrissa_tests::robot::params(),
         })
         .await
         .unwrap();

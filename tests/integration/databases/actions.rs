@@ -2,8 +2,6 @@
 
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Row};
-use vibrissa_core::mechanics::Formulation;
-use vibrissa_core::robot::Params;
 use vibrissa_protocol::ArrayType;
 use vibrissa_store::actions::{Asked, NewAction};
 use vibrissa_supervisor::mqtt::BrokerAddress;
@@ -38,7 +36,7 @@ pub(crate) async fn supervisor(name: &str, database_port: u16, broker: &Mosquitt
         http: ([127, 0, 0, 1], 0).into(),
         webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,
-        params: Params::nguyen_2021(Formulation::Published),
+        params: vibrissa_tests::robot::params(),
     })
     .await
     .unwrap()

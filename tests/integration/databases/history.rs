@@ -4,8 +4,6 @@
 use std::collections::BTreeMap;
 
 use sqlx::ConnectOptions;
-use vibrissa_core::mechanics::Formulation;
-use vibrissa_core::robot::Params;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{ArrayType, SetpointOutcome};
 use vibrissa_store::DatabaseAddress;
@@ -240,7 +238,7 @@ async fn brute_force_minutes_and_hours_outlive_a_kill_on_postgres() {
 const LEARNED: usize = 60;
 
 async fn supervise(database: &DatabaseAddress, broker: &Mosquitto, keep: ContactRetention) -> Service {
-    let mut params = Params::nguyen_2021(Formulation::Published);
+    let mut params = vibrissa_tests::robot::params();
     params.detection.cold_start_contacts = LEARNED as u32;
     Service::start(ServiceOptions {
         kafka: vibrissa_supervisor::service::KafkaOptions::default(),

@@ -4,8 +4,6 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use sqlx::{ConnectOptions, Row};
-use vibrissa_core::mechanics::Formulation;
-use vibrissa_core::robot::Params;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{ArrayType, Setpoint, SetpointError, SetpointOutcome, SetpointReason};
 use vibrissa_store::DatabaseAddress;
@@ -32,7 +30,7 @@ async fn supervise(database: &DatabaseAddress, broker: &Mosquitto) -> Service {
 
 /// Options of a supervisor of fleet `f`.
 pub(crate) fn options(database: &DatabaseAddress, broker: &Mosquitto) -> ServiceOptions {
-    let mut params = Params::nguyen_2021(Formulation::Published);
+    let mut params = vibrissa_tests::robot::params();
     params.detection.cold_start_contacts = LEARNED as u32;
     params.command.resend_after = Micros::from_s(0.3);
     ServiceOptions {

@@ -7,8 +7,6 @@ use nix::sys::signal::Signal;
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Row};
 use tempfile::TempDir;
-use vibrissa_core::mechanics::Formulation;
-use vibrissa_core::robot::Params;
 use vibrissa_protocol::{Message, Name};
 use vibrissa_simulator::{Broker, Fleet, Scenario};
 use vibrissa_store::DatabaseAddress;
@@ -402,7 +400,7 @@ async fn one_supervisor_with_a_file_has_several_fleets() {
         http: ([127, 0, 0, 1], 0).into(),
         webhooks: vibrissa_supervisor::webhooks::WebhookOptions::default(),
         traces: None,
-        params: Params::nguyen_2021(Formulation::Published),
+        params: vibrissa_tests::robot::params(),
     })
     .await
     .unwrap();

@@ -4,8 +4,6 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 use tempfile::TempDir;
-use vibrissa_core::mechanics::Formulation;
-use vibrissa_core::robot::Params;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 use vibrissa_simulator::clock::now_us;
@@ -57,7 +55,7 @@ impl Running {
 
     /// Starts it on the database in this folder.
     pub(crate) async fn on(folder: TempDir, ports: &[u16]) -> Self {
-        let mut params = Params::nguyen_2021(Formulation::Published);
+        let mut params = vibrissa_tests::robot::params();
         params.detection.cold_start_contacts = LEARNED as u32;
         params.command.resend_after = Micros::from_s(0.3);
         let credentials = Credentials { username: ALL.to_owned(), password: Secret::new(PASSWORD) };

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 use tempfile::TempDir;
-use vibrissa_core::mechanics::Formulation;
 use vibrissa_core::robot::Params;
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
@@ -31,7 +30,7 @@ pub(crate) struct Running {
 
 /// Parameters with short times.
 pub(crate) fn quick() -> Params {
-    let mut params = Params::nguyen_2021(Formulation::Published);
+    let mut params = vibrissa_tests::robot::params();
     params.detection.cold_start_contacts = LEARNED as u32;
     params.command.resend_after = Micros::from_s(0.3);
     params

@@ -8,8 +8,6 @@ use sqlx::postgres::PgConnection;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{AssertSqlSafe, ConnectOptions};
 use tempfile::TempDir;
-use vibrissa_core::mechanics::Formulation;
-use vibrissa_core::robot::Params;
 use vibrissa_protocol::{ArrayType, Name};
 use vibrissa_store::DatabaseAddress;
 use vibrissa_supervisor::http::access::AccessOptions;
@@ -120,7 +118,7 @@ impl Stage {
     /// Starts a supervisor of fleet `f` with these webhooks.
     pub(crate) async fn delivering(&self, name: &str, webhooks: WebhookOptions) -> Service {
         let fleet = Name::new("f").unwrap();
-        let mut params = Params::nguyen_2021(Formulation::Published);
+        let mut params = vibrissa_tests::robot::params();
         params.detection.cold_start_contacts = LEARNED;
         let service = Service::start(ServiceOptions {
             kafka: vibrissa_supervisor::service::KafkaOptions::default(),
