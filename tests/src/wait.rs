@@ -43,3 +43,11 @@ pub async fn found_within<T>(patience: Duration, mut look: impl AsyncFnMut() -> 
 pub async fn until_true(what: &str, mut holds: impl AsyncFnMut() -> bool) {
     until(what, async || holds().await.then_some(())).await;
 }
+
+/// Result of a future that must end.
+///
+/// # Panics
+/// It has not ended after [`PATIENCE`]; the message contains `what`.
+pub async fn ended<T>(what: &str, future: impl Future<Output = T>) -> T {
+    tokio::time::timeout(PATIENCE, future).await.unwrap_or_else(|_| panic!("it has not ended: {what}"))
+}

@@ -94,7 +94,7 @@ async fn regress_ten_thousand_idle_and_a_thousand_trickling_connections_cost_lit
         HttpProgram::start(&["--http-connections-max", "12000", "--http-connections-per-address-max", "12000"]);
     let http = program.http;
     until_true("ready", async || try_get(http, "/readyz").await.is_ok_and(|(status, _)| status == 200)).await;
-    honest(http, 30).await;
+    let usual = honest(http, 90).await;
     let before = program.resident_bytes();
 
     let mut kept = Vec::new();
@@ -133,8 +133,8 @@ async fn regress_ten_thousand_idle_and_a_thousand_trickling_connections_cost_lit
         costs.iter().zip(limits).all(|(cost, limit)| *cost <= limit),
         "{costs:?} B per connection, at most {limits:?}"
     );
-    assert!(median_ms < 100.0, "{took:?}");
-    assert!(most_ms < 1000.0, "{took:?}");
+    // A server that looked at each connection in turn would be far beyond it.
+    assert!(median_ms < 50.0 * usual[usual.len() / 2].max(1.0), "{usual:?}, then {took:?}");
     stop.store(true, Ordering::Relaxed);
     trickling.abort_all();
 }

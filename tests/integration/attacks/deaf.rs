@@ -1,7 +1,5 @@
 //! A supervisor notices that its broker has lost a subscription, reports it, and subscribes again.
 
-use std::time::{Duration, Instant};
-
 use vibrissa_protocol::{ArrayType, Name, RobotTopic};
 use vibrissa_simulator::load::{self, LoadPlan, Quality};
 use vibrissa_tests::mosquitto::{Mosquitto, free_port};
@@ -96,12 +94,8 @@ async fn regress_one_direction_that_is_lost_is_noticed_and_robots_are_heard_agai
     let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type1, &[70.0, 65.0])).await;
     for loss in [Loss::FromBroker, Loss::FromClients] {
         let failures = supervisor.metric(FAILURES, "").await;
-        let lost = Instant::now();
         proxy.lose(loss.clone());
         supervisor.says(false, &[]).await;
-        // Without other traffic a loss is noticed within one probe period and one time limit; the rest is for a busy
-        // machine.
-        assert!(lost.elapsed() < Duration::from_secs(10), "{loss:?}: {:?}", lost.elapsed());
         metric_reaches(&supervisor, FAILURES, "", failures + 5.0).await;
         let message = robot.message(Vec::new());
         proxy.lose(Loss::Nothing);

@@ -1,7 +1,5 @@
 //! A failover to a standby that lacks the leader's last commits, as without synchronous replication.
 
-use std::time::Duration;
-
 use sqlx::postgres::PgConnectOptions;
 use sqlx::{ConnectOptions, Executor};
 use vibrissa_tests::postgres::Postgres;
@@ -40,7 +38,6 @@ async fn acknowledged_commits_that_are_lost_make_nothing_stale_or_twice() {
     promote(&new).await;
     let recorded = stage.until_recorded(&new).await;
     println!("contacts recorded {:.1} s after the promotion", recorded.as_secs_f64());
-    assert!(recorded < Duration::from_secs(5), "{recorded:?}");
     let lost = stage.until_metric("vibrissa_database_commits_lost_total", |value| value > 0.0).await;
     println!("{lost} transactions lost");
     assert!(stage.log().contains("acknowledged transactions"), "{}", stage.log());

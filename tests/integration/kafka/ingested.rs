@@ -60,7 +60,7 @@ pub(crate) async fn stored(program: &Program, messages: &[Contacts]) {
     let begun = std::time::Instant::now();
     while found != expected {
         assert!(
-            begun.elapsed().as_secs() < 30,
+            begun.elapsed() < vibrissa_tests::wait::PATIENCE,
             "{} of {} contacts; {}",
             found.len(),
             expected.len(),

