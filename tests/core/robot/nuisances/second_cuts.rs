@@ -111,6 +111,30 @@ fn property_a_cut_as_large_as_an_earlier_loss_is_called_or_put_in_doubt_with_an_
     assert!(late <= 2, "{late} of 120 after 30 contacts");
 }
 
+/// A shift of the whole array explains nothing of the doubt about one whisker's length.
+#[test]
+fn regress_a_shift_of_the_array_ends_no_doubt_about_a_length() {
+    let mut doubted = 0;
+    for (shift, seed) in [0.93, 1.07].into_iter().flat_map(|shift| (0..20).map(move |seed| (shift, seed))) {
+        let mut rig = Rig::new(3400 + seed, 6);
+        rig.run(600);
+        rig.whiskers[0].gain *= 0.9;
+        rig.run(600);
+        rig.whiskers[0].length_mm -= 4.0;
+        rig.run(60);
+        if rig.view(0).condition != Condition::Suspected {
+            continue;
+        }
+        rig.whiskers.iter_mut().for_each(|one| one.gain *= shift);
+        rig.run(400);
+        doubted += 1;
+        let view = rig.view(0);
+        let is_believed = view.condition == Condition::Healthy && !is_within(&view.length, 66.0);
+        assert!(!is_believed, "{shift}, seed {seed}: {:?}, {:?}", view.length, rig.verdicts());
+    }
+    assert!(doubted >= 20, "{doubted}");
+}
+
 #[test]
 fn property_a_touch_test_tells_a_cut_from_the_end_of_a_loss() {
     for (gain, cut_mm) in [(0.92, 3.0), (0.85, 5.0)] {

@@ -180,9 +180,7 @@ impl Robot {
                 None => whisker.take_out(log_shift),
             }
             self.shift_measured(member, log_shift);
-            if self.whiskers[member].condition == Condition::Suspected {
-                self.set_condition(member, Condition::Healthy, effects);
-            }
+            self.end_suspicion(member, effects);
         }
         self.whiskers[index].shift_told = true;
     }

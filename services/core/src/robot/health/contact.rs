@@ -96,11 +96,7 @@ impl Robot {
             }
             Verdict::Dismissed | Verdict::Wandered => {
                 self.whiskers[index].cannot_deny();
-                let whisker = &self.whiskers[index];
-                let keeps = whisker.keeps_suspicion() || self.awaits_confirmation(index);
-                if whisker.condition == Condition::Suspected && !keeps {
-                    self.set_condition(index, Condition::Healthy, effects);
-                }
+                self.end_suspicion(index, effects);
             }
             Verdict::Changed(change) => {
                 self.changed(params, index, &change, effects);
@@ -112,14 +108,21 @@ impl Robot {
         self.settle_trim(params, index, effects);
     }
 
+    /// Ends a suspicion that something else explains, unless another doubt keeps it.
+    pub(super) fn end_suspicion(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let whisker = &self.whiskers[index];
+        let keeps = whisker.keeps_suspicion() || self.awaits_confirmation(index);
+        if whisker.condition == Condition::Suspected && !keeps {
+            self.set_condition(index, Condition::Healthy, effects);
+        }
+    }
+
     fn changed(&mut self, params: &Params, index: WhiskerIndex, change: &Change, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
         if change.kind != HypothesisKind::Drifting
             && whisker.model(params).is_some_and(|model| whisker.is_rest_of_shift(model, change))
         {
-            if whisker.condition == Condition::Suspected {
-                self.set_condition(index, Condition::Healthy, effects);
-            }
+            self.end_suspicion(index, effects);
             // It could be a cut after all: an alarm is raised, though no pressure is changed.
             self.whiskers[index].shift_told = true;
             return;
@@ -166,9 +169,7 @@ impl Robot {
                 whisker.jump(change);
                 whisker.drifting = true;
                 whisker.drift_told = true;
-                if whisker.condition == Condition::Suspected {
-                    self.set_condition(index, Condition::Healthy, effects);
-                }
+                self.end_suspicion(index, effects);
             }
         }
     }
