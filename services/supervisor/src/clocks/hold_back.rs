@@ -32,6 +32,14 @@ impl Default for Held {
     }
 }
 
+impl Held {
+    fn old_by_us(&self, at: Instant, now_us: i64) -> i64 {
+        let hearing = if self.is_confirmed { HEARING } else { ALONE };
+        let is_over = at.saturating_duration_since(self.since) >= hearing;
+        if is_over { now_us.saturating_sub(self.behind_us) } else { 0 }
+    }
+}
+
 impl HoldBack {
     fn held(&self) -> MutexGuard<'_, Held> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
@@ -39,9 +47,7 @@ impl HoldBack {
 
     /// The time by which rows are old if this supervisor's time is `now_us`. At 1970 nothing is.
     pub(crate) fn old_by_us(&self, now_us: i64) -> i64 {
-        let held = self.held();
-        let hearing = if held.is_confirmed { HEARING } else { ALONE };
-        if held.since.elapsed() < hearing { 0 } else { now_us.saturating_sub(held.behind_us) }
+        self.held().old_by_us(Instant::now(), now_us)
     }
 
     /// Takes the readings of all clocks in, and how far the robots are ahead, however few they are.
@@ -62,27 +68,31 @@ impl HoldBack {
 
 #[cfg(test)]
 mod tests {
-    use tokio::time::advance;
-
     use super::*;
 
     const HOUR_US: i64 = 3_600_000_000;
     const NOW_US: i64 = 1_795_248_000_000_000;
+    const SECOND: Duration = Duration::from_secs(1);
 
-    #[tokio::test(start_paused = true)]
-    async fn old_rows_are_deleted_by_the_clock_that_is_furthest_behind() {
-        let hold_back = HoldBack::default();
-        advance(ALONE).await;
-        assert_eq!(hold_back.old_by_us(NOW_US), NOW_US);
-        let readings = Readings { database: Some(-5), robots: Some(7), host: -HOUR_US, ..Readings::default() };
-        hold_back.set(&readings, None);
-        assert_eq!(hold_back.old_by_us(NOW_US), NOW_US - HOUR_US);
-        hold_back.set(&Readings { database: Some(5), ..Readings::default() }, None);
-        assert_eq!(hold_back.old_by_us(NOW_US), NOW_US);
+    /// The time by which rows are old, so long after the begin.
+    fn old_after(hold_back: &HoldBack, time: Duration) -> i64 {
+        let held = hold_back.held();
+        held.old_by_us(held.since + time, NOW_US)
     }
 
-    #[tokio::test(start_paused = true)]
-    async fn regress_nothing_is_deleted_by_a_clock_before_the_others_are_heard() {
+    #[test]
+    fn old_rows_are_deleted_by_the_clock_that_is_furthest_behind() {
+        let hold_back = HoldBack::default();
+        assert_eq!(old_after(&hold_back, ALONE), NOW_US);
+        let readings = Readings { database: Some(-5), robots: Some(7), host: -HOUR_US, ..Readings::default() };
+        hold_back.set(&readings, None);
+        assert_eq!(old_after(&hold_back, ALONE), NOW_US - HOUR_US);
+        hold_back.set(&Readings { database: Some(5), ..Readings::default() }, None);
+        assert_eq!(old_after(&hold_back, ALONE), NOW_US);
+    }
+
+    #[test]
+    fn regress_nothing_is_deleted_by_a_clock_before_the_others_are_heard() {
         let alone = Readings::default();
         let shared = Readings { database: Some(3), ..Readings::default() };
         let year_us = 365 * 24 * HOUR_US;
@@ -97,14 +107,12 @@ mod tests {
             (&alone, Some(year_us), ALONE),
         ] {
             let hold_back = HoldBack::default();
-            for _ in 0..2 {
-                hold_back.set(readings, robots_us);
-                advance(hearing - Duration::from_secs(1)).await;
-                assert_eq!(hold_back.old_by_us(NOW_US), 0, "{readings:?} {robots_us:?}");
-                advance(Duration::from_secs(1)).await;
-                assert_eq!(hold_back.old_by_us(NOW_US), NOW_US, "{readings:?} {robots_us:?}");
-                hold_back.begin_again();
-            }
+            assert_eq!(hold_back.old_by_us(NOW_US), 0, "nothing is read yet");
+            hold_back.set(readings, robots_us);
+            assert_eq!(old_after(&hold_back, hearing - SECOND), 0, "{readings:?} {robots_us:?}");
+            assert_eq!(old_after(&hold_back, hearing), NOW_US, "{readings:?} {robots_us:?}");
+            hold_back.begin_again();
+            assert_eq!(old_after(&hold_back, ALONE - SECOND), 0, "after a step they are read again");
         }
     }
 }
