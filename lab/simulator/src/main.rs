@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use anyhow::Context;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -9,6 +10,7 @@ use tracing_subscriber::EnvFilter;
 use vibrissa_program::log_filter::log_filter;
 use vibrissa_program::options::{decimal, lenient};
 use vibrissa_program::signals::StopSignals;
+use vibrissa_protocol::plain;
 use vibrissa_simulator::board::{self, BoardPlan};
 use vibrissa_simulator::load::{self, LoadPlan};
 use vibrissa_simulator::scenario::Misbehaviour;
@@ -78,8 +80,18 @@ impl Arguments {
     }
 }
 
-fn main() -> anyhow::Result<()> {
+fn main() -> ExitCode {
     let arguments = parsed(std::env::args_os()).unwrap_or_else(|problem| problem.exit());
+    match run(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("vibrissa-simulator: {}", plain::text(&format!("{problem:#}")));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: Arguments) -> anyhow::Result<()> {
     if let Some(Command::Board(plan)) = arguments.command {
         return tokio::runtime::Builder::new_current_thread().enable_all().build()?.block_on(board::run(plan));
     }

@@ -14,6 +14,7 @@ use vibrissa_program::completions::{self, CompletionsArgs};
 use vibrissa_program::log;
 use vibrissa_program::log_filter::log_filter;
 use vibrissa_program::signals::StopSignals;
+use vibrissa_protocol::plain;
 use vibrissa_robot::{Config, calibrate, discover, exposure, hub, monitor, preflight};
 
 /// The agent of one robot with soft whiskers: keeps the MQTT contract for a driver that speaks lines of JSON.
@@ -67,7 +68,7 @@ fn main() -> ExitCode {
     match logged.and_then(|()| started(&config, check, command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {
-            eprintln!("vibrissa-robot: {problem:#}");
+            eprintln!("vibrissa-robot: {}", plain::text(&format!("{problem:#}")));
             ExitCode::FAILURE
         }
     }

@@ -21,6 +21,12 @@ const TIMEOUT: Duration = Duration::from_secs(3);
 /// Pause before the next attempt to reach the agent.
 const PAUSE: Duration = Duration::from_millis(500);
 
+/// An error of the operating system, without its number.
+fn without_number(problem: &io::Error) -> String {
+    let text = problem.to_string();
+    text.split_once(" (os error ").map_or_else(|| text.clone(), |(words, _)| words.to_owned())
+}
+
 /// Where the agent is.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum AgentAddress {
@@ -124,7 +130,7 @@ impl AgentLink {
                         return;
                     }
                     Ok(_) => "the agent has closed the connection".to_owned(),
-                    Err(problem) => problem.to_string(),
+                    Err(problem) => without_number(&problem),
                 };
                 *writer.lock().unwrap_or_else(PoisonError::into_inner) = None;
                 if problem != logged {

@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 use std::fmt;
-use std::io::{IsTerminal, stderr};
+use std::io::{self, IsTerminal, Write, stderr};
 use std::sync::{Mutex, PoisonError};
 
 use tokio::time::Instant;
@@ -26,8 +26,34 @@ const PER_S: f64 = 5.0;
 /// The process has a log already.
 pub fn start(filter: EnvFilter) -> Result<(), TryInitError> {
     let has_colours = stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|asked| asked.is_empty());
-    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(stderr).with_ansi(has_colours);
+    let log = tracing_subscriber::fmt().with_env_filter(filter).with_ansi(has_colours);
+    let log = log.with_writer(|| WithoutNumbers(stderr()));
     log.map_event_format(Limited::new).finish().try_init()
+}
+
+/// Writes lines without the numbers of the operating system, such as ` (os error 2)`: the words before it say the same.
+struct WithoutNumbers<W>(W);
+
+impl<W: Write> Write for WithoutNumbers<W> {
+    fn write(&mut self, line: &[u8]) -> io::Result<usize> {
+        const BEFORE: &str = " (os error ";
+        let text = String::from_utf8_lossy(line);
+        let mut parts = text.split(BEFORE);
+        let mut plain = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            let rest = part.split_once(')').filter(|(number, _)| number.bytes().all(|one| one.is_ascii_digit()));
+            match rest {
+                Some((_, rest)) => plain.push_str(rest),
+                None => plain.extend([BEFORE, part]),
+            }
+        }
+        self.0.write_all(plain.as_bytes())?;
+        Ok(line.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }
 
 /// What a place in the code may still log.
@@ -94,7 +120,6 @@ where
 
 #[cfg(test)]
 mod tests {
-    use std::io::{self, Write};
     use std::sync::Arc;
     use std::time::Duration;
 
@@ -146,5 +171,24 @@ mod tests {
         let count = |what: &str| text.lines().filter(|line| line.contains(what)).count();
         assert!((200..300).contains(&count("the same fault")), "{}", count("the same fault"));
         assert_eq!((count("another fault"), count("asked for")), (1, 1000));
+    }
+    #[test]
+    fn regress_no_line_has_a_number_of_the_operating_system() {
+        let written = Written::default();
+        let writer = written.clone();
+        let log = tracing_subscriber::fmt().with_writer(move || WithoutNumbers(writer.clone()));
+        let log = log.with_ansi(false).map_event_format(Limited::new).finish();
+        tracing::subscriber::with_default(log, || {
+            for number in [13, 111] {
+                let problem = io::Error::from_raw_os_error(number);
+                tracing::warn!(%problem, "a: {problem}; again");
+            }
+            tracing::warn!("b (os error x)");
+        });
+        let text = String::from_utf8(written.0.lock().unwrap().clone()).unwrap();
+        let ends: Vec<&str> = text.lines().filter_map(|line| line.split_once("tests: ").map(|(_, end)| end)).collect();
+        assert_eq!(ends[0], "a: Permission denied; again problem=Permission denied");
+        assert_eq!(ends[1], "a: Connection refused; again problem=Connection refused");
+        assert_eq!(ends[2..], ["b (os error x)"]);
     }
 }

@@ -100,7 +100,10 @@ fn of_sqlstate(code: &str) -> Option<&'static str> {
     Some(match code {
         "28P01" | "28000" => "password authentication failed: correct the user or database.password_file",
         "3D000" => "the database does not exist: create it, or correct database.url",
-        "3F000" | "42P01" | "42703" | "42883" => {
+        "3F000" => {
+            "no schema of the user's search_path exists: create it, or set search_path to public (ALTER ROLE ... SET search_path)"
+        }
+        "42P01" | "42703" | "42883" => {
             "a part of the tables is missing: was the database restored in part, or changed by hand?"
         }
         "42501" => "this user may not do it: grant the right, docs/postgresql.md lists them",
@@ -163,7 +166,8 @@ mod tests {
             let text = of_sqlite(code).unwrap_or_else(|| panic!("SQLite {code}"));
             assert!(text.contains(": "), "SQLite {code}: {text}");
         }
-        for code in ["28P01", "3D000", "42501", "42P01", "53100", "53200", "53300", "55P03", "58030", "XX001"] {
+        for code in ["28P01", "3D000", "3F000", "42501", "42P01", "53100", "53200", "53300", "55P03", "58030", "XX001"]
+        {
             let text = of_sqlstate(code).unwrap_or_else(|| panic!("SQLSTATE {code}"));
             assert!(text.contains(": "), "SQLSTATE {code}: {text}");
         }

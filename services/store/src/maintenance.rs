@@ -8,6 +8,7 @@ use super::database::{Tx, on};
 use super::events::write::EventRow;
 use super::events::{StoredEvent, VERSION};
 use super::from_row::from_row;
+use super::set_aside::SetAside;
 use super::{Store, StoreError, events, failed};
 
 /// Most windows in the database.
@@ -15,6 +16,7 @@ pub const WINDOWS_MAX: i64 = 200;
 /// Time for which a window is kept after its end, µs: 30 days.
 const KEPT_US: i64 = 30 * 86_400_000_000;
 
+const TABLE: &str = "maintenance";
 const WHAT: &str = "change the windows of maintenance";
 
 from_row! {
@@ -86,15 +88,17 @@ pub enum Planned {
 impl MaintenanceRow {
     /// Begin and end of the window that began last before a time, or at it; `None` before the first.
     fn newest(&self, at_us: i64) -> Option<(i64, i64)> {
-        let since_us = at_us - self.begins_us;
-        if since_us < 0 {
+        if at_us < self.begins_us {
             return None;
         }
-        let repeat_us = self.repeat_us.unwrap_or(i64::MAX);
+        let since_us = at_us.saturating_sub(self.begins_us);
+        // A row of which a bit has changed may have any numbers.
+        let repeat_us = self.repeat_us.filter(|&repeat_us| repeat_us > 0).unwrap_or(i64::MAX);
         // A time behind the end of a series belongs to no later window than the last one.
-        let last_us = self.ended_us.map_or(i64::MAX, |ended_us| (ended_us - 1 - self.begins_us).max(0));
+        let last_us =
+            self.ended_us.map_or(i64::MAX, |ended_us| ended_us.saturating_sub(self.begins_us).saturating_sub(1).max(0));
         let begins_us = self.begins_us + since_us.min(last_us) / repeat_us * repeat_us;
-        let ends_us = begins_us + self.lasts_us;
+        let ends_us = begins_us.saturating_add(self.lasts_us);
         Some((begins_us, self.ended_us.map_or(ends_us, |ended_us| ends_us.min(ended_us))))
     }
 
@@ -118,7 +122,7 @@ impl MaintenanceRow {
     /// The window that has ended last before a time.
     fn ended(&self, at_us: i64) -> Option<(i64, i64)> {
         let newest = self.newest(at_us)?;
-        if newest.1 <= at_us { Some(newest) } else { self.newest(newest.0 - 1) }
+        if newest.1 <= at_us { Some(newest) } else { self.newest(newest.0.saturating_sub(1)) }
     }
 
     /// Whether a robot is in maintenance at a time.
@@ -141,8 +145,9 @@ pub(crate) fn is_muted(windows: &[MaintenanceRow], event: &StoredEvent, is_mail:
 }
 
 /// Every window in the database, single ones and series.
-pub(crate) async fn windows(tx: &mut Tx<'_>) -> sqlx::Result<Vec<MaintenanceRow>> {
-    on!(tx, |tx| sqlx::query_as(SELECT).fetch_all(&mut **tx).await)
+pub(crate) async fn windows(tx: &mut Tx<'_>, set_aside: &SetAside) -> sqlx::Result<Vec<MaintenanceRow>> {
+    let rows = on!(tx, |tx| sqlx::query_as(SELECT).fetch_all(&mut **tx).await)?;
+    Ok(set_aside.readable(TABLE, rows))
 }
 
 impl Store {
@@ -152,8 +157,9 @@ impl Store {
     /// The database cannot be read.
     pub async fn maintenance(&self) -> Result<Vec<MaintenanceRow>, StoreError> {
         let sql = format!("{SELECT} ORDER BY maintenance_id");
-        on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql)).fetch_all(pool).await)
-            .map_err(failed("list the windows of maintenance"))
+        let rows = on!(&self.pool, |pool| sqlx::query_as(AssertSqlSafe(sql)).fetch_all(pool).await)
+            .map_err(failed("list the windows of maintenance"))?;
+        Ok(self.set_aside.readable(TABLE, rows))
     }
 
     /// Sets a window at most once, and records the action in the audit log. Windows that ended 30 days ago are removed.

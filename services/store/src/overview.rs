@@ -7,6 +7,7 @@ use utoipa::ToSchema;
 
 use super::from_row::from_row;
 use super::list::{Filter, push_filters};
+use super::set_aside::Tried;
 use super::{Store, StoreError};
 
 /// Most changes of a kind that are counted.
@@ -238,12 +239,13 @@ macro_rules! rows {
             }
         }
         .map_err($crate::failed($what))
+        .map(|found| $store.set_aside.readable("an overview", found))
     };
 }
 pub(crate) use rows;
 
 /// Names the row's type for the compiler.
-pub(crate) fn all<T, R, E>(found: Result<Vec<T>, E>) -> Result<Vec<T>, E>
+pub(crate) fn all<T, R, E>(found: Result<Vec<Tried<T>>, E>) -> Result<Vec<Tried<T>>, E>
 where
     R: sqlx::Row,
     T: for<'r> FromRow<'r, R>,

@@ -7,8 +7,11 @@ use vibrissa_edge::words::Word as _;
 use super::actions::{NewAction, record_done};
 use super::database::on;
 use super::from_row::from_row;
+use super::set_aside::Tried;
 use super::time::Time;
 use super::{Store, StoreError, failed};
+
+const TABLE: &str = "api_tokens";
 
 from_row! {
     /// A token of the REST API.
@@ -111,14 +114,15 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn tokens(&self) -> Result<Vec<TokenRow>, StoreError> {
-        on!(&self.pool, |pool| sqlx::query_as(
+        let rows = on!(&self.pool, |pool| sqlx::query_as(
             "SELECT token_id, name, role, fleets, secret_hash, created_us, created_by, expires_us, revoked_us \
              FROM api_tokens ORDER BY created_us DESC, token_id LIMIT $1",
         )
         .bind(TOKENS_MAX)
         .fetch_all(pool)
         .await)
-        .map_err(failed("list the tokens"))
+        .map_err(failed("list the tokens"))?;
+        Ok(self.set_aside.readable(TABLE, rows))
     }
 
     /// Hashes by which all valid credentials are known: of the secrets of tokens, and of the identifiers of sessions.
@@ -126,7 +130,7 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub async fn credential_hashes(&self, now_us: i64, hashes_max: u32) -> Result<Vec<[u8; 32]>, StoreError> {
-        let hashes: Vec<Vec<u8>> = on!(&self.pool, |pool| sqlx::query_scalar(
+        let hashes: Vec<Tried<(Vec<u8>,)>> = on!(&self.pool, |pool| sqlx::query_as(
             "SELECT secret_hash FROM api_tokens WHERE revoked_us IS NULL AND expires_us > $1 \
              UNION ALL SELECT session_id FROM console_sessions WHERE expires_us > $1 LIMIT $2",
         )
@@ -135,7 +139,8 @@ impl Store {
         .fetch_all(pool)
         .await)
         .map_err(failed("read the hashes of credentials"))?;
-        Ok(hashes.into_iter().filter_map(|hash| hash.try_into().ok()).collect())
+        let hashes = self.set_aside.readable(TABLE, hashes);
+        Ok(hashes.into_iter().filter_map(|(hash,)| hash.try_into().ok()).collect())
     }
 
     /// Revokes a token, and records it in the audit log. Returns false if there is no such token or it was revoked

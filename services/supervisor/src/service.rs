@@ -18,6 +18,7 @@ use crate::archive::Archive;
 pub use crate::archive_options::ArchiveOptions;
 pub use crate::black_box::BlackBoxOptions;
 use crate::broker::{Broker, MqttAccess};
+use crate::clocks::HoldBack;
 use crate::engine::{ContactRetention, Limits};
 use crate::http::access::{Access, AccessOptions};
 use crate::http::{App, FurtherRoutes, HttpOptions, Serving};
@@ -205,7 +206,8 @@ impl Service {
         let (readiness, action_notifier) = (supervision.readiness.clone(), supervision.action_notifier.clone());
         let supervisor = supervision.supervisor.clone();
         let delivery = (options.webhooks.sender(), options.webhooks.pace);
-        let webhooks = Webhooks::new(delivery, store.clone(), metrics.clone(), supervisor);
+        let webhooks = Webhooks::new(delivery, store.clone(), metrics.clone(), supervisor)
+            .holding_back(supervision.hold_back.clone());
         let app = App::new(
             store.clone(),
             metrics.clone(),
@@ -223,7 +225,7 @@ impl Service {
             crate::http::serve(&options.http, app, stopped.clone()).await?;
         let (retention, hold_back) = (options.history.retention, supervision.hold_back.clone());
         let tasks = &mut supervision.database_tasks;
-        task::spawn_in(tasks, forget_events(store.clone(), stopped.clone()));
+        task::spawn_in(tasks, forget_events(store.clone(), hold_back.clone(), stopped.clone()));
         let upkeep = upkeep::run(store.clone(), (retention, hold_back), archived, metrics.clone(), stopped.clone());
         task::spawn_in(tasks, upkeep);
         task::spawn_in(tasks, replication::watch(store.clone(), metrics.clone(), stopped.clone()));
@@ -288,9 +290,10 @@ fn declare_metrics(options: &ServiceOptions) -> anyhow::Result<Metrics> {
 const EVENTS_FORGOTTEN_EVERY: Duration = Duration::from_secs(600);
 
 /// Removes old events, until the service stops.
-async fn forget_events(store: Store, mut stop: watch::Receiver<bool>) {
+async fn forget_events(store: Store, hold_back: HoldBack, mut stop: watch::Receiver<bool>) {
     while timeout(EVENTS_FORGOTTEN_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
-        if let Err(problem) = store.with_leader(store.forget_events(wall_clock().0 as i64)).await {
+        let old_by_us = hold_back.old_by_us(wall_clock().0 as i64);
+        if let Err(problem) = store.with_leader(store.forget_events(old_by_us)).await {
             warn!(%problem, "cannot remove old events, retrying later");
         }
     }

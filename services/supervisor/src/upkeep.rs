@@ -28,8 +28,8 @@ pub(crate) async fn run(
     mut stop: watch::Receiver<bool>,
 ) {
     loop {
-        let pause = match store.with_leader(look_after(&store, (retention, hold_back.us()), &archived, &metrics)).await
-        {
+        let round = look_after(&store, (retention, &hold_back), &archived, &metrics);
+        let pause = match store.with_leader(round).await {
             Ok(true) => PAUSE,
             Ok(false) => {
                 metrics.upkeep_timestamp_seconds.set(wall_clock().as_s());
@@ -49,7 +49,7 @@ pub(crate) async fn run(
 
 async fn look_after(
     store: &Store,
-    (retention, hold_back_us): (Retention, i64),
+    (retention, hold_back): (Retention, &HoldBack),
     archived: &[Name],
     metrics: &Metrics,
 ) -> Result<bool, StoreError> {
@@ -57,7 +57,7 @@ async fn look_after(
     store.begin_archives(archived, now_us).await?;
     let mut note = |done| note_done(&done, metrics);
     store.make_partitions(now_us, &mut note).await?;
-    let old_by_us = now_us - hold_back_us;
+    let old_by_us = hold_back.old_by_us(now_us);
     let is_more = store.look_after(retention, old_by_us, &mut note).await?;
     Ok(store.forget_announced(old_by_us, &mut note).await? || is_more)
 }

@@ -8,6 +8,8 @@ use crate::supervised::Supervised;
 
 const HOUR_US: i64 = 3_600_000_000;
 const BEHIND_US: i64 = -120_000_000;
+/// Longer than contacts, minutes and records are kept.
+const YEARS_US: i64 = 3 * 365 * 24 * HOUR_US;
 
 /// Sends contacts and statuses with the true time. Returns the number of contacts.
 async fn talk(robot: &mut HandRobot) -> i64 {
@@ -62,4 +64,34 @@ async fn regress_no_step_of_the_hosts_clock_loses_a_contact_on_sqlite() {
 #[tokio::test]
 async fn regress_no_step_of_the_hosts_clock_loses_a_contact_on_postgres() {
     every_contact_is_recorded(Supervised::on_postgres().await).await;
+}
+
+/// A host starts with a clock that is years ahead, by which all rows are old.
+async fn nothing_is_deleted_by_a_clock_that_is_years_ahead(mut supervised: Supervised) {
+    const ROWS: &str = "SELECT (SELECT count(*) FROM contacts) + (SELECT count(*) FROM contact_minutes)";
+    let mut robot = supervised.robot("r").await;
+    talk(&mut robot).await;
+    let rows = supervised.number(ROWS).await;
+    assert!(rows >= 100, "{rows} rows");
+    supervised.set_host_clock(YEARS_US);
+    supervised.begin_again();
+    until_true("upkeep of the tables", async || {
+        let metrics = supervised.answers("/metrics").await.unwrap_or_default();
+        let time = metrics.lines().find_map(|line| line.strip_prefix("vibrissa_upkeep_timestamp_seconds "));
+        time.is_some_and(|time| time.parse::<f64>().unwrap() > 0.0)
+    })
+    .await;
+    assert!(supervised.number(ROWS).await >= rows, "rows are gone");
+    assert_eq!(supervised.metric("vibrissa_old_rows_removed_total").await, 0.0);
+    assert_eq!(supervised.metric("vibrissa_partitions_dropped_total").await, 0.0);
+}
+
+#[tokio::test]
+async fn regress_a_clock_that_is_years_ahead_at_the_start_deletes_nothing_from_sqlite() {
+    nothing_is_deleted_by_a_clock_that_is_years_ahead(Supervised::on_sqlite().await).await;
+}
+
+#[tokio::test]
+async fn regress_a_clock_that_is_years_ahead_at_the_start_deletes_nothing_from_postgres() {
+    nothing_is_deleted_by_a_clock_that_is_years_ahead(Supervised::on_postgres().await).await;
 }

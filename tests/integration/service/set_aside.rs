@@ -1,5 +1,7 @@
 //! Unreadable items in the database are set aside: each reader reads the next item, and a robot with a damaged row stops no other.
 
+use std::net::SocketAddr;
+
 use serde_json::Value;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{AssertSqlSafe, ConnectOptions as _};
@@ -8,6 +10,7 @@ use vibrissa_store::events::Position;
 use vibrissa_store::{DatabaseAddress, Store};
 use vibrissa_tests::robot::{HandRobot, array};
 use vibrissa_tests::wait::until_true;
+use vibrissa_tests::web::try_get;
 
 use crate::running::{Running, database_in, quick};
 use crate::web;
@@ -23,7 +26,7 @@ async fn run(link: &mut SqliteConnection, sql: &str) {
 }
 
 /// Damages rows of each reader; the statement after each damage is the next item, which must be read.
-const PLANTED: [&str; 25] = [
+const PLANTED: [&str; 30] = [
     // Robots, whiskers, boots.
     "UPDATE robots SET robot = BAD WHERE robot = 'name'",
     "UPDATE robots SET journal_number = 'x' WHERE robot = 'number'",
@@ -70,6 +73,17 @@ const PLANTED: [&str; 25] = [
      SELECT webhook_id, 9000001, 1, 1, 'p', 1 FROM webhooks WHERE name = 'w'",
     "INSERT INTO webhook_dead_letters (webhook_id, event_id, attempts, dead_us, problem, again) \
      SELECT webhook_id, 9000002, 1, 1, 'p', 1 FROM webhooks WHERE name = 'w'",
+    // Windows of maintenance: one without a reason, one that repeats after no time, and one that holds.
+    "INSERT INTO maintenance (fleet, begins_us, lasts_us, told_us, reason, set_by, set_us) VALUES ('f', 0, 1, 1, BAD, 'a', 1)",
+    "INSERT INTO maintenance (fleet, begins_us, lasts_us, repeat_us, told_us, reason, set_by, set_us) \
+     VALUES ('f', -9000000000000000000, 9000000000000000000, 0, 9000000000000000000, 'r', 'a', 1)",
+    "INSERT INTO maintenance (fleet, begins_us, lasts_us, told_us, reason, set_by, set_us) \
+     VALUES ('g', 0, 9000000000000000, 1, 'r', 'a', 1)",
+    // Tokens: a hash that is a number, and a name that is no text.
+    "INSERT INTO api_tokens (token_id, name, role, secret_hash, created_us, created_by, expires_us) \
+     VALUES ('number', 'n', 'VIEWER', 7, 1, 'a', 9000000000000000)",
+    "INSERT INTO api_tokens (token_id, name, role, secret_hash, created_us, created_by, expires_us) \
+     VALUES ('name', BAD, 'VIEWER', zeroblob(32), 1, 'a', 9000000000000000)",
     // Events for live pages alone.
     "INSERT INTO events (recorded_us, version, kind, audience, fleet, data) VALUES (1, 2, 'ACTION', 'PROGRAMS', BAD, '{}')",
     "INSERT INTO events (recorded_us, version, kind, audience, fleet, data) VALUES (1, 2, 'POLICY', 'PROGRAMS', 'f', '{}')",
@@ -119,6 +133,7 @@ async fn regress_an_unreadable_item_stops_no_reader() {
         "of boots: column boot_id",
         "the row action_id = 1 of actions: column reason",
         "the row version = 3 of policies: column predicted_error_max",
+        "the row maintenance_id = 1 of maintenance: column reason",
         "the row calibration_id = 1 of calibrations",
         "the row rollout_id = 1 of rollouts",
         "the row version = 1 of allowed_robots",
@@ -134,7 +149,8 @@ async fn regress_an_unreadable_item_stops_no_reader() {
     }
     // A damaged policy can be replaced.
     assert_eq!(web::json(running.service.http, "/v1/fleets/f/policy").await["version"], 3);
-    // The lists show the other rows.
+    // The pages and lists show the other rows.
+    every_page_answers(running.service.http).await;
     assert_eq!(running.list("robots").await.len(), ROBOTS.len() - 1);
     assert_eq!(running.list("audit").await.len(), 1, "the texts of one action, the parameters of another are damaged");
     // What a newer program has written waits for it.
@@ -147,6 +163,26 @@ async fn regress_an_unreadable_item_stops_no_reader() {
     let kept: Vec<u8> =
         sqlx::query_scalar("SELECT state FROM robots WHERE robot = 'newer'").fetch_one(&mut link).await.unwrap();
     assert_eq!(kept, newer);
+}
+
+/// All routes that read something of the fleet, its damaged robots, or the service.
+async fn every_page_answers(http: SocketAddr) {
+    let document = web::json(http, "/openapi.json").await;
+    let mut read = 0;
+    for path in document["paths"].as_object().unwrap().iter().filter(|(_, route)| route.get("get").is_some()) {
+        let path = path.0.replace("{fleet}", "f").replace("{array}", "left").replace("{whisker}", "0");
+        for robot in ["whole", "boot", "whisker"] {
+            let path = path.replace("{robot}", robot);
+            // Others need a number, or do not end.
+            if path.contains('{') || path.ends_with("/events") || path.starts_with("/auth") {
+                break;
+            }
+            let (status, body) = try_get(http, &path).await.unwrap();
+            assert!(status < 500, "{path}: {status} {body}");
+            read += usize::from(status == 200);
+        }
+    }
+    assert!(read > 60, "{read} pages");
 }
 
 /// Webhooks and the log of events, without a supervisor that would deliver.
@@ -165,6 +201,10 @@ async fn the_database_goes_on(address: &DatabaseAddress) {
     let job = store.take_webhook_job(id, holder, hold).await.unwrap().unwrap();
     assert_eq!((job.event.event_id, job.is_again), (9_000_002, false), "the event after the damaged one");
     assert_eq!(store.webhook(id).await.unwrap().unwrap().lost, 1);
+    assert_eq!(store.maintenance().await.unwrap().len(), 2);
+    store.tell_after_maintenance(2).await.unwrap();
+    assert_eq!(store.tokens().await.unwrap().len(), 0);
+    assert_eq!(store.credential_hashes(1, 9).await.unwrap(), [[0; 32]]);
     let events = store.events_after(Position::default()).await.unwrap();
     let newest: Vec<Option<&str>> =
         events.iter().rev().take(2).map(|(_, event)| event.as_ref().map(|one| one.kind.as_str())).collect();

@@ -1,9 +1,12 @@
 //! Findings of a calibration, and the file that keeps them until `agent.toml` is written.
 
 use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions};
+use std::io::Write as _;
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt, fchown};
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use serde::{Deserialize, Serialize};
 use vibrissa_protocol::text_file::read_text;
 
@@ -118,6 +121,7 @@ impl Findings {
     pub(super) fn write(&self, path: &Path) -> anyhow::Result<()> {
         let mut text = serde_json::to_string_pretty(self)?;
         text.push('\n');
+        ensure!(!path.is_symlink(), "{} is a symbolic link: move it away", path.display());
         replace(path, &text)
     }
 
@@ -130,24 +134,38 @@ impl Findings {
     }
 }
 
-/// Replaces a file as a whole: after a power cut the old or the new one is there. It keeps its mode.
+/// Replaces a file as a whole: after a power cut the old or the new one is there. It keeps its mode and its owner, and the
+/// file behind a link is the one that is replaced. No other file is touched.
 pub(super) fn replace(path: &Path, text: &str) -> anyhow::Result<()> {
-    let mut name = path.as_os_str().to_owned();
-    name.push(".new");
-    let new = PathBuf::from(name);
     let written = || -> std::io::Result<()> {
-        std::fs::write(&new, text)?;
-        if let Ok(old) = std::fs::metadata(path) {
-            std::fs::set_permissions(&new, old.permissions())?;
-        }
-        std::fs::File::open(&new)?.sync_all()?;
-        std::fs::rename(&new, path)
+        let path = if path.is_symlink() { path.canonicalize()? } else { path.to_owned() };
+        let mut name = path.as_os_str().to_owned();
+        name.push(format!(".{}.new", std::process::id()));
+        let new = PathBuf::from(name);
+        let mut file = OpenOptions::new().write(true).create_new(true).mode(0o600).open(&new)?;
+        let done = fill(&mut file, &path, text).and_then(|()| std::fs::rename(&new, &path));
+        done.inspect_err(|_| drop(std::fs::remove_file(&new)))
     };
     written().with_context(|| format!("cannot write {}", path.display()))
 }
 
+/// Writes the new file, with mode and owner of the old one.
+fn fill(file: &mut File, old: &Path, text: &str) -> std::io::Result<()> {
+    file.write_all(text.as_bytes())?;
+    if let Ok(old) = std::fs::metadata(old) {
+        let own = file.metadata()?;
+        if (old.uid(), old.gid()) != (own.uid(), own.gid()) {
+            fchown(&*file, Some(old.uid()), Some(old.gid()))?;
+        }
+        file.set_permissions(old.permissions())?;
+    }
+    file.sync_all()
+}
+
 #[cfg(test)]
 mod tests {
+    use std::os::unix::fs::PermissionsExt as _;
+
     use super::*;
 
     #[test]
@@ -169,6 +187,31 @@ mod tests {
         );
         std::fs::write(&path, "{").unwrap();
         assert!(Findings::read(&path).unwrap_err().to_string().contains("--again"));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn regress_only_the_file_itself_is_replaced_and_keeps_its_mode() {
+        let folder = std::env::temp_dir().join(format!("vibrissa-replaced-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = |name: &str| folder.join(name);
+        let text = |name: &str| std::fs::read_to_string(file(name)).unwrap();
+        for name in ["agent.toml", "agent.toml.new", "kept"] {
+            std::fs::write(file(name), "mine").unwrap();
+        }
+        std::fs::set_permissions(file("agent.toml"), std::fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(file("agent.toml"), file("link")).unwrap();
+        replace(&file("link"), "new").unwrap();
+        assert_eq!((text("agent.toml"), text("agent.toml.new")), ("new".to_owned(), "mine".to_owned()));
+        assert_eq!(std::fs::metadata(file("agent.toml")).unwrap().mode() & 0o777, 0o640);
+        assert!(file("link").is_symlink());
+        // Findings are the program's own file, and follow no link.
+        std::os::unix::fs::symlink(file("kept"), file("findings")).unwrap();
+        assert!(Findings::default().write(&file("findings")).is_err());
+        assert_eq!(text("kept"), "mine");
+        Findings::default().write(&file("new")).unwrap();
+        assert_eq!(std::fs::metadata(file("new")).unwrap().mode() & 0o777, 0o600);
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 6, "nothing else is left");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

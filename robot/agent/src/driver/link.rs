@@ -1,7 +1,7 @@
 //! Ways to a driver: a child process, a Unix socket, TCP, a serial device.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io;
+use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
 use std::os::unix::fs::{FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
@@ -9,6 +9,7 @@ use std::process::Stdio;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use rustix::io::Errno;
 use rustix::termios::{OptionalActions, ioctl_tiocexcl, tcgetattr, tcsetattr};
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::unix::pipe;
@@ -80,6 +81,11 @@ enum DriverEndpoint {
 impl Door {
     /// Prepares the way: begins to listen, if the driver comes to the agent.
     pub(crate) async fn open(driver: &DriverConfig) -> io::Result<Self> {
+        let way = &driver.way;
+        Self::opened(driver).await.map_err(|problem| worded(&problem, || remedy(way, problem.kind())))
+    }
+
+    async fn opened(driver: &DriverConfig) -> io::Result<Self> {
         let endpoint = match &driver.way {
             Way::Command(words) => DriverEndpoint::Command(words.clone(), driver.folder.clone()),
             Way::Unix(path) => DriverEndpoint::Unix(listen_at(path)?),
@@ -95,6 +101,10 @@ impl Door {
 
     /// The next link to a driver.
     pub(crate) async fn link(&self) -> io::Result<Link> {
+        self.linked().await.map_err(|problem| worded(&problem, || self.remedy(problem.kind())))
+    }
+
+    async fn linked(&self) -> io::Result<Link> {
         match &self.endpoint {
             DriverEndpoint::Command(words, folder) => start(words, folder),
             DriverEndpoint::Unix(listener) => loop {
@@ -118,6 +128,22 @@ impl Door {
             }
             DriverEndpoint::Listen(listener) => self.first_admitted(listener).await,
             DriverEndpoint::Serial(path, baud) => serial(path, *baud),
+        }
+    }
+
+    fn remedy(&self, kind: ErrorKind) -> Option<String> {
+        match (&self.endpoint, kind) {
+            (DriverEndpoint::Command(words, _), ErrorKind::NotFound | ErrorKind::PermissionDenied) => {
+                let program = words.first().map_or("", String::as_str);
+                Some(format!("{program} cannot be started: correct driver.command, or make it a program (chmod +x)"))
+            }
+            (DriverEndpoint::Tcp(address), ErrorKind::ConnectionRefused) => {
+                Some(format!("nothing listens at {address}: start the driver, or correct driver.tcp"))
+            }
+            (DriverEndpoint::Tcp(address), ErrorKind::TimedOut) => {
+                Some(format!("{address} does not answer: check the network, or correct driver.tcp"))
+            }
+            _ => None,
         }
     }
 
@@ -155,6 +181,25 @@ async fn admitted(mut stream: TcpStream, peer: SocketAddr, token: Option<Arc<str
         None => expect_own_peer(peer, stream.local_addr()?)?,
     }
     Ok(stream)
+}
+
+/// An error in plain words, with what to do where that is known.
+fn worded(problem: &io::Error, remedy: impl FnOnce() -> Option<String>) -> io::Error {
+    let text = remedy().unwrap_or_else(|| plain::io(problem));
+    io::Error::new(problem.kind(), text)
+}
+
+/// What to do if the agent cannot listen.
+fn remedy(way: &Way, kind: ErrorKind) -> Option<String> {
+    match (way, kind) {
+        (Way::Listen(address), ErrorKind::AddrInUse) => {
+            Some(format!("another program listens at {address}: choose another address for driver.listen"))
+        }
+        (Way::Unix(path), ErrorKind::NotFound | ErrorKind::PermissionDenied) => {
+            Some(format!("no socket can be made at {}: correct driver.unix, or make its folder", path.display()))
+        }
+        _ => None,
+    }
 }
 
 fn of_stream(stream: TcpStream) -> io::Result<Link> {
@@ -218,7 +263,7 @@ pub(crate) fn serial(path: &Path, baud: u32) -> io::Result<Link> {
         |problem: io::Error| io::Error::new(problem.kind(), format!("{}: {}", path.display(), plain::io(&problem)));
     let file = opened.map_err(named)?;
     lock(&file, path)?;
-    let mut settings = tcgetattr(&file).map_err(|problem| named(problem.into()))?;
+    let mut settings = tcgetattr(&file).map_err(|problem| no_terminal(path, problem))?;
     settings.make_raw();
     settings.set_speed(baud)?;
     tcsetattr(&file, OptionalActions::Flush, &settings)?;
@@ -241,7 +286,14 @@ fn lock(file: &File, path: &Path) -> io::Result<()> {
     if path.canonicalize().is_ok_and(|path| path.starts_with("/dev/pts")) {
         return Ok(());
     }
-    ioctl_tiocexcl(file).map_err(io::Error::from)
+    ioctl_tiocexcl(file).map_err(|problem| no_terminal(path, problem))
+}
+
+fn no_terminal(path: &Path, problem: Errno) -> io::Error {
+    match problem {
+        Errno::NOTTY => io::Error::other(format!("{} is no serial device: correct driver.serial", path.display())),
+        other => other.into(),
+    }
 }
 
 #[cfg(test)]
@@ -289,6 +341,30 @@ mod tests {
         // It is no terminal, so only the second lock of the first one is refused.
         assert!(!refused(&first).contains("in use"));
         assert!(refused(&second).contains("in use by another program"));
+        std::fs::remove_file(&path).unwrap();
+    }
+
+    #[tokio::test]
+    async fn regress_each_way_that_fails_says_what_to_do() {
+        let taken = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let address = taken.local_addr().unwrap().to_string();
+        let path = std::env::temp_dir().join(format!("vibrissa-robot-no-device-{}", std::process::id()));
+        std::fs::write(&path, "").unwrap();
+        for (way, expected) in [
+            (Way::Command(vec!["/nonexistent/driver".to_owned()]), "/nonexistent/driver cannot be started: correct "),
+            (Way::Tcp("127.0.0.1:1".to_owned()), "nothing listens at 127.0.0.1:1: start the driver"),
+            (Way::Unix("/nonexistent/socket".into()), "no socket can be made at /nonexistent/socket: correct "),
+            (Way::Listen(address.clone()), &format!("another program listens at {address}: choose ")[..]),
+            (Way::Serial(path.clone(), 9600), &format!("{} is no serial device: correct ", path.display())[..]),
+            (Way::Serial("/nonexistent/tty".into(), 9600), "/nonexistent/tty: No such file or directory"),
+        ] {
+            let problem = match Door::open(&DriverConfig { way, ..driver() }).await {
+                Ok(door) => door.link().await.err().unwrap(),
+                Err(problem) => problem,
+            };
+            assert!(problem.to_string().starts_with(expected), "{problem}");
+            assert!(!problem.to_string().contains("os error"), "{problem}");
+        }
         std::fs::remove_file(&path).unwrap();
     }
 

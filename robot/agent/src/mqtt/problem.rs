@@ -201,6 +201,9 @@ fn short(error: &ConnectionError) -> String {
     #[expect(clippy::wildcard_enum_match_arm, reason = "the library's errors: the text of the others is sufficient")]
     match error {
         ConnectionError::MqttState(StateError::AwaitPingResp) => "it has stopped answering".to_owned(),
+        ConnectionError::MqttState(StateError::ConnectionAborted) => {
+            "the broker has closed it; its log says why, such as another client under this robot's name".to_owned()
+        }
         ConnectionError::MqttState(StateError::ServerDisconnect { reason_code, reason_string }) => {
             let said = reason_string.as_deref().map(|said| format!(" {said:?}")).unwrap_or_default();
             format!("it has disconnected {}{said}", plain::reason_code(&format!("{reason_code:?}")))

@@ -335,7 +335,7 @@ async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow, set_aside: &SetAside) -
         "WHERE (e.tx, e.event_id) > ($1, $2) AND e.audience = 'PEOPLE' {} ORDER BY e.tx, e.event_id LIMIT {EVENTS_A_QUERY}",
         settled(tx)
     );
-    let windows = maintenance::windows(tx).await?;
+    let windows = maintenance::windows(tx, set_aside).await?;
     let (mut done, mut found) = (webhook.done(), Vec::new());
     let mut after = done;
     loop {

@@ -4,11 +4,10 @@
 //! `ownership` reads all clocks here. [`judge`] decides which are right. From that follow a metric, the reason in `/readyz`, the
 //! report to the other supervisors, and whether the time line must follow its host.
 
+mod hold_back;
 mod judge;
 mod robots;
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::Duration;
 
 use tokio::time::Instant;
@@ -19,6 +18,7 @@ use vibrissa_store::{ClockReport, Membership};
 
 use crate::metrics::Metrics;
 use crate::readiness::Readiness;
+pub(crate) use hold_back::HoldBack;
 pub(crate) use judge::SET_FROM_US;
 use judge::{Readings, Source, Standing};
 pub(crate) use robots::{ROBOTS_MAX, RobotClocks};
@@ -65,22 +65,6 @@ impl Settling {
             self.in_force = judgement;
         }
         changes
-    }
-}
-
-/// How far the clock that is furthest behind is behind this supervisor's, in µs. Old rows are deleted by that clock,
-/// because nothing brings them back. Clones share their content.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct HoldBack(Arc<AtomicI64>);
-
-impl HoldBack {
-    pub(crate) fn us(&self) -> i64 {
-        self.0.load(Ordering::Relaxed)
-    }
-
-    fn set(&self, readings: &Readings) {
-        let least = Source::ALL.into_iter().filter_map(|source| readings.of(source)).min().unwrap_or_default();
-        self.0.store(least.min(0).saturating_neg(), Ordering::Relaxed);
     }
 }
 
@@ -138,7 +122,7 @@ impl Clocks {
             robots_ahead_us: own_robots.zip(database).map(|(robots, database)| robots - database),
             is_wrong: in_force.is_wrong(),
         };
-        self.hold_back.set(&self.readings);
+        self.hold_back.set(&self.readings, robots.any(wall_clock().0 as i64));
         metrics.clocks.show(Source::ALL.map(|source| (source.label(), self.readings.of(source))));
         readiness.set(PART, self.problem());
     }
@@ -159,6 +143,7 @@ impl Clocks {
         let ahead_us = host_ahead_us();
         warn!(seconds = seconds(ahead_us), "following a step of the host's clock");
         step(ahead_us);
+        self.hold_back.begin_again();
         *self = Self { report: self.report, ..Self::new(self.hold_back.clone()) };
     }
 

@@ -27,16 +27,25 @@ impl RobotClocks {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).remove(fleet);
     }
 
-    /// How far the robots' median is ahead at `now_us`.
+    /// How far the robots' median is ahead at `now_us`, if enough of them agree.
     pub(crate) fn vote(&self, now_us: i64) -> Option<i64> {
+        vote(self.all(now_us))
+    }
+
+    /// How far the robots' median is ahead at `now_us`, however few they are and whether they agree or not.
+    pub(crate) fn any(&self, now_us: i64) -> Option<i64> {
+        median(self.all(now_us))
+    }
+
+    /// How far each clock is ahead that was ever set.
+    fn all(&self, now_us: i64) -> Vec<i64> {
         let all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        vote(all.values().flatten().copied().collect(), now_us)
+        all.values().flatten().copied().filter(|one| now_us.saturating_add(*one) >= SET_FROM_US).collect()
     }
 }
 
 /// The median of clocks that were set, if most of them agree: robots that keep no time agree on nothing.
-fn vote(mut ahead_us: Vec<i64>, now_us: i64) -> Option<i64> {
-    ahead_us.retain(|one| now_us.saturating_add(*one) >= SET_FROM_US);
+fn vote(ahead_us: Vec<i64>) -> Option<i64> {
     let count = ahead_us.len();
     let middle = median(ahead_us.clone()).filter(|_| count >= ROBOTS_MIN)?;
     let agreeing = ahead_us.iter().filter(|&&one| one.abs_diff(middle) <= NEAR_US as u64).count();
@@ -52,6 +61,11 @@ mod tests {
     #[test]
     fn most_robots_that_agree_have_a_vote_and_others_do_not() {
         let hour_us = 3_600_000_000;
+        let vote = |ahead_us, now_us| {
+            let clocks = RobotClocks::default();
+            clocks.show(&Name::new("f").unwrap(), ahead_us);
+            clocks.vote(now_us)
+        };
         assert_eq!(vote(vec![10, 20, 30, hour_us], NOW_US), Some(20));
         assert_eq!(vote(vec![hour_us; 5], NOW_US), Some(hour_us));
         assert_eq!(vote(vec![10, 20], NOW_US), None, "too few");
@@ -68,8 +82,9 @@ mod tests {
     fn the_robots_of_all_fleets_vote_together() {
         let clocks = RobotClocks::default();
         let fleet = |name| Name::new(name).unwrap();
-        clocks.show(&fleet("a"), vec![1, 2]);
-        assert_eq!(clocks.vote(NOW_US), None);
+        assert_eq!(clocks.any(NOW_US), None);
+        clocks.show(&fleet("a"), vec![1, 2, -NOW_US]);
+        assert_eq!((clocks.vote(NOW_US), clocks.any(NOW_US)), (None, Some(1)));
         clocks.show(&fleet("b"), vec![3]);
         assert_eq!(clocks.vote(NOW_US), Some(2));
         clocks.forget(&fleet("b"));

@@ -64,13 +64,3 @@ fn a_supervisor_that_agrees_with_most_is_ready() {
         Readings { database: Some(HOUR_US), robots: Some(0), supervisors: vec![0], ..Readings::default() };
     assert_eq!(problem(database_alone), None, "the metric and the alert tell it");
 }
-
-#[test]
-fn old_rows_are_deleted_by_the_clock_that_is_furthest_behind() {
-    let hold_back = HoldBack::default();
-    assert_eq!(hold_back.us(), 0);
-    hold_back.set(&Readings { database: Some(-5), robots: Some(7), host: -HOUR_US, ..Readings::default() });
-    assert_eq!(hold_back.us(), HOUR_US);
-    hold_back.set(&Readings { database: Some(5), ..Readings::default() });
-    assert_eq!(hold_back.us(), 0);
-}

@@ -47,7 +47,7 @@ impl Delivery {
 
     /// Delivers the next event; false if there is none, or it failed.
     async fn next(&self) -> Result<bool, StoreError> {
-        let Webhooks { store, sender, pace, metrics, holder } = &self.webhooks;
+        let Webhooks { store, sender, pace, metrics, holder, hold_back: _ } = &self.webhooks;
         let asked = Instant::now();
         let Some(job) = store.with_leader(store.take_webhook_job(self.webhook_id, holder, HOLD)).await? else {
             return Ok(false);

@@ -23,6 +23,7 @@ use tokio::time::{Instant, timeout};
 use tracing::warn;
 use vibrissa_host::task;
 
+use crate::clocks::HoldBack;
 use crate::metrics::Metrics;
 pub use delivery::message_id;
 use delivery::{Delivery, HOLD};
@@ -103,13 +104,19 @@ pub struct Webhooks {
     metrics: Metrics,
     /// Name of this process as the holder of targets.
     holder: Arc<str>,
+    hold_back: HoldBack,
 }
 
 impl Webhooks {
     /// Sends nothing yet. `holder` is unique among the processes of the database.
     #[must_use]
     pub fn new((sender, pace): (Sender, Pace), store: Store, metrics: Metrics, holder: Arc<str>) -> Self {
-        Self { store, sender, pace, metrics, holder }
+        Self { store, sender, pace, metrics, holder, hold_back: HoldBack::default() }
+    }
+
+    /// Removes old events by this time.
+    pub(crate) fn holding_back(self, hold_back: HoldBack) -> Self {
+        Self { hold_back, ..self }
     }
 
     /// Sends single requests, for tests of targets.
@@ -141,7 +148,7 @@ impl Webhooks {
                 if is_due(&mut trimmed, TRIM_EVERY) {
                     let now_us = wall_clock().0 as i64;
                     self.store.tell_after_maintenance(now_us).await?;
-                    self.store.trim_events_for_webhooks(now_us).await?;
+                    self.store.trim_events_for_webhooks(self.hold_back.old_by_us(now_us)).await?;
                 }
                 Ok::<(), StoreError>(())
             };

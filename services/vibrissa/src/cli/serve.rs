@@ -37,9 +37,10 @@ pub fn run(args: &ConfigArgs) -> anyhow::Result<()> {
     })
 }
 
-/// Levels of libraries by default: warnings of MQTT, errors of the others. The program tells the rest in its own words.
+/// Levels of libraries by default: warnings of MQTT, errors of the others. The program tells the rest in its own words, and
+/// each error of the database: its library repeats them, such as that of a server that is read-only.
 const OF_LIBRARIES: &str =
-    "mqtt5=warn,rumqttc=warn,sqlx=error,rskafka=error,object_store=error,rustls=error,ureq=error,hyper=error";
+    "mqtt5=warn,rumqttc=warn,sqlx=off,rskafka=error,object_store=error,rustls=error,ureq=error,hyper=error";
 
 /// Logs to standard error; `RUST_LOG` overrides the filter.
 pub fn log(filter: &str) {
@@ -64,4 +65,38 @@ pub fn log(filter: &str) {
 /// The threads cannot be started.
 pub fn runtime() -> anyhow::Result<tokio::runtime::Runtime> {
     tokio::runtime::Builder::new_multi_thread().enable_all().build().context("starting the runtime")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Result, Write};
+    use std::sync::{Arc, Mutex};
+
+    use super::*;
+
+    #[derive(Clone, Default)]
+    struct Written(Arc<Mutex<Vec<u8>>>);
+
+    impl Write for Written {
+        fn write(&mut self, bytes: &[u8]) -> Result<usize> {
+            self.0.lock().unwrap().write(bytes)
+        }
+
+        fn flush(&mut self) -> Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn regress_the_librarys_words_about_the_database_are_not_logged() {
+        let written = Written::default();
+        let writer = written.clone();
+        let log = tracing_subscriber::fmt().with_env_filter(format!("{OF_LIBRARIES},info"));
+        tracing::subscriber::with_default(log.with_writer(move || writer.clone()).finish(), || {
+            tracing::error!(target: "sqlx_core::pool::inner", "error returned from after_connect");
+            tracing::error!(target: "vibrissa_store", "no server accepts writes");
+        });
+        let text = String::from_utf8(written.0.lock().unwrap().clone()).unwrap();
+        assert!(text.contains("no server accepts writes") && !text.contains("after_connect"), "{text}");
+    }
 }

@@ -210,8 +210,15 @@ impl Columns {
         }
         let number: Option<f64> = text.parse().ok().filter(|number: &f64| number.is_finite());
         let number = number.with_context(|| {
-            let hint = if text.contains(',') { ": write it with a decimal point, such as 0.05" } else { "" };
-            format!("column {name}: {text:?} is not a number{hint}")
+            let hint = match text {
+                _ if text.contains(',') => ": write it with a decimal point, such as 0.05",
+                _ if text.contains(char::is_whitespace) => ": write it without spaces, such as 6765",
+                _ if text.starts_with('#') => ", but an error of the spreadsheet: leave the cell empty",
+                _ => "",
+            };
+            // A no-break space looks like a space.
+            let shown = text.replace(char::is_whitespace, " ");
+            format!("column {name}: {shown:?} is not a number{hint}")
         })?;
         Ok(Some(number))
     }

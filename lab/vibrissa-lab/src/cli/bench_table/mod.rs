@@ -122,6 +122,19 @@ mod tests {
     }
 
     #[test]
+    fn regress_what_a_spreadsheet_writes_instead_of_a_number_has_a_hint() {
+        for (cell, shown) in [
+            ("6\u{a0}765", "\"6 765\" is not a number: write it without spaces, such as 6765"),
+            ("6\u{202f}765", "\"6 765\" is not a number: write it without spaces, such as 6765"),
+            ("\"0,05\"", "\"0,05\" is not a number: write it with a decimal point, such as 0.05"),
+            ("#DIV/0!", "\"#DIV/0!\" is not a number, but an error of the spreadsheet: leave the cell empty"),
+        ] {
+            let problem = lines_of(&format!("pressure_mpa,strain\n0.05,{cell}\n")).unwrap_err();
+            assert_eq!(problem, format!("line 2: column strain: {shown}"));
+        }
+    }
+
+    #[test]
     fn regress_a_spreadsheets_empty_cells_and_rows_are_left_out() {
         let table = "sep=,\npressure_mpa,,strain,,\n0.05,,0.01,,\n,,,,\n0.10,,0.02\n,,\n\n";
         assert_eq!(lines_of(table), Ok(vec![3, 5]));
