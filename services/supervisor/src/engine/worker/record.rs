@@ -1,6 +1,6 @@
 //! Conversion of the core's effects into rows and publications.
 
-use vibrissa_core::robot::effect::{CommandState, Effect, TestState};
+use vibrissa_core::robot::effect::{CommandState, Condition, Effect, TestState};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros};
 use vibrissa_protocol::{self as protocol, RobotTopic};
 
@@ -83,6 +83,10 @@ impl Stepper {
                     becomes: Some(to.word()),
                 }));
                 known.history.keep_recent(whisker, self.batch.rows_mut());
+                if to == Condition::Learning {
+                    let id = known.whisker_id(whisker);
+                    known.maintenance.replaced(id);
+                }
             }
             Effect::Fault { whisker, from, to } => {
                 self.batch.rows_mut().records.push(Record::Health(HealthRow {
@@ -253,6 +257,10 @@ impl Stepper {
                 let error = rejection.map(Word::word);
                 let length = whisker.and_then(|whisker| known.robot.whisker(whisker)).map(|view| view.length);
                 let length = length.filter(|_| state == TestState::Done);
+                if let Some(whisker) = whisker.filter(|_| state == TestState::Done && self.publishes_maintenance) {
+                    let id = known.whisker_id(whisker);
+                    known.maintenance.tested(id, recorded_us);
+                }
                 self.batch.rows_mut().records.push(Record::TouchTestProgress(Box::new(TouchTestProgressRow {
                     state: Some(state.word()),
                     error,
