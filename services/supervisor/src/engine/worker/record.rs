@@ -1,6 +1,7 @@
 //! Conversion of the core's effects into rows and publications.
 
 use vibrissa_core::robot::effect::{CommandState, Condition, Effect, TestState};
+use vibrissa_core::robot::event::Rejection;
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros};
 use vibrissa_protocol::{self as protocol, RobotTopic};
 
@@ -150,7 +151,10 @@ impl Stepper {
             }
             Effect::Resend(command) => self.publish_setpoint(known, &command, Sent::Again),
             Effect::CommandState { command, state, rejection, pressure, .. } => {
-                self.metrics.setpoints.count([state.word()]);
+                // A task is no failure: alerts count the states.
+                if rejection != Some(Rejection::InTask) {
+                    self.metrics.setpoints.count([state.word()]);
+                }
                 if let Some(rejection) = rejection {
                     self.metrics.setpoints_rejected.count([rejection.word()]);
                 }
