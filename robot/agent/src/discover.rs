@@ -53,6 +53,7 @@ impl Heard {
             FromDriver::Fault(line) => ("fault", Some(line.origin())),
             FromDriver::TestState(_) => ("test_state", None),
             FromDriver::Driving(_) => ("driving", None),
+            FromDriver::Task(_) => ("task", None),
             FromDriver::Locate(line) => ("locate", Some(line.origin())),
             FromDriver::Configured(_) => ("configured", None),
             FromDriver::Configuration(_) => ("configuration", None),

@@ -50,6 +50,7 @@ pub fn setpoint_error(rejection: Rejection) -> SetpointError {
         Rejection::UnknownWhisker => SetpointError::UnknownWhisker,
         Rejection::WrongBoot => SetpointError::WrongBoot,
         Rejection::NotReady => SetpointError::NotReady,
+        Rejection::InTask => SetpointError::InTask,
     }
 }
 

@@ -227,6 +227,7 @@ fn rejection(error: Option<protocol::SetpointError>) -> Rejection {
         Some(Told::OutOfRange) => Rejection::OutOfRange,
         Some(Told::UnknownWhisker) => Rejection::UnknownWhisker,
         Some(Told::WrongBoot) => Rejection::WrongBoot,
+        Some(Told::InTask) => Rejection::InTask,
         Some(Told::NotReady | Told::SupplyLow | Told::Leak | Told::Fault) | None => Rejection::NotReady,
     }
 }

@@ -53,6 +53,7 @@ pub fn report(state: &protocol::TestState) -> TestReport {
             Some(Told::Expired) => Rejection::Expired,
             Some(Told::UnknownWhisker) => Rejection::UnknownWhisker,
             Some(Told::WrongBoot) => Rejection::WrongBoot,
+            Some(Told::InTask) => Rejection::InTask,
             Some(Told::NotReady) | None => Rejection::NotReady,
         }),
     }

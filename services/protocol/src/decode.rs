@@ -17,8 +17,9 @@ pub use parts::Received;
 use crate::messages::Checked;
 use crate::shape::{Object, Whole};
 use crate::{
-    BootId, Connection, Contact, Contacts, Estimate, Factsheet, INTEGER_LIMIT, PAYLOAD_MAX_BYTES, Receipt, Refusal,
-    Request, RobotTopic, Setpoint, SetpointState, Status, SupervisorRequest, SupervisorState, TestState, Topic,
+    BootId, Connection, Contact, Contacts, Estimate, Factsheet, INTEGER_LIMIT, Maintenance, PAYLOAD_MAX_BYTES, Receipt,
+    Refusal, Request, RobotTopic, Setpoint, SetpointState, Status, SupervisorRequest, SupervisorState, TestState,
+    Topic,
 };
 
 /// A message that satisfies the contract.
@@ -45,6 +46,8 @@ pub enum Message {
     TestState(TestState),
     /// From the supervisor: present lengths of the whiskers.
     Estimate(Estimate),
+    /// From the supervisor: facts for the maintenance of the whiskers.
+    Maintenance(Maintenance),
     /// From the supervisor: whether it owns the fleet.
     SupervisorState(SupervisorState),
     /// From the supervisor: asks all robots of the fleet for something.
@@ -86,6 +89,7 @@ pub fn receive(topic: &Topic, payload: &[u8]) -> Result<Received<Message>, Refus
             RobotTopic::Request => Message::Request(read(payload)?),
             RobotTopic::TestState => Message::TestState(read(payload)?),
             RobotTopic::Estimate => Message::Estimate(read(payload)?),
+            RobotTopic::Maintenance => Message::Maintenance(read(payload)?),
         },
     };
     Ok(Received::whole(message))

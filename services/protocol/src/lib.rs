@@ -29,9 +29,9 @@ pub use decode::{
     receive_contacts,
 };
 pub use messages::{
-    ArrayFacts, Connection, Contact, ContactPlace, Contacts, Distance, Estimate, Factsheet, MissedTouch, Receipt,
-    Request, Setpoint, SetpointState, Software, Status, SupervisorRequest, SupervisorState, TestState, TouchTest,
-    WhiskerEstimate, WhiskerFacts, WhiskerStatus,
+    ArrayFacts, Connection, Contact, ContactPlace, Contacts, Distance, Estimate, Factsheet, Maintenance, MissedTouch,
+    Receipt, Request, Setpoint, SetpointState, Software, Status, SupervisorRequest, SupervisorState, TestState,
+    TouchTest, WhiskerEstimate, WhiskerFacts, WhiskerMaintenance, WhiskerStatus,
 };
 pub use name::{BadName, BootId, Name};
 pub use refusal::Refusal;

@@ -45,11 +45,13 @@ pub enum RobotTopic {
     TestState,
     /// From the supervisor: present lengths of the whiskers.
     Estimate,
+    /// From the supervisor, to other tools: facts for the maintenance of the whiskers. Optional.
+    Maintenance,
 }
 
 impl RobotTopic {
     /// All topics, in the contract's order.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Connection,
         Self::Factsheet,
         Self::Contacts,
@@ -60,6 +62,7 @@ impl RobotTopic {
         Self::Request,
         Self::TestState,
         Self::Estimate,
+        Self::Maintenance,
     ];
 
     /// Text of the topic level.
@@ -76,6 +79,7 @@ impl RobotTopic {
             Self::Request => "request",
             Self::TestState => "test_state",
             Self::Estimate => "estimate",
+            Self::Maintenance => "maintenance",
         }
     }
 
@@ -89,7 +93,7 @@ impl RobotTopic {
             | Self::Status
             | Self::SetpointState
             | Self::TestState => true,
-            Self::Receipt | Self::Setpoint | Self::Request | Self::Estimate => false,
+            Self::Receipt | Self::Setpoint | Self::Request | Self::Estimate | Self::Maintenance => false,
         }
     }
 
@@ -104,7 +108,8 @@ impl RobotTopic {
             | Self::SetpointState
             | Self::Request
             | Self::TestState
-            | Self::Estimate => QualityOfService::AtLeastOnce,
+            | Self::Estimate
+            | Self::Maintenance => QualityOfService::AtLeastOnce,
         }
     }
 
@@ -112,7 +117,7 @@ impl RobotTopic {
     #[must_use]
     pub const fn is_retained(self) -> bool {
         match self {
-            Self::Connection | Self::Factsheet | Self::Estimate => true,
+            Self::Connection | Self::Factsheet | Self::Estimate | Self::Maintenance => true,
             Self::Contacts
             | Self::Status
             | Self::Receipt

@@ -218,6 +218,9 @@ words!(
         WrongBoot = "WRONG_BOOT",
         /// Rejected: the robot cannot accept setpoints now.
         NotReady = "NOT_READY",
+        /// Rejected: the robot is in a task, and takes no setpoint before its end. The supervisor tries again, in
+        /// pauses of 4 s to 5 minutes. That is no failure, however long the task takes.
+        InTask = "IN_TASK",
         /// Failed: the supply cannot provide the pressure.
         SupplyLow = "SUPPLY_LOW",
         /// Failed: the chamber loses more air than the valve supplies.
@@ -339,6 +342,8 @@ words!(
         UnknownWhisker = "UNKNOWN_WHISKER",
         /// It is for another boot of the robot.
         WrongBoot = "WRONG_BOOT",
+        /// The robot is in a task, and tests nothing before its end.
+        InTask = "IN_TASK",
     }
 );
 

@@ -1,4 +1,4 @@
-//! Actions on many robots, whiskers or fleets: one entry of the audit log stands for the request, and each subject has an
+//! Bulk actions on robots, whiskers or fleets: one entry of the audit log stands for the request, and each subject has an
 //! action of its own, which the owner of its fleet executes like any other.
 
 use serde::Serialize;
@@ -44,7 +44,7 @@ impl Store {
     /// # Errors
     /// The database cannot be written.
     pub async fn ask_many(&self, parent: &NewAction, children: &[ChildAction]) -> Result<BulkAsked, StoreError> {
-        const WHAT: &str = "request actions on many";
+        const WHAT: &str = "request bulk actions";
         const WAITING: &str = "SELECT count(*) FROM actions WHERE state = 'PENDING' AND parent_id IS NOT NULL \
              AND expires_us > $1";
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
@@ -77,7 +77,7 @@ impl Store {
         fleets: &[String],
         action: &NewAction,
     ) -> Result<(Asked, i64), StoreError> {
-        const WHAT: &str = "stop actions on many";
+        const WHAT: &str = "stop bulk actions";
         const SQL: &str = "UPDATE actions SET state = 'REFUSED', problem = $1, done_us = $2 \
              WHERE parent_id = $3 AND state = 'PENDING'";
         let now_us = action.asked_us;
@@ -110,7 +110,7 @@ impl Store {
         const SQL: &str =
             "SELECT DISTINCT fleet FROM actions WHERE parent_id = $1 AND fleet IS NOT NULL ORDER BY fleet";
         on!(&self.pool, |pool| sqlx::query_scalar(SQL).bind(parent_id).fetch_all(pool).await)
-            .map_err(failed("read the fleets of actions on many"))
+            .map_err(failed("read the fleets of bulk actions"))
     }
 
     /// Why subjects of a request for many were refused, the most frequent reason first.
@@ -124,6 +124,6 @@ impl Store {
              LIMIT {REFUSALS_MAX}"
         );
         on!(&self.pool, |pool| sqlx::query_as(sqlx::AssertSqlSafe(sql)).bind(parent_id).fetch_all(pool).await)
-            .map_err(failed("read the refusals of actions on many"))
+            .map_err(failed("read the refusals of bulk actions"))
     }
 }

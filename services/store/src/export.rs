@@ -157,8 +157,8 @@ pub static EXPORTS: [&ExportTable; 5] = [
             measured_error Real or null, measured_error_low Real or null, measured_error_high Real or null, measured_pressure_mpa Real or null,
             measured_error_with_gain Real or null, measured_error_with_gain_low Real or null, measured_error_with_gain_high Real or null,
             measured_air_error Real or null, measured_air_error_low Real or null, measured_air_error_high Real or null,
-            measured_bins Whole or null, measured_contacts Whole or null, measured_at Time or null, setpoint_state Text or null, decided_at Time,
-            ended_at Time or null, end_reason Text or null,
+            measured_bins Whole or null, measured_contacts Whole or null, measured_at Time or null, setpoint_state Text or null,
+            setpoint_error Text or null, decided_at Time, ended_at Time or null, end_reason Text or null,
         ],
     },
     &ExportTable {

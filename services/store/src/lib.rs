@@ -41,6 +41,7 @@ mod load;
 mod lock;
 mod log_position;
 pub mod maintenance;
+pub mod maintenance_facts;
 mod membership;
 pub mod model;
 mod no_server;

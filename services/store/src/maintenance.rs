@@ -17,6 +17,10 @@ pub const WINDOWS_MAX: i64 = 200;
 const KEPT_US: i64 = 30 * 86_400_000_000;
 
 const TABLE: &str = "maintenance";
+
+/// Most times whose alarms are told at the end of one window.
+const SPANS_MAX: usize = 400;
+
 const WHAT: &str = "change the windows of maintenance";
 
 from_row! {
@@ -247,12 +251,13 @@ impl Store {
             // It has no windows.
             return Ok(());
         }
-        for row in self.maintenance().await? {
-            let Some((begins_us, ends_us)) = row.ended(now_us).filter(|(_, ends_us)| *ends_us > row.told_us) else {
+        let rows = self.maintenance().await?;
+        for row in &rows {
+            let Some(window) = row.ended(now_us).filter(|(_, ends_us)| *ends_us > row.told_us) else {
                 continue;
             };
             let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
-            tell_again(&mut tx, &row, (begins_us, ends_us), now_us).await.map_err(failed(WHAT))?;
+            tell_again(&mut tx, row, &spans(&rows, row, window), window.1, now_us).await.map_err(failed(WHAT))?;
             tx.commit().await.map_err(failed(WHAT))?;
         }
         Ok(())
@@ -264,11 +269,43 @@ async fn tell_pages(tx: &mut Tx<'_>, fleet: &str, now_us: i64) -> sqlx::Result<(
     events::write::write(tx, fleet, &[EventRow::new(EventKind::Action, now_us)]).await
 }
 
+/// A time whose alarms are told at the end of a window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Span {
+    begins_us: i64,
+    ends_us: i64,
+    /// Number of the robot; `None` for all robots of the fleet.
+    robot_id: Option<i64>,
+}
+
+/// The times whose alarms are told at the end of a window: its own, and those of windows that have ended in it, because
+/// nobody was told then. Windows that end in these count, too.
+fn spans(rows: &[MaintenanceRow], row: &MaintenanceRow, (begins_us, ends_us): (i64, i64)) -> Vec<Span> {
+    let mut spans = vec![Span { begins_us, ends_us, robot_id: row.robot_id }];
+    let mut next = 0;
+    while let Some(&span) = spans.get(next).filter(|_| next < SPANS_MAX) {
+        next += 1;
+        for other in rows.iter().filter(|other| other.fleet == row.fleet) {
+            if other.robot_id.is_some() && span.robot_id.is_some() && other.robot_id != span.robot_id {
+                continue;
+            }
+            // One that ends as the span begins is told in it, too.
+            let Some((begins_us, until_us)) = other.at(span.begins_us - 1) else { continue };
+            let earlier = Span { begins_us, ends_us: until_us, robot_id: span.robot_id.or(other.robot_id) };
+            if until_us <= ends_us && !spans.contains(&earlier) {
+                spans.push(earlier);
+            }
+        }
+    }
+    spans
+}
+
 /// Unless another supervisor has done it.
 async fn tell_again(
     tx: &mut Tx<'_>,
     row: &MaintenanceRow,
-    (begins_us, ends_us): (i64, i64),
+    spans: &[Span],
+    ends_us: i64,
     now_us: i64,
 ) -> sqlx::Result<()> {
     const TOLD: &str = "UPDATE maintenance SET told_us = $2 WHERE maintenance_id = $1 AND told_us < $2";
@@ -281,23 +318,19 @@ async fn tell_again(
     if told == 0 {
         return Ok(());
     }
+    let raised = |Span { begins_us, ends_us, robot_id }: &Span| {
+        let of_robot = robot_id.map(|id| format!(" AND r.robot_id = {id}")).unwrap_or_default();
+        format!("(a.raised_us >= {begins_us} AND a.raised_us < {ends_us}{of_robot})")
+    };
+    let raised = spans.iter().map(raised).collect::<Vec<_>>().join(" OR ");
     let insert = format!(
         "INSERT INTO events (recorded_us, version, kind, audience, word, fleet, robot_id, whisker_id, data) \
          SELECT CAST($1 AS BIGINT), {VERSION}, 'ALARM_RAISED', 'PEOPLE', a.kind, r.fleet, r.robot_id, a.whisker_id, '{{}}' \
          FROM alarms a LEFT JOIN whiskers w ON w.whisker_id = a.whisker_id \
          JOIN robots r ON r.robot_id = coalesce(a.robot_id, w.robot_id) \
-         WHERE a.cleared_us IS NULL AND a.raised_us >= $2 AND a.raised_us < $3 AND r.fleet = $4 \
-         AND (CAST($5 AS BIGINT) IS NULL OR r.robot_id = $5) ORDER BY a.alarm_id"
+         WHERE a.cleared_us IS NULL AND r.fleet = $2 AND ({raised}) ORDER BY a.alarm_id"
     );
-    on!(tx, |tx| sqlx::query(AssertSqlSafe(insert))
-        .bind(now_us)
-        .bind(begins_us)
-        .bind(ends_us)
-        .bind(&row.fleet)
-        .bind(row.robot_id)
-        .execute(&mut **tx)
-        .await
-        .map(drop))
+    on!(tx, |tx| sqlx::query(AssertSqlSafe(insert)).bind(now_us).bind(&row.fleet).execute(&mut **tx).await.map(drop))
 }
 
 #[cfg(test)]
@@ -322,6 +355,37 @@ mod tests {
             set_by: "ann".to_owned(),
             set_us: 0,
         }
+    }
+
+    #[test]
+    fn a_window_tells_the_alarms_of_those_that_ended_in_it() {
+        let of = |begins: i64, lasts: i64, robot_id: Option<i64>| MaintenanceRow {
+            begins_us: begins * HOUR,
+            lasts_us: lasts * HOUR,
+            robot: robot_id.map(|id| id.to_string()),
+            robot_id,
+            ..window(None, None)
+        };
+        let told = |rows: &[MaintenanceRow]| {
+            let last = rows.last().unwrap();
+            let spans = spans(rows, last, last.ended(90 * DAY).unwrap());
+            spans.iter().map(|one| (one.begins_us / HOUR, one.ends_us / HOUR, one.robot_id)).collect::<Vec<_>>()
+        };
+        let last = of(11, 4, None);
+        let all = |rows: &[MaintenanceRow]| told(&[rows, std::slice::from_ref(&last)].concat());
+        assert_eq!(all(&[]), [(11, 15, None)]);
+        assert_eq!(all(&[of(10, 2, None)]), [(11, 15, None), (10, 12, None)], "it ends in the last one");
+        assert_eq!(all(&[of(9, 2, None)]), [(11, 15, None), (9, 11, None)], "it ends as the last one begins");
+        assert_eq!(all(&[of(8, 2, None)]), [(11, 15, None)], "it ended before, and was told");
+        assert_eq!(all(&[of(10, 9, None)]), [(11, 15, None)], "it tells the last one's at its own end");
+        assert_eq!(all(&[of(12, 1, None)]), [(11, 15, None)], "it is in the last one");
+        assert_eq!(all(&[of(10, 2, Some(7))]), [(11, 15, None), (10, 12, Some(7))], "of one robot");
+        let chain = [of(8, 2, Some(7)), of(9, 3, None)];
+        assert_eq!(all(&chain), [(11, 15, None), (9, 12, None), (8, 10, Some(7))], "one after the other");
+        let robots = [of(10, 2, Some(8)), of(10, 2, Some(7)), of(11, 4, Some(7))];
+        assert_eq!(told(&robots), [(11, 15, Some(7)), (10, 12, Some(7))], "another robot's are its own");
+        let foreign = MaintenanceRow { fleet: "yard".to_owned(), ..of(10, 2, None) };
+        assert_eq!(all(&[foreign]), [(11, 15, None)]);
     }
 
     #[test]

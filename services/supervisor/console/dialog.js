@@ -46,7 +46,7 @@ async function open(action, done) {
  * `{ title, what: [sentences], fields: [{ name, label, hint, type, required, .. }], reason: "optional" | "required",
  * list, button, grave, path, pathOf(values), method, headers, body(values), moves, progress(told, say), after(answer) }`. `pathOf`
  * is for paths that depend on the values. `moves` is the whisker whose pressure the action may change: its setpoint is followed
- * to the robot's answer. `progress` follows an action on many in the same way. `after` gets the service's answer, and `done` is
+ * to the robot's answer. `progress` follows a bulk action in the same way. `after` gets the service's answer, and `done` is
  * called after the execution.
  */
 function confirm(action, done) {

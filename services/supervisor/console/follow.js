@@ -49,6 +49,7 @@ function words({ state, pressure_mpa: asked, reached_mpa: reached, error }) {
   if (state === "PENDING") return [`${mpa(asked)} sent, waiting for the robot`, "info", false];
   if (UNDER_WAY.includes(state)) return [`${mpa(asked)}: ${say(SETPOINT_STATES, state)}`, "info", false];
   if (state === "APPLIED") return [`the robot applied ${mpa(reached ?? asked)}`, "good", true];
+  if (error === "IN_TASK") return [`${mpa(asked)} ${say(SETPOINT_ERRORS, error)}`, "warn", true];
   const why = error ? `: ${say(SETPOINT_ERRORS, error)}` : "";
   return [`${mpa(asked)} not applied, ${say(SETPOINT_STATES, state)}${why}`, "bad", true];
 }

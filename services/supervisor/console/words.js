@@ -60,6 +60,7 @@ export const TEST_STATES = marked(declared.TEST_STATES, { EXPIRED: "clock" });
 /** Why a robot rejects a setpoint. */
 export const SETPOINT_ERRORS = {
   NOT_READY: "the robot cannot change the pressure at the moment",
+  IN_TASK: "waits: the robot is in a task",
   STALE: "the robot has a newer setpoint",
   EXPIRED: "the setpoint reached the robot too late",
   UNKNOWN_WHISKER: "the robot has no such whisker",

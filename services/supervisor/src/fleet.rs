@@ -28,6 +28,7 @@ use crate::readiness::{Readiness, Standing};
 use crate::robots_file::RobotsFile;
 use crate::thread::{ThreadSlot, Threads};
 use crate::trace::Traces;
+use vibrissa_store::maintenance_facts::LastTest;
 use vibrissa_store::{Lease, Store, StoreError};
 
 /// Publications that may wait for the broker. Beyond this number they are dropped and made again later.
@@ -203,6 +204,7 @@ fn engine_options(
     boot_id: &BootId,
     shared: &Shared,
     (events, log): (Option<&EventSink>, Option<&LogReader>),
+    last_tests: Vec<LastTest>,
 ) -> EngineOptions {
     EngineOptions {
         lease: lease.clone(),
@@ -220,6 +222,7 @@ fn engine_options(
         boxes: shared.boxes.clone(),
         robot_clocks: shared.robot_clocks.clone(),
         is_archived: shared.archive.is_some(),
+        last_tests,
         traces: shared.traces.clone(),
     }
 }
@@ -245,7 +248,11 @@ async fn take_up(
             if events.is_some() {
                 shared.store.follow_events(lease.fleet().as_str(), wall_clock().0 as i64).await?;
             }
-            engine_options(lease, &boot_id, shared, (events, log)).start().await
+            let last_tests = match shared.limits.maintenance_every {
+                Some(_) => shared.store.last_tests(lease.fleet().as_str()).await?,
+                None => Vec::new(),
+            };
+            engine_options(lease, &boot_id, shared, (events, log), last_tests).start().await
         };
         match loading.await {
             Ok(engine) => return Some((engine, boot_id)),

@@ -21,6 +21,8 @@ pub enum ToRobot {
     Request(protocol::Request),
     /// The lengths of the whiskers.
     Estimate(protocol::Estimate),
+    /// Facts for the maintenance of its whiskers, for other tools.
+    Maintenance(protocol::Maintenance),
     /// Clears the retained message of this topic.
     Cleared(RobotTopic),
 }
@@ -34,6 +36,7 @@ impl ToRobot {
             Self::Receipt(_) => RobotTopic::Receipt,
             Self::Request(_) => RobotTopic::Request,
             Self::Estimate(_) => RobotTopic::Estimate,
+            Self::Maintenance(_) => RobotTopic::Maintenance,
             Self::Cleared(topic) => *topic,
         }
     }
@@ -46,6 +49,7 @@ impl ToRobot {
             Self::Receipt(receipt) => encode(receipt),
             Self::Request(request) => encode(request),
             Self::Estimate(estimate) => encode(estimate),
+            Self::Maintenance(facts) => encode(facts),
             Self::Cleared(_) => Vec::new(),
         }
     }

@@ -16,6 +16,7 @@ type RobotAnswer = Option<SetpointReport>;
 
 const APPLIED: RobotAnswer = Some(SetpointReport::Applied(Megapascal::ZERO));
 const NOT_READY: RobotAnswer = Some(SetpointReport::Rejected(Rejection::NotReady));
+const IN_TASK: RobotAnswer = Some(SetpointReport::Rejected(Rejection::InTask));
 const TOO_LATE: RobotAnswer = Some(SetpointReport::Rejected(Rejection::Expired));
 
 /// A robot, and the number of its effects that were looked at.
@@ -103,6 +104,33 @@ fn regress_failed_setpoints_are_tried_again_until_the_robot_takes_one() {
         assert_eq!(alarms(&one), [RAISED, CLEARED], "{answer:?}");
         assert_eq!(one.pass(3700, |_| true, APPLIED), 0, "{answer:?}");
     }
+}
+
+/// A robot that works is no robot that fails.
+#[test]
+fn a_task_of_any_length_raises_no_alarm_and_the_setpoint_comes_within_minutes_of_its_end() {
+    let mut one = released();
+    let in_an_hour = one.pass(3600, |_| true, IN_TASK);
+    assert!((10..=20).contains(&in_an_hour), "{in_an_hour} setpoints in an hour");
+    let later = one.pass(4 * 3600, |_| true, IN_TASK);
+    assert!((40..=50).contains(&later), "{later} setpoints in four hours");
+    assert_eq!(one.pass(310, |_| true, APPLIED), 1);
+    assert_eq!(alarms(&one), []);
+    assert_eq!(one.pass(3700, |_| true, APPLIED), 0);
+}
+
+/// Failures before and after a task count as they did.
+#[test]
+fn a_task_forgives_no_failed_try() {
+    let mut one = released();
+    assert!(one.pass(4, |_| true, NOT_READY) <= 2);
+    one.pass(600, |_| true, IN_TASK);
+    one.pass(600, |_| true, NOT_READY);
+    assert_eq!(alarms(&one), [RAISED]);
+    one.pass(7200, |_| true, IN_TASK);
+    assert_eq!(alarms(&one), [RAISED], "no try has succeeded");
+    one.pass(3700, |_| true, APPLIED);
+    assert_eq!(alarms(&one), [RAISED, CLEARED]);
 }
 
 #[test]

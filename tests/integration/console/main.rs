@@ -33,6 +33,7 @@ mod keyboard;
 mod labels;
 mod live;
 mod loading;
+mod maintenance;
 mod notes;
 mod notifying;
 mod overview;

@@ -146,6 +146,12 @@ fn histories() -> Vec<(&'static str, Value, &'static str, String)> {
             "pressure not set, expired: own pressure 0.1000 to 0.0064\u{a0}MPa.",
         ),
         compensated(
+            "in a task",
+            json!({ "setpoint_state": "REJECTED", "setpoint_error": "IN_TASK", "measured_error": null }),
+            "warn",
+            "waits: the robot is in a task: own pressure 0.1000 to 0.0064\u{a0}MPa.",
+        ),
+        compensated(
             "refused",
             json!({ "approval": "REFUSED", "ended_at": "2026-11-21T01:00:00.000Z", "end_reason": "REFUSED" }),
             "bad",

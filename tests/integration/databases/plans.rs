@@ -2,10 +2,11 @@
 //! the same for ten robots and for ten thousand.
 
 use sqlx::{ConnectOptions, Executor};
-use vibrissa_store::list::{Filter, List, Selection, Value};
+use vibrissa_store::list::{Filter, List, Position, Selection, Value};
 use vibrissa_store::lists::actions::ACTIONS;
 use vibrissa_store::lists::alarms::ALARMS;
 use vibrissa_store::lists::compensations::COMPENSATIONS;
+use vibrissa_store::lists::contacts::CONTACTS;
 use vibrissa_store::lists::happenings::TRIMS;
 use vibrissa_store::lists::notes::NOTES;
 use vibrissa_store::lists::refusals::REFUSALS;
@@ -53,6 +54,25 @@ fn selected() -> Vec<Page> {
     ]
 }
 
+/// A page of single contacts, and of the lengths after them: those of one whisker, in a time, and after a cursor.
+fn each() -> Vec<Selection> {
+    let one = Filter::Is("whisker_id", Value::Whole(1));
+    let all = Selection { filters: vec![one.clone()], ..Selection::all(&CONTACTS, 50) };
+    let span = vec![one, Filter::AtLeast("t_us", Value::Whole(1)), Filter::Below("t_us", Value::Whole(9))];
+    let within = Selection { filters: span, ..all.clone() };
+    let later = Selection { after: Some(Position { value: Value::Whole(5), id: 7 }), ..all.clone() };
+    vec![all, within, later]
+}
+
+async fn contacts_use_the_index_of_whisker_and_time(store: &Store) {
+    for selection in each() {
+        let plan = store.plan(&CONTACTS, &selection).await.unwrap();
+        let scans = plan.iter().any(|step| step.contains("of_whisker"));
+        let bounds = plan.iter().any(|step| step.contains("whisker_id"));
+        assert!(scans && bounds, "{selection:?}: {plan:#?}");
+    }
+}
+
 async fn they_use_an_index(store: &Store, pages: Vec<Page>) {
     for (list, filters, index) in pages {
         let what = format!("{} with {filters:?}", list.what);
@@ -66,6 +86,7 @@ async fn they_use_an_index(store: &Store, pages: Vec<Page>) {
 async fn the_lists_use_an_index_of_sqlite() {
     let fresh = Fresh::sqlite().await;
     they_use_an_index(&fresh.store, [in_order(), selected()].concat()).await;
+    contacts_use_the_index_of_whisker_and_time(&fresh.store).await;
 }
 
 #[tokio::test]
@@ -77,6 +98,8 @@ async fn the_lists_use_an_index_of_postgres() {
     for (setting, pages) in [("enable_seqscan", selected()), ("enable_sort", in_order())] {
         link.execute(sqlx::AssertSqlSafe(format!("ALTER DATABASE vibrissa SET {setting} = off"))).await.unwrap();
         let address: DatabaseAddress = Postgres::supervisor_url(server.port()).parse().unwrap();
-        they_use_an_index(&Store::open(&address, "plans").await.unwrap(), pages).await;
+        let store = Store::open(&address, "plans").await.unwrap();
+        they_use_an_index(&store, pages).await;
+        contacts_use_the_index_of_whisker_and_time(&store).await;
     }
 }

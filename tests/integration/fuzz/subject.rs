@@ -127,6 +127,7 @@ impl<'a> Subject<'a> {
             | Message::Setpoint(_)
             | Message::Request(_)
             | Message::Estimate(_)
+            | Message::Maintenance(_)
             | Message::SupervisorState(_)
             | Message::SupervisorRequest(_) => {
                 unreachable!("robots do not say this")

@@ -136,6 +136,10 @@ async fn each_contact_and_length_is_on_one_page_of_its_list() {
         let minute = "from=2026-11-21T08:00:10Z&to=2026-11-21T08:01:10Z";
         let within = rows.iter().filter(|row| (10_000_000..70_000_000).contains(&(row.t_us - START_US))).count();
         assert_eq!(served.all(&format!("{WHISKER}/contacts/each?{minute}&limit=50")).await.len(), within);
+        for (list, name) in [("contacts", "contacts.csv"), ("lengths", "lengths.csv")] {
+            let csv = served.get(&format!("{WHISKER}/{list}/each?limit=1&format=csv")).await;
+            assert_eq!(csv.headers["content-disposition"], format!("attachment; filename=\"{name}\""));
+        }
         let other = pages_of_another_order(&served).await;
         assert_eq!((other.status, &other.json()["errors"][0]["field"]), (422, &"cursor".into()));
     }

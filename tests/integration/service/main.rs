@@ -23,6 +23,7 @@ mod duplicates;
 mod estimates;
 mod forgetful;
 mod http;
+mod maintenance;
 mod metrics;
 mod quickstart;
 mod replaced;

@@ -1,6 +1,7 @@
 //! Runs the service in this process with a private database and broker.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -9,9 +10,10 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::Name;
 use vibrissa_store::DatabaseAddress;
 use vibrissa_store::secret::Secret;
+use vibrissa_supervisor::engine::Limits;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::mqtt::BrokerAddress;
-use vibrissa_supervisor::service::{LEASE_TIME_TO_LIVE, Service, ServiceOptions};
+use vibrissa_supervisor::service::{LEASE_TIME_TO_LIVE, LimitOptions, Service, ServiceOptions};
 use vibrissa_supervisor::trace::TraceOptions;
 use vibrissa_tests::wait::until_true;
 
@@ -50,12 +52,12 @@ impl Running {
     /// Starts a service that requires this token or one from the database.
     pub(crate) async fn closed(token: &str) -> Self {
         let access = AccessOptions { token: Some(Secret::new(token)), oidc: None };
-        Self::let_in(tempfile::tempdir().unwrap(), quick(), None, access, None).await
+        Self::let_in(tempfile::tempdir().unwrap(), quick(), None, (access, None), None).await
     }
 
     /// Starts a service on the database in this folder.
     pub(crate) async fn on(folder: TempDir, params: Params, broker: Option<u16>) -> Self {
-        Self::let_in(folder, params, broker, AccessOptions::default(), None).await
+        Self::let_in(folder, params, broker, (AccessOptions::default(), None), None).await
     }
 
     /// Starts a service that exports traces.
@@ -64,15 +66,29 @@ impl Running {
     }
 
     async fn traced_on(folder: TempDir, broker: Option<u16>, traces: TraceOptions) -> Self {
-        Self::let_in(folder, quick(), broker, AccessOptions::default(), Some(traces)).await
+        Self::let_in(folder, quick(), broker, (AccessOptions::default(), Some(traces)), None).await
+    }
+
+    /// Starts a service that publishes facts for the maintenance of whiskers.
+    pub(crate) async fn maintained(every: Duration, broker: u16) -> Self {
+        Self::maintained_on(tempfile::tempdir().unwrap(), every, broker).await
+    }
+
+    /// Stops the service in an orderly way and starts another such one with the same database.
+    pub(crate) async fn maintained_again(self, every: Duration, broker: u16) -> Self {
+        Self::maintained_on(self.stop().await, every, broker).await
+    }
+
+    async fn maintained_on(folder: TempDir, every: Duration, broker: u16) -> Self {
+        Self::let_in(folder, quick(), Some(broker), (AccessOptions::default(), None), Some(every)).await
     }
 
     async fn let_in(
         folder: TempDir,
         params: Params,
         broker: Option<u16>,
-        access: AccessOptions,
-        traces: Option<TraceOptions>,
+        (access, traces): (AccessOptions, Option<TraceOptions>),
+        maintenance_every: Option<Duration>,
     ) -> Self {
         let path = database_in(&folder);
         let fleet = Name::new("f").unwrap();
@@ -86,7 +102,10 @@ impl Running {
             database: DatabaseAddress::Sqlite(path.clone()),
             is_new_installation: true,
             lease_time_to_live: LEASE_TIME_TO_LIVE,
-            limits: vibrissa_supervisor::service::LimitOptions::default(),
+            limits: LimitOptions {
+                limits: Limits { maintenance_every, ..Limits::default() },
+                ..LimitOptions::default()
+            },
             history: vibrissa_supervisor::service::HistoryOptions::default(),
             black_boxes: vibrissa_supervisor::service::BlackBoxOptions::default(),
             metrics_per_whisker: false,

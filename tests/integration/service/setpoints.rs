@@ -146,6 +146,42 @@ async fn a_setpoint_that_a_robot_is_not_ready_for_is_tried_three_times_and_then_
     running.service.stop().await;
 }
 
+/// A robot in a task declines setpoints for as long as it works.
+#[tokio::test]
+async fn a_setpoint_waits_for_the_end_of_the_robots_task_without_an_alarm() {
+    let running = Running::with(quick(), None).await;
+    let mut robot = HandRobot::born(running.port(), "r", array(ArrayType::Type2, &[70.0])).await;
+    robot.touch(0, LEARNED + 20).await;
+    robot.cut(0, 66.0);
+    robot.touch(0, 80).await;
+    let (mut setpoint, _) = robot.setpoint().await;
+    // More often than a robot may be not ready.
+    for _ in 0..4 {
+        robot.answer(&setpoint, SetpointOutcome::Rejected, Some(SetpointError::InTask)).await;
+        let waits = async || {
+            let row = running.list("compensations").await.remove(0);
+            row["setpoint_error"] == "IN_TASK" && row["ended_at"].is_null()
+        };
+        until_true("what it waits for", waits).await;
+        let next = loop {
+            let (next, _) = robot.setpoint().await;
+            if next.command_id != setpoint.command_id {
+                break next;
+            }
+        };
+        assert_eq!((next.pressure_mpa, next.epoch), (setpoint.pressure_mpa, setpoint.epoch));
+        setpoint = next;
+    }
+    robot.answer(&setpoint, SetpointOutcome::Applied, None).await;
+    until_states(&running, &["REJECTED", "REJECTED", "REJECTED", "REJECTED", "APPLIED"]).await;
+    let alarms = running.database.texts("SELECT kind FROM alarms ORDER BY alarm_id").await;
+    assert!(!alarms.contains(&"SETPOINT_FAILED".to_owned()), "{alarms:?}");
+    assert_eq!(running.metric("vibrissa_setpoints_total{fleet=\"f\",state=\"REJECTED\"}").await, 0.0);
+    let declined = running.metric("vibrissa_setpoints_rejected_total{error=\"IN_TASK\",fleet=\"f\"}").await;
+    assert_eq!(declined, 4.0);
+    running.service.stop().await;
+}
+
 #[tokio::test]
 async fn a_setpoint_that_is_stale_for_the_robot_is_not_insisted_on() {
     let (running, mut robot, setpoint) = cut().await;

@@ -97,6 +97,22 @@ async fn several_alarms_are_one_mail_and_their_end_is_in_its_thread() {
 }
 
 #[tokio::test]
+async fn a_person_gets_alarms_and_their_ends_unless_other_kinds_are_asked_for() {
+    let (stage, mailbox) = (Stage::sqlite().await, Mailbox::start().await);
+    let service = supervisor(&stage, server(&mailbox)).await;
+    for (name, url, asked, kinds) in [
+        ("usual", "mailto:ann@example.org", json!(null), json!(["ALARM_RAISED", "ALARM_CLEARED"])),
+        ("cuts", "mailto:ann@example.org", json!(["TRIM"]), json!(["TRIM"])),
+        ("program", "http://127.0.0.1:9/hook", json!(null), json!(null)),
+    ] {
+        let body = json!({ "name": name, "url": url, "kinds": asked });
+        let answer = call(&service, "POST", "/v1/webhooks", Some(body)).await;
+        assert_eq!((answer.status, &answer.json()["webhook"]["kinds"]), (201, &kinds), "{name}: {}", answer.body);
+    }
+    service.stop().await;
+}
+
+#[tokio::test]
 async fn a_person_gets_the_alarms_between_two_mails_with_the_second() {
     let (stage, mailbox) = (Stage::sqlite().await, Mailbox::start().await);
     let service = supervisor(&stage, MailOptions { pause: HOUR, ..server(&mailbox) }).await;

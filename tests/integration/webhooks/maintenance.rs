@@ -86,6 +86,40 @@ async fn a_maintenance_shelves_and_then_tells_on_postgresql() {
     a_maintenance_shelves_and_then_tells(Stage::postgres().await).await;
 }
 
+/// The end of the first window fell into the second one, and nobody was told at the end of that.
+#[tokio::test]
+async fn regress_an_alarm_from_before_an_overlapping_maintenance_is_told_at_its_end() {
+    let stage = Stage::sqlite().await;
+    let receiver = Receiver::start(Manner::Status(204)).await;
+    let service = stage.supervisor("a", FAST).await;
+    let _robot = stage.robot().await;
+    hook(&service, &receiver, json!({ "kinds": ["ALARM_RAISED", "TRIM"] })).await;
+    let set = async |hours: i64| {
+        let body = json!({ "fleet": "f", "until": in_hours(hours), "reason": "new belts" });
+        let answer = call(&service, "POST", "/v1/maintenance", Some(body)).await;
+        assert_eq!(answer.status, 201, "{}", answer.body);
+        answer.json()["maintenance_id"].as_i64().unwrap()
+    };
+    let end = async |id: i64| {
+        let ended = call(&service, "POST", &format!("/v1/maintenance/{id}/end"), None).await;
+        assert_eq!(ended.status, 200, "{}", ended.body);
+    };
+    let mut raw = stage.raw().await;
+    let first = set(2).await;
+    raise(&mut raw).await;
+    let second = set(4).await;
+    end(first).await;
+    let told = format!("SELECT count(*) FROM maintenance WHERE maintenance_id = {first} AND told_us = ended_us");
+    until_true("the end of the first one", async || raw.number(&told).await == 1).await;
+    raw.trim(1).await;
+    until_true("the event after it", async || !got(&receiver).is_empty()).await;
+    assert_eq!(got(&receiver), ["TRIM"], "the second one keeps it");
+    end(second).await;
+    until_true("the alarm is told", async || got(&receiver).len() >= 2).await;
+    assert_eq!(got(&receiver), ["TRIM", "ALARM_RAISED"]);
+    service.stop().await;
+}
+
 #[tokio::test]
 async fn a_planned_or_foreign_maintenance_shelves_nothing_and_a_wrong_one_is_refused() {
     let stage = Stage::sqlite().await;

@@ -246,13 +246,14 @@ impl Robot {
                 // It carries its test, handled above.
                 RequestKind::TouchTest => {}
             },
-            // A robot does not subscribe to robots' topics.
+            // A robot does not subscribe to robots' topics, nor to those of tools.
             Message::Connection(_)
             | Message::Factsheet(_)
             | Message::Contacts(_)
             | Message::Status(_)
             | Message::SetpointState(_)
             | Message::TestState(_)
+            | Message::Maintenance(_)
             | Message::SupervisorState(_)
             | Message::SupervisorRequest(_) => self.refused += 1,
         }

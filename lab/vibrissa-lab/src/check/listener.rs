@@ -126,7 +126,11 @@ impl Listener {
             }
             RobotTopic::Status => qos == 0,
             RobotTopic::Contacts => qos <= 1,
-            RobotTopic::Receipt | RobotTopic::Setpoint | RobotTopic::Request | RobotTopic::Estimate => true,
+            RobotTopic::Receipt
+            | RobotTopic::Setpoint
+            | RobotTopic::Request
+            | RobotTopic::Estimate
+            | RobotTopic::Maintenance => true,
         };
         let seen = if is_right { "as the contract requires on every topic".into() } else { format!("{qos} on {kind}") };
         self.findings.judge(Rule::QualityOfService, is_right, seen);
@@ -144,7 +148,8 @@ impl Listener {
             | RobotTopic::Receipt
             | RobotTopic::Setpoint
             | RobotTopic::Request
-            | RobotTopic::Estimate => {}
+            | RobotTopic::Estimate
+            | RobotTopic::Maintenance => {}
         }
         if kind == RobotTopic::Contacts && qos == 1 {
             self.ledger.at_least_once += 1;
@@ -235,6 +240,7 @@ impl Listener {
             | Message::Setpoint(_)
             | Message::Request(_)
             | Message::Estimate(_)
+            | Message::Maintenance(_)
             | Message::SupervisorState(_)
             | Message::SupervisorRequest(_) => {}
         }
@@ -323,6 +329,7 @@ fn time_us(message: &Message) -> Option<u64> {
         | Message::Setpoint(_)
         | Message::Request(_)
         | Message::Estimate(_)
+        | Message::Maintenance(_)
         | Message::SupervisorState(_)
         | Message::SupervisorRequest(_) => None,
     }

@@ -25,6 +25,7 @@ impl Listener {
             | Message::Setpoint(_)
             | Message::Request(_)
             | Message::Estimate(_)
+            | Message::Maintenance(_)
             | Message::SupervisorState(_)
             | Message::SupervisorRequest(_) => None,
         })
@@ -43,6 +44,7 @@ impl Listener {
             | Message::Setpoint(_)
             | Message::Request(_)
             | Message::Estimate(_)
+            | Message::Maintenance(_)
             | Message::SupervisorState(_)
             | Message::SupervisorRequest(_) => None,
         })

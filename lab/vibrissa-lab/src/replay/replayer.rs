@@ -238,6 +238,7 @@ impl Replayer {
                 | Message::Receipt(_)
                 | Message::Request(_)
                 | Message::Estimate(_)
+                | Message::Maintenance(_)
                 | Message::SupervisorState(_)
                 | Message::SupervisorRequest(_) => return Ok(()),
                 Message::Contacts(_) | Message::Status(_) | Message::SetpointState(_) | Message::TestState(_) => {
@@ -327,6 +328,7 @@ impl Known {
             Message::Receipt(_)
             | Message::Request(_)
             | Message::Estimate(_)
+            | Message::Maintenance(_)
             | Message::SupervisorState(_)
             | Message::SupervisorRequest(_) => {}
         }

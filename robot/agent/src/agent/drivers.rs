@@ -36,6 +36,8 @@ pub(super) struct Driver {
     pub(super) is_there: bool,
     /// It says that the robot moves.
     pub(super) says_driving: bool,
+    /// It says that the robot is in a task.
+    pub(super) says_task: bool,
     /// Moment of its last line, or of its start.
     pub(super) heard: Moment,
     /// Lines since its start.
@@ -67,6 +69,7 @@ impl Driver {
             limits: config.limits,
             is_there: false,
             says_driving: false,
+            says_task: false,
             heard: now.at,
             lines: 0,
             refused: 0,
@@ -83,7 +86,8 @@ impl Driver {
 
     /// It can be heard from now on.
     fn start(&mut self, now: Now) {
-        (self.is_there, self.says_driving, self.is_configured, self.heard) = (true, false, false, now.at);
+        (self.is_there, self.is_configured, self.heard) = (true, false, now.at);
+        (self.says_driving, self.says_task) = (false, false);
         (self.lines, self.echoes, self.problem, self.times) = (0, 0, None, Times::default());
     }
 
@@ -196,6 +200,11 @@ impl Agent {
     /// Whether a driver of a whisker says that the robot moves; `None` if none does.
     pub(super) fn drives(&self, at: usize) -> Option<bool> {
         self.drivers.iter().any(|one| one.is_there && one.says_driving && one.serves.contains(&at)).then_some(true)
+    }
+
+    /// Whether a driver says that the robot is in a task. It counts for all whiskers of the robot.
+    pub(super) fn is_in_task(&self) -> bool {
+        self.drivers.iter().any(|one| one.is_there && one.says_task)
     }
 
     /// Whether any driver of a whisker is there.

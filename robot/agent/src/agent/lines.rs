@@ -102,6 +102,10 @@ impl Agent {
                 self.drivers[from].says_driving = line.driving;
                 Ok(())
             }
+            FromDriver::Task(line) => {
+                self.drivers[from].says_task = line.task;
+                Ok(())
+            }
             FromDriver::Locate(line) => {
                 let place = self.locate(from, line, now);
                 out.push(Output::Tell(from, place));

@@ -307,13 +307,14 @@ impl Agent {
                 // A request for a test without the test is refused when it is decoded.
                 (RequestKind::TouchTest, None) => {}
             },
-            // A robot does not subscribe to robots' topics.
+            // A robot does not subscribe to robots' topics, nor to those of tools.
             Message::Connection(_)
             | Message::Factsheet(_)
             | Message::Contacts(_)
             | Message::Status(_)
             | Message::SetpointState(_)
             | Message::TestState(_)
+            | Message::Maintenance(_)
             | Message::SupervisorState(_)
             | Message::SupervisorRequest(_) => {
                 self.counts.messages_refused += 1;

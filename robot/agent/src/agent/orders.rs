@@ -42,6 +42,9 @@ impl Agent {
             (Verdict::Take, Some(at)) if !self.is_held(at) => {
                 self.answer(id, Some(at), CommandAnswer::rejected(SetpointError::NotReady), now, out);
             }
+            (Verdict::Take, Some(at)) if self.is_in_task() => {
+                self.answer(id, Some(at), CommandAnswer::rejected(SetpointError::InTask), now, out);
+            }
             (Verdict::Take, Some(at)) => self.take(setpoint, at, now, out),
             (Verdict::Again(answer), _) => self.answer(id, at, answer, now, out),
             (Verdict::Reject(error), _) => self.answer(id, at, CommandAnswer::rejected(error), now, out),
@@ -195,8 +198,9 @@ impl Agent {
         let is_busy = self.under_way.iter().any(|one| Some(one.whisker) == at);
         let before = at.and_then(|at| self.chambers[at].seen);
         let is_there = at.is_some_and(|at| self.is_served(at));
+        let is_in_task = self.is_in_task();
         let tested = at.map(|at| &mut self.chambers[at]).map(|chamber| Tested {
-            is_ready: is_there && !is_busy && chamber.applying.is_none(),
+            is_ready: is_there && !is_busy && !is_in_task && chamber.applying.is_none(),
             seen: &mut chamber.seen,
             kinds: &self.facts.touch_tests,
         });
@@ -223,6 +227,9 @@ impl Agent {
                     contacts: test.contacts,
                 };
                 self.tell(whisker, &line, out);
+            }
+            (TestVerdict::Reject(TouchTestError::NotReady), _) if is_in_task => {
+                self.answer_test(&test.test_id, TestAnswer::rejected(TouchTestError::InTask), now, out);
             }
             (TestVerdict::Again(answer), _) => self.answer_test(&test.test_id, answer, now, out),
             (TestVerdict::Reject(error), _) => {

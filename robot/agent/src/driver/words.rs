@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use vibrissa_protocol::{Gauge, Name, Regulator, plain};
 
-pub use states::{Changes, Configuration, Configured, Driving, Hello, Problem, Progress, Source, TestState};
+pub use states::{Changes, Configuration, Configured, Driving, Hello, Problem, Progress, Source, Task, TestState};
 
 /// Largest number of samples in one `strain` line.
 pub const SAMPLES_MAX: usize = 1000;
@@ -32,6 +32,8 @@ pub enum FromDriver {
     TestState(TestState),
     /// Whether the robot moves.
     Driving(Driving),
+    /// Whether the robot is in a task.
+    Task(Task),
     /// Where was this touch?
     Locate(Locate),
     /// A board's answer to a person who configures it.
@@ -226,7 +228,7 @@ struct Head<'a> {
 }
 
 /// The words of drivers, in an error.
-const WORDS: &str = "send one of hello, contact, strain, motion, pressure, fault, test_state, driving, locate";
+const WORDS: &str = "send one of hello, contact, strain, motion, pressure, fault, test_state, driving, task, locate";
 
 impl FromDriver {
     /// Reads a line.
@@ -248,6 +250,7 @@ impl FromDriver {
             "fault" => read(text, Self::Fault),
             "test_state" => read(text, Self::TestState),
             "driving" => read(text, Self::Driving),
+            "task" => read(text, Self::Task),
             "locate" => read(text, Self::Locate),
             "configured" => read(text, Self::Configured),
             "configuration" => read(text, Self::Configuration),

@@ -323,6 +323,8 @@ pub enum Rejection {
     WrongBoot,
     /// The robot cannot take it at the moment.
     NotReady,
+    /// The robot is in a task, and takes it after its end.
+    InTask,
 }
 
 /// Report of a robot on a touch test.

@@ -63,7 +63,7 @@ pub enum WhatIfError {
     #[error("there is no whisker with index {0}")]
     UnknownWhisker(WhiskerIndex),
     /// The length is not below the present one.
-    #[error("a cut to {asked_mm} mm does not shorten the whisker: it has {present_mm} mm")]
+    #[error("a cut to {asked_mm:.2} mm does not shorten the whisker: it has {present_mm:.2} mm")]
     NotShorter {
         /// Requested length, mm.
         asked_mm: f64,

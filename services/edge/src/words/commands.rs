@@ -31,6 +31,7 @@ words! {
         UnknownWhisker => "UNKNOWN_WHISKER",
         WrongBoot => "WRONG_BOOT",
         NotReady => "NOT_READY",
+        InTask => "IN_TASK",
     }
     TestState {
         Pending => "PENDING" "not answered yet" (Info),

@@ -1,8 +1,8 @@
 use super::*;
 use crate::document::Channel;
 use crate::document::examples::{
-    CONNECTION, CONTACTS, ESTIMATE, ESTIMATE_GAIN, FACTSHEET, FACTSHEET_GAIN, RECEIPT, SETPOINT, SETPOINT_GAIN,
-    SETPOINT_STATE, STATUS, STATUS_DROPPED,
+    CONNECTION, CONTACTS, ESTIMATE, ESTIMATE_GAIN, FACTSHEET, FACTSHEET_GAIN, MAINTENANCE, RECEIPT, SETPOINT,
+    SETPOINT_GAIN, SETPOINT_STATE, STATUS, STATUS_DROPPED,
 };
 use crate::{ContactPlace, Distance, Segmenter};
 
@@ -91,6 +91,8 @@ fn a_malformed_message_is_refused_with_the_place() {
     assert_eq!(refused_after("estimate", ESTIMATE, "TRIMMED", "LONGER").label(), "malformed");
     assert_eq!(refused_after("estimate", ESTIMATE, "[0.45,", "[1.0,").label(), "malformed");
     assert_eq!(refused_after("estimate", ESTIMATE, r#""version":5,"#, "").label(), "malformed");
+    assert_eq!(refused_after("maintenance", MAINTENANCE, "ERODING", "OLD").label(), "malformed");
+    assert_eq!(refused_after("maintenance", MAINTENANCE, "T22:14", " 22:14").label(), "malformed");
 }
 
 #[test]
@@ -118,6 +120,11 @@ fn numbers_out_of_range_are_refused_with_the_place() {
     for (angle, place) in [(r#""angle_deg":76"#, "angle_deg"), (r#""angle_deg":5,"angle_sd_deg":0"#, "angle_sd_deg")] {
         let refused = refused_after("contacts", CONTACTS, r#""strain""#, &format!(r#"{angle},"strain""#));
         assert_out_of_range(&refused, &format!("contacts[0].{place}"));
+    }
+    for (from, to, place) in
+        [("70.0", "0", "factory_length_mm"), (":4.2", ":-0.1", "wear_mm"), ("5200.0", "1e10", "remaining_contacts")]
+    {
+        assert_out_of_range(&refused_after("maintenance", MAINTENANCE, from, to), &format!("whiskers[0].{place}"));
     }
     assert_out_of_range(&refused_after("factsheet", FACTSHEET, "65.0", "0"), "arrays[0].whiskers[1].length_mm");
     assert_out_of_range(&refused_after("factsheet", FACTSHEET, "65.0", "1e-300"), "arrays[0].whiskers[1].length_mm");

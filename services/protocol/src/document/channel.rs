@@ -17,7 +17,7 @@ pub enum Channel {
 
 impl Channel {
     /// All topics, in the contract's order.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Robot(RobotTopic::Connection),
         Self::Robot(RobotTopic::Factsheet),
         Self::Robot(RobotTopic::Contacts),
@@ -28,6 +28,7 @@ impl Channel {
         Self::Robot(RobotTopic::Request),
         Self::Robot(RobotTopic::TestState),
         Self::Robot(RobotTopic::Estimate),
+        Self::Robot(RobotTopic::Maintenance),
         Self::SupervisorState,
         Self::SupervisorRequest,
     ];
@@ -142,6 +143,13 @@ impl Channel {
                  first estimate of a boot the robot does not know the present lengths: the factory length is no \
                  evidence of them, so it sends distances instead of ratios."
             }
+            Self::Robot(RobotTopic::Maintenance) => {
+                "Retained, and optional: only a supervisor with the setting mqtt.maintenance_every_s sends it. For fleet \
+                 controls and tools for maintenance; robots do not need it, and the shipped access lists do not let \
+                 them read it. For each whisker the wear (length lost), the time of the last touch test, and the contacts \
+                 that remain until it is too short to compensate for itself. Sent when a supervisor takes the fleet over and \
+                 when a fact has changed, at most once in that time per robot. A decommissioned robot's message is cleared."
+            }
             Self::SupervisorState => {
                 "Retained, with a last will. States whether a supervisor owns the fleet, and its epoch. ONLINE is published \
                  at each connection and repeated every 5 s, because brokers forget. For tools: robots do not need it, \
@@ -190,6 +198,7 @@ impl Channel {
             Self::Robot(RobotTopic::Estimate) => {
                 &[("trimmed_and_compensated", examples::ESTIMATE), ("air_and_gain", examples::ESTIMATE_GAIN)]
             }
+            Self::Robot(RobotTopic::Maintenance) => &[("eroding_and_new", examples::MAINTENANCE)],
             Self::SupervisorState => &[("online", examples::SUPERVISOR_STATE)],
             Self::SupervisorRequest => &[("birth", examples::SUPERVISOR_REQUEST)],
         }

@@ -10,7 +10,8 @@ use serde_json::Value;
 
 use super::Channel;
 use crate::messages::{
-    Connection, Contacts, Estimate, Factsheet, Receipt, Request, Setpoint, SetpointState, Status, TestState,
+    Connection, Contacts, Estimate, Factsheet, Maintenance, Receipt, Request, Setpoint, SetpointState, Status,
+    TestState,
 };
 use crate::{RobotTopic, SupervisorRequest, SupervisorState, schema};
 
@@ -41,6 +42,7 @@ fn root(channel: Channel, generator: SchemaGenerator) -> Schema {
         Channel::Robot(RobotTopic::Request) => generator.into_root_schema_for::<Request>(),
         Channel::Robot(RobotTopic::TestState) => generator.into_root_schema_for::<TestState>(),
         Channel::Robot(RobotTopic::Estimate) => generator.into_root_schema_for::<Estimate>(),
+        Channel::Robot(RobotTopic::Maintenance) => generator.into_root_schema_for::<Maintenance>(),
         Channel::SupervisorState => generator.into_root_schema_for::<SupervisorState>(),
         Channel::SupervisorRequest => generator.into_root_schema_for::<SupervisorRequest>(),
     }

@@ -1,4 +1,4 @@
-//! Requests for actions on many, with their progress.
+//! Bulk actions, with their progress.
 
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -9,7 +9,7 @@ use crate::list::List;
 use crate::time::Time;
 
 from_row! {
-    /// A request for an action on many robots, whiskers, alarms or fleets, with its progress.
+    /// A request for a bulk action on robots, whiskers, alarms or fleets, with its progress.
     #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
     #[schema(as = BulkAction)]
     pub struct BulkRow {
@@ -57,7 +57,7 @@ sorts! {
 
 /// The requests for many.
 pub static BULK: List = List {
-    what: "list the actions on many",
+    what: "list the bulk actions",
     select: "SELECT action_id, fleet, kind, parameters, reason, actor, asked_us AS asked_at, subjects \
              FROM actions WHERE subjects IS NOT NULL",
     details: ", (SELECT count(*) FROM actions c WHERE c.parent_id = q.action_id AND c.state = 'PENDING') AS pending, \

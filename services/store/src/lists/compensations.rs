@@ -88,6 +88,9 @@ from_row! {
         pub measured_at: Option<Time>,
         /// State of the newest setpoint, such as `APPLIED`.
         pub setpoint_state: Option<String>,
+        /// Reason that the robot gave for rejecting it; `IN_TASK` says that it waits for the end of the robot's task. Null
+        /// unless it was rejected.
+        pub setpoint_error: Option<String>,
         /// Time of the decision, by the supervisor's clock.
         pub decided_at: Time,
         /// Time at which the compensation ended, by the supervisor's clock; null while it is in force or proposed.
@@ -243,6 +246,8 @@ pub static COMPENSATIONS: List = List {
              e.contacts AS measured_contacts, e.recorded_us AS measured_at, \
              (SELECT state FROM setpoints s WHERE s.compensation_id = c.compensation_id \
               ORDER BY epoch DESC, version DESC LIMIT 1) AS setpoint_state, \
+             (SELECT s.error FROM setpoints s WHERE s.compensation_id = c.compensation_id \
+              ORDER BY epoch DESC, version DESC LIMIT 1) AS setpoint_error, \
              decided_us AS decided_at, ended_us AS ended_at, end_reason \
              FROM compensations c JOIN robots USING (robot_id) JOIN whiskers t ON t.whisker_id = c.target_whisker_id \
              JOIN arrays ON arrays.array_id = t.array_id \

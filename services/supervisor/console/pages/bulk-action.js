@@ -1,4 +1,4 @@
-// One action on many: its conditions, its progress, why subjects were refused, and each subject.
+// One bulk action: its conditions, its progress, why subjects were refused, and each subject.
 
 import { get, has } from "../api.js";
 import { browser, optionsOf } from "../browse.js";

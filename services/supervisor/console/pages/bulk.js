@@ -1,4 +1,4 @@
-// Actions on many: every request with its progress.
+// Bulk actions: every request with its progress.
 
 import { browser } from "../browse.js";
 import { h } from "../dom.js";

@@ -50,7 +50,7 @@ const COLUMNS = [
   { name: "Last message", cell: (row) => age(row.updated_at) },
 ];
 
-/** The filters of the address as conditions of an action on many. */
+/** The filters of the address as conditions of a bulk action. */
 function filterOf(fleet, { connection, attention, label, q }) {
   const filter = { fleet, connection, attention: attention && attention === "true", label, q };
   return Object.fromEntries(Object.entries(filter).filter(([, value]) => value !== undefined && value !== ""));

@@ -56,7 +56,7 @@ const COLUMNS = [
   { name: "Last message", cell: (row) => age(row.heard_at) },
 ];
 
-/** The filters of the address as conditions of an action on many. */
+/** The filters of the address as conditions of a bulk action. */
 function filterOf({ fleet, condition, faulty, held, label, q }) {
   const flag = (word) => (word ? word === "true" : undefined);
   const filter = { fleet, condition, faulty: flag(faulty), held: flag(held), label, q };

@@ -67,7 +67,7 @@ function buttons(route, noun, actions, { filter, many }, done) {
 }
 
 /**
- * The dialog of an action on many, after its dry run: `{ path, noun, verb, what, grave, body, fields, values }`. `body` is that of
+ * The dialog of a bulk action, after its dry run: `{ path, noun, verb, what, grave, body, fields, values }`. `body` is that of
  * the request, and `values(told)` adds what the fields say.
  */
 export async function prepared({ path, noun, verb, what, grave, body, fields = [], values = () => ({}) }) {
@@ -130,6 +130,6 @@ export function progressOf({ subjects, done, refused, expired }) {
   return parts.filter(Boolean).join(", ");
 }
 
-/** The link to the list of actions on many. */
+/** The link to the list of bulk actions. */
 export const bulkLink = () =>
   has("GET", "/v1/bulk-actions") ? h("a", { href: link.bulk() }, "Bulk actions, with their progress") : null;

@@ -6,7 +6,7 @@ import { mark, markOf } from "../marks.js";
 import { link, names } from "../places.js";
 import { table } from "../table.js";
 import { decisionPicture } from "./effect.js";
-import { APPROVALS, CASES, END_REASONS, LOOKS, REFUSALS, say, SETPOINT_REASONS, SETPOINT_STATES } from "../words.js";
+import { APPROVALS, CASES, END_REASONS, LOOKS, REFUSALS, say, SETPOINT_ERRORS, SETPOINT_REASONS, SETPOINT_STATES } from "../words.js";
 
 /** A predicted or measured error with its interval. */
 export const error = (row, name) => interval(row[name], row[`${name}_low`], row[`${name}_high`], percent);
@@ -22,6 +22,7 @@ export function standing(row) {
     );
   if (row.approval === "PROPOSED" || row.approval === "REFUSED") return markOf(APPROVALS, row.approval);
   if (row.compensator_whisker === null) return mark("not compensated", "bad", "cross");
+  if (row.setpoint_error === "IN_TASK") return mark(say(SETPOINT_ERRORS, row.setpoint_error), "warn", "clock");
   return row.setpoint_state ? markOf(SETPOINT_STATES, row.setpoint_state) : mark("active", "good", "circle");
 }
 

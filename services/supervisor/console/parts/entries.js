@@ -106,7 +106,8 @@ function decided({ decision }, { array }) {
 }
 
 function setpoint({ setpoint: one }, { steps = [] }) {
-  const tone = { APPLIED: "good", REJECTED: "bad", FAILED: "bad", EXPIRED: "bad" }[one.state] ?? "info";
+  const known = { APPLIED: "good", REJECTED: "bad", FAILED: "bad", EXPIRED: "bad" }[one.state] ?? "info";
+  const tone = one.rejection === "IN_TASK" ? "info" : known;
   const why = one.rejection ? `: ${say(SETPOINT_ERRORS, one.rejection)}` : "";
   const reason = one.reason ? `, ${say(SETPOINT_REASONS, one.reason)}` : "";
   const span = steps.length > 1 ? (Date.parse(steps[0].at) - Date.parse(steps.at(-1).at)) / 1000 : 0;

@@ -109,6 +109,8 @@ function remedy(whisker, decision) {
       tone: "bad",
       text: `not compensated any more: ${say(END_REASONS, decision.end_reason)} at ${moment(decision.ended_at)}`,
     };
+  if (decision.setpoint_error === "IN_TASK")
+    return { tone: "warn", text: `${say(SETPOINT_ERRORS, decision.setpoint_error)}: ${how}` };
   if (NOT_SET.includes(decision.setpoint_state))
     return { tone: "bad", text: `pressure not set, ${say(SETPOINT_STATES, decision.setpoint_state)}: ${how}` };
   return result(decision, how);

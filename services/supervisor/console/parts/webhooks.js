@@ -30,10 +30,26 @@ function settings(values) {
     name: values.name,
     url: values.url,
     fleets: fleets.length ? fleets : null,
-    kinds: kinds.length === eventKinds().length ? null : kinds,
+    kinds: kinds.length === eventKinds().length && !isMail(values.url) ? null : kinds,
     level: values.level,
     enabled: values.enabled === "yes",
     reason: withReason(values),
+  };
+}
+
+const isMail = (url) => url.trim().startsWith("mailto:");
+
+/** Kinds that people get by mail, unless they choose others. */
+const MAIL_KINDS = ["ALARM_RAISED", "ALARM_CLEARED"];
+
+/** Chooses the usual events once the URL is that of a mail, or not any more. */
+function presetKinds() {
+  let wasMail = false;
+  return ({ target }) => {
+    if (isMail(target.value) === wasMail) return;
+    wasMail = !wasMail;
+    for (const box of target.form.querySelectorAll("[name^='kinds:']"))
+      box.checked = !wasMail || MAIL_KINDS.includes(box.name.slice("kinds:".length));
   };
 }
 
@@ -49,6 +65,7 @@ const fields = (webhook) => [
     maxlength: 2000,
     hint: "https://... or http://..., or mailto:NAME@HOST for mails. Private addresses need webhooks.allowed_hosts, mails need mail.url.",
     value: webhook?.url,
+    oninput: webhook ? null : presetKinds(),
   },
   {
     name: "fleets",

@@ -373,14 +373,17 @@ impl Engine {
         Ok(())
     }
 
-    /// Tells robots the lengths of their whiskers if they have changed. While many publications wait for the broker, this
-    /// waits, too: only the newest estimate of a robot matters.
+    /// Tells robots the lengths of their whiskers if they have changed, and other tools the wear. While many publications
+    /// wait for the broker, this waits, too: only the newest retained message of a robot matters.
     fn publish_estimates(&mut self) {
         if self.pipeline.take_losses() {
-            self.workers.repeat_estimates();
+            self.workers.repeat_retained();
         }
         if self.pipeline.outbox_filling().is_none_or(|(waiting, most)| waiting < most / 2) {
             self.workers.publish_estimates(Instant::now());
+            if let Some(every) = self.limits.maintenance_every {
+                self.workers.publish_maintenance(Instant::now(), every);
+            }
             self.pipeline.stepped(0, &self.workers);
         }
     }

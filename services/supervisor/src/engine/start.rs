@@ -38,6 +38,7 @@ use crate::set_aside::Reader;
 use crate::trace::{OpenTraces, Traces};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::words::Word as _;
+use vibrissa_store::maintenance_facts::LastTest;
 use vibrissa_store::{Lease, StoreError, Writer};
 
 /// A day in µs.
@@ -75,6 +76,8 @@ pub(crate) struct EngineOptions {
     pub(crate) robot_clocks: RobotClocks,
     /// Whether the contacts are archived.
     pub(crate) is_archived: bool,
+    /// The last touch tests of whiskers, if facts for their maintenance are published.
+    pub(crate) last_tests: Vec<LastTest>,
     /// Traces, if there is a collector; those of setpoints under way are continued.
     pub(crate) traces: Option<Traces>,
 }
@@ -118,6 +121,7 @@ impl EngineOptions {
         let count = worker_count();
         let mut workers = Workers::new((0..count).map(|_| Worker::new(stepper(), epoch, count)).collect());
         for worker in workers.iter_mut() {
+            worker.stepper_mut().set_publishes_maintenance(self.limits.maintenance_every.is_some());
             if let Some(sink) = &self.events {
                 worker.stepper_mut().set_contact_events(ContactEvents::new(sink.clone()));
             }
@@ -126,6 +130,7 @@ impl EngineOptions {
         workers.set_trial(rollout.as_ref().map(Rollout::trial).as_ref());
         let allowed = writer.allowed_robots(&lease, 0).await?;
         let last = recover(&mut writer, &lease, &mut workers, self.log.as_ref()).await?;
+        workers.know_tests(&self.last_tests);
         let of_log = self.log.as_ref().map_or(0, LogSource::set_aside);
         let set_aside = unreadable_policies + unusable + unreadable_rollouts + workers.set_aside() + of_log;
         if set_aside > 0 {

@@ -146,7 +146,8 @@ impl Listing {
     }
 
     fn headers(&self) -> [(HeaderName, HeaderValue); 3] {
-        let name = self.uri.path().rsplit('/').next().unwrap_or_default();
+        // Each row of a history is called by what it is: `contacts/each` has contacts.
+        let name = self.uri.path().rsplit('/').find(|part| *part != "each").unwrap_or_default();
         let file = HeaderValue::from_str(&format!("attachment; filename=\"{name}.csv\""));
         [
             (header::CONTENT_TYPE, HeaderValue::from_static(MEDIA_TYPE)),

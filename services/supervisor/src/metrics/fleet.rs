@@ -172,7 +172,8 @@ of_fleet! {
         "Evaluations of compensations' setpoints for refinement, by outcome.", labels::REFINEMENT;
 
     /// Setpoints, by state. A setpoint counts in each state that it enters.
-    setpoints: Counters = "vibrissa_setpoints_total", "Setpoints, by each state that they entered.", labels::STATE;
+    setpoints: Counters = "vibrissa_setpoints_total",
+        "Setpoints, by each state that they entered; without those that a robot in a task declined.", labels::STATE;
     /// Setpoints that robots rejected, by reason.
     setpoints_rejected: Counters = "vibrissa_setpoints_rejected_total",
         "Setpoints that robots rejected, by reason.", labels::REJECTION;

@@ -58,7 +58,7 @@ pub struct BulkArgs {
     api: ApiArgs,
 }
 
-/// An action on many.
+/// A bulk action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Action {
     /// Hold robots: send no automatic setpoints to their whiskers.

@@ -38,7 +38,7 @@ macro_rules! schemas {
     };
 }
 
-schemas!("connection" "factsheet" "contacts" "status" "receipt" "setpoint" "setpoint_state" "request" "test_state" "estimate" "supervisor_state" "supervisor_request");
+schemas!("connection" "factsheet" "contacts" "status" "receipt" "setpoint" "setpoint_state" "request" "test_state" "estimate" "maintenance" "supervisor_state" "supervisor_request");
 
 /// JSON Schema of a message by its name, the last segment of its topic; `None` for an unknown one.
 #[must_use]

@@ -179,6 +179,9 @@ policy_numbers! { keys {
     MqttDeafReleaseAfterS: "mqtt.deaf_release_after_s", ValueKind::Number { min: 1.0, max: 3600.0 }, Some("10.0"),
         "Seconds without reception of its robots' topics after which a fleet is handed to another supervisor that \
          receives them, if there is one";
+    MqttMaintenanceEveryS: "mqtt.maintenance_every_s", ValueKind::Whole { min: 0, max: 86_400 }, Some("0"),
+        "Least seconds between two messages with the wear of a robot's whiskers on whisker/v1/FLEET/ROBOT/maintenance, such \
+        as 300; 0 for no such messages";
     HttpListen: "http.listen", ValueKind::Text, Some(r#""127.0.0.1:8080""#),
         "Address and port of the HTTP listener; port 0 takes any free port. Beyond loopback a token is required";
     HttpMonitoringListen: "http.monitoring_listen", ValueKind::Text, None,

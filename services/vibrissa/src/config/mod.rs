@@ -209,12 +209,20 @@ fn black_boxes(reader: &mut Reader) -> Option<BlackBoxOptions> {
 fn limits(reader: &mut Reader) -> Option<LimitOptions> {
     let robots_per_fleet = reader.whole(Key::LimitsRobotsPerFleet);
     let new_robots_per_minute = reader.whole(Key::LimitsNewRobotsPerMinute);
+    let maintenance_every_s = reader.whole(Key::MqttMaintenanceEveryS);
     let robots_file = reader.file(Key::LimitsRobotsFile);
     if let Some(Err(problem)) = robots_file.as_deref().map(RobotsFile::read) {
         reader.refuse(Key::LimitsRobotsFile, problem);
     }
     Some(LimitOptions {
-        limits: Limits { robots_per_fleet: robots_per_fleet?, new_robots_per_minute: new_robots_per_minute? },
+        limits: Limits {
+            robots_per_fleet: robots_per_fleet?,
+            new_robots_per_minute: new_robots_per_minute?,
+            maintenance_every: maintenance_every_s
+                .map(u64::from)
+                .map(Duration::from_secs)
+                .filter(|every| !every.is_zero()),
+        },
         robots_file,
     })
 }

@@ -36,6 +36,7 @@ closed_list! {
     Event::Setpoint { report: SetpointReport::Rejected(Rejection::UnknownWhisker), .. } => "rejected: unknown whisker",
     Event::Setpoint { report: SetpointReport::Rejected(Rejection::WrongBoot), .. } => "rejected: wrong boot",
     Event::Setpoint { report: SetpointReport::Rejected(Rejection::NotReady), .. } => "rejected: not ready",
+    Event::Setpoint { report: SetpointReport::Rejected(Rejection::InTask), .. } => "rejected: in a task",
     Event::TouchTest { report: TestReport::Accepted, .. } => "test accepted",
     Event::TouchTest { report: TestReport::Running, .. } => "test running",
     Event::TouchTest { report: TestReport::Done, .. } => "test done",

@@ -265,6 +265,7 @@ impl Plant {
             5 => SetpointReport::Rejected(Rejection::UnknownWhisker),
             6 => SetpointReport::Rejected(Rejection::WrongBoot),
             7 => SetpointReport::Rejected(Rejection::NotReady),
+            12 => SetpointReport::Rejected(Rejection::InTask),
             // These are followed by another report.
             8..10 => return Said::Setpoint(self.boot, self.under_way[0].clone(), SetpointReport::Received, self.now),
             10..12 => return Said::Setpoint(self.boot, self.under_way[0].clone(), SetpointReport::Applying, self.now),

@@ -87,6 +87,32 @@ fn without_a_driver_a_setpoint_is_refused() {
 }
 
 #[test]
+fn in_a_task_setpoints_and_tests_are_declined_until_its_end() {
+    let mut bench = Bench::running();
+    let task = |task: bool| format!(r#"{{"type":"task","task":{task}}}"#);
+    bench.line(&task(true));
+    bench.take();
+    bench.order(1, 0.12);
+    assert_eq!(bench.outcomes(), [(SetpointOutcome::Rejected, Some(SetpointError::InTask))]);
+    assert!(!bench.pressures(0).contains(&0.12), "the driver is not told");
+    // The same setpoint again has the same answer, and the next one is taken after the task.
+    bench.line(&task(false));
+    bench.take();
+    bench.order(1, 0.12);
+    assert_eq!(bench.outcomes(), [(SetpointOutcome::Rejected, Some(SetpointError::InTask))]);
+    bench.order(2, 0.12);
+    assert_eq!(bench.outcomes().first(), Some(&(SetpointOutcome::Received, None)));
+    // A driver that has gone is in no task.
+    bench.line(&task(true));
+    bench.step(Input::DriverEnded(0));
+    bench.step(Input::DriverStarted(0));
+    bench.read(0, 0.12);
+    bench.take();
+    bench.order(3, 0.11);
+    assert_eq!(bench.outcomes().first(), Some(&(SetpointOutcome::Received, None)));
+}
+
+#[test]
 fn the_loss_of_the_supervisor_is_handled_as_the_factsheet_states() {
     for (rule, pressure) in
         [(OnSupervisorLoss::Hold, 0.12), (OnSupervisorLoss::Nominal, 0.1), (OnSupervisorLoss::Vent, 0.0)]

@@ -44,6 +44,7 @@ impl Session<'_> {
             | FromDriver::Fault(_)
             | FromDriver::TestState(_)
             | FromDriver::Driving(_)
+            | FromDriver::Task(_)
             | FromDriver::Locate(_)
             | FromDriver::Configured(_)
             | FromDriver::Configuration(_)

@@ -77,6 +77,13 @@ pub struct Driving {
     pub driving: bool,
 }
 
+/// `task`: the robot is in a task from now on, or not any more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub struct Task {
+    /// Whether it is in a task.
+    pub task: bool,
+}
+
 /// `test_state`: progress of a touch test.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 pub struct TestState {

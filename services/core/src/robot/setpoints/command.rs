@@ -4,7 +4,7 @@ use crate::robot::Robot;
 use crate::robot::effect::{Command, CommandKey, CommandState, Effect, EndReason, Reason, WhiskerIndex};
 use crate::robot::event::{Link, Rejection, SetpointReport};
 use crate::robot::params::Params;
-use crate::robot::setpoints::tries::Tries;
+use crate::robot::setpoints::tries::{TASK_PAUSE_MAX, Tries};
 use crate::robot::state::rare_state::RareState;
 use crate::robot::state::whisker::{Desired, Holds, InFlight};
 use crate::units::{Megapascal, Micros};
@@ -234,6 +234,14 @@ impl Robot {
         }
     }
 
+    /// The robot is in a task: its setpoint is tried again after a growing pause.
+    fn wait_for_task(&mut self, params: &Params, now: Micros, index: WhiskerIndex) {
+        let rare = self.whiskers[index].rare.get_or_insert();
+        let (tries, pause) = rare.tries.in_task(&params.command);
+        rare.tries = tries;
+        rare.not_before = rare.not_before.max(now.after(pause));
+    }
+
     /// Gives a whisker up until an operator, another boot or another whisker comes: another try would fail, too.
     fn give_up_for_good(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         self.whiskers[index].rare.forget_tries();
@@ -367,6 +375,8 @@ impl Robot {
         match rejection {
             // Another try can succeed: with a new number, a new expiry.
             Rejection::NotReady => {}
+            // The robot is well, and says so: no try has failed.
+            Rejection::InTask => return self.wait_for_task(params, now, index),
             // Its clock may have been stepped: the next messages tell.
             Rejection::Expired => {
                 self.whiskers[index].rare.get_or_insert().not_before = now.after(params.command.time_to_live);
@@ -405,7 +415,7 @@ impl crate::robot::Whisker {
 
     /// Whether the pause before the next try is over.
     fn may_try(&self, params: &Params, now: Micros) -> bool {
-        let pause_max = self.rare.tries.pause(&params.command).max(params.command.time_to_live);
+        let pause_max = self.rare.tries.pause(&params.command).max(params.command.time_to_live).max(TASK_PAUSE_MAX);
         !is_ahead(now, self.rare.not_before, pause_max)
     }
 

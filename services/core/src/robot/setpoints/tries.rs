@@ -5,6 +5,9 @@
 //! after many of them. At the limit the whisker is failing: the alarm stands, and others may serve in its place. Single tries
 //! follow after pauses from half a minute to an hour, until the robot takes one.
 //!
+//! A robot in a task says so and is no failing one. Its setpoint is tried again after growing pauses, for as long as it says
+//! so. The pauses are those of unheard tries, of which so many are left over that silence after a task is no alarm either.
+//!
 //! A robot that takes a setpoint and then reports another one has not kept it: that is a failed try, too, and after a silence
 //! one that says nothing about the robot. Failed tries are forgotten after an hour in which the robot has kept its setpoint,
 //! with another pressure, a new boot, or an operator's action. So at most 20 setpoints with the same
@@ -17,6 +20,10 @@ use crate::units::Micros;
 /// Tries in a row during which nobody was heard, until the whisker counts as failing: a robot that is heard between them, and
 /// never during one, does not receive setpoints.
 const UNHEARD_MAX: u8 = 7;
+/// Tries that a task can count as unheard ones: after them each pause is the longest.
+const IN_TASK_MAX: u8 = 4;
+/// Longest pause between two tries while the robot is in a task: some sixteen in the first hour.
+pub(super) const TASK_PAUSE_MAX: Micros = Micros(300_000_000);
 /// Marks a stored byte as that of a failing whisker.
 const FAILING: u8 = 0x80;
 /// Tries that count, in the lower bits of a stored byte; the unheard ones follow.
@@ -70,6 +77,17 @@ impl Tries {
             return Self::Failing { rounds: 1 };
         }
         Self::Few { counted, unheard }
+    }
+
+    /// The tries after one that a robot in a task has declined, and the pause before the next one. No try has failed.
+    pub(super) fn in_task(self, params: &CommandParams) -> (Self, Micros) {
+        match self {
+            Self::Few { counted, unheard } if unheard < IN_TASK_MAX => {
+                let tries = Self::Few { counted, unheard: unheard + 1 };
+                (tries, tries.pause(params))
+            }
+            Self::Few { .. } | Self::Failing { .. } => (self, self.pause(params).max(TASK_PAUSE_MAX)),
+        }
     }
 
     /// Pause before the next try.
@@ -130,5 +148,21 @@ mod tests {
             );
         }
         assert!(tries.failed(&params, false).is_failing());
+    }
+
+    #[test]
+    fn a_task_never_fails_and_leaves_tries_for_silence() {
+        let params = CommandParams::default();
+        let mut tries = Tries::NONE.failed(&params, true);
+        let pauses = [(); 7].map(|()| {
+            let (next, pause) = tries.in_task(&params);
+            tries = next;
+            pause.as_s()
+        });
+        assert_eq!(pauses, [4.0, 8.0, 16.0, 32.0, 300.0, 300.0, 300.0]);
+        assert_eq!(tries, Tries::Few { counted: 1, unheard: IN_TASK_MAX });
+        assert!(!tries.failed(&params, false).failed(&params, false).is_failing());
+        let failing = Tries::Failing { rounds: 5 };
+        assert_eq!(failing.in_task(&params), (failing, Micros(480_000_000)));
     }
 }

@@ -196,9 +196,11 @@ impl Robot {
             TestReport::Rejected(rejection) => {
                 let wait = match rejection {
                     Rejection::NotReady | Rejection::Expired => params.command.time_to_live,
-                    Rejection::Stale | Rejection::OutOfRange | Rejection::UnknownWhisker | Rejection::WrongBoot => {
-                        pause
-                    }
+                    Rejection::Stale
+                    | Rejection::OutOfRange
+                    | Rejection::UnknownWhisker
+                    | Rejection::WrongBoot
+                    | Rejection::InTask => pause,
                 };
                 self.end_test(now, index, TestState::Rejected, Some(rejection), wait, effects);
                 if matches!(rejection, Rejection::UnknownWhisker | Rejection::WrongBoot) {

@@ -27,7 +27,7 @@ pub(super) fn may_go_out(publication: &Publication, committed: i64, fleet: &Name
             let what = format!("setpoint {} in transaction {number} after {committed}", setpoint.command_id);
             metrics.violations.count(Invariant::SetpointCommitted, &at, &what);
         }
-        ToRobot::Request(_) | ToRobot::Estimate(_) | ToRobot::Cleared(_) => {}
+        ToRobot::Request(_) | ToRobot::Estimate(_) | ToRobot::Maintenance(_) | ToRobot::Cleared(_) => {}
     }
     // A fault planted by a test publishes it nevertheless.
     fault::is(Fault::ReceiptBeforeCommit)

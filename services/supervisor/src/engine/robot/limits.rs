@@ -9,18 +9,20 @@ pub(crate) const BOOTS_AT_ONCE: u32 = 10;
 /// Rate of new boots, and of new layouts, of a robot after that, per minute.
 pub(crate) const BOOTS_PER_MINUTE: u32 = 1;
 
-/// Limits on the number of robots that the supervisor stores.
+/// Limits on the robots that the supervisor stores, and on what it publishes about them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Largest number of robots in a fleet.
     pub robots_per_fleet: u32,
     /// Largest number of new robots of a fleet per minute; also the number accepted at once after a minute without any.
     pub new_robots_per_minute: u32,
+    /// Shortest time between two messages with facts for the maintenance of a robot; `None` for no such messages.
+    pub maintenance_every: Option<Duration>,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { robots_per_fleet: 10_000, new_robots_per_minute: 3_000 }
+        Self { robots_per_fleet: 10_000, new_robots_per_minute: 3_000, maintenance_every: None }
     }
 }
 

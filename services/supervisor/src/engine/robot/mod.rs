@@ -7,6 +7,7 @@ pub(crate) mod estimates;
 pub(crate) mod fingerprints;
 pub(crate) mod history;
 pub(crate) mod limits;
+pub(crate) mod maintenance;
 pub(crate) mod refusals;
 pub(crate) mod repeats;
 pub(crate) mod retention;
@@ -33,6 +34,7 @@ use estimates::Estimates;
 use fingerprints::Fingerprints;
 use history::History;
 use limits::{BOOTS_AT_ONCE, BOOTS_PER_MINUTE, Bucket};
+use maintenance::Maintenance;
 use refusals::Refusals;
 use repeats::Repeats;
 use retention::ContactRetention;
@@ -71,6 +73,8 @@ pub(crate) struct KnownRobot {
     pub(crate) seqs: Seqs,
     /// Estimates published to it.
     pub(crate) estimates: Estimates,
+    /// Facts for its maintenance, and when they were published.
+    pub(crate) maintenance: Maintenance,
     /// Last measured error of each compensation.
     pub(crate) errors: MeasuredErrors,
     /// History of its contacts on the way to the tables.
@@ -131,6 +135,7 @@ impl KnownRobot {
             refused_boot: None,
             seqs: Seqs::default(),
             estimates: Estimates::default(),
+            maintenance: Maintenance::default(),
             errors: MeasuredErrors::default(),
             history: History::new(retention),
             durable: Durable::Checkpoint,

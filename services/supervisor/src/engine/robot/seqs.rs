@@ -7,6 +7,7 @@ pub(crate) struct Seqs {
     setpoint: u64,
     request: u64,
     estimate: u64,
+    maintenance: u64,
 }
 
 impl Seqs {
@@ -25,6 +26,10 @@ impl Seqs {
     /// Also the version: a boot of the supervisor has one epoch.
     pub(crate) fn next_estimate(&mut self) -> u64 {
         next(&mut self.estimate)
+    }
+
+    pub(crate) fn next_maintenance(&mut self) -> u64 {
+        next(&mut self.maintenance)
     }
 }
 

@@ -4,7 +4,7 @@
 use tokio::time::Instant;
 use tracing::{info, warn};
 use vibrissa_core::robot::effect::{CommandState, Decision, Effect, TestState};
-use vibrissa_core::robot::event::Link;
+use vibrissa_core::robot::event::{Link, Rejection};
 use vibrissa_edge::ids::wide_id;
 use vibrissa_edge::words::{Word, Words};
 
@@ -65,6 +65,9 @@ pub(super) fn effect(known: &KnownRobot, effect: &Effect) {
                 CommandState::Applied => info!(
                     whisker = %subject, version, pressure_mpa = pressure.map(|pressure| pressure.mpa()), "setpoint applied"
                 ),
+                CommandState::Rejected if *rejection == Some(Rejection::InTask) => {
+                    info!(whisker = %subject, version, "setpoint waits: the robot is in a task");
+                }
                 CommandState::Rejected | CommandState::Failed | CommandState::Expired => {
                     warn!(whisker = %subject, version, error, "setpoint {}", label_of(*state));
                 }

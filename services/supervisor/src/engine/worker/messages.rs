@@ -65,6 +65,7 @@ impl Worker {
             | Message::Setpoint(_)
             | Message::Request(_)
             | Message::Estimate(_)
+            | Message::Maintenance(_)
             | Message::SupervisorState(_)
             | Message::SupervisorRequest(_) => {}
         }

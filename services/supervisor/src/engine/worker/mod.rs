@@ -6,7 +6,7 @@
 //! - [`record`], [`rows`]: its effects become rows; [`events`], [`contact_events`]: and events for other programs.
 //! - [`log`]: lines of the log, which name their subject in full.
 //! - [`publication`]: setpoints, receipts and requests, and the seal of the batch that publishes them; [`estimate`]:
-//!   estimates.
+//!   estimates; [`maintenance`]: facts for other tools.
 
 mod announced;
 pub(crate) mod contact_events;
@@ -14,6 +14,7 @@ mod estimate;
 mod events;
 mod hearing;
 mod log;
+mod maintenance;
 mod messages;
 pub(crate) mod publication;
 mod record;
@@ -65,6 +66,8 @@ pub(crate) struct Worker {
     tick_resumes_at: Option<usize>,
     /// The first robot whose estimate may be published next: each gets its turn.
     estimates_resume_at: usize,
+    /// The same for facts for the maintenance.
+    maintenance_resumes_at: usize,
     allow_list: AllowList,
     /// Robots whose state a newer version of the program has written. It is kept for that version, so nothing of them is taken.
     of_newer_program: BTreeSet<Name>,
@@ -90,6 +93,7 @@ impl Worker {
             epoch,
             tick_resumes_at: None,
             estimates_resume_at: 0,
+            maintenance_resumes_at: 0,
             allow_list: AllowList::default(),
             of_newer_program: BTreeSet::new(),
             former: BTreeMap::new(),

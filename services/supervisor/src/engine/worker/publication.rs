@@ -170,7 +170,10 @@ impl Stepper {
 
     /// Clears the retained messages of a robot that has left for good: new clients must not take it for a present one.
     pub(super) fn clear_retained(&mut self, robot: &Name) {
-        for kind in RobotTopic::ALL.into_iter().filter(|kind| kind.is_retained()) {
+        // Without the setting an older access list may not let it write the optional topic.
+        let is_written = |kind: &RobotTopic| *kind != RobotTopic::Maintenance || self.publishes_maintenance;
+        let kinds = RobotTopic::ALL.into_iter().filter(|kind| kind.is_retained() && is_written(kind));
+        for kind in kinds.collect::<Vec<_>>() {
             self.batch.publish(Publication::new(robot.clone(), ToRobot::Cleared(kind)));
         }
     }

@@ -1,6 +1,7 @@
 //! Conversion of the core's effects into rows and publications.
 
-use vibrissa_core::robot::effect::{CommandState, Effect, TestState};
+use vibrissa_core::robot::effect::{CommandState, Condition, Effect, TestState};
+use vibrissa_core::robot::event::Rejection;
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros};
 use vibrissa_protocol::{self as protocol, RobotTopic};
 
@@ -83,6 +84,10 @@ impl Stepper {
                     becomes: Some(to.word()),
                 }));
                 known.history.keep_recent(whisker, self.batch.rows_mut());
+                if to == Condition::Learning {
+                    let id = known.whisker_id(whisker);
+                    known.maintenance.replaced(id);
+                }
             }
             Effect::Fault { whisker, from, to } => {
                 self.batch.rows_mut().records.push(Record::Health(HealthRow {
@@ -146,7 +151,10 @@ impl Stepper {
             }
             Effect::Resend(command) => self.publish_setpoint(known, &command, Sent::Again),
             Effect::CommandState { command, state, rejection, pressure, .. } => {
-                self.metrics.setpoints.count([state.word()]);
+                // A task is no failure: alerts count the states.
+                if rejection != Some(Rejection::InTask) {
+                    self.metrics.setpoints.count([state.word()]);
+                }
                 if let Some(rejection) = rejection {
                     self.metrics.setpoints_rejected.count([rejection.word()]);
                 }
@@ -253,6 +261,10 @@ impl Stepper {
                 let error = rejection.map(Word::word);
                 let length = whisker.and_then(|whisker| known.robot.whisker(whisker)).map(|view| view.length);
                 let length = length.filter(|_| state == TestState::Done);
+                if let Some(whisker) = whisker.filter(|_| state == TestState::Done && self.publishes_maintenance) {
+                    let id = known.whisker_id(whisker);
+                    known.maintenance.tested(id, recorded_us);
+                }
                 self.batch.rows_mut().records.push(Record::TouchTestProgress(Box::new(TouchTestProgressRow {
                     state: Some(state.word()),
                     error,

@@ -59,6 +59,8 @@ pub(crate) struct Stepper {
     pub(super) metrics: FleetMetrics,
     /// Which contacts get a row of their own.
     pub(super) retention: ContactRetention,
+    /// Whether facts for the maintenance of robots are published.
+    pub(super) publishes_maintenance: bool,
     pub(super) batch: OpenBatch,
     /// A message has come of a robot whose birth was not received.
     pub(crate) has_unannounced: bool,
@@ -95,6 +97,7 @@ impl Stepper {
             trial: None,
             metrics,
             retention: ContactRetention::default(),
+            publishes_maintenance: false,
             batch: OpenBatch::default(),
             has_unannounced: false,
             has_stepped: false,
@@ -135,6 +138,11 @@ impl Stepper {
 
     pub(super) fn set_retention(&mut self, retention: ContactRetention) {
         self.retention = retention;
+    }
+
+    /// Sets whether facts for the maintenance of robots are published.
+    pub(crate) fn set_publishes_maintenance(&mut self, publishes: bool) {
+        self.publishes_maintenance = publishes;
     }
 
     /// Which contacts get a row of their own.

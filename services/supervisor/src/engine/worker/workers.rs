@@ -1,5 +1,6 @@
 //! The workers of a fleet.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -27,6 +28,7 @@ use crate::trace::{PendingSpans, TracedAction};
 use vibrissa_store::allowed::TurnedAwayReading;
 use vibrissa_store::batch::Record;
 use vibrissa_store::events::write::EventRow;
+use vibrissa_store::maintenance_facts::LastTest;
 
 /// Limit of contacts per transaction: at the limit, no more messages are taken in until it is committed.
 const CONTACTS_MAX: usize = 32_768;
@@ -234,10 +236,31 @@ impl Workers {
         }
     }
 
-    /// Makes the estimates of all robots due, because some may not have reached the broker.
-    pub(crate) fn repeat_estimates(&mut self) {
+    /// Publishes the facts for the maintenance of robots that are due, in the same way.
+    pub(crate) fn publish_maintenance(&mut self, now: Instant, every: Duration) {
+        let each = ESTIMATED_AT_ONCE / self.workers.len();
+        for worker in &mut self.workers {
+            worker.publish_maintenance(now, every, each);
+        }
+    }
+
+    /// Makes the retained messages of all robots due, because some may not have reached the broker.
+    pub(crate) fn repeat_retained(&mut self) {
         for known in self.robots_mut() {
             known.estimates.repeat();
+            known.maintenance.repeat();
+        }
+    }
+
+    /// Takes over when touch tests of whiskers have ended, by rows of whiskers.
+    pub(crate) fn know_tests(&mut self, last: &[LastTest]) {
+        let ended: BTreeMap<i64, i64> = last.iter().map(|one| (one.whisker_id, one.ended_us)).collect();
+        for known in self.robots_mut() {
+            for id in &known.whisker_ids {
+                if let Some(&ended_us) = ended.get(id) {
+                    known.maintenance.tested(*id, ended_us);
+                }
+            }
         }
     }
 

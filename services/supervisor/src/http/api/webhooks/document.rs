@@ -162,6 +162,9 @@ pub struct WebhookWithSecret {
     pub secret: Option<String>,
 }
 
+/// Kinds of the events that a mail tells, unless others are asked for.
+const MAIL_KINDS: [EventKind; 2] = [EventKind::AlarmRaised, EventKind::AlarmCleared];
+
 /// Properties of a webhook.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -177,7 +180,8 @@ pub struct WebhookBody {
     /// Fleets of its events: names, or patterns such as `hall-*`, which include future fleets; null for all fleets.
     #[schema(value_type = Option<Vec<String>>, min_items = 1, max_items = 100)]
     pub fleets: Option<Vec<FleetPattern>>,
-    /// Kinds of its events, of those that docs/webhooks.md lists; null for all of them.
+    /// Kinds of its events, of those that docs/webhooks.md lists; null for all of them, and for mails for alarms and their
+    /// ends.
     #[schema(min_items = 1)]
     pub kinds: Option<Vec<EventKindWord>>,
     /// Its least urgent events; `WARNING` if omitted, which means all.
@@ -223,6 +227,8 @@ impl WebhookBody {
                 "your token does not cover all fleets of this webhook: name fleets or patterns within your token's",
             ));
         }
+        // Most other events are of use to programs alone.
+        let kinds = kinds.or_else(|| url.starts_with(MAIL).then(|| MAIL_KINDS.to_vec()));
         let kinds = kinds.map(|kinds| kinds.into_iter().map(Word::word).collect::<Vec<_>>().join(","));
         Ok(WebhookSettings {
             name: name.to_owned(),
