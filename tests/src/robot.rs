@@ -12,9 +12,9 @@ use vibrissa_core::robot::Params;
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre};
 use vibrissa_protocol::{
     ArrayFacts, ArrayType, BootId, Connection, ConnectionState, Contact, Contacts, Factsheet, Gauge, Message,
-    MissedTouch, Name, OnSupervisorLoss, Receipt, Regulator, RobotTopic, Setpoint, SetpointError, SetpointOutcome,
-    SetpointState, Status, TestState, Timestamp, TouchTest, TouchTestError, TouchTestKind, TouchTestOutcome,
-    WhiskerFacts, WhiskerStatus, encode,
+    MissedTouch, Name, OnSupervisorLoss, Receipt, Regulator, RobotTopic, Segmenter, Setpoint, SetpointError,
+    SetpointOutcome, SetpointState, Software, Status, TestState, Timestamp, TouchTest, TouchTestError, TouchTestKind,
+    TouchTestOutcome, WhiskerFacts, WhiskerStatus, encode,
 };
 use vibrissa_simulator::clock::now_us;
 
@@ -44,6 +44,10 @@ pub struct HandRobot {
     pub touch_tests: Vec<TouchTestKind>,
     /// Whether the factsheet states that the robot multiplies its readings.
     pub applies_gain: bool,
+    /// Programs that its factsheet names; none at first.
+    pub software: Vec<Software>,
+    /// State of its segmenters in each status; none at first.
+    pub segmenter: Option<Segmenter>,
     name: Name,
     model: Model,
     state: Vec<State>,
@@ -150,6 +154,8 @@ impl HandRobot {
             array,
             touch_tests: Vec::new(),
             applies_gain: false,
+            software: Vec::new(),
+            segmenter: None,
             fleet,
             name: Name::robot(name).expect("a robot's name"),
             model: Model::nguyen_2021(Formulation::Published),
@@ -210,7 +216,7 @@ impl HandRobot {
             touch_tests: self.touch_tests.clone(),
             applies_gain: self.applies_gain,
             air_control: None,
-            software: Vec::new(),
+            software: self.software.clone(),
         }
     }
 
@@ -223,7 +229,7 @@ impl HandRobot {
             setpoint_mpa: state.pressure_mpa,
             regulator: Regulator::Ok,
             gauge: Gauge::Ok,
-            segmenter: None,
+            segmenter: self.segmenter,
         });
         let whiskers = whiskers.collect();
         let seq = self.next_seq(RobotTopic::Status);

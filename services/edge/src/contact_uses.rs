@@ -1,6 +1,7 @@
-//! Remedies for contacts that are not used.
+//! Remedies for contacts that are not used, and for segmenters that find none.
 
 use vibrissa_core::robot::effect::ContactUse;
+use vibrissa_protocol::Segmenter;
 
 /// Advice for people about a contact that was not used; `None` if it was used.
 #[must_use]
@@ -43,10 +44,39 @@ pub const fn remedy(used: ContactUse) -> Option<&'static str> {
     })
 }
 
+/// Advice for people about a segmenter; `None` if it finds contacts.
+#[must_use]
+pub const fn segmenter_remedy(segmenter: Segmenter) -> Option<&'static str> {
+    Some(match segmenter {
+        Segmenter::Ready => return None,
+        Segmenter::Learning => {
+            "Leave the whisker alone for a second, then touch and release it some times. If it lasts, send at least 10 \
+             samples of strain a second, and deflection_mm with them."
+        }
+        Segmenter::Lost => {
+            "Release the whisker, then touch it again. If it lasts, send deflection_mm with the samples."
+        }
+        Segmenter::Clipped => {
+            "Touch with less deflection, or amplify the gauge less: the last strain was a lower bound."
+        }
+        Segmenter::Noisy => "Check the wires and the supply of the converter: only strong touches are found.",
+        Segmenter::Inverted => {
+            "Exchange the two signal wires of the gauge, or set the sign of the segmenter in the agent's file."
+        }
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::words::Words;
+
+    #[test]
+    fn every_segmenter_that_does_not_find_contacts_has_a_remedy() {
+        for segmenter in Segmenter::all() {
+            assert_eq!(segmenter_remedy(segmenter).is_none(), segmenter == Segmenter::Ready, "{segmenter}");
+        }
+    }
 
     #[test]
     fn every_contact_that_is_not_used_has_a_remedy() {

@@ -33,4 +33,16 @@ impl Store {
         on!(&self.pool, |pool| sqlx::query_as(SQL).bind(whisker_id).bind(from.0).fetch_all(pool).await)
             .map_err(failed("count a whisker's contacts by use"))
     }
+
+    /// State of a whisker's segmenter by its newest status; `None` if its robot states none.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn segmenter(&self, whisker_id: i64) -> Result<Option<String>, StoreError> {
+        const SQL: &str = "SELECT segmenter FROM whiskers WHERE whisker_id = $1";
+        let found: Option<Option<String>> =
+            on!(&self.pool, |pool| sqlx::query_scalar(SQL).bind(whisker_id).fetch_optional(pool).await)
+                .map_err(failed("read the state of a segmenter"))?;
+        Ok(found.flatten())
+    }
 }

@@ -50,6 +50,7 @@ pub mod overview;
 mod partitions;
 pub mod policies;
 mod postgres;
+pub mod programs;
 mod quarantine;
 pub mod queries;
 mod records;

@@ -23,10 +23,14 @@ pub struct StoredRobot {
     pub robot: String,
     /// Serialized state of the core's robot, without its whiskers; `None` before the first commit.
     pub state: Option<Vec<u8>>,
+    /// Programs of the robot: a JSON list, see [`crate::programs`].
+    pub software: String,
     /// Numbers of its whiskers in the database, in the order of their index.
     pub whisker_ids: Vec<i64>,
     /// Serialized states of its whiskers, in the same order.
     pub whisker_states: Vec<Vec<u8>>,
+    /// States of their segmenters, in the same order; `None` where the robot states none.
+    pub segmenters: Vec<Option<String>>,
     /// Serialized aggregates of their current minute and hour, in the same order; `None` before a whisker's first
     /// contact.
     pub rollups: Vec<Option<Vec<u8>>>,
@@ -104,6 +108,7 @@ from_row! {
         robot_id: i64,
         robot: String,
         state: Option<Vec<u8>>,
+        software: String,
         journal_number: i64,
         is_held: i32,
         last_trim: Option<i64>,
@@ -121,6 +126,7 @@ from_row! {
         robot_id: i64,
         whisker_id: i64,
         state: Vec<u8>,
+        segmenter: Option<String>,
         rollup: Option<Vec<u8>>,
     }
 
@@ -138,8 +144,10 @@ impl From<RobotHead> for StoredRobot {
             robot_id: row.robot_id,
             robot: row.robot,
             state: row.state,
+            software: row.software,
             whisker_ids: Vec::new(),
             whisker_states: Vec::new(),
+            segmenters: Vec::new(),
             rollups: Vec::new(),
             boots: BTreeMap::new(),
             journal_number: row.journal_number,
@@ -155,8 +163,9 @@ impl From<RobotHead> for StoredRobot {
 impl From<RobotName> for RobotHead {
     /// A state without bytes is one that cannot be read.
     fn from(RobotName { robot_id, robot }: RobotName) -> Self {
+        let (state, software) = (Some(Vec::new()), String::new());
         let (last_trim, last_compensation) = (None, None);
-        Self { robot_id, robot, state: Some(Vec::new()), journal_number: 0, is_held: 0, last_trim, last_compensation }
+        Self { robot_id, robot, state, software, journal_number: 0, is_held: 0, last_trim, last_compensation }
     }
 }
 
@@ -303,13 +312,13 @@ async fn robots(
     (after, most): (i64, i64),
     set_aside: &SetAside,
 ) -> sqlx::Result<StoredRobots> {
-    const ROBOTS: &str = "SELECT robot_id, robot, state, journal_number, \
+    const ROBOTS: &str = "SELECT robot_id, robot, state, software, journal_number, \
          CASE WHEN r.held OR EXISTS (SELECT 1 FROM whiskers w WHERE w.robot_id = r.robot_id AND w.held) \
          THEN 1 ELSE 0 END AS is_held, \
          (SELECT max(trim_id) FROM trims t WHERE t.robot_id = r.robot_id) AS last_trim, \
          (SELECT max(compensation_id) FROM compensations c WHERE c.robot_id = r.robot_id) AS last_compensation \
          FROM robots r WHERE fleet = $1 AND decommissioned_us IS NULL AND r.robot_id > $2 ORDER BY r.robot_id LIMIT $3";
-    const WHISKERS: &str = "SELECT w.robot_id, whisker_id, w.state, w.rollup FROM whiskers w \
+    const WHISKERS: &str = "SELECT w.robot_id, whisker_id, w.state, w.segmenter, w.rollup FROM whiskers w \
          JOIN robots r ON r.robot_id = w.robot_id AND position IS NOT NULL AND w.state IS NOT NULL \
          WHERE fleet = $1 AND w.robot_id BETWEEN $2 AND $3 ORDER BY w.robot_id, position";
     const BOOTS: &str = "SELECT b.robot_id, boot, b.boot_id FROM boots b JOIN robots r ON r.robot_id = b.robot_id \
@@ -343,12 +352,13 @@ async fn robots(
                 set_aside.add("whiskers", &problem);
                 let Some(robot_id) = problem.id else { continue };
                 // A state without bytes cannot be read.
-                WhiskerHead { robot_id, whisker_id: 0, state: Vec::new(), rollup: None }
+                WhiskerHead { robot_id, whisker_id: 0, state: Vec::new(), segmenter: None, rollup: None }
             }
         };
         if let Some(robot) = robots.get_mut(&whisker.robot_id) {
             robot.whisker_ids.push(whisker.whisker_id);
             robot.whisker_states.push(whisker.state);
+            robot.segmenters.push(whisker.segmenter);
             robot.rollups.push(whisker.rollup);
         }
     });

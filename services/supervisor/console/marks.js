@@ -1,7 +1,7 @@
 // States as a shape and words, so that colour is never the only indication.
 
 import { h, s } from "./dom.js";
-import { CONDITIONS, CONNECTIONS, FAULTS, say } from "./words.js";
+import { CONDITIONS, CONNECTIONS, FAULTS, SEGMENTERS, say } from "./words.js";
 
 const SHAPES = {
   circle: () => s("circle", { cx: 8, cy: 8, r: 6, class: "fill" }),
@@ -57,8 +57,14 @@ export function marksOf(whisker) {
   if (whisker.condition !== "TRIMMED") marks.push(markOf(CONDITIONS, whisker.condition));
   else if (isUncompensated(whisker)) marks.push(mark("trimmed, not compensated", "bad", "stump"));
   else marks.push(mark("trimmed, compensated", "info", "propped"));
+  if (isInDoubt(whisker)) marks.push(markOf(SEGMENTERS, whisker.segmenter));
   if (whisker.held) marks.push(mark("held by an operator", "info", "hand"));
   return h("span", { class: "marks" }, marks);
+}
+
+/** Whether its robot is heard and says that it finds no contacts in its samples of strain, or not all. */
+function isInDoubt({ connection, segmenter }) {
+  return Boolean(segmenter) && connection === "ONLINE" && SEGMENTERS[segmenter]?.[1] !== "good";
 }
 
 /** Whether a whisker is trimmed and has no compensator. */

@@ -37,6 +37,9 @@ export const CONDITIONS = marked(declared.CONDITIONS, { TRIMMED: "stump", ERODIN
 
 export const FAULTS = marked(declared.FAULTS, { STALE: "clock", LEAK: "drop", SUPPLY_LOW: "down" });
 
+/** How far contacts that a robot finds in samples of strain can be relied on. */
+export const SEGMENTERS = marked(declared.SEGMENTERS, { LOST: "gap", NOISY: "heat" });
+
 export const CONNECTIONS = marked(declared.CONNECTIONS, { CONNECTION_BROKEN: "gap", SILENT: "clock" });
 
 /** States of a robot on the board, the worst first: words, tone and the letter of its tile. */

@@ -21,7 +21,7 @@ pub(crate) const WHOLE_MM: f64 = 70.0;
 pub(crate) const CUT_MM: f64 = 62.0;
 pub(crate) const NOMINAL_MPA: f64 = 0.1;
 /// The slide goes forwards in the first half of a cycle, and back in the second one. s, mm.
-const CYCLE_S: f64 = 0.6;
+pub(crate) const CYCLE_S: f64 = 0.6;
 const WAY_MM: f64 = 6.0;
 /// Deflections at which the whiskers slip off their rods, mm.
 const SLIP_MM: (f64, f64) = (1.6, 2.2);
@@ -33,8 +33,10 @@ const BEGIN_MM: f64 = 8.0;
 /// Time between two values of the pins, and between two exchanges of lines.
 const PIN_MS: f64 = 2.0;
 const STEP_US: u64 = 10_000;
-/// Time at which the board is configured, ms.
-const CONFIGURED_MS: f64 = 2_600.0;
+/// Time at which the board is configured, ms: the begin of a cycle.
+const CONFIGURED_MS: f64 = 3_000.0;
+/// Pause of the agent's program after each line to a serial device.
+const LINE_MS: f64 = 20.0;
 /// Noise of an amplifier in V, and of a converter in strain: more than a step.
 const NOISE_V: f64 = 0.006;
 const NOISE_STRAIN: f64 = 8e-6;
@@ -54,6 +56,28 @@ pub(crate) struct Wired {
     pub(crate) polarity: f64,
     /// `strain_per_v` of its amplifier.
     pub(crate) strain_per_v: f64,
+}
+
+/// How the agent meets its board.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Begin {
+    /// `uno` or `mega`.
+    pub(crate) board: &'static str,
+    /// Part of a cycle of the slide at which the agent starts, from 0 to 1. The first whisker is touched from 0.03 to 0.18.
+    pub(crate) phase: f64,
+    /// Time for which the slide stands still then, s.
+    pub(crate) hold_s: f64,
+    /// Time for which no line of the board arrives then, s.
+    pub(crate) gap_s: f64,
+    /// Whether somebody has calibrated the board: the agent knows the way in which touches move the strain.
+    pub(crate) is_calibrated: bool,
+}
+
+impl Begin {
+    /// An agent that starts in a phase of the touches.
+    pub(crate) fn at(board: &'static str, phase: f64) -> Self {
+        Self { board, phase, hold_s: 0.0, gap_s: 0.0, is_calibrated: true }
+    }
 }
 
 /// A whisker.
@@ -80,6 +104,14 @@ pub(crate) struct Desk {
     now_us: u64,
     /// Time of the board at the agent's start, ms.
     started_ms: f64,
+    /// Time for which the slide stands still then, ms.
+    hold_ms: f64,
+    /// Until when no line of the board arrives.
+    gap_until_us: u64,
+    /// Time from which on the next line may go to the board, ms.
+    line_ms: f64,
+    /// Analog input of the slide.
+    slide: u8,
     whiskers: Vec<Whisker>,
     /// True pressures of the chambers, MPa.
     pub(crate) pressures_mpa: Vec<f64>,
@@ -97,12 +129,12 @@ fn layout(board: &str, count: usize) -> Vec<([u8; 3], Sensor)> {
     let pressure = if board == "uno" { [0, 3, 0, 0, 0, 0] } else { [0, 1, 2, 3, 4, 5] };
     let few = if board == "uno" { [1, 4, 0] } else { [3, 4, 5] };
     let many = [
-        Sensor::Analog(7),
+        Sensor::Analog(8),
         Sensor::Hx711 { device: 0, data: 30 },
         Sensor::Hx711 { device: 1, data: 32 },
         Sensor::Ads1115(0),
-        Sensor::Ads1115(1),
-        Sensor::Ads1115(2),
+        Sensor::Analog(9),
+        Sensor::Analog(10),
     ];
     let sensor = |at: usize| if count > 3 { many[at] } else { Sensor::Analog(few[at]) };
     (0..count).map(|at| ([fill[at], vent[at], pressure[at]], sensor(at))).collect()
@@ -115,14 +147,13 @@ fn noise(index: u64) -> f64 {
 }
 
 impl Desk {
-    /// Wires and configures a board. The agent starts in this phase of the touches, from 0 to 1, and knows the way in
-    /// which touches move the strain if it `is_calibrated`. None if a program is missing.
-    pub(crate) fn wire(wired: &[Wired], phase: f64, is_calibrated: bool) -> Option<Self> {
-        let kind = if wired.len() < 3 { "uno" } else { "mega" };
+    /// Wires and configures a board. None if a program is missing.
+    pub(crate) fn wire(wired: &[Wired], begin: Begin) -> Option<Self> {
+        let kind = begin.board;
         let mut board = Microcontroller::start(kind)?;
         let layout = layout(kind, wired.len());
         configure(&mut board, kind, wired, &layout);
-        let config = Config::from_toml_str(&agent_toml(wired, is_calibrated), Path::new("")).unwrap();
+        let config = Config::from_toml_str(&agent_toml(wired, begin.is_calibrated), Path::new("")).unwrap();
         let now = Now::of_us(START_US);
         let (agent, _) = Agent::new(&config, BootId::new("b1").unwrap(), Stored::default(), now);
         let whisker = |(at, (wired, &(_, sensor))): (usize, (&Wired, &([u8; 3], Sensor)))| Whisker {
@@ -141,7 +172,11 @@ impl Desk {
             clock: RobotClock::new(now.at, START_US),
             clock_step_us: 0,
             now_us: START_US,
-            started_ms: CONFIGURED_MS + phase * CYCLE_S * 1e3,
+            started_ms: CONFIGURED_MS + begin.phase * CYCLE_S * 1e3,
+            hold_ms: begin.hold_s * 1e3,
+            gap_until_us: START_US + (begin.gap_s * 1e6) as u64,
+            line_ms: 0.0,
+            slide: if kind == "uno" { 2 } else { 6 },
             whiskers: wired.iter().zip(&layout).enumerate().map(whisker).collect(),
             pressures_mpa: vec![0.0; wired.len()],
             lowest_mpa: None,
@@ -166,6 +201,11 @@ impl Desk {
     /// Moves the rod of a whisker to its tip.
     pub(crate) fn move_rod(&mut self, at: usize) {
         self.whiskers[at].rod_mm = self.whiskers[at].length_mm;
+    }
+
+    /// Loses the lines of the board for a time.
+    pub(crate) fn lose_lines(&mut self, seconds: f64) {
+        self.gap_until_us = self.now_us + (seconds * 1e6) as u64;
     }
 
     /// Restarts the board, as a fault of its supply would.
@@ -196,13 +236,14 @@ impl Desk {
 
     /// Sets the voltages of gauges and slide at a time of the board.
     fn move_pins(&mut self, ms: f64) {
-        let cycles = ms / 1e3 / CYCLE_S;
+        // The slide stands still for a time after the agent's start.
+        let moved_ms = ms.min(self.started_ms).max(ms - self.hold_ms);
+        let cycles = moved_ms / 1e3 / CYCLE_S;
         let (cycle, part) = (cycles.floor(), cycles.fract());
         let is_forth = part < 0.5;
         let way_mm = 2.0 * WAY_MM * if is_forth { part } else { 1.0 - part };
         let slip_mm = SLIP_MM.0 + (SLIP_MM.1 - SLIP_MM.0) * 0.5 * (1.0 + noise(cycle as u64));
-        let slide = if self.whiskers.len() < 3 { 2 } else { 6 };
-        let mm = BEGIN_MM + way_mm;
+        let (slide, mm) = (self.slide, BEGIN_MM + way_mm);
         self.board.at(ms, &format!("!volts {slide} {:.4}", 5.0 * mm / TRAVEL_MM));
         for at in 0..self.whiskers.len() {
             let one = &self.whiskers[at];
@@ -250,7 +291,8 @@ impl Desk {
         if let Some(lowest_mpa) = &mut self.lowest_mpa {
             lowest_mpa.iter_mut().zip(&self.pressures_mpa).for_each(|(lowest, mpa)| *lowest = lowest.min(*mpa));
         }
-        for line in lines {
+        let is_lost = self.now_us <= self.gap_until_us;
+        for line in lines.into_iter().filter(|_| !is_lost) {
             self.input(Input::Line(0, Some(line.as_bytes())), said);
         }
         if self.agent.next_deadline() <= Moment::of_us(self.now_us) {
@@ -269,8 +311,9 @@ impl Desk {
                     said.push(Outgoing::Publish { topic, payload });
                 }
                 Output::Tell(_, line) => {
-                    let (ms, line) = (self.board_ms(), String::from_utf8(line.line()).unwrap());
+                    let (ms, line) = (self.line_ms.max(self.board_ms()), String::from_utf8(line.line()).unwrap());
                     self.board.at(ms, line.trim_end());
+                    self.line_ms = ms + LINE_MS;
                 }
                 Output::Warn(text) => self.warnings.push(text),
                 Output::RestartDriver(_, why) => {

@@ -60,7 +60,8 @@ impl Microcontroller {
         self.at(ms, "!pressures");
         // The simulator reads an order once the one before is done.
         self.waiting.sort_by(|(one, _), (other, _)| one.total_cmp(other));
-        let script: String = self.waiting.drain(..).map(|(ms, what)| format!("{ms:.1} {what}\n")).collect();
+        let due = self.waiting.partition_point(|(at, _)| *at <= ms);
+        let script: String = self.waiting.drain(..due).map(|(ms, what)| format!("{ms:.1} {what}\n")).collect();
         self.orders.write_all(script.as_bytes()).unwrap();
         let mut said = Vec::new();
         loop {

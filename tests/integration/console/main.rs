@@ -20,6 +20,7 @@ mod provider;
 mod stage;
 mod story;
 mod tale;
+mod told;
 mod touch_tests;
 mod tour;
 mod vented;

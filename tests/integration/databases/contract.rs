@@ -16,6 +16,7 @@ use vibrissa_store::lists::compensations::{
     CANDIDATES, COMPENSATIONS, Candidate, CompensationSummary, LOOKS, Look, RATIO_ERRORS, RatioError,
 };
 use vibrissa_store::lists::happenings::{TRIMS, Trim};
+use vibrissa_store::lists::robots::{ROBOTS, RobotSummary};
 use vibrissa_store::lists::touch_tests::{TOUCH_TESTS, TouchTest};
 use vibrissa_store::lists::whiskers::{WHISKERS, Whisker};
 use vibrissa_store::{Batch, Lease, Store, Writer};
@@ -270,6 +271,7 @@ pub(crate) async fn written_and_read(database: &Fresh, together: usize) -> Value
     let events: Vec<_> = events.map(|one| json!([one.kind, one.word, one.robot, one.whisker, one.data])).collect();
     json!({
         "whiskers": store.all::<Whisker>(&WHISKERS, Vec::new()).await.unwrap(),
+        "software": store.all::<RobotSummary>(&ROBOTS, Vec::new()).await.unwrap()[0].software,
         "compensations": store.all::<CompensationSummary>(&COMPENSATIONS, Vec::new()).await.unwrap(),
         "candidates": store.all::<Candidate>(&CANDIDATES, vec![of_it()]).await.unwrap(),
         "touch_tests": store.all::<TouchTest>(&TOUCH_TESTS, Vec::new()).await.unwrap(),
@@ -295,6 +297,8 @@ async fn both_databases_give_back_the_same() {
     assert_eq!(lite["contacts"], 2500);
     assert_eq!(lite["between"], 10);
     assert_eq!(lite["whiskers"][1]["fault"], "LEAK");
+    assert_eq!([&lite["whiskers"][0]["segmenter"], &lite["whiskers"][1]["segmenter"]], [&json!("NOISY"), &Value::Null]);
+    assert_eq!(lite["software"], json!([{ "kind": "AGENT", "name": "vibrissa-robot", "version": "0.2.0" }]));
     assert_eq!(lite["whiskers"][1]["leak_low_per_s"], 1e-3);
     assert_eq!(lite["whiskers"][0]["erosion_high_mm_per_contact"], 0.006);
     assert_eq!(lite["whiskers"][0]["contacts_left"], 1000.0);

@@ -29,7 +29,14 @@ async fn brute_force_uses(served: &Served) {
     assert_eq!((&items[0]["remedy"], &items[1]["meaning"]), (&Value::Null, &json!("the strain was too small")));
     assert!(items[1]["remedy"].as_str().unwrap().contains("amplifier"), "{answer}");
     let silent = served.json("/v1/fleets/f/robots/r1/arrays/left/whiskers/1/contact-uses").await;
-    assert_eq!(silent, json!({ "contacts": 0, "contacts_used": 0, "items": [] }));
+    assert_eq!(silent, json!({ "contacts": 0, "contacts_used": 0, "items": [], "segmenter": null }));
+    let (told, advice) = (&answer["segmenter"], "converter");
+    assert_eq!((&told["state"], &told["meaning"]), (&json!("NOISY"), &json!("noisy strain")));
+    assert!(told["remedy"].as_str().unwrap().contains(advice), "{told}");
+    let whisker = served.json("/v1/fleets/f/robots/r1/arrays/left/whiskers/0").await;
+    assert_eq!(whisker["segmenter"], "NOISY");
+    let robot = served.json("/v1/fleets/f/robots/r1").await;
+    assert_eq!(robot["software"], json!([{ "kind": "AGENT", "name": "vibrissa-robot", "version": "0.2.0" }]));
 }
 
 #[tokio::test]

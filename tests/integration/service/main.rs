@@ -33,5 +33,6 @@ mod set_aside;
 mod setpoint_command;
 mod setpoints;
 mod start;
+mod told;
 mod touch_tests;
 mod traces;

@@ -20,6 +20,7 @@ pub(super) struct Robot {
     pub(super) fleet: String,
     pub(super) robot: String,
     pub(super) state: Option<State>,
+    pub(super) software: String,
     pub(super) journal_number: i64,
     pub(super) held: bool,
     pub(super) is_decommissioned: bool,
@@ -34,6 +35,7 @@ pub(super) struct Whisker {
     /// Index in its robot; `None` if it is not on the robot any more.
     pub(super) position: Option<i64>,
     pub(super) state: Option<State>,
+    pub(super) segmenter: Option<&'static str>,
     pub(super) rollup: Option<Vec<u8>>,
     pub(super) held: bool,
 }
@@ -63,18 +65,19 @@ impl ModelStore {
 
     fn stored(&self, robot_id: i64, robot: &Robot) -> StoredRobot {
         let all = || self.whiskers.iter().filter(|(_, row)| row.robot_id == robot_id);
-        let mut placed: Vec<_> = all()
-            .filter_map(|(id, row)| Some((row.position?, *id, self.read(row.state.as_ref()?), row.rollup.clone())))
-            .collect();
+        let mut placed: Vec<_> =
+            all().filter_map(|(id, row)| Some((row.position?, *id, self.read(row.state.as_ref()?), row))).collect();
         placed.sort_by_key(|(position, ..)| *position);
         let boots = self.boots.range((robot_id, String::new())..(robot_id + 1, String::new()));
         StoredRobot {
             robot_id,
             robot: robot.robot.clone(),
             state: robot.state.as_ref().map(|state| self.read(state)),
+            software: robot.software.clone(),
             whisker_ids: placed.iter().map(|(_, id, ..)| *id).collect(),
             whisker_states: placed.iter().map(|(_, _, state, _)| state.clone()).collect(),
-            rollups: placed.into_iter().map(|(.., rollup)| rollup).collect(),
+            segmenters: placed.iter().map(|(.., row)| row.segmenter.map(str::to_owned)).collect(),
+            rollups: placed.into_iter().map(|(.., row)| row.rollup.clone()).collect(),
             boots: boots.map(|((_, boot_id), boot)| (boot_id.clone(), *boot)).collect(),
             journal_number: robot.journal_number,
             held: robot.held || all().any(|(_, row)| row.held),
@@ -105,8 +108,10 @@ impl Robots for ModelStore {
             }
             None => {
                 let (robot_id, fleet, robot) = (self.next_number(), fleet.to_owned(), robot.to_owned());
-                let (state, journal_number, held, is_decommissioned) = (None, 0, false, false);
-                self.robots.set(robot_id, Robot { fleet, robot, state, journal_number, held, is_decommissioned });
+                let (state, software) = (None, "[]".to_owned());
+                let (journal_number, held, is_decommissioned) = (0, false, false);
+                let new = Robot { fleet, robot, state, software, journal_number, held, is_decommissioned };
+                self.robots.set(robot_id, new);
                 robot_id
             }
         };
@@ -138,8 +143,9 @@ impl Robots for ModelStore {
                 .find(|id| self.whiskers.get(id).is_some_and(|row| row.array == array && row.whisker == whisker));
             let whisker_id = found.unwrap_or_else(|| self.next_number());
             if found.is_none() {
-                let (position, state, rollup, held) = (None, None, None, false);
-                self.whiskers.set(whisker_id, Whisker { robot_id, array, whisker, position, state, rollup, held });
+                let (position, state, segmenter, rollup, held) = (None, None, None, None, false);
+                let new = Whisker { robot_id, array, whisker, position, state, segmenter, rollup, held };
+                self.whiskers.set(whisker_id, new);
             }
             numbered.push((whisker_id, self.whiskers.get(&whisker_id).and_then(|row| row.rollup.clone())));
         }

@@ -27,6 +27,7 @@ impl ModelStore {
             let state = self.state(new.robot_id, former, &new.state);
             self.robots.change(&new.robot_id, |row| {
                 (row.state, row.journal_number, row.held) = (Some(state), new.journal_number, new.held);
+                row.software.clone_from(&new.software);
             });
         }
         for new in rows.whiskers {
@@ -35,7 +36,7 @@ impl ModelStore {
             let state = self.state(robot_id, former, &new.state);
             self.whiskers.change(&new.whisker_id, |row| {
                 (row.state, row.rollup) = (Some(state), Some(new.rollup.clone()));
-                (row.position, row.held) = (Some(new.position), new.held);
+                (row.position, row.held, row.segmenter) = (Some(new.position), new.held, new.segmenter);
             });
         }
     }

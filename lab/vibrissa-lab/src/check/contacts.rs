@@ -11,6 +11,8 @@ use super::report::seconds;
 
 /// Number of transmissions of one message, including the first, whose pauses are compared.
 const SENDINGS: usize = 4;
+/// The same if these pauses have not grown: a busy machine delays some by seconds, which hardly changes longer ones.
+const SENDINGS_IN_DOUBT: usize = 6;
 /// Smallest ratio of the last pause to the shortest one that counts as exponential growth.
 const GROWTH: f64 = 1.6;
 /// Rules that can be tested only on robots that send contacts again.
@@ -92,23 +94,36 @@ impl Bench {
             return Ok(false);
         }
         self.pass(Rule::ContactsResent, format!("contacts {seq} was sent again"));
-        self.until(backoff, |heard| (heard.ledger.times(seq).len() >= SENDINGS).then_some(())).await?;
+        let begun = Instant::now();
+        for sendings in [SENDINGS, SENDINGS_IN_DOUBT] {
+            let left = backoff.saturating_sub(begun.elapsed());
+            let has_enough = |heard: &Listener| (heard.ledger.times(seq).len() >= sendings).then_some(());
+            if self.until(left, has_enough).await?.is_none() || has_grown(&self.pauses(seq, sendings)) {
+                break;
+            }
+        }
         self.judge_pauses(seq, backoff);
         self.skip(&[Rule::ResendOldestFirst], "at no time did more than one message wait to be sent again");
         Ok(true)
     }
 
-    fn judge_pauses(&mut self, seq: u64, limit: Duration) {
+    /// Pauses between the first transmissions of a message, s.
+    fn pauses(&self, seq: u64, sendings: usize) -> Vec<f64> {
         let times = self.heard.ledger.times(seq);
-        let pauses: Vec<f64> = times.windows(2).map(|pair| (pair[1] - pair[0]).as_secs_f64()).collect();
+        let pause = |pair: &[Instant]| (pair[1] - pair[0]).as_secs_f64();
+        times.windows(2).take(sendings - 1).map(pause).collect()
+    }
+
+    fn judge_pauses(&mut self, seq: u64, limit: Duration) {
+        let pauses = self.pauses(seq, SENDINGS_IN_DOUBT);
         let shown = pauses.iter().map(|pause| format!("{pause:.2}")).collect::<Vec<_>>().join(", ");
-        let [first, second, third, ..] = pauses[..] else {
-            let sent = times.len();
+        if pauses.len() < SENDINGS - 1 {
+            let sent = pauses.len() + 1;
             let why = format!("contacts {seq} arrived only {sent} times within {} (pauses {shown} s)", seconds(limit));
             self.skip(&[Rule::ResendBackoff], &why);
             return;
-        };
-        let holds = third >= GROWTH * first.min(second);
+        }
+        let holds = has_grown(&pauses[..SENDINGS - 1]) || has_grown(&pauses);
         self.judge(Rule::ResendBackoff, holds, format!("contacts {seq} arrived after pauses of {shown} s"));
     }
 
@@ -159,5 +174,39 @@ impl Bench {
         let seen = format!("after a receipt for another boot, contacts {open} {how}");
         self.judge(Rule::ReceiptBoot, again.is_some(), seen);
         Ok(())
+    }
+}
+
+/// Whether the last pause is longer than the shortest one before it, as exponential growth makes it.
+fn has_grown(pauses: &[f64]) -> bool {
+    let Some((last, before)) = pauses.split_last() else { return false };
+    *last >= GROWTH * before.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pauses between arrivals if each transmission is late by so much. The robot waits from one transmission to the next.
+    fn arrivals(pauses: &[f64], late: &[f64]) -> Vec<f64> {
+        pauses.iter().zip(late.windows(2)).map(|(pause, late)| pause + late[1] - late[0]).collect()
+    }
+
+    #[test]
+    fn pauses_that_double_have_grown_at_the_latest_after_six_transmissions_that_come_seconds_late() {
+        let doubling = [1.0, 2.0, 4.0, 8.0, 16.0];
+        assert!(has_grown(&doubling[..3]) && has_grown(&doubling));
+        let is_late = arrivals(&doubling, &[0.0, 2.0, 2.5, 1.0, 3.0, 0.5]);
+        assert!(!has_grown(&is_late[..3]), "{is_late:?}");
+        for late in [[0.0, 2.0, 2.5, 1.0, 3.0, 0.5], [0.0, 3.0, 3.0, 1.0, 4.0, 0.0], [4.0, 4.0, 4.0, 0.0, 4.0, 0.0]] {
+            assert!(has_grown(&arrivals(&doubling, &late)), "{late:?}");
+        }
+    }
+
+    #[test]
+    fn even_pauses_have_not_grown() {
+        let even = [1.0; 5];
+        assert!(!has_grown(&even[..3]) && !has_grown(&even));
+        assert!(!has_grown(&arrivals(&even, &[0.0, 0.2, 0.1, 0.3, 0.2, 0.4])) && !has_grown(&[]));
     }
 }

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <simavr/avr_adc.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "simulator.h"
 
@@ -14,6 +15,8 @@ double supply_mpa = 0.25, sensor_volts = -1;
 static struct chamber chambers[CHAMBERS];
 static double analog_volts[16] = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
 static const double tau_s = 0.8;
+// Mark of the inputs A8 to A15.
+#define UPPER 1
 
 double chamber_mpa(int chamber) { return chambers[chamber].mpa; }
 
@@ -62,20 +65,39 @@ void move_air(double seconds) {
     }
 }
 
-void set_analog_inputs(avr_irq_t *adc) {
-    // The library simulates eight of the sixteen inputs of a Mega.
-    for (int channel = 0; channel < 8; channel++) {
-        if (analog_volts[channel] >= 0) {
-            avr_raise_irq(adc + ADC_IRQ_ADC0 + channel, (uint32_t)lround(analog_volts[channel] * 1000));
+// The library keeps the values of eight inputs. For A8 to A15 of a Mega it reads what lies behind them in memory, other in
+// each run. Here they take the places of A0 to A7, and are told by the gain of their mode, which single inputs do not use.
+void place_upper_inputs(avr_t *avr) {
+    for (avr_io_t *io = avr->io_port; io; io = io->next) {
+        if (strcmp(io->kind, "adc")) continue;
+        avr_adc_mux_t *modes = ((avr_adc_t *)io)->muxmode;
+        for (int i = 0; i < 64; i++) {
+            if (modes[i].kind != ADC_MUX_SINGLE || modes[i].src < 8) continue;
+            modes[i].src -= 8;
+            modes[i].gain = UPPER;
         }
     }
+}
+
+// Voltage at an analog input; negative, which reads as 0, if nothing is wired to it.
+static double volts_of(int channel) {
     for (int i = 0; i < CHAMBERS; i++) {
-        if (!chambers[i].wired) continue;
-        double volts = sensor_volts >= 0 && i == 0 ? sensor_volts : 1 + 4 * chambers[i].mpa;
-        avr_raise_irq(adc + ADC_IRQ_ADC0 + chambers[i].channel, (uint32_t)lround(volts * 1000));
+        if (!chambers[i].wired || chambers[i].channel != channel) continue;
+        return sensor_volts >= 0 && i == 0 ? sensor_volts : 1 + 4 * chambers[i].mpa;
     }
     // Unless it was set, the gauge of the first whisker feels its pressure a little.
-    if (analog_volts[1] < 0 && !chambers[1].wired) {
-        avr_raise_irq(adc + ADC_IRQ_ADC1, 2500 + (uint32_t)lround(200 * chambers[0].mpa));
+    if (channel == 1 && analog_volts[1] < 0 && !chambers[1].wired) return 2.5 + 0.2 * chambers[0].mpa;
+    return analog_volts[channel];
+}
+
+void set_analog_inputs(avr_irq_t *adc, uint32_t chosen) {
+    union {
+        avr_adc_mux_t mux;
+        uint32_t v;
+    } input = {.v = chosen};
+    int is_upper = input.mux.kind == ADC_MUX_SINGLE && input.mux.gain == UPPER;
+    for (int place = 0; place < 8; place++) {
+        double volts = volts_of(is_upper ? 8 + place : place);
+        avr_raise_irq(adc + ADC_IRQ_ADC0 + place, (uint32_t)lround(fmax(0, volts) * 1000));
     }
 }

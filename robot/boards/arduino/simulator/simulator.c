@@ -90,8 +90,8 @@ static void send_byte(avr_irq_t *input) {
 }
 
 static void on_adc(avr_irq_t *irq, uint32_t value, void *param) {
-    (void)irq, (void)value, (void)param;
-    set_analog_inputs(adc);
+    (void)irq, (void)param;
+    set_analog_inputs(adc, value);
 }
 
 static void write_eeprom(int address, int byte) {
@@ -156,6 +156,7 @@ static int set_up(const char *elf) {
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_byte, NULL);
     adc = avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, 0);
     avr_irq_register_notify(adc + ADC_IRQ_OUT_TRIGGER, on_adc, NULL);
+    place_upper_inputs(avr);
     wire_chamber(0, 4, 5, 0);
     return 1;
 }

@@ -21,8 +21,9 @@ extern double supply_mpa, sensor_volts;
 void wire_chamber(int chamber, int fill_pin, int vent_pin, int channel);
 void move_air(double seconds);
 double chamber_mpa(int chamber);
-// Called before a conversion of the microcontroller.
-void set_analog_inputs(avr_irq_t *adc);
+// Called before a conversion of the microcontroller, with the input that it has chosen.
+void set_analog_inputs(avr_irq_t *adc, uint32_t chosen);
+void place_upper_inputs(avr_t *avr);
 void set_volts(int channel, double volts);
 
 // devices.c: converters beside the microcontroller.

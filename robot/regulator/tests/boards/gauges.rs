@@ -144,3 +144,25 @@ fn a_slide_without_a_gauge_gives_motion() {
     assert!(motion.iter().all(|line| list(line, "deflection_mm").iter().all(|mm| (mm - 20.0).abs() < 0.06)));
     assert!(motion.iter().all(|line| line.contains("\"every_us\":10000") && !line.contains("strain")));
 }
+
+#[test]
+fn the_upper_inputs_of_a_mega_are_read() {
+    let Some(folder) = compiled("mega") else { return };
+    for (strain_pin, slide_pin) in [(8, 15), (15, 12), (7, 9)] {
+        let script = format!("50 !volts {strain_pin} 3.0\n50 !volts {slide_pin} 2.5\n50 !volts 1 1.0\n")
+            + &configure(100, 0, &format!("\"strain_sensor\":\"ANALOG\",\"strain_pin\":\"A{strain_pin}\""))
+            + &configure(200, 0, "\"strain_zero_v\":2.5,\"strain_per_v\":0.006")
+            + &configure(300, 0, &format!("\"slide_pin\":\"A{slide_pin}\",\"slide_mm\":40"))
+            + &save(400)
+            + &format!("1500 !volts {strain_pin} 3.5\n2500 !end\n");
+        let lines = run("mega", &folder, &script);
+        // A step of the converter is 0.00003.
+        for (from_ms, to_ms, expected) in [(800.0, 1_500.0, 0.003), (1_800.0, 2_500.0, 0.006)] {
+            let seen = strains(&lines, from_ms, to_ms);
+            assert!(is_near(&seen, expected, 3.1e-5), "A{strain_pin} from {from_ms} ms: {seen:?}");
+        }
+        let during = lines.iter().filter(|(ms, _, line)| *ms > 800.0 && line.contains("\"deflection_mm\""));
+        let way_mm: Vec<f64> = during.flat_map(|(_, _, line)| list(line, "deflection_mm")).collect();
+        assert!(is_near(&way_mm, 20.0, 0.06), "A{slide_pin}: {way_mm:?}");
+    }
+}

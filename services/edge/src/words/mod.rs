@@ -120,6 +120,7 @@ mod whiskers;
 #[cfg(test)]
 mod tests {
     use vibrissa_core::robot::effect::{AlarmKind, Condition, Fault};
+    use vibrissa_protocol::Segmenter;
 
     use super::*;
 
@@ -130,5 +131,13 @@ mod tests {
         }
         assert!(AlarmKind::all().len() > Fault::all().len());
         assert_eq!(named::<Condition>("LONGER"), None);
+    }
+
+    #[test]
+    fn words_of_segmenters_are_those_of_the_contract() {
+        for &segmenter in Segmenter::ALL {
+            assert_eq!((segmenter.word(), named(segmenter.as_str())), (segmenter.as_str(), Some(segmenter)));
+        }
+        assert_eq!(Segmenter::all().len(), Segmenter::ALL.len());
     }
 }

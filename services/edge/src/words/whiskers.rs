@@ -2,6 +2,7 @@
 
 use vibrissa_core::robot::effect::{AlarmKind, Condition, ContactUse, Fault};
 use vibrissa_core::robot::event::{ArrayKind, GaugeState, Link};
+use vibrissa_protocol::Segmenter;
 
 use super::{Severity, Word, Words};
 use crate::presence::Presence;
@@ -24,6 +25,14 @@ words! {
         Leak => "LEAK" "leaking" (Bad),
         Regulator => "REGULATOR" "regulator faulty" (Bad),
         SupplyLow => "SUPPLY_LOW" "air supply low" (Bad),
+    }
+    Segmenter {
+        Learning => "LEARNING" "contacts not found yet" (Info),
+        Lost => "LOST" "rest is not known" (Warn),
+        Clipped => "CLIPPED" "last touch too strong" (Info),
+        Noisy => "NOISY" "noisy strain" (Warn),
+        Inverted => "INVERTED" "gauge reversed" (Bad),
+        Ready => "READY" "contacts found" (Good),
     }
     ContactUse {
         Learning => "LEARNING" "used to learn the whisker" (Info),

@@ -49,6 +49,8 @@ row! {
         pub updated_us: i64,
         /// Journal rows up to this number are contained in `state`.
         pub journal_number: i64,
+        /// Programs of the robot by its factsheet: a JSON list, see [`crate::programs`].
+        pub software: String,
         /// Serialized state of the core's robot, without its whiskers.
         pub state: Vec<u8>,
     }
@@ -67,6 +69,8 @@ row! {
         pub condition: &'static str,
         /// Fault, such as `LEAK`; `None` without a fault.
         pub fault: Option<&'static str>,
+        /// State of its segmenter, such as `NOISY`; `None` if the robot states none.
+        pub segmenter: Option<&'static str>,
         /// Pressure as last measured, MPa.
         pub pressure_mpa: Option<f64>,
         /// Pressure that the robot holds or moves to, MPa.

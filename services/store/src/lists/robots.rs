@@ -8,6 +8,7 @@ use super::sorts;
 use crate::from_row::from_row;
 use crate::labels::RobotLabels;
 use crate::list::List;
+use crate::programs::RobotPrograms;
 use crate::time::Time;
 
 from_row! {
@@ -20,6 +21,9 @@ from_row! {
         pub robot: String,
         /// Model of the robot, by its factsheet; null before the first factsheet.
         pub model: Option<String>,
+        /// Programs of the robot by its factsheet, such as agent, drivers and firmware; empty if it names none.
+        #[schema(value_type = Vec<crate::programs::RobotProgram>)]
+        pub software: RobotPrograms,
         /// Connection state: `ONLINE`, `SILENT` (connected, but not heard), `OFFLINE` or `CONNECTION_BROKEN`.
         pub connection: String,
         /// Newest boot of the robot; null before the first.
@@ -156,7 +160,7 @@ sorts! {
 pub static ROBOTS: List = List {
     what: "list the robots",
     select: concat!(
-        "SELECT r.robot_id, r.fleet, r.robot, r.model, ",
+        "SELECT r.robot_id, r.fleet, r.robot, r.model, r.software, ",
         presence!("r"),
         " AS connection, r.boot_id, \
          CASE WHEN updated_us > 0 THEN updated_us END AS updated_at, \

@@ -42,6 +42,9 @@ from_row! {
         pub condition: String,
         /// Fault, such as `LEAK` or `STALE`; null without a fault.
         pub fault: Option<String>,
+        /// How far its contacts can be relied on that the robot finds in samples of strain, by the newest status: `READY`,
+        /// `LEARNING`, `LOST`, `CLIPPED`, `NOISY` or `INVERTED`; null if the robot does not say.
+        pub segmenter: Option<String>,
         /// Pressure as last measured, MPa; null before the first measurement.
         pub pressure_mpa: Option<f64>,
         /// Pressure that the robot holds or moves to, MPa.
@@ -114,7 +117,7 @@ pub static WHISKERS: List = List {
     select: concat!(
         "SELECT w.whisker_id, w.robot_id, w.array_id, fleet, robot, \"array\", array_type, w.whisker, w.model, x_mm, y_mm, whole_length_mm, \
              length_mm, length_mm - 1.959963984540054 * length_sd_mm AS length_low_mm, \
-             length_mm + 1.959963984540054 * length_sd_mm AS length_high_mm, condition, fault, pressure_mpa, \
+             length_mm + 1.959963984540054 * length_sd_mm AS length_high_mm, condition, fault, segmenter, pressure_mpa, \
              setpoint_mpa, nominal_pressure_mpa, pressure_max_mpa, contacts, heard_us AS heard_at, ",
         presence!("r"),
         " AS connection, r.labels, CASE WHEN w.held OR r.held THEN true ELSE false END AS held, \

@@ -20,6 +20,7 @@ use vibrissa_edge::actions::{ActionKind, RecordedKind};
 use vibrissa_edge::events::{Audience, EventKind};
 use vibrissa_edge::guidance::Level;
 use vibrissa_edge::words::{Word, Words};
+use vibrissa_protocol::Segmenter;
 
 use crate::database::Pool;
 use crate::retention::tables::{Kept, TABLES};
@@ -101,6 +102,7 @@ fn with_words(meaning: &str) -> String {
         words_of::<RefinementOutcome>(),
         words_of::<Refused>(),
         words_of::<Rejection>(),
+        words_of::<Segmenter>(),
         words_of::<Stage>(),
         words_of::<TestKind>(),
         words_of::<TestReason>(),

@@ -53,6 +53,7 @@ export default {
       h("p", { class: "marks" }, markOf(CONNECTIONS, about.connection), health(about)),
       facts([
         ["Model", about.model],
+        ["Programs", programs(about.software)],
         ["Last message", time(about.updated_at)],
         ["Maintenance", maintenanceLine(windows, about)],
         ["Labels", h("div", { class: "of-labels" }, labelChips(about.labels))],
@@ -79,6 +80,12 @@ export default {
     ];
   },
 };
+
+/** The programs that the robot has named: agent, drivers and firmware. */
+function programs(software) {
+  const told = software.map(({ kind, name, version }) => `${name} ${version} (${kind.toLowerCase()})`);
+  return told.length ? told.join(", ") : null;
+}
 
 function arrayPart(array, whiskers, running) {
   const serving = running.filter((one) => one.array === array && one.compensator_whisker !== null);

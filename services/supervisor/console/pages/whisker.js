@@ -10,7 +10,7 @@ import { markOf, marksOf, shapeOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
 import { boxesOf, boxesTable, boxLink } from "../parts/boxes.js";
 import { alternatives } from "../parts/candidates.js";
-import { contactUses, contactUsesOf } from "../parts/contact-uses.js";
+import { contactUses, contactUsesOf, segmenterFact } from "../parts/contact-uses.js";
 import { decisionsTable, error, setpointsTable } from "../parts/decisions.js";
 import { effect } from "../parts/effect.js";
 import { entriesList } from "../parts/entries.js";
@@ -102,7 +102,7 @@ const LOADS = {
 
 const VIEWS = {
   now: ({ about, newest, uses, entries }, { actions, refresh }) => [
-    facts(of(about, newest)),
+    facts(of(about, newest, uses)),
     uses ? contactUses(uses) : null,
     h(
       "div",
@@ -173,7 +173,7 @@ function whatIfLink(about) {
   return h("p", { class: "links" }, h("a", { href: link.whatIf(cut) }, "What if it were cut?"));
 }
 
-function of(whisker, newest) {
+function of(whisker, newest, uses) {
   const perHour = (value) => percent(value * 3600, 2);
   const perThousand = (value) => mm(value * 1000, 2);
   return [
@@ -193,6 +193,7 @@ function of(whisker, newest) {
       `${mpa(whisker.setpoint_mpa)}; nominal ${mpa(whisker.nominal_pressure_mpa)}, at most ${mpa(whisker.pressure_max_mpa)}`,
     ],
     ["Contacts used", whisker.contacts.toLocaleString("en")],
+    ["Contacts from strain", segmenterFact(uses, whisker.segmenter)],
     ["Last message", time(whisker.heard_at)],
     ["Model", whisker.model],
     // A rate whose interval contains zero says only that nothing was seen.

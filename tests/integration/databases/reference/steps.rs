@@ -100,8 +100,10 @@ fn told(subject: &Subject, robot: &StoredRobot) -> String {
     let StoredRobot { robot_id, robot: name, state, whisker_states, rollups, journal_number, held, numbers, .. } =
         robot;
     let (place, boots) = (subject.place(*robot_id), boots.collect::<Vec<_>>());
+    let told = (&robot.software, &robot.segmenters);
     format!(
-        "{place:?} {name} {whiskers:?} {boots:?} {journal_number} {held} {numbers:?} {state:?} {whisker_states:?} {rollups:?}"
+        "{place:?} {name} {whiskers:?} {boots:?} {journal_number} {held} {numbers:?} {state:?} {whisker_states:?} \
+         {rollups:?} {told:?}"
     )
 }
 

@@ -7,7 +7,7 @@ use tracing::error;
 use vibrissa_core::robot::event::Link;
 use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_edge::words::Word;
-use vibrissa_protocol::Name;
+use vibrissa_protocol::{Name, Segmenter};
 
 use crate::engine::robot::{Durable, KnownRobot, Robots};
 use vibrissa_edge::clock::wall_clock;
@@ -173,8 +173,8 @@ fn write(known: &mut KnownRobot, number: i64, batch: &mut Batch) -> usize {
     let mut changed = Vec::new();
     known.robot.take_changed_whiskers(|index| changed.push(index));
     known.history.take_changed(&mut changed);
-    let is_presence_due = std::mem::take(&mut known.is_presence_due);
-    if !known.robot.take_changed() && changed.is_empty() && !is_presence_due {
+    let is_row_due = std::mem::take(&mut known.is_row_due);
+    if !known.robot.take_changed() && changed.is_empty() && !is_row_due {
         return 0;
     }
     let Some(state) = known.robot.to_bytes() else {
@@ -190,6 +190,7 @@ fn write(known: &mut KnownRobot, number: i64, batch: &mut Batch) -> usize {
         held: known.robot.is_held(),
         updated_us: wall_clock().0 as i64,
         journal_number: number,
+        software: known.told.software().to_owned(),
         state,
     });
     for &index in &changed {
@@ -212,6 +213,7 @@ fn whisker_row(known: &KnownRobot, index: usize) -> Option<WhiskerRow> {
         length_sd_mm: view.length.sd_mm,
         condition: view.condition.word(),
         fault: view.fault.map(Word::word),
+        segmenter: known.told.segmenter(whisker_id).map(Segmenter::as_str),
         pressure_mpa: view.pressure.map(Megapascal::mpa),
         setpoint_mpa: view.setpoint.mpa(),
         contacts: view.contacts as i64,

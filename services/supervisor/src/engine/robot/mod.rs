@@ -13,6 +13,7 @@ pub(crate) mod repeats;
 pub(crate) mod retention;
 pub mod rollup;
 pub(crate) mod seqs;
+pub(crate) mod told;
 
 use indexmap::IndexMap;
 use smallvec::SmallVec;
@@ -39,6 +40,7 @@ use refusals::Refusals;
 use repeats::Repeats;
 use retention::ContactRetention;
 use seqs::Seqs;
+use told::Told;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::full_name::FullName;
 use vibrissa_store::StoredRobot;
@@ -95,8 +97,10 @@ pub(crate) struct KnownRobot {
     pub(crate) factsheet_missing: Option<Instant>,
     /// The allow list excludes it: none of its messages is taken, and it raises no alarms.
     pub(crate) is_excluded: bool,
-    /// The list has begun or ended to exclude it, and its row does not say so yet.
-    pub(crate) is_presence_due: bool,
+    /// What it tells of itself for people.
+    pub(crate) told: Told,
+    /// Its row does not say yet that the allow list has begun or ended to exclude it, or which programs it has.
+    pub(crate) is_row_due: bool,
     /// The database has repeatedly rejected its rows: it gets no events for a while.
     pub(crate) rests: bool,
     /// Its messages for black boxes; `None` before the first message.
@@ -146,7 +150,8 @@ impl KnownRobot {
             repeats: Repeats::default(),
             factsheet_missing: None,
             is_excluded: false,
-            is_presence_due: false,
+            told: Told::default(),
+            is_row_due: false,
             rests: false,
             recorder: None,
         }
@@ -186,8 +191,9 @@ impl KnownRobot {
         };
         let rollups = if whisker_ids.is_empty() { &[][..] } else { &stored.rollups };
         let history = History::taken_up(retention, rollups, wall_clock());
+        let told = Told::restored(stored.software, whisker_ids.iter().copied().zip(&stored.segmenters));
         let new = Self::new((fleet, name), stored.robot_id, robot, retention);
-        Some((Self { whisker_ids, boots: stored.boots.into(), history, ..new }, forgotten))
+        Some((Self { whisker_ids, boots: stored.boots.into(), history, told, ..new }, forgotten))
     }
 
     /// Starts supervision under a new epoch.

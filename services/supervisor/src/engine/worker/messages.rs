@@ -198,7 +198,7 @@ impl Worker {
             && known.boots.get(boot_id).is_some()
             && known.is_laid_out(&factsheet)
         {
-            self.stepper.step(known, raw.received, &Event::Factsheet { boot_id, factsheet: &factsheet }, None);
+            self.stepper.step_factsheet(known, (&message, &factsheet), raw.received);
             return None;
         }
         if !self.robots.contains_key(&raw.robot) && !self.announced.has_boot(&raw.robot, boot_id) {

@@ -78,6 +78,7 @@ impl Stepper {
             let ids: Vec<i64> = whiskers.iter().map(|(whisker_id, _)| *whisker_id).collect();
             if ids != known.whisker_ids {
                 let gone = known.history.laid_out(&known.whisker_ids, &whiskers, now, self.batch.rows_mut());
+                known.told.keep_only(&ids);
                 known.whisker_ids = ids;
                 self.batch.count_layout(known.whisker_ids.len());
                 self.batch.rows_mut().layouts.push(LayoutRow {
@@ -87,8 +88,21 @@ impl Stepper {
                 });
             }
         }
-        self.step(known, now, &Event::Factsheet { boot_id, factsheet: &factsheet }, None);
+        self.step_factsheet(known, (message, &factsheet), now);
         Ok(())
+    }
+
+    /// Steps a factsheet whose whiskers have row ids, and keeps the names of the programs.
+    pub(super) fn step_factsheet(
+        &mut self,
+        known: &mut KnownRobot,
+        (message, factsheet): (&protocol::Factsheet, &Factsheet),
+        now: Micros,
+    ) {
+        let event = Event::Factsheet { boot_id: message.boot_id.as_str(), factsheet };
+        if self.step(known, now, &event, None) == Outcome::Taken {
+            known.is_row_due |= known.told.take_software(&message.software);
+        }
     }
 
     /// Charges a new layout to the accounts of the robot and its fleet. Returns false, and counts, if it is refused.
@@ -166,6 +180,13 @@ impl Stepper {
         let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
         let outcome = self.step(known, now, &event, None);
         self.has_unannounced |= outcome == Outcome::OldBoot && is_unannounced(known, boot_id);
+        if outcome == Outcome::Taken {
+            let KnownRobot { told, robot, whisker_ids, .. } = known;
+            told.take_segmenters(&message.whiskers, |entry| {
+                let index = robot.find(entry.array.as_str(), entry.whisker)?;
+                whisker_ids.get(index).copied()
+            });
+        }
         if known.robot.has_wrong_time_unit() {
             let problem = "its times pass too slowly or too fast: is t_us in microseconds? No setpoint is sent";
             self.violation_of(known, (RobotTopic::Status, "time_unit"), problem, now);

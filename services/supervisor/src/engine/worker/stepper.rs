@@ -299,7 +299,7 @@ impl Stepper {
     /// Begins or ends the time in which the allow list excludes a robot. Nobody is responsible for it meanwhile, so its alarms
     /// are over; those that are still due are raised again at the end.
     pub(super) fn exclude(&mut self, known: &mut KnownRobot, is_excluded: bool) {
-        (known.is_excluded, known.is_presence_due) = (is_excluded, true);
+        (known.is_excluded, known.is_row_due) = (is_excluded, true);
         self.batch.checkpoint(known);
         if !is_excluded {
             return known.robot.review_alarms(wall_clock());

@@ -7,8 +7,9 @@ use utoipa::ToSchema;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use vibrissa_core::robot::effect::ContactUse;
-use vibrissa_edge::contact_uses::remedy;
+use vibrissa_edge::contact_uses::{remedy, segmenter_remedy};
 use vibrissa_edge::words::{Words, named};
+use vibrissa_protocol::Segmenter;
 use vibrissa_store::contact_uses::ContactsOfUse;
 use vibrissa_store::time::Time;
 
@@ -24,7 +25,7 @@ pub(super) fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(get_contact_uses))
 }
 
-/// Uses of a whisker's newest contacts.
+/// Uses of a whisker's newest contacts, and the state of its segmenter.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ContactUses {
     /// Number of contacts that were counted, about 200 at most; 0 if none is recorded, or if contacts are not kept.
@@ -35,6 +36,27 @@ pub struct ContactUses {
     pub contacts_used: i64,
     /// The uses, the most frequent first.
     pub items: Vec<ContactsByUse>,
+    /// Finding of contacts in samples of strain; null if the robot does not say.
+    pub segmenter: Option<SegmenterState>,
+}
+
+/// How far contacts can be relied on that a robot finds in samples of strain.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct SegmenterState {
+    /// State by the newest status, such as `READY` or `LEARNING`.
+    pub state: String,
+    /// The state in a few words.
+    pub meaning: Option<&'static str>,
+    /// Advice if contacts are not found; null if they are.
+    pub remedy: Option<&'static str>,
+}
+
+impl From<String> for SegmenterState {
+    fn from(state: String) -> Self {
+        let known: Option<Segmenter> = named(&state);
+        let (meaning, remedy) = (known.and_then(Words::label), known.and_then(segmenter_remedy));
+        Self { state, meaning, remedy }
+    }
 }
 
 /// Contacts of one use.
@@ -66,7 +88,7 @@ impl From<ContactsOfUse> for ContactsByUse {
     }
 }
 
-/// Use of a whisker's newest contacts: how many were used, why the others were not, and what to do.
+/// Use of a whisker's newest contacts: how many were used, why the others were not or are not found, and what to do.
 #[utoipa::path(
     get, path = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whisker}/contact-uses", tag = "whiskers",
     params(WhiskerPath),
@@ -77,5 +99,7 @@ async fn get_contact_uses(State(app): State<App>, Path(at): Path<WhiskerPath>) -
     let uses = app.store.contact_uses(whisker_id, NEWEST).await?;
     let items: Vec<ContactsByUse> = uses.into_iter().map(ContactsByUse::from).collect();
     let used = items.iter().filter(|one| one.remedy.is_none()).map(|one| one.contacts).sum();
-    Ok(Json(ContactUses { contacts: items.iter().map(|one| one.contacts).sum(), contacts_used: used, items }))
+    let contacts = items.iter().map(|one| one.contacts).sum();
+    let segmenter = app.store.segmenter(whisker_id).await?.map(SegmenterState::from);
+    Ok(Json(ContactUses { contacts, contacts_used: used, items, segmenter }))
 }

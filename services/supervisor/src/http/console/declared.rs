@@ -16,6 +16,7 @@ use vibrissa_edge::events::{Audience, EventKind, webhook_kinds};
 use vibrissa_edge::guidance::Level;
 use vibrissa_edge::presence::Presence;
 use vibrissa_edge::words::Words;
+use vibrissa_protocol::Segmenter;
 
 /// Path of the module below `/console/`.
 pub(super) const PATH: &str = "declared.js";
@@ -25,6 +26,7 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
     let lists = [
         ("CONDITIONS", words::<Condition>()),
         ("FAULTS", words::<Fault>()),
+        ("SEGMENTERS", words::<Segmenter>()),
         ("CONNECTIONS", words::<Presence>()),
         ("CASES", words::<Case>()),
         ("REFUSALS", words::<Refused>()),
