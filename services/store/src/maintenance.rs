@@ -18,7 +18,7 @@ const KEPT_US: i64 = 30 * 86_400_000_000;
 
 const TABLE: &str = "maintenance";
 
-/// Most times whose alarms are told at the end of one window.
+/// Most spans of time whose alarms one message at the end of a window lists.
 const SPANS_MAX: usize = 400;
 
 const WHAT: &str = "change the windows of maintenance";
@@ -269,7 +269,7 @@ async fn tell_pages(tx: &mut Tx<'_>, fleet: &str, now_us: i64) -> sqlx::Result<(
     events::write::write(tx, fleet, &[EventRow::new(EventKind::Action, now_us)]).await
 }
 
-/// A time whose alarms are told at the end of a window.
+/// A span of time; the end of a window lists the alarms of its spans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Span {
     begins_us: i64,
@@ -278,8 +278,8 @@ struct Span {
     robot_id: Option<i64>,
 }
 
-/// The times whose alarms are told at the end of a window: its own, and those of windows that have ended in it, because
-/// nobody was told then. Windows that end in these count, too.
+/// Spans of a window's end: its own, and those of windows that ended within it, because their ends listed nothing. The
+/// rule holds for windows that ended within these, too.
 fn spans(rows: &[MaintenanceRow], row: &MaintenanceRow, (begins_us, ends_us): (i64, i64)) -> Vec<Span> {
     let mut spans = vec![Span { begins_us, ends_us, robot_id: row.robot_id }];
     let mut next = 0;
@@ -289,7 +289,7 @@ fn spans(rows: &[MaintenanceRow], row: &MaintenanceRow, (begins_us, ends_us): (i
             if other.robot_id.is_some() && span.robot_id.is_some() && other.robot_id != span.robot_id {
                 continue;
             }
-            // One that ends as the span begins is told in it, too.
+            // A window that ends as the span begins belongs to it.
             let Some((begins_us, until_us)) = other.at(span.begins_us - 1) else { continue };
             let earlier = Span { begins_us, ends_us: until_us, robot_id: span.robot_id.or(other.robot_id) };
             if until_us <= ends_us && !spans.contains(&earlier) {

@@ -1,4 +1,4 @@
-//! What a new owner of a fleet must know to publish facts for the maintenance of its whiskers.
+//! Rows from which a new owner of a fleet publishes facts for the maintenance of its whiskers.
 
 use super::database::on;
 use super::from_row::from_row;

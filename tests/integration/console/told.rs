@@ -1,4 +1,4 @@
-//! What a robot tells of itself: its programs on its page, and the state of a segmenter with advice on the whisker's page.
+//! The programs of a robot on its page, and the state of a segmenter with advice on the whisker's page.
 
 use vibrissa_protocol::{Segmenter, Software, SoftwareKind};
 use vibrissa_tests::wait::until_true;

@@ -87,7 +87,7 @@ async fn wear_and_the_last_test_are_told_to_tools_until_the_robot_leaves() {
     assert_eq!(cut.whiskers[0].last_calibration, tested_at);
     assert!(new.seq < after_test.seq && after_test.seq < whole.seq && whole.seq < cut.seq);
 
-    // The next supervisor knows as much, and what it says is retained.
+    // The next supervisor has the same facts, and its message is retained.
     let running = running.maintained_again(EVERY, broker.port()).await;
     let mut late = Observer::subscribed(broker.port(), "late", &[TOPIC]).await;
     let next = late.expect("the next epoch's", |heard| facts(&heard).filter(|facts| facts.epoch > cut.epoch)).await;

@@ -189,7 +189,7 @@ fn worded(problem: &io::Error, remedy: impl FnOnce() -> Option<String>) -> io::E
     io::Error::new(problem.kind(), text)
 }
 
-/// What to do if the agent cannot listen.
+/// Remedy for an agent that cannot listen.
 fn remedy(way: &Way, kind: ErrorKind) -> Option<String> {
     match (way, kind) {
         (Way::Listen(address), ErrorKind::AddrInUse) => {

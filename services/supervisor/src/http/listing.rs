@@ -146,7 +146,7 @@ impl Listing {
     }
 
     fn headers(&self) -> [(HeaderName, HeaderValue); 3] {
-        // Each row of a history is called by what it is: `contacts/each` has contacts.
+        // `contacts/each` lists contacts.
         let name = self.uri.path().rsplit('/').find(|part| *part != "each").unwrap_or_default();
         let file = HeaderValue::from_str(&format!("attachment; filename=\"{name}.csv\""));
         [

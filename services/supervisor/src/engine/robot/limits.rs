@@ -9,7 +9,7 @@ pub(crate) const BOOTS_AT_ONCE: u32 = 10;
 /// Rate of new boots, and of new layouts, of a robot after that, per minute.
 pub(crate) const BOOTS_PER_MINUTE: u32 = 1;
 
-/// Limits on the robots that the supervisor stores, and on what it publishes about them.
+/// Limits on the robots that the supervisor stores, and on the messages about them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Largest number of robots in a fleet.

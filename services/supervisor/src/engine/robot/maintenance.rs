@@ -1,6 +1,6 @@
 //! Facts for the maintenance of a robot's whiskers, and when they are published.
 //!
-//! What was published is not stored: the facts are published again after each takeover.
+//! The published facts are not stored: a new owner publishes them again.
 
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -65,7 +65,7 @@ impl Maintenance {
 
 fn hash_of(facts: &[WhiskerMaintenance]) -> u64 {
     let mut hasher = DefaultHasher::new();
-    // Every digit that is told is in it.
+    // The text has every published digit.
     format!("{facts:?}").hash(&mut hasher);
     hasher.finish()
 }

@@ -97,7 +97,7 @@ pub(crate) struct KnownRobot {
     pub(crate) factsheet_missing: Option<Instant>,
     /// The allow list excludes it: none of its messages is taken, and it raises no alarms.
     pub(crate) is_excluded: bool,
-    /// What it tells of itself for people.
+    /// Its programs and segmenters, for people.
     pub(crate) told: Told,
     /// Its row does not say yet that the allow list has begun or ended to exclude it, or which programs it has.
     pub(crate) is_row_due: bool,

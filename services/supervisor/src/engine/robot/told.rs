@@ -1,4 +1,4 @@
-//! What one robot tells of itself for people; no decision depends on it.
+//! Programs and segmenters of a robot, for people; no decision depends on them.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +20,7 @@ impl Default for Told {
 }
 
 impl Told {
-    /// What the rows of the robot and of its whiskers have.
+    /// From the rows of the robot and of its whiskers.
     pub(crate) fn restored<'s>(software: String, segmenters: impl Iterator<Item = (i64, &'s Option<String>)>) -> Self {
         let known =
             |(whisker_id, word): (i64, &Option<String>)| Some((whisker_id, Segmenter::from_word(word.as_deref()?)?));
