@@ -127,6 +127,7 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::MailUsername => ["user-0", "user-1", "user-2"],
         Key::MailPasswordFile => ["file0", "file1", "file2"],
         Key::MailGatherS | Key::MailPerHourMax => ["7", "70", "250"],
+        Key::MqttMaintenanceEveryS => ["60", "600", "3600"],
         Key::TracesOtlpEndpoint => ["http://h0:4318", "https://h1/otlp", "http://[::1]:4318"],
         Key::TracesSampleRatio => ["0.0", "0.5", "1.0"],
         Key::PolicyMode => ["advise", "automatic", "advise"],
