@@ -131,7 +131,10 @@ function interval({ x_mm: x, length_low_mm: low, length_high_mm: high }) {
 
 /** The most important word about a whisker, because the drawing has little space. */
 function worst(whisker) {
-  if (whisker.connection !== "ONLINE") return [say(CONNECTIONS, whisker.connection).replace("connection ", ""), "off"];
+  if (whisker.connection !== "ONLINE") {
+    const words = say(CONNECTIONS, whisker.connection);
+    return [words.split(" ").at(-1), "off", words];
+  }
   if (whisker.fault)
     return [say(FAULTS, whisker.fault).split(":")[0].split(" ")[0], FAULTS[whisker.fault]?.[1] ?? "bad"];
   if (whisker.condition === "TRIMMED") {

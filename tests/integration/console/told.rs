@@ -1,5 +1,6 @@
 //! The programs of a robot on its page, and the state of a segmenter with advice on the whisker's page.
 
+use vibrissa_core::units::Micros;
 use vibrissa_protocol::{Segmenter, Software, SoftwareKind};
 use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::try_get;
@@ -30,6 +31,21 @@ async fn programs_of_a_robot_and_the_state_of_its_segmenters_are_shown() {
     stage.open("#/fleets/f/robots/r/arrays/left/whiskers/1").await;
     stage.browser.until("the state", &says("noisy strain")).await;
     stage.browser.until("the advice", &says("Check the wires and the supply of the converter")).await;
+    stage.is_clean();
+    stage.stop().await;
+}
+
+/// The words below the whiskers of a drawing stood over one another.
+#[tokio::test]
+async fn regress_the_words_below_silent_whiskers_stand_apart() {
+    let mut stage = Stage::with(|params| params.health.stale_after = Micros::from_s(1.0)).await;
+    stage.open("#/fleets/f/robots/r").await;
+    let words = "[...document.querySelectorAll('.drawing text.state:nth-last-of-type(2)')]";
+    let are_silent = format!("{words}.length === 3 && {words}.every((one) => one.textContent.includes('silent'))");
+    stage.browser.until("silent whiskers", &are_silent).await;
+    let boxes = format!("{words}.map((one) => one.getBoundingClientRect()).sort((a, b) => a.left - b.left)");
+    let are_apart = format!("{boxes}.every((one, at, all) => at === 0 || all[at - 1].right < one.left)");
+    assert_eq!(stage.browser.js(&are_apart).await, true);
     stage.is_clean();
     stage.stop().await;
 }
