@@ -1,4 +1,4 @@
-//! What a robot tells of itself for people: its programs, and how far its contacts from samples can be relied on.
+//! The programs of a robot, and the states of its segmenters.
 
 use serde_json::{Value, json};
 use vibrissa_protocol::{ArrayType, Segmenter, Software, SoftwareKind};
