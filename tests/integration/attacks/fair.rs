@@ -27,8 +27,7 @@ const MEASURED: Duration = Duration::from_secs(8);
 const FILLING: Duration = Duration::from_secs(4);
 /// A robot without a receipt for this time counts as cut off.
 const GIVE_UP: Duration = Duration::from_secs(30);
-/// Longest wait for a receipt, as a multiple of the longest one without the flood: 7 were measured. Behind the whole flood
-/// it would be 60 and more.
+/// Longest wait for a receipt, as a multiple of the longest one without the flood: 7 were measured on a busy machine.
 const SLOWER_MAX: u32 = 30;
 /// A shorter wait without the flood counts as this one.
 const USUAL_MIN: Duration = Duration::from_millis(100);
