@@ -193,7 +193,7 @@ fn regress_a_setpoint_that_is_not_kept_is_sent_again_after_growing_pauses() {
             let most = most_of_the_same(&one.sent);
             assert!(most <= SAME_IN_AN_HOUR_MAX, "{habit:?}, heard every {heard} s: {most} of the same in an hour");
             let in_the_last_hour = one.sent.iter().filter(|(at, _)| one.now.since(*at) < HOUR).count();
-            // A robot in a task is asked every five minutes, so that its whisker is served soon after the end.
+            // A robot in a task gets a setpoint every five minutes, so that it has one soon after the end.
             let most = if matches!(habit, Habit::Rejects(Rejection::InTask)) { 12 } else { 4 };
             assert!(in_the_last_hour <= most, "{habit:?}, heard every {heard} s: {in_the_last_hour} in the last hour");
         }

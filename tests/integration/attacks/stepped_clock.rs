@@ -8,7 +8,7 @@ use crate::supervised::Supervised;
 
 const HOUR_US: i64 = 3_600_000_000;
 const BEHIND_US: i64 = -120_000_000;
-/// Longer than contacts, minutes and records are kept.
+/// Longer than the retention of contacts, minutes and records.
 const YEARS_US: i64 = 3 * 365 * 24 * HOUR_US;
 
 /// Sends contacts and statuses with the true time. Returns the number of contacts.
