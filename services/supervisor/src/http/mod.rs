@@ -31,7 +31,6 @@ pub mod problem;
 pub mod runbooks;
 pub mod search;
 pub mod server;
-mod sign_in;
 pub mod streams;
 pub mod version;
 pub mod words;
@@ -334,7 +333,7 @@ pub fn router(app: App) -> (Router, Document) {
         )
         .route("/problems/{name}", get(problem::explain))
         .merge(runbooks::routes())
-        .merge(sign_in::routes().route_layer(from_fn_with_state(app.access.clone(), guests::limit_sign_ins)))
+        .merge(access::oidc_routes().route_layer(from_fn_with_state(app.access.clone(), guests::limit_sign_ins)))
         .route("/livez", get(health::livez))
         .with_state(app.clone())
         .merge(console::routes());

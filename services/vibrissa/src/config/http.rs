@@ -97,6 +97,11 @@ fn oidc(reader: &mut Reader) -> Option<Option<OidcOptions>> {
         }
         return Some(None);
     }
+    if !cfg!(feature = "oidc") {
+        let what = "this program was built without OpenID Connect: build it with --features oidc, or leave the key out";
+        reader.refuse(Key::HttpOidcIssuer, what);
+        return None;
+    }
     if !reader.is_explicit(Key::HttpOidcAudience) {
         reader.refuse(
             Key::HttpOidcIssuer,

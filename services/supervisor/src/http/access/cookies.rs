@@ -2,8 +2,11 @@
 //! that path: other services of the host do not get them, and two supervisors of a host do not share a session.
 
 use axum::http::{HeaderMap, HeaderName, header};
+use base64::Engine as _;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 
 use crate::http::problem::{Kind, Problem};
+use vibrissa_store::secret::Secret;
 
 /// A cookie of this service.
 #[derive(Debug)]
@@ -37,6 +40,10 @@ impl Site {
 
 /// The session of a person who has signed in.
 pub const SESSION: Cookie = Cookie { name: "vibrissa-session", same_site: "Strict" };
+/// Length of the identifier in a session's cookie, in bytes.
+pub(super) const ID_BYTES: usize = 16;
+/// Length of the key that follows the identifier, in bytes. Only the browser has it.
+pub(super) const KEY_BYTES: usize = 32;
 /// A sign-in that is under way.
 pub const ATTEMPT: Cookie = Cookie { name: "vibrissa-sign-in", same_site: "Lax" };
 
@@ -89,6 +96,17 @@ pub fn require_own_page(headers: &HeaderMap) -> Result<(), Problem> {
         return Ok(());
     }
     Err(Problem::new(Kind::CrossSite, "with a session, changes are accepted from the console's own pages only"))
+}
+
+/// The answer to a cookie whose session does not exist any more.
+pub(super) fn session_ended() -> Problem {
+    Problem::new(Kind::Unauthenticated, "the session has ended: sign in again")
+}
+
+/// Hash of the identifier in a session's cookie, by which the database knows the session; `None` if the cookie has another format.
+pub(super) fn session_hash(cookie: &Secret) -> Option<[u8; 32]> {
+    let bytes = URL_SAFE_NO_PAD.decode(cookie.reveal()).ok().filter(|bytes| bytes.len() == ID_BYTES + KEY_BYTES)?;
+    Some(*blake3::hash(&bytes[..ID_BYTES]).as_bytes())
 }
 
 #[cfg(test)]

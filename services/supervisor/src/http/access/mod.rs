@@ -1,27 +1,21 @@
 //! Authentication and authorisation: tokens of this service or of an identity provider, or no token on loopback.
 
 mod caller;
-mod claims;
 pub mod cookies;
-mod fetch;
 mod gate;
 pub(super) mod guests;
-mod id_token;
-mod keys;
 mod known;
 pub mod monitoring;
-pub mod oidc;
+#[cfg(feature = "oidc")]
+mod oidc;
+#[cfg(not(feature = "oidc"))]
+#[path = "oidc/disabled.rs"]
+mod oidc;
 mod options;
 pub mod origin;
-pub mod provider;
-mod refusal;
-pub mod return_page;
 pub(super) mod role;
 mod scope;
-pub mod session;
-mod signature;
 pub mod token;
-mod tokens;
 
 use std::net::IpAddr;
 use std::num::NonZeroU32;
@@ -36,11 +30,11 @@ pub use self::gate::{Gate, check};
 use self::guests::{Guests, client};
 use self::known::{HASHES_MAX, Hash, Known};
 use self::monitoring::Monitors;
-use self::oidc::Oidc;
+pub(in crate::http) use self::oidc::routes as oidc_routes;
+use self::oidc::{Oidc, SignIn};
 pub use self::options::{AccessOptions, OidcOptions, SignInOptions};
 pub use self::role::Role;
 pub use self::scope::Scope;
-use self::session::SignIn;
 use super::client_address::TrustedProxies;
 use super::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;
@@ -75,10 +69,7 @@ impl Access {
     #[must_use]
     pub fn new(options: &AccessOptions, listens: IpAddr) -> Self {
         let quota = Quota::per_second(REQUESTS_PER_S).allow_burst(REQUESTS_BURST);
-        let oidc = options.oidc.clone().map(Oidc::new);
-        let sign_in = options.oidc.as_ref().zip(oidc.clone()).and_then(|(options, oidc)| {
-            options.sign_in.as_ref().map(|sign_in| SignIn::new(&options.issuer, sign_in, oidc))
-        });
+        let (oidc, sign_in) = oidc::configured(options.oidc.as_ref());
         Self {
             is_open: listens.is_loopback() && options.token.is_none() && options.oidc.is_none(),
             is_loopback: listens.is_loopback(),
@@ -106,8 +97,8 @@ impl Access {
     }
 
     /// How people sign in at the console; `None` if they cannot.
-    #[must_use]
-    pub fn sign_in(&self) -> Option<&SignIn> {
+    #[cfg(feature = "oidc")]
+    pub(in crate::http) fn sign_in(&self) -> Option<&SignIn> {
         self.sign_in.as_ref()
     }
 
@@ -168,7 +159,7 @@ impl Access {
     fn hash_to_find(&self, credential: &Credential) -> Option<Hash> {
         match credential {
             Credential::Nothing => None,
-            Credential::Session(cookie) => session::hash(cookie),
+            Credential::Session(cookie) => cookies::session_hash(cookie),
             Credential::Bearer(bearer) => {
                 // Hashes are compared in constant time.
                 let is_static = self.token.is_some_and(|known| known == blake3::hash(bearer.reveal().as_bytes()));
@@ -186,9 +177,10 @@ impl Access {
             Credential::Nothing => return Ok(Caller::local()),
             Credential::Bearer(bearer) => bearer.reveal(),
             Credential::Session(cookie) => {
-                let (sign_in, hash) = self.sign_in.as_ref().zip(session::hash(cookie)).ok_or_else(session::ended)?;
+                let (sign_in, hash) =
+                    self.sign_in.as_ref().zip(cookies::session_hash(cookie)).ok_or_else(cookies::session_ended)?;
                 if !self.is_known(store, &hash).await? {
-                    return Err(session::ended());
+                    return Err(cookies::session_ended());
                 }
                 return sign_in.caller(store, cookie).await;
             }

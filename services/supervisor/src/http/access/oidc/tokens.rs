@@ -9,8 +9,6 @@ use super::claims;
 use super::id_token::TokenResponse;
 use crate::http::problem::{Kind, Problem};
 
-/// Length of the key, in bytes.
-pub(super) const KEY_BYTES: usize = 32;
 /// Tokens of a person.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Tokens {
@@ -90,6 +88,7 @@ mod tests {
     use serde_json::Value;
 
     use super::*;
+    use crate::http::access::cookies::KEY_BYTES;
 
     #[test]
     fn only_the_cookies_key_opens_a_session() {

@@ -16,7 +16,7 @@ use openidconnect::{
 use ring::digest::{SHA256, SHA384, SHA512, digest};
 use serde::{Deserialize, Serialize};
 
-use super::oidc::{LEEWAY, Oidc};
+use super::access_token::{LEEWAY, Oidc};
 use super::{refusal, signature};
 use crate::http::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;

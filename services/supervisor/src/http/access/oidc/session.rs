@@ -12,16 +12,16 @@ use openidconnect::{
 use serde::{Deserialize, Serialize};
 use tokio::sync::Mutex;
 
+use super::access_token::Oidc;
 use super::claims::{self, is_stale};
-use super::cookies::Site;
 use super::fetch::Away;
 use super::id_token::{self, IdToken, TokenResponse};
-use super::oidc::Oidc;
-use super::options::SignInOptions;
 use super::provider::{Denial, Provider};
 use super::return_page::ReturnPage;
-use super::tokens::{KEY_BYTES, Tokens, open, seal};
-use super::{Authentication, Caller};
+use super::tokens::{Tokens, open, seal};
+use crate::http::access::SignInOptions;
+use crate::http::access::cookies::{ID_BYTES, KEY_BYTES, Site, session_ended};
+use crate::http::access::{Authentication, Caller};
 use crate::http::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_host::random;
@@ -30,15 +30,13 @@ use vibrissa_store::secret::Secret;
 use vibrissa_store::sessions::SessionRow;
 
 /// Longest time of a session, s.
-pub const SESSION_S: i64 = 12 * 3600;
-/// Length of the identifier in the cookie, in bytes.
-const ID_BYTES: usize = 16;
+pub(in crate::http) const SESSION_S: i64 = 12 * 3600;
 /// Number of renewals that can be under way at once; those of one session follow each other.
 const RENEWALS: usize = 16;
 
 /// Signs people in with the identity provider. Clones share their state.
 #[derive(Debug, Clone)]
-pub struct SignIn {
+pub(in crate::http) struct SignIn {
     provider: Provider,
     oidc: Oidc,
     site: Arc<Site>,
@@ -47,7 +45,7 @@ pub struct SignIn {
 
 /// A sign-in that is under way at the provider. The browser keeps it in a cookie.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Attempt {
+pub(in crate::http) struct Attempt {
     /// Ties the provider's answer to this browser.
     pub state: String,
     /// Ties the ID token to this attempt.
@@ -61,7 +59,7 @@ pub struct Attempt {
 impl Attempt {
     /// A new attempt.
     #[must_use]
-    pub fn new(to: ReturnPage) -> Self {
+    pub(in crate::http) fn new(to: ReturnPage) -> Self {
         let (state, nonce) = (CsrfToken::new_random(), Nonce::new_random());
         let (_, verifier) = PkceCodeChallenge::new_random_sha256();
         let [state, nonce] = [state.into_secret(), nonce.secret().clone()];
@@ -71,7 +69,7 @@ impl Attempt {
 
 /// A new session.
 #[derive(Debug)]
-pub struct Begun {
+pub(in crate::http) struct Begun {
     /// Value of the cookie.
     pub cookie: Secret,
     /// Row of the session.
@@ -82,7 +80,7 @@ pub struct Begun {
 
 /// Why a sign-in failed.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Failure {
+pub(in crate::http) enum Failure {
     /// The person has no role here.
     NoRole(String),
     /// The provider does not answer, or its answer is not valid.
@@ -98,7 +96,7 @@ impl SignIn {
 
     /// Where browsers reach the console.
     #[must_use]
-    pub fn site(&self) -> &Site {
+    pub(in crate::http) fn site(&self) -> &Site {
         &self.site
     }
 
@@ -106,7 +104,7 @@ impl SignIn {
     ///
     /// # Errors
     /// The provider does not answer.
-    pub async fn authorization_url(&self, attempt: &Attempt) -> Result<String, Problem> {
+    pub(in crate::http) async fn authorization_url(&self, attempt: &Attempt) -> Result<String, Problem> {
         let verifier = PkceCodeVerifier::new(attempt.verifier.clone());
         let (state, nonce) = (CsrfToken::new(attempt.state.clone()), Nonce::new(attempt.nonce.clone()));
         self.provider.authorization_url(state, nonce, &verifier).await.map_err(|Away(what)| away(&what))
@@ -114,7 +112,7 @@ impl SignIn {
 
     /// Whether an answer that names its issuer comes from this provider (RFC 9207).
     #[must_use]
-    pub fn is_of_provider(&self, issuer: Option<&str>) -> bool {
+    pub(in crate::http) fn is_of_provider(&self, issuer: Option<&str>) -> bool {
         issuer.is_none_or(|issuer| issuer == self.oidc.issuer())
     }
 
@@ -122,7 +120,7 @@ impl SignIn {
     ///
     /// # Errors
     /// The provider refuses the code, its tokens are not valid, or they carry no role.
-    pub async fn begin(&self, attempt: &Attempt, code: String) -> Result<Begun, Failure> {
+    pub(in crate::http) async fn begin(&self, attempt: &Attempt, code: String) -> Result<Begun, Failure> {
         let verifier = PkceCodeVerifier::new(attempt.verifier.clone());
         let answer = self.provider.redeem(code, verifier).await.map_err(|denial| match denial {
             Denial::Refused(what) | Denial::Away(what) => Failure::Provider(what),
@@ -167,8 +165,8 @@ impl SignIn {
     ///
     /// # Errors
     /// The session has ended, or the database or the provider does not answer.
-    pub async fn caller(&self, store: &Store, cookie: &Secret) -> Result<Caller, Problem> {
-        let (row, mut tokens, key) = opened(store, cookie).await?.ok_or_else(ended)?;
+    pub(in crate::http) async fn caller(&self, store: &Store, cookie: &Secret) -> Result<Caller, Problem> {
+        let (row, mut tokens, key) = opened(store, cookie).await?.ok_or_else(session_ended)?;
         if is_stale(&tokens.access_token) {
             tokens = self.renewed(store, cookie, &row, &key).await?;
         }
@@ -185,7 +183,7 @@ impl SignIn {
         let place = usize::from(row.session_id.first().copied().unwrap_or_default()) % RENEWALS;
         let _turn = self.renewals[place].lock().await;
         // Another request may have renewed them meanwhile.
-        let (_, tokens, _) = opened(store, cookie).await?.ok_or_else(ended)?;
+        let (_, tokens, _) = opened(store, cookie).await?.ok_or_else(session_ended)?;
         if !is_stale(&tokens.access_token) {
             return Ok(tokens);
         }
@@ -231,11 +229,11 @@ impl SignIn {
     async fn ends<T>(&self, store: &Store, row: &SessionRow, what: &str) -> Result<T, Problem> {
         tracing::info!(actor = row.actor, what, "a session of the console ends");
         store.end_session(&row.session_id, None).await?;
-        Err(ended())
+        Err(session_ended())
     }
 
     /// Hash of a cookie's identifier, and where the browser signs out at the provider, too.
-    pub async fn end(&self, store: &Store, cookie: &Secret) -> Option<(Vec<u8>, Option<String>)> {
+    pub(in crate::http) async fn end(&self, store: &Store, cookie: &Secret) -> Option<(Vec<u8>, Option<String>)> {
         let (row, tokens, _) = opened(store, cookie).await.ok().flatten()?;
         let url = self.provider.end_session_url(tokens.id_token.as_deref()).await;
         Some((row.session_id, url))
@@ -244,16 +242,6 @@ impl SignIn {
 
 fn away(what: &str) -> Problem {
     Problem::new(Kind::Unavailable, format!("the identity provider is not available: {what}"))
-}
-
-pub(super) fn ended() -> Problem {
-    Problem::new(Kind::Unauthenticated, "the session has ended: sign in again")
-}
-
-/// Hash of the identifier in a cookie, by which the database knows its session; `None` if it has another format.
-pub(super) fn hash(cookie: &Secret) -> Option<[u8; 32]> {
-    let bytes = URL_SAFE_NO_PAD.decode(cookie.reveal()).ok().filter(|bytes| bytes.len() == ID_BYTES + KEY_BYTES)?;
-    Some(*blake3::hash(&bytes[..ID_BYTES]).as_bytes())
 }
 
 /// The session of a cookie with its tokens and its key; `None` if it has ended.

@@ -10,14 +10,15 @@ use vibrissa_edge::fleets::FleetPattern;
 
 use super::claims::{self, subject};
 use super::keys::Keys;
-use super::options::OidcOptions;
+use super::refusal;
 use super::signature::{self, ALGORITHMS};
-use super::{Authentication, Caller, Role, Scope, refusal};
+use crate::http::access::OidcOptions;
+use crate::http::access::{Authentication, Caller, Role, Scope};
 use crate::http::problem::{Kind, Problem};
 
 /// A provider with its keys as of the last fetch.
 #[derive(Debug, Clone)]
-pub struct Oidc {
+pub(in crate::http) struct Oidc {
     options: Arc<OidcOptions>,
     keys: Keys,
 }
@@ -31,7 +32,7 @@ const NAME_CLAIMS: [&str; 3] = ["name", "preferred_username", "email"];
 impl Oidc {
     /// A provider; no request is sent to it yet.
     #[must_use]
-    pub fn new(options: OidcOptions) -> Self {
+    pub(in crate::http) fn new(options: OidcOptions) -> Self {
         signature::install();
         let keys = Keys::new(&options.issuer, options.jwks_url.as_deref());
         Self { options: Arc::new(options), keys }
@@ -46,7 +47,7 @@ impl Oidc {
     ///
     /// # Errors
     /// The token is invalid or carries no role, or the provider does not answer.
-    pub async fn caller(&self, token: &str) -> Result<Caller, Problem> {
+    pub(in crate::http) async fn caller(&self, token: &str) -> Result<Caller, Problem> {
         self.allowed(&self.verified(token).await?)
     }
 

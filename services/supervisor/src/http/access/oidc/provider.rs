@@ -18,7 +18,7 @@ use tokio::time::Instant;
 
 use super::fetch::{self, Away, Discovery, blocking};
 use super::id_token::{IdToken, MoreClaims, TokenResponse, VerifyingKey};
-use super::options::SignInOptions;
+use crate::http::access::SignInOptions;
 use vibrissa_protocol::plain;
 
 /// Time for which the endpoints are remembered.

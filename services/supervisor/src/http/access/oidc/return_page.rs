@@ -13,14 +13,14 @@ const CHARS_MAX: usize = 1000;
 /// A page of the console: a fragment such as `#/fleets/f`. Nothing else is one, so it cannot lead to another origin.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub struct ReturnPage(String);
+pub(in crate::http) struct ReturnPage(String);
 
 /// The text is no page of the console.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
     "a page of the console begins with #/, and has at most {CHARS_MAX} characters, none of them a control character"
 )]
-pub struct NoPage;
+pub(in crate::http) struct NoPage;
 
 impl Default for ReturnPage {
     /// Where people arrive who came from nowhere.

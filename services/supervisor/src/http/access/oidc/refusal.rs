@@ -4,8 +4,8 @@ use jsonwebtoken::errors::{Error, ErrorKind};
 use openidconnect::{ClaimsVerificationError, SignatureVerificationError};
 use serde_json::{Map, Value};
 
-use super::options::OidcOptions;
 use super::signature::ALGORITHMS;
+use crate::http::access::OidcOptions;
 
 const DAMAGED: &str =
     "it is damaged: a JWT has three parts in base64url, separated by dots, with JSON in the first two";

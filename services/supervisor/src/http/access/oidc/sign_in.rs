@@ -12,13 +12,13 @@ use serde::Deserialize;
 use serde_json::json;
 use subtle::ConstantTimeEq as _;
 
-use super::App;
-use super::access::Caller;
-use super::access::cookies::{self, ATTEMPT, SESSION};
-use super::access::return_page::ReturnPage;
-use super::access::session::{Attempt, Failure, SESSION_S, SignIn};
-use super::passage::RequestId;
-use super::problem::{Kind, Problem};
+use super::return_page::ReturnPage;
+use super::session::{Attempt, Failure, SESSION_S, SignIn};
+use crate::http::App;
+use crate::http::access::Caller;
+use crate::http::access::cookies::{self, ATTEMPT, SESSION};
+use crate::http::passage::RequestId;
+use crate::http::problem::{Kind, Problem};
 use vibrissa_edge::actions::RecordedKind;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::words::Word as _;
@@ -53,7 +53,7 @@ impl Cause {
 }
 
 /// The routes below `/auth`. They are open, because nobody is signed in yet.
-pub(super) fn routes() -> Router<App> {
+pub(in crate::http) fn routes() -> Router<App> {
     Router::new()
         .route("/auth/options", get(options))
         .route("/auth/sign-in", get(sign_in))
