@@ -64,7 +64,7 @@ pub(crate) const LENGTH_MM: Range = range!(between 1 and 1000 " mm");
 /// Length that a whisker has lost, in mm.
 pub(crate) const WEAR_MM: Range = range!(between 0 and 1000 " mm");
 /// Number of contacts that a whisker lasts.
-pub(crate) const REMAINING_CONTACTS: Range = range!(between 0 and 1000000000 "");
+pub(crate) const CONTACTS_LEFT: Range = range!(between 0 and 1000000000 "");
 /// Bound of the 95 % interval of a whisker's length, in mm.
 pub(crate) const LENGTH_BOUND_MM: Range = range!(between 0 and 2000 " mm");
 /// Deflection, in mm. The lower limit is below the resolution of any sensor on a robot.

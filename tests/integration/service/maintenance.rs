@@ -66,9 +66,9 @@ async fn wear_and_the_last_test_are_told_to_tools_until_the_robot_leaves() {
         wear_low_mm: None,
         wear_high_mm: None,
         last_calibration: None,
-        remaining_contacts: None,
-        remaining_contacts_low: None,
-        remaining_contacts_high: None,
+        contacts_left: None,
+        contacts_left_low: None,
+        contacts_left_high: None,
     };
     assert_eq!(new.whiskers, [unknown], "nothing has shown the length yet");
 
@@ -79,7 +79,7 @@ async fn wear_and_the_last_test_are_told_to_tools_until_the_robot_leaves() {
     robot.touch(0, LEARNED + 40).await;
     let healthy = |one: &WhiskerMaintenance| one.condition == WhiskerCondition::Healthy;
     let whole = until_facts(&mut tool, "a whole whisker", healthy).await;
-    assert!(is_between(&whole.whiskers[0], 0.0) && whole.whiskers[0].remaining_contacts.is_none(), "{whole:?}");
+    assert!(is_between(&whole.whiskers[0], 0.0) && whole.whiskers[0].contacts_left.is_none(), "{whole:?}");
     robot.cut(0, 62.0);
     robot.touch(0, 80).await;
     let is_cut = |one: &WhiskerMaintenance| one.condition == WhiskerCondition::Trimmed && is_between(one, 8.0);
@@ -112,7 +112,7 @@ async fn wear_and_the_last_test_are_told_to_tools_until_the_robot_leaves() {
 }
 
 #[tokio::test]
-async fn a_whisker_that_erodes_has_a_number_of_remaining_contacts() {
+async fn a_whisker_that_erodes_has_a_number_of_contacts_left() {
     let broker = Mosquitto::start();
     let running = Running::maintained(EVERY, broker.port()).await;
     let mut tool = Observer::subscribed(broker.port(), "tool", &[TOPIC]).await;
@@ -123,11 +123,11 @@ async fn a_whisker_that_erodes_has_a_number_of_remaining_contacts() {
         robot.touch(0, 10).await;
         robot.receipted().await;
     }
-    let wears = |one: &WhiskerMaintenance| one.remaining_contacts.is_some();
+    let wears = |one: &WhiskerMaintenance| one.contacts_left.is_some();
     let worn = until_facts(&mut tool, "remaining contacts", wears).await;
     let one = &worn.whiskers[0];
     assert_eq!(one.condition, WhiskerCondition::Eroding);
-    assert!(one.remaining_contacts_low <= one.remaining_contacts, "{one:?}");
+    assert!(one.contacts_left_low <= one.contacts_left, "{one:?}");
     running.service.stop().await;
 }
 

@@ -79,7 +79,7 @@ impl ErosionWatch {
         }
     }
 
-    /// Rate and remaining contacts, or `None` while there are too few contacts. `length` is the present estimate.
+    /// Rate and contacts left, or `None` while there are too few contacts. `length` is the present estimate.
     #[must_use]
     pub fn erosion(&self, length: &LengthEstimate) -> Option<Erosion> {
         if self.lengths.readings() < LEAST_CONTACTS {

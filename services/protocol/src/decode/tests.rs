@@ -122,7 +122,7 @@ fn numbers_out_of_range_are_refused_with_the_place() {
         assert_out_of_range(&refused, &format!("contacts[0].{place}"));
     }
     for (from, to, place) in
-        [("70.0", "0", "factory_length_mm"), (":4.2", ":-0.1", "wear_mm"), ("5200.0", "1e10", "remaining_contacts")]
+        [("70.0", "0", "factory_length_mm"), (":4.2", ":-0.1", "wear_mm"), ("5200.0", "1e10", "contacts_left")]
     {
         assert_out_of_range(&refused_after("maintenance", MAINTENANCE, from, to), &format!("whiskers[0].{place}"));
     }

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::check::{LENGTH_MM, REMAINING_CONTACTS, WEAR_MM};
+use crate::check::{CONTACTS_LEFT, LENGTH_MM, WEAR_MM};
 use crate::{ARRAYS_MAX, BootId, Name, Refusal, Timestamp, WHISKERS_MAX, WhiskerCondition, check};
 
 /// `maintenance`: facts for the maintenance of a robot's whiskers. For fleet controls and tools for maintenance.
@@ -55,14 +55,14 @@ pub struct WhiskerMaintenance {
     pub last_calibration: Option<Timestamp>,
     /// Contacts until the whisker is too short to compensate for itself, at its present wear per contact. Null unless it
     /// erodes, and until the rate is known.
-    #[cfg_attr(feature = "documents", schemars(transform = REMAINING_CONTACTS.in_schema()))]
-    pub remaining_contacts: Option<f64>,
-    /// Lower bound of the 95 % interval of `remaining_contacts`.
-    #[cfg_attr(feature = "documents", schemars(transform = REMAINING_CONTACTS.in_schema()))]
-    pub remaining_contacts_low: Option<f64>,
+    #[cfg_attr(feature = "documents", schemars(transform = CONTACTS_LEFT.in_schema()))]
+    pub contacts_left: Option<f64>,
+    /// Lower bound of the 95 % interval of `contacts_left`.
+    #[cfg_attr(feature = "documents", schemars(transform = CONTACTS_LEFT.in_schema()))]
+    pub contacts_left_low: Option<f64>,
     /// Upper bound of that interval; null, too, if the whisker may not erode at all.
-    #[cfg_attr(feature = "documents", schemars(transform = REMAINING_CONTACTS.in_schema()))]
-    pub remaining_contacts_high: Option<f64>,
+    #[cfg_attr(feature = "documents", schemars(transform = CONTACTS_LEFT.in_schema()))]
+    pub contacts_left_high: Option<f64>,
 }
 
 impl WhiskerMaintenance {
@@ -72,9 +72,9 @@ impl WhiskerMaintenance {
             ("wear_mm", self.wear_mm, WEAR_MM),
             ("wear_low_mm", self.wear_low_mm, WEAR_MM),
             ("wear_high_mm", self.wear_high_mm, WEAR_MM),
-            ("remaining_contacts", self.remaining_contacts, REMAINING_CONTACTS),
-            ("remaining_contacts_low", self.remaining_contacts_low, REMAINING_CONTACTS),
-            ("remaining_contacts_high", self.remaining_contacts_high, REMAINING_CONTACTS),
+            ("contacts_left", self.contacts_left, CONTACTS_LEFT),
+            ("contacts_left_low", self.contacts_left_low, CONTACTS_LEFT),
+            ("contacts_left_high", self.contacts_left_high, CONTACTS_LEFT),
         ];
         numbers.into_iter().try_for_each(|(path, value, range)| value.map_or(Ok(()), |value| range.check(path, value)))
     }

@@ -91,9 +91,9 @@ fn entry(view: &WhiskerView<'_>, tested_us: Option<i64>) -> Option<WhiskerMainte
         wear_low_mm: wear_mm(high_mm),
         wear_high_mm: wear_mm(low_mm),
         last_calibration: tested_us.and_then(|us| u64::try_from(us).ok()).map(Timestamp),
-        remaining_contacts: left.and_then(|left| left.mean).and_then(two_digits),
-        remaining_contacts_low: left.and_then(|left| left.low).and_then(two_digits),
-        remaining_contacts_high: left.and_then(|left| left.high).and_then(two_digits),
+        contacts_left: left.and_then(|left| left.mean).and_then(two_digits),
+        contacts_left_low: left.and_then(|left| left.low).and_then(two_digits),
+        contacts_left_high: left.and_then(|left| left.high).and_then(two_digits),
     })
 }
 

@@ -84,9 +84,9 @@ mod tests {
             wear_low_mm: Some(999.9),
             wear_high_mm: Some(999.9),
             last_calibration: Some(Timestamp(1_795_248_000_000_000)),
-            remaining_contacts: Some(9.9e8),
-            remaining_contacts_low: Some(9.9e8),
-            remaining_contacts_high: Some(9.9e8),
+            contacts_left: Some(9.9e8),
+            contacts_left_low: Some(9.9e8),
+            contacts_left_high: Some(9.9e8),
         };
         let boot_id = BootId::new("s").unwrap();
         let whiskers = (0..1000).map(whisker).collect();
