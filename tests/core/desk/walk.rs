@@ -183,16 +183,6 @@ fn a_clock_that_is_set_does_no_harm() {
 }
 
 #[test]
-fn one_of_two_whiskers_of_a_mega_is_compensated() {
-    walk(&[(-1.0, 0.006), (1.0, 0.02)], Begin::at("mega", 0.15), Disturbance::None);
-}
-
-#[test]
-fn one_of_four_whiskers_of_a_mega_is_compensated() {
-    walk(&MEGA[..4], Begin::at("mega", 0.3), Disturbance::None);
-}
-
-#[test]
 fn one_of_six_whiskers_of_a_mega_is_compensated() {
     walk(&MEGA, Begin::at("mega", 0.7), Disturbance::None);
 }
