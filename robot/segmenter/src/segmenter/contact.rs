@@ -18,11 +18,13 @@ const AFTER: (f64, f64) = (0.02, 3.0);
 const GLITCHES: (f64, f64, f64) = (0.005, 0.06, 6.0);
 
 impl Segmenter {
-    fn threshold(&self, t_s: f64) -> f64 {
+    pub(super) fn threshold(&self, t_s: f64) -> f64 {
         let grain = self.intake.grain;
         let (part, time_s) = AFTER;
         let after = part * self.last_peak * (1.0 - (t_s - self.last_end_s) / time_s).max(0.0);
-        (self.params.onset_sds * self.baseline.sd(grain) + after).max(self.params.least_strain).max(2.5 * grain)
+        (self.params.onset_sds * self.baseline.sd(grain) + after + self.air.doubt())
+            .max(self.params.least_strain)
+            .max(2.5 * grain)
     }
 
     pub(super) fn quiet(&mut self, bin: &Bin) {
@@ -32,7 +34,9 @@ impl Segmenter {
         let State::Quiet { above, sign } = &mut self.state else { return };
         if residual.abs() <= threshold {
             *above = 0;
-            self.baseline.follow(&self.params, bin, grain);
+            if !self.follow_step(bin) {
+                self.baseline.follow(&self.params, bin, grain);
+            }
             return;
         }
         if *above > 0 && residual.signum() != *sign {
@@ -55,6 +59,10 @@ impl Segmenter {
     }
 
     pub(super) fn touch(&mut self, bin: &Bin) {
+        if self.held_in_air(bin) {
+            self.low_since_s = bin.t_s;
+            return;
+        }
         let State::Touch(touch) = &mut self.state else { return };
         let strain = touch.push(bin);
         (self.baseline.strain, self.baseline.strain_2) = touch.baseline();
@@ -82,7 +90,8 @@ impl Segmenter {
     pub(super) fn end_touch(&mut self, bin: &Bin) {
         let State::Touch(touch) = &self.state else { return };
         let intake = &self.intake;
-        let contact = touch.end(&self.params, &self.ring, intake.period_s, |t_s| intake.time_us(t_s));
+        let mut contact = touch.end(&self.params, &self.ring, intake.period_s, |t_s| intake.time_us(t_s));
+        contact.baseline += self.air.shift()[0];
         let shortest_s = GLITCHES.1.max(GLITCHES.2 * intake.period_s);
         if intake.glitches.part > GLITCHES.0 && touch.age_s() < shortest_s {
             self.settle(bin);

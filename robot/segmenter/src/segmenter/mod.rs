@@ -5,6 +5,7 @@
 
 mod contact;
 mod reference;
+mod step;
 
 use std::collections::VecDeque;
 
@@ -16,6 +17,7 @@ use crate::rest::Rest;
 use crate::settling::Settling;
 use crate::touch::{Ring, Touch};
 use crate::{Contact, Counts, Event, Params, Sample};
+use step::Step;
 
 /// A contact has ended if its strain stays below this part of the largest for this long. s.
 const LOW: (f64, f64) = (0.3, 0.4);
@@ -69,9 +71,8 @@ pub struct Segmenter {
     last_sign: f64,
     last_end_s: f64,
     low_since_s: f64,
-    in_air: bool,
-    /// Deflection when the air began to move the baseline.
-    air_mm: Option<f64>,
+    /// The step of air that moves the baseline, or has, and is not learned.
+    step: Option<Step>,
     before_gap_s: f64,
 }
 
@@ -98,8 +99,7 @@ impl Segmenter {
             last_sign: 0.0,
             low_since_s: 0.0,
             last_end_s: f64::NEG_INFINITY,
-            in_air: false,
-            air_mm: None,
+            step: None,
             before_gap_s: 0.0,
         }
     }
@@ -119,13 +119,13 @@ impl Segmenter {
     /// Reference level, and the standard deviation of the noise after averaging to 250 values a second.
     #[must_use]
     pub fn baseline(&self) -> (f64, f64) {
-        (self.baseline.strain, self.baseline.sd(self.intake.grain))
+        (self.baseline.strain + self.air.shift()[0], self.baseline.sd(self.intake.grain))
     }
 
     /// Strain to which contacts are relative, once the noise is known. It need not be rest while that is not sure.
     #[must_use]
     pub fn reference(&self) -> Option<f64> {
-        self.baseline.ready().then_some(self.baseline.strain)
+        self.baseline.ready().then_some(self.baseline().0)
     }
 
     /// How far its findings can be relied on.
@@ -157,8 +157,8 @@ impl Segmenter {
             self.gap(&sample);
         }
         while let Some(bin) = self.intake.next(&self.params) {
-            self.bin(&bin);
             self.before_gap_s = bin.t_s;
+            self.bin(bin);
         }
         self.out.pop_front()
     }
@@ -169,6 +169,7 @@ impl Segmenter {
         }
         self.ring.clear();
         self.young = None;
+        self.step = None;
         if self.baseline.ready() {
             self.state = State::Away;
             self.provisional = true;
@@ -182,7 +183,9 @@ impl Segmenter {
         }
     }
 
-    fn bin(&mut self, bin: &Bin) {
+    fn bin(&mut self, mut bin: Bin) {
+        self.air.compensate(&mut bin);
+        let bin = &bin;
         self.ring.push(*bin);
         let grain = self.intake.grain;
         self.baseline.shake(bin.shaking, self.intake.shake.range, grain);
@@ -198,7 +201,9 @@ impl Segmenter {
         if self.moved_by_air(bin) {
             return;
         }
-        self.find_rest(bin);
+        if !self.is_in_step() {
+            self.find_rest(bin);
+        }
         self.forget_shaking(bin);
         match &mut self.state {
             State::Learning | State::Away => {}
