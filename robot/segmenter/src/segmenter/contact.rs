@@ -1,6 +1,6 @@
 //! A contact from its onset until the whisker has come to rest.
 
-use super::{CERTAIN_S, LOW, Segmenter, State, Young};
+use super::{CERTAIN_S, CERTAIN_SHAKEN_S, LOW, Segmenter, State, Young};
 use crate::Event;
 use crate::intake::Bin;
 use crate::settling::{Settled, Settling};
@@ -97,7 +97,8 @@ impl Segmenter {
             self.settle(bin);
             return;
         }
-        self.young = Some(Young { contact, certain_s: touch.onset_s + CERTAIN_S, sure: self.sure });
+        let certain_s = if self.intake.shake.has_shaken() { CERTAIN_SHAKEN_S } else { CERTAIN_S };
+        self.young = Some(Young { contact, certain_s: touch.onset_s + certain_s, sure: self.sure });
         self.last_peak = touch.peak_strain();
         self.last_sign = touch.sign();
         self.settle(bin);

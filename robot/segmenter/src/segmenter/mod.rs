@@ -23,6 +23,8 @@ use step::Step;
 const LOW: (f64, f64) = (0.3, 0.4);
 /// A contact is reported so long after its onset, when it is certain that it was no shaking. s.
 const CERTAIN_S: f64 = 0.18;
+/// The same for a whisker that has shaken in the last minute: shaking that begins weakly is recognised later.
+const CERTAIN_SHAKEN_S: f64 = 0.5;
 
 #[derive(Clone, Debug)]
 enum State {
@@ -74,6 +76,8 @@ pub struct Segmenter {
     /// The step of air that moves the baseline, or has, and is not learned.
     step: Option<Step>,
     before_gap_s: f64,
+    /// The last bin shook.
+    shook: bool,
 }
 
 impl Segmenter {
@@ -101,6 +105,7 @@ impl Segmenter {
             last_end_s: f64::NEG_INFINITY,
             step: None,
             before_gap_s: 0.0,
+            shook: false,
         }
     }
 
@@ -204,6 +209,7 @@ impl Segmenter {
         if !self.is_in_step() {
             self.find_rest(bin);
         }
+        self.calm_down(bin);
         self.forget_shaking(bin);
         match &mut self.state {
             State::Learning | State::Away => {}

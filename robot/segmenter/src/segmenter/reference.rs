@@ -58,6 +58,20 @@ impl Segmenter {
         self.state = if is_here { State::Quiet { above: 0, sign: 1.0 } } else { State::Away };
     }
 
+    /// When shaking ends, what it hid is the baseline: its mean over some bins is off by more than calm noise explains.
+    pub(super) fn calm_down(&mut self, bin: &Bin) {
+        let ends = std::mem::replace(&mut self.shook, bin.shaking) && !bin.shaking;
+        let hidden = self.params.onset_sds * self.baseline.shaking_sd(self.intake.grain);
+        let is_hidden = (bin.strain - self.baseline.strain).abs() < hidden;
+        if let (State::Quiet { .. }, true) = (&self.state, ends && is_hidden) {
+            self.state = State::Quiet { above: 0, sign: 1.0 };
+            self.baseline.begin(bin.t_s, bin.strain, bin.strain_2.unwrap_or(0.0));
+            if !self.provisional {
+                self.rest.moved(self.baseline.strain, self.baseline.strain_2);
+            }
+        }
+    }
+
     /// Shaking that begins looks like an onset.
     pub(super) fn forget_shaking(&mut self, bin: &Bin) {
         if !bin.shaking {
