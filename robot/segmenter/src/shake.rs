@@ -44,8 +44,8 @@ impl Shake {
         (self.sum, self.count) = (0.0, 0.0);
     }
 
-    /// Takes a strain; returns whether the whisker shakes.
-    pub(crate) fn push(&mut self, t_s: f64, strain: f64) -> bool {
+    /// Takes a strain.
+    pub(crate) fn push(&mut self, t_s: f64, strain: f64) {
         self.sum += strain;
         self.now_s = t_s;
         self.count += 1.0;
@@ -60,7 +60,6 @@ impl Shake {
             }
         }
         self.shaking = self.last_s.is_some_and(|last_s| t_s - last_s < AFTER_S);
-        self.shaking
     }
 
     /// Whether the whisker has shaken a moment ago, and may do so again.

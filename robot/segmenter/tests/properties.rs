@@ -226,10 +226,16 @@ fn property_touches_of_both_ways_tell_rest_without_motion() {
 
 #[test]
 fn property_glitches_neither_hide_touches_nor_make_them() {
-    for (part, longest, at) in [(0.01, 1, Some(0.2)), (0.05, 3, Some(0.2)), (0.01, 3, Some(-0.03)), (0.05, 3, None)] {
+    for (seed, part, longest, at) in [
+        (310, 0.01, 1, Some(0.2)),
+        (310, 0.05, 3, Some(0.2)),
+        (310, 0.01, 3, Some(-0.03)),
+        (310, 0.05, 3, None),
+        // Two glitches in a touch look like shaking.
+        (500_003, 0.03, 1, Some(0.2)),
+    ] {
         let glitches = Some(Glitches { part, longest, at });
-        let scene =
-            Scene { seed: 310, habit: Habit::OneInThree, motion: Motion::Pressed, glitches, ..Scene::default() };
+        let scene = Scene { seed, habit: Habit::OneInThree, motion: Motion::Pressed, glitches, ..Scene::default() };
         let verdict = judge_all(&scene, Params::default(), 2);
         assert!(verdict.found_part() >= 0.98, "{scene:?}: {}", verdict.found_part());
         assert!(verdict.false_contacts <= 1, "{scene:?}: {}", verdict.false_contacts);
