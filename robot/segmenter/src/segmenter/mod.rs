@@ -9,7 +9,7 @@ mod step;
 
 use std::collections::VecDeque;
 
-use crate::air::Air;
+use crate::air::{Air, Phase};
 use crate::baseline::Baseline;
 use crate::condition::{Condition, Missing, Watch};
 use crate::intake::{Bin, Intake};
@@ -17,7 +17,6 @@ use crate::rest::Rest;
 use crate::settling::Settling;
 use crate::touch::{Ring, Touch};
 use crate::{Contact, Counts, Event, Params, Sample};
-use step::Step;
 
 /// A contact has ended if its strain stays below this part of the largest for this long. s.
 const LOW: (f64, f64) = (0.3, 0.4);
@@ -46,6 +45,23 @@ struct Young {
     certain_s: f64,
     /// Rest was sure at its begin.
     sure: bool,
+}
+
+/// A step of air.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    phase: Phase,
+    /// The shift was known before it.
+    known: bool,
+    /// The base has not moved since its begin, as far as is known.
+    still: bool,
+    mm: Option<f64>,
+    /// Reference of both gauges at its begin, and whether it was surely rest.
+    levels: [f64; 2],
+    sure: bool,
+    /// It began in a hold.
+    held: bool,
+    until_s: f64,
 }
 
 /// Finds the contacts of one whisker.

@@ -1,6 +1,6 @@
 //! Steps of air: the reference follows what is not known of their shift, and the shift is learned.
 
-use super::{Segmenter, State};
+use super::{Segmenter, State, Step};
 use crate::air::Phase;
 use crate::intake::Bin;
 
@@ -11,23 +11,6 @@ const LEARN_S: f64 = 10.0;
 
 /// Part of half a step by which its shift may differ from that of the other half.
 const EARLY: f64 = 0.2;
-
-/// A step of air.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
-    phase: Phase,
-    /// The shift was known before it.
-    known: bool,
-    /// The base has not moved since its begin, as far as is known.
-    still: bool,
-    mm: Option<f64>,
-    /// Reference of both gauges at its begin, and whether it was surely rest.
-    levels: [f64; 2],
-    sure: bool,
-    /// It began in a hold.
-    held: bool,
-    until_s: f64,
-}
 
 impl Segmenter {
     /// Whether air moves the baseline by an unknown shift now. At rest the reference follows; in a touch it is in doubt
