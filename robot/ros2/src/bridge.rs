@@ -198,7 +198,7 @@ impl Bridge {
             let is_same = whiskers.len() == self.whiskers.len() && whiskers.iter().all(known);
             let stop = || Output::Stop("the robot has other whiskers now: starting anew".to_owned());
             if let Some(mapped) = &mut self.mapped {
-                mapped.driving = None;
+                (mapped.driving, mapped.task) = (None, None);
             }
             let reported = || self.whiskers.iter().filter_map(Whisker::reported).map(Output::Line).collect();
             return if is_same { reported() } else { vec![stop()] };

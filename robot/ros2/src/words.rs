@@ -126,6 +126,11 @@ pub enum ToAgent {
         /// It moves from now on, or stands.
         driving: bool,
     },
+    /// Whether the robot is in a task, and takes neither setpoints nor touch tests.
+    Task {
+        /// It is from now on, or not any more.
+        task: bool,
+    },
     /// Where a whisker is, for its strain.
     Motion {
         /// Name of the array.

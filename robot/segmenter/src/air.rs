@@ -1,4 +1,4 @@
-//! Steps of air: a change of the pressure in the whisker moves the baseline.
+//! Steps of air: a change of the pressure in the whisker moves the baseline, by as much per MPa as steps at rest tell.
 
 use crate::intake::Bin;
 
@@ -7,30 +7,189 @@ const SETPOINT_MPA: f64 = 0.000_5;
 const PRESSURE_MPA: f64 = 0.003;
 /// The baseline moves for so long after a change of the setpoint, and of the pressure. s.
 const AFTER_S: (f64, f64) = (1.0, 0.6);
+/// Time constant of a chamber before its readings tell it, and its range. s.
+const FILLS_S: (f64, f64, f64) = (0.2, 0.05, 2.0);
+/// Part of the way of the pressure since the last reading that is not known: the chamber may fill half or twice as fast.
+const UNKNOWN: f64 = 0.25;
+/// Part of a shift that the history of the rubber changes, and part of the earlier steps that the next one leaves.
+const HISTORY: f64 = 0.05;
+const FADE: f64 = 0.8;
+/// The baseline follows what is left of a step for so long. s.
+const SETTLES_S: f64 = 0.5;
+/// A shift is known if its standard deviation is less than this part of it.
+const KNOWN: f64 = 0.3;
 
+/// What a step of air does now.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// It moves the baseline.
+    Moves,
+    /// The pressure stands, and the baseline follows what is left.
+    Settles,
+    #[default]
+    Over,
+}
+
+/// The pressure, between two readings by a filter of first order to the setpoint.
+#[derive(Clone, Debug, Default)]
+struct Chamber {
+    mpa: Option<f64>,
+    setpoint_mpa: f64,
+    fills_s: f64,
+    /// Time and pressure of the last reading that counts, or of the change of the setpoint.
+    known: (f64, f64),
+    reading_mpa: Option<f64>,
+    last_s: f64,
+}
+
+/// Shift of the strains per MPa: a straight line through the steps, the newest with the most weight.
+#[derive(Clone, Debug, Default)]
+struct Response {
+    /// Sums of the squares of the ways of the pressure, of their products with the shifts, and of the squares of their
+    /// products with the errors.
+    squares: f64,
+    products: [f64; 2],
+    errors: f64,
+}
+
+/// The pressure, and what it does to the strains.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Air {
-    setpoint_mpa: Option<f64>,
-    pressure_mpa: Option<f64>,
+    chamber: Chamber,
+    response: Response,
+    /// What air has added to the strains since the start, as far as that is known.
+    shift: [f64; 2],
     until_s: f64,
+    /// Pressure before the step.
+    before_mpa: f64,
+    phase: Phase,
 }
 
 impl Air {
-    /// Whether the air moves the baseline.
-    pub(crate) fn push(&mut self, bin: &Bin) -> bool {
-        let changed = |before: &mut Option<f64>, now: Option<f64>, least: f64| {
-            let changed = before.zip(now).is_some_and(|(before, now)| (now - before).abs() > least);
-            if now.is_some() && (changed || before.is_none()) {
-                *before = now;
+    /// Takes the shift by the air out of the strains of a bin.
+    pub(crate) fn compensate(&mut self, bin: &mut Bin) {
+        let before = self.chamber.mpa;
+        if let Some(after_s) = self.chamber.push(bin) {
+            if self.phase != Phase::Moves {
+                self.before_mpa = before.unwrap_or(0.0);
             }
-            changed
+            self.until_s = self.until_s.max(bin.t_s + after_s);
+        }
+        self.phase = match bin.t_s {
+            t_s if t_s < self.until_s => Phase::Moves,
+            t_s if t_s < self.until_s + SETTLES_S => Phase::Settles,
+            _ => Phase::Over,
         };
-        if changed(&mut self.setpoint_mpa, bin.setpoint_mpa, SETPOINT_MPA) {
-            self.until_s = bin.t_s + AFTER_S.0;
+        if let Some((before, now)) = before.zip(self.chamber.mpa) {
+            for gauge in 0..2 {
+                self.shift[gauge] += self.response.per_mpa(gauge) * (now - before);
+            }
         }
-        if changed(&mut self.pressure_mpa, bin.pressure_mpa, PRESSURE_MPA) {
-            self.until_s = self.until_s.max(bin.t_s + AFTER_S.1);
+        bin.strain -= self.shift[0];
+        bin.strain_2 = bin.strain_2.map(|strain_2| strain_2 - self.shift[1]);
+    }
+
+    pub(crate) fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    pub(crate) fn shift(&self) -> [f64; 2] {
+        self.shift
+    }
+
+    /// Whether earlier steps tell the shift within this strain, or a part of it.
+    pub(crate) fn is_known(&self, within: f64) -> bool {
+        let way_mpa = (self.chamber.setpoint_mpa - self.before_mpa).abs();
+        let shift = (self.response.per_mpa(0) * way_mpa).abs();
+        self.response.squares > 0.0 && self.response.error() * way_mpa < within.max(KNOWN * shift)
+    }
+
+    /// What the strain may be off by: the part of the shift that is not known, and that of the pressure.
+    pub(crate) fn doubt(&self) -> f64 {
+        let all_mpa = self.chamber.setpoint_mpa - self.before_mpa;
+        let left_mpa = self.chamber.setpoint_mpa - self.chamber.known.1;
+        let shift = self.response.error() * all_mpa.abs();
+        match self.phase {
+            Phase::Moves => shift + UNKNOWN * (self.response.per_mpa(0) * left_mpa).abs(),
+            Phase::Settles => shift,
+            Phase::Over => 0.0,
         }
-        bin.t_s < self.until_s
+    }
+
+    /// Whether a reading has just shown at least half of the step.
+    pub(crate) fn has_read_half(&self) -> bool {
+        let (known_s, mpa) = self.chamber.known;
+        let left_mpa = (self.chamber.setpoint_mpa - mpa).abs();
+        known_s == self.chamber.last_s && left_mpa < (mpa - self.before_mpa).abs()
+    }
+
+    /// What is left of a step is a step of its own.
+    pub(crate) fn begin(&mut self) {
+        self.before_mpa = self.chamber.mpa.unwrap_or(0.0);
+    }
+
+    /// After a step, the strains had moved by this more than was known; less than this tells nothing.
+    pub(crate) fn learn(&mut self, off: [f64; 2], noise: f64) {
+        let way_mpa = self.chamber.mpa.unwrap_or(0.0) - self.before_mpa;
+        if way_mpa.abs() > PRESSURE_MPA {
+            self.response.learn(way_mpa, off, noise);
+        }
+    }
+}
+
+impl Chamber {
+    /// Returns for how long the baseline moves after this bin, if it brings news.
+    fn push(&mut self, bin: &Bin) -> Option<f64> {
+        let dt_s = (bin.t_s - self.last_s).max(0.0);
+        self.last_s = bin.t_s;
+        let reading_mpa =
+            bin.pressure_mpa.filter(|mpa| self.reading_mpa.is_none_or(|before| (mpa - before).abs() > PRESSURE_MPA));
+        let news = reading_mpa.filter(|_| self.reading_mpa.is_some());
+        self.reading_mpa = reading_mpa.or(self.reading_mpa);
+        let setpoint_mpa = bin.setpoint_mpa.or(self.reading_mpa)?;
+        let Some(mpa) = self.mpa else {
+            (self.mpa, self.setpoint_mpa, self.fills_s) = (Some(setpoint_mpa), setpoint_mpa, FILLS_S.0);
+            self.known = (bin.t_s, setpoint_mpa);
+            return None;
+        };
+        let mut mpa = self.setpoint_mpa + (mpa - self.setpoint_mpa) * (-dt_s / self.fills_s).exp();
+        if let Some(reading_mpa) = news {
+            let left = (self.setpoint_mpa - reading_mpa) / (self.setpoint_mpa - self.known.1);
+            if left > 0.0 && left < 1.0 {
+                self.fills_s = ((self.known.0 - bin.t_s) / left.ln()).clamp(FILLS_S.1, FILLS_S.2);
+            }
+            mpa = reading_mpa;
+            self.known = (bin.t_s, mpa);
+        }
+        self.mpa = Some(mpa);
+        if (setpoint_mpa - self.setpoint_mpa).abs() > SETPOINT_MPA {
+            self.setpoint_mpa = setpoint_mpa;
+            self.known = (bin.t_s, mpa);
+            self.fills_s = FILLS_S.0;
+            return Some(AFTER_S.0);
+        }
+        news.map(|_| AFTER_S.1)
+    }
+}
+
+impl Response {
+    fn per_mpa(&self, gauge: usize) -> f64 {
+        if self.squares > 0.0 { self.products[gauge] / self.squares } else { 0.0 }
+    }
+
+    /// Standard deviation of [`Response::per_mpa`] of the first gauge.
+    fn error(&self) -> f64 {
+        let history = HISTORY * self.per_mpa(0);
+        if self.squares > 0.0 { (self.errors.sqrt() / self.squares).hypot(history) } else { 0.0 }
+    }
+
+    fn learn(&mut self, way_mpa: f64, off: [f64; 2], noise: f64) {
+        let error = if self.squares > 0.0 { off[0] } else { 0.0 };
+        let per_mpa = [self.per_mpa(0), self.per_mpa(1)];
+        self.squares = FADE * self.squares + way_mpa * way_mpa;
+        self.errors = FADE * FADE * self.errors + way_mpa * way_mpa * (error * error + noise * noise);
+        for ((product, off), per_mpa) in self.products.iter_mut().zip(off).zip(per_mpa) {
+            *product = FADE * *product + way_mpa * (off + per_mpa * way_mpa);
+        }
     }
 }

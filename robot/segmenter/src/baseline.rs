@@ -75,6 +75,11 @@ impl Baseline {
         self.sd_of(0, grain)
     }
 
+    /// The same while it shakes.
+    pub(crate) fn shaking_sd(&self, grain: f64) -> f64 {
+        self.sd_of(1, grain)
+    }
+
     fn sd_of(&self, shaking: usize, grain: f64) -> f64 {
         // Noise below the converter's step is not seen.
         (self.variance[shaking] + grain * grain / 12.0).sqrt()

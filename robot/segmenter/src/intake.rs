@@ -89,7 +89,11 @@ impl Intake {
         } else if !first {
             self.period_s = if self.period_s == 0.0 { dt_s } else { self.period_s + 0.05 * (dt_s - self.period_s) };
         }
-        let shakes = self.shake.push(self.seconds(sample.t_us), sample.strain) || sample.driving == Some(true);
+        // Glitches at the limit go to and fro, too.
+        if sample.strain.abs() < params.strain_limit {
+            self.shake.push(self.seconds(sample.t_us), sample.strain);
+        }
+        let shakes = self.shake.is_shaking() || sample.driving == Some(true);
         self.counts.glitches += self.glitches.push(params, sample, shakes, &mut self.good);
         gap
     }

@@ -21,6 +21,8 @@ const RANGE_SDS: f64 = 10.0;
 const TURN_SDS: f64 = 5.0;
 /// It shakes for so long after the last sign of it. s.
 const AFTER_S: f64 = 0.3;
+/// It may begin again for so long. s.
+const AGAIN_S: f64 = 60.0;
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Shake {
@@ -28,6 +30,7 @@ pub(crate) struct Shake {
     sum: f64,
     count: f64,
     last_s: Option<f64>,
+    now_s: f64,
     shaking: bool,
     /// Range of the strain when it was last seen to shake.
     pub(crate) range: f64,
@@ -41,9 +44,10 @@ impl Shake {
         (self.sum, self.count) = (0.0, 0.0);
     }
 
-    /// Takes a strain; returns whether the whisker shakes.
-    pub(crate) fn push(&mut self, t_s: f64, strain: f64) -> bool {
+    /// Takes a strain.
+    pub(crate) fn push(&mut self, t_s: f64, strain: f64) {
         self.sum += strain;
+        self.now_s = t_s;
         self.count += 1.0;
         if self.strains.back().is_none_or(|(last_s, _)| t_s - last_s >= SPACING_S) {
             self.strains.push_back((t_s, self.sum / self.count));
@@ -56,7 +60,11 @@ impl Shake {
             }
         }
         self.shaking = self.last_s.is_some_and(|last_s| t_s - last_s < AFTER_S);
-        self.shaking
+    }
+
+    /// Whether the whisker has shaken a moment ago, and may do so again.
+    pub(crate) fn has_shaken(&self) -> bool {
+        self.last_s.is_some_and(|last_s| self.now_s - last_s < AGAIN_S)
     }
 
     pub(crate) fn is_shaking(&self) -> bool {

@@ -226,10 +226,16 @@ fn property_touches_of_both_ways_tell_rest_without_motion() {
 
 #[test]
 fn property_glitches_neither_hide_touches_nor_make_them() {
-    for (part, longest, at) in [(0.01, 1, Some(0.2)), (0.05, 3, Some(0.2)), (0.01, 3, Some(-0.03)), (0.05, 3, None)] {
+    for (seed, part, longest, at) in [
+        (310, 0.01, 1, Some(0.2)),
+        (310, 0.05, 3, Some(0.2)),
+        (310, 0.01, 3, Some(-0.03)),
+        (310, 0.05, 3, None),
+        // Two glitches in a touch look like shaking.
+        (500_003, 0.03, 1, Some(0.2)),
+    ] {
         let glitches = Some(Glitches { part, longest, at });
-        let scene =
-            Scene { seed: 310, habit: Habit::OneInThree, motion: Motion::Pressed, glitches, ..Scene::default() };
+        let scene = Scene { seed, habit: Habit::OneInThree, motion: Motion::Pressed, glitches, ..Scene::default() };
         let verdict = judge_all(&scene, Params::default(), 2);
         assert!(verdict.found_part() >= 0.98, "{scene:?}: {}", verdict.found_part());
         assert!(verdict.false_contacts <= 1, "{scene:?}: {}", verdict.false_contacts);
@@ -241,8 +247,8 @@ fn property_shaking_is_no_contact() {
     for driving in [0.02, 0.1] {
         for (rate_hz, tells_driving) in [(80.0, false), (250.0, false), (80.0, true)] {
             let scene = Scene { seed: 320, habit: Habit::Nothing, driving, rate_hz, tells_driving, ..Scene::default() };
-            let verdict = judge_all(&scene, Params::default(), 3);
-            assert!(verdict.false_contacts <= 1, "{scene:?}: {}", verdict.false_per_hour());
+            let verdict = judge_all(&scene, Params::default(), 4);
+            assert_eq!(verdict.false_contacts, 0, "{scene:?}: {}", verdict.false_per_hour());
         }
     }
 }
@@ -259,11 +265,18 @@ fn property_slides_slip_offs_and_taps_are_found() {
 }
 
 #[test]
-fn property_touches_of_a_second_are_found_at_10_hz_and_after_steps_of_air() {
-    for (rate_hz, air, least) in [(10.0, false, 1.0), (80.0, true, 0.8)] {
-        let scene = Scene { seed: 340, habit: Habit::OneInThree, rate_hz, air, ..Scene::default() };
-        let verdict = judge_all(&scene, Params::default(), 3);
-        assert!(verdict.right_part() >= least, "{scene:?}: {} found", verdict.found_part());
+fn property_touches_of_a_second_are_found_at_10_hz() {
+    let scene = Scene { seed: 340, habit: Habit::OneInThree, rate_hz: 10.0, ..Scene::default() };
+    let verdict = judge_all(&scene, Params::default(), 3);
+    assert!(verdict.right_part() >= 1.0, "{} found", verdict.found_part());
+}
+
+#[test]
+fn property_steps_of_air_hide_few_touches_and_invert_none() {
+    for scene in scenes(360) {
+        let verdict = judge_all(&Scene { air: true, seconds: 2.0 * scene.seconds, ..scene }, Params::default(), 2);
+        assert_eq!(verdict.inverted, 0, "{scene:?}");
+        assert!(verdict.found_part() >= 0.95, "{scene:?}: {}", verdict.found_part());
     }
 }
 

@@ -7,7 +7,7 @@ use ros2_client::builtin_interfaces::Time;
 use super::{Bridge, Output};
 use crate::lifecycle::Activity;
 use crate::lines::{span_us, strain_line};
-use crate::mapping::{MappedTopic, Mapping, Quantity, Use, Value};
+use crate::mapping::{MappedTopic, Mapping, Number, Quantity, Use, Value};
 use crate::messages::{Header, Strain};
 use crate::words::ToAgent;
 
@@ -28,6 +28,8 @@ pub(super) struct Mapped {
     motions: Vec<[Option<f64>; 3]>,
     /// Whether the robot moves, by the last line to this agent.
     pub(super) driving: Option<bool>,
+    /// The same of whether it is in a task.
+    pub(super) task: Option<bool>,
     constants_at_s: f64,
 }
 
@@ -36,7 +38,7 @@ impl Mapped {
         let heard = vec![(now_s, false); mapping.topics.len()];
         let motions = vec![[None; 3]; whiskers];
         let constants_at_s = f64::NEG_INFINITY;
-        Self { mapping: Arc::new(mapping), heard, motions, driving: None, constants_at_s }
+        Self { mapping: Arc::new(mapping), heard, motions, driving: None, task: None, constants_at_s }
     }
 
     fn silence(topic: &MappedTopic, age_s: f64) -> String {
@@ -82,15 +84,20 @@ impl Bridge {
         self.counts.mapped += 1;
         let stamp = topic.stamp_of(&message);
         let mut outputs = Vec::new();
-        let driving = topic.driving.as_ref().map(|number| number.of(&message)).transpose();
-        match driving {
-            Ok(values) => {
-                let driving = values.and_then(|values| values.first().map(|value| *value != 0.0));
-                if let Some(driving) = driving.filter(|driving| mapped.driving.replace(*driving) != Some(*driving)) {
-                    outputs.push(Output::Line(ToAgent::Driving { driving }));
-                }
+        let driving = topic.driving.as_ref().map(|number| state_of(number, &message)).transpose();
+        let task = topic.task.as_ref().map(|number| state_of(number, &message)).transpose();
+        let is_new =
+            |known: &mut Option<bool>, now: Option<bool>| now.is_some() && std::mem::replace(known, now) != now;
+        match (driving.map(Option::flatten), task.map(Option::flatten)) {
+            (Ok(driving), Ok(task)) => {
+                let new = [is_new(&mut mapped.driving, driving), is_new(&mut mapped.task, task)];
+                let driving = driving.filter(|_| new[0]).map(|driving| ToAgent::Driving { driving });
+                let task = task.filter(|_| new[1]).map(|task| ToAgent::Task { task });
+                outputs.extend(driving.into_iter().chain(task).map(Output::Line));
             }
-            Err(problem) => outputs.push(self.refuse(format!("{}: {problem}", topic.topic))),
+            (Err(problem), _) | (_, Err(problem)) => {
+                outputs.push(self.refuse(format!("{}: {problem}", topic.topic)));
+            }
         }
         for one in &topic.uses {
             match self.use_value(now_s, now, stamp, one, &message) {
@@ -188,4 +195,9 @@ impl Bridge {
         }
         outputs
     }
+}
+
+/// Whether a number of a message is not 0.
+fn state_of(number: &Number, message: &Value) -> Result<Option<bool>, String> {
+    number.of(message).map(|values| values.first().map(|value| *value != 0.0))
 }

@@ -22,6 +22,8 @@ struct File {
     whiskers: BTreeMap<String, Spanned<FileWhisker>>,
     #[serde(default)]
     driving: Option<Spanned<Source>>,
+    #[serde(default)]
+    task: Option<Spanned<Source>>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -133,7 +135,12 @@ impl Mapping {
             mapping.add(place, whisker, &key, definitions)?;
         }
         if let Some(driving) = &file.driving {
-            mapping.add_driving(driving, definitions)?;
+            let (topic, number) = mapping.state(driving, "driving", definitions)?;
+            topic.driving = Some(number);
+        }
+        if let Some(task) = &file.task {
+            let (topic, number) = mapping.state(task, "task", definitions)?;
+            topic.task = Some(number);
         }
         Ok(mapping)
     }
@@ -238,16 +245,22 @@ impl Mapping {
         Ok(())
     }
 
-    fn add_driving(&mut self, source: &Spanned<Source>, definitions: &Definitions) -> Result<(), String> {
-        only_for(source.value.every_us.as_ref(), "driving", "every_us", "strain")?;
-        only_for(source.value.constant.as_ref(), "driving", "constant", "pressure")?;
-        let found = Source::find(source, "driving", definitions)?;
+    /// Topic and number of a state of the whole robot.
+    fn state(
+        &mut self,
+        source: &Spanned<Source>,
+        key: &str,
+        definitions: &Definitions,
+    ) -> Result<(&mut MappedTopic, Number), String> {
+        only_for(source.value.every_us.as_ref(), key, "every_us", "strain")?;
+        only_for(source.value.constant.as_ref(), key, "constant", "pressure")?;
+        let found = Source::find(source, key, definitions)?;
         if found.number.path.is_list() {
-            return Err(at(source, "driving.field", "leads to a list: name one element, such as data[0]"));
+            let field = format!("{key}.field");
+            return Err(at(source, &field, "leads to a list: name one element, such as data[0]"));
         }
         let number = found.number.clone();
-        self.topic_of(found)?.driving = Some(number);
-        Ok(())
+        Ok((self.topic_of(found)?, number))
     }
 
     fn topic_of(&mut self, found: Found) -> Result<&mut MappedTopic, String> {
@@ -257,7 +270,7 @@ impl Mapping {
         if known.is_none() {
             let stamp = MappedTopic::stamp_in(&layout);
             let (topic, kind) = (topic.clone(), kind.clone());
-            self.topics.push(MappedTopic { topic, kind, layout, stamp, uses: Vec::new(), driving: None });
+            self.topics.push(MappedTopic { topic, kind, layout, stamp, uses: Vec::new(), driving: None, task: None });
         }
         let known = &mut self.topics[index];
         if known.kind != kind {

@@ -95,6 +95,8 @@ pub struct MappedTopic {
     pub uses: Vec<Use>,
     /// A number that is not 0 while the robot moves.
     pub driving: Option<Number>,
+    /// A number that is not 0 while the robot is in a task.
+    pub task: Option<Number>,
 }
 
 /// Types of messages that take setpoints.

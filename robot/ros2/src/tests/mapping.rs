@@ -119,6 +119,28 @@ whiskers:
 }
 
 #[test]
+fn a_robot_says_by_a_topic_that_it_is_in_a_task() {
+    let text = "task: {topic: /busy, type: std_msgs/msg/Bool, field: data}
+driving: {topic: /busy, type: std_msgs/msg/Bool, field: data}
+whiskers:
+  left/0:
+    pressure: {constant: 100000}
+";
+    let mut bridge = bridge(text, Pressures::Gauge);
+    let mut says = |busy: bool| lines(message(&mut bridge, 1.0, "/busy", &json!([busy])));
+    let both = |busy: bool| [json!({"type": "driving", "driving": busy}), json!({"type": "task", "task": busy})];
+    assert_eq!(says(true), both(true));
+    assert!(says(true).is_empty(), "unchanged");
+    assert_eq!(says(false), both(false));
+
+    let list = "task: {topic: /busy, type: std_msgs/msg/Float64MultiArray, field: data}
+whiskers:
+  left/0: {pressure: {constant: 1}}
+";
+    assert!(parse(list).is_err_and(|why| why.contains("task.field")));
+}
+
+#[test]
 fn a_mapped_setpoint_has_the_unit_of_its_field_and_others_get_none() {
     let text = "whiskers:
   left/0:

@@ -138,9 +138,12 @@ impl Rest {
         let Some(rest) = self.rest else { return };
         let by = strain - self.levels[rest].strain;
         let by_2 = strain_2 - self.levels[rest].strain_2;
-        for level in &mut self.levels {
-            level.strain += by;
-            level.strain_2 += by_2;
+        for (index, level) in self.levels.iter_mut().enumerate() {
+            // Where the strain stands now, it has moved already.
+            if index == rest || Some(index) != self.run.level {
+                level.strain += by;
+                level.strain_2 += by_2;
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! A contact from its onset until the whisker has come to rest.
 
-use super::{CERTAIN_S, LOW, Segmenter, State, Young};
+use super::{CERTAIN_S, CERTAIN_SHAKEN_S, LOW, Segmenter, State, Young};
 use crate::Event;
 use crate::intake::Bin;
 use crate::settling::{Settled, Settling};
@@ -16,13 +16,17 @@ const AFTER: (f64, f64) = (0.02, 3.0);
 /// Part of the samples that are glitches from which on several in a row are likely, and the shortest contact then, in s
 /// and samples.
 const GLITCHES: (f64, f64, f64) = (0.005, 0.06, 6.0);
+/// The shortest contact at the limit is longer by this factor.
+const AT_LIMIT: f64 = 3.0;
 
 impl Segmenter {
-    fn threshold(&self, t_s: f64) -> f64 {
+    pub(super) fn threshold(&self, t_s: f64) -> f64 {
         let grain = self.intake.grain;
         let (part, time_s) = AFTER;
         let after = part * self.last_peak * (1.0 - (t_s - self.last_end_s) / time_s).max(0.0);
-        (self.params.onset_sds * self.baseline.sd(grain) + after).max(self.params.least_strain).max(2.5 * grain)
+        (self.params.onset_sds * self.baseline.sd(grain) + after + self.air.doubt())
+            .max(self.params.least_strain)
+            .max(2.5 * grain)
     }
 
     pub(super) fn quiet(&mut self, bin: &Bin) {
@@ -32,7 +36,9 @@ impl Segmenter {
         let State::Quiet { above, sign } = &mut self.state else { return };
         if residual.abs() <= threshold {
             *above = 0;
-            self.baseline.follow(&self.params, bin, grain);
+            if !self.follow_step(bin) {
+                self.baseline.follow(&self.params, bin, grain);
+            }
             return;
         }
         if *above > 0 && residual.signum() != *sign {
@@ -55,6 +61,10 @@ impl Segmenter {
     }
 
     pub(super) fn touch(&mut self, bin: &Bin) {
+        if self.held_in_air(bin) {
+            self.low_since_s = bin.t_s;
+            return;
+        }
         let State::Touch(touch) = &mut self.state else { return };
         let strain = touch.push(bin);
         (self.baseline.strain, self.baseline.strain_2) = touch.baseline();
@@ -82,13 +92,17 @@ impl Segmenter {
     pub(super) fn end_touch(&mut self, bin: &Bin) {
         let State::Touch(touch) = &self.state else { return };
         let intake = &self.intake;
-        let contact = touch.end(&self.params, &self.ring, intake.period_s, |t_s| intake.time_us(t_s));
-        let shortest_s = GLITCHES.1.max(GLITCHES.2 * intake.period_s);
+        let mut contact = touch.end(&self.params, &self.ring, intake.period_s, |t_s| intake.time_us(t_s));
+        contact.baseline += self.air.shift()[0];
+        // Runs of glitches at the limit may follow each other.
+        let runs = if contact.saturated { AT_LIMIT } else { 1.0 };
+        let shortest_s = runs * GLITCHES.1.max(GLITCHES.2 * intake.period_s);
         if intake.glitches.part > GLITCHES.0 && touch.age_s() < shortest_s {
             self.settle(bin);
             return;
         }
-        self.young = Some(Young { contact, certain_s: touch.onset_s + CERTAIN_S, sure: self.sure });
+        let certain_s = if self.intake.shake.has_shaken() { CERTAIN_SHAKEN_S } else { CERTAIN_S };
+        self.young = Some(Young { contact, certain_s: touch.onset_s + certain_s, sure: self.sure });
         self.last_peak = touch.peak_strain();
         self.last_sign = touch.sign();
         self.settle(bin);

@@ -5,10 +5,11 @@
 
 mod contact;
 mod reference;
+mod step;
 
 use std::collections::VecDeque;
 
-use crate::air::Air;
+use crate::air::{Air, Phase};
 use crate::baseline::Baseline;
 use crate::condition::{Condition, Missing, Watch};
 use crate::intake::{Bin, Intake};
@@ -21,6 +22,8 @@ use crate::{Contact, Counts, Event, Params, Sample};
 const LOW: (f64, f64) = (0.3, 0.4);
 /// A contact is reported so long after its onset, when it is certain that it was no shaking. s.
 const CERTAIN_S: f64 = 0.18;
+/// The same for a whisker that has shaken in the last minute: shaking that begins weakly is recognised later.
+const CERTAIN_SHAKEN_S: f64 = 0.5;
 
 #[derive(Clone, Debug)]
 enum State {
@@ -42,6 +45,23 @@ struct Young {
     certain_s: f64,
     /// Rest was sure at its begin.
     sure: bool,
+}
+
+/// A step of air.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    phase: Phase,
+    /// The shift was known before it.
+    known: bool,
+    /// The base has not moved since its begin, as far as is known.
+    still: bool,
+    mm: Option<f64>,
+    /// Reference of both gauges at its begin, and whether it was surely rest.
+    levels: [f64; 2],
+    sure: bool,
+    /// It began in a hold.
+    held: bool,
+    until_s: f64,
 }
 
 /// Finds the contacts of one whisker.
@@ -69,10 +89,11 @@ pub struct Segmenter {
     last_sign: f64,
     last_end_s: f64,
     low_since_s: f64,
-    in_air: bool,
-    /// Deflection when the air began to move the baseline.
-    air_mm: Option<f64>,
+    /// The step of air that moves the baseline, or has, and is not learned.
+    step: Option<Step>,
     before_gap_s: f64,
+    /// The last bin shook.
+    shook: bool,
 }
 
 impl Segmenter {
@@ -98,9 +119,9 @@ impl Segmenter {
             last_sign: 0.0,
             low_since_s: 0.0,
             last_end_s: f64::NEG_INFINITY,
-            in_air: false,
-            air_mm: None,
+            step: None,
             before_gap_s: 0.0,
+            shook: false,
         }
     }
 
@@ -119,13 +140,13 @@ impl Segmenter {
     /// Reference level, and the standard deviation of the noise after averaging to 250 values a second.
     #[must_use]
     pub fn baseline(&self) -> (f64, f64) {
-        (self.baseline.strain, self.baseline.sd(self.intake.grain))
+        (self.baseline.strain + self.air.shift()[0], self.baseline.sd(self.intake.grain))
     }
 
     /// Strain to which contacts are relative, once the noise is known. It need not be rest while that is not sure.
     #[must_use]
     pub fn reference(&self) -> Option<f64> {
-        self.baseline.ready().then_some(self.baseline.strain)
+        self.baseline.ready().then_some(self.baseline().0)
     }
 
     /// How far its findings can be relied on.
@@ -157,8 +178,8 @@ impl Segmenter {
             self.gap(&sample);
         }
         while let Some(bin) = self.intake.next(&self.params) {
-            self.bin(&bin);
             self.before_gap_s = bin.t_s;
+            self.bin(bin);
         }
         self.out.pop_front()
     }
@@ -169,6 +190,7 @@ impl Segmenter {
         }
         self.ring.clear();
         self.young = None;
+        self.step = None;
         if self.baseline.ready() {
             self.state = State::Away;
             self.provisional = true;
@@ -182,7 +204,9 @@ impl Segmenter {
         }
     }
 
-    fn bin(&mut self, bin: &Bin) {
+    fn bin(&mut self, mut bin: Bin) {
+        self.air.compensate(&mut bin);
+        let bin = &bin;
         self.ring.push(*bin);
         let grain = self.intake.grain;
         self.baseline.shake(bin.shaking, self.intake.shake.range, grain);
@@ -198,7 +222,10 @@ impl Segmenter {
         if self.moved_by_air(bin) {
             return;
         }
-        self.find_rest(bin);
+        if !self.is_in_step() {
+            self.find_rest(bin);
+        }
+        self.calm_down(bin);
         self.forget_shaking(bin);
         match &mut self.state {
             State::Learning | State::Away => {}

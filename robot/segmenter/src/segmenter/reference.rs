@@ -1,52 +1,13 @@
-//! The reference level: air that moves it, rest that is found, and contacts that may be told once it is rest.
+//! The reference level: rest that is found, and contacts that may be told once it is rest.
 
 use super::{CERTAIN_S, LOW, Segmenter, State};
 use crate::intake::Bin;
 use crate::{Contact, Event};
 
-/// A touch whose deflection changes by less is held: what changes then with the air is the baseline. mm.
-const HELD_MM: f64 = 0.15;
 /// Contacts that are held back at most.
 const HELD: usize = 32;
 
 impl Segmenter {
-    /// Whether air moves the baseline now. At rest the reference follows; in a touch it is in doubt afterwards.
-    pub(super) fn moved_by_air(&mut self, bin: &Bin) -> bool {
-        let moves = self.air.push(bin);
-        if moves && !self.in_air {
-            self.rest.shake();
-            self.air_mm = bin.deflection_mm;
-        }
-        self.in_air = moves;
-        if !moves {
-            return false;
-        }
-        self.rest.pause();
-        // While the base moves, the strain may be a touch's.
-        let still = self.air_mm.zip(bin.deflection_mm).is_none_or(|(mm, now)| (now - mm).abs() < HELD_MM);
-        match &mut self.state {
-            State::Quiet { .. } | State::Settling(_) if still => {
-                self.baseline.follow_air(bin);
-                if !self.provisional {
-                    self.rest.moved(self.baseline.strain, self.baseline.strain_2);
-                }
-                self.state = State::Quiet { above: 0, sign: 1.0 };
-            }
-            State::Quiet { .. } | State::Settling(_) => self.state = State::Away,
-            State::Touch(touch) => {
-                let held = still && bin.deflection_mm.is_some();
-                touch.push_air(bin, held);
-                self.low_since_s = bin.t_s;
-                if held && !self.provisional {
-                    (self.baseline.strain, self.baseline.strain_2) = touch.baseline();
-                    self.rest.moved(self.baseline.strain, self.baseline.strain_2);
-                }
-            }
-            State::Learning | State::Away => {}
-        }
-        true
-    }
-
     /// Learns which level is rest, and makes it the reference.
     pub(super) fn find_rest(&mut self, bin: &Bin) {
         let sd = self.baseline.sd(self.intake.grain);
@@ -95,6 +56,20 @@ impl Segmenter {
         self.baseline.begin(bin.t_s, strain, strain_2);
         self.elections = self.rest.elections;
         self.state = if is_here { State::Quiet { above: 0, sign: 1.0 } } else { State::Away };
+    }
+
+    /// When shaking ends, what it hid is the baseline: its mean over some bins is off by more than calm noise explains.
+    pub(super) fn calm_down(&mut self, bin: &Bin) {
+        let ends = std::mem::replace(&mut self.shook, bin.shaking) && !bin.shaking;
+        let hidden = self.params.onset_sds * self.baseline.shaking_sd(self.intake.grain);
+        let is_hidden = (bin.strain - self.baseline.strain).abs() < hidden;
+        if let (State::Quiet { .. }, true) = (&self.state, ends && is_hidden) {
+            self.state = State::Quiet { above: 0, sign: 1.0 };
+            self.baseline.begin(bin.t_s, bin.strain, bin.strain_2.unwrap_or(0.0));
+            if !self.provisional {
+                self.rest.moved(self.baseline.strain, self.baseline.strain_2);
+            }
+        }
     }
 
     /// Shaking that begins looks like an onset.

@@ -24,7 +24,7 @@ struct Measured {
 impl Touch {
     /// The contact, which ends with the newest bin of the ring.
     pub(crate) fn end(&self, params: &Params, ring: &Ring, period_s: f64, time_us: impl Fn(f64) -> u64) -> Contact {
-        let slip = self.slip(params, ring, period_s);
+        let slip = self.slip(params, ring, period_s).filter(|measured| measured.point.strain > 0.0);
         let measured = slip.unwrap_or_else(|| self.measured(period_s));
         let Point { strain, strain_2, .. } = measured.point;
         let noise = self.sd * (1.0 / measured.bins + 0.05).sqrt();

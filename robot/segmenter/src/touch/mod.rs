@@ -153,18 +153,19 @@ impl Touch {
         point.strain
     }
 
-    /// Takes in a bin while air moves the baseline: all of the change in a hold is the air's.
-    pub(crate) fn push_air(&mut self, bin: &Bin, held: bool) {
-        if held && self.plateau.is_some() {
-            let point = relative(bin, (self.baseline, self.baseline_2), self.sign);
-            self.baseline += self.sign * (point.strain - self.last.strain);
-            if let (Some(now), Some(before)) = (point.strain_2, self.last.strain_2) {
-                self.baseline_2 += self.sign * (now - before);
-            }
-            self.last = Point { strain: self.last.strain, strain_2: self.last.strain_2, ..point };
-        } else {
-            self.push(bin);
+    /// Takes in a bin while air moves the baseline of a hold: all of the change is the air's.
+    pub(crate) fn push_air(&mut self, bin: &Bin) {
+        let point = relative(bin, (self.baseline, self.baseline_2), self.sign);
+        self.baseline += self.sign * (point.strain - self.last.strain);
+        if let (Some(now), Some(before)) = (point.strain_2, self.last.strain_2) {
+            self.baseline_2 += self.sign * (now - before);
         }
+        self.last = Point { strain: self.last.strain, strain_2: self.last.strain_2, ..point };
+    }
+
+    /// Whether the strain stands: nothing slides along the whisker.
+    pub(crate) fn is_held(&self) -> bool {
+        self.last.t_s - self.hold_since_s >= HOLD.1
     }
 
     /// In a hold what changes is the rubber and the drift: the baseline takes part in it.
