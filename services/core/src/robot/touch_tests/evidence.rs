@@ -23,8 +23,8 @@ const TOUCHES_MIN: u16 = 3;
 const CONTACTS_MIN: u16 = 5;
 /// Standard deviation of a length that is certain enough to be called at once, mm, ...
 const CERTAIN_SD_MM: f64 = 0.5;
-/// ... where contacts tell the length no better, because they state no ratio, mm, ...
-const CERTAIN_ALONE_SD_MM: f64 = 0.25;
+/// ... where contacts tell the length no better, because they state no ratio, mm: all tests in a row measure it, ...
+const CERTAIN_ALONE_SD_MM: f64 = 0.1;
 /// ... and after the last test in a row, mm.
 const USABLE_SD_MM: f64 = 1.5;
 /// A touch of the robot's habit shows that the whisker reaches so many standard deviations below its distance. Of many touches
@@ -55,6 +55,7 @@ impl Robot {
         if !contact.is_test && states_distance != self.head.states_distance {
             self.head.states_distance = states_distance;
         }
+        let alone = self.states_no_ratio(index);
         let whisker = &mut self.whiskers[index];
         let (off_mm, _) = whisker.zero(params);
         let is_evidence = match contact.place {
@@ -67,7 +68,7 @@ impl Robot {
             ContactPlace::Tip(Some(at)) => {
                 whisker.touched_at(params, contact.is_test, at.at.mm(), at.sd_mm);
                 if !contact.is_test {
-                    whisker.follow_zero(params, at);
+                    whisker.follow_zero(params, at, alone);
                 }
                 whisker.add_touch(at.sd_mm, |evidence| evidence.tip(at.at.mm() + off_mm, at.sd_mm))
             }
@@ -153,8 +154,7 @@ impl Robot {
         let (_, zero_sd_mm) = whisker.zero(params);
         let posterior = test.evidence.posterior(zero_sd_mm);
         let is_last = test.done >= params.touch_tests.in_a_row;
-        // Contacts without a place leave a whisker in its first condition.
-        let is_alone = self.head.states_distance || whisker.condition == Condition::Learning;
+        let is_alone = self.is_measured_by_tests_alone(index);
         let certain_sd_mm = if is_alone { CERTAIN_ALONE_SD_MM } else { CERTAIN_SD_MM };
         let sd_most_mm = if is_last { USABLE_SD_MM } else { certain_sd_mm };
         // Touches of the robot's habit do not refute the silence that they leave: only those of a test do.
@@ -194,6 +194,17 @@ impl Robot {
                 self.set_condition(index, Condition::Healthy, effects);
             }
         }
+    }
+
+    /// Whether only tests tell the length of the whisker.
+    fn is_measured_by_tests_alone(&self, index: WhiskerIndex) -> bool {
+        // Contacts without a place leave a whisker in its first condition until tests have taught it.
+        self.states_no_ratio(index) || self.whiskers[index].condition == Condition::Learning
+    }
+
+    /// Whether its contacts tell no length: they state distances, or no place.
+    pub(in crate::robot) fn states_no_ratio(&self, index: WhiskerIndex) -> bool {
+        self.head.states_distance || self.states_no_place(index)
     }
 
     /// Calls a trim of a measured length.
