@@ -23,8 +23,10 @@ const TOUCHES_MIN: u16 = 3;
 const CONTACTS_MIN: u16 = 5;
 /// Standard deviation of a length that is certain enough to be called at once, mm, ...
 const CERTAIN_SD_MM: f64 = 0.5;
-/// ... where contacts tell the length no better, because they state no ratio, mm: all tests in a row measure it, ...
-const CERTAIN_ALONE_SD_MM: f64 = 0.1;
+/// ... where contacts tell the length no better, because they state no ratio, mm, ...
+const CERTAIN_ALONE_SD_MM: f64 = 0.25;
+/// ... where one gain follows from the length, mm: all tests in a row measure it, ...
+const CERTAIN_FOR_GAIN_SD_MM: f64 = 0.1;
 /// ... and after the last test in a row, mm.
 const USABLE_SD_MM: f64 = 1.5;
 /// A touch of the robot's habit shows that the whisker reaches so many standard deviations below its distance. Of many touches
@@ -55,7 +57,7 @@ impl Robot {
         if !contact.is_test && states_distance != self.head.states_distance {
             self.head.states_distance = states_distance;
         }
-        let alone = self.states_no_ratio(index);
+        let alone = self.needs_exact_length(index);
         let whisker = &mut self.whiskers[index];
         let (off_mm, _) = whisker.zero(params);
         let is_evidence = match contact.place {
@@ -155,7 +157,13 @@ impl Robot {
         let posterior = test.evidence.posterior(zero_sd_mm);
         let is_last = test.done >= params.touch_tests.in_a_row;
         let is_alone = self.is_measured_by_tests_alone(index);
-        let certain_sd_mm = if is_alone { CERTAIN_ALONE_SD_MM } else { CERTAIN_SD_MM };
+        let certain_sd_mm = if self.needs_exact_length(index) {
+            CERTAIN_FOR_GAIN_SD_MM
+        } else if is_alone {
+            CERTAIN_ALONE_SD_MM
+        } else {
+            CERTAIN_SD_MM
+        };
         let sd_most_mm = if is_last { USABLE_SD_MM } else { certain_sd_mm };
         // Touches of the robot's habit do not refute the silence that they leave: only those of a test do.
         let may_refute = test.under_way().is_none() && (test.done > 0 || !whisker.is_reach_silent());
@@ -205,6 +213,11 @@ impl Robot {
     /// Whether its contacts tell no length: they state distances, or no place.
     pub(in crate::robot) fn states_no_ratio(&self, index: WhiskerIndex) -> bool {
         self.head.states_distance || self.states_no_place(index)
+    }
+
+    /// Whether the gain of its readings follows from a length that only tests tell.
+    pub(super) fn needs_exact_length(&self, index: WhiskerIndex) -> bool {
+        self.head.applies_gain && self.states_no_ratio(index)
     }
 
     /// Calls a trim of a measured length.

@@ -13,7 +13,7 @@ use crate::units::Micros;
 
 /// Contacts of a test of the length. The next test of the same measurement is planned with them.
 const LENGTH_CONTACTS: u16 = 10;
-/// The same of a test that measures more than whether there is a cut, where contacts state no ratio.
+/// The same of a test that measures more than whether there is a cut, where one gain follows from the length.
 const MEASURING_CONTACTS: u16 = 30;
 /// Contacts of a test after a setpoint, over the whole range of contact ratios.
 const RESPONSE_CONTACTS: u16 = 36;
@@ -103,7 +103,7 @@ impl Robot {
             params,
             kind,
             reason,
-            (self.states_no_ratio(index), self.length_contacts(params, index)),
+            (self.needs_exact_length(index), self.length_contacts(params, index)),
         ) else {
             return false;
         };
@@ -140,13 +140,13 @@ impl Robot {
         key
     }
 
-    /// Contacts of the next test of its length or of its zero. Where tests alone tell the length, each one but the first, which
+    /// Contacts of the next test of its length or of its zero. Where a gain follows from the length, each one but the first, which
     /// finds a cut, measures.
     fn length_contacts(&self, params: &Params, index: WhiskerIndex) -> u16 {
         let whisker = &self.whiskers[index];
         let is_again = whisker.rare.length_test.as_ref().is_some_and(|test| test.done > 0);
         let is_of_zero = whisker.is_test_of_zero(params, true);
-        if self.states_no_ratio(index) && (is_again || is_of_zero) { MEASURING_CONTACTS } else { LENGTH_CONTACTS }
+        if self.needs_exact_length(index) && (is_again || is_of_zero) { MEASURING_CONTACTS } else { LENGTH_CONTACTS }
     }
 
     /// Proposes a test, once.
@@ -166,7 +166,7 @@ impl Robot {
             params,
             kind,
             reason,
-            (self.states_no_ratio(index), self.length_contacts(params, index)),
+            (self.needs_exact_length(index), self.length_contacts(params, index)),
         ) else {
             return;
         };

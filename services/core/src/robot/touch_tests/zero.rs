@@ -19,8 +19,8 @@ use crate::units::{Micros, Millimetre};
 
 /// The error is known once its standard deviation is down to this, mm.
 const KNOWN_SD_MM: f64 = 0.2;
-/// The same where tests alone tell the length, because contacts state no ratio, mm: it is 4 % of the difference that a cut
-/// of 2 mm makes.
+/// The same where one gain follows from a length that only tests tell, mm: it is 4 % of the difference that a cut of 2 mm
+/// makes.
 const KNOWN_ALONE_SD_MM: f64 = 0.1;
 /// A test can confirm a cut, and a contact of it tells a sensitivity, once it is down to this, mm.
 const USABLE_SD_MM: f64 = 0.5;
@@ -89,7 +89,7 @@ impl Robot {
             // Contacts without a place leave a whisker in its first condition.
             let is_learned = whisker.condition == Condition::Healthy || self.states_no_place(*index);
             is_learned
-                && whisker.lacks_zero(params, now, self.states_no_ratio(*index))
+                && whisker.lacks_zero(params, now, self.needs_exact_length(*index))
                 && whisker.rare.length_test.is_none()
         };
         let Some(index) = (0..self.whiskers.len()).find(is_next) else { return };
@@ -108,7 +108,7 @@ impl Robot {
     /// A test of a whole whisker is done: its touches tell the error that the distances share. False if it was another
     /// test, or if a cut explains the touches better.
     pub(super) fn learn_zero(&mut self, params: &Params, index: WhiskerIndex) -> bool {
-        let alone = self.states_no_ratio(index);
+        let alone = self.needs_exact_length(index);
         let whisker = &mut self.whiskers[index];
         let (off_mm, sd_mm) = whisker.zero(params);
         let is_of_zero = whisker.is_test_of_zero(params, alone);
@@ -133,8 +133,8 @@ impl Whisker {
         self.rare.zero.known(params.touch_tests.zero_sd_mm)
     }
 
-    /// Whether the error of its distances is known well enough to measure lengths with them. `alone`: nothing else tells the
-    /// length.
+    /// Whether the error of its distances is known well enough to measure lengths with them. `alone`: a gain
+    /// follows from a length that nothing else tells.
     pub(in crate::robot) fn knows_zero(&self, params: &Params, alone: bool) -> bool {
         self.zero(params).1 <= if alone { KNOWN_ALONE_SD_MM } else { KNOWN_SD_MM } || self.rare.zero.tests >= TESTS_MAX
     }
