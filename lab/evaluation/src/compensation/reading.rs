@@ -5,6 +5,7 @@ use vibrissa_core::mechanics::{CONTACT_RATIOS, Formulation};
 use vibrissa_core::policy::LongerForShorter;
 use vibrissa_core::robot::effect::{CandidateRecord, CompensationError, Effect};
 use vibrissa_core::robot::{Event, OperatorAction, Params, Place};
+use vibrissa_core::units::Micros;
 use vibrissa_edge::interval::Z95;
 use vibrissa_protocol::{AirControl, TouchTestKind};
 use vibrissa_simulator::places::Places;
@@ -22,6 +23,9 @@ pub const SHORT_MM: [f64; 4] = [55.0, 50.0, 45.0, 40.0];
 /// Remaining length of a target that a neighbour shall serve, mm.
 const STUMP_MM: f64 = 40.0;
 
+/// Time between two tests of a whisker whose contacts state no place, s: 24 before the cut, as in a day.
+const TEST_EVERY_S: f64 = WHOLE_CONTACTS as f64 / CONTACTS_PER_SECOND / 24.0;
+
 /// The robot's air, and its knowledge of the places of contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Setting {
@@ -33,7 +37,7 @@ pub enum Setting {
     Distance,
     /// Each contact is at the tip.
     Tip,
-    /// No place, and touch tests against a wall: an operator asks for one after the cut.
+    /// No place, and touch tests against a wall, on a schedule. An operator asks for one after the cut.
     Unknown,
 }
 
@@ -134,13 +138,18 @@ pub fn run(trial: &Trial, setting: Setting) -> Option<Reading> {
             event.change = Change::Trim { length_mm: STUMP_MM };
         }
     }
+    if setting == Setting::Unknown {
+        // A day is compressed to half a minute: tests by the schedule of an hour.
+        params.touch_tests.every_without_place = Micros::from_s(TEST_EVERY_S);
+        params.touch_tests.per_hour = u16::MAX;
+        // Its operator knows that its distances are right, so that the first test decides.
+        params.touch_tests.zero_sd_mm = 0.0;
+    }
     let mut world = World::new(&scenario, params);
     let truth = Truth::new(trial);
     let mut now_s = WHOLE_CONTACTS as f64 / CONTACTS_PER_SECOND;
     let end_s = now_s + CONTACTS_AFTER as f64 / CONTACTS_PER_SECOND;
     if setting == Setting::Unknown {
-        // Its operator knows that its distances are right, so that one test decides.
-        world.params.touch_tests.zero_sd_mm = 0.0;
         // Its contacts show no cut. It lies within the first message after this one.
         now_s += 0.5;
         world.run_until_s(now_s);
@@ -245,8 +254,9 @@ pub struct ReadingSummary {
     pub moved_mpa: f64,
     /// Share of the readings whose error with the decision's setpoint lies in the predicted 95 % interval.
     pub predicted_coverage: f64,
-    /// Share of the readings whose error at the end lies in the measured 95 % interval.
-    pub measured_coverage: f64,
+    /// Share of the readings with a measured error whose error at the end lies in its 95 % interval; none where no error is
+    /// measured.
+    pub measured_coverage: Option<f64>,
 }
 
 /// The means; `None` without any reading.
@@ -266,10 +276,13 @@ pub fn summary<'r>(readings: impl Iterator<Item = &'r Reading>) -> Option<Readin
         predicted_coverage: share(&|one| {
             one.chosen.predicted_error_interval.map(|(low, high)| (low..=high).contains(&one.open))
         }),
-        measured_coverage: share(&|one| {
-            let measured = one.measured.as_ref()?;
-            Some((measured.mean - one.end).abs() <= Z95 * measured.sd)
-        }),
+        measured_coverage: {
+            let holds =
+                |one: &Reading, measured: &CompensationError| (measured.mean - one.end).abs() <= Z95 * measured.sd;
+            let measured: Vec<bool> = all.iter().filter_map(|one| Some(holds(one, one.measured.as_ref()?))).collect();
+            let held = measured.iter().filter(|&&one| one).count();
+            (!measured.is_empty()).then(|| held as f64 / measured.len() as f64)
+        },
     })
 }
 
@@ -349,6 +362,25 @@ mod tests {
     fn a_robot_without_air_is_served_by_the_gain_alone() {
         let reading = run(&trial(Case::Itself, 65.0), Setting::NoAir).expect("a compensation");
         assert!(reading.moved_mpa == 0.0 && reading.open < 0.12 && reading.end < 0.09, "{reading:?}");
+    }
+
+    /// Without places nothing but the tests tells the gain, and the error that it leaves.
+    #[test]
+    fn touch_tests_tell_the_gain_and_the_error_where_contacts_state_no_place() {
+        let reading = run(&trial(Case::Itself, 65.0), Setting::Unknown).expect("a compensation");
+        let measured = reading.measured.as_ref().expect("a measured error");
+        assert!(reading.setpoints > 1 && reading.end < 0.08, "{reading:?}");
+        assert!((measured.mean - reading.end).abs() <= Z95 * measured.sd && measured.sd < 0.08, "{reading:?}");
+    }
+
+    /// A regulator near 0 MPa holds the chamber 1 kPa above its setpoint, and its sensor shows that in steps of 1.2 kPa.
+    #[test]
+    fn regress_the_gain_serves_the_pressure_that_the_regulator_really_holds() {
+        let own = plants(5, 4).into_iter().enumerate();
+        let own = own.map(|(plant, rubber)| Trial { plant, rubber, ..trial(Case::Itself, 45.0) });
+        let found: Vec<Reading> = own.filter_map(|trial| run(&trial, Setting::Usual)).collect();
+        let left = found.iter().map(|one| one.end - one.best_gain).sum::<f64>() / found.len() as f64;
+        assert!(found.len() == 4 && left < 0.0014, "{left} of {}", found.len());
     }
 
     #[test]

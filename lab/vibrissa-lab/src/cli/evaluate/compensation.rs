@@ -121,8 +121,8 @@ fn print_readings(rows: &[(String, ReadingSummary)], out: &mut dyn Write) -> Res
 Robots that multiply their readings (applies_gain): air for the shape, one gain for the level. Errors of the reading
 with the setpoint of the decision, after contacts at the setpoint (\"noise\": that the noise of so many contacts leaves on a
 plant that is known but for its level), and at the end; \"least\": that any gain has at the held pressure; \"moved\": air
-moved; \"predicted\", \"measured\": the 95 % intervals that hold the truth. A regulator with steps of 1.2 kPa hides 0.2 % of
-a reading, 6 % of the difference that a cut of 1 mm makes.
+moved; \"predicted\", \"measured\": the 95 % intervals that hold the truth. Without a place (UNKNOWN) only the contacts of
+touch tests count. The noise of 800 contacts is 0.1 % of a reading, 3 % of the difference that a cut of 1 mm makes.
 
 {:<30} {:>6} {:>7} {:>6} {:>7} {:>6} {:>6} {:>6} {:>10} {:>10} {:>9} {:>7}",
         "mean error (%)", "open", "300", "noise", "800", "noise", "end", "least", "moved kPa", "predicted", "measured", "served"
@@ -140,7 +140,7 @@ a reading, 6 % of the difference that a cut of 1 mm makes.
             100.0 * one.best_gain,
             1000.0 * one.moved_mpa,
             format!("{:.1} %", 100.0 * one.predicted_coverage),
-            format!("{:.1} %", 100.0 * one.measured_coverage),
+            one.measured_coverage.map_or_else(|| "-".to_owned(), |share| format!("{:.1} %", 100.0 * share)),
             one.served
         )?;
     }

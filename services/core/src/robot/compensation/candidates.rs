@@ -1,7 +1,7 @@
 //! The candidates for a broken whisker, and their proposals.
 
 use crate::estimation::Belief;
-use crate::mechanics::{Model, Objective};
+use crate::mechanics::{Model, Objective, UsualContacts};
 use crate::policy::{Case, Fitness, Ineligible, Proposal, Refused, propose};
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
@@ -75,7 +75,8 @@ impl Robot {
             (None, Some(target_model), Some(model)) => {
                 let belief = one.belief(model);
                 let pressures = only.map_or_else(|| one.pressures(self.head.air_control), |only| (only, only));
-                let fitness = one.fitness(model, &belief, is_self, (objective, pressures));
+                let usual = self.usual_contacts(compensator);
+                let fitness = one.fitness(model, &belief, is_self, usual, (objective, pressures));
                 let asked = (broken.target(), broken.whole_offset());
                 let proposal = propose(&params.policy, target_model, asked.0, asked.1, &fitness, is_self);
                 let by_operator = broken.refused_servers.contains(&one.sheet.number).then_some(Refused::Operator);
@@ -200,6 +201,7 @@ impl Whisker {
         model: &'p Model,
         belief: &Belief,
         is_self: bool,
+        usual: UsualContacts,
         (objective, pressures): (Objective, (Megapascal, Megapascal)),
     ) -> Fitness<'p> {
         Fitness {
@@ -211,7 +213,7 @@ impl Whisker {
             offset: if is_self { self.filter.offset() } else { self.whole_offset() },
             own: belief.predict,
             objective,
-            usual: self.usual_contacts(),
+            usual,
         }
     }
 }

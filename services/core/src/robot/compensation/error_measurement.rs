@@ -82,7 +82,7 @@ impl Robot {
             return;
         }
         let Some(model) = whisker.model(params) else { return };
-        let morphology = model.morphology(contact.pressure);
+        let morphology = model.morphology(running.compared_at(contact.pressure));
         let Ok(model_per_mm) = model.sensitivity_per_mm(seen.ratio, running.length, &morphology) else { return };
         // The strain by deflection alone; outliers get a larger variance.
         let strain = contact.strain.ratio() - whisker.filter.baseline_strain().0;
@@ -100,9 +100,27 @@ impl Robot {
         let contacts = running.after.contacts();
         let running = &self.head.compensations[at];
         effects.extend(self.response(params, running, (position, ratio), contact).map(Effect::Response));
+        if self.states_no_place(index) {
+            // Reviewed at the end of the touch test.
+            return;
+        }
         if contacts.is_multiple_of(params.measurement.every_contacts) {
             effects.extend(self.error(params, running).map(|error| Effect::Error(Box::new(error))));
         }
+        self.refine(params, at, effects);
+    }
+
+    /// A touch test of a compensator without places is done: only its contacts tell gain and error.
+    pub(in crate::robot) fn measure_test(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
+        let is_its = |one: &Compensation| one.compensator() == index && one.settled;
+        let Some(at) = self.head.compensations.iter().position(is_its).filter(|_| self.states_no_place(index)) else {
+            return;
+        };
+        if self.head.compensations[at].after.contacts() == 0 {
+            return;
+        }
+        let running = &self.head.compensations[at];
+        effects.extend(self.error(params, running).map(|error| Effect::Error(Box::new(error))));
         self.refine(params, at, effects);
     }
 

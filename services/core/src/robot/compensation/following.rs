@@ -76,7 +76,7 @@ impl Robot {
         let leaks = running.refining.keeps_pressure();
         let pressures =
             if leaks { (running.pressure, running.pressure) } else { whisker.pressures(self.head.air_control) };
-        let fitness = whisker.fitness(model, &belief, true, (objective, pressures));
+        let fitness = whisker.fitness(model, &belief, true, self.usual_contacts(index), (objective, pressures));
         let proposal = propose(&params.policy, model, whisker.target(), whisker.whole_offset(), &fitness, true);
         // Where even zero pressure is too high, the gain makes up for the rest.
         let goes_on = matches!(proposal.refused, None | Some(Refused::NeedsBelowRange));

@@ -51,6 +51,19 @@ impl Compensation {
         if self.target == self.compensator { self.length } else { compensator.sheet.length }
     }
 
+    /// Pressure of the model that a contact is compared with. One gain serves the pressure that the regulator really holds, and
+    /// a coarse sensor hides that: with the setpoint as the reference, the means contain the difference. Whatever has no such
+    /// gain, or drifts with a fault, is compared at the pressure of each contact.
+    pub(in crate::robot) fn compared_at(&self, contact: Megapascal) -> Megapascal {
+        if self.averages_alone() { self.pressure } else { contact }
+    }
+
+    /// Whether averages tell the level of its response, and not the length filter, which takes the pressure of each contact for
+    /// the true one.
+    pub(in crate::robot) fn averages_alone(&self) -> bool {
+        self.reading_gain().is_some() && !self.refining.keeps_pressure()
+    }
+
     /// Number on this robot.
     #[must_use]
     pub fn id(&self) -> u32 {

@@ -14,7 +14,8 @@
 //! doubling of the contacts, or after 200 contacts where the gain has wandered further than a margin.
 //!
 //! A robot that multiplies its readings by one number ([`Objective::Shape`]) has its pressure refined for the shape of the
-//! response, and gets the number anew after each evaluation that changes it.
+//! response, and gets the number anew after each evaluation that changes it. If its contacts state no place, only touch tests
+//! tell the response, and each of them is evaluated at its end.
 
 use borsh::{BorshDeserialize, BorshSerialize};
 
@@ -30,8 +31,13 @@ use crate::robot::params::Params;
 use crate::robot::state::whisker::Desired;
 use crate::units::Megapascal;
 
-/// A reading gain is published anew if it has changed by more than this, log sensitivity: contacts tell no less.
-const READING_GAIN_STEP: f64 = 0.001;
+/// A reading gain is published anew if it has changed by more than this, log sensitivity: 1 % of the difference that a cut
+/// of 1 mm makes. The doubling of the contacts bounds the number of setpoints.
+const READING_GAIN_STEP: f64 = 3e-4;
+
+/// Contacts of the first evaluation where contacts state no place: a touch test after the setpoint, without the touches that may
+/// be missed. The next ones follow after 7/4 of them: the test after a new gain, and then the tests of the schedule.
+const WITHOUT_PLACE_CONTACTS: u32 = 30;
 
 /// Number of steps that leaves none, and from which on a pressure is followed instead: each time counts, up to the largest
 /// number. A chamber of 0.2 MPa empties in 50 of them.
@@ -112,7 +118,9 @@ impl Robot {
     pub(in crate::robot) fn refine(&mut self, params: &Params, at: usize, effects: &mut Vec<Effect>) {
         let running = &self.head.compensations[at];
         let contacts = running.after.contacts();
-        let due = running.refining.due.max(params.refinement.first_look_contacts);
+        let by_tests = running.reading_gain().is_some() && self.states_no_place(running.compensator());
+        let least = if by_tests { WITHOUT_PLACE_CONTACTS } else { params.refinement.first_look_contacts };
+        let due = running.refining.due.max(least);
         let one = &self.whiskers[running.compensator()];
         // A cut whisker that has lost sensitivity goes on with another gain; its pressure stays. That of a leaking one, too.
         let has_lost = one.condition == Condition::SensitivityLoss;
@@ -128,8 +136,9 @@ impl Robot {
             return;
         }
         let off = (params.refinement.gain_margin / one.walks.rate()).powi(2) as u32;
-        let wandered = contacts.saturating_add(off.max(params.refinement.first_look_contacts));
-        self.head.compensations[at].refining.due = params.refinement.next_look(contacts).min(wandered);
+        let wandered = contacts.saturating_add(off.max(least));
+        let next = if by_tests { contacts.saturating_mul(7) / 4 } else { params.refinement.next_look(contacts) };
+        self.head.compensations[at].refining.due = next.min(wandered);
         if !has_lost {
             // With another gauge the change would be taken for one by the pressure.
             self.remember(at);
@@ -151,7 +160,7 @@ impl Robot {
         let own_gain_error = felt.error_of_own_gain(&params.cubature, objective);
         let moves = outcome == RefinementOutcome::Refined;
         // A gain that wanders hastens the evaluations, but each published one is judged by as many contacts as the first.
-        let is_judged = running.refining.since_gain.contacts() >= params.refinement.first_look_contacts;
+        let is_judged = running.refining.since_gain.contacts() >= least;
         let is_better = match running.reading_gain() {
             None => gain_error > params.refinement.gain_margin.max(1.5 * own_gain_error),
             // One number from all contacts is better than the same from fewer.
@@ -160,7 +169,7 @@ impl Robot {
         let gain_better = is_better && is_judged;
         if gain_better && !moves {
             // A gain that wanders faster than this would be published again and again, without effect.
-            self.head.compensations[at].refining.due = params.refinement.next_look(contacts);
+            self.head.compensations[at].refining.due = next;
         }
         let running = &self.head.compensations[at];
         let record = Refinement {

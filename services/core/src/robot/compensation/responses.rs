@@ -8,6 +8,7 @@ use crate::mechanics::{
 use crate::policy::READING_GAINS;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
+use crate::robot::effect::WhiskerIndex;
 use crate::robot::params::Params;
 use crate::robot::state::whisker::Whisker;
 use crate::units::{ContactRatio, Megapascal, Millimetre};
@@ -115,6 +116,14 @@ impl MeasuredResponses {
 }
 
 impl Robot {
+    /// Usual contacts of a whisker.
+    pub(in crate::robot) fn usual_contacts(&self, index: WhiskerIndex) -> UsualContacts {
+        let usual = self.whiskers[index].usual_contacts();
+        // Where only touch tests have a place, the places are the supervisor's and no habit.
+        let weights = if self.states_no_place(index) { EVEN_WEIGHTS } else { usual.weights };
+        UsualContacts { weights, ..usual }
+    }
+
     /// The responses of a running compensation; the compensator's from `after` and the earlier belief `carried`.
     pub(in crate::robot) fn measured_responses(
         &self,
@@ -149,8 +158,9 @@ impl Robot {
         self.level(params, running, &held, after, from, &mut responses);
         let sd_mm = one.filter.length().sd_mm.max(running.length_sd_mm);
         let by_length = |pressure| by_length(model, running.length, pressure, sd_mm);
-        if self.head.states_distance {
-            // Its ratios are distances over the estimated length.
+        // Its ratios are distances over the estimated length.
+        let is_by_length = self.states_no_ratio(running.compensator());
+        if is_by_length {
             responses.moves(&[by_length(running.pressure)], if before.is_some() { &[AFTER] } else { &[AFTER, BEFORE] });
         }
         match before {
@@ -163,12 +173,12 @@ impl Robot {
             None => {
                 responses.moves(&whole.causes(), &[TARGET, BEFORE]);
                 responses.moves(&[target.lag(params, &target.whole)], &[TARGET, BEFORE]);
-                if !self.head.states_distance {
+                if !is_by_length {
                     responses.moves(&[by_length(running.pressure_before)], &[BEFORE]);
                 }
             }
         }
-        Some(MeasuredResponses { responses, held, known, usual: one.usual_contacts() })
+        Some(MeasuredResponses { responses, held, known, usual: self.usual_contacts(running.compensator()) })
     }
 }
 
@@ -188,6 +198,8 @@ impl Robot {
         let lag = one.lag(params, after);
         let causes = held.causes();
         let present = match from {
+            // A filter that follows a walk knows the present better than any average.
+            LevelFrom::Filter if running.averages_alone() && one.walks.rate() == 0.0 => None,
             LevelFrom::Filter => one.spread.mean().and_then(|at| one.present(params, running, at)),
             LevelFrom::Contacts => None,
         };
@@ -270,7 +282,7 @@ impl Whisker {
 
     /// Its usual contacts. With a stated range of the gauge, the largest usual deflection limits the sensitivity at each contact
     /// ratio that is touched, or at all while the distribution of the ratios is not known.
-    pub(in crate::robot) fn usual_contacts(&self) -> UsualContacts {
+    fn usual_contacts(&self) -> UsualContacts {
         let contacts = self.whole.contacts();
         let least = (USUAL_SHARE * f64::from(contacts)) as u32;
         let is_touched = |k: usize| contacts < LEARNED_RATIOS_CONTACTS || self.whole.bin(k).contacts() > least;

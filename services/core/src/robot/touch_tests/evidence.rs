@@ -25,6 +25,8 @@ const CONTACTS_MIN: u16 = 5;
 const CERTAIN_SD_MM: f64 = 0.5;
 /// ... where contacts tell the length no better, because they state no ratio, mm, ...
 const CERTAIN_ALONE_SD_MM: f64 = 0.25;
+/// ... where one gain follows from the length, mm: all tests in a row measure it, ...
+const CERTAIN_FOR_GAIN_SD_MM: f64 = 0.1;
 /// ... and after the last test in a row, mm.
 const USABLE_SD_MM: f64 = 1.5;
 /// A touch of the robot's habit shows that the whisker reaches so many standard deviations below its distance. Of many touches
@@ -55,6 +57,7 @@ impl Robot {
         if !contact.is_test && states_distance != self.head.states_distance {
             self.head.states_distance = states_distance;
         }
+        let alone = self.needs_exact_length(index);
         let whisker = &mut self.whiskers[index];
         let (off_mm, _) = whisker.zero(params);
         let is_evidence = match contact.place {
@@ -67,7 +70,7 @@ impl Robot {
             ContactPlace::Tip(Some(at)) => {
                 whisker.touched_at(params, contact.is_test, at.at.mm(), at.sd_mm);
                 if !contact.is_test {
-                    whisker.follow_zero(params, at);
+                    whisker.follow_zero(params, at, alone);
                 }
                 whisker.add_touch(at.sd_mm, |evidence| evidence.tip(at.at.mm() + off_mm, at.sd_mm))
             }
@@ -153,9 +156,14 @@ impl Robot {
         let (_, zero_sd_mm) = whisker.zero(params);
         let posterior = test.evidence.posterior(zero_sd_mm);
         let is_last = test.done >= params.touch_tests.in_a_row;
-        // Contacts without a place leave a whisker in its first condition.
-        let is_alone = self.head.states_distance || whisker.condition == Condition::Learning;
-        let certain_sd_mm = if is_alone { CERTAIN_ALONE_SD_MM } else { CERTAIN_SD_MM };
+        let is_alone = self.is_measured_by_tests_alone(index);
+        let certain_sd_mm = if self.needs_exact_length(index) {
+            CERTAIN_FOR_GAIN_SD_MM
+        } else if is_alone {
+            CERTAIN_ALONE_SD_MM
+        } else {
+            CERTAIN_SD_MM
+        };
         let sd_most_mm = if is_last { USABLE_SD_MM } else { certain_sd_mm };
         // Touches of the robot's habit do not refute the silence that they leave: only those of a test do.
         let may_refute = test.under_way().is_none() && (test.done > 0 || !whisker.is_reach_silent());
@@ -194,6 +202,22 @@ impl Robot {
                 self.set_condition(index, Condition::Healthy, effects);
             }
         }
+    }
+
+    /// Whether only tests tell the length of the whisker.
+    fn is_measured_by_tests_alone(&self, index: WhiskerIndex) -> bool {
+        // Contacts without a place leave a whisker in its first condition until tests have taught it.
+        self.states_no_ratio(index) || self.whiskers[index].condition == Condition::Learning
+    }
+
+    /// Whether its contacts tell no length: they state distances, or no place.
+    pub(in crate::robot) fn states_no_ratio(&self, index: WhiskerIndex) -> bool {
+        self.head.states_distance || self.states_no_place(index)
+    }
+
+    /// Whether the gain of its readings follows from a length that only tests tell.
+    pub(super) fn needs_exact_length(&self, index: WhiskerIndex) -> bool {
+        self.head.applies_gain && self.states_no_ratio(index)
     }
 
     /// Calls a trim of a measured length.

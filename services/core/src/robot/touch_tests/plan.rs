@@ -153,7 +153,7 @@ impl Robot {
     }
 
     /// Whether the last contact of the whisker stated no place.
-    pub(super) fn states_no_place(&self, index: WhiskerIndex) -> bool {
+    pub(in crate::robot) fn states_no_place(&self, index: WhiskerIndex) -> bool {
         self.head.test_times.get(index).is_some_and(|times| times.need == Need::Place)
     }
 

@@ -13,10 +13,12 @@ use crate::units::Micros;
 
 /// Contacts of a test of the length. The next test of the same measurement is planned with them.
 const LENGTH_CONTACTS: u16 = 10;
+/// The same of a test that measures more than whether there is a cut, where one gain follows from the length.
+const MEASURING_CONTACTS: u16 = 30;
 /// Contacts of a test after a setpoint, over the whole range of contact ratios.
 const RESPONSE_CONTACTS: u16 = 36;
-/// Contact ratios of a test after a setpoint.
-const RESPONSE_RATIOS: [f64; 6] = [0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
+/// Contact ratios of a test after a setpoint. At the tip itself half of the touches would miss, and the others lie off it.
+const RESPONSE_RATIOS: [f64; 6] = [0.5, 0.6, 0.7, 0.8, 0.9, 0.97];
 /// Deflections of a test, mm: weak ones and those that most contacts have.
 const DEFLECTIONS_MM: [f64; 3] = [1.0, 2.0, 3.0];
 
@@ -97,7 +99,12 @@ impl Robot {
         self.head.tests = budget;
         self.withdraw_test(now, index, effects);
         let key = self.next_key();
-        let Some((distances_mm, contacts)) = self.whiskers[index].plan_touches(params, kind, reason) else {
+        let Some((distances_mm, contacts)) = self.whiskers[index].plan_touches(
+            params,
+            kind,
+            reason,
+            (self.needs_exact_length(index), self.length_contacts(params, index)),
+        ) else {
             return false;
         };
         let Some(test) = self.whiskers[index].length_test_mut() else { return false };
@@ -133,6 +140,15 @@ impl Robot {
         key
     }
 
+    /// Contacts of the next test of its length or of its zero. Where a gain follows from the length, each one but the first, which
+    /// finds a cut, measures.
+    fn length_contacts(&self, params: &Params, index: WhiskerIndex) -> u16 {
+        let whisker = &self.whiskers[index];
+        let is_again = whisker.rare.length_test.as_ref().is_some_and(|test| test.done > 0);
+        let is_of_zero = whisker.is_test_of_zero(params, true);
+        if self.needs_exact_length(index) && (is_again || is_of_zero) { MEASURING_CONTACTS } else { LENGTH_CONTACTS }
+    }
+
     /// Proposes a test, once.
     fn propose_test(
         &mut self,
@@ -146,7 +162,14 @@ impl Robot {
         if whisker.rare.length_test.as_ref().is_none_or(|test| test.in_flight.is_some()) {
             return;
         }
-        let Some((_, contacts)) = whisker.plan_touches(params, kind, reason) else { return };
+        let Some((_, contacts)) = whisker.plan_touches(
+            params,
+            kind,
+            reason,
+            (self.needs_exact_length(index), self.length_contacts(params, index)),
+        ) else {
+            return;
+        };
         let key = self.next_key();
         if let Some(test) = self.whiskers[index].length_test_mut() {
             let (state, until) = (TestState::Proposed, Micros(u64::MAX));
@@ -191,7 +214,10 @@ impl Robot {
         match report {
             TestReport::Accepted => self.test_goes_on(index, TestState::Accepted, effects),
             TestReport::Running => self.test_goes_on(index, TestState::Running, effects),
-            TestReport::Done => self.test_done(params, now, index, effects),
+            TestReport::Done => {
+                self.test_done(params, now, index, effects);
+                self.measure_test(params, index, effects);
+            }
             TestReport::Failed => self.end_test(now, index, TestState::Failed, None, pause, effects),
             TestReport::Rejected(rejection) => {
                 let wait = match rejection {
@@ -351,18 +377,24 @@ impl Robot {
 
 impl crate::robot::Whisker {
     /// Distances from the base by the robot's own millimetres, and number of contacts.
-    fn plan_touches(&self, params: &Params, kind: TestKind, reason: TestReason) -> Option<(Vec<f64>, u16)> {
+    fn plan_touches(
+        &self,
+        params: &Params,
+        kind: TestKind,
+        reason: TestReason,
+        (alone, length_contacts): (bool, u16),
+    ) -> Option<(Vec<f64>, u16)> {
         let test = self.rare.length_test.as_ref()?;
         let (off_mm, zero_sd_mm) = self.zero(params);
         let contacts =
-            if (kind, reason) == (TestKind::Wall, TestReason::Setpoint) { RESPONSE_CONTACTS } else { LENGTH_CONTACTS };
+            if (kind, reason) == (TestKind::Wall, TestReason::Setpoint) { RESPONSE_CONTACTS } else { length_contacts };
         let true_mm = match (kind, reason) {
             (TestKind::Tip, _) => Vec::new(),
             (TestKind::Wall, TestReason::Setpoint) => {
                 let length_mm = self.filter.length().length.mm();
                 RESPONSE_RATIOS.map(|ratio| ratio * length_mm).to_vec()
             }
-            (TestKind::Wall, _) if self.is_test_of_zero(params) => {
+            (TestKind::Wall, _) if self.is_test_of_zero(params, alone) => {
                 test.evidence.informative_of_zero_mm(contacts.into(), zero_sd_mm)
             }
             (

@@ -19,6 +19,9 @@ use crate::units::{Micros, Millimetre};
 
 /// The error is known once its standard deviation is down to this, mm.
 const KNOWN_SD_MM: f64 = 0.2;
+/// The same where one gain follows from a length that only tests tell, mm: it is 4 % of the difference that a cut of 2 mm
+/// makes.
+const KNOWN_ALONE_SD_MM: f64 = 0.1;
 /// A test can confirm a cut, and a contact of it tells a sensitivity, once it is down to this, mm.
 const USABLE_SD_MM: f64 = 0.5;
 /// Least standard deviation of a contact at the tip: errors of distances are alike from contact to contact.
@@ -26,7 +29,7 @@ const TIP_SD_MM: f64 = 0.5;
 /// A distance of the tip may be off by so many standard deviations; another one is a wrong report.
 const PLAUSIBLE_SD: f64 = 4.0;
 /// Tests of a whisker for this purpose, one after another. Fifty touches against a wall tell the error to about 0.2 mm,
-/// ten at the tip to less.
+/// a hundred to 0.1 mm, ten at the tip to 0.2 mm.
 const TESTS_MAX: u8 = 5;
 /// Least probability that the whisker is whole.
 const WHOLE_MIN: f64 = 0.05;
@@ -85,7 +88,9 @@ impl Robot {
             let whisker = &self.whiskers[*index];
             // Contacts without a place leave a whisker in its first condition.
             let is_learned = whisker.condition == Condition::Healthy || self.states_no_place(*index);
-            is_learned && whisker.lacks_zero(params, now) && whisker.rare.length_test.is_none()
+            is_learned
+                && whisker.lacks_zero(params, now, self.needs_exact_length(*index))
+                && whisker.rare.length_test.is_none()
         };
         let Some(index) = (0..self.whiskers.len()).find(is_next) else { return };
         let waits = self.tests_under_way().next().is_some()
@@ -103,9 +108,10 @@ impl Robot {
     /// A test of a whole whisker is done: its touches tell the error that the distances share. False if it was another
     /// test, or if a cut explains the touches better.
     pub(super) fn learn_zero(&mut self, params: &Params, index: WhiskerIndex) -> bool {
+        let alone = self.needs_exact_length(index);
         let whisker = &mut self.whiskers[index];
         let (off_mm, sd_mm) = whisker.zero(params);
-        let is_of_zero = whisker.is_test_of_zero(params);
+        let is_of_zero = whisker.is_test_of_zero(params, alone);
         let Some(test) = whisker.rare.length_test.as_ref().filter(|_| is_of_zero) else { return false };
         if test.evidence.posterior(sd_mm).unchanged < WHOLE_MIN {
             return false;
@@ -127,9 +133,10 @@ impl Whisker {
         self.rare.zero.known(params.touch_tests.zero_sd_mm)
     }
 
-    /// Whether the error of its distances is known well enough to measure lengths with them.
-    pub(in crate::robot) fn knows_zero(&self, params: &Params) -> bool {
-        self.zero(params).1 <= KNOWN_SD_MM || self.rare.zero.tests >= TESTS_MAX
+    /// Whether the error of its distances is known well enough to measure lengths with them. `alone`: a gain
+    /// follows from a length that nothing else tells.
+    pub(in crate::robot) fn knows_zero(&self, params: &Params, alone: bool) -> bool {
+        self.zero(params).1 <= if alone { KNOWN_ALONE_SD_MM } else { KNOWN_SD_MM } || self.rare.zero.tests >= TESTS_MAX
     }
 
     /// Whether a test can tell a cut of a few millimetres from the error of its distances.
@@ -138,10 +145,10 @@ impl Whisker {
     }
 
     /// Whether a test is to measure the error of its distances: nothing speaks against its whole length.
-    fn lacks_zero(&self, params: &Params, now: Micros) -> bool {
+    fn lacks_zero(&self, params: &Params, now: Micros, alone: bool) -> bool {
         let asked = self.rare.zero.asked;
         let is_time = asked == Micros(0) || now.since(asked) >= AGAIN_AFTER;
-        self.is_known_whole() && self.detector.is_calm() && is_time && !self.knows_zero(params)
+        self.is_known_whole() && self.detector.is_calm() && is_time && !self.knows_zero(params, alone)
     }
 
     fn is_known_whole(&self) -> bool {
@@ -153,11 +160,11 @@ impl Whisker {
     }
 
     /// Whether the present test measures the error of its distances.
-    pub(super) fn is_test_of_zero(&self, params: &Params) -> bool {
+    pub(super) fn is_test_of_zero(&self, params: &Params, alone: bool) -> bool {
         let reason = self.rare.length_test.as_ref().and_then(|test| test.wanted);
         matches!(reason, Some(TestReason::Schedule | TestReason::Operator))
             && self.is_known_whole()
-            && !self.knows_zero(params)
+            && !self.knows_zero(params, alone)
     }
 
     /// A distance as the robot's error leaves it.
@@ -198,9 +205,9 @@ impl Whisker {
 
     /// Contacts at the tip that its robot makes by habit tell the error of the distances while nothing speaks against
     /// the whole length.
-    pub(super) fn follow_zero(&mut self, params: &Params, at: Distance) {
+    pub(super) fn follow_zero(&mut self, params: &Params, at: Distance, alone: bool) {
         let (off_mm, sd_mm) = self.zero(params);
-        if self.knows_zero(params)
+        if self.knows_zero(params, alone)
             || self.rare.length_test.is_some()
             || !self.is_known_whole()
             || !self.detector.is_calm()
