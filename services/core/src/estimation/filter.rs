@@ -1,11 +1,15 @@
 //! The Kalman filter that estimates a whisker's length.
 //!
-//! State: x = (o0, o1, lambda, b, t, c). `o0 + o1 (a - 0.725)` is the whisker's offset from the model in log
-//! sensitivity, which is smooth in the contact ratio; `lambda = ln(length / whole length)`; `b` is the gauge's
+//! State: x = (o0, o1, lambda, b, t, c). `o0 + o1 (a e^lambda - 0.725)` is the whisker's offset from the model in log
+//! sensitivity, which is smooth in the contact's distance from the base; `lambda = ln(length / whole length)`; `b` is the gauge's
 //! baseline, its strain without deflection; `t` is the change of log sensitivity per kelvin and `c` per mm of
 //! deflection, the curvature of the rubber's response. One contact at contact ratio a, deflection d, pressure Q and
 //! T kelvin above the reference observes
-//! `ln strain = ln(d s_model(a, L e^lambda, Q) e^(o0 + o1 (a - 0.725) + t T + c (d - 3 mm)) + b) + noise`.
+//! `ln strain = ln(d s_model(a, L e^lambda, Q) e^(o0 + o1 (a e^lambda - 0.725) + t T + c (d - 3 mm)) + b) + noise`.
+//!
+//! A cut does not change the whisker between base and contact. So the offset belongs to the distance from the base and
+//! not to the contact ratio. Another modulus of the rubber makes a slope of the offset, and with it a cut of another size
+//! for the same change of sensitivity.
 //!
 //! Priors separate offset and length. At the start the length is known from the factsheet and the offset is not.
 //! Afterwards the length may wander (erosion, trims) and the offset does not, except when the pressure changes,
@@ -209,10 +213,27 @@ impl LengthFilter {
         self.mean[LENGTH].into()
     }
 
-    /// Present offset from the model.
+    /// Present offset from the model at the present length.
     #[must_use]
     pub fn offset(&self) -> Offset {
+        self.whole_offset().shortened(self.share_left())
+    }
+
+    /// The offset that it would have at whole length.
+    #[must_use]
+    pub fn whole_offset(&self) -> Offset {
         Offset { level: self.mean[0].into(), slope: self.mean[1].into() }
+    }
+
+    /// Present length as a share of the whole one.
+    fn share_left(&self) -> f64 {
+        self.length().length.mm() / self.whole_length_mm
+    }
+
+    /// Change of the offset with log length at a contact ratio: the contact is nearer to the base on a shorter whisker.
+    #[must_use]
+    pub fn offset_slope_with_length(&self, ratio: ContactRatio) -> f64 {
+        f64::from(self.mean[1]) * ratio.a() * self.share_left()
     }
 
     /// Present baseline and its standard deviation, m/m.
@@ -225,7 +246,7 @@ impl LengthFilter {
     /// log length.
     #[must_use]
     pub fn response_variance(&self, ratio: ContactRatio, log_slope: f64) -> f64 {
-        let row = [1.0, ratio.a() - Offset::CENTRE, log_slope, 0.0, 0.0, 0.0];
+        let row = [1.0, ratio.a() * self.share_left() - Offset::CENTRE, log_slope, 0.0, 0.0, 0.0];
         let spread = self.covariance.times(&row);
         row.iter().zip(spread).map(|(row, spread)| row * spread).sum::<f64>().max(0.0)
     }
@@ -263,10 +284,11 @@ impl LengthFilter {
         // Contact distance A = a (L + elongation), so d ln A / d ln L is a little less than one.
         let elongated_mm = length.mm() + morphology.elongation_mm;
         let share = by_deflection / expected_strain;
+        let by_length = log_slope * length.mm() / elongated_mm + self.offset_slope_with_length(slope_at);
         let row = [
             share,
-            share * (slope_at.a() - Offset::CENTRE),
-            if contact.informs_length { share * log_slope * length.mm() / elongated_mm } else { 0.0 },
+            share * (slope_at.a() * self.share_left() - Offset::CENTRE),
+            if contact.informs_length { share * by_length } else { 0.0 },
             1.0 / expected_strain,
             share * contact.warmer_k,
             share * beyond_mm,

@@ -142,7 +142,7 @@ impl Robot {
         by_length[LENGTH] = 1.0;
         one.filter.jump(log_change, 0.0, by_length);
         if one.is_at_nominal_pressure() {
-            one.rare.get_or_insert().whole_offset.get_or_insert_with(|| one.filter.offset());
+            one.rare.get_or_insert().whole_offset.get_or_insert_with(|| one.filter.whole_offset());
         }
         if let Some(rare) = one.rare.get_mut() {
             rare.pending_trim = None;

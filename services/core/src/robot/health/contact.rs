@@ -150,7 +150,7 @@ impl Robot {
                 whisker.jump(change);
                 whisker.doubt_gain(params);
                 if whisker.is_at_nominal_pressure() {
-                    whisker.leaves_whole(whisker.filter.offset());
+                    whisker.leaves_whole(whisker.filter.whole_offset());
                 }
                 let before = whisker.rare.pending_trim.map_or(length_before_mm, |pending| pending.length_before_mm);
                 whisker.rare.get_or_insert().pending_trim = Some(PendingTrim {
@@ -183,7 +183,7 @@ impl Robot {
         let log_shift = change.size * whisker.log_slope_with_length(model);
         whisker.filter.rescaled(change.size, change.lacking, log_shift, log_shift);
         if whisker.is_at_nominal_pressure() {
-            let now = whisker.filter.offset();
+            let now = whisker.filter.whole_offset();
             let before = Offset { level: now.level - log_shift, ..now };
             whisker.leaves_whole(before);
         }

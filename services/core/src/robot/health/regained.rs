@@ -58,7 +58,7 @@ impl Robot {
         let Some((model, sd_mm)) = whisker.model(params).zip(doubt_sd_mm(loss_mm)) else { return };
         let slopes = (whisker.log_slope_with_length(model), whisker.log_slope_at(model, ContactRatio::TIP));
         whisker.filter.doubt_whole(sd_mm, slopes);
-        whisker.leaves_whole(whisker.filter.offset());
+        whisker.leaves_whole(whisker.filter.whole_offset());
         self.suspect_length(index, loss_mm, effects);
     }
 

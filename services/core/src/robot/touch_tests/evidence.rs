@@ -223,7 +223,7 @@ impl Robot {
             whisker.take_gain_back(params);
         }
         if whisker.is_at_nominal_pressure() {
-            whisker.leaves_whole(whisker.filter.offset());
+            whisker.leaves_whole(whisker.filter.whole_offset());
         }
         let before = whisker.rare.pending_trim.map_or(length_before_mm, |pending| pending.length_before_mm);
         whisker.rare.get_or_insert().pending_trim = Some(PendingTrim {
