@@ -55,8 +55,9 @@ const SHARE_DOUBT: f64 = 1.5;
 const SLOPE_SD: f64 = 0.2;
 /// Least weight of an outlier, so that the filter can never lock itself out.
 const LEAST_SOUND: f64 = 1e-3;
-/// Relative standard deviation of the model's d ln s / d ln L, over calibrations 10 % off, in either formulation.
-/// Contacts cannot reduce it, so every change of length keeps this uncertainty.
+/// Relative standard deviation of the model's d ln s / d ln L. Calibrations and formulations make 0.006, with the offset at
+/// its distance from the base, and an error of 0.01 that all contact ratios share makes 0.014. Contacts cannot reduce it,
+/// so every change of length keeps this uncertainty.
 const MODEL_SLOPE_SD: f64 = 0.015;
 /// Least share of the expected strain that must come from deflection.
 const LEAST_BY_DEFLECTION: f64 = 0.2;
@@ -123,6 +124,9 @@ pub struct LengthFilter {
     /// ten-thousandth or more, well above rounding.
     mean: [f32; STATES],
     covariance: Symmetric,
+    /// Least standard deviation of the length, mm; 0 for none. Stored as a part of the whisker.
+    #[borsh(skip)]
+    least_sd_mm: f32,
 }
 
 fn write_whole<W: Write>(whole_length_mm: &f64, writer: &mut W) -> Result<(), Error> {
@@ -184,7 +188,7 @@ impl LengthFilter {
             params.bend_per_mm,
         ];
         let covariance = Symmetric::diagonal(prior.map(|sd| sd.powi(2)));
-        Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance }
+        Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance, least_sd_mm: 0.0 }
     }
 
     /// Keeps the length and its uncertainty, and forgets offset and baseline.
@@ -192,6 +196,7 @@ impl LengthFilter {
     pub fn learned_anew(&self, params: &FilterParams) -> Self {
         let mut anew = Self::new(Millimetre::known(self.whole_length_mm), params);
         anew.mean[LENGTH] = self.mean[LENGTH];
+        anew.least_sd_mm = self.least_sd_mm;
         anew.covariance.widen(LENGTH, self.covariance.variance(LENGTH) - anew.covariance.variance(LENGTH));
         anew
     }
@@ -201,10 +206,21 @@ impl LengthFilter {
     pub fn length(&self) -> LengthEstimate {
         let length_mm = (self.whole_length_mm * self.log_length().exp()).clamp(1.0, 1000.0);
         let by_model = MODEL_SLOPE_SD * self.log_length();
-        LengthEstimate {
-            length: Millimetre::known(length_mm),
-            sd_mm: length_mm * (self.covariance.variance(LENGTH).max(0.0) + by_model.powi(2)).sqrt(),
-        }
+        let sd_mm = length_mm * (self.covariance.variance(LENGTH).max(0.0) + by_model.powi(2)).sqrt();
+        LengthEstimate { length: Millimetre::known(length_mm), sd_mm: sd_mm.max(self.least_sd_mm.into()) }
+    }
+
+    /// Least standard deviation of the length, mm; 0 for none. Contacts do not reduce it.
+    #[must_use]
+    pub fn least_sd_mm(&self) -> f32 {
+        self.least_sd_mm
+    }
+
+    /// Two explanations differ by about this standard deviation of the length, mm, and contacts do not tell them apart, as
+    /// they take errors that all of them share for independent noise. So no number of contacts makes the length more
+    /// certain, until it is measured otherwise. 0 if nothing is in doubt.
+    pub fn keep_doubt(&mut self, sd_mm: f64) {
+        self.least_sd_mm = if sd_mm.is_finite() { sd_mm.clamp(0.0, 1000.0) as f32 } else { 0.0 };
     }
 
     /// ln(length / whole length).
@@ -270,7 +286,8 @@ impl LengthFilter {
         let by_circumstances = f64::from(self.mean[PER_K]) * contact.warmer_k + f64::from(self.mean[BEND]) * beyond_mm;
         let per_ratio = log_slope / ratio.a();
         let slope_at = slope_at(&contact.place, per_ratio);
-        let predicted = model_per_mm * (self.offset().at(slope_at) + by_circumstances).exp();
+        let (whole, left) = (self.whole_offset(), length.mm() / self.whole_length_mm);
+        let predicted = model_per_mm * (whole.shortened(left).at(slope_at) + by_circumstances).exp();
         let by_deflection = predicted * contact.deflection_mm;
         let expected_strain = by_deflection + f64::from(self.mean[BASELINE]);
         let least = noise.least_strain().max(LEAST_BY_DEFLECTION * by_deflection);
@@ -284,10 +301,10 @@ impl LengthFilter {
         // Contact distance A = a (L + elongation), so d ln A / d ln L is a little less than one.
         let elongated_mm = length.mm() + morphology.elongation_mm;
         let share = by_deflection / expected_strain;
-        let by_length = log_slope * length.mm() / elongated_mm + self.offset_slope_with_length(slope_at);
+        let by_length = log_slope * length.mm() / elongated_mm + whole.slope * slope_at.a() * left;
         let row = [
             share,
-            share * (slope_at.a() * self.share_left() - Offset::CENTRE),
+            share * (slope_at.a() * left - Offset::CENTRE),
             if contact.informs_length { share * by_length } else { 0.0 },
             1.0 / expected_strain,
             share * contact.warmer_k,
@@ -509,3 +526,6 @@ impl LengthFilter {
         self.covariance.widen(1, log_shift.powi(2));
     }
 }
+
+#[cfg(test)]
+mod tests;

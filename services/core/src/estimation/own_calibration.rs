@@ -351,6 +351,36 @@ mod tests {
         }
     }
 
+    /// Without any visit: the slope of the response at nominal pressure tells the rubber.
+    #[test]
+    fn property_the_response_of_another_rubber_is_predicted_at_another_pressure() {
+        let model = Model::nguyen_2021(Formulation::Published);
+        let built_in = Calibration::nguyen_2021();
+        for factor in [0.5, 0.7, 1.5, 2.2] {
+            let calibration = Calibration {
+                c: built_in.c / factor,
+                a: built_in.a / factor,
+                youngs_modulus_mpa: built_in.youngs_modulus_mpa * factor,
+                ..built_in
+            };
+            let plant = Model::new(Geometry::nguyen_2021(), calibration, Formulation::Published).unwrap();
+            let length = Millimetre::known(65.0);
+            let whole = felt(&plant, &model, 65.0, NOMINAL);
+            let nominal = Nominal { length, pressure: Megapascal::known(NOMINAL), bins: &whole };
+            let belief = OwnCalibration::default().belief(&model, &nominal);
+            let family = model.family(belief.predict[LOG_MODULUS]);
+            let changes = |mpa: f64| family.log_changes(&model, length, Megapascal::known(mpa));
+            let change = Belief::change(&belief.predict, &changes(NOMINAL), &changes(0.03));
+            let log = |one: &Model, mpa: f64| one.log_sensitivities(length, Megapascal::known(mpa)).map(Option::unwrap);
+            let deviation = |mpa: f64, k: usize| log(&plant, mpa)[k] - log(&model, mpa)[k];
+            let truth: [f64; CONTACT_RATIOS.len()] =
+                std::array::from_fn(|k| deviation(0.03, k) - deviation(NOMINAL, k));
+            let (before, after) = (0..change.len())
+                .fold((0.0, 0.0), |(before, after), k| (before + truth[k].abs(), after + (change[k] - truth[k]).abs()));
+            assert!(after < 0.3 * before, "{factor}: {before} {after}");
+        }
+    }
+
     #[test]
     fn nonsense_is_bounded_and_the_oldest_visit_gives_way() {
         let model = Model::nguyen_2021(Formulation::Published);

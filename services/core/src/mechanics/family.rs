@@ -142,6 +142,21 @@ mod tests {
     use super::super::Geometry;
     use super::*;
 
+    #[test]
+    fn property_the_slope_of_an_offset_tells_the_modulus_of_the_rubber() {
+        let model = Model::nguyen_2021(Formulation::Published);
+        let (length, pressure) = (Millimetre::known(70.0), Megapascal::known(0.1));
+        let logs = |one: &Model| one.log_sensitivities(length, pressure).map(Option::unwrap);
+        for log_modulus in [-0.8, -0.3, 0.0, 0.3, 0.8] {
+            let own = logs(&model);
+            let others = logs(&model.with_modulus(log_modulus));
+            let off = CONTACT_RATIOS.map(|a| a - Offset::CENTRE);
+            let sum: f64 = (0..own.len()).map(|k| off[k] * (others[k] - own[k])).sum();
+            let (told, _) = model.log_modulus(sum / off.iter().map(|off| off * off).sum::<f64>(), length, pressure);
+            assert!((told - log_modulus).abs() < 0.05, "{log_modulus}: {told}");
+        }
+    }
+
     /// For a plant with errors in all parameters, the change with pressure is predicted to 1.5 % of the
     /// sensitivity.
     #[test]

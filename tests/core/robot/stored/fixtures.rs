@@ -22,6 +22,7 @@ struct Fixture {
 
 /// The newest first.
 const FIXTURES: &[Fixture] = &[
+    Fixture { head: 12, whiskers: 17, becomes: 0 },
     Fixture { head: 12, whiskers: 16, becomes: 0xda95_4769_b983_88fc },
     Fixture { head: 11, whiskers: 15, becomes: 0x9d3c_1eb6_182e_2b98 },
     Fixture { head: 10, whiskers: 14, becomes: 0x11ce_2a29_33ab_914a },

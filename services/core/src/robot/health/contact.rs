@@ -113,6 +113,7 @@ impl Robot {
         let whisker = &self.whiskers[index];
         let keeps = whisker.keeps_suspicion() || self.awaits_confirmation(index);
         if whisker.condition == Condition::Suspected && !keeps {
+            self.keep_small_doubt(index);
             self.set_condition(index, Condition::Healthy, effects);
         }
     }
@@ -140,6 +141,8 @@ impl Robot {
                     self.name_cause(index, Cause::WhiskerReplaced);
                 }
                 self.rescale(params, index, change);
+                // A small cut that takes a part of the loss back looks like its end.
+                self.keep_small_doubt(index);
                 self.set_condition(index, Condition::SensitivityLoss, effects);
             }
             HypothesisKind::Shorter if whisker.regains(params, change) => {
@@ -149,6 +152,7 @@ impl Robot {
             HypothesisKind::Shorter => {
                 whisker.jump(change);
                 whisker.doubt_gain(params);
+                whisker.end_small_doubt();
                 if whisker.is_at_nominal_pressure() {
                     whisker.leaves_whole(whisker.filter.whole_offset());
                 }
