@@ -154,7 +154,7 @@ fn hash(stores: &[Store]) -> u64 {
 fn every_optional_part_of_the_format_is_in_a_fixture_of_the_newest_version() {
     let newest = &FIXTURES[0];
     if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() && !newest.path("bin").exists() {
-        let lives = (0..16).flat_map(|seed| Life::new(seed, 2500).stored.into_iter().skip(3).step_by(5));
+        let lives = (0..24).flat_map(|seed| Life::new(seed, 2500).stored.into_iter().skip(3).step_by(5));
         newest.write(&chosen(rare::stores().into_iter().chain(lives)));
     }
     let stores = newest.stores();

@@ -244,7 +244,6 @@ impl Whisker {
         let doubt = self.walks.doubt();
         let log = (here / reference).ln() + self.filter.offset().at(at) + doubt.by;
         let slope = slope * length.mm() / (length.mm() + morphology.elongation_mm);
-        let slope = slope + self.filter.offset_slope_with_length(at);
         Some((at, log, self.filter.response_variance(at, slope) + doubt.variance))
     }
 

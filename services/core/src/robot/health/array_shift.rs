@@ -266,7 +266,6 @@ impl Whisker {
         model
             .sensitivity_and_slope(ratio, length, &morphology)
             .map_or(0.0, |(_, slope)| slope * length.mm() / (length.mm() + morphology.elongation_mm))
-            + self.filter.offset_slope_with_length(ratio)
     }
 
     /// Whether a change may be the rest of the array's shift. Then it is taken out, too.
